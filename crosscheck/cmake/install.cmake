@@ -1,0 +1,41 @@
+# Install rules: the program, the libraries with their headers, the data, and a CMake package, so
+# that
+#
+#     find_package(dynwitness REQUIRED)
+#     target_link_libraries(my_program PRIVATE dynwitness::recursive)
+#
+# works in another project. Included last by the top-level CMakeLists.txt, after the targets
+# dynwitness_scene, dynwitness_recursive and dynwitness_symbolic (whose EXPORT_NAME is without the
+# prefix, and whose installed include folder is the one below) and dynwitness_cli.
+#
+# The witnesses and the report (dynwitness_crosscheck) are installed as the program: as a library
+# they would ask every user for Simbody, and nobody has wanted that so far.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(headers ${CMAKE_INSTALL_INCLUDEDIR}/dynwitness)
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/dynwitness)
+set(data ${CMAKE_INSTALL_DATADIR}/dynwitness)
+
+foreach(library scene recursive symbolic)
+  install(TARGETS dynwitness_${library} EXPORT dynwitnessTargets
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${library} DESTINATION ${headers}
+          FILES_MATCHING PATTERN "*.hpp" PATTERN "LICENSE")
+endforeach()
+
+install(TARGETS dynwitness_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/scenes ${PROJECT_SOURCE_DIR}/data/reference
+        DESTINATION ${data})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CITATION.cff
+        DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+install(EXPORT dynwitnessTargets NAMESPACE dynwitness:: DESTINATION ${package})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/dynwitnessConfig.cmake.in
+                              ${PROJECT_BINARY_DIR}/dynwitnessConfig.cmake
+                              INSTALL_DESTINATION ${package} PATH_VARS data)
+# before 1.0 a minor version may change the interface
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/dynwitnessConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/dynwitnessConfig.cmake
+              ${PROJECT_BINARY_DIR}/dynwitnessConfigVersion.cmake DESTINATION ${package})

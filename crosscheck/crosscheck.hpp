@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The crosscheck: witnesses against each other, identities, tables and energy, one scene at a time.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "crosscheck/result.hpp"
+#include "crosscheck/witness.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::crosscheck {
+
+struct Options {
+  std::uint64_t seed = 1;
+  int states = 100;
+  std::vector<std::string> witnesses;  ///< names to ask; empty: all that are present
+  bool drift = true;                   ///< simulate 10 s and watch the energy
+};
+
+/// The kinds that the options ask for. @throws scene::InputError on a name that does not exist or is
+/// absent from this build.
+std::vector<WitnessKind> selectWitnesses(const std::vector<std::string>& names);
+
+/// Each quantity, each pair of witnesses that answer it, at the options' states: |left - right| must
+/// lie within the sum of both sides' error bounds.
+std::vector<CheckResult> compareWitnesses(const scene::Scene& scene,
+                                          const std::vector<WitnessKind>& kinds,
+                                          const Options& options);
+
+/// Who stands alone: for each quantity in dispute, the witness that disagrees with all others while
+/// these agree.
+std::vector<Finding> findOutliers(const std::string& scene_name,
+                                  const std::vector<CheckResult>& checks);
+
+/// The laws of identities.hpp on our own sweeps, and that M is positive definite.
+std::vector<CheckResult> checkIdentities(const scene::Scene& scene, const Options& options);
+
+/// Everything about one scene, derivation and drift included.
+SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+                            const Options& options);
+
+}  // namespace dynwitness::crosscheck

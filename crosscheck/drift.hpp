@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Energy along simulated motion.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crosscheck/result.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::crosscheck {
+
+struct DriftOptions {
+  double duration = 10;        ///< [s]
+  std::vector<double> steps;   ///< [s], falling; empty: 0.01 s halved until the order shows
+  std::string method = "runge_kutta4";
+};
+
+/// Fixed-step integrators of Boost.odeint: name and order.
+std::vector<std::pair<std::string, int>> driftMethods();
+
+/** Simulates the scene from its start state with the articulated-body sweep, no joint forces, and
+    follows E = T + V. Scenes with loads are refused: their energy is not constant.
+    @throws scene::InputError for an unknown method, a step that is not positive, or loads */
+Drift measureDrift(const scene::Scene& scene, const DriftOptions& options);
+
+/// True when E = T + V must stay constant: no loads.
+bool conservesEnergy(const scene::Mechanism& mechanism);
+
+/** The verdict on a drift: with a correct qdd an integrator of order p loses energy as step^p, so the
+    observed order must come out above p - 1. A wrong qdd drifts by the same amount at every step, an
+    order of 0. */
+CheckResult checkDrift(const Drift& drift);
+
+}  // namespace dynwitness::crosscheck

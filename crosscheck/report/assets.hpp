@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Files that the build puts into the program (report.cmake and assets.cpp.in beside this).
+#pragma once
+
+namespace dynwitness::crosscheck {
+
+extern const char* const kStyleCss;      ///< style.css
+extern const char* const kStyleGnuplot;  ///< style.gp
+
+}  // namespace dynwitness::crosscheck

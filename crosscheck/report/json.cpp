@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/report/json.hpp"
+
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crosscheck/report/text.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+void putText(Json* object, const char* key, const std::string& text) {
+  if (!text.empty()) (*object)[key] = cleanText(text);
+}
+
+Json texts(const std::vector<std::string>& list) {
+  Json array = Json::array();
+  for (const std::string& text : list) array.push_back(cleanText(text));
+  return array;
+}
+
+Json toJson(const CheckResult& check) {
+  Json json{{"check", cleanText(check.check)}};
+  putText(&json, "statement", check.statement);
+  json["quantity"] = cleanText(check.quantity);
+  json["left"] = cleanText(check.left);
+  putText(&json, "right", check.right);
+  if (check.verdict != Verdict::kNotAnswerable) {
+    json["states"] = check.states;
+    json["unit"] = cleanText(check.unit);
+    json["worst"] = number(check.worst);
+    json["limit"] = number(check.limit);
+    json["ratio"] = number(check.ratio);
+    json["worst_state"] = check.worst_state;
+    putText(&json, "worst_entry", check.worst_entry);
+    json["seed"] = check.seed;
+  }
+  json["verdict"] = name(check.verdict);
+  if (check.verdict != Verdict::kAgree) putText(&json, "reason", check.reason);
+  return json;
+}
+
+Json toJson(const Finding& finding) {
+  Json json{{"scene", cleanText(finding.scene)}, {"quantity", cleanText(finding.quantity)}};
+  putText(&json, "witness", finding.witness);
+  json["text"] = cleanText(finding.text);
+  return json;
+}
+
+Json toJson(const Drift& drift) {
+  Json json{{"method", cleanText(drift.method)},
+            {"method_order", drift.method_order},
+            {"duration", number(drift.duration)},
+            {"scale", number(drift.scale)}};
+  if (std::isfinite(drift.observed_order) && drift.observed_order > 0)
+    json["observed_order"] = drift.observed_order;
+  json["paths"] = Json::array();
+  for (const Drift::Path& path : drift.paths)
+    json["paths"].push_back({{"step", number(path.step)}, {"worst", number(path.worst)}});
+  return json;
+}
+
+Json toJson(const SceneResult& scene) {
+  Json json{{"name", cleanText(scene.name)}};
+  putText(&json, "title", scene.title);
+  putText(&json, "source", scene.source);
+  putText(&json, "file", scene.file);
+  json["dof"] = scene.dof;
+  json["links"] = scene.links;
+  if (!scene.not_modelled.empty()) json["not_modelled"] = texts(scene.not_modelled);
+  json["checks"] = Json::array();
+  for (const CheckResult& check : scene.checks) json["checks"].push_back(toJson(check));
+  if (!scene.findings.empty()) {
+    json["findings"] = Json::array();
+    for (const Finding& finding : scene.findings) json["findings"].push_back(toJson(finding));
+  }
+  if (scene.drift) json["drift"] = toJson(*scene.drift);
+  return json;
+}
+
+Json toJson(const Environment& environment) {
+  Json json = Json::object();
+  putText(&json, "commit", environment.commit);
+  putText(&json, "compiler", environment.compiler);
+  putText(&json, "flags", environment.flags);
+  putText(&json, "cpu", environment.cpu);
+  putText(&json, "date", environment.date);
+  json["libraries"] = Json::array();
+  for (const Environment::Library& library : environment.libraries)
+    json["libraries"].push_back(
+        {{"name", cleanText(library.name)}, {"version", cleanText(library.version)}});
+  return json;
+}
+
+}  // namespace
+
+std::string reportJson(const CrosscheckResult& result, const Environment& environment) {
+  Json json{{"dynwitness", cleanText(environment.version)}, {"headline", cleanText(result.headline())}};
+  json["witnesses"] = Json::array();
+  for (const WitnessInfo& witness : result.witnesses) {
+    Json entry{{"name", cleanText(witness.name)}};
+    putText(&entry, "version", witness.version);
+    putText(&entry, "method", witness.method);
+    entry["present"] = witness.present;
+    json["witnesses"].push_back(entry);
+  }
+  json["seed"] = result.seed;
+  json["states"] = result.states;
+  json["command"] = cleanText(result.command);
+  json["environment"] = toJson(environment);
+  json["scenes"] = Json::array();
+  for (const SceneResult& scene : result.scenes) json["scenes"].push_back(toJson(scene));
+  json["verdict"] = name(result.verdict());
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string reportJUnit(const CrosscheckResult& result, const Environment& environment) {
+  int tests = 0;
+  for (const SceneResult& scene : result.scenes) tests += static_cast<int>(scene.checks.size());
+  std::string xml = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<testsuites name=\"dynwitness crosscheck\" tests=\"{}\" failures=\"{}\" errors=\"0\" "
+      "skipped=\"{}\">\n",
+      tests, result.count(Verdict::kDisagree), result.count(Verdict::kNotAnswerable));
+  const auto out = std::back_inserter(xml);
+  for (const SceneResult& scene : result.scenes) {
+    int failures = 0, skipped = 0;
+    for (const CheckResult& check : scene.checks) {
+      failures += check.verdict == Verdict::kDisagree ? 1 : 0;
+      skipped += check.verdict == Verdict::kNotAnswerable ? 1 : 0;
+    }
+    // JUnit's timestamps carry no zone letter
+    std::string date = environment.date;
+    if (!date.empty() && date.back() == 'Z') date.pop_back();
+    fmt::format_to(out,
+                   "  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" "
+                   "skipped=\"{}\" timestamp=\"{}\">\n",
+                   escapeMarkup(scene.name), scene.checks.size(), failures, skipped,
+                   escapeMarkup(date));
+    std::map<std::string, int> seen;  // CI systems join test cases of one name
+    for (const CheckResult& check : scene.checks) {
+      std::string title = describe(check);
+      if (const int k = ++seen[title]; k > 1) title += fmt::format(" #{}", k);
+      fmt::format_to(out, "    <testcase classname=\"dynwitness.{}\" name=\"{}\"",
+                     escapeMarkup(scene.name), escapeMarkup(title));
+      switch (check.verdict) {
+        case Verdict::kAgree: fmt::format_to(out, "/>\n"); break;
+        case Verdict::kDisagree:
+          fmt::format_to(out,
+                         "><failure type=\"disagree\" message=\"{}\">{}\nworst {}, limit {} [{}] "
+                         "(ratio {}) at {}, state {} of seed {}</failure></testcase>\n",
+                         escapeMarkup(check.reason.empty() ? "the witnesses disagree" : check.reason),
+                         escapeMarkup(check.statement), readable(check.worst), readable(check.limit),
+                         escapeMarkup(check.unit), readable(check.ratio), escapeMarkup(check.worst_entry), check.worst_state,
+                         check.seed);
+          break;
+        case Verdict::kNotAnswerable:
+          fmt::format_to(out, "><skipped message=\"{}\"/></testcase>\n", escapeMarkup(check.reason));
+          break;
+      }
+    }
+    fmt::format_to(out, "  </testsuite>\n");
+  }
+  return xml + "</testsuites>\n";
+}
+
+}  // namespace dynwitness::crosscheck

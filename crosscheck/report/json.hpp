@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The result for programs: report.json (its schema is report.schema.json) and JUnit XML.
+#pragma once
+
+#include <string>
+
+#include "crosscheck/report/environment.hpp"
+#include "crosscheck/result.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** The whole result as JSON. Fields that do not apply are left out; a residual that is no number is
+    the string "inf" or "nan", because JSON has no such numbers and null would hide it. */
+std::string reportJson(const CrosscheckResult& result, const Environment& environment);
+
+/** JUnit XML for CI systems: a test suite a scene, a test case a check; what is not answerable is
+    skipped with its reason. */
+std::string reportJUnit(const CrosscheckResult& result, const Environment& environment);
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/report/plot.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "crosscheck/report/text.hpp"
+
+extern char** environ;
+
+namespace dynwitness::crosscheck {
+namespace fs = std::filesystem;
+namespace {
+
+struct Outcome {
+  int status = -1;     // exit status; -1: killed
+  int spawn_error = 0;
+  std::string output;  // standard output and standard error
+};
+
+/// Runs a program found on the PATH, for at most a minute.
+Outcome runProgram(std::vector<std::string> arguments, const fs::path& folder) {
+  Outcome outcome;
+  int pipe_ends[2];
+  if (::pipe2(pipe_ends, O_CLOEXEC) != 0) {
+    outcome.spawn_error = errno;
+    return outcome;
+  }
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], 1);
+  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], 2);
+  if (!folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  pid_t child = 0;
+  outcome.spawn_error = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  ::close(pipe_ends[1]);
+  if (outcome.spawn_error != 0) {
+    ::close(pipe_ends[0]);
+    return outcome;
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  for (;;) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+        end - std::chrono::steady_clock::now()).count();
+    if (left <= 0) {
+      outcome.output += "\nstopped after a minute";
+      ::kill(child, SIGKILL);
+      break;
+    }
+    pollfd ready{pipe_ends[0], POLLIN, 0};
+    const int count = ::poll(&ready, 1, static_cast<int>(left));
+    if (count < 0 && errno != EINTR) break;
+    if (count <= 0) continue;
+    char buffer[4096];
+    const ssize_t size = ::read(pipe_ends[0], buffer, sizeof buffer);
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) break;
+    outcome.output.append(buffer, static_cast<std::size_t>(size));
+  }
+  ::close(pipe_ends[0]);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status)) outcome.status = WEXITSTATUS(status);
+  return outcome;
+}
+
+/// A gnuplot string: single quotes take everything literally but a single quote.
+std::string gnuplotString(std::string_view text) {
+  std::string q = "'";
+  for (const char c : oneLine(text)) {
+    q += c;
+    if (c == '\'') q += c;
+  }
+  return q + "'";
+}
+
+std::string heading(const SceneResult& scene) {
+  const Drift& drift = *scene.drift;
+  return fmt::format(
+      "# scene: {}\n# method: {}, order {}, observed order {}\n"
+      "# energy_error_over_scale: |E - E0| / scale, scale = {} J, the largest kinetic energy along "
+      "the finest path\n# duration: {} s\n",
+      oneLine(scene.name), oneLine(drift.method), drift.method_order,
+      std::isfinite(drift.observed_order) && drift.observed_order > 0
+          ? fmt::format("{:.2f}", drift.observed_order)
+          : "not seen",
+      drift.scale, drift.duration);
+}
+
+bool drawable(double error) { return std::isfinite(error) && error > 0; }
+
+bool wholeSvg(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  return text.find("</svg>") != std::string::npos;
+}
+
+}  // namespace
+
+std::string gnuplotVersion() {
+  const Outcome outcome = runProgram({"gnuplot", "--version"}, {});
+  if (outcome.spawn_error != 0 || outcome.status != 0) return "not found";
+  std::string version = outcome.output.substr(0, outcome.output.find('\n'));
+  constexpr std::string_view kName = "gnuplot ";
+  if (version.rfind(kName, 0) == 0) version.erase(0, kName.size());
+  return version;
+}
+
+std::string driftCsv(const SceneResult& scene) {
+  std::string csv = heading(scene) + "step_s,time_s,energy_error_over_scale\n";
+  for (const Drift::Path& path : scene.drift->paths)
+    for (std::size_t i = 0; i < std::min(path.time.size(), path.error.size()); ++i)
+      fmt::format_to(std::back_inserter(csv), "{},{},{}\n", path.step, path.time[i], path.error[i]);
+  return csv;
+}
+
+std::string driftWorstCsv(const SceneResult& scene) {
+  std::string csv = heading(scene) + "step_s,worst_energy_error_over_scale\n";
+  for (const Drift::Path& path : scene.drift->paths)
+    fmt::format_to(std::back_inserter(csv), "{},{}\n", path.step, path.worst);
+  return csv;
+}
+
+std::string driftScript(const SceneResult& scene) {
+  const Drift& drift = *scene.drift;
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  double finest = std::numeric_limits<double>::infinity(), coarsest = 0;
+  std::vector<const Drift::Path*> seen;
+  std::string steps;
+  for (const Drift::Path& path : drift.paths) {
+    steps += fmt::format("{}{}", steps.empty() ? "" : " ", path.step);
+    if (!drawable(path.worst) || !drawable(path.step)) continue;
+    seen.push_back(&path);
+    low = std::min(low, path.worst);
+    high = std::max(high, path.worst);
+    finest = std::min(finest, path.step);
+    coarsest = std::max(coarsest, path.step);
+  }
+  if (seen.empty()) return {};
+  // both panels share the range; E crosses E0 now and then, and these dips may leave the picture
+  const int bottom = static_cast<int>(std::floor(std::log10(low))) - 2;
+  const int top = static_cast<int>(std::ceil(std::log10(high) + 0.1));
+  // few labels, whatever the range
+  const int every = std::max(1, (top - bottom + 7) / 8);
+  // the guide starts at the coarsest step, half a decade above the points
+  const double guide = 3 * high;
+
+  std::string observed = "worst over the path";
+  if (std::isfinite(drift.observed_order) && drift.observed_order > 0)
+    observed = fmt::format("worst; observed order {:.2f}", drift.observed_order);
+  const std::string title = scene.title.empty() ? scene.name : scene.title;
+
+  std::string text = fmt::format(
+      "# Energy drift of {0}. Draw again with:  gnuplot drift.gp\n"
+      "do for [dark = 0:1] {{\n"
+      "load '../style.gp'\n"
+      "set output dark ? 'drift_dark.svg' : 'drift.svg'\n"
+      "steps = '{1}'\n"
+      "set multiplot layout 1,2 title {2} textcolor rgb ink font ',15'\n"
+      "set logscale y\nset format y '1e%T'\nset yrange [1e{3}:1e{4}]\nset ytics 1e{3},1e{5}\n"
+      "set ylabel '|E − E₀| / {6:.4g} J  [1]'\n",
+      oneLine(scene.name), steps,
+      gnuplotString(fmt::format("{}, {}: lower is better", title, drift.method)), bottom, top, every,
+      drift.scale);
+  text += fmt::format(
+      "set title 'Energy error along the path' textcolor rgb soft\n"
+      "set xlabel 'time  [s]'\nset xrange [0:{0}]\n"
+      "set key below maxrows 2 title 'step size [s]'\n"
+      "plot for [i = 1:words(steps)] 'drift.csv' "
+      "using (strcol(1) eq word(steps, i) ? $2 : NaN):3 with lines linetype i title word(steps, i)\n"
+      "unset key\n",
+      drift.duration > 0 ? fmt::format("{}", drift.duration) : "*");
+  text += fmt::format(
+      "set title 'Worst error against step size' textcolor rgb soft\n"
+      "set xlabel 'step size  [s]'\nset logscale x\nset xrange [{0:.4g}:{1:.4g}]\nset xtics auto\n"
+      "set format x '%g'\n"
+      "set key below maxrows 2 title ' '\n"
+      "plot 'drift_worst.csv' using 1:2 with linespoints linetype 1 title {2}",
+      finest / 1.6, coarsest * 1.6, gnuplotString(observed));
+  if (drift.method_order > 0)
+    text += fmt::format(", \\\n     {:.4g} * (x / {}) ** {} with lines linetype 20 title 'slope {}'",
+                        guide, coarsest, drift.method_order, drift.method_order);
+  text += "\nunset multiplot\nunset output\nreset\n}\n";
+  return text;
+}
+
+std::optional<std::string> runGnuplot(const fs::path& folder, const std::string& script,
+                                      const std::vector<std::string>& pictures) {
+  // -d: without the user's own start-up file, so that everybody's picture looks the same
+  const Outcome outcome = runProgram({"gnuplot", "-d", script}, folder);
+  std::string problem;
+  if (outcome.spawn_error == ENOENT)
+    problem = "gnuplot was not found (Debian: apt install gnuplot-nox)";
+  else if (outcome.spawn_error != 0)
+    problem = fmt::format("gnuplot could not be started: {}", std::strerror(outcome.spawn_error));
+  else if (outcome.status != 0)
+    problem = "gnuplot failed: " + oneLine(outcome.output.substr(0, 500));
+  for (const std::string& picture : pictures)
+    if (problem.empty() && !wholeSvg(folder / picture)) problem = "gnuplot did not finish " + picture;
+  if (problem.empty()) return std::nullopt;
+  for (const std::string& picture : pictures) {
+    std::error_code ignored;
+    fs::remove(folder / picture, ignored);
+  }
+  return problem;
+}
+
+}  // namespace dynwitness::crosscheck

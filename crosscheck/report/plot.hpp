@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Charts: the data as CSV first, then a gnuplot script that anyone can run again, then its pictures.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "crosscheck/result.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// "5.4 patchlevel 4"; "not found" where there is no gnuplot.
+std::string gnuplotVersion();
+
+/// Every point of the paths: `step_s,time_s,energy_error_over_scale`, under `#` lines with scene,
+/// method and scale.
+std::string driftCsv(const SceneResult& scene);
+
+/// One line a path: `step_s,worst_energy_error_over_scale`.
+std::string driftWorstCsv(const SceneResult& scene);
+
+/// Draws drift.svg and drift_dark.svg from drift.csv and drift_worst.csv beside it; it loads
+/// ../style.gp. Empty when no path has an error above zero: there is nothing to see on a log axis.
+std::string driftScript(const SceneResult& scene);
+
+/** Runs gnuplot on a script in its folder, without a shell.
+
+    @return nothing when every file of `pictures` was drawn to its end, else why not (unfinished
+            pictures are removed) */
+std::optional<std::string> runGnuplot(const std::filesystem::path& folder, const std::string& script,
+                                      const std::vector<std::string>& pictures);
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/report/report.hpp"
+
+#include "crosscheck/report/assets.hpp"
+#include "crosscheck/report/json.hpp"
+#include "crosscheck/report/page.hpp"
+#include "crosscheck/report/plot.hpp"
+#include "crosscheck/report/text.hpp"
+#include "crosscheck/report/tree_svg.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+/// Writes data, script and, where gnuplot can, the pictures.
+void writeDrift(const SceneResult& scene, const std::string& folder, const UnfinishedFolder& out,
+                SceneFiles* files) {
+  files->drift_csv = folder + "/drift.csv";
+  files->drift_worst_csv = folder + "/drift_worst.csv";
+  out.write(files->drift_csv, driftCsv(scene));
+  out.write(files->drift_worst_csv, driftWorstCsv(scene));
+  const std::string script = driftScript(scene);
+  if (script.empty()) {
+    files->no_plot_reason = "no error above zero was seen, and the axis is logarithmic";
+    return;
+  }
+  files->drift_script = folder + "/drift.gp";
+  out.write(files->drift_script, script);
+  const auto problem = runGnuplot(out.path() / folder, "drift.gp", {"drift.svg", "drift_dark.svg"});
+  if (problem) {
+    files->no_plot_reason = *problem;
+    return;
+  }
+  files->drift_light = folder + "/drift.svg";
+  files->drift_dark = folder + "/drift_dark.svg";
+}
+
+}  // namespace
+
+void writeReport(const CrosscheckResult& result, const Environment& environment,
+                 const std::filesystem::path& folder) {
+  requireWritable(folder);
+  UnfinishedFolder out(folder);
+  out.write("scenes/style.gp", kStyleGnuplot);
+  const std::vector<std::string> names = safeNames(result.scenes);
+  std::vector<SceneFiles> files(result.scenes.size());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const SceneResult& scene = result.scenes[i];
+    const std::string scene_folder = "scenes/" + names[i];
+    files[i].anchor = "scene-" + names[i];
+    if (const std::string svg = treeSvg(scene, SvgUse::kFile); !svg.empty()) {
+      files[i].tree = scene_folder + "/tree.svg";
+      out.write(files[i].tree, svg);
+    }
+    if (scene.drift) writeDrift(scene, scene_folder, out, &files[i]);
+  }
+  out.write("report.json", reportJson(result, environment));
+  out.write("junit.xml", reportJUnit(result, environment));
+  out.write("index.html", reportPage(result, environment, files));
+  out.moveIntoPlace("index.html");
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,36 @@
+# The looks of every dynwitness chart. Set dark = 1 before loading this to draw for a dark page.
+if (!exists("dark")) { dark = 0 }
+
+# Okabe and Ito, "Color Universal Design" (2008): told apart by colour-blind readers. Marker and dash
+# differ too, so that no curve is known by its colour alone.
+ink = dark ? '#e7eaee' : '#1d2430'
+soft = dark ? '#a3adba' : '#5b6675'
+faint = dark ? '#3a4453' : '#d9dee5'
+blue = dark ? '#56b4e9' : '#0072b2'
+orange = dark ? '#f0904f' : '#d55e00'
+green = dark ? '#2cc89a' : '#009e73'
+purple = dark ? '#e29ac4' : '#b0568c'
+amber = dark ? '#f0c042' : '#c98800'
+sky = dark ? '#8ab6ff' : '#4a9fd0'
+
+set terminal svg size 1000,400 fixed noenhanced font 'Liberation Sans,Arial,Helvetica,sans-serif,13' rounded linewidth 1
+set encoding utf8
+set datafile separator ','
+
+set linetype 1 linecolor rgb blue   linewidth 2 dashtype 1       pointtype 7 pointsize 0.8
+set linetype 2 linecolor rgb orange linewidth 2 dashtype (12,3)  pointtype 5 pointsize 0.7
+set linetype 3 linecolor rgb green  linewidth 2 dashtype (6,3)   pointtype 9 pointsize 0.9
+set linetype 4 linecolor rgb purple linewidth 2 dashtype (2,3)   pointtype 11 pointsize 0.9
+set linetype 5 linecolor rgb amber  linewidth 2 dashtype (12,3,2,3) pointtype 13 pointsize 0.9
+set linetype 6 linecolor rgb sky    linewidth 2 dashtype (6,3,2,3)  pointtype 6 pointsize 0.8
+set linetype cycle 6
+set linetype 20 linecolor rgb soft linewidth 1.3 dashtype (4,4)   # guides
+
+set border 3 linecolor rgb soft
+set tics nomirror textcolor rgb soft
+set grid linecolor rgb faint linewidth 0.8 dashtype 1
+set title textcolor rgb ink
+set xlabel textcolor rgb ink
+set ylabel textcolor rgb ink
+set key textcolor rgb ink
+set key samplen 3 spacing 1.15

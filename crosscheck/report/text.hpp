@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Text on its way into HTML, XML and file names.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "crosscheck/result.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// Valid UTF-8 without control characters (which XML forbids): what is neither becomes U+FFFD.
+std::string cleanText(std::string_view text);
+
+/// cleanText, with & < > " ' escaped: safe as HTML or XML text and inside quoted attributes.
+std::string escapeMarkup(std::string_view text);
+
+/// cleanText on one line: for gnuplot titles and CSV comments.
+std::string oneLine(std::string_view text);
+
+/// Two digits that can be read at a glance: "0", "0.31", "7.4", "120", "3.1e+03", "infinite".
+std::string readable(double value);
+
+/// "0.3 %", "42 %" up to the limit, "31 x limit" beyond it.
+std::string shareOfLimit(double ratio);
+
+/// Number of characters that a reader sees, near enough for layout: UTF-8 code points.
+int codePoints(std::string_view text);
+
+/// Names that are safe as a folder and as an anchor, and different from each other:
+/// [A-Za-z0-9_-] is kept, the rest becomes '_', repeated names get "_2", "_3", ...
+std::vector<std::string> safeNames(const std::vector<SceneResult>& scenes);
+
+/// "same c: lagrange and simbody" or "symmetric M: composite_body"
+std::string describe(const CheckResult& check);
+
+}  // namespace dynwitness::crosscheck

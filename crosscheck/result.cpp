@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/result.hpp"
+
+#include <fmt/format.h>
+
+namespace dynwitness::crosscheck {
+
+const char* name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kAgree: return "agree";
+    case Verdict::kDisagree: return "disagree";
+    case Verdict::kNotAnswerable: return "not answerable";
+  }
+  return "?";
+}
+
+int CrosscheckResult::count(Verdict verdict) const {
+  int count = 0;
+  for (const SceneResult& scene : scenes)
+    for (const CheckResult& check : scene.checks) count += check.verdict == verdict ? 1 : 0;
+  return count;
+}
+
+int CrosscheckResult::checkCount() const {
+  return count(Verdict::kAgree) + count(Verdict::kDisagree);
+}
+
+Verdict CrosscheckResult::verdict() const {
+  if (count(Verdict::kDisagree) > 0) return Verdict::kDisagree;
+  return count(Verdict::kAgree) > 0 ? Verdict::kAgree : Verdict::kNotAnswerable;
+}
+
+std::pair<const SceneResult*, const CheckResult*> CrosscheckResult::worst() const {
+  std::pair<const SceneResult*, const CheckResult*> worst{nullptr, nullptr};
+  for (const SceneResult& scene : scenes)
+    for (const CheckResult& check : scene.checks)
+      if (check.verdict != Verdict::kNotAnswerable && check.unit == "ulp" &&
+          (worst.second == nullptr || check.ratio > worst.second->ratio))
+        worst = {&scene, &check};
+  return worst;
+}
+
+std::string CrosscheckResult::headline() const {
+  const int disagreeing = count(Verdict::kDisagree), unanswered = count(Verdict::kNotAnswerable);
+  std::string line = fmt::format("{} scene{}, {} checks, ", scenes.size(),
+                                 scenes.size() == 1 ? "" : "s", checkCount());
+  line += disagreeing == 0 ? "all agree" : fmt::format("{} disagree", disagreeing);
+  if (unanswered > 0) line += fmt::format(", {} not answerable", unanswered);
+  const auto [scene, check] = worst();
+  if (check != nullptr)
+    line += fmt::format("; worst {:.3g} ulp of {:.3g} allowed: {}, {} ({}{}{})", check->worst,
+                        check->limit, scene->name, check->worst_entry, check->left,
+                        check->right.empty() ? "" : " and ", check->right);
+  return line;
+}
+
+}  // namespace dynwitness::crosscheck

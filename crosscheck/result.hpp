@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a crosscheck found: plain data, written by the checks, read by the report.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dynwitness::crosscheck {
+
+enum class Verdict { kAgree, kDisagree, kNotAnswerable };
+/// "agree", "disagree", "not answerable"
+const char* name(Verdict verdict);
+
+/** One check over all states.
+
+    Residuals are counted in ulp: |left - right| / (eps * scale), eps = 2^-52, scale = the largest
+    magnitude in the compared vector or matrix. `limit` is the error bound of the same computation at
+    the state of the worst residual, in the same unit; `worst / limit` is the largest over all states
+    and entries, and the check agrees when it is at most 1. */
+struct CheckResult {
+  std::string check;      ///< "same", or the name of an identity
+  std::string statement;  ///< one line: what must hold, as a formula
+  std::string quantity;   ///< "M", "c", "g", "tau", "qdd", "kinetic", ...
+  std::string left, right;  ///< witnesses; right is empty for an identity of one witness
+  std::string unit = "ulp";  ///< of worst and limit; a published table counts in its last digit
+  int states = 0;
+  double worst = 0;       ///< largest residual [unit]
+  double limit = 0;       ///< limit at that state [unit]
+  double ratio = 0;       ///< largest residual / limit over all states and entries
+  int worst_state = 0;    ///< index of the state of `ratio`; with the seed it can be drawn again
+  std::string worst_entry;  ///< "M[1,2]": where in the vector or matrix `ratio` is
+  std::uint64_t seed = 0;
+  Verdict verdict = Verdict::kAgree;
+  std::string reason;     ///< for kDisagree and kNotAnswerable
+};
+
+/// A disagreement explained: who stands alone.
+struct Finding {
+  std::string scene, quantity;
+  std::string witness;  ///< the one that stands alone; empty when no single one does
+  std::string text;     ///< a sentence for people
+};
+
+/// Energy along simulated paths of one scene with one integrator.
+struct Drift {
+  struct Path {
+    double step = 0;             ///< [s]
+    double worst = 0;            ///< largest |E - E0| / scale along the path
+    std::vector<double> time;    ///< [s], thinned for charts
+    std::vector<double> error;   ///< |E - E0| / scale at those times
+  };
+  std::string method;            ///< "runge_kutta4"
+  int method_order = 0;
+  double duration = 0;           ///< [s]
+  double scale = 0;              ///< [J]: the largest kinetic energy seen along the finest path
+  double observed_order = 0;     ///< of the worst drift, from the two finest steps above rounding
+  std::vector<Path> paths;       ///< step sizes falling
+};
+
+/// The derived equations, ready to be shown; empty when they are too long to read.
+struct Equations {
+  std::string summary;  ///< "closed form, 34 terms" or "573 multiplications, 412 additions"
+  std::string kinetic, potential;             ///< MathML
+  std::vector<std::string> lines;             ///< MathML, one equation each: M entries, c, g
+};
+
+struct SceneResult {
+  std::string name, title, source, file;
+  int dof = 0, links = 0;
+  std::vector<std::string> link_names, joint_labels;  ///< one a link; label of the root is empty
+  std::vector<int> parents;                           ///< -1 for the root
+  std::vector<std::string> not_modelled;
+  Equations equations;
+  std::vector<CheckResult> checks;
+  std::vector<Finding> findings;
+  std::optional<Drift> drift;
+};
+
+struct WitnessInfo {
+  std::string name, version, method;  ///< method: one line, how it computes
+  bool present = true;                ///< false: not found when dynwitness was configured
+};
+
+struct CrosscheckResult {
+  std::vector<WitnessInfo> witnesses;
+  std::vector<SceneResult> scenes;
+  std::uint64_t seed = 0;
+  int states = 0;
+  std::string command;  ///< reproduces this result
+
+  int checkCount() const;  ///< answered checks
+  int count(Verdict verdict) const;
+  Verdict verdict() const;  ///< kDisagree when any check disagrees
+  /// The check with the largest ratio, and its scene.
+  std::pair<const SceneResult*, const CheckResult*> worst() const;
+  /// "14 scenes, 1212 checks, all agree; worst 7.4 ulp: ..."
+  std::string headline() const;
+};
+
+}  // namespace dynwitness::crosscheck

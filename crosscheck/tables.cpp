@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crosscheck/pendulum_period.hpp"
+#include "crosscheck/tally.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr double kComputedDigits = 1e-12;  // data/reference/README.md, "What agreement means", 2
+
+json readTable(const fs::path& file) {
+  std::ifstream in(file);
+  if (!in) throw scene::InputError({file.string()}, "cannot be read");
+  try {
+    return json::parse(in);
+  } catch (const json::exception& error) {
+    throw scene::InputError({file.string()}, error.what());
+  }
+}
+
+/// A number of a table: JSON number, expression text, or sqrt(expression).
+double number(const json& value, const fs::path& file) {
+  if (value.is_number()) return value.get<double>();
+  const std::string text = value.get<std::string>();
+  const scene::SourceLocation where{file.string()};
+  if (text.rfind("sqrt(", 0) == 0 && text.back() == ')')
+    return std::sqrt(number(text.substr(5, text.size() - 6), file));
+  return scene::exactValue(scene::Expression::parse(text, where), {}, where).toDouble();
+}
+
+std::vector<double> numbers(const json& value, const fs::path& file) {
+  std::vector<double> out;
+  for (const json& entry : value) out.push_back(number(entry, file));
+  return out;
+}
+
+/// The text of printed entry (i, j): M is an array of rows, everything else an array.
+std::string printedText(const json& printed, int i, int j) {
+  const json& entry = printed.at(i).is_array() ? printed.at(i).at(j) : printed.at(i);
+  return entry.get<std::string>();
+}
+
+/// Places after the decimal point of a printed number, counting a power of ten: "1.5e-3" has 4.
+int placesOf(const std::string& text) {
+  const std::size_t exponent_at = text.find_first_of("eE");
+  const std::string digits = text.substr(0, exponent_at);
+  const std::size_t point = digits.find('.');
+  const int places = point == std::string::npos ? 0 : static_cast<int>(digits.size() - point - 1);
+  return exponent_at == std::string::npos ? places : places - std::stoi(text.substr(exponent_at + 1));
+}
+
+/// How far a computed value may be from a printed one, and what that limit is counted in.
+struct Limit {
+  double distance;
+  const char* unit;
+};
+
+class Agreement {
+ public:
+  Agreement(const json& table, const json& one_case, const std::string& quantity, const fs::path& file)
+      : quantity_(quantity) {
+    if (table.contains("accuracy") && table["accuracy"].contains(quantity))
+      accuracy_ = number(table["accuracy"][quantity], file);
+    computed_ = one_case.value("computed_digits", table.value("computed_digits", false));
+    if (one_case.contains("digits") && one_case["digits"].contains(quantity))
+      places_ = one_case["digits"][quantity].get<int>();
+    if (one_case.contains("significant") && one_case["significant"].contains(quantity))
+      significant_ = one_case["significant"][quantity].get<int>();
+    units_ = one_case.value("truncated", false) ? 1.0 : 0.5;
+  }
+
+  Limit limit(const std::string& text, double printed, double largest) const {
+    if (accuracy_ > 0) return {accuracy_, "stated accuracy of the source"};
+    if (computed_)
+      return {kComputedDigits * std::max(1.0, largest), "1e-12 of the largest entry"};
+    int places = placesOf(text);
+    if (places_ >= 0) places = places_;
+    if (significant_ > 0) {
+      if (printed == 0) return {kComputedDigits, "units of the last printed digit"};
+      places = significant_ - 1 - static_cast<int>(std::floor(std::log10(std::abs(printed))));
+    }
+    // the computed value carries rounding of its own: some ulp of the largest entry
+    return {units_ * std::pow(10.0, -places), "units of the last printed digit"};
+  }
+  /// What one unit of the report's residual is.
+  double unitOf(const Limit& limit) const {
+    return accuracy_ > 0 || computed_ ? limit.distance : limit.distance / units_;
+  }
+
+ private:
+  std::string quantity_;
+  double accuracy_ = 0, units_ = 0.5;
+  bool computed_ = false;
+  int places_ = -1, significant_ = 0;
+};
+
+/// One case of a table as a state in the scene's coordinates.
+struct Case {
+  scene::State<double> state;
+  std::vector<double> scale;  ///< q here = scale * q there
+};
+
+Case readCase(const json& table, const json& one_case, int n, const fs::path& file) {
+  Case out;
+  out.scale = table.contains("coordinate_scale") ? numbers(table["coordinate_scale"], file)
+                                                 : std::vector<double>(n, 1.0);
+  const auto read = [&](const char* key) {
+    std::vector<double> v = one_case.contains(key) ? numbers(one_case[key], file)
+                                                   : std::vector<double>(n, 0.0);
+    if (static_cast<int>(v.size()) != n || static_cast<int>(out.scale.size()) != n)
+      throw scene::InputError({file.string()},
+                              fmt::format("case '{}': {} has {} numbers, the scene has {} joints",
+                                          one_case.value("name", ""), key, v.size(), n));
+    return v;
+  };
+  const std::vector<double> q = read("q");
+  out.state.qd = read("qd");
+  out.state.qdd = read("qdd");
+  out.state.tau = read("tau");
+  for (int i = 0; i < n; ++i) {
+    out.state.x.push_back(scene::jointPosition(out.scale[i] * q[i]));
+    out.state.qd[i] *= out.scale[i];
+    out.state.qdd[i] *= out.scale[i];
+    out.state.tau[i] /= out.scale[i];
+  }
+  return out;
+}
+
+/// The answer in the source's coordinates.
+Eigen::MatrixXd inSourceCoordinates(Eigen::MatrixXd value, const std::string& quantity,
+                                    const std::vector<double>& scale) {
+  for (Eigen::Index i = 0; i < value.rows(); ++i) {
+    if (quantity == "qdd") value.row(i) /= scale[i];
+    else if (quantity != "period_ratio") value.row(i) *= scale[i];
+    if (quantity == "M") value.col(i) *= scale[i];
+  }
+  return value;
+}
+
+scene::Scene sceneOf(const json& table, const json& one_case, scene::Scene scene,
+                     const fs::path& file) {
+  if (table.contains("gravity")) {
+    scene.mechanism.has_gravity = true;
+    for (int k = 0; k < 3; ++k) {
+      const json& g = table["gravity"][k];
+      scene.mechanism.gravity[k] = scene::Expression::parse(
+          g.is_string() ? g.get<std::string>() : g.dump(), {file.string()});
+    }
+  }
+  if (!one_case.value("wrenches", true)) scene.mechanism.wrenches.clear();
+  return scene;
+}
+
+Eigen::MatrixXd computed(Witness& witness, const std::string& quantity,
+                         const scene::State<double>& state) {
+  return witness.answer(quantityNamed(quantity), state).value;
+}
+
+}  // namespace
+
+std::vector<fs::path> bundledTables() {
+  std::vector<fs::path> tables;
+  for (const auto& entry : fs::directory_iterator(scene::dataFolder() / "reference"))
+    if (entry.path().extension() == ".json") tables.push_back(entry.path());
+  std::sort(tables.begin(), tables.end());
+  return tables;
+}
+
+fs::path ownScene(const fs::path& table) {
+  const json content = readTable(table);
+  if (!content.contains("scene_file")) return {};
+  return table.parent_path() / content["scene_file"].get<std::string>();
+}
+
+bool isAbout(const fs::path& table, const scene::Scene& scene) {
+  const json content = readTable(table);
+  if (content.contains("scene_file"))
+    return fs::path(content["scene_file"].get<std::string>()).stem() == scene.name;
+  return content.value("scene", "") == scene.name;
+}
+
+std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Scene& scene,
+                                          const std::vector<WitnessKind>& kinds) {
+  const json table = readTable(file);
+  std::vector<CheckResult> results;
+  const auto check = [&](const std::string& quantity, const std::string& witness) -> CheckResult& {
+    for (CheckResult& known : results)
+      if (known.quantity == quantity && known.right == witness) return known;
+    CheckResult made;
+    made.check = "table";
+    made.statement = table.value("title", file.stem().string());
+    made.quantity = quantity;
+    made.left = "table";
+    made.right = witness;
+    results.push_back(made);
+    return results.back();
+  };
+
+  for (const json& one_case : table.at("cases")) {
+    const scene::Scene asked = sceneOf(table, one_case, scene, file);
+    const Case here = readCase(table, one_case, asked.mechanism.dof(), file);
+    for (const auto& [quantity, printed] : one_case.at("expect").items()) {
+      const Agreement agreement(table, one_case, quantity, file);
+      double largest = 0;
+      for (std::size_t i = 0; i < printed.size(); ++i)
+        for (std::size_t j = 0; j < (printed[i].is_array() ? printed[i].size() : 1); ++j)
+          largest = std::max(largest, std::abs(number(printedText(printed, i, j), file)));
+
+      const auto compare = [&](const std::string& witness, const Eigen::MatrixXd& value) {
+        CheckResult& out = check(quantity, witness);
+        const Eigen::MatrixXd theirs = inSourceCoordinates(value, quantity, here.scale);
+        ++out.states;
+        for (Eigen::Index i = 0; i < theirs.rows(); ++i) {
+          for (Eigen::Index j = 0; j < theirs.cols(); ++j) {
+            const std::string text = printedText(printed, i, j);
+            const double expected = number(text, file);
+            const Limit limit = agreement.limit(text, expected, largest);
+            const double residual = std::abs(theirs(i, j) - expected);
+            // decimal midpoints are not doubles: the limit itself is only good to rounding
+            const double slack = std::numeric_limits<double>::epsilon() * std::max(largest, 1.0);
+            const double used = residual / (limit.distance + slack);
+            if (!out.worst_entry.empty() && used <= out.ratio) continue;
+            out.ratio = std::isfinite(used) ? used : std::numeric_limits<double>::infinity();
+            out.unit = limit.unit;
+            out.worst = residual / agreement.unitOf(limit);
+            out.limit = limit.distance / agreement.unitOf(limit);
+            out.worst_state = out.states - 1;
+            out.worst_entry = entryName(quantity, i, j, theirs);
+            if (!(used <= 1)) {
+              out.verdict = Verdict::kDisagree;
+              out.reason = fmt::format("{}, case '{}': {} prints {} for {}, computed {:.17g}",
+                                       file.filename().string(), one_case.value("name", ""),
+                                       table.value("title", ""), text, out.worst_entry, theirs(i, j));
+            }
+          }
+        }
+      };
+
+      if (quantity == "period_ratio") {
+        compare("articulated_body",
+                Eigen::MatrixXd::Constant(1, 1, pendulumPeriodRatio(asked.mechanism,
+                                                                    here.state.x[0].q)));
+        continue;
+      }
+      for (const WitnessKind& kind : kinds) {
+        const std::unique_ptr<Witness> witness = kind.make(asked);
+        if (witness->answers(quantityNamed(quantity)))
+          compare(kind.info.name, computed(*witness, quantity, here.state));
+      }
+    }
+  }
+  return results;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/witness.hpp"
+
+#include <array>
+
+#include "crosscheck/witnesses/witnesses.hpp"
+
+namespace dynwitness::crosscheck {
+
+const char* name(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::kM: return "M";
+    case Quantity::kc: return "c";
+    case Quantity::kg: return "g";
+    case Quantity::kTau: return "tau";
+    case Quantity::kQdd: return "qdd";
+    case Quantity::kKinetic: return "kinetic";
+    case Quantity::kPotential: return "potential";
+    case Quantity::kMomentum: return "momentum";
+  }
+  return "?";
+}
+
+Quantity quantityNamed(const std::string& text) {
+  std::string names;
+  for (const Quantity quantity : kAllQuantities) {
+    if (text == name(quantity)) return quantity;
+    names += std::string(names.empty() ? "" : ", ") + name(quantity);
+  }
+  throw scene::InputError({}, "unknown quantity '" + text + "', allowed: " + names);
+}
+
+std::vector<WitnessKind> witnessKinds() {
+  return {lagrangeKind(), newtonEulerKind(), compositeBodyKind(), articulatedBodyKind(),
+          simbodyKind()};
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a witness is: one independent way to answer questions about a mechanism.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "crosscheck/result.hpp"
+#include "scene/scene.hpp"
+#include "scene/state.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// What can be asked. Shapes: M n x n; c, g, tau, qdd n x 1; energies 1 x 1; momentum 6 x 1.
+enum class Quantity { kM, kc, kg, kTau, kQdd, kKinetic, kPotential, kMomentum };
+
+inline constexpr Quantity kAllQuantities[] = {
+    Quantity::kM,   Quantity::kc,       Quantity::kg,         Quantity::kTau,
+    Quantity::kQdd, Quantity::kKinetic, Quantity::kPotential, Quantity::kMomentum};
+
+/// "M", "c", "g", "tau", "qdd", "kinetic", "potential", "momentum"
+const char* name(Quantity quantity);
+/// The quantity of that name. @throws scene::InputError listing the names that exist.
+Quantity quantityNamed(const std::string& text);
+
+struct Answer {
+  Eigen::MatrixXd value;
+  /// Entry by entry, how far value may be from the exact number: proven where the arithmetic is ours;
+  /// for an outside engine the bound of its algorithm (engine_bound.hpp).
+  Eigen::MatrixXd bound;
+};
+
+class Witness {
+ public:
+  virtual ~Witness() = default;
+  virtual const std::string& name() const = 0;
+  virtual bool answers(Quantity quantity) const = 0;
+  /** The quantity at a state:  M(q);  c(q, qd), velocity products only;  g = dV/dq;
+      tau = M qdd + c + g - Q;  qdd from M qdd + c + g = tau + Q, with Q the scene's loads;
+      momentum of all links in world axes about the world's origin, linear part first. */
+  virtual Answer answer(Quantity quantity, const scene::State<double>& state) = 0;
+};
+
+/// How witnesses are made: one entry a witness, in the order of the reports.
+struct WitnessKind {
+  WitnessInfo info;
+  std::function<std::unique_ptr<Witness>(const scene::Scene&)> make;
+};
+
+/// All witnesses that this build knows, the absent ones too (info.present = false).
+std::vector<WitnessKind> witnessKinds();
+
+}  // namespace dynwitness::crosscheck

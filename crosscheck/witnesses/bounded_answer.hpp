@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From a computation in double and the same one with running error bounds to an answer.
+#pragma once
+
+#include <vector>
+
+#include "crosscheck/arithmetic/running_error.hpp"
+#include "crosscheck/witness.hpp"
+
+namespace dynwitness::crosscheck {
+
+template <typename T>
+using MatrixOf = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+
+template <typename T>
+MatrixOf<T> column(const std::vector<T>& v) {
+  return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(v.data(), v.size());
+}
+
+template <typename T>
+MatrixOf<T> scalar(const T& x) {
+  return MatrixOf<T>::Constant(1, 1, x);
+}
+
+/// A state of doubles as exact input with the C library's error in cos and sin.
+inline scene::State<RunningError> runningErrorState(const scene::State<double>& state) {
+  scene::State<RunningError> out;
+  for (const scene::JointPosition<double>& x : state.x)
+    out.x.push_back(runningErrorPosition(x.q));
+  out.qd.assign(state.qd.begin(), state.qd.end());
+  out.qdd.assign(state.qdd.begin(), state.qdd.end());
+  out.tau.assign(state.tau.begin(), state.tau.end());
+  return out;
+}
+
+inline Answer boundedAnswer(const Eigen::MatrixXd& value, const MatrixOf<RunningError>& bounded) {
+  return {value, bounded.unaryExpr([](const RunningError& x) { return x.bound(); })};
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The witnesses that witnessKinds() lists, one source file each.
+#pragma once
+
+#include "crosscheck/witness.hpp"
+
+namespace dynwitness::crosscheck {
+
+WitnessKind lagrangeKind();         ///< symbolic/: derived from T and V, run as a program
+WitnessKind newtonEulerKind();      ///< recursive/: outward motion, inward force
+WitnessKind compositeBodyKind();    ///< recursive/: M by composite bodies, M qdd = tau - c - g
+WitnessKind articulatedBodyKind();  ///< recursive/: articulated inertias
+WitnessKind simbodyKind();          ///< Simbody, which reads the scene with its own transforms
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a scene's mechanism to the flat model that the sweeps read.
+#pragma once
+
+#include "recursive/model.hpp"
+#include "scene/numbers.hpp"
+
+namespace dynwitness::recursive {
+
+/// Links on fixed joints become part of the link that carries them, or stay links of their own.
+enum class FixedJoints { kLumped, kKept };
+
+/// Link axes as the scene places them, or turned about the joint's axis by one radian more, so that no
+/// component is zero by a lucky choice of axes. Nothing that can be measured depends on it.
+enum class Axes { kAsPlaced, kTurned };
+
+namespace detail {
+
+template <typename T>
+Matrix3<T> aboutX(const CosSin<T>& a) {
+  return (Matrix3<T>() << T(1), T(0), T(0), T(0), a.c, -a.s, T(0), a.s, a.c).finished();
+}
+template <typename T>
+Matrix3<T> aboutY(const CosSin<T>& a) {
+  return (Matrix3<T>() << a.c, T(0), a.s, T(0), T(1), T(0), -a.s, T(0), a.c).finished();
+}
+template <typename T>
+Matrix3<T> aboutZ(const CosSin<T>& a) {
+  return (Matrix3<T>() << a.c, -a.s, T(0), a.s, a.c, T(0), T(0), T(0), T(1)).finished();
+}
+
+template <typename T, typename Numbers>
+Vector3<T> vector(const scene::Vector& v, const Numbers& number) {
+  return {number(v[0]), number(v[1]), number(v[2])};
+}
+
+/// The transformation from the frame before a sequence of steps to the frame after it.
+template <typename T, typename Numbers>
+Transform<T> composed(const std::vector<scene::Step>& steps, const Numbers& number) {
+  using Kind = scene::Step::Kind;
+  Transform<T> X = Transform<T>::identity();
+  for (const scene::Step& step : steps) {
+    Transform<T> X_step = Transform<T>::identity();
+    switch (step.kind) {
+      case Kind::kTranslate: X_step.p = vector<T>(step.translation, number); break;
+      // a frame turned by R sees coordinates turned by R'
+      case Kind::kRotateX: X_step.R = aboutX<T>(number.angle(step.angle)).transpose(); break;
+      case Kind::kRotateY: X_step.R = aboutY<T>(number.angle(step.angle)).transpose(); break;
+      case Kind::kRotateZ: X_step.R = aboutZ<T>(number.angle(step.angle)).transpose(); break;
+    }
+    X = X_step * X;
+  }
+  return X;
+}
+
+/// Rigid inertia in the scene's link frame.
+template <typename T, typename Numbers>
+RigidInertia<T> rigidInertia(const scene::MassProperties& m, const Numbers& number) {
+  const T mass = number(m.mass);
+  const Vector3<T> r_c = vector<T>(m.com, number);
+  const Matrix3<T> R = aboutZ<T>(number.angle(m.rpy[2])) * aboutY<T>(number.angle(m.rpy[1])) *
+                       aboutX<T>(number.angle(m.rpy[0]));
+  const Symmetric3<T> I =
+      Symmetric3<T>{number(m.xx), number(m.yy), number(m.zz),
+                    number(m.xy), number(m.xz), number(m.yz)}
+          .turnedBack(R.transpose());
+  if (m.about == scene::MassProperties::About::kCenterOfMass)
+    return RigidInertia<T>::aboutCenterOfMass(mass, r_c, I);
+  return {mass, r_c * mass, I};
+}
+
+}  // namespace detail
+
+/** Builds the model of a mechanism for the scalar of `number` (the "Numbers" concept of
+    scene/numbers.hpp), all in that scalar's own arithmetic. */
+template <typename Numbers, typename T = typename Numbers::Scalar>
+Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
+                    FixedJoints fixed_joints = FixedJoints::kLumped,
+                    Axes axes = Axes::kAsPlaced) {
+  Model<T> model;
+  if (mechanism.has_gravity) model.gravity = detail::vector<T>(mechanism.gravity, number);
+
+  // scene link -> model link that carries it (-1: the world), and carrier frame -> scene link frame
+  std::vector<int> carrier(mechanism.links.size(), -1);
+  std::vector<Transform<T>> X_carrier(mechanism.links.size(), Transform<T>::identity());
+
+  for (std::size_t i = 0; i < mechanism.links.size(); ++i) {
+    const scene::Link& link = mechanism.links[i];
+    const bool is_root = link.parent < 0;
+    const Transform<T> X_parent = is_root ? Transform<T>::identity() : X_carrier[link.parent];
+    const int parent = is_root ? -1 : carrier[link.parent];
+    const Transform<T> X_before =
+        detail::composed<T>(link.joint.placement.beforeJoint(), number) * X_parent;
+    const Transform<T> X_after = detail::composed<T>(link.joint.placement.afterJoint(), number);
+    const bool lumped = is_root || (link.joint.kind == JointKind::kFixed &&
+                                    (fixed_joints == FixedJoints::kLumped || parent < 0));
+    if (lumped) {
+      carrier[i] = parent;
+      X_carrier[i] = X_after * X_before;
+    } else {
+      // the model's frame has z along the axis: joint axes turned by Rz(alpha) Ry(beta)
+      const scene::AxisTurn<T> turn = number.axisTurn(link.joint.axis);
+      Transform<T> X_z = Transform<T>::identity();
+      X_z.R = (detail::aboutZ<T>(turn.alpha) * detail::aboutY<T>(turn.beta)).transpose();
+      if (axes == Axes::kTurned)
+        X_z.R = (detail::aboutZ<T>(number.angle(scene::Number(1))).transpose() * X_z.R).eval();
+      LinkModel<T> out;
+      out.parent = parent;
+      out.kind = link.joint.kind;
+      out.X_tree = X_z * X_before;
+      if (link.joint.kind != JointKind::kFixed) {
+        const T gear = number(link.joint.gear_ratio);
+        out.dof = model.dof();
+        out.rotor = gear * gear * number(link.joint.rotor_inertia);
+        out.stiffness = number(link.joint.stiffness);
+        out.rest = number(link.joint.rest);
+        model.link_of_dof.push_back(static_cast<int>(model.links.size()));
+      }
+      carrier[i] = static_cast<int>(model.links.size());
+      X_carrier[i] = X_after * X_z.inverse();
+      model.links.push_back(out);
+    }
+    RigidInertia<T>& M = carrier[i] < 0 ? model.base : model.links[carrier[i]].M;
+    M = M + X_carrier[i].inverseTimes(detail::rigidInertia<T>(link.inertia, number));
+  }
+
+  for (const scene::Wrench& wrench : mechanism.wrenches) {
+    if (carrier[wrench.link] < 0) continue;  // on the world: moves nothing
+    const int link = carrier[wrench.link];
+    const Transform<T>& X = X_carrier[wrench.link];
+    const Vector3<T> at = detail::vector<T>(wrench.at, number);
+    const Vector3<T> force = detail::vector<T>(wrench.force, number);
+    const Vector3<T> moment = detail::vector<T>(wrench.moment, number);
+    if (wrench.axes == scene::Wrench::Axes::kWorld)
+      model.world_loads.push_back({link, force, moment, X.p + X.R.transpose() * at});
+    else
+      model.links[link].load =
+          model.links[link].load + X.inverseTimes(Force<T>{force, moment + at.cross(force)});
+  }
+  return model;
+}
+
+}  // namespace dynwitness::recursive

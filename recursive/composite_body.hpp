@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// The joint-space mass matrix by composite bodies, and the Coriolis matrix by the same sweep.
+#pragma once
+
+#include <vector>
+
+#include "recursive/model.hpp"
+
+namespace dynwitness::recursive {
+
+template <typename T>
+using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+
+/** Joint-space mass matrix M(q), n x n [kg m^2, kg m, kg], by composite bodies, in O(n depth).
+
+        (1)  I_C of p  +=  X' I_C X              everything outboard of a joint as one rigid body
+        (2)  F = I_C Z,  M_ii = Z' F + d         the force that moves it when joint i alone moves
+        (3)  M_ij = Z_j' F  for the joints j inboard of i, F carried inward
+
+    M must be n x n on entry and is written whole.
+    @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), table 6.2, p. 107 */
+template <typename T>
+void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, Workspace<T>& ws,
+                MatrixX<T>& M) {
+  const int n = static_cast<int>(model.links.size());
+  for (int i = 0; i < n; ++i) {
+    ws.X_up[i] = linkTransform(model.links[i], x);
+    ws.I_C[i] = model.links[i].M;
+  }
+  M.setConstant(T(0));  // joints on different branches do not feel each other
+  for (int i = n - 1; i >= 0; --i) {
+    const LinkModel<T>& link = model.links[i];
+    if (link.parent >= 0)
+      ws.I_C[link.parent] = ws.I_C[link.parent] + ws.X_up[i].inverseTimes(ws.I_C[i]);  // (1)
+    if (link.dof < 0) continue;
+    Force<T> F = jointColumn(link, ws.I_C[i]);
+    M(link.dof, link.dof) = jointForce(link, F) + link.rotor;                          // (2)
+    for (int k = i, j = link.parent; j >= 0; k = j, j = model.links[j].parent) {
+      F = ws.X_up[k].inverseTimes(F);
+      if (model.links[j].dof < 0) continue;
+      M(link.dof, model.links[j].dof) = jointForce(model.links[j], F);                 // (3)
+      M(model.links[j].dof, link.dof) = M(link.dof, model.links[j].dof);
+    }
+  }
+}
+
+namespace detail {
+
+/// The body-level Coriolis matrix of a rigid body: B v = v x* (M v), and dM/dt - 2 B is skew when M
+/// is seen from a frame that does not move.  B = ( [v x*] M - M [v x] + [M v]x~ ) / 2, where
+/// [f]x~ y = y x* f.
+template <typename T>
+Matrix6<T> bodyCoriolis(const RigidInertia<T>& M, const Motion<T>& v) {
+  const Matrix6<T> M6 = ArticulatedInertia<T>::fromRigid(M).matrix();
+  const Force<T> f = M * v;
+  Matrix6<T> v_cross, f_cross;
+  v_cross << skew(v.angular), skew(v.linear), Matrix3<T>::Zero(), skew(v.angular);
+  f_cross << Matrix3<T>::Zero(), -skew(f.force), -skew(f.force), -skew(f.moment);
+  // the force cross product is the negative transpose of the motion cross product
+  const Matrix6<T> twice = f_cross - v_cross.transpose() * M6 - M6 * v_cross;
+  return twice * (T(1) / T(2));
+}
+
+/// Z as six numbers.
+template <typename T>
+Vector6<T> jointAxis(const LinkModel<T>& link) {
+  Vector6<T> Z = Vector6<T>::Zero();
+  if (link.kind == JointKind::kRevolute) Z(5) = T(1);
+  if (link.kind == JointKind::kPrismatic) Z(2) = T(1);
+  return Z;
+}
+
+}  // namespace detail
+
+/** Coriolis matrix C(q, qd), n x n, with c = C qd and dM/dt - 2 C skew-symmetric: the matrix that
+    the Christoffel symbols give, by composite bodies. With B the body-level Coriolis matrix of each
+    link, composed outboard like the inertia, and dZ = v x Z:
+        (1)  F_1 = I_C dZ_j + B_C Z_j,   F_2 = I_C Z_j,   F_3 = B_C' Z_j
+        (2)  C_ij = Z_i' F_1,   C_ji = dZ_i' F_2 + Z_i' F_3      for i inboard of j (or j itself)
+    Dense 6 x 6 products, O(n depth): for checks, not for speed.
+    @see S. Echeandia and P. Wensing, Numerical Methods to Compute the Coriolis Matrix and Christoffel
+         Symbols for Rigid-Body Systems, J. Comput. Nonlinear Dynam. 16 (2021) */
+template <typename T>
+MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x,
+                          const std::vector<T>& qd, Workspace<T>& ws) {
+  const int n = static_cast<int>(model.links.size());
+  std::vector<Vector6<T>> Z(n), dZ(n);
+  std::vector<Matrix6<T>> I_C(n), B_C(n), X_up(n);
+  for (int i = 0; i < n; ++i) {
+    const LinkModel<T>& link = model.links[i];
+    ws.X_up[i] = linkTransform(link, x);
+    const Motion<T> v_J = jointMotion(link, qd);
+    ws.v[i] = link.parent < 0 ? v_J : ws.X_up[i] * ws.v[link.parent] + v_J;
+    X_up[i] = ws.X_up[i].motionMatrix();
+    Z[i] = detail::jointAxis(link);
+    dZ[i] = cross(ws.v[i], Motion<T>{Z[i].template head<3>(), Z[i].template tail<3>()}).vector();
+    I_C[i] = ArticulatedInertia<T>::fromRigid(link.M).matrix();
+    B_C[i] = detail::bodyCoriolis(link.M, ws.v[i]);
+  }
+  MatrixX<T> C = MatrixX<T>::Constant(model.dof(), model.dof(), T(0));
+  for (int j = n - 1; j >= 0; --j) {
+    const int p = model.links[j].parent, dof_j = model.links[j].dof;
+    if (dof_j >= 0) {
+      Vector6<T> F_1 = I_C[j] * dZ[j] + B_C[j] * Z[j];
+      Vector6<T> F_2 = I_C[j] * Z[j];
+      Vector6<T> F_3 = B_C[j].transpose() * Z[j];                               // (1)
+      C(dof_j, dof_j) = Z[j].dot(F_1);
+      for (int k = j, i = p; i >= 0; k = i, i = model.links[i].parent) {
+        F_1 = X_up[k].transpose() * F_1;
+        F_2 = X_up[k].transpose() * F_2;
+        F_3 = X_up[k].transpose() * F_3;
+        const int dof_i = model.links[i].dof;
+        if (dof_i < 0) continue;
+        C(dof_i, dof_j) = Z[i].dot(F_1);
+        C(dof_j, dof_i) = dZ[i].dot(F_2) + Z[i].dot(F_3);                       // (2)
+      }
+    }
+    if (p >= 0) {
+      I_C[p] += X_up[j].transpose() * I_C[j] * X_up[j];
+      B_C[p] += X_up[j].transpose() * B_C[j] * X_up[j];
+    }
+  }
+  return C;
+}
+
+}  // namespace dynwitness::recursive

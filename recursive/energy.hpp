@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Energy and momentum of a mechanism.
+#pragma once
+
+#include <vector>
+
+#include "recursive/model.hpp"
+
+namespace dynwitness::recursive {
+
+/// Velocities of all links into ws.v (and ws.X_up): v_i = X v_p + Z qd_i.
+template <typename T>
+void linkVelocities(const Model<T>& model, const std::vector<JointPosition<T>>& x,
+                    const std::vector<T>& qd, Workspace<T>& ws) {
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    const LinkModel<T>& link = model.links[i];
+    ws.X_up[i] = linkTransform(link, x);
+    const Motion<T> v_J = jointMotion(link, qd);
+    ws.v[i] = link.parent < 0 ? v_J : ws.X_up[i] * ws.v[link.parent] + v_J;
+  }
+}
+
+/// Kinetic energy T = sum v' M v / 2 + sum d qd^2 / 2 [J], rotors included.
+template <typename T>
+T kineticEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
+                const std::vector<T>& qd, Workspace<T>& ws) {
+  linkVelocities(model, x, qd, ws);
+  T twice = T(0);
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    const LinkModel<T>& link = model.links[i];
+    twice += dot(ws.v[i], link.M * ws.v[i]);
+    if (link.dof >= 0) twice += link.rotor * qd[link.dof] * qd[link.dof];
+  }
+  return twice / T(2);
+}
+
+/** Potential energy V = -gravity' sum m p_c + sum k (q - rest)^2 / 2 [J], zero at the world's origin.
+    The first moments of mass are carried inward, so no link needs its place in the world. */
+template <typename T>
+T potentialEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x, Workspace<T>& ws) {
+  T twice_springs = T(0);
+  Vector3<T> h_world = model.base.h;
+  for (std::size_t i = 0; i < model.links.size(); ++i) ws.I_C[i] = model.links[i].M;
+  for (int i = static_cast<int>(model.links.size()) - 1; i >= 0; --i) {
+    const LinkModel<T>& link = model.links[i];
+    const Transform<T> X = linkTransform(link, x);
+    const T& mass = ws.I_C[i].mass;
+    const Vector3<T> h = X.R.transpose() * ws.I_C[i].h + X.p * mass;
+    if (link.parent < 0) {
+      h_world += h;
+    } else {
+      ws.I_C[link.parent].mass += mass;
+      ws.I_C[link.parent].h += h;
+    }
+    if (link.dof >= 0) {
+      const T stretch = x[link.dof].q - link.rest;
+      twice_springs += link.stiffness * stretch * stretch;
+    }
+  }
+  return twice_springs / T(2) - model.gravity.dot(h_world);
+}
+
+/// Momentum of all links together, in world axes about the world's origin [N s, N m s]. Rotors, whose
+/// axes the model d = n^2 J does not know, are not in it.
+template <typename T>
+Force<T> momentum(const Model<T>& model, const std::vector<JointPosition<T>>& x,
+                  const std::vector<T>& qd, Workspace<T>& ws) {
+  linkVelocities(model, x, qd, ws);
+  for (std::size_t i = 0; i < model.links.size(); ++i) ws.f[i] = model.links[i].M * ws.v[i];
+  Force<T> total = Force<T>::zero();
+  for (int i = static_cast<int>(model.links.size()) - 1; i >= 0; --i) {
+    Force<T>& inboard = model.links[i].parent < 0 ? total : ws.f[model.links[i].parent];
+    inboard = inboard + ws.X_up[i].inverseTimes(ws.f[i]);
+  }
+  return total;
+}
+
+}  // namespace dynwitness::recursive

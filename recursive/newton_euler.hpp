@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inverse dynamics by the recursive Newton-Euler sweeps.
+#pragma once
+
+#include <vector>
+
+#include "recursive/model.hpp"
+
+namespace dynwitness::recursive {
+
+/** Inverse dynamics, tau = M(q) qdd + c(q, qd) + g(q) - Q, by an outward sweep of motion and an
+    inward sweep of force (recursive Newton-Euler), in O(n).
+
+    With p the parent of link i, Z the joint's axis, X the transformation from p to i, everything in
+    the coordinates of link i:
+        (1)  v_i = X v_p + Z qd_i
+        (2)  a_i = X a_p + Z qdd_i + v_i x Z qd_i          a_0 = -gravity
+        (3)  f_i = M_i a_i + v_i x* (M_i v_i) - loads + sum over children of X' f_child
+        (4)  tau_i = Z' f_i + d_i qdd_i + k_i (q_i - rest_i)
+    a is spatial acceleration; d = n^2 J the rotor's inertia at the joint, k the joint's spring.
+
+    @tparam T     tested with double, long double, float, running error bounds, dual numbers
+    @param  x, qd, qdd   position, velocity [rad/s, m/s], acceleration [rad/s^2, m/s^2], length n
+    @param  tau   joint forces, length n [N m, N], positive along the joint's +z
+    @param  terms gravity, springs and loads can be left out: c alone is qdd = 0 and Terms::none()
+    @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), table 5.1, p. 96 */
+template <typename T>
+void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& x,
+                     const std::vector<T>& qd, const std::vector<T>& qdd, Workspace<T>& ws,
+                     std::vector<T>& tau, Terms terms = Terms::all()) {
+  const int n = static_cast<int>(model.links.size());
+  const Motion<T> v_0 = Motion<T>::zero();
+  Motion<T> a_0 = Motion<T>::zero();
+  if (terms.gravity) a_0.linear = -model.gravity;
+
+  // outward: velocities, accelerations, and the force that each link alone needs
+  for (int i = 0; i < n; ++i) {
+    const LinkModel<T>& link = model.links[i];
+    const int p = link.parent;
+    ws.X_up[i] = linkTransform(link, x);
+    const Motion<T> v_J = jointMotion(link, qd);
+    ws.v[i] = ws.X_up[i] * (p < 0 ? v_0 : ws.v[p]) + v_J;                        // (1)
+    ws.a[i] = ws.X_up[i] * (p < 0 ? a_0 : ws.a[p]) + jointMotion(link, qdd) +
+              cross(ws.v[i], v_J);                                               // (2)
+    ws.f[i] = link.M * ws.a[i] + biasForce(link.M, ws.v[i]);                     // (3), own part
+  }
+  if (terms.loads) subtractLoads(model, ws, ws.f);
+
+  // inward: what passes through each joint
+  for (int i = n - 1; i >= 0; --i) {
+    const LinkModel<T>& link = model.links[i];
+    if (link.dof >= 0) {
+      tau[link.dof] = jointForce(link, ws.f[i]) + link.rotor * qdd[link.dof];    // (4)
+      if (terms.springs) tau[link.dof] += link.stiffness * (x[link.dof].q - link.rest);
+    }
+    if (link.parent >= 0)
+      ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(ws.f[i]);  // (3), children
+  }
+}
+
+}  // namespace dynwitness::recursive

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What every witness reads: links joined by joints into a tree, with the numbers as written.
+// This header holds data only. How a witness composes placements, shifts inertias or turns about
+// an axis is its own business, because that is what the witnesses testify about.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "scene/error.hpp"
+#include "scene/expression.hpp"
+
+namespace dynwitness::scene {
+
+using Number = Expression;
+using Vector = std::array<Number, 3>;
+
+enum class JointKind { kFixed, kRevolute, kPrismatic };
+
+/// Degrees of freedom of a joint kind.
+int degreesOfFreedom(JointKind kind);
+const char* name(JointKind kind);
+
+/// One elementary motion of a frame: a translation [m], or a turn about one of its axes [rad].
+struct Step {
+  enum class Kind { kTranslate, kRotateX, kRotateY, kRotateZ };
+  Kind kind;
+  Vector translation;  ///< kTranslate
+  Number angle;        ///< kRotate*
+};
+
+/** Where a joint sits on its parent, in the spelling of the scene's author.
+
+    kXyzRpy   joint frame = parent frame, moved by xyz, then turned R = Rz(yaw) Ry(pitch) Rx(roll);
+              the link frame is the joint frame after the joint's motion.
+    kDh       (standard Denavit-Hartenberg) the joint moves about/along z of the parent's frame; the
+              link frame follows as  Rz(theta + q) Tz(d + q) Tx(a) Rx(alpha),  q in one of the two.
+    kMdh      (modified, Craig) joint frame = Rx(alpha) Tx(a) Rz(theta) Tz(d) on the parent's frame;
+              the link frame is the joint frame after the joint's motion. */
+struct Placement {
+  enum class Convention { kXyzRpy, kDh, kMdh };
+  Convention convention = Convention::kXyzRpy;
+  Vector xyz, rpy;             ///< kXyzRpy [m], [rad]
+  Number a, alpha, d, theta;   ///< kDh, kMdh [m], [rad], [m], [rad]
+
+  /// Parent's link frame to joint frame, and moved joint frame to link frame: steps to be composed
+  /// from left to right (X = X_step0 * X_step1 * ...). Trivial steps (literal zeros) are left out.
+  std::vector<Step> beforeJoint() const;
+  std::vector<Step> afterJoint() const;
+};
+
+/** A joint: the link moves about (revolute, rad) or along (prismatic, m) `axis`, given in the joint
+    frame and of any non-zero length. A rotor of inertia J [kg m^2], geared n times faster than the
+    joint, adds n^2 J to the joint's own inertia. A spring adds  stiffness (q - rest)^2 / 2  to V. */
+struct Joint {
+  std::string name;
+  JointKind kind = JointKind::kFixed;
+  Placement placement;
+  Vector axis{Number(0), Number(0), Number(1)};
+  Number rotor_inertia{0}, gear_ratio{1};
+  Number stiffness{0}, rest{0};
+};
+
+/** Mass [kg], centre of mass [m] in the link frame, and the rotational inertia [kg m^2]
+    I = [xx xy xz; xy yy yz; xz yz zz]: products of inertia carry the matrix's sign (xy = -sum m x y).
+    `about` says about which point; `rpy` turns link axes into the axes in which I is given
+    (zero: link axes). */
+struct MassProperties {
+  enum class About { kCenterOfMass, kLinkOrigin };
+  Number mass{0};
+  Vector com;
+  About about = About::kCenterOfMass;
+  Vector rpy;
+  Number xx, yy, zz, xy, xz, yz;
+};
+
+/// A link and the joint that carries it. The root (index 0) has parent -1 and rests in the world.
+struct Link {
+  std::string name;
+  int parent = -1;
+  Joint joint;
+  MassProperties inertia;
+  SourceLocation where;  ///< for messages about this link
+};
+
+/// A constant force [N] and moment [N m] on a link, the force acting at the point `at` (link frame,
+/// m); both are given in link axes or in world axes.
+struct Wrench {
+  enum class Axes { kLink, kWorld };
+  int link = 0;
+  Vector force, moment, at;
+  Axes axes = Axes::kLink;
+};
+
+struct Parameter {
+  std::string name;
+  Number value;  ///< in terms of the parameters before it
+  SourceLocation where;
+};
+
+/// A tree of links in topological order: links[i].parent < i, links[0] is the root.
+struct Mechanism {
+  std::vector<Parameter> parameters;
+  bool has_gravity = false;
+  Vector gravity;  ///< [m/s^2], world axes
+  std::vector<Link> links;
+  std::vector<Wrench> wrenches;
+
+  int dof() const;
+  /// Indices of the links whose joints move, in the order of q.
+  std::vector<int> movingLinks() const;
+  /// Exact values of all parameters.
+  ParameterValues parameterValues() const;
+};
+
+}  // namespace dynwitness::scene

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A scene: a mechanism and what is asked of it, from a file and back.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scene/mechanism.hpp"
+
+namespace dynwitness::scene {
+
+struct Scene {
+  std::string name;    ///< file name without folder and extension
+  std::string title;
+  std::string source;  ///< where the figures come from
+  std::filesystem::path file;
+  Mechanism mechanism;
+  std::vector<Number> start_q, start_qd;    ///< one a degree of freedom; default 0
+  std::vector<std::string> not_modelled;    ///< what the file says and dynwitness leaves out
+};
+
+/** Reads a scene from a TOML or URDF file, told apart by content, and validates it.
+    @throws InputError  `file:line: ...`, on anything missing, unknown, undefined, cyclic, not finite
+    or physically impossible. */
+Scene readScene(const std::filesystem::path& file);
+
+/// The same for TOML text that is already in memory; `file` is used in messages and as the name.
+Scene readSceneToml(const std::string& text, const std::filesystem::path& file);
+/// The same for URDF text.
+Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file);
+
+/// The scene as TOML. Reading the text again gives the same scene, and writing that the same text.
+std::string writeSceneToml(const Scene& scene);
+
+/// Checks that need the whole mechanism: names, masses, inertias, axes, singular leaves.
+/// @throws InputError naming the link, the value and the rule.
+void validate(const Scene& scene);
+
+/// The folder with scenes/ and reference/ in it: the environment variable DYNWITNESS_DATA, or where the
+/// build or the installation put it.
+std::filesystem::path dataFolder();
+/// The scene of this name in the folder of bundled scenes, or the file of this path.
+/// @throws InputError listing the names that exist when it is neither.
+Scene findScene(const std::string& name_or_path);
+/// The bundled scenes, in alphabetical order, as paths.
+std::vector<std::filesystem::path> bundledScenes();
+
+}  // namespace dynwitness::scene

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a witness is asked about: a position, a velocity, and an acceleration or a force.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+namespace dynwitness::scene {
+
+/// Cosine and sine of one angle: a point of the circle c^2 + s^2 = 1.
+template <typename T>
+struct CosSin {
+  T c, s;
+};
+
+/** Position of one degree of freedom. Witnesses read c and s where a joint turns and q where it
+    slides (or where a spring measures it), so every quantity is a rational function of the three,
+    and a position need not come from a floating-point angle. */
+template <typename T>
+struct JointPosition {
+  T q, c, s;
+};
+
+template <typename T>
+JointPosition<T> jointPosition(const T& q) {
+  using std::cos;
+  using std::sin;
+  return {q, cos(q), sin(q)};
+}
+
+/// One state, all vectors of length n = Mechanism::dof(), SI units, in the order of the joints.
+template <typename T>
+struct State {
+  std::vector<JointPosition<T>> x;
+  std::vector<T> qd;   ///< [rad/s], [m/s]
+  std::vector<T> qdd;  ///< asked with `tau` [rad/s^2], [m/s^2]
+  std::vector<T> tau;  ///< asked with `qdd` [N m], [N]
+};
+
+}  // namespace dynwitness::scene

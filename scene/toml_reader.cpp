@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads TOML scenes (data/scenes/README.md). The only file that includes toml++.
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "scene/arrange.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::scene {
+namespace {
+
+std::string typeName(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::string:
+      return "a string";
+    case toml::node_type::integer:
+      return "an integer";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "a boolean";
+    default:
+      return "a date or time";
+  }
+}
+
+class TomlReader {
+ public:
+  TomlReader(const std::string& text, const std::string& file) : file_(file) {
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) lines_.push_back(line);
+  }
+
+  Scene read(const toml::table& top);
+
+ private:
+  using Keys = std::vector<std::string_view>;
+
+  SourceLocation where(const toml::source_region& region) const {
+    return {file_, static_cast<int>(region.begin.line)};
+  }
+  SourceLocation where(const toml::node& node) const { return where(node.source()); }
+
+  [[noreturn]] void wrongType(const toml::node& node, const std::string& what,
+                              const std::string& allowed) const {
+    throw InputError(where(node), what + ": " + typeName(node) + ", allowed: " + allowed);
+  }
+
+  void checkKeys(const toml::table& table, const std::string& what, const Keys& allowed) const;
+  const toml::table& asTable(const toml::node& node, const std::string& what) const;
+  /// The tables of [[key]]; none when the key is absent.
+  std::vector<const toml::table*> tables(const toml::table& top, const std::string& key) const;
+  std::string string(const toml::node& node, const std::string& what) const;
+  std::string optionalString(const toml::table& table, const std::string& key) const;
+  const toml::node& required(const toml::table& table, const std::string& what,
+                             const std::string& key, const std::string& allowed) const;
+
+  std::string literal(const toml::node& node) const;
+  Number expression(const toml::node& node, const std::string& what) const;
+  Number number(const toml::node& node, const std::string& what) const;
+  Number optionalNumber(const toml::table& table, const std::string& what, const std::string& key,
+                        Number otherwise = 0) const;
+  std::vector<Number> numbers(const toml::node& node, const std::string& what,
+                              std::size_t count) const;
+  Vector vector(const toml::node& node, const std::string& what) const;
+  Vector optionalVector(const toml::table& table, const std::string& what, const std::string& key,
+                        const Vector& otherwise = {}) const;
+
+  void readParameters(const toml::node& node);
+  NamedLink readLink(const toml::table& table) const;
+  Joint readJoint(const toml::table& table, const std::string& link) const;
+  JointKind readJointKind(const toml::table& table, const std::string& what) const;
+  Placement readPlacement(const toml::table& table, const std::string& what) const;
+  void readInertia(const toml::table& table, const std::string& what,
+                   MassProperties* inertia) const;
+  Wrench readWrench(const toml::table& table) const;
+  void readStart(const toml::node& node);
+
+  std::string file_;
+  std::vector<std::string> lines_;
+  Scene scene_;
+  ParameterValues values_;
+};
+
+// ------------------------------------------------------------------------- keys, tables, strings
+
+void TomlReader::checkKeys(const toml::table& table, const std::string& what,
+                           const Keys& allowed) const {
+  for (const auto& [key, value] : table) {
+    if (std::find(allowed.begin(), allowed.end(), key.str()) != allowed.end()) continue;
+    std::string names;
+    for (const std::string_view name : allowed) {
+      names += (names.empty() ? "" : ", ") + std::string(name);
+    }
+    throw InputError(where(key.source()),
+                     what + ": unknown key \"" + std::string(key.str()) + "\", allowed: " + names);
+  }
+}
+
+const toml::table& TomlReader::asTable(const toml::node& node, const std::string& what) const {
+  if (!node.is_table()) wrongType(node, what, "a table");
+  return *node.as_table();
+}
+
+std::vector<const toml::table*> TomlReader::tables(const toml::table& top,
+                                                   const std::string& key) const {
+  std::vector<const toml::table*> result;
+  const toml::node* node = top.get(key);
+  if (!node) return result;
+  const std::string allowed = "[[" + key + "]] tables";
+  if (!node->is_array()) wrongType(*node, key, allowed);
+  for (const toml::node& element : *node->as_array()) {
+    if (!element.is_table()) wrongType(element, key, allowed);
+    result.push_back(element.as_table());
+  }
+  return result;
+}
+
+std::string TomlReader::string(const toml::node& node, const std::string& what) const {
+  if (!node.is_string()) wrongType(node, what, "a string");
+  return node.as_string()->get();
+}
+
+std::string TomlReader::optionalString(const toml::table& table, const std::string& key) const {
+  const toml::node* node = table.get(key);
+  return node ? string(*node, key) : std::string();
+}
+
+const toml::node& TomlReader::required(const toml::table& table, const std::string& what,
+                                       const std::string& key, const std::string& allowed) const {
+  const toml::node* node = table.get(key);
+  if (!node) throw InputError(where(table), what + ": has no " + key + ", allowed: " + allowed);
+  return *node;
+}
+
+// ------------------------------------------------------------------------------------- numbers
+
+/// A number as the file spells it: toml++ has rounded its value to a double already.
+std::string TomlReader::literal(const toml::node& node) const {
+  const toml::source_position begin = node.source().begin;
+  const std::string& line = lines_.at(begin.line - 1);
+  std::size_t at = 0;
+  for (toml::source_index column = 1; column < begin.column; ++at) {  // columns count code points
+    if ((static_cast<unsigned char>(line[at + 1]) & 0xC0) != 0x80) ++column;
+  }
+  std::string result;
+  for (; at < line.size(); ++at) {
+    const char c = line[at];
+    const bool part = (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-' || c == 'e' ||
+                      c == 'E' || c == '_';
+    if (!part) break;
+    if (c != '_') result += c;
+  }
+  return result;
+}
+
+/// An expression whose parameters are not looked up yet.
+Number TomlReader::expression(const toml::node& node, const std::string& what) const {
+  const auto read = [&](const std::string& text) {
+    try {
+      return Expression::parse(text);
+    } catch (const InputError& error) {
+      throw InputError(where(node), what + ": " + error.what());
+    }
+  };
+  if (const auto* text = node.as_string()) return read(text->get());
+  if (const auto* integer = node.as_integer()) return read(std::to_string(integer->get()));
+  if (const auto* real = node.as_floating_point()) {
+    if (!std::isfinite(real->get())) {
+      throw InputError(where(node), what + ": not finite, allowed: a finite number");
+    }
+    const Number result = read(literal(node));
+    if (exactValue(result, {}).toDouble() != real->get()) {
+      throw std::logic_error("TomlReader: lost the spelling of a number, " + where(node).text());
+    }
+    return result;
+  }
+  wrongType(node, what, "a number or a string with an expression");
+}
+
+Number TomlReader::number(const toml::node& node, const std::string& what) const {
+  const Number result = expression(node, what);
+  try {
+    exactValue(result, values_);
+  } catch (const InputError& error) {
+    throw InputError(where(node), what + ": " + error.what());
+  }
+  return result;
+}
+
+Number TomlReader::optionalNumber(const toml::table& table, const std::string& what,
+                                  const std::string& key, Number otherwise) const {
+  const toml::node* node = table.get(key);
+  return node ? number(*node, what + ": " + key) : otherwise;
+}
+
+std::vector<Number> TomlReader::numbers(const toml::node& node, const std::string& what,
+                                        std::size_t count) const {
+  const std::string allowed = "an array of " + std::to_string(count) + " numbers";
+  if (!node.is_array()) wrongType(node, what, allowed);
+  const toml::array& array = *node.as_array();
+  if (array.size() != count) {
+    throw InputError(where(node), what + ": an array of " + std::to_string(array.size()) +
+                                      ", allowed: " + allowed);
+  }
+  std::vector<Number> result;
+  for (const toml::node& element : array) result.push_back(number(element, what));
+  return result;
+}
+
+Vector TomlReader::vector(const toml::node& node, const std::string& what) const {
+  const std::vector<Number> v = numbers(node, what, 3);
+  return {v[0], v[1], v[2]};
+}
+
+Vector TomlReader::optionalVector(const toml::table& table, const std::string& what,
+                                  const std::string& key, const Vector& otherwise) const {
+  const toml::node* node = table.get(key);
+  return node ? vector(*node, what + ": " + key) : otherwise;
+}
+
+// ------------------------------------------------------------------------- the parts of a scene
+
+void TomlReader::readParameters(const toml::node& node) {
+  struct Entry {
+    Parameter parameter;
+    const toml::node* node;
+  };
+  std::vector<Entry> entries;
+  for (const auto& [key, value] : asTable(node, "parameters")) {
+    const std::string name(key.str());
+    if (!isParameterName(name)) {
+      throw InputError(where(key.source()),
+                       "parameter \"" + name +
+                           "\": not a name, allowed: letters, digits and _, not starting with a "
+                           "digit, and not pi, inf or nan");
+    }
+    entries.push_back(
+        {{name, expression(value, "parameter \"" + name + '"'), where(value)}, &value});
+  }
+  // toml++ keeps tables sorted by key; the order of the file decides what may use what
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    const toml::source_position p = a.node->source().begin, q = b.node->source().begin;
+    return p.line != q.line ? p.line < q.line : p.column < q.column;
+  });
+  std::map<std::string, SourceLocation> definitions;
+  for (const Entry& e : entries) definitions[e.parameter.name] = e.parameter.where;
+  for (const Entry& e : entries) {
+    const std::string& name = e.parameter.name;
+    for (const std::string& used : e.parameter.value.parameters()) {
+      if (used == name) {
+        throw InputError(e.parameter.where, "parameter \"" + name + "\": is defined by itself");
+      }
+      if (values_.count(used) == 0 && definitions.count(used) > 0) {
+        throw InputError(e.parameter.where, "parameter \"" + name + "\": uses \"" + used +
+                                                "\" before it is defined (" +
+                                                definitions[used].text() + ")");
+      }
+    }
+    number(*e.node, "parameter \"" + name + '"');
+    values_[name] = exactValue(e.parameter.value, values_);
+    scene_.mechanism.parameters.push_back(e.parameter);
+  }
+}
+
+NamedLink TomlReader::readLink(const toml::table& table) const {
+  NamedLink named;
+  Link& link = named.link;
+  link.where = where(table);
+  link.name = string(required(table, "link", "name", "a string"), "link: name");
+  const std::string what = "link \"" + link.name + '"';
+  checkKeys(table, what, {"name", "parent", "mass", "com", "inertia", "joint"});
+  link.inertia.mass = optionalNumber(table, what, "mass");
+  link.inertia.com = optionalVector(table, what, "com");
+  if (const toml::node* inertia = table.get("inertia")) {
+    readInertia(asTable(*inertia, what + ": inertia"), what + ": inertia", &link.inertia);
+  }
+  const toml::node* joint = table.get("joint");
+  if (const toml::node* parent = table.get("parent")) {
+    named.parent = string(*parent, what + ": parent");
+    named.parent_where = where(*parent);
+    if (!joint) throw InputError(link.where, what + ": has a parent, but no [link.joint]");
+    link.joint = readJoint(asTable(*joint, what + ": joint"), link.name);
+  } else if (joint) {
+    throw InputError(where(*joint), what + ": has a joint, but no parent");
+  }
+  return named;
+}
+
+JointKind TomlReader::readJointKind(const toml::table& table, const std::string& what) const {
+  const std::string allowed = "fixed, revolute, prismatic";
+  const toml::node& node = required(table, what, "kind", allowed);
+  const std::string kind = string(node, what + ": kind");
+  for (const JointKind k : {JointKind::kFixed, JointKind::kRevolute, JointKind::kPrismatic}) {
+    if (kind == name(k)) return k;
+  }
+  throw InputError(where(node), what + ": kind is \"" + kind + "\", allowed: " + allowed);
+}
+
+Joint TomlReader::readJoint(const toml::table& table, const std::string& link) const {
+  Joint joint;
+  const toml::node* name_node = table.get("name");
+  joint.name = name_node ? string(*name_node, "link \"" + link + "\": joint name") : link;
+  const std::string what = "joint \"" + joint.name + '"';
+  if (joint.name.empty()) throw InputError(where(*name_node), what + ": empty name");
+  joint.kind = readJointKind(table, what);
+  if (joint.kind == JointKind::kFixed) {
+    checkKeys(table, what + " (fixed)", {"name", "kind", "xyz", "rpy", "dh", "mdh"});
+  } else {
+    checkKeys(table, what,
+              {"name", "kind", "axis", "xyz", "rpy", "dh", "mdh", "rotor_inertia", "gear_ratio",
+               "stiffness", "rest"});
+  }
+  joint.placement = readPlacement(table, what);
+  joint.axis = optionalVector(table, what, "axis", joint.axis);
+  joint.rotor_inertia = optionalNumber(table, what, "rotor_inertia");
+  joint.gear_ratio = optionalNumber(table, what, "gear_ratio", 1);
+  joint.stiffness = optionalNumber(table, what, "stiffness");
+  joint.rest = optionalNumber(table, what, "rest");
+  return joint;
+}
+
+Placement TomlReader::readPlacement(const toml::table& table, const std::string& what) const {
+  Placement p;
+  p.xyz = optionalVector(table, what, "xyz");
+  p.rpy = optionalVector(table, what, "rpy");
+  for (const char* convention : {"dh", "mdh"}) {
+    const toml::node* node = table.get(convention);
+    if (!node) continue;
+    for (const char* other : {"xyz", "rpy", "axis", "mdh"}) {
+      if (std::string(other) == convention || !table.get(other)) continue;
+      throw InputError(where(*node), what + ": has both " + convention + " and " + other +
+                                         ", allowed: xyz, rpy and axis, or dh, or mdh");
+    }
+    const std::string row = what + ": " + convention;
+    const toml::table& cells = asTable(*node, row);
+    checkKeys(cells, row, {"a", "alpha", "d", "theta"});
+    p.convention =
+        std::string(convention) == "dh" ? Placement::Convention::kDh : Placement::Convention::kMdh;
+    p.a = optionalNumber(cells, row, "a");
+    p.alpha = optionalNumber(cells, row, "alpha");
+    p.d = optionalNumber(cells, row, "d");
+    p.theta = optionalNumber(cells, row, "theta");
+  }
+  return p;
+}
+
+void TomlReader::readInertia(const toml::table& table, const std::string& what,
+                             MassProperties* inertia) const {
+  checkKeys(table, what, {"about", "rpy", "xx", "yy", "zz", "xy", "xz", "yz"});
+  if (const toml::node* about = table.get("about")) {
+    const std::string point = string(*about, what + ": about");
+    if (point != "com" && point != "origin") {
+      throw InputError(where(*about),
+                       what + ": about is \"" + point + "\", allowed: \"com\", \"origin\"");
+    }
+    inertia->about =
+        point == "com" ? MassProperties::About::kCenterOfMass : MassProperties::About::kLinkOrigin;
+  }
+  inertia->rpy = optionalVector(table, what, "rpy");
+  inertia->xx = optionalNumber(table, what, "xx");
+  inertia->yy = optionalNumber(table, what, "yy");
+  inertia->zz = optionalNumber(table, what, "zz");
+  inertia->xy = optionalNumber(table, what, "xy");
+  inertia->xz = optionalNumber(table, what, "xz");
+  inertia->yz = optionalNumber(table, what, "yz");
+}
+
+Wrench TomlReader::readWrench(const toml::table& table) const {
+  Wrench wrench;
+  checkKeys(table, "wrench", {"link", "force", "moment", "at", "axes"});
+  const toml::node& node = required(table, "wrench", "link", "the name of a link");
+  const std::string link = string(node, "wrench: link");
+  const std::string what = "wrench on \"" + link + '"';
+  const std::vector<Link>& links = scene_.mechanism.links;
+  const auto found = std::find_if(links.begin(), links.end(), [&link](const Link& candidate) {
+    return candidate.name == link;
+  });
+  if (found == links.end()) {
+    throw InputError(where(node), "wrench: \"" + link + "\" is not a link of this scene");
+  }
+  wrench.link = static_cast<int>(found - links.begin());
+  wrench.force = optionalVector(table, what, "force");
+  wrench.moment = optionalVector(table, what, "moment");
+  wrench.at = optionalVector(table, what, "at");
+  if (const toml::node* axes = table.get("axes")) {
+    const std::string which = string(*axes, what + ": axes");
+    if (which != "link" && which != "world") {
+      throw InputError(where(*axes),
+                       what + ": axes is \"" + which + "\", allowed: \"link\", \"world\"");
+    }
+    wrench.axes = which == "link" ? Wrench::Axes::kLink : Wrench::Axes::kWorld;
+  }
+  return wrench;
+}
+
+void TomlReader::readStart(const toml::node& node) {
+  const toml::table& table = asTable(node, "start");
+  checkKeys(table, "start", {"q", "qd"});
+  const auto dof = static_cast<std::size_t>(scene_.mechanism.dof());
+  if (const toml::node* q = table.get("q")) scene_.start_q = numbers(*q, "start: q", dof);
+  if (const toml::node* qd = table.get("qd")) scene_.start_qd = numbers(*qd, "start: qd", dof);
+}
+
+Scene TomlReader::read(const toml::table& top) {
+  checkKeys(top, "scene", {"title", "source", "gravity", "parameters", "link", "wrench", "start"});
+  scene_.title = optionalString(top, "title");
+  scene_.source = optionalString(top, "source");
+  if (const toml::node* parameters = top.get("parameters")) readParameters(*parameters);
+  Mechanism& mechanism = scene_.mechanism;
+  if (const toml::node* gravity = top.get("gravity")) {
+    mechanism.has_gravity = true;
+    mechanism.gravity = vector(*gravity, "gravity");
+  }
+  std::vector<NamedLink> links;
+  for (const toml::table* table : tables(top, "link")) links.push_back(readLink(*table));
+  mechanism.links = arrange(links, file_);
+  for (const toml::table* table : tables(top, "wrench")) {
+    mechanism.wrenches.push_back(readWrench(*table));
+  }
+  const auto dof = static_cast<std::size_t>(mechanism.dof());
+  scene_.start_q.resize(dof);
+  scene_.start_qd.resize(dof);
+  if (const toml::node* start = top.get("start")) readStart(*start);
+  return std::move(scene_);
+}
+
+}  // namespace
+
+Scene readSceneToml(const std::string& text, const std::filesystem::path& file) {
+  const std::string name = file.string();
+  const bool has_mark = text.compare(0, 3, "\xEF\xBB\xBF") == 0;  // byte order mark
+  const std::string content = has_mark ? text.substr(3) : text;
+  toml::table top;
+  try {
+    top = toml::parse(std::string_view(content), std::string_view(name));
+  } catch (const toml::parse_error& error) {
+    throw InputError({name, static_cast<int>(error.source().begin.line)},
+                     "not TOML: " + std::string(error.description()));
+  }
+  Scene scene = TomlReader(content, name).read(top);
+  scene.file = file;
+  scene.name = file.stem().string();
+  validate(scene);
+  return scene;
+}
+
+}  // namespace dynwitness::scene

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads URDF files as scenes.
+//
+// Two parsers look at the file. TinyXML gives the elements: their line numbers, and their numbers
+// as they are spelled, which are taken as exact decimals. urdfdom, whose own data are doubles and
+// quaternions by then, judges whether the file is URDF at all; whatever it complains about is an
+// error here, because it would go on without the part that it could not read.
+#include <console_bridge/console.h>
+#include <tinyxml.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <sstream>
+
+#include "scene/arrange.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::scene {
+namespace {
+
+// ----------------------------------------------------------------------------------- numbers
+
+/** Angles that decimals cannot spell. A number that is, as a double, within two units in the last
+    place of k pi / n, n = 1, 2, 3, 4 or 6, is taken to be that angle: these are all the prints of
+   it with 16 or more significant digits (1.570796326794897). A print with fewer digits, such
+   as 1.5708, stays the decimal that it is: other programs that read the file turn by that angle,
+   too. */
+Number angleOf(const Number& decimal) {
+  const double angle = exactValue(decimal, {}).toDouble();
+  constexpr double kPi = 3.14159265358979323846;
+  if (std::abs(angle) > 4 * kPi) return decimal;
+  for (const int n : {1, 2, 3, 4, 6}) {
+    const int k = static_cast<int>(std::lround(angle * n / kPi));
+    if (k == 0) continue;
+    const double exact = std::abs(Exact{0, Rational(k, n)}.toDouble());
+    const double unit = std::nextafter(exact, HUGE_VAL) - exact;
+    if (std::abs(std::abs(angle) - exact) > 2 * unit) continue;
+    std::string text = k < 0 ? "-" : "";
+    if (std::abs(k) != 1) text += std::to_string(std::abs(k)) + "*";
+    text += n == 1 ? "pi" : "pi/" + std::to_string(n);
+    return Expression::parse(text);
+  }
+  return decimal;
+}
+
+// ---------------------------------------------------------------------------------- elements
+
+/// One element of the file, with the messages about it.
+class Element {
+ public:
+  Element(const TiXmlElement* xml, const std::string& file) : xml_(xml), file_(file) {}
+
+  SourceLocation where() const { return {file_, xml_->Row()}; }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError(where(), "<" + xml_->ValueStr() + ">: " + what);
+  }
+
+  /// The only child of this kind, if there is one.
+  std::optional<Element> child(const char* kind) const {
+    const TiXmlElement* first = xml_->FirstChildElement(kind);
+    if (!first) return {};
+    if (const TiXmlElement* second = first->NextSiblingElement(kind)) {
+      Element(second, file_).fail("a second one, allowed: one in <" + xml_->ValueStr() + ">");
+    }
+    return Element(first, file_);
+  }
+  Element requiredChild(const char* kind) const {
+    const std::optional<Element> found = child(kind);
+    if (!found) fail("has no <" + std::string(kind) + ">");
+    return *found;
+  }
+  std::vector<Element> children(const char* kind) const {
+    std::vector<Element> found;
+    for (const TiXmlElement* e = xml_->FirstChildElement(kind); e;
+         e = e->NextSiblingElement(kind)) {
+      found.emplace_back(e, file_);
+    }
+    return found;
+  }
+
+  std::string optionalAttribute(const char* key) const {
+    const char* text = xml_->Attribute(key);
+    return text ? text : "";
+  }
+  std::string attribute(const char* key) const {
+    const char* text = xml_->Attribute(key);
+    if (!text) fail("has no " + std::string(key));
+    return text;
+  }
+
+  Number number(const char* key) const { return decimals(key, 1)[0]; }
+  Number optionalNumber(const char* key) const {
+    return xml_->Attribute(key) ? number(key) : Number(0);
+  }
+  Vector optionalVector(const char* key) const {
+    if (!xml_->Attribute(key)) return {};
+    const std::vector<Number> v = decimals(key, 3);
+    return {v[0], v[1], v[2]};
+  }
+  Vector optionalAngles(const char* key) const {
+    Vector v = optionalVector(key);
+    for (Number& angle : v) angle = angleOf(angle);
+    return v;
+  }
+
+ private:
+  std::vector<Number> decimals(const char* key, std::size_t count) const {
+    std::istringstream words(attribute(key));
+    std::vector<Number> result;
+    for (std::string word; words >> word;) result.push_back(decimal(word, key));
+    if (result.size() != count) {
+      fail(std::string(key) + " has " + std::to_string(result.size()) +
+           " numbers, allowed: " + std::to_string(count));
+    }
+    return result;
+  }
+
+  Number decimal(const std::string& word, const char* key) const {
+    std::string lower = word;
+    for (char& c : lower) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    const std::size_t unsigned_at = lower.find_first_not_of("+-");
+    for (const char* word_of_double : {"inf", "nan"}) {
+      if (unsigned_at != std::string::npos && lower.compare(unsigned_at, 3, word_of_double) == 0) {
+        fail(std::string(key) + " is \"" + word + "\", not finite, allowed: finite decimals");
+      }
+    }
+    if (lower.find_first_not_of("0123456789+-.e") == std::string::npos) {
+      try {
+        const Number n = Expression::parse(word);
+        using Kind = Expression::Kind;
+        if ((n.kind() == Kind::kNegate ? n.left() : n).kind() == Kind::kNumber) {
+          exactValue(n, {});  // refuses what is not finite
+          return n;
+        }
+      } catch (const InputError& error) {
+        fail(std::string(key) + ": " + error.what());
+      }
+    }
+    fail(std::string(key) + " is \"" + word + "\", allowed: decimals");
+  }
+
+  const TiXmlElement* xml_;
+  std::string file_;
+};
+
+// ------------------------------------------------------------------------------ links, joints
+
+Link readLink(const Element& element) {
+  Link link;
+  link.name = element.attribute("name");
+  link.where = element.where();
+  const std::optional<Element> inertial = element.child("inertial");
+  if (!inertial) return link;
+  MassProperties& p = link.inertia;
+  p.mass = inertial->requiredChild("mass").number("value");
+  if (const std::optional<Element> origin = inertial->child("origin")) {
+    p.com = origin->optionalVector("xyz");
+    p.rpy = origin->optionalAngles("rpy");
+  }
+  const Element inertia = inertial->requiredChild("inertia");
+  p.xx = inertia.number("ixx");
+  p.yy = inertia.number("iyy");
+  p.zz = inertia.number("izz");
+  p.xy = inertia.number("ixy");
+  p.xz = inertia.number("ixz");
+  p.yz = inertia.number("iyz");
+  return link;
+}
+
+JointKind readJointKind(const Element& element, const std::string& joint) {
+  const std::string kind = element.attribute("type");
+  if (kind == "fixed") return JointKind::kFixed;
+  if (kind == "revolute" || kind == "continuous") return JointKind::kRevolute;
+  if (kind == "prismatic") return JointKind::kPrismatic;
+  element.fail("joint \"" + joint + "\" is of type \"" + kind +
+               "\", allowed: fixed, revolute, continuous, prismatic");
+}
+
+Joint readJoint(const Element& element) {
+  Joint joint;
+  joint.name = element.attribute("name");
+  if (joint.name.empty()) element.fail("empty name");
+  joint.kind = readJointKind(element, joint.name);
+  if (const std::optional<Element> origin = element.child("origin")) {
+    joint.placement.xyz = origin->optionalVector("xyz");
+    joint.placement.rpy = origin->optionalAngles("rpy");
+  }
+  if (joint.kind == JointKind::kFixed) return joint;  // an axis, if given, means nothing
+  joint.axis = {1, 0, 0};                             // what URDF means by leaving it out
+  if (const std::optional<Element> axis = element.child("axis")) {
+    joint.axis = axis->optionalVector("xyz");
+  }
+  return joint;
+}
+
+/// What a joint says and a scene cannot, as one line; empty when there is nothing.
+std::string notModelled(const Element& element) {
+  std::string said;
+  const auto add = [&said](const std::string& what) { said += (said.empty() ? "" : ", ") + what; };
+  if (const std::optional<Element> dynamics = element.child("dynamics")) {
+    for (const char* key : {"damping", "friction"}) {
+      const Number n = dynamics->optionalNumber(key);
+      if (!exactValue(n, {}).isZero()) add(std::string(key) + " " + n.text());
+    }
+  }
+  if (const std::optional<Element> mimic = element.child("mimic")) {
+    add("mimic of " + mimic->attribute("joint") + " (the joint moves freely)");
+  }
+  if (said.empty()) return said;
+  return "joint " + element.attribute("name") + ": " + said + " not modelled";
+}
+
+// ----------------------------------------------------------------------- urdfdom's own verdict
+
+/// Keeps what urdfdom says from standard error, while it lives.
+class Listener : public console_bridge::OutputHandler {
+ public:
+  Listener() { console_bridge::useOutputHandler(this); }
+  ~Listener() override { console_bridge::restorePreviousOutputHandler(); }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level < console_bridge::CONSOLE_BRIDGE_LOG_ERROR) return;
+    complaints += (complaints.empty() ? "" : "; ") + text;
+  }
+
+  std::string complaints;
+};
+
+void requireValidUrdf(const std::string& text, const std::string& file) {
+  Listener listener;
+  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text);
+  if (model && listener.complaints.empty()) return;
+  throw InputError({file, 0}, "not valid URDF: " + listener.complaints);
+}
+
+}  // namespace
+
+Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) {
+  const std::string name = file.string();
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  if (document.Error()) {
+    throw InputError({name, document.ErrorRow()}, "not XML: " + std::string(document.ErrorDesc()));
+  }
+  const TiXmlElement* top = document.RootElement();
+  if (!top) throw InputError({name, 0}, "not URDF: there is no element");
+  if (top->ValueStr() != "robot") {
+    throw InputError({name, top->Row()}, "not URDF: the outermost element is <" + top->ValueStr() +
+                                             ">, allowed: <robot>");
+  }
+  const Element robot(top, name);
+
+  Scene scene;
+  scene.file = file;
+  scene.name = file.stem().string();
+  scene.title = robot.attribute("name");
+  scene.source = "URDF file " + file.filename().string();
+
+  std::vector<NamedLink> links;
+  bool has_limits = false;
+  for (const Element& element : robot.children("link"))
+    links.push_back({readLink(element), {}, {}});
+  for (const Element& element : robot.children("joint")) {
+    const Joint joint = readJoint(element);
+    const Element child = element.requiredChild("child"), parent = element.requiredChild("parent");
+    const std::string child_name = child.attribute("link");
+    const auto found = std::find_if(links.begin(), links.end(), [&](const NamedLink& named) {
+      return named.link.name == child_name;
+    });
+    if (found == links.end()) {
+      child.fail("joint \"" + joint.name + "\": child \"" + child_name + "\" is not a link");
+    }
+    if (found->parent) {
+      child.fail("joint \"" + joint.name + "\": link \"" + child_name +
+                 "\" is the child of joint \"" + found->link.joint.name +
+                 "\" already, allowed: a tree");
+    }
+    found->link.joint = joint;
+    found->parent = parent.attribute("link");
+    found->parent_where = parent.where();
+    const std::string left_out = notModelled(element);
+    if (!left_out.empty()) scene.not_modelled.push_back(left_out);
+    has_limits = has_limits || element.child("limit");
+  }
+  if (has_limits) {
+    scene.not_modelled.push_back("joint limits (position, velocity, effort) not modelled");
+  }
+  Mechanism& mechanism = scene.mechanism;
+  mechanism.links = arrange(links, name);
+  mechanism.has_gravity = true;  // URDF cannot say; every reader of it supposes this
+  mechanism.gravity = {0, 0, Expression::parse("-9.81")};
+  scene.start_q.resize(static_cast<std::size_t>(mechanism.dof()));
+  scene.start_qd.resize(scene.start_q.size());
+
+  requireValidUrdf(text, name);
+  validate(scene);
+  return scene;
+}
+
+}  // namespace dynwitness::scene

@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The one place that says what is physically possible.
+//
+// Decisions are made in rational arithmetic, so that a mechanism on the border (a thin rod: one
+// principal moment is zero, the other two are equal) is on the right side of it. Where a number has
+// pi in it, or an angle is not a multiple of pi/2, sines and the like are rationals with an error
+// below 1e-60, and the border gets a slack of 1e-40.
+#include <algorithm>
+#include <array>
+#include <initializer_list>
+#include <optional>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+
+#include "scene/arrange.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::scene {
+namespace {
+
+using RationalVector = std::array<Rational, 3>;
+using RationalMatrix = std::array<RationalVector, 3>;
+
+// ------------------------------------------------------------------- linear algebra in rationals
+
+Rational dot(const RationalVector& a, const RationalVector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+RationalVector cross(const RationalVector& a, const RationalVector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+RationalVector operator*(const RationalMatrix& m, const RationalVector& v) {
+  return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
+}
+
+RationalMatrix transpose(const RationalMatrix& m) {
+  RationalMatrix t;
+  for (std::size_t i = 0; i < 3; ++i) t[i] = {m[0][i], m[1][i], m[2][i]};
+  return t;
+}
+
+RationalMatrix operator*(const RationalMatrix& a, const RationalMatrix& b) {
+  const RationalMatrix columns = transpose(b);
+  RationalMatrix product;
+  for (std::size_t i = 0; i < 3; ++i) product[i] = columns * a[i];
+  return product;
+}
+
+RationalMatrix identity() {
+  return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+}
+
+/// Whether a symmetric matrix has no negative eigenvalue: all seven principal minors are >= 0.
+bool isPositiveSemidefinite(const RationalMatrix& m) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    if (m[i][i] < 0 || m[i][i] * m[j][j] < m[i][j] * m[j][i]) return false;
+  }
+  return dot(m[0], cross(m[1], m[2])) >= 0;
+}
+
+struct SineAndCosine {
+  Rational sine, cosine;
+  bool is_exact;
+};
+
+/// Halves go towards zero.
+Integer nearestInteger(const Rational& x) {
+  const Integer n = abs(numerator(x)), d = denominator(x);
+  const Integer magnitude = (2 * n + d - 1) / (2 * d);
+  return x < 0 ? Integer(-magnitude) : magnitude;
+}
+
+/// Exact for multiples of pi/2, otherwise by Taylor's series, with an error below 1e-60.
+SineAndCosine sineAndCosine(const Exact& angle) {
+  // angle = k pi/2 + rest, |rest| <= pi/4; a huge angle takes several rounds of 60 digits each
+  static const Rational half_pi = Exact{0, Rational(1, 2)}.approximation();
+  Integer k = 0;
+  Exact rest = angle;
+  for (Integer more = 1; more != 0; k += more) {
+    more = nearestInteger(rest.approximation() / half_pi);
+    rest.pi_multiple -= Rational(more, 2);
+  }
+  Rational s = 0, c = 1;
+  if (!rest.isZero()) {
+    constexpr unsigned kBits = 256;  // fixed point: series in plain rationals grow without bound
+    const Integer one = Integer(1) << kBits;
+    const Rational scaled = rest.approximation() * one;
+    const Integer x = numerator(scaled) / denominator(scaled);
+    Integer sine = 0, cosine = 0, term = one;  // term = x^n / n!
+    for (unsigned n = 0; term != 0; ++n) {
+      (n % 2 == 0 ? cosine : sine) += n % 4 < 2 ? term : Integer(-term);
+      term = term * x / one / (n + 1);
+    }
+    s = Rational(sine, one);
+    c = Rational(cosine, one);
+  }
+  switch (static_cast<int>(((k % 4) + 4) % 4)) {
+    case 0:
+      break;
+    case 1:
+      std::tie(s, c) = std::make_tuple(c, Rational(-s));
+      break;
+    case 2:
+      std::tie(s, c) = std::make_tuple(Rational(-s), Rational(-c));
+      break;
+    default:
+      std::tie(s, c) = std::make_tuple(Rational(-c), s);
+      break;
+  }
+  return {s, c, rest.isZero()};
+}
+
+/// A frame seen from another one: x = R x' + p.
+struct Frame {
+  RationalMatrix R = identity();
+  RationalVector p{0, 0, 0};
+};
+
+Frame operator*(const Frame& a, const Frame& b) {
+  const RationalVector moved = a.R * b.p;
+  return {a.R * b.R, {a.p[0] + moved[0], a.p[1] + moved[1], a.p[2] + moved[2]}};
+}
+
+// ------------------------------------------------------------------------------------ a mechanism
+
+/// Inertia of one link about its centre of mass, in link axes, and what it was computed from.
+struct Body {
+  Rational mass;
+  RationalVector com;
+  RationalMatrix inertia;
+  bool is_exact;  ///< no rounding in it
+};
+
+class Validator {
+ public:
+  explicit Validator(const Scene& scene)
+      : scene_(scene), mechanism_(scene.mechanism), file_{scene.file.string(), 0} {}
+
+  void run() {
+    requireTree();
+    requireUniqueNames(mechanism_.links);
+    values_ = mechanism_.parameterValues();
+    requireValues();
+    for (const Link& link : mechanism_.links) {
+      bodies_.push_back(body(link));
+      if (link.parent >= 0) requireJoint(link);
+    }
+    requireInertiaOutboard();
+  }
+
+ private:
+  [[noreturn]] static void failLink(const Link& link, const std::string& what) {
+    throw InputError(link.where, "link \"" + link.name + "\": " + what);
+  }
+  [[noreturn]] static void failJoint(const Link& link, const std::string& what) {
+    throw InputError(link.where,
+                     "joint \"" + link.joint.name + "\" of link \"" + link.name + "\": " + what);
+  }
+
+  Rational value(const Number& n) {
+    const Exact x = exactValue(n, values_, file_);
+    is_exact_ = is_exact_ && x.isRational();
+    return x.approximation();
+  }
+  RationalVector vector(const Vector& v) { return {value(v[0]), value(v[1]), value(v[2])}; }
+
+  void requireTree() const;
+  void requireValues() const;
+  void requireJoint(const Link& link);
+  void requireInertiaOutboard();
+
+  Frame frame(const std::vector<Step>& steps);
+  RationalMatrix turnOf(const Vector& rpy);
+  static void requireRealizable(const Link& link, const RationalMatrix& inertia,
+                                const Rational& allowance);
+  Body body(const Link& link);
+  Rational slack(const Rational& scale) const;
+  bool turnsMass(std::size_t leaf);
+
+  const Scene& scene_;
+  const Mechanism& mechanism_;
+  SourceLocation file_;
+  ParameterValues values_;
+  std::vector<Body> bodies_;
+  bool is_exact_ = true;  ///< no rounding in the decision that is being made
+};
+
+void Validator::requireTree() const {
+  const std::vector<Link>& links = mechanism_.links;
+  if (links.empty()) throw InputError(file_, "no root: there is no link at all");
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const int parent = links[i].parent;
+    const bool in_order = i == 0 ? parent == -1 : parent >= 0 && parent < static_cast<int>(i);
+    if (!in_order) {
+      failLink(links[i], fmt::format("index {} with parent {}, allowed: parents before children, "
+                                     "and the root at 0 with parent -1",
+                                     i, parent));
+    }
+    if (i > 0 && links[i].joint.name.empty()) failLink(links[i], "its joint has no name");
+  }
+  const auto dof = static_cast<std::size_t>(mechanism_.dof());
+  if (scene_.start_q.size() != dof || scene_.start_qd.size() != dof) {
+    throw InputError(file_, fmt::format("start: {} positions and {} speeds, allowed: {} of each",
+                                        scene_.start_q.size(), scene_.start_qd.size(), dof));
+  }
+  for (const Wrench& wrench : mechanism_.wrenches) {
+    if (wrench.link >= 0 && wrench.link < static_cast<int>(links.size())) continue;
+    throw InputError(file_, fmt::format("wrench: there is no link of index {}", wrench.link));
+  }
+}
+
+/// Every number has a finite value. (The readers have said so with a better line number.)
+void Validator::requireValues() const {
+  const auto require = [this](const auto& numbers, const SourceLocation& where) {
+    for (const Number& n : numbers) exactValue(n, values_, where);
+  };
+  require(mechanism_.gravity, file_);
+  require(scene_.start_q, file_);
+  require(scene_.start_qd, file_);
+  for (const Wrench& w : mechanism_.wrenches) {
+    for (const Vector& v : {w.force, w.moment, w.at}) require(v, file_);
+  }
+  for (const Link& link : mechanism_.links) {
+    const MassProperties& i = link.inertia;
+    const Placement& p = link.joint.placement;
+    const Joint& j = link.joint;
+    for (const Vector& v : {i.com, i.rpy, p.xyz, p.rpy, j.axis}) require(v, link.where);
+    require(
+        std::initializer_list<Number>{i.mass, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz, p.a, p.alpha, p.d,
+                                      p.theta, j.rotor_inertia, j.gear_ratio, j.stiffness, j.rest},
+        link.where);
+  }
+}
+
+Frame Validator::frame(const std::vector<Step>& steps) {
+  Frame result;
+  for (const Step& step : steps) {
+    if (step.kind == Step::Kind::kTranslate) {
+      result = result * Frame{identity(), vector(step.translation)};
+      continue;
+    }
+    const auto [s, c, is_exact] = sineAndCosine(exactValue(step.angle, values_, file_));
+    is_exact_ = is_exact_ && is_exact;
+    RationalMatrix R;
+    switch (step.kind) {
+      case Step::Kind::kRotateX:
+        R = {{{1, 0, 0}, {0, c, -s}, {0, s, c}}};
+        break;
+      case Step::Kind::kRotateY:
+        R = {{{c, 0, s}, {0, 1, 0}, {-s, 0, c}}};
+        break;
+      default:
+        R = {{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}};
+        break;
+    }
+    result = result * Frame{R, {0, 0, 0}};
+  }
+  return result;
+}
+
+RationalMatrix Validator::turnOf(const Vector& rpy) {
+  Placement turn;
+  turn.rpy = rpy;
+  return frame(turn.beforeJoint()).R;
+}
+
+Rational Validator::slack(const Rational& scale) const {
+  return is_exact_ ? Rational(0) : scale / boost::multiprecision::pow(Integer(10), 40);
+}
+
+/** Some distribution of mass has this inertia about its centre: I >= 0 and J = tr(I)/2 1 - I >= 0.
+    J is the triangle inequality: its eigenvalues are half of two moments less the third. */
+void Validator::requireRealizable(const Link& link, const RationalMatrix& inertia,
+                                  const Rational& allowance) {
+  const Rational trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
+  RationalMatrix I = inertia, J = inertia;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (Rational& element : J[i]) element = -element;
+    J[i][i] += trace / 2 + allowance;
+    I[i][i] += allowance;
+  }
+  const bool is_positive = isPositiveSemidefinite(I);
+  if (is_positive && isPositiveSemidefinite(J)) return;
+  Eigen::Matrix3d rounded;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+      rounded(i, j) = Exact{inertia[row][column], 0}.toDouble();
+    }
+  }
+  const Eigen::Vector3d moments = rounded.selfadjointView<Eigen::Lower>().eigenvalues();
+  failLink(link,
+           fmt::format("principal moments of inertia about the centre of mass are {:.6g}, {:.6g}, "
+                       "{:.6g} kg m^2, {}",
+                       moments[0], moments[1], moments[2],
+                       is_positive ? "which breaks the triangle inequality, allowed: none greater "
+                                     "than the sum of the other two"
+                                   : "which is not positive semidefinite, allowed: zero or more"));
+}
+
+Body Validator::body(const Link& link) {
+  const MassProperties& given = link.inertia;
+  is_exact_ = true;
+  Body b{value(given.mass), vector(given.com), {}, true};
+  const Rational xx = value(given.xx), yy = value(given.yy), zz = value(given.zz);
+  const Rational xy = value(given.xy), xz = value(given.xz), yz = value(given.yz);
+  if (b.mass < 0) {
+    failLink(link, fmt::format("mass is {} kg, allowed: zero or more",
+                               exactValue(given.mass, values_).toDouble()));
+  }
+  const bool has_inertia = xx != 0 || yy != 0 || zz != 0 || xy != 0 || xz != 0 || yz != 0;
+  if (b.mass == 0 && has_inertia) {
+    failLink(link,
+             "has inertia but no mass, allowed: a mass with it, or the rotor_inertia of a "
+             "joint");
+  }
+
+  b.inertia = {{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
+  if (!has_inertia && given.about == MassProperties::About::kCenterOfMass) {
+    b.is_exact = is_exact_;
+    return b;
+  }
+  const Rational c2 = dot(b.com, b.com);
+  if (given.about == MassProperties::About::kCenterOfMass) {
+    requireRealizable(link, b.inertia, slack(abs(xx) + abs(yy) + abs(zz)));  // in any axes
+  }
+  const RationalMatrix R = turnOf(given.rpy);
+  b.inertia = R * b.inertia * transpose(R);
+  if (given.about == MassProperties::About::kLinkOrigin) {  // I_com = I_o - m (c.c 1 - c c')
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
+        b.inertia[i][j] -= b.mass * ((i == j ? c2 : Rational(0)) - b.com[i] * b.com[j]);
+      }
+    }
+    requireRealizable(link, b.inertia, slack(abs(xx) + abs(yy) + abs(zz) + b.mass * c2));
+  }
+  b.is_exact = is_exact_;
+  return b;
+}
+
+void Validator::requireJoint(const Link& link) {
+  const Joint& joint = link.joint;
+  if (joint.kind == JointKind::kFixed) return;
+  const auto shown = [this](const Number& n) {
+    return fmt::format("{}", exactValue(n, values_).toDouble());
+  };
+  const bool has_axis = std::any_of(joint.axis.begin(), joint.axis.end(), [this](const Number& n) {
+    return !exactValue(n, values_).isZero();
+  });
+  if (!has_axis) failJoint(link, "axis is [0, 0, 0], allowed: any length but zero");
+  if (value(joint.rotor_inertia) < 0) {
+    failJoint(link,
+              "rotor_inertia is " + shown(joint.rotor_inertia) + " kg m^2, allowed: zero or more");
+  }
+  if (value(joint.rotor_inertia) > 0 && value(joint.gear_ratio) == 0) {
+    failJoint(link, "gear_ratio is 0 with a rotor_inertia, allowed: any ratio but zero");
+  }
+  if (value(joint.stiffness) < 0) {
+    failJoint(link, "stiffness is " + shown(joint.stiffness) + ", allowed: zero or more");
+  }
+}
+
+/// Whether turning a revolute joint that carries no other moving joint moves mass: the inertia of
+/// the link, and of what is fixed to it, about the joint's axis is positive.
+bool Validator::turnsMass(std::size_t leaf) {
+  const std::vector<Link>& links = mechanism_.links;
+  is_exact_ = true;
+  const bool along_z = links[leaf].joint.placement.convention != Placement::Convention::kXyzRpy;
+  const RationalVector u = along_z ? RationalVector{0, 0, 1} : vector(links[leaf].joint.axis);
+  std::vector<std::optional<Frame>> in_joint(links.size());  // link frames, seen from the joint's
+  in_joint[leaf] = frame(links[leaf].joint.placement.afterJoint());
+  Rational about_axis = 0, scale = 0;  // both times |u|^2
+  for (std::size_t i = leaf; i < links.size(); ++i) {
+    const Placement& placement = links[i].joint.placement;
+    if (i != leaf) {
+      const std::optional<Frame>& parent = in_joint[static_cast<std::size_t>(links[i].parent)];
+      if (!parent) continue;
+      in_joint[i] = *parent * frame(placement.beforeJoint()) * frame(placement.afterJoint());
+    }
+    const Body& b = bodies_[i];
+    is_exact_ = is_exact_ && b.is_exact;
+    const Frame com = *in_joint[i] * Frame{identity(), b.com};
+    const RationalVector arm = cross(u, com.p), u_link = transpose(com.R) * u;
+    about_axis += b.mass * dot(arm, arm) + dot(u_link, b.inertia * u_link);
+    const Rational trace = b.inertia[0][0] + b.inertia[1][1] + b.inertia[2][2];
+    scale += (b.mass * dot(com.p, com.p) + trace) * dot(u, u);
+  }
+  return about_axis > slack(scale);
+}
+
+/** A joint that moves no inertia leaves a zero on the diagonal of M: forward dynamics is singular
+   in every state. (That M is singular in some states, or for two joints together, is not looked for
+    here.) */
+void Validator::requireInertiaOutboard() {
+  const std::vector<Link>& links = mechanism_.links;
+  std::vector<bool> carries_mass(links.size(), false), carries_joint(links.size(), false);
+  for (std::size_t i = links.size(); i-- > 1;) {
+    const Link& link = links[i];
+    const auto parent = static_cast<std::size_t>(link.parent);
+    if (bodies_[i].mass > 0) carries_mass[i] = true;
+    if (carries_mass[i]) carries_mass[parent] = true;
+    const bool moves = degreesOfFreedom(link.joint.kind) > 0;
+    if (moves || carries_joint[i]) carries_joint[parent] = true;
+    if (!moves || value(link.joint.rotor_inertia) > 0) continue;
+    if (!carries_mass[i]) {
+      failJoint(link,
+                "nothing that it carries has mass and it has no rotor_inertia, so forward "
+                "dynamics is singular, allowed: a mass, or a rotor_inertia");
+    }
+    if (link.joint.kind == JointKind::kRevolute && !carries_joint[i] && !turnsMass(i)) {
+      failJoint(link,
+                "what it carries has no inertia about the joint's axis and it has no "
+                "rotor_inertia, so forward dynamics is singular, allowed: inertia about the "
+                "axis, or a rotor_inertia");
+    }
+  }
+}
+
+}  // namespace
+
+void validate(const Scene& scene) {
+  Validator(scene).run();
+}
+
+}  // namespace dynwitness::scene

@@ -1,0 +1,535 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "symbolic/closed_form.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+
+namespace dynwitness::symbolic {
+
+namespace {
+
+GiNaC::numeric toGinac(const Rational& r) {
+  const scene::Integer n = numerator(r), d = denominator(r);
+  return GiNaC::numeric(n.str().c_str()) / GiNaC::numeric(d.str().c_str());
+}
+
+Rational fromGinac(const GiNaC::numeric& n) {
+  std::ostringstream text;
+  text << n;
+  return Rational(text.str());
+}
+
+}  // namespace
+
+// ---- from the graph to GiNaC --------------------------------------------------------------------
+
+ClosedAlgebra::ClosedAlgebra(const Equations& equations) : equations_(equations) {
+  // symbols in the order in which they are to be shown: numbers, rates, angles
+  const Graph& graph = equations.graph;
+  const auto bind = [this](Input input, int joint, int symbol) {
+    const GiNaC::symbol s;
+    inputs_.emplace(std::pair(input, joint), s);
+    symbol_of_.emplace(s, symbol);
+  };
+  std::vector<int> numbers;  // m l^2 reads better than l^2 m: masses lead
+  for (bool masses : {true, false}) {
+    for (int i = 0; i < graph.size(); ++i) {
+      const Node n{i};
+      if (graph.op(n) != Op::kAtom && graph.op(n) != Op::kInverse) continue;
+      const bool is_mass = graph.op(n) == Op::kAtom && graph.atom(n).name.front() == 'm';
+      if (is_mass == masses) numbers.push_back(i);
+    }
+  }
+  for (int i : numbers) {
+    const Node n{i};
+    const GiNaC::symbol s;
+    Formula shown;
+    if (graph.op(n) == Op::kAtom) {
+      const Atom& atom = graph.atom(n);
+      if (atom.kind == Atom::Kind::kCos || atom.kind == Atom::Kind::kSin)
+        shown = Formula::function(
+            atom.kind == Atom::Kind::kCos ? Formula::Kind::kCos : Formula::Kind::kSin,
+            Formula::ofSymbol(atom.number.text()));
+      else
+        shown = Formula::ofSymbol(atom.name);
+    } else {
+      shown = Formula::power(formula(expression(graph.left(n))), -1);
+    }
+    symbol_of_.emplace(s, addSymbol({Role::kNumber, shown, {}}));
+    expressions_[i] = s;
+  }
+  for (int k = 0; k < equations.dof(); ++k)
+    bind(Input::kPosition, k,
+         addSymbol({Role::kNumber, Formula::ofInput(Input::kPosition, k), {}}));
+  for (Input input : {Input::kAcceleration, Input::kVelocity})
+    for (int k = 0; k < equations.dof(); ++k)
+      bind(input, k, addSymbol({Role::kRate, Formula::ofInput(input, k), {}}));
+  for (int k = 0; k < equations.dof(); ++k) {
+    Angle angle(equations.dof(), 0);
+    angle[k] = 1;
+    const auto [c, s] = trigOf(angle);
+    bind(Input::kCos, k, c);
+    bind(Input::kSin, k, s);
+  }
+}
+
+int ClosedAlgebra::addSymbol(const Symbol& symbol) {
+  symbols_.push_back(symbol);
+  return static_cast<int>(symbols_.size()) - 1;
+}
+
+std::pair<int, int> ClosedAlgebra::trigOf(const Angle& angle) {
+  const auto [it, is_new] = trig_.emplace(angle, std::pair(0, 0));
+  if (!is_new) return it->second;
+  std::vector<Formula> terms;
+  for (std::size_t k = 0; k < angle.size(); ++k) {
+    if (angle[k] == 0) continue;
+    const Rational size = angle[k] < 0 ? -angle[k] : angle[k];
+    const Formula term = Formula::product(
+        {Formula::ofNumber(size), Formula::ofInput(Input::kPosition, static_cast<int>(k))});
+    terms.push_back(angle[k] < 0 ? Formula::negate(term) : term);
+  }
+  const Formula sum = Formula::sum(terms);
+  it->second.first = addSymbol({Role::kCos, Formula::function(Formula::Kind::kCos, sum), angle});
+  it->second.second = addSymbol({Role::kSin, Formula::function(Formula::Kind::kSin, sum), angle});
+  return it->second;
+}
+
+const GiNaC::symbol& ClosedAlgebra::input(Input input, int joint) {
+  return inputs_.at({input, joint});
+}
+
+GiNaC::ex ClosedAlgebra::expression(Node node) {
+  const auto known = expressions_.find(node.index);
+  if (known != expressions_.end()) return known->second;
+  const Graph& graph = equations_.graph;
+  const Node a = graph.left(node), b = graph.right(node);
+  GiNaC::ex x;
+  switch (graph.op(node)) {
+    case Op::kConstant: x = toGinac(graph.value(node)); break;
+    case Op::kInput: x = input(graph.inputKind(node), graph.joint(node)); break;
+    case Op::kAdd: x = expression(a) + expression(b); break;
+    case Op::kSubtract: x = expression(a) - expression(b); break;
+    case Op::kMultiply: x = expression(a) * expression(b); break;
+    case Op::kNegate: x = -expression(a); break;
+    case Op::kTurn: {
+      const int k = graph.joint(node);
+      x = input(Input::kCos, k) * expression(a) + input(Input::kSin, k) * expression(b);
+      break;
+    }
+    case Op::kAtom:
+    case Op::kInverse:
+      throw std::invalid_argument("ClosedAlgebra: expected a node older than the algebra");
+  }
+  return expressions_[node.index] = x.expand();
+}
+
+GiNaC::ex ClosedAlgebra::derivative(const GiNaC::ex& x, Variable variable) {
+  const int k = variable.joint;
+  if (variable.input != Input::kPosition) return x.diff(input(variable.input, k));
+  const GiNaC::symbol &q = input(Input::kPosition, k), &c = input(Input::kCos, k),
+                      &s = input(Input::kSin, k);
+  return (x.diff(q) - s * x.diff(c) + c * x.diff(s)).expand();
+}
+
+GiNaC::ex ClosedAlgebra::rate(const GiNaC::ex& x) {
+  GiNaC::ex total = 0;
+  for (int k = 0; k < equations_.dof(); ++k)
+    total += derivative(x, {Input::kPosition, k}) * input(Input::kVelocity, k) +
+             derivative(x, {Input::kVelocity, k}) * input(Input::kAcceleration, k);
+  return total.expand();
+}
+
+// ---- from GiNaC to polynomials with an order of our own -----------------------------------------
+
+bool ClosedAlgebra::DisplayOrder::operator()(const Monomial& a, const Monomial& b) const {
+  int degree_a = 0, degree_b = 0;
+  for (const auto& factor : a) degree_a += factor.second;
+  for (const auto& factor : b) degree_b += factor.second;
+  if (degree_a != degree_b) return degree_a < degree_b;
+  const std::size_t shared = std::min(a.size(), b.size());
+  for (std::size_t i = 0; i < shared; ++i) {
+    if (a[i].first != b[i].first) return a[i].first < b[i].first;
+    if (a[i].second != b[i].second) return a[i].second > b[i].second;
+  }
+  return a.size() < b.size();
+}
+
+ClosedAlgebra::Monomial ClosedAlgebra::product(const Monomial& a, const Monomial& b) {
+  Monomial result;
+  auto i = a.begin(), j = b.begin();
+  while (i != a.end() || j != b.end()) {
+    if (j == b.end() || (i != a.end() && i->first < j->first)) {
+      result.push_back(*i++);
+    } else if (i == a.end() || j->first < i->first) {
+      result.push_back(*j++);
+    } else {
+      if (i->second + j->second != 0) result.emplace_back(i->first, i->second + j->second);
+      ++i, ++j;
+    }
+  }
+  return result;
+}
+
+ClosedAlgebra::Polynomial ClosedAlgebra::product(const Polynomial& a, const Polynomial& b) {
+  Polynomial result;
+  for (const auto& [m, r] : a) {
+    for (const auto& [n, s] : b) {
+      Rational& coefficient = result[product(m, n)];
+      coefficient += r * s;
+    }
+  }
+  for (auto it = result.begin(); it != result.end();)
+    it = it->second == 0 ? result.erase(it) : std::next(it);
+  return result;
+}
+
+ClosedAlgebra::Polynomial ClosedAlgebra::polynomial(const GiNaC::ex& x) {
+  const auto addTerm = [this](const GiNaC::ex& term, Polynomial* to) {
+    Rational coefficient = 1;
+    Monomial monomial;
+    const auto addFactor = [&](const GiNaC::ex& factor) {
+      if (GiNaC::is_a<GiNaC::numeric>(factor)) {
+        coefficient *= fromGinac(GiNaC::ex_to<GiNaC::numeric>(factor));
+      } else if (GiNaC::is_a<GiNaC::power>(factor)) {
+        const int exponent = GiNaC::ex_to<GiNaC::numeric>(factor.op(1)).to_int();
+        monomial = product(monomial, {{symbol_of_.at(factor.op(0)), exponent}});
+      } else {
+        monomial = product(monomial, {{symbol_of_.at(factor), 1}});
+      }
+    };
+    if (GiNaC::is_a<GiNaC::mul>(term))
+      for (const GiNaC::ex& factor : term) addFactor(factor);
+    else
+      addFactor(term);
+    if (coefficient != 0) (*to)[monomial] += coefficient;
+  };
+  Polynomial result;
+  const GiNaC::ex expanded = x.expand();
+  if (GiNaC::is_a<GiNaC::add>(expanded))
+    for (const GiNaC::ex& term : expanded) addTerm(term, &result);
+  else
+    addTerm(expanded, &result);
+  return result;
+}
+
+/// Replaces squares of the other function of each angle: c^2 = 1 - s^2 or s^2 = 1 - c^2.
+ClosedAlgebra::Polynomial ClosedAlgebra::reduced(const Polynomial& p, Role power_kept) const {
+  Polynomial result;
+  for (const auto& [monomial, coefficient] : p) {
+    Polynomial terms{{{}, coefficient}};
+    for (const auto& [symbol, exponent] : monomial) {
+      const Role role = symbols_[symbol].role;
+      const bool is_trig = role == Role::kCos || role == Role::kSin;
+      if (!is_trig || role == power_kept || exponent < 2) {
+        terms = product(terms, {{{{symbol, exponent}}, 1}});
+        continue;
+      }
+      const auto [c, s] = trig_.at(symbols_[symbol].angle);
+      const Polynomial one_minus_square = {{{}, 1}, {{{role == Role::kCos ? s : c, 2}}, -1}};
+      for (int i = 0; i < exponent / 2; ++i) terms = product(terms, one_minus_square);
+      if (exponent % 2 == 1) terms = product(terms, {{{{symbol, 1}}, 1}});
+    }
+    for (const auto& [m, r] : terms) {
+      const auto it = result.emplace(m, 0).first;
+      it->second += r;
+      if (it->second == 0) result.erase(it);
+    }
+  }
+  return result;
+}
+
+/** With theta_j the sum of the angles of parallel joints up to j and theta_i the one before it,
+    q_j = theta_j - theta_i:  c_j = cos theta_j cos theta_i + sin theta_j sin theta_i, and so on. */
+ClosedAlgebra::Polynomial ClosedAlgebra::inSummedAngles(const Polynomial& p) {
+  const int n = equations_.dof();
+  std::vector<Angle> theta(n, Angle(n, 0));
+  std::map<int, Polynomial> replacement;
+  for (int j = 0; j < n; ++j) {
+    const int i = equations_.parallel_inboard[j];
+    if (i >= 0) theta[j] = theta[i];
+    theta[j][j] += 1;
+    if (i < 0) continue;
+    Angle own(n, 0);
+    own[j] = 1;
+    const auto [c, s] = trigOf(own);
+    const auto [c_j, s_j] = trigOf(theta[j]);
+    const auto [c_i, s_i] = trigOf(theta[i]);
+    replacement[c] = {{product(Monomial{{c_j, 1}}, {{c_i, 1}}), 1},
+                      {product(Monomial{{s_j, 1}}, {{s_i, 1}}), 1}};
+    replacement[s] = {{product(Monomial{{s_j, 1}}, {{c_i, 1}}), 1},
+                      {product(Monomial{{c_j, 1}}, {{s_i, 1}}), -1}};
+  }
+  Polynomial result;
+  for (const auto& [monomial, coefficient] : p) {
+    Polynomial terms{{{}, coefficient}};
+    for (const auto& [symbol, exponent] : monomial) {
+      const auto it = replacement.find(symbol);
+      if (it == replacement.end())
+        terms = product(terms, {{{{symbol, exponent}}, 1}});
+      else
+        for (int e = 0; e < exponent; ++e) terms = product(terms, it->second);
+    }
+    for (const auto& [m, r] : terms) {
+      const auto entry = result.emplace(m, 0).first;
+      entry->second += r;
+      if (entry->second == 0) result.erase(entry);
+    }
+  }
+  return result;
+}
+
+/// Products of cosines and sines as sums: cos a cos b = (cos(a + b) + cos(a - b)) / 2, and so on.
+ClosedAlgebra::Polynomial ClosedAlgebra::inMultipleAngles(const Polynomial& p) {
+  struct Wave {
+    bool is_sine;
+    Angle angle;
+    bool operator<(const Wave& o) const {
+      return std::tie(is_sine, angle) < std::tie(o.is_sine, o.angle);
+    }
+  };
+  const auto add = [](std::map<Wave, Rational>* to, bool is_sine, Angle angle, Rational r) {
+    const auto first = std::find_if(angle.begin(), angle.end(), [](int k) { return k != 0; });
+    if (first == angle.end() && is_sine) return;  // sin 0
+    if (first != angle.end() && *first < 0) {
+      for (int& k : angle) k = -k;
+      if (is_sine) r = -r;
+    }
+    (*to)[{is_sine, angle}] += r;
+  };
+  const int n = equations_.dof();
+  Polynomial result;
+  for (const auto& [monomial, coefficient] : p) {
+    Monomial rest;
+    std::map<Wave, Rational> waves{{{false, Angle(n, 0)}, coefficient}};
+    for (const auto& [symbol, exponent] : monomial) {
+      const Symbol& s = symbols_[symbol];
+      if (s.role != Role::kCos && s.role != Role::kSin) {
+        rest.emplace_back(symbol, exponent);
+        continue;
+      }
+      for (int e = 0; e < exponent; ++e) {
+        std::map<Wave, Rational> next;
+        for (const auto& [wave, r] : waves) {
+          Angle sum = wave.angle, difference = wave.angle;
+          for (int k = 0; k < n; ++k) {
+            sum[k] += s.angle[k];
+            difference[k] -= s.angle[k];
+          }
+          const Rational half = r / 2;
+          if (s.role == Role::kCos) {  // cos a cos b, sin a cos b
+            add(&next, wave.is_sine, sum, half);
+            add(&next, wave.is_sine, difference, half);
+          } else {  // cos a sin b = (sin(a+b) - sin(a-b))/2, sin a sin b = (cos(a-b) - cos(a+b))/2
+            add(&next, !wave.is_sine, sum, wave.is_sine ? Rational(-half) : half);
+            add(&next, !wave.is_sine, difference, wave.is_sine ? half : Rational(-half));
+          }
+        }
+        waves = std::move(next);
+      }
+    }
+    for (const auto& [wave, r] : waves) {
+      Monomial m = rest;
+      if (std::any_of(wave.angle.begin(), wave.angle.end(), [](int k) { return k != 0; })) {
+        const auto [c, s] = trigOf(wave.angle);
+        m = product(m, {{wave.is_sine ? s : c, 1}});
+      }
+      const auto entry = result.emplace(m, 0).first;
+      entry->second += r;
+      if (entry->second == 0) result.erase(entry);
+    }
+  }
+  return result;
+}
+
+bool ClosedAlgebra::isZero(const GiNaC::ex& x) {
+  return reduced(polynomial(x), Role::kSin).empty();
+}
+
+// ---- from polynomials to formulas ---------------------------------------------------------------
+
+/// Writes a polynomial as sums of products, common factors outside.
+class ClosedAlgebra::Writer {
+ public:
+  explicit Writer(const std::vector<Symbol>& symbols) : symbols_(symbols) {}
+
+  /// Terms with the same cosines and sines together, or first those with the same rates.
+  Formula write(const Polynomial& p, bool rates_outside) const {
+    const auto isTrig = [](Role r) { return r == Role::kCos || r == Role::kSin; };
+    std::vector<Formula> terms;
+    if (rates_outside) {
+      for (const auto& [rates, inner] : grouped(p, [](Role r) { return r == Role::kRate; }))
+        terms.push_back(join(write(inner, false), factors(rates)));
+    } else {
+      for (const auto& [trig, inner] : grouped(p, isTrig))
+        terms.push_back(join(writeRates(inner), factors(trig)));
+    }
+    return Formula::sum(flattened(terms));
+  }
+
+ private:
+  /// A polynomial by the part of its monomials whose symbols have a role.
+  template <typename Predicate>
+  std::map<Monomial, Polynomial, DisplayOrder> grouped(const Polynomial& p, Predicate wanted) const {
+    std::map<Monomial, Polynomial, DisplayOrder> groups;
+    for (const auto& [monomial, r] : p) {
+      Monomial key, rest;
+      for (const auto& factor : monomial)
+        (wanted(symbols_[factor.first].role) ? key : rest).push_back(factor);
+      groups[key][rest] += r;
+    }
+    return groups;
+  }
+
+  std::vector<Formula> factors(const Monomial& m) const {
+    std::vector<Formula> result;
+    for (const auto& [symbol, exponent] : m)
+      result.push_back(Formula::power(symbols_[symbol].shown, exponent));
+    return result;
+  }
+
+  /// What stands in front, times more factors, the sign outside.
+  static Formula join(Formula front, const std::vector<Formula>& more) {
+    std::vector<Formula> all{std::move(front)};
+    all.insert(all.end(), more.begin(), more.end());
+    return Formula::product(all);
+  }
+
+  static std::vector<Formula> flattened(const std::vector<Formula>& terms) {
+    std::vector<Formula> result;
+    for (const Formula& term : terms) {
+      if (term.kind == Formula::Kind::kSum)
+        result.insert(result.end(), term.operands.begin(), term.operands.end());
+      else
+        result.push_back(term);
+    }
+    return result;
+  }
+
+  /// No cosines and sines any more: rates with polynomials in the numbers as coefficients. When
+  /// these are multiples of one polynomial, it is written once.
+  Formula writeRates(const Polynomial& p) const {
+    const auto groups = grouped(p, [](Role r) { return r == Role::kRate; });
+    const Polynomial& first = groups.begin()->second;
+    Polynomial multiples;
+    for (const auto& [rates, numbers] : groups) {
+      const Rational ratio = numbers.begin()->second / first.begin()->second;
+      if (!isMultiple(numbers, first, ratio)) {
+        std::vector<Formula> terms;
+        for (const auto& [r, n] : groups) terms.push_back(join(writeSum(n), factors(r)));
+        return Formula::sum(flattened(terms));
+      }
+      multiples[rates] = ratio;
+    }
+    // whole numbers among the rates: qd2 (2 qd1 + qd2)
+    scene::Integer divisor = 0, multiple = 1;
+    for (const auto& [rates, ratio] : multiples) {
+      divisor = gcd(divisor, abs(numerator(ratio)));
+      multiple = lcm(multiple, denominator(ratio));
+    }
+    const Rational content(divisor, multiple);
+    for (auto& entry : multiples) entry.second /= content;
+    Polynomial coefficient = first;
+    for (auto& entry : coefficient) entry.second *= content;
+    return join(writeSum(coefficient), {writeSum(multiples)});
+  }
+
+  static bool isMultiple(const Polynomial& a, const Polynomial& b, const Rational& ratio) {
+    if (a.size() != b.size()) return false;
+    for (const auto& [m, r] : b) {
+      const auto it = a.find(m);
+      if (it == a.end() || it->second != ratio * r) return false;
+    }
+    return true;
+  }
+
+  /// A plain sum with its common monomial, a common size of coefficients and sign in front.
+  Formula writeSum(const Polynomial& p) const {
+    Monomial common = p.begin()->first;
+    bool same_size = true, all_negative = true;
+    const Rational size = abs(p.begin()->second);
+    for (const auto& [m, r] : p) {
+      Monomial shared;
+      for (const auto& [symbol, exponent] : common)
+        for (const auto& [other, other_exponent] : m)
+          if (symbol == other) shared.emplace_back(symbol, std::min(exponent, other_exponent));
+      common = shared;
+      same_size = same_size && abs(r) == size;
+      all_negative = all_negative && r < 0;
+    }
+    Rational content = same_size ? size : Rational(1);
+    if (all_negative) content = -content;
+    Monomial inverse = common;
+    for (auto& factor : inverse) factor.second = -factor.second;
+    std::vector<Formula> terms;
+    for (const auto& [m, r] : p) {
+      const Rational coefficient = r / content;
+      const Formula term = join(Formula::ofNumber(abs(coefficient)), factors(product(m, inverse)));
+      terms.push_back(coefficient < 0 ? Formula::negate(term) : term);
+    }
+    std::vector<Formula> all{Formula::ofNumber(content)};
+    for (const Formula& factor : factors(common)) all.push_back(factor);
+    all.push_back(Formula::sum(terms));
+    return Formula::product(all);
+  }
+
+  const std::vector<Symbol>& symbols_;
+};
+
+Formula ClosedAlgebra::formula(const GiNaC::ex& x) {
+  const Polynomial p = polynomial(x);
+  if (reduced(p, Role::kSin).empty()) return Formula::ofNumber(0);
+  const Polynomial summed = inSummedAngles(p);
+  const std::vector<Polynomial> forms = {reduced(p, Role::kSin), reduced(p, Role::kCos),
+                                         reduced(summed, Role::kSin), reduced(summed, Role::kCos),
+                                         inMultipleAngles(p)};
+  std::optional<Formula> best;
+  std::size_t best_length = 0;
+  for (const Polynomial& form : forms) {
+    for (bool rates_outside : {false, true}) {
+      const Formula f = Writer(symbols_).write(form, rates_outside);
+      const std::size_t length = print(f, Style::kText).size();
+      if (best && length >= best_length) continue;
+      best = f;
+      best_length = length;
+    }
+  }
+  return *best;
+}
+
+// ---- the derivation by GiNaC --------------------------------------------------------------------
+
+ClosedForm deriveClosedForm(ClosedAlgebra& algebra, const Equations& equations) {
+  const int n = equations.dof();
+  ClosedForm f;
+  f.kinetic = algebra.expression(equations.kinetic);
+  f.potential = algebra.expression(equations.potential);
+  for (int i = 0; i < n; ++i) {
+    f.p.push_back(algebra.derivative(f.kinetic, {Input::kVelocity, i}));
+    f.g.push_back(algebra.derivative(f.potential, {Input::kPosition, i}));
+  }
+  for (int i = 0; i < n; ++i) {
+    f.M.emplace_back();
+    for (int j = 0; j < n; ++j)
+      f.M[i].push_back(algebra.derivative(f.p[i], {Input::kVelocity, j}));
+  }
+  const auto slope = [&](int i, int j, int k) {
+    return algebra.derivative(f.M[i][j], {Input::kPosition, k});
+  };
+  f.Gamma.assign(n, std::vector<std::vector<GiNaC::ex>>(n, std::vector<GiNaC::ex>(n)));
+  for (int i = 0; i < n; ++i) {
+    GiNaC::ex c = 0;
+    for (int j = 0; j < n; ++j) {
+      for (int k = 0; k < n; ++k) {
+        f.Gamma[i][j][k] = ((slope(i, j, k) + slope(i, k, j) - slope(j, k, i)) / 2).expand();
+        c += f.Gamma[i][j][k] * algebra.input(Input::kVelocity, j) *
+             algebra.input(Input::kVelocity, k);
+      }
+    }
+    f.c.push_back(c.expand());
+  }
+  return f;
+}
+
+}  // namespace dynwitness::symbolic

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Closed forms by GiNaC, for mechanisms of a few joints: the textbook derivation once more, by
+// another program's differentiation, and the shortest form to show.
+//
+// GiNaC is not thread safe, and orders terms differently in every run: nothing here leaves in
+// GiNaC's order.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <ginac/ginac.h>
+
+#include "symbolic/equations.hpp"
+#include "symbolic/formula.hpp"
+
+namespace dynwitness::symbolic {
+
+/// Closed forms grow about fourteen-fold with each joint; beyond this many they are no read-out.
+constexpr int kClosedFormJoints = 3;
+
+/** The nodes of a graph as polynomials of GiNaC in parameters, rates, and c_k and s_k. */
+class ClosedAlgebra {
+ public:
+  explicit ClosedAlgebra(const Equations& equations);
+
+  GiNaC::ex expression(Node node);
+  const GiNaC::symbol& input(Input input, int joint);
+
+  /// dx / d variable by GiNaC, with  d c_k = -s_k dq_k,  d s_k = c_k dq_k.
+  GiNaC::ex derivative(const GiNaC::ex& x, Variable variable);
+  /// dx/dt along a motion: sum of dx/dq_i qd_i + dx/dqd_i qdd_i.
+  GiNaC::ex rate(const GiNaC::ex& x);
+
+  /// Is x = 0 for all values of its symbols with c_k^2 + s_k^2 = 1? Exact, by normal form.
+  bool isZero(const GiNaC::ex& x);
+
+  /** The shortest of several forms of x: with the cosines or the sines reduced to first powers, in
+      the joints' angles or in the sums of angles of parallel joints, or as a sum of cosines and
+      sines of multiple angles. The choice and the order of terms depend on x alone. */
+  Formula formula(const GiNaC::ex& x);
+
+ private:
+  using Monomial = std::vector<std::pair<int, int>>;  ///< (symbol, exponent), symbols increasing
+  /// Low degrees first; of equal degree, high powers of early symbols first: x^2, x y, y^2.
+  struct DisplayOrder {
+    bool operator()(const Monomial& a, const Monomial& b) const;
+  };
+  using Polynomial = std::map<Monomial, Rational, DisplayOrder>;
+  using Angle = std::vector<int>;  ///< integer combination of q
+
+  enum class Role { kNumber, kRate, kCos, kSin };
+  struct Symbol {
+    Role role;
+    Formula shown;
+    Angle angle;  ///< kCos, kSin
+  };
+  class Writer;
+
+  int addSymbol(const Symbol& symbol);
+  std::pair<int, int> trigOf(const Angle& angle);  ///< symbols of its cosine and sine
+  Polynomial polynomial(const GiNaC::ex& x);
+  Polynomial reduced(const Polynomial& p, Role power_kept) const;
+  Polynomial inSummedAngles(const Polynomial& p);
+  Polynomial inMultipleAngles(const Polynomial& p);
+  static Polynomial product(const Polynomial& a, const Polynomial& b);
+  static Monomial product(const Monomial& a, const Monomial& b);
+
+  const Equations& equations_;
+  std::map<int, GiNaC::ex> expressions_;  ///< of nodes
+  std::map<std::pair<Input, int>, GiNaC::symbol> inputs_;
+  std::map<GiNaC::ex, int, GiNaC::ex_is_less> symbol_of_;
+  std::vector<Symbol> symbols_;
+  std::map<Angle, std::pair<int, int>> trig_;
+};
+
+/// T and V of the graph, and what GiNaC derives from them.
+struct ClosedForm {
+  GiNaC::ex kinetic, potential;
+  std::vector<GiNaC::ex> p, c, g;
+  std::vector<std::vector<GiNaC::ex>> M;
+  /// Gamma[i][j][k] = (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) / 2
+  std::vector<std::vector<std::vector<GiNaC::ex>>> Gamma;
+};
+ClosedForm deriveClosedForm(ClosedAlgebra& algebra, const Equations& equations);
+
+}  // namespace dynwitness::symbolic

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The equations of motion of a mechanism, derived from its kinetic and potential energy alone.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/mechanism.hpp"
+#include "symbolic/graph.hpp"
+#include "symbolic/program.hpp"
+
+namespace dynwitness::symbolic {
+
+struct Options {
+  /// Parameters become their exact values. Otherwise they stay symbols, and the derivation speaks
+  /// in the scene's own letters.
+  bool fold_parameters = false;
+  /// Moves to the inboard link what a joint's axis cannot tell apart (mass, first moment along the
+  /// axis, one moment of inertia), so that T needs fewer operations. The energies stay the same
+  /// functions; the share of each link does not.
+  bool regroup_inertias = true;
+};
+
+/** T, V and what follows from them; n = number of moving joints, in the order of q.
+
+        p_i = dT/dqd_i                              momentum                                (1)
+        M_ij = dp_i/dqd_j                           mass matrix                             (2)
+        c_i = sum_j (dp_i/dq_j) qd_j - dT/dq_i      Coriolis and centrifugal forces         (3)
+        g_i = dV/dq_i                               gravity and springs                     (4)
+        Q_i = d(power of the constant wrenches)/dqd_i                                       (5)
+
+    so that  M qdd + c + g = tau + Q.  Equation (3) is  sum_jk Gamma_ijk qd_j qd_k  with the
+    Christoffel symbols of M; christoffelMatrix() gives them their matrix. */
+struct Equations {
+  Graph graph;
+  std::vector<std::string> joints;  ///< names of the joints that move
+  std::vector<bool> revolute;       ///< of the same joints: turns (rad) or slides (m)
+  /// For each joint the next revolute joint inboard when both turn about the same direction, so
+  /// that their angles add up; otherwise -1.
+  std::vector<int> parallel_inboard;
+  std::vector<std::string> links;   ///< names of the links that these joints carry
+
+  Node kinetic;                  ///< T [J], from the velocities of the links
+  Node potential;                ///< V [J], zero for masses at the world's origin and springs at rest
+  std::vector<Node> link_kinetic;    ///< share of each moving link in T (its rotor's included)
+  std::vector<Node> link_potential;  ///< share of each moving link in V (its spring's included)
+  std::vector<Node> p, c, g, Q;
+  std::vector<std::vector<Node>> M;
+
+  int dof() const { return static_cast<int>(joints.size()); }
+};
+
+/** Forms T and V of a mechanism with 3-D frames and velocities, and derives the rest. T is formed
+    twice: from the velocities of the links, which suits (1) and (3), O(n) operations each; and from
+    the composite bodies outboard of each joint, which suits (2). That both are the same function
+    is a check of the derivation. */
+Equations derive(const scene::Mechanism& mechanism, const Options& options = {});
+
+/** The Christoffel form of the Coriolis matrix [n x n], with  c = C qd  and  dM/dt - 2 C  skew:
+        C_ij = sum_k Gamma_ijk qd_k = (dM_ij/dt + dp_i/dq_j - dp_j/dq_i) / 2 */
+std::vector<std::vector<Node>> christoffelMatrix(Equations& equations);
+
+/// Inverse dynamics without M: tau_i = dp_i/dt - dT/dq_i + dV/dq_i - Q_i, in O(n) operations.
+std::vector<Node> inverseDynamics(Equations& equations);
+
+/// M row by row, then c, then g: n (n + 2) outputs.
+std::vector<Node> massCoriolisGravity(const Equations& equations);
+
+}  // namespace dynwitness::symbolic

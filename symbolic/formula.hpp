@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Formulas as they are shown: small trees with an order of their own, and their printers.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "symbolic/graph.hpp"
+
+namespace dynwitness::symbolic {
+
+/** A formula to be printed. Operands are printed in the order in which they stand, so the text
+    depends on nothing but the formula. */
+struct Formula {
+  enum class Kind { kNumber, kSymbol, kInput, kSum, kNegate, kProduct, kPower, kCos, kSin };
+
+  Kind kind = Kind::kNumber;
+  Rational number = 0;            ///< kNumber
+  std::string symbol;             ///< kSymbol: a parameter or a definition, by its plain name
+  Input input = Input::kPosition; ///< kInput
+  int joint = 0;                  ///< kInput: counted from 0
+  int exponent = 1;               ///< kPower, may be negative
+  std::vector<Formula> operands;  ///< terms, factors, or the one operand
+
+  static Formula ofNumber(const Rational& value);
+  static Formula ofSymbol(const std::string& name);
+  static Formula ofInput(Input input, int joint);
+  static Formula sum(std::vector<Formula> terms);        ///< flattened; of none: 0
+  static Formula product(std::vector<Formula> factors);  ///< flattened; of none: 1
+  static Formula negate(Formula operand);
+  static Formula power(Formula base, int exponent);
+  static Formula function(Kind cos_or_sin, Formula angle);
+};
+
+/// left = right
+struct Equation {
+  Formula left, right;
+};
+
+enum class Style { kText, kLatex, kMathml, kC, kPython };
+
+/** A formula in one of the notations. LaTeX is for math mode. MathML is the content of a `math`
+    element, as browsers render it without help. In C and Python, symbols are the identifiers of
+    identifier(), and cos(q1), sin(q1), qd1 are the local variables c1, s1, qd1. */
+std::string print(const Formula& formula, Style style);
+
+/// "left = right"; in MathML a whole `math` element, displayed as a block.
+std::string print(const Equation& equation, Style style);
+
+/// A plain name as it is shown: theta1 gives \theta_{1} in LaTeX, m1 gives m_{1}.
+std::string printName(const std::string& name, Style style);
+
+/// An identifier of C and Python for a parameter of a scene, whatever its name.
+std::string identifier(const std::string& parameter);
+
+}  // namespace dynwitness::symbolic

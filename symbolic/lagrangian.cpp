@@ -1,0 +1,666 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "symbolic/lagrangian.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "scene/numbers.hpp"
+
+namespace dynwitness::symbolic {
+
+namespace {
+
+// ---- vectors ------------------------------------------------------------------------------------
+
+Vector3 operator+(const Vector3& a, const Vector3& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+Vector3 operator*(Value s, const Vector3& a) { return {s * a[0], s * a[1], s * a[2]}; }
+Value dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vector3 cross(const Vector3& a, const Vector3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+Vector3 column(const Symmetric& m, int j) { return {m(0, j), m(1, j), m(2, j)}; }
+
+Symmetric operator+(const Symmetric& a, const Symmetric& b) {
+  return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
+}
+MassMoments operator+(const MassMoments& a, const MassMoments& b) {
+  return {a.mass + b.mass, a.first + b.first, a.second + b.second};
+}
+
+// ---- elementary motions of a frame --------------------------------------------------------------
+
+/// Coordinates after a rotation to coordinates before it: v_A = R_AB v_B.
+Vector3 turnedBack(const FrameStep& r, const Vector3& v) {
+  const int x = (r.axis + 1) % 3, y = (r.axis + 2) % 3;
+  Vector3 result = v;
+  result[x] = r.c * v[x] - r.s * v[y];
+  result[y] = r.s * v[x] + r.c * v[y];
+  return result;
+}
+
+/// Coordinates before a rotation to coordinates after it: v_B = R_AB' v_A.
+Vector3 turned(const FrameStep& r, const Vector3& v) {
+  const int x = (r.axis + 1) % 3, y = (r.axis + 2) % 3;
+  Vector3 result = v;
+  result[x] = r.c * v[x] + r.s * v[y];
+  result[y] = r.c * v[y] - r.s * v[x];
+  return result;
+}
+
+/** R I R', for a turn about one axis. With  w = s (I_xx - I_yy) + 2 c I_xy  the turned block is
+    [I_xx - s w, c w - I_xy; ., I_yy + s w]: four products in place of ten. */
+Symmetric turnedBack(const FrameStep& r, const Symmetric& m) {
+  const int x = (r.axis + 1) % 3, y = (r.axis + 2) % 3, z = r.axis;
+  Graph* graph = r.c.graph;
+  Symmetric result = m;
+  if (graph->isZero(r.s.node)) {  // by 0 or pi
+    result(x, z) = r.c * m(x, z);
+    result(y, z) = r.c * m(y, z);
+    return result;
+  }
+  result(x, z) = r.c * m(x, z) - r.s * m(y, z);
+  result(y, z) = r.s * m(x, z) + r.c * m(y, z);
+  if (graph->isZero(r.c.node)) {  // by a right angle
+    result(x, x) = m(y, y);
+    result(y, y) = m(x, x);
+    result(x, y) = -m(x, y);
+    return result;
+  }
+  const Value w = r.s * (m(x, x) - m(y, y)) + r.c * (m(x, y) + m(x, y));
+  const Value sw = r.s * w;
+  result(x, x) = m(x, x) - sw;
+  result(y, y) = m(y, y) + sw;
+  result(x, y) = r.c * w - m(x, y);
+  return result;
+}
+
+/** Moments about a point from which the old origin lies at p:
+        first' = first + m p
+        second' = second + 2 (p'first) 1 - (p first' + first p') + m (p'p 1 - p p') */
+MassMoments shiftedBack(const Vector3& p, const MassMoments& b) {
+  MassMoments result = b;
+  result.first = b.first + b.mass * p;
+  const Vector3 sum = b.first + result.first;
+  const Vector3 diagonal = {p[0] * sum[0], p[1] * sum[1], p[2] * sum[2]};
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    result.second(i, i) += diagonal[j] + diagonal[k];
+    result.second(i, j) -= p[i] * result.first[j] + p[j] * b.first[i];
+  }
+  return result;
+}
+
+MassMoments movedBack(const FrameStep& step, const MassMoments& b) {
+  if (!step.is_rotation) return shiftedBack(step.translation, b);
+  return {b.mass, turnedBack(step, b.first), turnedBack(step, b.second)};
+}
+
+MassMoments movedBack(const std::vector<FrameStep>& steps, MassMoments b) {
+  for (auto step = steps.rbegin(); step != steps.rend(); ++step) b = movedBack(*step, b);
+  return b;
+}
+
+/** A constant sequence of motions as one: coordinates turn by R, origins shift by p. Three turns
+    in a row cost one matrix, and two about different axes no more than themselves. */
+struct Placed {
+  std::array<Vector3, 3> columns;  ///< of R_AB
+  Vector3 p_AB;                    ///< origin of B in A
+
+  Placed(Graph* graph, const std::vector<FrameStep>& steps) {
+    const Value zero{graph, graph->constant(0)}, one{graph, graph->constant(1)};
+    columns = {{{one, zero, zero}, {zero, one, zero}, {zero, zero, one}}};
+    p_AB = {zero, zero, zero};
+    for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
+      if (step->is_rotation) {
+        for (Vector3& column : columns) column = symbolic::turnedBack(*step, column);
+        p_AB = symbolic::turnedBack(*step, p_AB);
+      } else {
+        p_AB = step->translation + p_AB;
+      }
+    }
+  }
+  Vector3 turned(const Vector3& v_A) const {
+    return {dot(columns[0], v_A), dot(columns[1], v_A), dot(columns[2], v_A)};
+  }
+  Vector3 turnedBack(const Vector3& v_B) const {
+    return v_B[0] * columns[0] + v_B[1] * columns[1] + v_B[2] * columns[2];
+  }
+};
+
+bool squareRoot(const Rational& square, Rational* root) {
+  using boost::multiprecision::sqrt;
+  const scene::Integer n = sqrt(scene::Integer(numerator(square)));
+  const scene::Integer d = sqrt(scene::Integer(denominator(square)));
+  *root = Rational(n, d);
+  return *root * *root == square;
+}
+
+std::string exactText(const scene::Exact& x) {
+  return x.rational.str() + (x.pi_multiple == 0 ? "" : " + " + x.pi_multiple.str() + " pi");
+}
+
+const char* const kLetters[] = {"x", "y", "z"};
+
+}  // namespace
+
+Value& Symmetric::operator()(int i, int j) {
+  if (i == j) return i == 0 ? xx : i == 1 ? yy : zz;
+  return i + j == 1 ? xy : i + j == 2 ? xz : yz;
+}
+
+// ---- numbers of the scene -----------------------------------------------------------------------
+
+namespace {
+
+/// Expressions as nodes, with parameters as symbols or as their values.
+struct NodeAlgebra {
+  Graph* graph;
+  bool fold;
+  const scene::ParameterValues* values;
+
+  Value number(const Rational& r) const { return {graph, graph->constant(r)}; }
+  Value pi() const {
+    return {graph, graph->atom({Atom::Kind::kNumber, scene::Number::parse("pi"), {}, "pi"})};
+  }
+  Value exact(const scene::Exact& x) const {
+    Value value = number(x.rational);
+    if (x.pi_multiple != 0) value += number(x.pi_multiple) * pi();
+    return value;
+  }
+  Value parameter(const std::string& name) const {
+    if (fold) return exact(values->at(name));
+    return {graph, graph->atom({Atom::Kind::kNumber, scene::Number::parse(name), {}, name})};
+  }
+};
+
+}  // namespace
+
+Value Lagrangian::number(const scene::Number& n) {
+  const NodeAlgebra algebra{graph_, options_.fold_parameters, &values_};
+  if (isExact(n)) return algebra.exact(exactValue(n, values_));
+  return scene::evaluateIn<Value>(n, algebra);
+}
+
+Vector3 Lagrangian::vector(const scene::Vector& v) {
+  return {number(v[0]), number(v[1]), number(v[2])};
+}
+
+bool Lagrangian::isExact(const scene::Number& n) const {
+  return options_.fold_parameters || n.parameters().empty();
+}
+
+std::pair<Value, Value> Lagrangian::cosSin(const scene::Number& angle) {
+  scene::Number written = angle;
+  std::string name = angle.text();
+  bool negate = false;
+  if (isExact(angle)) {
+    scene::Exact exact = exactValue(angle, values_);
+    int quarter = 0;
+    if (scene::isQuarterTurn(exact, &quarter)) {
+      const auto turns = scene::quarterTurns<int>(quarter);
+      return {constant(turns.c), constant(turns.s)};
+    }
+    const bool is_negative = exact.approximation() < 0;
+    if (is_negative) exact = {-exact.rational, -exact.pi_multiple};
+    const auto it = angles_.emplace(exactText(exact), std::pair(angle, is_negative)).first;
+    written = it->second.first;
+    negate = is_negative != it->second.second;
+    name = written.text();
+  }
+  const Value c{graph_, graph_->atom({Atom::Kind::kCos, written, {}, "cos(" + name + ")"})};
+  const Value s{graph_, graph_->atom({Atom::Kind::kSin, written, {}, "sin(" + name + ")"})};
+  return {c, negate ? -s : s};
+}
+
+std::vector<FrameStep> Lagrangian::steps(const std::vector<scene::Step>& scene_steps) {
+  const Value zero = constant(0), one = constant(1);
+  std::vector<FrameStep> result;
+  for (const scene::Step& step : scene_steps) {
+    if (step.kind == scene::Step::Kind::kTranslate) {
+      result.push_back({false, 0, one, zero, vector(step.translation)});
+      continue;
+    }
+    const int axis = static_cast<int>(step.kind) - static_cast<int>(scene::Step::Kind::kRotateX);
+    const auto [c, s] = cosSin(step.angle);
+    result.push_back({true, axis, c, s, {zero, zero, zero}});
+  }
+  return result;
+}
+
+std::vector<FrameStep> Lagrangian::axisSteps(const scene::Vector& axis, int* coordinate,
+                                             bool* reversed) {
+  std::array<scene::Exact, 3> exact;
+  std::array<bool, 3> is_zero;
+  bool all_rational = true;
+  for (int i = 0; i < 3; ++i) {
+    exact[i] = exactValue(axis[i], values_);
+    is_zero[i] = isExact(axis[i]) && exact[i].isZero();
+    all_rational = all_rational && isExact(axis[i]) && exact[i].isRational();
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (is_zero[(i + 1) % 3] && is_zero[(i + 2) % 3]) {
+      *coordinate = i;
+      *reversed = exact[i].approximation() < 0;
+      return {};
+    }
+  }
+  *coordinate = 2;
+  *reversed = false;
+
+  // z to the axis: Rz(alpha) Ry(beta), each exact where its square roots are
+  const Value zero = constant(0), one = constant(1);
+  const std::string name =
+      "(" + axis[0].text() + ", " + axis[1].text() + ", " + axis[2].text() + ")";
+  const auto symbol = [&](Atom::Kind kind, const std::string& what) {
+    return Value{graph_, graph_->atom({kind, 0, axis, what + name})};
+  };
+  Value cos_alpha, sin_alpha, cos_beta, sin_beta;
+  Rational rho, length;
+  const bool rho_exact =
+      all_rational && squareRoot(exact[0].rational * exact[0].rational +
+                                     exact[1].rational * exact[1].rational, &rho);
+  if (rho_exact) {
+    cos_alpha = constant(exact[0].rational / rho);
+    sin_alpha = constant(exact[1].rational / rho);
+  } else {
+    cos_alpha = is_zero[0] ? zero : symbol(Atom::Kind::kCosAlpha, "cos_alpha");
+    sin_alpha = is_zero[1] ? zero : symbol(Atom::Kind::kSinAlpha, "sin_alpha");
+  }
+  if (rho_exact && squareRoot(rho * rho + exact[2].rational * exact[2].rational, &length)) {
+    cos_beta = constant(exact[2].rational / length);
+    sin_beta = constant(rho / length);
+  } else {
+    cos_beta = is_zero[2] ? zero : symbol(Atom::Kind::kCosBeta, "cos_beta");
+    sin_beta = is_zero[2] ? one : symbol(Atom::Kind::kSinBeta, "sin_beta");
+  }
+  return {{true, 2, cos_alpha, sin_alpha, {zero, zero, zero}},
+          {true, 1, cos_beta, sin_beta, {zero, zero, zero}}};
+}
+
+MassMoments Lagrangian::linkMoments(const scene::MassProperties& inertia) {
+  const Value zero = constant(0), one = constant(1);
+  MassMoments b{number(inertia.mass), {zero, zero, zero},
+                {number(inertia.xx), number(inertia.yy), number(inertia.zz), number(inertia.xy),
+                 number(inertia.xz), number(inertia.yz)}};
+  for (int axis : {0, 1, 2}) {  // R = Rz(yaw) Ry(pitch) Rx(roll)
+    const auto [c, s] = cosSin(inertia.rpy[axis]);
+    b.second = turnedBack(FrameStep{true, axis, c, s, {zero, zero, zero}}, b.second);
+  }
+  const Vector3 com = vector(inertia.com);
+  if (inertia.about == scene::MassProperties::About::kCenterOfMass)
+    return movedBack(FrameStep{false, 0, one, zero, com}, b);
+  b.first = b.mass * com;
+  return b;
+}
+
+// ---- bodies -------------------------------------------------------------------------------------
+
+Lagrangian::Lagrangian(const scene::Mechanism& mechanism, const Options& options, Graph* graph)
+    : mechanism_(mechanism),
+      options_(options),
+      graph_(graph),
+      values_(mechanism.parameterValues()) {
+  const Value zero = constant(0);
+  const Symmetric no_inertia{zero, zero, zero, zero, zero, zero};
+  const MassMoments nothing{zero, {zero, zero, zero}, no_inertia};
+  world_ = nothing;
+  // symbols in the order in which the scene declares them
+  if (!options_.fold_parameters)
+    for (const scene::Parameter& p : mechanism.parameters) number(scene::Number::parse(p.name));
+  gravity_ = mechanism.has_gravity ? vector(mechanism.gravity) : Vector3{zero, zero, zero};
+
+  const auto append = [](std::vector<FrameStep>* to, const std::vector<FrameStep>& more) {
+    to->insert(to->end(), more.begin(), more.end());
+  };
+  for (const scene::Link& link : mechanism.links) {
+    WorldOrBodyFrame frame{-1, {}};
+    if (link.parent >= 0) frame = frames_[link.parent];
+    append(&frame.offset, steps(link.joint.placement.beforeJoint()));
+    if (scene::degreesOfFreedom(link.joint.kind) > 0) {
+      Body body{link.name, link.joint.name, frame.body,
+                link.joint.kind == scene::JointKind::kRevolute, 2, false, frame.offset, nothing,
+                zero, number(link.joint.stiffness), number(link.joint.rest)};
+      const Value gear = number(link.joint.gear_ratio);
+      body.rotor = gear * gear * number(link.joint.rotor_inertia);
+      const std::vector<FrameStep> to_axis =
+          axisSteps(link.joint.axis, &body.axis, &body.reversed);
+      append(&body.before, to_axis);
+      frame = {bodyCount(), {}};
+      for (auto step = to_axis.rbegin(); step != to_axis.rend(); ++step) {
+        FrameStep back = *step;
+        back.s = -back.s;
+        frame.offset.push_back(back);
+      }
+      bodies_.push_back(body);
+    }
+    append(&frame.offset, steps(link.joint.placement.afterJoint()));
+    const MassMoments moments = movedBack(frame.offset, linkMoments(link.inertia));
+    MassMoments& carrier = frame.body < 0 ? world_ : bodies_[frame.body].moments;
+    carrier = carrier + moments;
+    frames_.push_back(frame);
+  }
+  if (options_.regroup_inertias) regroup();
+}
+
+void Lagrangian::regroup() {
+  const Value zero = constant(0);
+  for (int i = bodyCount() - 1; i >= 0; --i) {
+    Body& body = bodies_[i];
+    MassMoments inboard{zero, {zero, zero, zero}, {zero, zero, zero, zero, zero, zero}};
+    if (body.revolute) {
+      // a mass distribution that looks the same from all sides of the axis, without inertia about
+      // the axis itself, does not notice whether it turns with the joint
+      const int x = (body.axis + 1) % 3, y = (body.axis + 2) % 3, z = body.axis;
+      inboard.mass = body.moments.mass;
+      inboard.first[z] = body.moments.first[z];
+      inboard.second(x, x) = inboard.second(y, y) = body.moments.second(y, y);
+      body.moments.mass = body.moments.first[z] = zero;
+      body.moments.second(x, x) -= inboard.second(x, x);
+      body.moments.second(y, y) = zero;
+    } else {
+      // a slider turns as its inboard body does
+      inboard.second = body.moments.second;
+      body.moments.second = {zero, zero, zero, zero, zero, zero};
+    }
+    inboard = movedBack(body.before, inboard);
+    MassMoments& carrier = body.parent < 0 ? world_ : bodies_[body.parent].moments;
+    carrier = carrier + inboard;
+  }
+}
+
+Value Lagrangian::rate(int body) {
+  const Value qd{graph_, graph_->input(Input::kVelocity, body)};
+  return bodies_[body].reversed ? -qd : qd;
+}
+
+FrameStep Lagrangian::jointStep(int i) {
+  const Body& body = bodies_[i];
+  const Value zero = constant(0);
+  FrameStep step{body.revolute, body.axis, constant(1), zero, {zero, zero, zero}};
+  if (body.revolute) {
+    step.c = {graph_, graph_->input(Input::kCos, i)};
+    step.s = {graph_, graph_->input(Input::kSin, i)};
+    if (body.reversed) step.s = -step.s;
+  } else {
+    const Value q{graph_, graph_->input(Input::kPosition, i)};
+    step.translation[body.axis] = body.reversed ? -q : q;
+  }
+  return step;
+}
+
+int Lagrangian::parallelInboard(int body) {
+  if (!bodies_[body].revolute) return -1;
+  const Value zero = constant(0);
+  Vector3 direction{zero, zero, zero};
+  direction[bodies_[body].axis] = constant(bodies_[body].reversed ? -1 : 1);
+  for (int k = body; bodies_[k].parent >= 0;) {
+    direction = Placed(graph_, bodies_[k].before).turnedBack(direction);
+    k = bodies_[k].parent;
+    if (!bodies_[k].revolute) continue;
+    const Node along = direction[bodies_[k].axis].node;
+    return along == graph_->constant(bodies_[k].reversed ? -1 : 1) ? k : -1;
+  }
+  return -1;
+}
+
+// ---- energies -----------------------------------------------------------------------------------
+
+std::vector<Lagrangian::Velocities> Lagrangian::velocities() {
+  const Value zero = constant(0);
+  std::vector<Velocities> all;
+  for (int i = 0; i < bodyCount(); ++i) {
+    const Body& body = bodies_[i];
+    Velocities v{{zero, zero, zero}, {zero, zero, zero}};
+    if (body.parent >= 0) v = all[body.parent];
+    // as part of the parent, in the axes of the joint
+    const Placed placed(graph_, body.before);
+    v.linear = placed.turned(v.linear + cross(v.angular, placed.p_AB));
+    v.angular = placed.turned(v.angular);
+    // and with the joint's own motion
+    const FrameStep joint = jointStep(i);
+    if (body.revolute) {
+      v.angular = turned(joint, v.angular);
+      v.linear = turned(joint, v.linear);
+      v.angular[body.axis] += rate(i);
+    } else {
+      v.linear = v.linear + cross(v.angular, joint.translation);
+      v.linear[body.axis] += rate(i);
+    }
+    const std::string number = std::to_string(i + 1);
+    for (int k = 0; k < 3; ++k) {
+      graph_->setName(v.angular[k].node, "omega" + number + kLetters[k]);
+      graph_->setName(v.linear[k].node, "v" + number + kLetters[k]);
+    }
+    all.push_back(v);
+  }
+  return all;
+}
+
+std::vector<Value> Lagrangian::kineticByVelocities() {
+  const Value half = constant(Rational(1, 2));
+  const std::vector<Velocities> v = velocities();
+  std::vector<Value> shares;
+  for (int i = 0; i < bodyCount(); ++i) {
+    const MassMoments& b = bodies_[i].moments;
+    const Vector3& omega = v[i].angular;
+    Value T = half * b.mass * dot(v[i].linear, v[i].linear) +
+              dot(b.first, cross(v[i].linear, omega));
+    for (int j = 0; j < 3; ++j) {
+      T += half * b.second(j, j) * (omega[j] * omega[j]);
+      for (int k = j + 1; k < 3; ++k) T += b.second(j, k) * (omega[j] * omega[k]);
+    }
+    T += half * bodies_[i].rotor * (rate(i) * rate(i));
+    shares.push_back(T);
+  }
+  return shares;
+}
+
+Value Lagrangian::kineticByCompositeBodies() {
+  const Value zero = constant(0), half = constant(Rational(1, 2));
+  std::vector<MassMoments> composite;
+  std::vector<Vector3> linear(bodyCount(), {zero, zero, zero});   // h of the outboard bodies,
+  std::vector<Vector3> angular(bodyCount(), {zero, zero, zero});  // about the body's origin
+  for (const Body& body : bodies_) composite.push_back(body.moments);
+
+  Value T = zero;
+  for (int i = bodyCount() - 1; i >= 0; --i) {
+    const Body& body = bodies_[i];
+    const MassMoments& b = composite[i];
+    const Value qd = rate(i);
+    // momentum when the joint moves at unit rate
+    Vector3 s{zero, zero, zero};
+    s[body.axis] = constant(1);
+    const Vector3 unit_linear = body.revolute ? cross(s, b.first) : b.mass * s;
+    const Vector3 unit_angular = body.revolute ? column(b.second, body.axis) : cross(b.first, s);
+    const Value inertia = body.revolute ? unit_angular[body.axis] : b.mass;
+    const Value outboard = body.revolute ? angular[i][body.axis] : linear[i][body.axis];
+    T += half * (inertia + body.rotor) * (qd * qd) + qd * outboard;
+    if (body.parent < 0) continue;
+
+    linear[i] = linear[i] + qd * unit_linear;
+    angular[i] = angular[i] + qd * unit_angular;
+    // to the parent's axes and origin
+    const FrameStep joint = jointStep(i);
+    const Placed placed(graph_, body.before);
+    if (body.revolute) {
+      linear[i] = turnedBack(joint, linear[i]);
+      angular[i] = turnedBack(joint, angular[i]);
+    } else {
+      angular[i] = angular[i] + cross(joint.translation, linear[i]);
+    }
+    linear[i] = placed.turnedBack(linear[i]);
+    angular[i] = placed.turnedBack(angular[i]) + cross(placed.p_AB, linear[i]);
+    linear[body.parent] = linear[body.parent] + linear[i];
+    angular[body.parent] = angular[body.parent] + angular[i];
+    composite[body.parent] =
+        composite[body.parent] + movedBack(body.before, movedBack(joint, b));
+  }
+  return T;
+}
+
+std::vector<Value> Lagrangian::potentialByBody() {
+  const Value zero = constant(0), half = constant(Rational(1, 2));
+  std::vector<Value> shares;
+  for (int i = 0; i < bodyCount(); ++i) {
+    // the body's first moment, carried to the world
+    MassMoments b = bodies_[i].moments;
+    b.second = {zero, zero, zero, zero, zero, zero};
+    for (int k = i; k >= 0; k = bodies_[k].parent)
+      b = movedBack(bodies_[k].before, movedBack(jointStep(k), b));
+    const Value stretch = Value{graph_, graph_->input(Input::kPosition, i)} - bodies_[i].rest;
+    shares.push_back(-dot(gravity_, b.first) +
+                     half * bodies_[i].stiffness * (stretch * stretch));
+  }
+  return shares;
+}
+
+Value Lagrangian::potential() {
+  const Value half = constant(Rational(1, 2));
+  std::vector<MassMoments> composite;
+  for (const Body& body : bodies_) composite.push_back(body.moments);
+  Vector3 first = world_.first;
+  Value V = constant(0);
+  for (int i = bodyCount() - 1; i >= 0; --i) {
+    const Body& body = bodies_[i];
+    const MassMoments b = movedBack(body.before, movedBack(jointStep(i), composite[i]));
+    if (body.parent < 0)
+      first = first + b.first;
+    else
+      composite[body.parent] = composite[body.parent] + b;
+    const Value stretch = Value{graph_, graph_->input(Input::kPosition, i)} - body.rest;
+    V += half * body.stiffness * (stretch * stretch);
+  }
+  return V - dot(gravity_, first);
+}
+
+Value Lagrangian::wrenchPower() {
+  Value power = constant(0);
+  const std::vector<Velocities> v = velocities();
+  for (const scene::Wrench& wrench : mechanism_.wrenches) {
+    const WorldOrBodyFrame& frame = frames_[wrench.link];
+    if (frame.body < 0) continue;  // the world does not move
+    Vector3 force = vector(wrench.force), moment = vector(wrench.moment), at = vector(wrench.at);
+    const Placed placed(graph_, frame.offset);
+    at = placed.p_AB + placed.turnedBack(at);
+    if (wrench.axes == scene::Wrench::Axes::kLink) {
+      force = placed.turnedBack(force);
+      moment = placed.turnedBack(moment);
+    } else {
+      std::vector<int> path;  // from the world to the body
+      for (int k = frame.body; k >= 0; k = bodies_[k].parent) path.push_back(k);
+      std::reverse(path.begin(), path.end());
+      for (int k : path) {
+        const Placed at_zero(graph_, bodies_[k].before);
+        force = at_zero.turned(force);
+        moment = at_zero.turned(moment);
+        if (!bodies_[k].revolute) continue;
+        force = turned(jointStep(k), force);
+        moment = turned(jointStep(k), moment);
+      }
+    }
+    const Velocities& body = v[frame.body];
+    power += dot(force, body.linear + cross(body.angular, at)) + dot(moment, body.angular);
+  }
+  return power;
+}
+
+// ---- equations ----------------------------------------------------------------------------------
+
+Equations derive(const scene::Mechanism& mechanism, const Options& options) {
+  Equations e;
+  Graph& graph = e.graph;
+  Lagrangian lagrangian(mechanism, options, &graph);
+  const int n = static_cast<int>(lagrangian.bodies().size());
+  std::vector<Variable> q, qd;
+  std::vector<std::pair<Variable, Node>> motion;
+  for (int i = 0; i < n; ++i) {
+    e.joints.push_back(lagrangian.bodies()[i].joint_name);
+    e.links.push_back(lagrangian.bodies()[i].name);
+    e.revolute.push_back(lagrangian.bodies()[i].revolute);
+    e.parallel_inboard.push_back(lagrangian.parallelInboard(i));
+    q.push_back({Input::kPosition, i});
+    qd.push_back({Input::kVelocity, i});
+    motion.push_back({q[i], graph.input(Input::kVelocity, i)});
+  }
+
+  for (const Value& share : lagrangian.kineticByVelocities()) {
+    e.link_kinetic.push_back(share.node);
+    e.kinetic = graph.add(e.kinetic, share.node);
+  }
+  for (const Value& share : lagrangian.potentialByBody()) e.link_potential.push_back(share.node);
+  e.potential = lagrangian.potential().node;
+
+  e.p = graph.gradient(e.kinetic, qd);                                         // (1)
+  const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion);
+  const std::vector<Node> dT_dq = graph.gradient(e.kinetic, q);
+  for (int i = 0; i < n; ++i) e.c.push_back(graph.subtract(p_rate[i], dT_dq[i]));  // (3)
+  e.g = graph.gradient(e.potential, q);                                        // (4)
+  e.Q = graph.gradient(lagrangian.wrenchPower().node, qd);                     // (5)
+
+  // (2): column j is the momentum that a unit rate of joint j alone gives to itself and to the
+  // joints inboard of it; the other joints follow from symmetry, or share no body with j
+  const std::vector<Node> p_composite =
+      graph.gradient(lagrangian.kineticByCompositeBodies().node, qd);
+  e.M.assign(n, std::vector<Node>(n));
+  for (int j = 0; j < n; ++j) {
+    std::vector<int> inboard;
+    for (int i = j; i >= 0; i = lagrangian.bodies()[i].parent) inboard.push_back(i);
+    std::vector<Node> p;
+    for (int i : inboard) p.push_back(p_composite[i]);
+    const std::vector<Node> columns =
+        graph.directionalDerivative(p, {{qd[j], graph.constant(1)}});
+    for (std::size_t k = 0; k < inboard.size(); ++k)
+      e.M[inboard[k]][j] = e.M[j][inboard[k]] = columns[k];
+  }
+  return e;
+}
+
+std::vector<std::vector<Node>> christoffelMatrix(Equations& e) {
+  const int n = e.dof();
+  Graph& graph = e.graph;
+  std::vector<std::pair<Variable, Node>> motion;
+  for (int i = 0; i < n; ++i)
+    motion.push_back({{Input::kPosition, i}, graph.input(Input::kVelocity, i)});
+  std::vector<std::vector<Node>> A;  // A[j][i] = dp_i/dq_j
+  for (int j = 0; j < n; ++j)
+    A.push_back(graph.directionalDerivative(e.p, {{{Input::kPosition, j}, graph.constant(1)}}));
+  std::vector<std::vector<Node>> C(n, std::vector<Node>(n));
+  const Node half = graph.constant(Rational(1, 2));
+  for (int i = 0; i < n; ++i) {
+    const std::vector<Node> M_rate = graph.directionalDerivative(e.M[i], motion);
+    for (int j = 0; j < n; ++j)
+      C[i][j] = graph.multiply(
+          half, graph.add(M_rate[j], graph.subtract(A[j][i], A[i][j])));
+  }
+  return C;
+}
+
+std::vector<Node> inverseDynamics(Equations& e) {
+  Graph& graph = e.graph;
+  std::vector<Variable> q;
+  std::vector<std::pair<Variable, Node>> motion;
+  for (int i = 0; i < e.dof(); ++i) {
+    q.push_back({Input::kPosition, i});
+    motion.push_back({q[i], graph.input(Input::kVelocity, i)});
+    motion.push_back({{Input::kVelocity, i}, graph.input(Input::kAcceleration, i)});
+  }
+  const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion);
+  const std::vector<Node> lagrangian_slope =
+      graph.gradient(graph.subtract(e.kinetic, e.potential), q);
+  std::vector<Node> tau;
+  for (int i = 0; i < e.dof(); ++i)
+    tau.push_back(graph.subtract(graph.subtract(p_rate[i], lagrangian_slope[i]), e.Q[i]));
+  return tau;
+}
+
+std::vector<Node> massCoriolisGravity(const Equations& e) {
+  std::vector<Node> outputs;
+  for (const std::vector<Node>& row : e.M) outputs.insert(outputs.end(), row.begin(), row.end());
+  outputs.insert(outputs.end(), e.c.begin(), e.c.end());
+  outputs.insert(outputs.end(), e.g.begin(), e.g.end());
+  return outputs;
+}
+
+}  // namespace dynwitness::symbolic

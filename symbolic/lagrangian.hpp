@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Kinetic and potential energy of a mechanism, with 3-D frames, velocities and moments of mass.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scene/mechanism.hpp"
+#include "symbolic/equations.hpp"
+#include "symbolic/graph.hpp"
+
+namespace dynwitness::symbolic {
+
+using Vector3 = std::array<Value, 3>;
+
+/// A symmetric matrix; (i, j) and (j, i) are one entry.
+struct Symmetric {
+  Value xx, yy, zz, xy, xz, yz;
+  Value& operator()(int i, int j);
+  const Value& operator()(int i, int j) const { return const_cast<Symmetric&>(*this)(i, j); }
+};
+
+/// One elementary motion of a frame, as scene::Step, with nodes for its numbers.
+struct FrameStep {
+  bool is_rotation;
+  int axis;           ///< rotation: 0, 1, 2 for x, y, z
+  Value c, s;         ///< rotation: cosine and sine of its angle
+  Vector3 translation;
+};
+
+/// The moments of a body's mass about the origin of a frame, in that frame's axes: m [kg],
+/// integral of r dm [kg m], and the inertia integral of (r'r 1 - r r') dm [kg m^2].
+struct MassMoments {
+  Value mass;
+  Vector3 first;
+  Symmetric second;
+};
+
+/** A body is a link that moves on its parent, with all that is fixed to it. Its frame is the joint
+    frame after the joint's motion, turned (by a constant) so that the joint's axis is a coordinate
+    axis: everything constant lies between one joint's motion and the next. */
+struct Body {
+  std::string name, joint_name;
+  int parent;                     ///< body, -1: the world
+  bool revolute;
+  int axis;                       ///< of the joint in the body's frame: 0, 1, 2
+  bool reversed;                  ///< the joint's direction is minus that axis
+  std::vector<FrameStep> before;  ///< parent body's frame to this body's frame at q = 0
+  MassMoments moments;
+  Value rotor;                    ///< gear_ratio^2 rotor_inertia
+  Value stiffness, rest;
+};
+
+/// Forms the energies of a mechanism in a graph.
+class Lagrangian {
+ public:
+  Lagrangian(const scene::Mechanism& mechanism, const Options& options, Graph* graph);
+
+  const std::vector<Body>& bodies() const { return bodies_; }
+
+  /// The next revolute joint inboard, if it turns about the same direction as this one; else -1.
+  int parallelInboard(int body);
+
+  /// Shares of the bodies in T = sum (m v'v / 2 + (v x w)' first + w' second w / 2) + rotor qd^2/2.
+  std::vector<Value> kineticByVelocities();
+  /** T once more, as a sum over joints instead of links: with h the momentum that the bodies
+      outboard of joint i would have if body i rested, and I_i their composite moments of mass,
+          T = sum_i (qd_i^2 s_i' I_i s_i / 2 + qd_i s_i' h_i). */
+  Value kineticByCompositeBodies();
+  /// Shares of the bodies in V = -gravity' (integral of r dm) + stiffness (q - rest)^2 / 2.
+  std::vector<Value> potentialByBody();
+  /// V with the first moments of mass gathered from the tips inward.
+  Value potential();
+  /// sum of f' v_at + m' w over the constant wrenches [W].
+  Value wrenchPower();
+
+ private:
+  struct WorldOrBodyFrame {
+    int body;                       ///< -1: the world
+    std::vector<FrameStep> offset;  ///< body's frame to the scene's link frame
+  };
+  struct Velocities {
+    Vector3 angular, linear;
+  };
+
+  Value constant(const Rational& r) { return {graph_, graph_->constant(r)}; }
+  Value number(const scene::Number& n);
+  Vector3 vector(const scene::Vector& v);
+  bool isExact(const scene::Number& n) const;
+  std::pair<Value, Value> cosSin(const scene::Number& angle);
+  std::vector<FrameStep> steps(const std::vector<scene::Step>& scene_steps);
+  std::vector<FrameStep> axisSteps(const scene::Vector& axis, int* coordinate, bool* reversed);
+  MassMoments linkMoments(const scene::MassProperties& inertia);
+  void regroup();
+
+  Value rate(int body);
+  /// The joint's own motion: a turn by q, or a shift by q.
+  FrameStep jointStep(int body);
+  std::vector<Velocities> velocities();
+  int bodyCount() const { return static_cast<int>(bodies_.size()); }
+
+  const scene::Mechanism& mechanism_;
+  const Options options_;
+  Graph* graph_;
+  scene::ParameterValues values_;
+  /// Size of an angle -> the angle as first written, and whether that was negative: so that an
+  /// angle and its negative share their cosine.
+  std::map<std::string, std::pair<scene::Number, bool>> angles_;
+  std::vector<Body> bodies_;
+  std::vector<WorldOrBodyFrame> frames_;  ///< of the scene's links
+  MassMoments world_;                     ///< what is fixed to the world
+  Vector3 gravity_;
+};
+
+}  // namespace dynwitness::symbolic

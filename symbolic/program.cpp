@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "symbolic/program.hpp"
+
+#include <map>
+#include <set>
+#include <tuple>
+
+namespace dynwitness::symbolic {
+
+namespace {
+
+/// Lowers nodes to instructions: a turn becomes two products and a sum, a sign moves into the sum
+/// that uses it.
+class Compiler {
+ public:
+  Compiler(const Graph& graph, const std::vector<Node>& outputs) : graph_(graph) {
+    for (Node n : outputs) need(n);
+    collect();
+    for (int i = 0; i < static_cast<int>(needed_.size()); ++i)
+      if (needed_[i] && graph_.operandCount({i}) > 0 && graph_.op({i}) != Op::kNegate) lower({i});
+    for (Node n : outputs) program_.outputs.push_back(outputSlot(n));
+  }
+
+  Program take() {
+    program_.slots = static_cast<int>(program_.slot_names.size());
+    return std::move(program_);
+  }
+
+ private:
+  /// A value with its sign outside.
+  struct Signed {
+    int slot;
+    bool negative;
+  };
+
+  void need(Node n) {
+    if (static_cast<int>(needed_.size()) <= n.index) needed_.resize(n.index + 1, 0);
+    needed_[n.index] = 1;
+  }
+
+  // marks what is needed, then gives leaves their slots
+  void collect() {
+    for (int i = static_cast<int>(needed_.size()) - 1; i >= 0; --i) {
+      if (!needed_[i]) continue;
+      const Node n{i};
+      if (graph_.operandCount(n) > 0) need(graph_.left(n));
+      if (graph_.operandCount(n) > 1) need(graph_.right(n));
+      if (graph_.op(n) == Op::kTurn) uses_trig_.insert(graph_.joint(n));
+    }
+    slot_of_.assign(graph_.size(), -1);
+    program_.constants.push_back(1);  // slot 0, which inverses read
+    newSlot("");
+    for (int i = 0; i < static_cast<int>(needed_.size()); ++i) {
+      if (!needed_[i] || !graph_.isConstant({i})) continue;
+      if (graph_.isOne({i})) {
+        slot_of_[i] = 0;
+        continue;
+      }
+      program_.constants.push_back(graph_.value({i}));
+      slot_of_[i] = newSlot("");
+    }
+    for (int i = 0; i < static_cast<int>(needed_.size()); ++i) {
+      if (!needed_[i] || graph_.op({i}) != Op::kAtom) continue;
+      program_.atoms.push_back(graph_.atom(Node{i}));
+      slot_of_[i] = newSlot(graph_.atom(Node{i}).name);
+    }
+    for (int i = 0; i < static_cast<int>(needed_.size()); ++i)
+      if (needed_[i] && graph_.op({i}) == Op::kInput) load(graph_.inputKind({i}), graph_.joint({i}));
+    for (int joint : uses_trig_) {
+      load(Input::kCos, joint);
+      load(Input::kSin, joint);
+    }
+    for (int i = 0; i < static_cast<int>(needed_.size()); ++i)
+      if (needed_[i] && graph_.op({i}) == Op::kInput)
+        slot_of_[i] = load(graph_.inputKind({i}), graph_.joint({i}));
+  }
+
+  int newSlot(const std::string& name) {
+    program_.slot_names.push_back(name);
+    return static_cast<int>(program_.slot_names.size()) - 1;
+  }
+
+  int load(Input input, int joint) {
+    const auto [it, is_new] = load_of_.emplace(std::make_pair(input, joint), 0);
+    if (is_new) {
+      it->second = newSlot("");
+      program_.loads.push_back({input, joint, it->second});
+    }
+    return it->second;
+  }
+
+  Signed value(Node n) const {
+    if (graph_.op(n) == Op::kNegate) return {slot_of_[graph_.left(n).index], true};
+    return {slot_of_[n.index], false};
+  }
+
+  int emit(Program::Code code, int a, int b, bool in_body, const std::string& name = "") {
+    const bool commutes = code == Program::Code::kAdd || code == Program::Code::kMultiply;
+    if (commutes && b < a) std::swap(a, b);
+    const auto [it, is_new] = emitted_.emplace(std::make_tuple(code, a, b), 0);
+    if (is_new) {
+      it->second = newSlot(name);
+      (in_body ? program_.body : program_.prologue).push_back({code, it->second, a, b});
+    }
+    return it->second;
+  }
+
+  void lower(Node n) {
+    const bool in_body = graph_.dependsOnState(n);
+    const std::string& name = graph_.name(n);
+    const Signed a = value(graph_.left(n));
+    const Signed b = graph_.operandCount(n) > 1 ? value(graph_.right(n)) : Signed{0, false};
+    int& slot = slot_of_[n.index];
+    // the graph keeps signs outside of sums and products, and of the first operand of a turn
+    switch (graph_.op(n)) {
+      case Op::kAdd:
+        slot = emit(Program::Code::kAdd, a.slot, b.slot, in_body, name);
+        break;
+      case Op::kSubtract:
+        slot = emit(Program::Code::kSubtract, a.slot, b.slot, in_body, name);
+        break;
+      case Op::kMultiply:
+        slot = emit(Program::Code::kMultiply, a.slot, b.slot, in_body, name);
+        break;
+      case Op::kTurn: {
+        const int x = emit(Program::Code::kMultiply, load(Input::kCos, graph_.joint(n)), a.slot,
+                           true);
+        const int y = emit(Program::Code::kMultiply, load(Input::kSin, graph_.joint(n)), b.slot,
+                           true);
+        slot = emit(b.negative ? Program::Code::kSubtract : Program::Code::kAdd, x, y, true, name);
+        break;
+      }
+      case Op::kInverse:
+        slot = emit(Program::Code::kInverse, a.slot, 0, false, name);
+        break;
+      default: break;
+    }
+  }
+
+  int outputSlot(Node n) {
+    const Signed v = value(n);
+    if (!v.negative) return v.slot;
+    return emit(Program::Code::kNegate, v.slot, 0, graph_.dependsOnState(n));
+  }
+
+  const Graph& graph_;
+  Program program_;
+  std::vector<char> needed_;
+  std::vector<int> slot_of_;
+  std::map<std::pair<Input, int>, int> load_of_;
+  std::set<int> uses_trig_;
+  std::map<std::tuple<Program::Code, int, int>, int> emitted_;
+};
+
+Program::Operations count(const std::vector<Program::Instruction>& instructions) {
+  Program::Operations operations;
+  for (const Program::Instruction& i : instructions) {
+    switch (i.code) {
+      case Program::Code::kAdd:
+      case Program::Code::kSubtract: ++operations.additions; break;
+      case Program::Code::kMultiply: ++operations.multiplications; break;
+      case Program::Code::kInverse: ++operations.divisions; break;
+      case Program::Code::kNegate: break;
+    }
+  }
+  return operations;
+}
+
+}  // namespace
+
+Program::Operations Program::bodyOperations() const { return count(body); }
+Program::Operations Program::prologueOperations() const { return count(prologue); }
+
+Program compile(const Graph& graph, const std::vector<Node>& outputs) {
+  return Compiler(graph, outputs).take();
+}
+
+}  // namespace dynwitness::symbolic

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Straight-line programs: some nodes of a graph, ready to be evaluated on any scalar.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "scene/numbers.hpp"
+#include "scene/state.hpp"
+#include "symbolic/graph.hpp"
+
+namespace dynwitness::symbolic {
+
+/** What a program does, as data. Every value has a slot of its own, so instructions never
+    overwrite: slots hold, in this order, the numbers of the scene (constants and atoms), the
+    components of the state, the results of the prologue, and the results of the body. */
+struct Program {
+  enum class Code : std::uint8_t { kAdd, kSubtract, kMultiply, kNegate, kInverse };
+  struct Instruction {
+    Code code;
+    int result, a, b;
+  };
+  struct Load {
+    Input input;
+    int joint, slot;
+  };
+  struct Operations {
+    int multiplications = 0, additions = 0;  ///< subtractions are additions; signs cost nothing
+    int divisions = 0;
+  };
+
+  std::vector<Rational> constants;  ///< slots 0 ... constants.size() - 1
+  std::vector<Atom> atoms;          ///< the slots after them
+  std::vector<Load> loads;
+  std::vector<Instruction> prologue;  ///< work on numbers of the scene: done once
+  std::vector<Instruction> body;      ///< work on the state
+  std::vector<int> outputs;           ///< slots of the results
+  std::vector<std::string> slot_names;  ///< names of definitions, "" for values without one
+  int slots = 0;
+
+  Operations bodyOperations() const;
+  Operations prologueOperations() const;
+};
+
+/// Only what the outputs need; operations on numbers of the scene go to the prologue.
+Program compile(const Graph& graph, const std::vector<Node>& outputs);
+
+/** A program with its numbers and its workspace, on scalars of type T.
+
+    T needs + - * / and unary minus; tested with double, float, long double, rationals and a prime
+    field. `Numbers` (scene/numbers.hpp) gives it the scene's numbers. A run allocates nothing that
+    T itself does not. */
+template <typename T>
+class ProgramRun {
+ public:
+  template <typename Numbers>
+  ProgramRun(const Program& program, const Numbers& number) : program_(&program) {
+    const T zero = number(scene::Number(0));
+    slots_.assign(program.slots, zero);
+    std::size_t slot = 0;
+    for (const Rational& r : program.constants) slots_[slot++] = number(scene::Number(r));
+    for (const Atom& a : program.atoms) slots_[slot++] = atomValue(a, number);
+    for (const Program::Instruction& i : program.prologue) execute(i);
+  }
+
+  /** Evaluates the outputs.
+      @param state    x, qd and qdd as far as the program reads them
+      @param outputs  room for program.outputs.size() values */
+  void operator()(const scene::State<T>& state, T* outputs) {
+    for (const Program::Load& load : program_->loads) {
+      T& slot = slots_[load.slot];
+      switch (load.input) {
+        case Input::kPosition: slot = state.x[load.joint].q; break;
+        case Input::kCos: slot = state.x[load.joint].c; break;
+        case Input::kSin: slot = state.x[load.joint].s; break;
+        case Input::kVelocity: slot = state.qd[load.joint]; break;
+        case Input::kAcceleration: slot = state.qdd[load.joint]; break;
+      }
+    }
+    for (const Program::Instruction& i : program_->body) execute(i);
+    for (std::size_t i = 0; i < program_->outputs.size(); ++i)
+      outputs[i] = slots_[program_->outputs[i]];
+  }
+
+  std::vector<T> operator()(const scene::State<T>& state) {
+    std::vector<T> outputs(program_->outputs.size(), slots_.empty() ? T() : slots_[0]);
+    (*this)(state, outputs.data());
+    return outputs;
+  }
+
+ private:
+  template <typename Numbers>
+  static T atomValue(const Atom& atom, const Numbers& number) {
+    switch (atom.kind) {
+      case Atom::Kind::kNumber: return number(atom.number);
+      case Atom::Kind::kCos: return number.angle(atom.number).c;
+      case Atom::Kind::kSin: return number.angle(atom.number).s;
+      case Atom::Kind::kCosAlpha: return number.axisTurn(atom.axis).alpha.c;
+      case Atom::Kind::kSinAlpha: return number.axisTurn(atom.axis).alpha.s;
+      case Atom::Kind::kCosBeta: return number.axisTurn(atom.axis).beta.c;
+      case Atom::Kind::kSinBeta: return number.axisTurn(atom.axis).beta.s;
+    }
+    throw std::logic_error("ProgramRun: unknown kind of atom");
+  }
+
+  void execute(const Program::Instruction& i) {
+    switch (i.code) {
+      case Program::Code::kAdd: slots_[i.result] = slots_[i.a] + slots_[i.b]; break;
+      case Program::Code::kSubtract: slots_[i.result] = slots_[i.a] - slots_[i.b]; break;
+      case Program::Code::kMultiply: slots_[i.result] = slots_[i.a] * slots_[i.b]; break;
+      case Program::Code::kNegate: slots_[i.result] = -slots_[i.a]; break;
+      case Program::Code::kInverse: slots_[i.result] = slots_[0] / slots_[i.a]; break;
+    }
+  }
+
+  const Program* program_;
+  std::vector<T> slots_;
+};
+
+}  // namespace dynwitness::symbolic

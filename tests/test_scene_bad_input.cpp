@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every way that we know of to get a scene wrong, and what is said about it.
+#define BOOST_TEST_DYN_LINK
+#define BOOST_TEST_MODULE scene_bad_input
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <boost/test/data/monomorphic.hpp>
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+
+#include "scene/scene.hpp"
+
+namespace data = boost::unit_test::data;
+using namespace dynwitness::scene;
+
+namespace {
+
+struct Bad {
+  std::string name, text, message;  ///< the message is to start so
+};
+std::ostream& operator<<(std::ostream& out, const Bad& bad) {
+  return out << bad.name;
+}
+
+std::string complaint(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+void requireComplaint(const std::string& message, const std::string& start) {
+  BOOST_TEST(message.substr(0, start.size()) == start,
+             "said:    " << message << "\nexpected " << start);
+}
+
+// Lines 1 to 3 of most scenes below: the root. The case's own text begins at line 4.
+const std::string kBase = "[[link]]\nname = \"base\"\n\n";
+// ... and a sound link "upper" at lines 4 to 9; the case's own text begins at line 10.
+const std::string kUpper = kBase +
+                           "[[link]]\nname = \"upper\"\nparent = \"base\"\nmass = 1\n"
+                           "com = [1, 0, 0]\njoint = { kind = \"revolute\" }\n";
+
+/// One moving link, with its body and joint to be filled in. The link is at line 4.
+std::string oneLink(const std::string& body, const std::string& joint = "kind = \"revolute\"") {
+  return kBase + "[[link]]\nname = \"upper\"\nparent = \"base\"\n" + body + "\n[link.joint]\n" +
+         joint + "\n";
+}
+
+const Bad kToml[] = {
+    {"syntax error", "title = \"x\"\ngravity = [0, 0\nq", "bad.toml:3: not TOML: "},
+    {"overflowing number", "gravity = [0, 0, 1e999]", "bad.toml:1: not TOML: "},
+    {"not UTF-8", "title = \"\xff\"", "bad.toml:1: not TOML: "},
+    {"unknown key of the scene", "title = \"x\"\ngravitation = 1\n" + kBase,
+     "bad.toml:2: scene: unknown key \"gravitation\", allowed: title, source, gravity, "},
+    {"unknown key of a link", kBase + "[[link]]\nname = \"a\"\nmas = 1",
+     "bad.toml:6: link \"a\": unknown key \"mas\", allowed: name, parent, mass, com, inertia, "
+     "joint"},
+    {"unknown key of a joint", oneLink("", "kind = \"revolute\"\nangle = 1"),
+     "bad.toml:10: joint \"upper\": unknown key \"angle\", allowed: name, kind, axis"},
+    {"axis of a fixed joint", oneLink("", "kind = \"fixed\"\naxis = [0, 0, 1]"),
+     "bad.toml:10: joint \"upper\" (fixed): unknown key \"axis\", allowed: name, kind, xyz"},
+    {"unknown key of an inertia", oneLink("inertia = { ixx = 1 }"),
+     "bad.toml:7: link \"upper\": inertia: unknown key \"ixx\", allowed: about, rpy, xx"},
+    {"unknown key of a DH row", oneLink("", "kind = \"revolute\"\ndh = { r = 1 }"),
+     "bad.toml:10: joint \"upper\": dh: unknown key \"r\", allowed: a, alpha, d, theta"},
+    {"unknown key of a wrench", kUpper + "[[wrench]]\nlink = \"upper\"\ntorque = 1",
+     "bad.toml:12: wrench: unknown key \"torque\", allowed: link, force, moment"},
+    {"unknown key of the start", kUpper + "[start]\nqdd = [1]",
+     "bad.toml:11: start: unknown key \"qdd\", allowed: q, qd"},
+    {"unknown joint kind", oneLink("", "kind = \"helical\""),
+     "bad.toml:9: joint \"upper\": kind is \"helical\", allowed: fixed, revolute, prismatic"},
+    {"no joint kind", oneLink("", ""),
+     "bad.toml:8: joint \"upper\": has no kind, allowed: fixed, revolute, prismatic"},
+    {"unknown parent",
+     kBase + "[[link]]\nname = \"a\"\nparent = \"b\"\njoint = { kind = \"fixed\" }",
+     "bad.toml:6: link \"a\": parent \"b\" is not a link"},
+    {"cycle of links",
+     kBase + "[[link]]\nname = \"a\"\nparent = \"b\"\njoint = { kind = \"fixed\" }\n"
+             "[[link]]\nname = \"b\"\nparent = \"a\"\njoint = { kind = \"fixed\" }\n",
+     "bad.toml:4: cycle of links: \"a\", child of \"b\", child of \"a\", allowed: a tree"},
+    {"a link that is its own parent",
+     kBase + "[[link]]\nname = \"a\"\nparent = \"a\"\njoint = { kind = \"fixed\" }\n",
+     "bad.toml:4: cycle of links: \"a\", child of \"a\""},
+    {"two roots", kBase + "[[link]]\nname = \"other\"\n",
+     "bad.toml:4: link \"other\": has no parent, but neither has link \"base\" (bad.toml:1), "
+     "allowed: one root"},
+    {"no root",
+     "[[link]]\nname = \"a\"\nparent = \"b\"\njoint = { kind = \"fixed\" }\n"
+     "[[link]]\nname = \"b\"\nparent = \"a\"\njoint = { kind = \"fixed\" }\n",
+     "bad.toml:1: no root: every link has a parent (\"a\", child of \"b\", child of \"a\"), "
+     "allowed: "
+     "one link without a parent"},
+    {"no link", "title = \"empty\"", "bad.toml: no root: there is no link"},
+    {"parent without joint", kBase + "[[link]]\nname = \"a\"\nparent = \"base\"\n",
+     "bad.toml:4: link \"a\": has a parent, but no [link.joint]"},
+    {"joint without parent", "[[link]]\nname = \"a\"\n[link.joint]\nkind = \"fixed\"",
+     "bad.toml:3: link \"a\": has a joint, but no parent"},
+    {"parameter before its definition", "[parameters]\nz = \"2*a\"\na = 1\n" + kBase,
+     "bad.toml:2: parameter \"z\": uses \"a\" before it is defined (bad.toml:3)"},
+    {"parameter defined by itself", "[parameters]\na = 1\nl = \"l/2\"\n" + kBase,
+     "bad.toml:3: parameter \"l\": is defined by itself"},
+    {"parameter that does not exist", "[parameters]\na = \"b\"\n" + kBase,
+     "bad.toml:2: parameter \"a\": expression \"b\": parameter \"b\" is not defined, allowed: pi"},
+    {"parameter called pi", "[parameters]\npi = 3\n" + kBase,
+     "bad.toml:2: parameter \"pi\": not a name, allowed: letters, digits"},
+    {"parameter that is no identifier", "[parameters]\nl-1 = 3\n" + kBase,
+     "bad.toml:2: parameter \"l-1\": not a name, allowed: letters, digits"},
+    {"unknown parameter in a link", "[parameters]\nm = 1\n" + oneLink("mass = \"M\""),
+     "bad.toml:9: link \"upper\": mass: expression \"M\": parameter \"M\" is not defined, allowed: "
+     "m, pi"},
+    {"duplicate parameters", "[parameters]\nm = 1\nm = 2\n" + kBase, "bad.toml:3: not TOML: "},
+    {"duplicate links", kBase + kBase,
+     "bad.toml:4: link \"base\": the name is taken by the link of bad.toml:1"},
+    {"duplicate joints",
+     kUpper + "[[link]]\nname = \"hand\"\nparent = \"base\"\n"
+              "joint = { name = \"upper\", kind = \"fixed\" }\n",
+     "bad.toml:10: joint \"upper\" of link \"hand\": the name is taken by the joint of link "
+     "\"upper\" "
+     "(bad.toml:4)"},
+    {"infinite number", oneLink("mass = inf"), "bad.toml:7: link \"upper\": mass: not finite"},
+    {"nan", oneLink("com = [0,\n nan, 0]"), "bad.toml:8: link \"upper\": com: not finite"},
+    {"number beyond double", oneLink("mass = \"1e308*10\""),
+     "bad.toml:7: link \"upper\": mass: expression \"1e308*10\": not finite"},
+    {"huge exponent", oneLink("mass = \"1e999999999\""),
+     "bad.toml:7: link \"upper\": mass: expression \"1e999999999\": number 1e999999999 is too "
+     "large"},
+    {"division by zero", oneLink("mass = \"1/0\""),
+     "bad.toml:7: link \"upper\": mass: expression \"1/0\": division by zero"},
+    {"unbalanced parenthesis", oneLink("mass = \"2*(1+1\""),
+     "bad.toml:7: link \"upper\": mass: expression \"2*(1+1\": unbalanced parenthesis"},
+    {"deep nesting", oneLink("mass = \"" + std::string(5000, '(') + "\""),
+     "bad.toml:7: link \"upper\": mass: expression \"(((((((((("},
+    {"string where a table belongs", "link = \"base\"",
+     "bad.toml:1: link: a string, allowed: [[link]] tables"},
+    {"one table where an array belongs", "[link]\nname = \"base\"",
+     "bad.toml:1: link: a table, allowed: [[link]] tables"},
+    {"array of other things", "link = [1]",
+     "bad.toml:1: link: an integer, allowed: [[link]] tables"},
+    {"string for a joint",
+     kBase + "[[link]]\nname = \"a\"\nparent = \"base\"\njoint = \"revolute\"",
+     "bad.toml:7: link \"a\": joint: a string, allowed: a table"},
+    {"string for the parameters", "parameters = \"m = 1\"",
+     "bad.toml:1: parameters: a string, allowed: a table"},
+    {"boolean for a number", oneLink("mass = true"),
+     "bad.toml:7: link \"upper\": mass: a boolean, allowed: a number or a string"},
+    {"date for a number", oneLink("mass = 2005-01-01"),
+     "bad.toml:7: link \"upper\": mass: a date or time, allowed: a number or a string"},
+    {"number for a name", "[[link]]\nname = 1",
+     "bad.toml:2: link: name: an integer, allowed: a string"},
+    {"link without a name", "[[link]]\nmass = 1",
+     "bad.toml:1: link: has no name, allowed: a string"},
+    {"empty name", "[[link]]\nname = \"\"", "bad.toml:1: a link has an empty name"},
+    {"empty joint name", oneLink("", "name = \"\"\nkind = \"fixed\""),
+     "bad.toml:9: joint \"\": empty name"},
+    {"vector of two", oneLink("com = [1, 2]"),
+     "bad.toml:7: link \"upper\": com: an array of 2, allowed: an array of 3 numbers"},
+    {"number for a vector", "gravity = -9.81\n" + kBase,
+     "bad.toml:1: gravity: a number, allowed: an array of 3 numbers"},
+    {"start of wrong length", kUpper + "[start]\nq = [1, 2]",
+     "bad.toml:11: start: q: an array of 2, allowed: an array of 1 numbers"},
+    {"wrench on an unknown link", kUpper + "[[wrench]]\nlink = \"lower\"",
+     "bad.toml:11: wrench: \"lower\" is not a link of this scene"},
+    {"wrench without a link", kUpper + "[[wrench]]\nforce = [1, 0, 0]",
+     "bad.toml:10: wrench: has no link"},
+    {"wrench in unknown axes", kUpper + "[[wrench]]\nlink = \"upper\"\naxes = \"base\"",
+     "bad.toml:12: wrench on \"upper\": axes is \"base\", allowed: \"link\", \"world\""},
+    {"inertia about nothing known", oneLink("inertia = { about = \"tip\" }"),
+     "bad.toml:7: link \"upper\": inertia: about is \"tip\", allowed: \"com\", \"origin\""},
+    {"axis with dh", oneLink("", "kind = \"revolute\"\naxis = [0, 0, 1]\ndh = { a = 1 }"),
+     "bad.toml:11: joint \"upper\": has both dh and axis, allowed: xyz, rpy and axis, or dh, or "
+     "mdh"},
+    {"axis with mdh", oneLink("", "kind = \"revolute\"\naxis = [0, 0, 1]\nmdh = { a = 1 }"),
+     "bad.toml:11: joint \"upper\": has both mdh and axis"},
+    {"xyz with dh", oneLink("", "kind = \"revolute\"\nxyz = [0, 0, 1]\ndh = { a = 1 }"),
+     "bad.toml:11: joint \"upper\": has both dh and xyz"},
+    {"rpy with mdh", oneLink("", "kind = \"revolute\"\nrpy = [0, 0, 1]\nmdh = { a = 1 }"),
+     "bad.toml:11: joint \"upper\": has both mdh and rpy"},
+    {"dh with mdh", oneLink("", "kind = \"revolute\"\nmdh = { a = 1 }\ndh = { a = 1 }"),
+     "bad.toml:11: joint \"upper\": has both dh and mdh"},
+};
+
+// Physics is checked when all is read; the line is that of the link, 4.
+const Bad kPhysics[] = {
+    {"negative mass", oneLink("mass = -1"),
+     "bad.toml:4: link \"upper\": mass is -1 kg, allowed: zero or more"},
+    {"inertia that breaks the triangle inequality",
+     oneLink("mass = 1\ninertia = { xx = 1, yy = 1, zz = 3 }"),
+     "bad.toml:4: link \"upper\": principal moments of inertia about the centre of mass are 1, 1, "
+     "3 kg "
+     "m^2, which breaks the triangle inequality, allowed: none greater than the sum of the other "
+     "two"},
+    {"triangle inequality broken in the 40th digit",
+     oneLink("mass = 1\ninertia = { xx = 1, yy = 1, zz = \"2 + 1e-40\" }"),
+     "bad.toml:4: link \"upper\": principal moments of inertia about the centre of mass are 1, 1, "
+     "2 kg"},
+    {"triangle inequality broken off the axes",  // [2 1 0; 1 2 0; 0 0 0.5]: moments 0.5, 1, 3
+     oneLink("mass = 1\ninertia = { xx = 2, yy = 2, zz = 0.5, xy = 1 }"),
+     "bad.toml:4: link \"upper\": principal moments of inertia about the centre of mass are 0.5, "
+     "1, 3 kg "
+     "m^2, which breaks the triangle inequality"},
+    {"inertia that is not positive semidefinite",  // moments 1 - 2, 1 + 2, 3
+     oneLink("mass = 1\ninertia = { xx = 1, yy = 1, zz = 3, xy = 2 }"),
+     "bad.toml:4: link \"upper\": principal moments of inertia about the centre of mass are -1, 3, "
+     "3 kg "
+     "m^2, which is not positive semidefinite, allowed: zero or more"},
+    {"negative inertia", oneLink("mass = 1\ninertia = { xx = -1, yy = -1, zz = -2 }"),
+     "bad.toml:4: link \"upper\": principal moments of inertia about the centre of mass are -2, "
+     "-1, -1"},
+    {"inertia about the origin too small for the mass",  // 1 - 2 * 1^2 = -1 about y and z
+     oneLink("mass = 2\ncom = [1, 0, 0]\ninertia = { about = \"origin\", xx = 1, yy = 1, zz = 1 }"),
+     "bad.toml:4: link \"upper\": principal moments of inertia about the centre of mass are -1, "
+     "-1, 1 kg"},
+    {"inertia without mass", oneLink("inertia = { xx = 1, yy = 1, zz = 1 }"),
+     "bad.toml:4: link \"upper\": has inertia but no mass, allowed: a mass with it, or the "
+     "rotor_inertia"},
+    {"zero-length axis",
+     oneLink("mass = 1\ncom = [1, 0, 0]", "kind = \"revolute\"\naxis = [0, 0, \"1-1\"]"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": axis is [0, 0, 0], allowed: any length but "
+     "zero"},
+    {"massless leaf", oneLink("", "name = \"wrist\"\nkind = \"prismatic\""),
+     "bad.toml:4: joint \"wrist\" of link \"upper\": nothing that it carries has mass and it has "
+     "no "
+     "rotor_inertia"},
+    {"massless chain",
+     kBase + "[[link]]\nname = \"a\"\nparent = \"base\"\njoint = { kind = \"revolute\" }\n"
+             "[[link]]\nname = \"b\"\nparent = \"a\"\n"
+             "joint = { kind = \"revolute\", rotor_inertia = 1 }\n",
+     "bad.toml:4: joint \"a\" of link \"a\": nothing that it carries has mass"},
+    {"point mass on the axis", oneLink("mass = 1\ncom = [0, 0, 1]"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": what it carries has no inertia about the "
+     "joint's axis"},
+    {"point mass on a slanted axis",
+     oneLink("mass = 1\ncom = [1, 2, 3]", "kind = \"revolute\"\naxis = [2, 4, 6]\nxyz = [5, 0, 0]"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": what it carries has no inertia about the "
+     "joint's axis"},
+    {"rod along the axis of a joint above a fixed joint",
+     kBase + "[[link]]\nname = \"a\"\nparent = \"base\"\njoint = { kind = \"revolute\" }\n"
+             "[[link]]\nname = \"b\"\nparent = \"a\"\nmass = 1\n"
+             "inertia = { rpy = [-0.3, 0, 0], xx = 1, yy = 1, zz = 0 }\n"
+             "joint = { kind = \"fixed\", rpy = [0.3, 0, 0] }\n",
+     "bad.toml:4: joint \"a\" of link \"a\": what it carries has no inertia about the joint's "
+     "axis"},
+    {"point mass on the axis behind a DH row",
+     oneLink("mass = 1\ncom = [-2, 0, 0]",
+             "kind = \"revolute\"\ndh = { a = 2, alpha = 0.7, theta = 0.4 }"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": what it carries has no inertia about the "
+     "joint's axis"},
+    {"negative rotor inertia",
+     oneLink("mass = 1\ncom = [1, 0, 0]", "kind = \"revolute\"\nrotor_inertia = -0.5"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": rotor_inertia is -0.5 kg m^2, allowed: zero "
+     "or more"},
+    {"gear ratio zero", oneLink("", "kind = \"revolute\"\nrotor_inertia = 1\ngear_ratio = 0"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": gear_ratio is 0 with a rotor_inertia"},
+    {"negative stiffness",
+     oneLink("mass = 1\ncom = [1, 0, 0]", "kind = \"revolute\"\nstiffness = -2"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": stiffness is -2, allowed: zero or more"},
+};
+
+// On the border of what exists: none of these may be refused.
+const Bad kSound[] = {
+    {"point mass off the axis", oneLink("mass = 1\ncom = [1, 0, 0]"), ""},
+    {"thin rod", oneLink("mass = 1\ninertia = { yy = 0.1, zz = 0.1 }"), ""},
+    {"flat disc", oneLink("mass = 1\ninertia = { xx = 0.1, yy = 0.2, zz = \"0.1 + 0.2\" }"), ""},
+    {"thin rod of irrational mass",
+     oneLink("mass = \"2*pi\"\ninertia = { yy = \"2*pi*0.3^2/12\", zz = \"2*pi*0.3^2/12\" }"), ""},
+    {"point mass given about the origin",
+     oneLink("mass = 2\ncom = [1, 2, 3]\ninertia = { about = \"origin\", xx = 26, yy = 20, zz = "
+             "10, xy = "
+             "-4, xz = -6, yz = -12 }"),
+     ""},
+    // a point mass on the axis that the axes are turned about, so that the turn changes nothing
+    {"point mass given about the origin in turned axes",
+     oneLink("mass = 1\ncom = [1, 0, 0]\n"
+             "inertia = { about = \"origin\", rpy = [0.3, 0, 0], yy = 1, zz = 1 }"),
+     ""},
+    {"massless link with a rotor", oneLink("", "kind = \"revolute\"\nrotor_inertia = 1e-4"), ""},
+    {"massless link with mass behind it",
+     kBase + "[[link]]\nname = \"a\"\nparent = \"base\"\njoint = { kind = \"revolute\" }\n"
+             "[[link]]\nname = \"b\"\nparent = \"a\"\nmass = 1\ncom = [1, 0, 0]\n"
+             "joint = { kind = \"fixed\" }\n",
+     ""},
+    {"point mass at a joint that another joint moves",
+     kBase +
+         "[[link]]\nname = \"a\"\nparent = \"base\"\nmass = 1\njoint = { kind = \"revolute\" }\n"
+         "[[link]]\nname = \"b\"\nparent = \"a\"\nmass = 1\ncom = [1, 0, 0]\n"
+         "joint = { kind = \"revolute\", xyz = [1, 0, 0] }\n",
+     ""},
+};
+
+// A sound URDF robot at lines 1 to 4; the case's own text follows.
+const std::string kRobot = "<robot name=\"r\">\n<link name=\"base\"/>\n";
+const std::string kHand =
+    "<link name=\"hand\"><inertial><origin xyz=\"1 0 0\"/><mass value=\"1\"/>"
+    "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\n";
+
+std::string robot(const std::string& joint) {
+  return kRobot + kHand + "<joint name=\"j\" " + joint +
+         "<parent link=\"base\"/><child link=\"hand\"/></joint>\n</robot>\n";
+}
+
+const Bad kUrdf[] = {
+    {"broken XML", kRobot + kHand + "<joint name=\"j\">\n</robot>", "bad.urdf:5: not XML: "},
+    {"not a robot", "<?xml version=\"1.0\"?>\n<mujoco/>",
+     "bad.urdf:2: not URDF: the outermost element is <mujoco>, allowed: <robot>"},
+    {"robot without a name", "<robot><link name=\"a\"/></robot>",
+     "bad.urdf:1: <robot>: has no name"},
+    {"no link", "<robot name=\"r\"/>", "bad.urdf: no root: there is no link"},
+    {"floating joint", robot("type=\"floating\">\n"),
+     "bad.urdf:4: <joint>: joint \"j\" is of type \"floating\", allowed: fixed, revolute, "
+     "continuous, "
+     "prismatic"},
+    {"planar joint", robot("type=\"planar\">\n"),
+     "bad.urdf:4: <joint>: joint \"j\" is of type \"planar\""},
+    {"joint without a type", robot(">\n"), "bad.urdf:4: <joint>: has no type"},
+    {"joint without parent",
+     kRobot + kHand + "<joint name=\"j\" type=\"fixed\">\n<child link=\"hand\"/></joint></robot>",
+     "bad.urdf:4: <joint>: has no <parent>"},
+    {"unknown parent",
+     kRobot + kHand +
+         "<joint name=\"j\" type=\"fixed\">\n<parent link=\"x\"/><child "
+         "link=\"hand\"/></joint></robot>",
+     "bad.urdf:5: link \"hand\": parent \"x\" is not a link"},
+    {"unknown child",
+     kRobot + kHand +
+         "<joint name=\"j\" type=\"fixed\">\n<parent link=\"base\"/>\n<child "
+         "link=\"x\"/></joint></robot>",
+     "bad.urdf:6: <child>: joint \"j\": child \"x\" is not a link"},
+    {"closed loop",
+     kRobot + kHand +
+         "<joint name=\"j\" type=\"fixed\"><parent link=\"base\"/><child link=\"hand\"/></joint>\n"
+         "<joint name=\"k\" type=\"fixed\"><parent link=\"base\"/><child "
+         "link=\"hand\"/></joint></robot>",
+     "bad.urdf:5: <child>: joint \"k\": link \"hand\" is the child of joint \"j\" already, "
+     "allowed: a tree"},
+    {"two roots", kRobot + kHand + "</robot>",
+     "bad.urdf:3: link \"hand\": has no parent, but neither has link \"base\" (bad.urdf:2)"},
+    {"duplicate links", kRobot + "<link name=\"base\"/></robot>",
+     "bad.urdf:3: link \"base\": the name is taken by the link of bad.urdf:2"},
+    {"number that is none", robot("type=\"continuous\">\n<origin xyz=\"0 ${l} 0\"/>"),
+     "bad.urdf:5: <origin>: xyz is \"${l}\", allowed: decimals"},
+    {"expression, which URDF has not", robot("type=\"continuous\">\n<origin xyz=\"0 1-2 0\"/>"),
+     "bad.urdf:5: <origin>: xyz is \"1-2\", allowed: decimals"},
+    {"number that is not finite", robot("type=\"continuous\">\n<origin xyz=\"0 -INF 0\"/>"),
+     "bad.urdf:5: <origin>: xyz is \"-INF\", not finite"},
+    {"two numbers for a vector", robot("type=\"continuous\">\n<origin xyz=\"0 0\"/>"),
+     "bad.urdf:5: <origin>: xyz has 2 numbers, allowed: 3"},
+    {"zero-length axis", robot("type=\"continuous\">\n<axis xyz=\"0 0 0\"/>"),
+     "bad.urdf:3: joint \"j\" of link \"hand\": axis is [0, 0, 0]"},
+    {"mass without inertia",
+     kRobot + "<link name=\"hand\">\n<inertial><mass value=\"1\"/></inertial></link></robot>",
+     "bad.urdf:4: <inertial>: has no <inertia>"},
+    {"negative mass",
+     "<robot name=\"r\">\n<link name=\"a\"><inertial><mass value=\"-1\"/><inertia ixx=\"0\" "
+     "iyy=\"0\" "
+     "izz=\"0\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link></robot>",
+     "bad.urdf:2: link \"a\": mass is -1 kg, allowed: zero or more"},
+    {"what only urdfdom knows to be wrong", robot("type=\"revolute\">\n"),
+     "bad.urdf: not valid URDF: Joint [j] is of type REVOLUTE but it does not specify limits"},
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(bad_input)
+
+BOOST_DATA_TEST_CASE(a_bad_toml_file_is_refused_at_its_line, data::make(kToml), bad) {
+  requireComplaint(complaint([&] { readSceneToml(bad.text, "bad.toml"); }), bad.message);
+}
+
+BOOST_DATA_TEST_CASE(impossible_physics_is_refused_at_the_link, data::make(kPhysics), bad) {
+  requireComplaint(complaint([&] { readSceneToml(bad.text, "bad.toml"); }), bad.message);
+}
+
+BOOST_DATA_TEST_CASE(what_is_just_possible_is_read, data::make(kSound), sound) {
+  requireComplaint(complaint([&] { readSceneToml(sound.text, "sound.toml"); }), "no complaint");
+}
+
+BOOST_DATA_TEST_CASE(a_bad_urdf_file_is_refused_at_its_line, data::make(kUrdf), bad) {
+  requireComplaint(complaint([&] { readSceneUrdf(bad.text, "bad.urdf"); }), bad.message);
+}
+
+BOOST_AUTO_TEST_CASE(a_file_that_cannot_be_read_is_named) {
+  requireComplaint(complaint([] { readScene("/no/such/file.toml"); }),
+                   "/no/such/file.toml: cannot be read: No such file or directory");
+  requireComplaint(complaint([] { readScene("/tmp"); }),
+                   "/tmp: is a folder, allowed: a TOML or URDF file");
+}
+
+BOOST_AUTO_TEST_CASE(an_unknown_scene_is_answered_with_the_known_ones) {
+  const auto folder = std::filesystem::temp_directory_path() / "dynwitness_no_scenes_here";
+  ::setenv("DYNWITNESS_DATA", folder.c_str(), 1);
+  BOOST_TEST(bundledScenes().empty());
+  requireComplaint(complaint([] { findScene("pendulm"); }),
+                   "no scene and no file is called \"pendulm\", allowed: the path of a file");
+  ::unsetenv("DYNWITNESS_DATA");
+}
+
+BOOST_AUTO_TEST_CASE(a_mechanism_built_in_a_program_is_held_to_the_same_rules) {
+  const Scene sound = readSceneToml(kUpper, "sound.toml");
+  Scene bad = sound;
+  bad.mechanism.links[1].parent = 1;
+  requireComplaint(complaint([&] { validate(bad); }),
+                   "sound.toml:4: link \"upper\": index 1 with parent 1");
+  bad = sound;
+  bad.start_q.clear();
+  requireComplaint(complaint([&] { validate(bad); }),
+                   "sound.toml: start: 0 positions and 1 speeds");
+  bad = sound;
+  bad.mechanism.wrenches.resize(1);
+  bad.mechanism.wrenches[0].link = 2;
+  requireComplaint(complaint([&] { validate(bad); }),
+                   "sound.toml: wrench: there is no link of index 2");
+  bad = sound;
+  bad.mechanism.links[1].name = "base";
+  requireComplaint(complaint([&] { validate(bad); }),
+                   "sound.toml:4: link \"base\": the name is taken");
+  bad = sound;
+  bad.mechanism.links[1].joint.rest = Number::parse("k");
+  requireComplaint(complaint([&] { validate(bad); }),
+                   "sound.toml:4: expression \"k\": parameter \"k\" is not defined");
+  bad = sound;
+  bad.mechanism.links.clear();
+  requireComplaint(complaint([&] { validate(bad); }), "sound.toml: no root");
+}
+
+BOOST_AUTO_TEST_SUITE_END()
