@@ -47,6 +47,34 @@ Number angleOf(const Number& decimal) {
 
 // ---------------------------------------------------------------------------------- elements
 
+/// @throws InputError on elements so deep that TinyXML, which recurses, would overflow the stack.
+void requireShallow(const std::string& text, const std::string& file) {
+  constexpr int kMaxDepth = 100;  // a robot needs 6
+  const auto skipTo = [&text](std::size_t from, const char* end) {
+    return std::min(text.find(end, from), text.size());
+  };
+  int depth = 0;
+  for (std::size_t at = skipTo(0, "<"); at < text.size(); at = skipTo(at, "<")) {
+    if (text.compare(at, 4, "<!--") == 0) {
+      at = skipTo(at, "-->");
+    } else if (text.compare(at, 2, "<!") == 0 || text.compare(at, 2, "<?") == 0) {
+      at = skipTo(at, ">");
+    } else if (text.compare(at, 2, "</") == 0) {
+      --depth;
+      at = skipTo(at, ">");
+    } else {
+      while (at < text.size() && text[at] != '>') {  // which may stand in a quoted value
+        const char quote[] = {text[at], '\0'};
+        at = quote[0] == '"' || quote[0] == '\'' ? skipTo(at + 1, quote) + 1 : at + 1;
+      }
+      if (text[std::min(at, text.size()) - 1] != '/') ++depth;
+    }
+    if (depth <= kMaxDepth) continue;
+    throw InputError({file, 0},
+                     "more than " + std::to_string(kMaxDepth) + " elements inside one another");
+  }
+}
+
 /// One element of the file, with the messages about it.
 class Element {
  public:
@@ -242,6 +270,7 @@ void requireValidUrdf(const std::string& text, const std::string& file) {
 
 Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) {
   const std::string name = file.string();
+  requireShallow(text, name);
   TiXmlDocument document;
   document.Parse(text.c_str());
   if (document.Error()) {

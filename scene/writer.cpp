@@ -38,14 +38,14 @@ std::string_view takeDigits(std::string_view* text) {
 }
 
 /// Whether TOML reads this spelling as the number it is (".5", "1.", "007" and 2^64 it does not).
-bool isTomlNumber(const Exact& value, std::string_view text) {
+bool isTomlNumber(const Rational& value, std::string_view text) {
   if (!text.empty() && text.front() == '-') text.remove_prefix(1);
   const std::string_view whole = takeDigits(&text);
   if (whole.empty() || (whole.size() > 1 && whole.front() == '0')) return false;
   const auto fits = [](const Integer& n) {
     return n >= std::numeric_limits<long long>::min() && n <= std::numeric_limits<long long>::max();
   };
-  if (text.empty()) return fits(numerator(value.rational));
+  if (text.empty()) return fits(numerator(value));
   if (text.front() == '.') {
     text.remove_prefix(1);
     if (takeDigits(&text).empty()) return false;
@@ -55,8 +55,7 @@ bool isTomlNumber(const Exact& value, std::string_view text) {
     if (!text.empty() && (text.front() == '+' || text.front() == '-')) text.remove_prefix(1);
     takeDigits(&text);
   }
-  // some readers refuse what underflows, so that is left to the string
-  return text.empty() && (value.isZero() || value.toDouble() != 0);
+  return text.empty();
 }
 
 std::string number(const Number& n) {
@@ -64,7 +63,7 @@ std::string number(const Number& n) {
   const bool is_negative = n.kind() == Expression::Kind::kNegate;
   const Number& magnitude = is_negative ? n.left() : n;
   const bool is_literal = magnitude.kind() == Expression::Kind::kNumber;
-  return is_literal && isTomlNumber({magnitude.number(), 0}, text) ? text : quoted(text);
+  return is_literal && isTomlNumber(magnitude.number(), text) ? text : quoted(text);
 }
 
 template <typename Numbers>

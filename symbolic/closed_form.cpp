@@ -41,23 +41,24 @@ ClosedAlgebra::ClosedAlgebra(const Equations& equations) : equations_(equations)
       if (is_mass == masses) numbers.push_back(i);
     }
   }
+  std::map<std::string, int> cosines;  // of fixed angles, by the name of their sine
   for (int i : numbers) {
     const Node n{i};
     const GiNaC::symbol s;
     Formula shown;
     if (graph.op(n) == Op::kAtom) {
-      const Atom& atom = graph.atom(n);
-      if (atom.kind == Atom::Kind::kCos || atom.kind == Atom::Kind::kSin)
-        shown = Formula::function(
-            atom.kind == Atom::Kind::kCos ? Formula::Kind::kCos : Formula::Kind::kSin,
-            Formula::ofSymbol(atom.number.text()));
-      else
-        shown = Formula::ofSymbol(atom.name);
+      shown = Formula::ofAtom(graph.atom(n));
     } else {
       shown = Formula::power(formula(expression(graph.left(n))), -1);
     }
     symbol_of_.emplace(s, addSymbol({Role::kNumber, shown, {}}));
     expressions_[i] = s;
+    if (graph.op(n) == Op::kAtom) {
+      const std::string& name = graph.atom(n).name;
+      const auto cosine = cosines.find(name);
+      if (name.compare(0, 3, "cos") == 0) cosines["sin" + name.substr(3)] = symbol_of_.at(s);
+      if (cosine != cosines.end()) fixed_angles_.emplace_back(cosine->second, symbol_of_.at(s));
+    }
   }
   for (int k = 0; k < equations.dof(); ++k)
     bind(Input::kPosition, k,
@@ -174,15 +175,17 @@ ClosedAlgebra::Monomial ClosedAlgebra::product(const Monomial& a, const Monomial
 
 ClosedAlgebra::Polynomial ClosedAlgebra::product(const Polynomial& a, const Polynomial& b) {
   Polynomial result;
-  for (const auto& [m, r] : a) {
-    for (const auto& [n, s] : b) {
-      Rational& coefficient = result[product(m, n)];
-      coefficient += r * s;
-    }
-  }
-  for (auto it = result.begin(); it != result.end();)
-    it = it->second == 0 ? result.erase(it) : std::next(it);
+  for (const auto& [m, r] : a)
+    for (const auto& [n, s] : b) accumulate({{product(m, n), r * s}}, &result);
   return result;
+}
+
+void ClosedAlgebra::accumulate(const Polynomial& terms, Polynomial* total) {
+  for (const auto& [m, r] : terms) {
+    const auto it = total->emplace(m, 0).first;
+    it->second += r;
+    if (it->second == 0) total->erase(it);
+  }
 }
 
 ClosedAlgebra::Polynomial ClosedAlgebra::polynomial(const GiNaC::ex& x) {
@@ -211,6 +214,22 @@ ClosedAlgebra::Polynomial ClosedAlgebra::polynomial(const GiNaC::ex& x) {
     for (const GiNaC::ex& term : expanded) addTerm(term, &result);
   else
     addTerm(expanded, &result);
+
+  // fixed angles are on the circle too
+  for (const auto& [cosine, sine] : fixed_angles_) {
+    Polynomial next;
+    for (const auto& [monomial, coefficient] : result) {
+      Polynomial terms{{{}, coefficient}};
+      for (const auto& [symbol, exponent] : monomial) {
+        const int squares = symbol == cosine && exponent > 0 ? exponent / 2 : 0;
+        for (int i = 0; i < squares; ++i) terms = product(terms, {{{}, 1}, {{{sine, 2}}, -1}});
+        if (exponent != 2 * squares)
+          terms = product(terms, {{{{symbol, exponent - 2 * squares}}, 1}});
+      }
+      accumulate(terms, &next);
+    }
+    result = std::move(next);
+  }
   return result;
 }
 
@@ -231,11 +250,7 @@ ClosedAlgebra::Polynomial ClosedAlgebra::reduced(const Polynomial& p, Role power
       for (int i = 0; i < exponent / 2; ++i) terms = product(terms, one_minus_square);
       if (exponent % 2 == 1) terms = product(terms, {{{{symbol, 1}}, 1}});
     }
-    for (const auto& [m, r] : terms) {
-      const auto it = result.emplace(m, 0).first;
-      it->second += r;
-      if (it->second == 0) result.erase(it);
-    }
+    accumulate(terms, &result);
   }
   return result;
 }
@@ -271,11 +286,7 @@ ClosedAlgebra::Polynomial ClosedAlgebra::inSummedAngles(const Polynomial& p) {
       else
         for (int e = 0; e < exponent; ++e) terms = product(terms, it->second);
     }
-    for (const auto& [m, r] : terms) {
-      const auto entry = result.emplace(m, 0).first;
-      entry->second += r;
-      if (entry->second == 0) result.erase(entry);
-    }
+    accumulate(terms, &result);
   }
   return result;
 }
@@ -329,16 +340,16 @@ ClosedAlgebra::Polynomial ClosedAlgebra::inMultipleAngles(const Polynomial& p) {
         waves = std::move(next);
       }
     }
+    Polynomial terms;
     for (const auto& [wave, r] : waves) {
       Monomial m = rest;
       if (std::any_of(wave.angle.begin(), wave.angle.end(), [](int k) { return k != 0; })) {
         const auto [c, s] = trigOf(wave.angle);
         m = product(m, {{wave.is_sine ? s : c, 1}});
       }
-      const auto entry = result.emplace(m, 0).first;
-      entry->second += r;
-      if (entry->second == 0) result.erase(entry);
+      terms[m] += r;
     }
+    accumulate(terms, &result);
   }
   return result;
 }

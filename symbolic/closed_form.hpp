@@ -67,6 +67,7 @@ class ClosedAlgebra {
   Polynomial inMultipleAngles(const Polynomial& p);
   static Polynomial product(const Polynomial& a, const Polynomial& b);
   static Monomial product(const Monomial& a, const Monomial& b);
+  static void accumulate(const Polynomial& terms, Polynomial* total);
 
   const Equations& equations_;
   std::map<int, GiNaC::ex> expressions_;  ///< of nodes
@@ -74,6 +75,7 @@ class ClosedAlgebra {
   std::map<GiNaC::ex, int, GiNaC::ex_is_less> symbol_of_;
   std::vector<Symbol> symbols_;
   std::map<Angle, std::pair<int, int>> trig_;
+  std::vector<std::pair<int, int>> fixed_angles_;  ///< cosine and sine among the numbers
 };
 
 /// T and V of the graph, and what GiNaC derives from them.

@@ -85,6 +85,52 @@ Formula Formula::function(Kind cos_or_sin, Formula angle) {
   return f;
 }
 
+namespace {
+
+/// Formulas as the algebra in which scene::evaluateIn writes an expression down.
+struct Written {
+  Formula f;
+  friend Written operator+(const Written& a, const Written& b) { return {Formula::sum({a.f, b.f})}; }
+  friend Written operator-(const Written& a, const Written& b) {
+    return {Formula::sum({a.f, Formula::negate(b.f)})};
+  }
+  friend Written operator*(const Written& a, const Written& b) {
+    return {Formula::product({a.f, b.f})};
+  }
+  friend Written operator/(const Written& a, const Written& b) {
+    if (b.f.kind == Formula::Kind::kNumber && b.f.number != 0)
+      return {Formula::product({Formula::ofNumber(1 / b.f.number), a.f})};
+    return {Formula::product({a.f, Formula::power(b.f, -1)})};
+  }
+  Written operator-() const { return {Formula::negate(f)}; }
+};
+struct WritingAlgebra {
+  Written number(const Rational& r) const { return {Formula::ofNumber(r)}; }
+  Written parameter(const std::string& name) const { return {Formula::ofSymbol(name)}; }
+  Written pi() const { return {Formula::ofSymbol("pi")}; }
+};
+
+}  // namespace
+
+Formula Formula::ofExpression(const scene::Number& expression) {
+  return scene::evaluateIn<Written>(expression, WritingAlgebra{}).f;
+}
+
+Formula Formula::ofAtom(const Atom& atom) {
+  // the angles of an axis have no expression; their name stands in the parentheses
+  const auto label = [&atom] { return ofSymbol(atom.name.substr(4, atom.name.size() - 5)); };
+  switch (atom.kind) {
+    case Atom::Kind::kNumber: return ofSymbol(atom.name);
+    case Atom::Kind::kCos: return function(Kind::kCos, ofExpression(atom.number));
+    case Atom::Kind::kSin: return function(Kind::kSin, ofExpression(atom.number));
+    case Atom::Kind::kCosAlpha:
+    case Atom::Kind::kCosBeta: return function(Kind::kCos, label());
+    case Atom::Kind::kSinAlpha:
+    case Atom::Kind::kSinBeta: return function(Kind::kSin, label());
+  }
+  return {};
+}
+
 std::string identifier(const std::string& parameter) {
   std::string id = "p_";
   for (char ch : parameter) {

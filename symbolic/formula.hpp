@@ -30,6 +30,10 @@ struct Formula {
   static Formula negate(Formula operand);
   static Formula power(Formula base, int exponent);
   static Formula function(Kind cos_or_sin, Formula angle);
+  /// A number of the scene as its author wrote it.
+  static Formula ofExpression(const scene::Number& expression);
+  /// A number that stays a symbol: a parameter, pi, or the cosine or sine of a fixed angle.
+  static Formula ofAtom(const Atom& atom);
 };
 
 /// left = right

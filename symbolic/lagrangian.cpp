@@ -251,10 +251,12 @@ std::vector<FrameStep> Lagrangian::axisSteps(const scene::Vector& axis, int* coo
 
   // z to the axis: Rz(alpha) Ry(beta), each exact where its square roots are
   const Value zero = constant(0), one = constant(1);
-  const std::string name =
+  const std::string text =
       "(" + axis[0].text() + ", " + axis[1].text() + ", " + axis[2].text() + ")";
+  const int label = axes_.emplace(text, bodyCount() + 1).first->second;
   const auto symbol = [&](Atom::Kind kind, const std::string& what) {
-    return Value{graph_, graph_->atom({kind, 0, axis, what + name})};
+    // with a space, which no parameter's name has
+    return Value{graph_, graph_->atom({kind, 0, axis, what + " axis" + std::to_string(label) + ")"})};
   };
   Value cos_alpha, sin_alpha, cos_beta, sin_beta;
   Rational rho, length;
@@ -265,15 +267,15 @@ std::vector<FrameStep> Lagrangian::axisSteps(const scene::Vector& axis, int* coo
     cos_alpha = constant(exact[0].rational / rho);
     sin_alpha = constant(exact[1].rational / rho);
   } else {
-    cos_alpha = is_zero[0] ? zero : symbol(Atom::Kind::kCosAlpha, "cos_alpha");
-    sin_alpha = is_zero[1] ? zero : symbol(Atom::Kind::kSinAlpha, "sin_alpha");
+    cos_alpha = is_zero[0] ? zero : symbol(Atom::Kind::kCosAlpha, "cos(alpha");
+    sin_alpha = is_zero[1] ? zero : symbol(Atom::Kind::kSinAlpha, "sin(alpha");
   }
   if (rho_exact && squareRoot(rho * rho + exact[2].rational * exact[2].rational, &length)) {
     cos_beta = constant(exact[2].rational / length);
     sin_beta = constant(rho / length);
   } else {
-    cos_beta = is_zero[2] ? zero : symbol(Atom::Kind::kCosBeta, "cos_beta");
-    sin_beta = is_zero[2] ? one : symbol(Atom::Kind::kSinBeta, "sin_beta");
+    cos_beta = is_zero[2] ? zero : symbol(Atom::Kind::kCosBeta, "cos(beta");
+    sin_beta = is_zero[2] ? one : symbol(Atom::Kind::kSinBeta, "sin(beta");
   }
   return {{true, 2, cos_alpha, sin_alpha, {zero, zero, zero}},
           {true, 1, cos_beta, sin_beta, {zero, zero, zero}}};

@@ -108,6 +108,7 @@ class Lagrangian {
   /// Size of an angle -> the angle as first written, and whether that was negative: so that an
   /// angle and its negative share their cosine.
   std::map<std::string, std::pair<scene::Number, bool>> angles_;
+  std::map<std::string, int> axes_;  ///< axis -> the joint that names its angles
   std::vector<Body> bodies_;
   std::vector<WorldOrBodyFrame> frames_;  ///< of the scene's links
   MassMoments world_;                     ///< what is fixed to the world

@@ -65,7 +65,10 @@ LOOK = r"""
     if (formula.namespaceURI !== 'http://www.w3.org/1998/Math/MathML') wrong.push(`${where} (not MathML)`);
     if (!seen(formula)) wrong.push(`${where} (nothing to see)`);
     if (!formula.textContent.trim()) wrong.push(`${where} (empty)`);
-    for (const part of formula.querySelectorAll('*')) {
+    for (const part of [formula, ...formula.querySelectorAll('*')]) {
+      const words = [...part.childNodes].filter(n => n.nodeType === Node.TEXT_NODE).map(n => n.data.trim()).join('');
+      if (words && !['mi', 'mn', 'mo', 'ms', 'mtext', 'annotation', 'merror'].includes(part.localName))
+        wrong.push(`${where} (bare text: ${words})`);
       const n = children[part.localName];
       if (part.localName === 'merror') wrong.push(`${where} (merror: ${part.textContent})`);
       else if (!known.has(part.localName) || part.namespaceURI !== formula.namespaceURI)

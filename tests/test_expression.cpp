@@ -44,7 +44,9 @@ struct Doubles {
 
 /// A random sentence of the grammar in the parameters x and y.
 std::string sentence(std::mt19937* random, int depth) {
-  const auto pick = [random](int n) { return static_cast<int>((*random)() % static_cast<unsigned>(n)); };
+  const auto pick = [random](int n) {
+    return static_cast<int>((*random)() % static_cast<unsigned>(n));
+  };
   const char* const atoms[] = {"x", "y", "2", "0.25", "1e-3", ".5", "3", "7.50"};
   if (depth == 0) return atoms[pick(8)];
   const std::string a = sentence(random, depth - 1), b = sentence(random, depth - 1);

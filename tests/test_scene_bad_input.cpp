@@ -209,6 +209,11 @@ const Bad kPhysics[] = {
      "bad.toml:4: link \"upper\": principal moments of inertia about the centre of mass are -1, 3, "
      "3 kg "
      "m^2, which is not positive semidefinite, allowed: zero or more"},
+    {"inertia with two negative moments",  // 1 + 2*2, 1 - 2, 1 - 2
+     oneLink("mass = 1\ninertia = { xx = 1, yy = 1, zz = 1, xy = 2, xz = 2, yz = 2 }"),
+     "bad.toml:4: link \"upper\": principal moments of inertia about the centre of mass are -1, "
+     "-1, 5 "
+     "kg m^2, which is not positive semidefinite"},
     {"negative inertia", oneLink("mass = 1\ninertia = { xx = -1, yy = -1, zz = -2 }"),
      "bad.toml:4: link \"upper\": principal moments of inertia about the centre of mass are -2, "
      "-1, -1"},
@@ -246,6 +251,15 @@ const Bad kPhysics[] = {
              "joint = { kind = \"fixed\", rpy = [0.3, 0, 0] }\n",
      "bad.toml:4: joint \"a\" of link \"a\": what it carries has no inertia about the joint's "
      "axis"},
+    {"rod along the axis behind turns of 0.3 + 0.4 - 0.7 rad",
+     kBase +
+         "[[link]]\nname = \"a\"\nparent = \"base\"\njoint = { kind = \"revolute\" }\n"
+         "[[link]]\nname = \"b\"\nparent = \"a\"\njoint = { kind = \"fixed\", rpy = [0.3, 0, 0] }\n"
+         "[[link]]\nname = \"c\"\nparent = \"b\"\nmass = 1\n"
+         "inertia = { rpy = [-0.7, 0, 0], xx = 1, yy = 1, zz = 0 }\n"
+         "joint = { kind = \"fixed\", rpy = [0.4, 0, 0] }\n",
+     "bad.toml:4: joint \"a\" of link \"a\": what it carries has no inertia about the joint's "
+     "axis"},
     {"point mass on the axis behind a DH row",
      oneLink("mass = 1\ncom = [-2, 0, 0]",
              "kind = \"revolute\"\ndh = { a = 2, alpha = 0.7, theta = 0.4 }"),
@@ -275,15 +289,38 @@ const Bad kSound[] = {
              "-4, xz = -6, yz = -12 }"),
      ""},
     // a point mass on the axis that the axes are turned about, so that the turn changes nothing
-    {"point mass given about the origin in turned axes",
+    {"point mass given about the origin in axes turned by 0.3",
      oneLink("mass = 1\ncom = [1, 0, 0]\n"
              "inertia = { about = \"origin\", rpy = [0.3, 0, 0], yy = 1, zz = 1 }"),
+     ""},
+    {"point mass given about the origin in axes turned by 0.6",
+     oneLink("mass = 1\ncom = [1, 0, 0]\n"
+             "inertia = { about = \"origin\", rpy = [0.6, 0, 0], yy = 1, zz = 1 }"),
+     ""},
+    {"point mass given about the origin in axes turned by -1.2",
+     oneLink("mass = 1\ncom = [1, 0, 0]\n"
+             "inertia = { about = \"origin\", rpy = [-1.2, 0, 0], yy = 1, zz = 1 }"),
+     ""},
+    {"point mass given about the origin in axes turned by 1e15",
+     oneLink("mass = 1\ncom = [1, 0, 0]\n"
+             "inertia = { about = \"origin\", rpy = [1e15, 0, 0], yy = 1, zz = 1 }"),
+     ""},
+    // c = (1, 0, 1) is (0, -1, 1) in axes turned by pi/2 about z, and there c.c 1 - c c' is this:
+    {"point mass given about the origin in axes turned by pi/2",
+     oneLink("mass = 1\ncom = [1, 0, 1]\n"
+             "inertia = { about = \"origin\", rpy = [0, 0, \"pi/2\"], xx = 2, yy = 1, zz = 1, yz = "
+             "1 }"),
      ""},
     {"massless link with a rotor", oneLink("", "kind = \"revolute\"\nrotor_inertia = 1e-4"), ""},
     {"massless link with mass behind it",
      kBase + "[[link]]\nname = \"a\"\nparent = \"base\"\njoint = { kind = \"revolute\" }\n"
              "[[link]]\nname = \"b\"\nparent = \"a\"\nmass = 1\ncom = [1, 0, 0]\n"
              "joint = { kind = \"fixed\" }\n",
+     ""},
+    {"point mass that another joint brings onto the axis, but only at q = 0",
+     kBase + "[[link]]\nname = \"a\"\nparent = \"base\"\njoint = { kind = \"revolute\" }\n"
+             "[[link]]\nname = \"b\"\nparent = \"a\"\nmass = 1\ncom = [-1, 0, 0]\n"
+             "joint = { kind = \"revolute\", xyz = [1, 0, 0] }\n",
      ""},
     {"point mass at a joint that another joint moves",
      kBase +
@@ -299,6 +336,12 @@ const std::string kHand =
     "<link name=\"hand\"><inertial><origin xyz=\"1 0 0\"/><mass value=\"1\"/>"
     "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\n";
 
+std::string repeated(const std::string& text, int times) {
+  std::string result;
+  for (int i = 0; i < times; ++i) result += text;
+  return result;
+}
+
 std::string robot(const std::string& joint) {
   return kRobot + kHand + "<joint name=\"j\" " + joint +
          "<parent link=\"base\"/><child link=\"hand\"/></joint>\n</robot>\n";
@@ -306,6 +349,8 @@ std::string robot(const std::string& joint) {
 
 const Bad kUrdf[] = {
     {"broken XML", kRobot + kHand + "<joint name=\"j\">\n</robot>", "bad.urdf:5: not XML: "},
+    {"elements a million deep", "<robot name=\"r\">\n" + repeated("<a b='/>'>", 1000000),
+     "bad.urdf: more than 100 elements inside one another"},
     {"not a robot", "<?xml version=\"1.0\"?>\n<mujoco/>",
      "bad.urdf:2: not URDF: the outermost element is <mujoco>, allowed: <robot>"},
     {"robot without a name", "<robot><link name=\"a\"/></robot>",

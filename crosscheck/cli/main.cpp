@@ -1,1 +1,50 @@
-int main(){}
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The command line.
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "scene/error.hpp"
+
+namespace {
+
+constexpr int kBadInput = 2, kOwnFailure = 3;
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace dynwitness;
+  CLI::App app("Independent computations of a mechanism's dynamics testify against each other.",
+               "dynwitness");
+  app.require_subcommand(1);
+  app.set_help_all_flag("--help-all", "Help of all subcommands");
+  app.footer(
+      "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file or a\n"
+      "URDF file. Exit status: 0 all agree; 1 a disagreement was found; 2 bad usage or bad input;\n"
+      "3 a failure of dynwitness itself.");
+  std::vector<std::pair<const char*, cli::Run>> commands = {
+      {"crosscheck", cli::addCrosscheck(app)}, {"derive", cli::addDerive(app)},
+      {"evaluate", cli::addEvaluate(app)},     {"drift", cli::addDrift(app)},
+      {"scenes", cli::addScenes(app)},         {"version", cli::addVersion(app)}};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return kBadInput;
+  }
+  try {
+    for (const auto& [name, run] : commands)
+      if (app.got_subcommand(name)) return run();
+  } catch (const scene::InputError& error) {
+    fmt::print(stderr, "dynwitness: {}\n", error.what());
+    return kBadInput;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "dynwitness: failed: {}\n", error.what());
+  }
+  return kOwnFailure;
+}

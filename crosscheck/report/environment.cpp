@@ -5,16 +5,16 @@
 #include <ctime>
 #include <fstream>
 
-#include <CLI/Version.hpp>
 #include <Eigen/src/Core/util/Macros.h>  // the version alone: Eigen/Core takes a second to compile
-#include <boost/version.hpp>
 #include <fmt/core.h>
 #include <fmt/format.h>
 #include <ginac/version.h>
-#if __has_include(<toml++/toml_version.h>)
-#include <toml++/toml_version.h>
-#elif __has_include(<toml++/impl/version.hpp>)
+#include <CLI/Version.hpp>
+#include <boost/version.hpp>
+#if __has_include(<toml++/impl/version.hpp>)  // since 3.4
 #include <toml++/impl/version.hpp>
+#elif __has_include(<toml++/impl/version.h>)
+#include <toml++/impl/version.h>
 #endif
 #include <nlohmann/json.hpp>
 

@@ -11,11 +11,11 @@ struct Environment {
   struct Library {
     std::string name, version;
   };
-  std::string version;          ///< of dynwitness
-  std::string commit;           ///< of its source; empty when it was not built from a git checkout
+  std::string version;  ///< of dynwitness
+  std::string commit;   ///< of its source; empty when it was not built from a git checkout
   std::string compiler, flags;
-  std::string cpu;              ///< model name
-  std::string date;             ///< UTC, "2025-11-21T10:45:00Z"
+  std::string cpu;   ///< model name
+  std::string date;  ///< UTC, "2025-11-21T10:45:00Z"
   std::vector<Library> libraries;
 };
 
@@ -23,7 +23,8 @@ struct Environment {
 
     @param more  libraries whose version only their own headers tell (Simbody: include it here and
                  caller's layout changes with it), appended in the order given
-    The date follows SOURCE_DATE_EPOCH where it is set, so that reports can be byte for byte equal. */
+    The date follows SOURCE_DATE_EPOCH where it is set, so that reports can be byte for byte equal.
+ */
 Environment thisEnvironment(const std::vector<Environment::Library>& more = {});
 
 /// "2025-11-21T10:45:00Z" of a file's or the system's clock [s since 1970].

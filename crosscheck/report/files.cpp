@@ -101,7 +101,8 @@ void requireOurs(const fs::path& folder, const fs::path& relative, const std::se
 
 fs::path nearestExisting(fs::path path) {
   path = fs::absolute(path);
-  while (!fs::exists(fs::symlink_status(path)) && path.has_relative_path()) path = path.parent_path();
+  while (!fs::exists(fs::symlink_status(path)) && path.has_relative_path())
+    path = path.parent_path();
   return path;
 }
 
@@ -136,7 +137,8 @@ void requireWritable(const fs::path& given) {
   try {
     const fs::path existing = nearestExisting(folder);
     if (!fs::is_directory(existing))
-      refuse(given, fmt::format("cannot be the report's folder: {} is not a folder", existing.string()));
+      refuse(given,
+             fmt::format("cannot be the report's folder: {} is not a folder", existing.string()));
     // asking the system to do it is the only answer that holds for root and read-only disks too
     std::error_code error;
     fs::remove(makeUnique(existing, ".dynwitness-try"), error);
@@ -164,7 +166,8 @@ UnfinishedFolder::UnfinishedFolder(const fs::path& folder) : folder_(tidy(folder
   const fs::path absolute = fs::absolute(folder_);
   for (fs::path p = absolute.parent_path(); !fs::exists(p); p = p.parent_path()) first_created_ = p;
   fs::create_directories(absolute.parent_path());
-  unfinished_ = makeUnique(absolute.parent_path(), "." + absolute.filename().string() + "-unfinished");
+  unfinished_ =
+      makeUnique(absolute.parent_path(), "." + absolute.filename().string() + "-unfinished");
 }
 
 UnfinishedFolder::~UnfinishedFolder() {

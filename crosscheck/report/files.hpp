@@ -16,8 +16,8 @@ void writeWholeFile(const std::filesystem::path& file, std::string_view text);
 /** Looks whether a report can be written to `folder`, without leaving anything there: for calling
     before a long computation.
 
-    @throws scene::InputError  the folder (or where it would be made) cannot be written to, is a file,
-                               or holds an index.html etc. that dynwitness did not write */
+    @throws scene::InputError  the folder (or where it would be made) cannot be written to, is a
+   file, or holds an index.html etc. that dynwitness did not write */
 void requireWritable(const std::filesystem::path& folder);
 
 /** A folder in the making, beside (or inside) the place where it will appear.

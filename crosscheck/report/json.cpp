@@ -106,7 +106,8 @@ Json toJson(const Environment& environment) {
 }  // namespace
 
 std::string reportJson(const CrosscheckResult& result, const Environment& environment) {
-  Json json{{"dynwitness", cleanText(environment.version)}, {"headline", cleanText(result.headline())}};
+  Json json{{"dynwitness", cleanText(environment.version)},
+            {"headline", cleanText(result.headline())}};
   json["witnesses"] = Json::array();
   for (const WitnessInfo& witness : result.witnesses) {
     Json entry{{"name", cleanText(witness.name)}};
@@ -155,18 +156,22 @@ std::string reportJUnit(const CrosscheckResult& result, const Environment& envir
       fmt::format_to(out, "    <testcase classname=\"dynwitness.{}\" name=\"{}\"",
                      escapeMarkup(scene.name), escapeMarkup(title));
       switch (check.verdict) {
-        case Verdict::kAgree: fmt::format_to(out, "/>\n"); break;
+        case Verdict::kAgree:
+          fmt::format_to(out, "/>\n");
+          break;
         case Verdict::kDisagree:
-          fmt::format_to(out,
-                         "><failure type=\"disagree\" message=\"{}\">{}\nworst {}, limit {} [{}] "
-                         "(ratio {}) at {}, state {} of seed {}</failure></testcase>\n",
-                         escapeMarkup(check.reason.empty() ? "the witnesses disagree" : check.reason),
-                         escapeMarkup(check.statement), readable(check.worst), readable(check.limit),
-                         escapeMarkup(check.unit), readable(check.ratio), escapeMarkup(check.worst_entry), check.worst_state,
-                         check.seed);
+          fmt::format_to(
+              out,
+              "><failure type=\"disagree\" message=\"{}\">{}\nworst {}, limit {} [{}] "
+              "(ratio {}) at {}, state {} of seed {}</failure></testcase>\n",
+              escapeMarkup(check.reason.empty() ? "the witnesses disagree" : check.reason),
+              escapeMarkup(check.statement), readable(check.worst), readable(check.limit),
+              escapeMarkup(check.unit), readable(check.ratio), escapeMarkup(check.worst_entry),
+              check.worst_state, check.seed);
           break;
         case Verdict::kNotAnswerable:
-          fmt::format_to(out, "><skipped message=\"{}\"/></testcase>\n", escapeMarkup(check.reason));
+          fmt::format_to(out, "><skipped message=\"{}\"/></testcase>\n",
+                         escapeMarkup(check.reason));
           break;
       }
     }

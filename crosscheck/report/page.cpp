@@ -20,7 +20,9 @@ constexpr int kLongTable = 14;
 /// Disagreements listed at the top of the page; the scenes list them all.
 constexpr int kTopDisagreements = 25;
 
-std::string esc(std::string_view text) { return escapeMarkup(text); }
+std::string esc(std::string_view text) {
+  return escapeMarkup(text);
+}
 
 /// Appends to the page.
 template <typename... Args>
@@ -36,15 +38,19 @@ std::string plural(long n, const char* word) {
 
 const char* cssClass(Verdict verdict) {
   switch (verdict) {
-    case Verdict::kAgree: return "agree";
-    case Verdict::kDisagree: return "disagree";
-    case Verdict::kNotAnswerable: break;
+    case Verdict::kAgree:
+      return "agree";
+    case Verdict::kDisagree:
+      return "disagree";
+    case Verdict::kNotAnswerable:
+      break;
   }
   return "none";
 }
 
 std::string icon(const char* css_class) {
-  return fmt::format(R"(<svg class="icon" aria-hidden="true"><use href="#icon-{}"/></svg>)", css_class);
+  return fmt::format(R"(<svg class="icon" aria-hidden="true"><use href="#icon-{}"/></svg>)",
+                     css_class);
 }
 
 /// Sign and word: never a colour alone.
@@ -56,16 +62,11 @@ std::string badge(Verdict verdict, const std::string& word) {
 /// A quantity in words, as the headings of the check tables say it; names we do not know stay.
 std::string quantityWords(const std::string& quantity) {
   static const std::map<std::string, const char*> kWords = {
-      {"M", "M, mass matrix"},
-      {"c", "c, velocity products"},
-      {"g", "g, gravity and springs"},
-      {"tau", "tau, inverse dynamics"},
-      {"qdd", "qdd, forward dynamics"},
-      {"energy", "energy along simulated motion"},
-      {"kinetic", "kinetic energy"},
-      {"potential", "potential energy"},
-      {"momentum", "momentum"},
-      {"reactions", "reactions"},
+      {"M", "M, mass matrix"},          {"c", "c, velocity products"},
+      {"g", "g, gravity and springs"},  {"tau", "tau, inverse dynamics"},
+      {"qdd", "qdd, forward dynamics"}, {"energy", "energy along simulated motion"},
+      {"kinetic", "kinetic energy"},    {"potential", "potential energy"},
+      {"momentum", "momentum"},         {"reactions", "reactions"},
   };
   const auto found = kWords.find(quantity);
   return found != kWords.end() ? found->second : quantity.empty() ? "other" : quantity;
@@ -76,9 +77,12 @@ std::string witnesses(const CheckResult& check) {
   return esc(check.left) + " <span class=\"soft\">and</span> " + esc(check.right);
 }
 
-bool answered(const CheckResult& check) { return check.verdict != Verdict::kNotAnswerable; }
+bool answered(const CheckResult& check) {
+  return check.verdict != Verdict::kNotAnswerable;
+}
 
-/// For sorting: disagreements first, then what is nearest to its limit. NaN is worse than any number.
+/// For sorting: disagreements first, then what is nearest to its limit. NaN is worse than any
+/// number.
 double severity(const CheckResult& check) {
   if (!answered(check)) return -1;
   if (std::isnan(check.ratio)) return std::numeric_limits<double>::infinity();
@@ -100,9 +104,15 @@ SceneCounts count(const SceneResult& scene) {
   SceneCounts counts;
   for (const CheckResult& check : scene.checks) {
     switch (check.verdict) {
-      case Verdict::kAgree: ++counts.agree; break;
-      case Verdict::kDisagree: ++counts.disagree; break;
-      case Verdict::kNotAnswerable: ++counts.not_answerable; continue;
+      case Verdict::kAgree:
+        ++counts.agree;
+        break;
+      case Verdict::kDisagree:
+        ++counts.disagree;
+        break;
+      case Verdict::kNotAnswerable:
+        ++counts.not_answerable;
+        continue;
     }
     if (counts.worst == nullptr || severity(check) > severity(*counts.worst)) counts.worst = &check;
   }
@@ -123,9 +133,11 @@ std::string share(const CheckResult& check) {
       over ? " over" : "", part, esc(shareOfLimit(check.ratio)));
 }
 
-/// A box that scrolls sideways where the screen is narrower than its content; the keyboard reaches it.
+/// A box that scrolls sideways where the screen is narrower than its content; the keyboard reaches
+/// it.
 void openScroll(std::string* page, const std::string& label) {
-  put(page, "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n", esc(label));
+  put(page, "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n",
+      esc(label));
 }
 
 /// MathML as it is. Text that is no markup is shown as text.
@@ -135,13 +147,14 @@ std::string math(const std::string& formula) {
   if (first == std::string::npos) return {};
   if (clean.compare(first, 5, "<math") == 0) return clean;
   if (clean[first] == '<')
-    return "<math xmlns=\"http://www.w3.org/1998/Math/MathML\" display=\"block\">" + clean + "</math>";
+    return "<math xmlns=\"http://www.w3.org/1998/Math/MathML\" display=\"block\">" + clean +
+           "</math>";
   return "<code>" + esc(clean) + "</code>";
 }
 
 void putCheckHead(std::string* page, const std::string& caption) {
   put(page,
-      "<table>\n<caption>{}</caption>\n<thead><tr><th scope=\"col\">Check</th>"
+      "<table>\n<caption><span>{}</span></caption>\n<thead><tr><th scope=\"col\">Check</th>"
       "<th scope=\"col\">Witnesses</th><th scope=\"col\" class=\"n\">Worst</th>"
       "<th scope=\"col\" class=\"n\">Limit</th><th scope=\"col\">Unit</th>"
       "<th scope=\"col\">Share of the limit</th>"
@@ -151,7 +164,9 @@ void putCheckHead(std::string* page, const std::string& caption) {
 }
 
 /// False for checks that no random state belongs to, such as the energy drift.
-bool drawn(const CheckResult& check) { return !check.worst_entry.empty(); }
+bool drawn(const CheckResult& check) {
+  return !check.worst_entry.empty();
+}
 
 std::string worstAt(const CheckResult& check) {
   if (!drawn(check)) return "–";
@@ -165,13 +180,14 @@ void putCheckRow(std::string* page, const CheckResult& check) {
   put(page, "<tr{}><th scope=\"row\" class=\"statement\">{}", bad ? " class=\"bad\"" : "",
       esc(statement));
   if (statement != check.check) put(page, "<span class=\"sub\">{}</span>", esc(check.check));
-  put(page, "</th><td>{}", witnesses(check));
-  if (bad && !check.reason.empty()) put(page, "<span class=\"sub\">{}</span>", esc(check.reason));
+  if (bad && !check.reason.empty())
+    put(page, "<span class=\"sub reason\">{}</span>", esc(check.reason));
   put(page,
-      "</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"unit\">{}</td>"
-      "<td class=\"share\">{}</td><td class=\"nowrap\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
-      esc(readable(check.worst)), esc(readable(check.limit)), esc(check.unit), share(check),
-      worstAt(check), drawn(check) ? std::to_string(check.seed) : "–",
+      "</th><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"unit\">{}</td>"
+      "<td class=\"share\">{}</td><td class=\"nowrap\">{}</td><td "
+      "class=\"n\">{}</td><td>{}</td></tr>\n",
+      witnesses(check), esc(readable(check.worst)), esc(readable(check.limit)), esc(check.unit),
+      share(check), worstAt(check), drawn(check) ? std::to_string(check.seed) : "–",
       badge(check.verdict, name(check.verdict)));
 }
 
@@ -267,7 +283,9 @@ void putVerdict(std::string* page, const CrosscheckResult& result, const Environ
 void putDisagreements(std::string* page, const CrosscheckResult& result,
                       const std::vector<SceneFiles>& files) {
   if (result.verdict() != Verdict::kDisagree) return;
-  put(page, "<section aria-labelledby=\"disagreements\">\n<h2 id=\"disagreements\">What disagrees</h2>\n");
+  put(page,
+      "<section aria-labelledby=\"disagreements\">\n<h2 id=\"disagreements\">What "
+      "disagrees</h2>\n");
   for (std::size_t i = 0; i < result.scenes.size(); ++i) {
     const SceneResult& scene = result.scenes[i];
     for (const Finding& finding : scene.findings) {
@@ -276,7 +294,8 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
         put(page, "{} stands alone", esc(finding.witness));
       else
         put(page, "No single witness stands alone");
-      put(page, " <span class=\"soft\">in</span> {} <span class=\"soft\">of</span> "
+      put(page,
+          " <span class=\"soft\">in</span> {} <span class=\"soft\">of</span> "
           "<a href=\"#{}\">{}</a></p><p>{}</p></div>\n",
           esc(finding.quantity), files[i].anchor, esc(sceneTitle(scene)), esc(finding.text));
     }
@@ -295,14 +314,15 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
   const std::size_t shown = std::min<std::size_t>(all.size(), kTopDisagreements);
   openScroll(page, "Table of disagreements");
   put(page,
-      "<table>\n<caption>{}</caption>\n<thead><tr><th scope=\"col\">Scene</th><th scope=\"col\">Check"
+      "<table>\n<caption><span>{}</span></caption>\n<thead><tr><th scope=\"col\">Scene</th><th "
+      "scope=\"col\">Check"
       "</th><th scope=\"col\">Witnesses</th><th scope=\"col\" class=\"n\">Worst</th>"
       "<th scope=\"col\" class=\"n\">Limit</th><th scope=\"col\">Unit</th>"
       "<th scope=\"col\" class=\"n\">Beyond it</th>"
       "<th scope=\"col\">Worst at</th></tr></thead>\n<tbody>\n",
       shown < all.size()
-          ? fmt::format("The worst {} of {} disagreements; each scene lists its own in full.", shown,
-                        all.size())
+          ? fmt::format("The worst {} of {} disagreements; each scene lists its own in full.",
+                        shown, all.size())
           : "Checks beyond their limit, worst first.");
   for (std::size_t k = 0; k < shown; ++k) {
     const CheckResult& check = *all[k].check;
@@ -313,7 +333,8 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
         files[all[k].scene].anchor, esc(sceneTitle(result.scenes[all[k].scene])),
         esc(check.statement.empty() ? check.check : check.statement),
         esc(quantityWords(check.quantity)), witnesses(check), esc(readable(check.worst)),
-        esc(readable(check.limit)), esc(check.unit), esc(shareOfLimit(check.ratio)), worstAt(check));
+        esc(readable(check.limit)), esc(check.unit), esc(shareOfLimit(check.ratio)),
+        worstAt(check));
   }
   put(page, "</tbody>\n</table>\n</div>\n</section>\n");
 }
@@ -323,11 +344,15 @@ void putSceneTable(std::string* page, const CrosscheckResult& result,
   put(page, "<section aria-labelledby=\"scenes\">\n<h2 id=\"scenes\">Scenes</h2>\n");
   openScroll(page, "Table of scenes");
   put(page,
-      "<table>\n<caption>Each scene, with the check that comes nearest to its limit.</caption>\n"
+      "<table>\n<caption><span>Each scene, with the check that comes nearest to its "
+      "limit.</span></caption>\n"
       "<thead><tr><th scope=\"col\">Scene</th><th scope=\"col\">Verdict</th>"
-      "<th scope=\"col\" class=\"n\">Degrees of<br>freedom</th><th scope=\"col\" class=\"n\">Links</th>"
-      "<th scope=\"col\" class=\"n\">Checks</th><th scope=\"col\" class=\"n\">Not<br>answerable</th>"
-      "<th scope=\"col\">Nearest to its limit</th><th scope=\"col\">in the check</th></tr></thead>\n"
+      "<th scope=\"col\" class=\"n\">Degrees of<br>freedom</th><th scope=\"col\" "
+      "class=\"n\">Links</th>"
+      "<th scope=\"col\" class=\"n\">Checks</th><th scope=\"col\" "
+      "class=\"n\">Not<br>answerable</th>"
+      "<th scope=\"col\">Nearest to its limit</th><th scope=\"col\">in the "
+      "check</th></tr></thead>\n"
       "<tbody>\n");
   for (std::size_t i = 0; i < result.scenes.size(); ++i) {
     const SceneResult& scene = result.scenes[i];
@@ -336,8 +361,10 @@ void putSceneTable(std::string* page, const CrosscheckResult& result,
                              : counts.agree > 0  ? "all agree"
                                                  : "not answerable";
     put(page,
-        "<tr{}><th scope=\"row\"><a href=\"#{}\">{}</a><span class=\"sub\">{}</span></th><td>{}</td>"
-        "<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
+        "<tr{}><th scope=\"row\"><a href=\"#{}\">{}</a><span "
+        "class=\"sub\">{}</span></th><td>{}</td>"
+        "<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+        "class=\"n\">{}</td>",
         counts.disagree > 0 ? " class=\"bad\"" : "", files[i].anchor, esc(sceneTitle(scene)),
         esc(scene.name), badge(counts.verdict(), word), scene.dof, scene.links, counts.answered(),
         counts.not_answerable == 0 ? "–" : std::to_string(counts.not_answerable));
@@ -345,8 +372,9 @@ void putSceneTable(std::string* page, const CrosscheckResult& result,
       put(page,
           "<td class=\"share\">{}<span class=\"sub\">{} of {} {}</span></td><td class=\"which\">{} "
           "<span class=\"soft\">{}</span><span class=\"sub\">{}</span></td></tr>\n",
-          share(*counts.worst), esc(readable(counts.worst->worst)), esc(readable(counts.worst->limit)),
-          esc(counts.worst->unit), esc(counts.worst->quantity), esc(counts.worst->check), witnesses(*counts.worst));
+          share(*counts.worst), esc(readable(counts.worst->worst)),
+          esc(readable(counts.worst->limit)), esc(counts.worst->unit), esc(counts.worst->quantity),
+          esc(counts.worst->check), witnesses(*counts.worst));
     else
       put(page, "<td>–</td><td>–</td></tr>\n");
   }
@@ -357,12 +385,16 @@ void putHowToRead(std::string* page) {
   put(page,
       "<section aria-labelledby=\"reading\">\n<h2 id=\"reading\">How to read this</h2>\n"
       "<p>Independent computations, the <em>witnesses</em>, answer the same questions about a "
-      "mechanism, and each <em>check</em> compares two answers or asks one witness for an identity of "
-      "mechanics, at random <em>states</em> (positions, velocities, accelerations or forces). Every "
-      "state is a function of scene, seed and index, so the seed draws it again. A residual is counted "
+      "mechanism, and each <em>check</em> compares two answers or asks one witness for an identity "
+      "of "
+      "mechanics, at random <em>states</em> (positions, velocities, accelerations or forces). "
+      "Every "
+      "state is a function of scene, seed and index, so the seed draws it again. A residual is "
+      "counted "
       "in <em>ulp</em>: 1 ulp is 2<sup>−52</sup> of the largest number compared, the spacing of "
       "double precision. Its <em>limit</em> is not a tuned tolerance: it is a running bound of the "
-      "rounding errors of that very computation at that very state. A residual above its limit cannot "
+      "rounding errors of that very computation at that very state. A residual above its limit "
+      "cannot "
       "be rounding; then somebody is wrong. Where ulp is not the measure, the unit says what is: a "
       "published table, for instance, is held to its last printed digit.</p>\n</section>\n");
 }
@@ -371,14 +403,17 @@ void putWitnesses(std::string* page, const CrosscheckResult& result) {
   put(page, "<section aria-labelledby=\"witnesses\">\n<h2 id=\"witnesses\">Witnesses</h2>\n");
   openScroll(page, "Table of witnesses");
   put(page,
-      "<table>\n<caption>Who testifies, and how each one computes.</caption>\n<thead><tr>"
-      "<th scope=\"col\">Witness</th><th scope=\"col\">Version</th><th scope=\"col\">How it computes"
+      "<table>\n<caption><span>Who testifies, and how each one "
+      "computes.</span></caption>\n<thead><tr>"
+      "<th scope=\"col\">Witness</th><th scope=\"col\">Version</th><th scope=\"col\">How it "
+      "computes"
       "</th></tr></thead>\n<tbody>\n");
   for (const WitnessInfo& witness : result.witnesses) {
     put(page, "<tr><th scope=\"row\">{}</th><td class=\"nowrap\">{}</td><td>{}", esc(witness.name),
         witness.version.empty() ? "–" : esc(witness.version), esc(witness.method));
     if (!witness.present)
-      put(page, " {}", badge(Verdict::kNotAnswerable, "absent: not found when dynwitness was built"));
+      put(page, " {}",
+          badge(Verdict::kNotAnswerable, "absent: not found when dynwitness was built"));
     put(page, "</td></tr>\n");
   }
   put(page, "</tbody>\n</table>\n</div>\n</section>\n");
@@ -394,7 +429,8 @@ void putTree(std::string* page, const SceneResult& scene, const SceneFiles& file
   put(page, "<figure>\n");
   openScroll(page, "Picture of the mechanism");
   *page += svg;
-  put(page, "</div>\n<figcaption>{}. <a href=\"{}\">Picture as a file</a></figcaption>\n</figure>\n",
+  put(page,
+      "</div>\n<figcaption>{}. <a href=\"{}\">Picture as a file</a></figcaption>\n</figure>\n",
       esc(treeSentence(scene)), files.tree);
 }
 
@@ -435,13 +471,16 @@ void putChecks(std::string* page, const SceneResult& scene) {
     if (answered(check)) rows.push_back(&check);
   if (rows.empty()) put(page, "<p>No check of this scene could be answered.</p>\n");
   if (static_cast<int>(rows.size()) > kLongTable) {
-    putCheckTable(page, digest(rows),
-                  "For each quantity the check that comes nearest to its limit, and every disagreement.");
+    putCheckTable(
+        page, digest(rows),
+        "For each quantity the check that comes nearest to its limit, and every disagreement.");
     put(page, "<details>\n<summary>All {} checks</summary>\n", rows.size());
-    putCheckTable(page, rows, "All checks; in each quantity those nearest to their limit come first.");
+    putCheckTable(page, rows,
+                  "All checks; in each quantity those nearest to their limit come first.");
     put(page, "</details>\n");
   } else if (!rows.empty()) {
-    putCheckTable(page, rows, "All checks; in each quantity those nearest to their limit come first.");
+    putCheckTable(page, rows,
+                  "All checks; in each quantity those nearest to their limit come first.");
   }
 
   // what could not be asked, by reason
@@ -471,10 +510,10 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
   if (!scene.drift) return;
   const Drift& drift = *scene.drift;
   put(page, "<h3>Energy drift</h3>\n");
-  std::string sentence =
-      fmt::format("Largest |E − E₀| along a path of {} s, as a share of the largest kinetic energy "
-                  "({:.3g} J), integrated with {}.",
-                  drift.duration, drift.scale, drift.method);
+  std::string sentence = fmt::format(
+      "Largest |E − E₀| along a path of {} s, as a share of the largest kinetic energy "
+      "({:.3g} J), integrated with {}.",
+      drift.duration, drift.scale, drift.method);
   if (std::isfinite(drift.observed_order) && drift.observed_order > 0)
     sentence += fmt::format(" Observed order {:.2f}; the method promises {}.", drift.observed_order,
                             drift.method_order);
@@ -482,37 +521,43 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
     const Drift::Path& finest = *std::min_element(
         drift.paths.begin(), drift.paths.end(),
         [](const Drift::Path& a, const Drift::Path& b) { return a.step < b.step; });
-    sentence += fmt::format(" At the finest step, {} s, it is {}.", finest.step, readable(finest.worst));
+    sentence +=
+        fmt::format(" At the finest step, {} s, it is {}.", finest.step, readable(finest.worst));
   }
   put(page, "<figure class=\"drift\">\n");
   if (!files.drift_light.empty()) {
     openScroll(page, "Charts of the energy drift");
     put(page,
         "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
-        "<img src=\"{}\" width=\"1000\" height=\"400\" alt=\"Two charts. Left: energy error against "
-        "time, one curve a step size. Right: worst error against step size. {}\"></picture>\n</div>\n",
+        "<img src=\"{}\" width=\"1000\" height=\"400\" alt=\"Two charts. Left: energy error "
+        "against "
+        "time, one curve a step size. Right: worst error against step size. "
+        "{}\"></picture>\n</div>\n",
         files.drift_dark, files.drift_light, esc(sentence));
   } else {
     put(page, "<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
         esc(files.no_plot_reason));
   }
   put(page,
-      "<figcaption>{} Data: <a href=\"{}\">along the paths</a>, <a href=\"{}\">worst of each step</a>",
+      "<figcaption>{} Data: <a href=\"{}\">along the paths</a>, <a href=\"{}\">worst of each "
+      "step</a>",
       esc(sentence), files.drift_csv, files.drift_worst_csv);
-  if (!files.drift_script.empty()) put(page, "; <a href=\"{}\">gnuplot script</a>", files.drift_script);
+  if (!files.drift_script.empty())
+    put(page, "; <a href=\"{}\">gnuplot script</a>", files.drift_script);
   put(page, ".</figcaption>\n</figure>\n");
 }
 
 void putScene(std::string* page, const SceneResult& scene, const SceneFiles& files) {
   const SceneCounts counts = count(scene);
-  std::string word = counts.disagree > 0 ? fmt::format("{} of {} disagree", counts.disagree,
-                                                       plural(counts.answered(), "check"))
-                     : counts.agree > 0
-                         ? (counts.agree == 1 ? "1 check, agrees"
+  std::string word =
+      counts.disagree > 0
+          ? fmt::format("{} of {} disagree", counts.disagree, plural(counts.answered(), "check"))
+      : counts.agree > 0 ? (counts.agree == 1 ? "1 check, agrees"
                                               : fmt::format("{} checks, all agree", counts.agree))
                          : "not answerable";
   put(page,
-      "<section class=\"scene\" aria-labelledby=\"{0}\">\n<h2 id=\"{0}\">{1} <code>{2}</code> {3}</h2>\n",
+      "<section class=\"scene\" aria-labelledby=\"{0}\">\n<h2 id=\"{0}\">{1} <code>{2}</code> "
+      "{3}</h2>\n",
       files.anchor, esc(sceneTitle(scene)), esc(scene.name), badge(counts.verdict(), word));
   put(page, "<dl class=\"meta\">\n<dt>Size</dt><dd>{}, {}</dd>\n",
       scene.dof == 1 ? "1 degree of freedom" : fmt::format("{} degrees of freedom", scene.dof),
@@ -567,7 +612,8 @@ std::string reportPage(const CrosscheckResult& result, const Environment& enviro
   putSceneTable(&page, result, files);
   putHowToRead(&page);
   putWitnesses(&page, result);
-  for (std::size_t i = 0; i < result.scenes.size(); ++i) putScene(&page, result.scenes[i], files[i]);
+  for (std::size_t i = 0; i < result.scenes.size(); ++i)
+    putScene(&page, result.scenes[i], files[i]);
   putFooter(&page, result, environment);
   return page;
 }

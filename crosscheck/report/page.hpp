@@ -12,11 +12,11 @@ namespace dynwitness::crosscheck {
 
 /// What the page links to, one a scene; paths are relative to the page.
 struct SceneFiles {
-  std::string anchor;          ///< unique in the page
-  std::string tree;            ///< svg; empty: the tree is too large to draw
+  std::string anchor;  ///< unique in the page
+  std::string tree;    ///< svg; empty: the tree is too large to draw
   std::string drift_csv, drift_worst_csv, drift_script;  ///< empty: no drift was computed
   std::string drift_light, drift_dark;                   ///< svg; empty: left out, see below
-  std::string no_plot_reason;  ///< why there is data and no picture
+  std::string no_plot_reason;                            ///< why there is data and no picture
 };
 
 /** One HTML page: verdict, disagreements, table of scenes, a section for each scene, and the footer

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Outcome {
-  int status = -1;     // exit status; -1: killed
+  int status = -1;  // exit status; -1: killed
   int spawn_error = 0;
   std::string output;  // standard output and standard error
 };
@@ -60,7 +60,8 @@ Outcome runProgram(std::vector<std::string> arguments, const fs::path& folder) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
-        end - std::chrono::steady_clock::now()).count();
+                          end - std::chrono::steady_clock::now())
+                          .count();
     if (left <= 0) {
       outcome.output += "\nstopped after a minute";
       ::kill(child, SIGKILL);
@@ -107,11 +108,14 @@ std::string heading(const SceneResult& scene) {
       drift.scale, drift.duration);
 }
 
-bool drawable(double error) { return std::isfinite(error) && error > 0; }
+bool drawable(double error) {
+  return std::isfinite(error) && error > 0;
+}
 
 bool wholeSvg(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  const std::string text((std::istreambuf_iterator<char>(stream)),
+                         std::istreambuf_iterator<char>());
   return text.find("</svg>") != std::string::npos;
 }
 
@@ -162,13 +166,19 @@ std::string driftScript(const SceneResult& scene) {
   const int top = static_cast<int>(std::ceil(std::log10(high) + 0.1));
   // few labels, whatever the range
   const int every = std::max(1, (top - bottom + 7) / 8);
-  // the guide starts at the coarsest step, half a decade above the points
-  const double guide = 3 * high;
+  // the guide runs beside the points, below them: lower right of the panel is empty
+  const double guide = high / 4;
 
   std::string observed = "worst over the path";
   if (std::isfinite(drift.observed_order) && drift.observed_order > 0)
     observed = fmt::format("worst; observed order {:.2f}", drift.observed_order);
   const std::string title = scene.title.empty() ? scene.name : scene.title;
+
+  // every step is named below the axis as long as there is room
+  std::string tics;
+  if (seen.size() <= 8)
+    for (const Drift::Path* path : seen)
+      tics += fmt::format("{}'{:.2g}' {}", tics.empty() ? "" : ", ", path->step, path->step);
 
   std::string text = fmt::format(
       "# Energy drift of {0}. Draw again with:  gnuplot drift.gp\n"
@@ -176,30 +186,37 @@ std::string driftScript(const SceneResult& scene) {
       "load '../style.gp'\n"
       "set output dark ? 'drift_dark.svg' : 'drift.svg'\n"
       "steps = '{1}'\n"
-      "set multiplot layout 1,2 title {2} textcolor rgb ink font ',15'\n"
+      "set multiplot\n"
+      "set label 1 {2} at screen 0.5, screen 0.955 center textcolor rgb ink font ',15'\n"
+      "set tmargin at screen 0.83\nset bmargin at screen 0.26\n"
       "set logscale y\nset format y '1e%T'\nset yrange [1e{3}:1e{4}]\nset ytics 1e{3},1e{5}\n"
-      "set ylabel '|E − E₀| / {6:.4g} J  [1]'\n",
+      "unset mytics\n"
+      "set ylabel '|E − E₀| / {6:.3g} J  [1]'\n",
       oneLine(scene.name), steps,
-      gnuplotString(fmt::format("{}, {}: lower is better", title, drift.method)), bottom, top, every,
-      drift.scale);
+      gnuplotString(fmt::format("{}, {}: lower is better", title, drift.method)), bottom, top,
+      every, drift.scale);
   text += fmt::format(
-      "set title 'Energy error along the path' textcolor rgb soft\n"
+      "set lmargin at screen 0.09\nset rmargin at screen 0.5\n"
+      "set title 'Energy error along the path, for each step size' textcolor rgb soft\n"
       "set xlabel 'time  [s]'\nset xrange [0:{0}]\n"
-      "set key below maxrows 2 title 'step size [s]'\n"
+      "set key at screen 0.295, screen 0.06 center center horizontal Left reverse maxrows 2\n"
       "plot for [i = 1:words(steps)] 'drift.csv' "
-      "using (strcol(1) eq word(steps, i) ? $2 : NaN):3 with lines linetype i title word(steps, i)\n"
-      "unset key\n",
+      "using (strcol(1) eq word(steps, i) ? $2 : NaN):3 with lines linetype i title word(steps, "
+      "i).' s'\n"
+      "unset label\n",
       drift.duration > 0 ? fmt::format("{}", drift.duration) : "*");
   text += fmt::format(
+      "set lmargin at screen 0.63\nset rmargin at screen 0.98\n"
       "set title 'Worst error against step size' textcolor rgb soft\n"
-      "set xlabel 'step size  [s]'\nset logscale x\nset xrange [{0:.4g}:{1:.4g}]\nset xtics auto\n"
-      "set format x '%g'\n"
-      "set key below maxrows 2 title ' '\n"
+      "set xlabel 'step size  [s]'\nset logscale x\nset xrange [{0:.4g}:{1:.4g}]\nset xtics {3}\n"
+      "set key at screen 0.805, screen 0.06 center center horizontal Left reverse maxrows 2\n"
       "plot 'drift_worst.csv' using 1:2 with linespoints linetype 1 title {2}",
-      finest / 1.6, coarsest * 1.6, gnuplotString(observed));
+      finest / 1.6, coarsest * 1.6, gnuplotString(observed),
+      tics.empty() ? std::string("auto") : "(" + tics + ")");
   if (drift.method_order > 0)
-    text += fmt::format(", \\\n     {:.4g} * (x / {}) ** {} with lines linetype 20 title 'slope {}'",
-                        guide, coarsest, drift.method_order, drift.method_order);
+    text +=
+        fmt::format(", \\\n     {:.4g} * (x / {}) ** {} with lines linetype 20 title 'slope {}'",
+                    guide, coarsest, drift.method_order, drift.method_order);
   text += "\nunset multiplot\nunset output\nreset\n}\n";
   return text;
 }
@@ -216,7 +233,8 @@ std::optional<std::string> runGnuplot(const fs::path& folder, const std::string&
   else if (outcome.status != 0)
     problem = "gnuplot failed: " + oneLine(outcome.output.substr(0, 500));
   for (const std::string& picture : pictures)
-    if (problem.empty() && !wholeSvg(folder / picture)) problem = "gnuplot did not finish " + picture;
+    if (problem.empty() && !wholeSvg(folder / picture))
+      problem = "gnuplot did not finish " + picture;
   if (problem.empty()) return std::nullopt;
   for (const std::string& picture : pictures) {
     std::error_code ignored;

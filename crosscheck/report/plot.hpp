@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Charts: the data as CSV first, then a gnuplot script that anyone can run again, then its pictures.
+// Charts: the data as CSV first, then a gnuplot script that anyone can run again, then its
+// pictures.
 #pragma once
 
 #include <filesystem>
@@ -28,7 +29,8 @@ std::string driftScript(const SceneResult& scene);
 
     @return nothing when every file of `pictures` was drawn to its end, else why not (unfinished
             pictures are removed) */
-std::optional<std::string> runGnuplot(const std::filesystem::path& folder, const std::string& script,
+std::optional<std::string> runGnuplot(const std::filesystem::path& folder,
+                                      const std::string& script,
                                       const std::vector<std::string>& pictures);
 
 }  // namespace dynwitness::crosscheck

@@ -62,12 +62,23 @@ std::string escapeMarkup(std::string_view text) {
   std::string escaped;
   for (const char c : cleanText(text)) {
     switch (c) {
-      case '&': escaped += "&amp;"; break;
-      case '<': escaped += "&lt;"; break;
-      case '>': escaped += "&gt;"; break;
-      case '"': escaped += "&quot;"; break;
-      case '\'': escaped += "&#39;"; break;
-      default: escaped += c;
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      default:
+        escaped += c;
     }
   }
   return escaped;
@@ -96,7 +107,8 @@ std::string shareOfLimit(double ratio) {
   if (std::isnan(ratio)) return "not a number";
   if (ratio > 1) {
     // just beyond the limit must not read as "1.0 x limit"
-    return ratio < 1.05 ? fmt::format("{:.3g} × limit", ratio) : readable(ratio) + " × limit";
+    if (ratio < 1.0005) return "just over the limit";
+    return (ratio < 1.05 ? fmt::format("{:.4g}", ratio) : readable(ratio)) + " × limit";
   }
   const double percent = 100 * ratio;
   if (percent == 0) return "0 %";
@@ -105,8 +117,9 @@ std::string shareOfLimit(double ratio) {
 }
 
 int codePoints(std::string_view text) {
-  return static_cast<int>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  return static_cast<int>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));
 }
 
 std::vector<std::string> safeNames(const std::vector<SceneResult>& scenes) {
@@ -115,11 +128,12 @@ std::vector<std::string> safeNames(const std::vector<SceneResult>& scenes) {
   for (const SceneResult& scene : scenes) {
     std::string name;
     for (const char c : scene.name) {
-      const bool keep = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                        c == '_' || c == '-';
+      const bool keep = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                        (c >= '0' && c <= '9') || c == '_' || c == '-';
       name += keep ? c : '_';
     }
-    // '-' in front would read as an option of a command, 100 is well below every file system's limit
+    // '-' in front would read as an option of a command, 100 is well below every file system's
+    // limit
     if (name.empty() || name.front() == '-') name = "scene" + name;
     name.resize(std::min<std::size_t>(name.size(), 100));
     std::string unique = name;

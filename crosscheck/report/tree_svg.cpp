@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,7 +18,7 @@ constexpr double kCharacter = 7.3;       // widest usual average of 13 px sans-s
 constexpr double kSmallCharacter = 6.5;  // the same of 11.5 px
 constexpr double kBoxHeight = 28, kBoxPadding = 10;
 constexpr double kMargin = 14;
-constexpr double kWidestRow = 1040;      // what fits the page without scrolling
+constexpr double kWidestRow = 1040;  // what fits the page without scrolling
 constexpr int kLongestName = 22;
 
 enum class Kind { kRevolute, kPrismatic, kFixed, kOther };
@@ -28,7 +29,7 @@ struct Node {
   int parent = -1, depth = 0;
   std::vector<int> children;
   double box_width = 0, label_width = 0;
-  double across = 0;  // slot position, orthogonal to base-to-tip
+  double across = 0;    // slot position, orthogonal to base-to-tip
   double x = 0, y = 0;  // centre of the box
 };
 
@@ -43,24 +44,16 @@ std::string shortened(const std::string& text, int longest) {
   return cut + "…";
 }
 
-/// Splits the kind off a joint label: "shoulder revolute" is the label "shoulder" with a pin glyph.
+/// Splits the kind off a joint label: "shoulder (revolute)" is the label "shoulder" with a pin
+/// glyph.
 Kind takeKind(std::string* label) {
-  const std::pair<const char*, Kind> kinds[] = {
-      {"revolute", Kind::kRevolute}, {"prismatic", Kind::kPrismatic}, {"fixed", Kind::kFixed}};
-  for (const auto& [word, kind] : kinds) {
-    const std::size_t at = label->find(word);
-    if (at == std::string::npos) continue;
-    std::string rest = *label;
-    rest.erase(at, std::string(word).size());
-    // the separators that the word leaves behind: "()", ", ", ": "
-    for (const char* empty : {"()", "[]"})
-      if (const std::size_t p = rest.find(empty); p != std::string::npos) rest.erase(p, 2);
-    const char* separators = " ,:;-";
-    const std::size_t first = rest.find_first_not_of(separators);
-    rest = first == std::string::npos
-               ? ""
-               : rest.substr(first, rest.find_last_not_of(separators) - first + 1);
-    *label = rest;
+  const std::pair<const char*, Kind> kinds[] = {{" (revolute)", Kind::kRevolute},
+                                                {" (prismatic)", Kind::kPrismatic},
+                                                {" (fixed)", Kind::kFixed}};
+  for (const auto& [end, kind] : kinds) {
+    const std::size_t size = std::string_view(end).size();
+    if (label->size() < size || label->compare(label->size() - size, size, end) != 0) continue;
+    label->resize(label->size() - size);
     return kind;
   }
   return Kind::kOther;
@@ -68,10 +61,14 @@ Kind takeKind(std::string* label) {
 
 const char* kindWord(Kind kind) {
   switch (kind) {
-    case Kind::kRevolute: return "revolute";
-    case Kind::kPrismatic: return "prismatic";
-    case Kind::kFixed: return "fixed";
-    case Kind::kOther: break;
+    case Kind::kRevolute:
+      return "revolute";
+    case Kind::kPrismatic:
+      return "prismatic";
+    case Kind::kFixed:
+      return "fixed";
+    case Kind::kOther:
+      break;
   }
   return "joint";
 }
@@ -149,7 +146,8 @@ std::string glyph(Kind kind, double x, double y) {
           x, y);
     case Kind::kOther:
       return fmt::format(
-          R"svg(<g class="other" transform="translate({:.1f} {:.1f})"><circle r="4"/></g>)svg", x, y);
+          R"svg(<g class="other" transform="translate({:.1f} {:.1f})"><circle r="4"/></g>)svg", x,
+          y);
   }
   return {};
 }
@@ -184,7 +182,8 @@ std::string legend(const std::vector<Node>& nodes, double x, double y) {
     if (std::none_of(nodes.begin(), nodes.end(), [&](const Node& n) { return n.kind == kind; }))
       continue;
     text += glyph(kind, x + 10, y);
-    text += fmt::format(R"svg(<text x="{:.1f}" y="{:.1f}">{}</text>)svg", x + 26, y + 4, kindWord(kind));
+    text += fmt::format(R"svg(<text x="{:.1f}" y="{:.1f}">{}</text>)svg", x + 26, y + 4,
+                        kindWord(kind));
     x += 36 + codePoints(kindWord(kind)) * kSmallCharacter + 10;
   }
   return text + "</g>\n";
@@ -231,7 +230,8 @@ Drawing drawAcross(std::vector<Node> nodes) {
     const double from = parent.x + parent.box_width / 2, to = node.x - node.box_width / 2;
     const double elbow = column[node.depth] - gap[node.depth] + 14;
     if (parent.y == node.y) {
-      drawing.body += fmt::format(R"svg(<path class="edge" d="M{:.1f} {:.1f}H{:.1f}"/>)svg", from, node.y, to);
+      drawing.body +=
+          fmt::format(R"svg(<path class="edge" d="M{:.1f} {:.1f}H{:.1f}"/>)svg", from, node.y, to);
     } else {
       const double turn = node.y > parent.y ? 8 : -8;
       drawing.body += fmt::format(
@@ -272,7 +272,8 @@ Drawing drawDown(std::vector<Node> nodes) {
     const Node& parent = nodes[node.parent];
     const double from = parent.y + kBoxHeight / 2, to = node.y - kBoxHeight / 2;
     if (std::abs(parent.x - node.x) < 0.05) {
-      drawing.body += fmt::format(R"svg(<path class="edge" d="M{:.1f} {:.1f}V{:.1f}"/>)svg", node.x, from, to);
+      drawing.body +=
+          fmt::format(R"svg(<path class="edge" d="M{:.1f} {:.1f}V{:.1f}"/>)svg", node.x, from, to);
     } else {
       const double turn = node.x > parent.x ? 6 : -6;
       const double elbow = from + 8;
@@ -282,10 +283,10 @@ Drawing drawDown(std::vector<Node> nodes) {
     }
     const double middle = to - 13;
     labels += glyph(node.kind, node.x, middle);
-    labels += fmt::format(R"svg(<text class="joint" x="{:.1f}" y="{:.1f}">{}<title>{}</title></text>)svg"
-                          "\n",
-                          node.x + 14, middle + 4, escapeMarkup(node.joint_text),
-                          escapeMarkup(node.joint));
+    labels += fmt::format(
+        R"svg(<text class="joint" x="{:.1f}" y="{:.1f}">{}<title>{}</title></text>)svg"
+        "\n",
+        node.x + 14, middle + 4, escapeMarkup(node.joint_text), escapeMarkup(node.joint));
   }
   drawing.body += "\n" + labels;
   for (const Node& node : nodes) drawing.body += box(node, true);
@@ -300,7 +301,8 @@ constexpr const char* kFileVariables =
     "--revolute:#0072b2;--prismatic:#b04a00}\n"
     "@media (prefers-color-scheme:dark){:root{--ink:#e7eaee;--soft:#a3adba;--card:#1a2029;"
     "--sunk:#252d39;--line:#4a5565;--revolute:#56b4e9;--prismatic:#f0904f}}\n"
-    "svg{background:var(--card);font-family:system-ui,'Segoe UI',Roboto,'Liberation Sans',sans-serif}\n";
+    "svg{background:var(--card);font-family:system-ui,'Segoe UI',Roboto,'Liberation "
+    "Sans',sans-serif}\n";
 
 }  // namespace
 
@@ -336,7 +338,8 @@ std::string treeSentence(const SceneResult& scene) {
 }
 
 std::string treeSvg(const SceneResult& scene, SvgUse use) {
-  if (scene.link_names.empty() || static_cast<int>(scene.link_names.size()) > kLargestTree) return {};
+  if (scene.link_names.empty() || static_cast<int>(scene.link_names.size()) > kLargestTree)
+    return {};
   const std::vector<Node> nodes = readTree(scene);
   Drawing drawing = drawAcross(nodes);
   if (drawing.width > kWidestRow) drawing = drawDown(nodes);
@@ -349,7 +352,8 @@ std::string treeSvg(const SceneResult& scene, SvgUse use) {
                                   treeSentence(scene));
   const char* start = use == SvgUse::kFile ? "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" : "";
   std::string style;
-  if (use == SvgUse::kFile) style = fmt::format("<style>\n{}{}</style>\n", kFileVariables, treeStyle());
+  if (use == SvgUse::kFile)
+    style = fmt::format("<style>\n{}{}</style>\n", kFileVariables, treeStyle());
   return fmt::format(
       R"svg({}<svg xmlns="http://www.w3.org/2000/svg" class="tree" role="img" aria-label="{}" )svg"
       R"svg(width="{:.0f}" height="{:.0f}" viewBox="0 0 {:.0f} {:.0f}">)svg"

@@ -8,11 +8,8 @@
 
 namespace dynwitness::crosscheck {
 
-/// How an engine takes geared rotors into its accelerations.
-enum class RotorsBy {
-  kInertia,    ///< d is added to the joint's own inertia
-  kMultiplier  ///< tree without rotors, then one multiplier a rotor: a = a_free - M^-1 G' lambda
-};
+/// How an engine finds qdd: by a sweep of its own, or from M qdd = tau - c - g.
+enum class ForwardDynamicsBy { kSweep, kMassMatrix };
 
 /** Bounds for an engine that computes in double, in axes of its own, on the links as they stand in the
     scene. We run our sweep of the same kind with running error bounds on a model as unfavourable as
@@ -21,7 +18,8 @@ enum class RotorsBy {
     all entries get the largest bound. */
 class EngineBound {
  public:
-  explicit EngineBound(const scene::Mechanism& mechanism, RotorsBy rotors = RotorsBy::kInertia);
+  explicit EngineBound(const scene::Mechanism& mechanism,
+                       ForwardDynamicsBy method = ForwardDynamicsBy::kSweep);
   ~EngineBound();
 
   /// Shaped like the quantity.

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The subcommands. Each adds itself to the command line and, when it was asked for, runs and returns
+// the exit status: 0 all agree (or done), 1 a disagreement was found. Bad input is thrown.
+#pragma once
+
+#include <functional>
+
+#include <CLI/CLI.hpp>
+
+namespace dynwitness::cli {
+
+using Run = std::function<int()>;
+
+Run addCrosscheck(CLI::App& app);
+Run addDerive(CLI::App& app);
+Run addEvaluate(CLI::App& app);
+Run addDrift(CLI::App& app);
+Run addScenes(CLI::App& app);
+Run addVersion(CLI::App& app);
+
+}  // namespace dynwitness::cli

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness crosscheck: the main job.
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/report/json.hpp"
+#include "crosscheck/report/report.hpp"
+#include "crosscheck/tables.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+using namespace crosscheck;
+
+struct Arguments {
+  std::vector<std::string> scenes;
+  std::string report = "report", json;
+  Options options;
+};
+
+/// The scenes asked for, or all that are bundled with those of the tables.
+std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
+  std::vector<scene::Scene> scenes;
+  for (const std::string& name : arguments.scenes) scenes.push_back(scene::findScene(name));
+  if (!arguments.scenes.empty()) return scenes;
+  for (const auto& file : scene::bundledScenes()) scenes.push_back(scene::readScene(file));
+  for (const auto& table : bundledTables())
+    if (const auto file = ownScene(table); !file.empty()) scenes.push_back(scene::readScene(file));
+  return scenes;
+}
+
+/// The words that give this result again.
+std::string reproduce(const Arguments& arguments) {
+  std::string command = "dynwitness crosscheck";
+  for (const std::string& name : arguments.scenes) command += fmt::format(" '{}'", name);
+  command += fmt::format(" --states {} --seed {}", arguments.options.states, arguments.options.seed);
+  for (const std::string& name : arguments.options.witnesses) command += " --witness " + name;
+  if (!arguments.options.drift) command += " --no-drift";
+  return command;
+}
+
+void printTable(const CrosscheckResult& result) {
+  fmt::print("{}\n\n", result.headline());
+  fmt::print("{:<30} {:>4} {:>6} {:>7}  {:<15} {}\n", "scene", "dof", "links", "checks", "verdict",
+             "closest to its limit");
+  for (const SceneResult& scene : result.scenes) {
+    int disagreeing = 0, answered = 0;
+    const CheckResult* closest = nullptr;
+    for (const CheckResult& check : scene.checks) {
+      if (check.verdict == Verdict::kNotAnswerable) continue;
+      ++answered;
+      disagreeing += check.verdict == Verdict::kDisagree ? 1 : 0;
+      if (closest == nullptr || check.ratio > closest->ratio) closest = &check;
+    }
+    const std::string verdict = disagreeing == 0 ? answered > 0 ? "agree" : "not answerable"
+                                                 : fmt::format("{} DISAGREE", disagreeing);
+    fmt::print("{:<30} {:>4} {:>6} {:>7}  {:<15} ", scene.name, scene.dof, scene.links, answered,
+               verdict);
+    if (closest != nullptr)
+      fmt::print("{:.0f}% of {} {}, {}{}{}", 100 * closest->ratio, closest->check, closest->quantity,
+                 closest->left, closest->right.empty() ? "" : "/", closest->right);
+    fmt::print("\n");
+  }
+  for (const SceneResult& scene : result.scenes) {
+    for (const Finding& finding : scene.findings) fmt::print("\nfinding: {}", finding.text);
+    for (const CheckResult& check : scene.checks)
+      if (check.verdict != Verdict::kAgree)
+        fmt::print("\n{}: {}: {} {} ({}{}{}): {} (seed {})", scene.name, name(check.verdict),
+                   check.check, check.quantity, check.left, check.right.empty() ? "" : " and ",
+                   check.right, check.reason, check.seed);
+  }
+  fmt::print("\n");
+}
+
+int run(const Arguments& arguments) {
+  const std::vector<WitnessKind> kinds = selectWitnesses(arguments.options.witnesses);
+  const std::vector<scene::Scene> scenes = scenesOf(arguments);
+  requireWritable(arguments.report);
+
+  CrosscheckResult result;
+  result.seed = arguments.options.seed;
+  result.states = arguments.options.states;
+  result.command = reproduce(arguments);
+  std::vector<Environment::Library> libraries;
+  for (const WitnessKind& kind : witnessKinds()) {
+    result.witnesses.push_back(kind.info);
+    if (kind.info.version != DYNWITNESS_VERSION)
+      libraries.push_back({kind.info.name, kind.info.present ? kind.info.version : "absent"});
+  }
+  {
+    Progress progress(static_cast<int>(scenes.size()) + 1);
+    for (const scene::Scene& scene : scenes) {
+      progress.stage(scene.name);
+      result.scenes.push_back(crosscheckScene(scene, kinds, arguments.options));
+    }
+    progress.stage("report");
+    const Environment environment = thisEnvironment(libraries);
+    writeReport(result, environment, arguments.report);
+    if (!arguments.json.empty())
+      writeWholeFile(arguments.json, reportJson(result, environment));
+  }
+  printTable(result);
+  fmt::print("report: {}\n", (std::filesystem::path(arguments.report) / "index.html").string());
+  return result.verdict() == Verdict::kDisagree ? 1 : 0;
+}
+
+}  // namespace
+
+Run addCrosscheck(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "crosscheck", "Let all witnesses testify about scenes, and write a report");
+  command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
+  command->add_option("--report", arguments->report, "Folder of the report")->capture_default_str();
+  command->add_option("--json", arguments->json, "Write report.json to this file as well");
+  command->add_option("--witness", arguments->options.witnesses, "Ask these witnesses only")
+      ->delimiter(',');
+  command->add_option("--states", arguments->options.states, "Seeded states a check")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  command->add_option("--seed", arguments->options.seed, "Seed of the states")->capture_default_str();
+  command->add_flag("!--no-drift", arguments->options.drift, "Leave out the 10 s simulations");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness derive: the equations of motion from T and V, to be read or to be compiled.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/report/files.hpp"
+#include "scene/scene.hpp"
+#include "symbolic/derivation.hpp"
+#include "symbolic/print.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+struct Arguments {
+  std::string scene, output, format = "text", quantity = "all";
+};
+
+std::string htmlPage(const std::string& title, const std::string& body) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
+      "<meta name=\"color-scheme\" content=\"light dark\">\n"
+      "<style>body {{ font: 1rem/1.6 serif; max-width: 46rem; margin: 2rem auto; padding: 0 1rem }}\n"
+      "math {{ font-size: 1.1em; overflow-x: auto; padding: .2rem 0 }}</style></head>\n"
+      "<body><h1>{0}</h1>\n{1}</body></html>\n",
+      title, body);
+}
+
+/// The steps that a quantity needs last: its own.
+symbolic::Derivation only(symbolic::Derivation derivation, const std::string& quantity) {
+  if (quantity == "all") return derivation;
+  std::vector<symbolic::Step> kept;
+  for (const symbolic::Step& step : derivation.steps)
+    if (step.quantity == quantity) kept.push_back(step);
+  derivation.steps = kept;
+  return derivation;
+}
+
+int run(const Arguments& arguments) {
+  const scene::Scene scene = scene::findScene(arguments.scene);
+  std::string text;
+  bool holds = true;
+  if (arguments.format == "c" || arguments.format == "python") {
+    if (arguments.quantity != "all")
+      throw scene::InputError({}, "--quantity: programs compute all of M, c, g: allowed is 'all'");
+    symbolic::Equations equations = symbolic::derive(scene.mechanism);
+    text = arguments.format == "c" ? symbolic::emitC(equations, scene.mechanism, scene.name)
+                                   : symbolic::emitPython(equations, scene.mechanism, scene.name);
+  } else {
+    const symbolic::Derivation whole = symbolic::derivation(scene.mechanism);
+    holds = whole.holds();
+    const symbolic::Derivation shown = only(whole, arguments.quantity);
+    if (arguments.format == "html")
+      text = htmlPage(scene.title, symbolic::print(shown, symbolic::Style::kMathml));
+    else
+      text = symbolic::print(shown, arguments.format == "latex" ? symbolic::Style::kLatex
+                                                                : symbolic::Style::kText);
+  }
+  if (arguments.output.empty()) fmt::print("{}", text);
+  else crosscheck::writeWholeFile(arguments.output, text);
+  if (!holds) fmt::print(stderr, "dynwitness: a step of the derivation does not hold\n");
+  return holds ? 0 : 1;
+}
+
+}  // namespace
+
+Run addDerive(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "derive", "Derive the equations of motion of a scene from its kinetic and potential energy");
+  command->add_option("scene", arguments->scene, "Scene")->required();
+  command->add_option("--format", arguments->format, "How to write it")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"text", "latex", "html", "c", "python"}));
+  command->add_option("--quantity", arguments->quantity, "Which steps to show")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"M", "c", "g", "all"}));
+  command->add_option("-o,--output", arguments->output, "File; without: standard output");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli

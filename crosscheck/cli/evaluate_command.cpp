@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness evaluate: quantities of a scene at given states, as a table.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/report/files.hpp"
+#include "crosscheck/states_file.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+using namespace crosscheck;
+
+struct Arguments {
+  std::string scene, states, witness, output;
+  std::vector<std::string> quantities;
+};
+
+/// M11, M12, ... row by row (M1_1 from ten joints on, where M111 would be two things); c1, c2, ...;
+/// a single number has its own name.
+std::vector<std::string> columnNames(Quantity quantity, int n) {
+  std::vector<std::string> names;
+  switch (quantity) {
+    case Quantity::kM:
+      for (int i = 1; i <= n; ++i)
+        for (int j = 1; j <= n; ++j) names.push_back(fmt::format("M{}{}{}", i, n > 9 ? "_" : "", j));
+      return names;
+    case Quantity::kKinetic:
+    case Quantity::kPotential: return {name(quantity)};
+    case Quantity::kMomentum: n = 6; break;
+    default: break;
+  }
+  for (int i = 1; i <= n; ++i) names.push_back(fmt::format("{}{}", name(quantity), i));
+  return names;
+}
+
+/// The first of the usual witnesses that answers: sweeps first, since they are the fastest.
+std::string usualWitness(Quantity quantity) {
+  if (quantity == Quantity::kM) return "composite_body";
+  if (quantity == Quantity::kQdd) return "articulated_body";
+  return "newton_euler";
+}
+
+int run(const Arguments& arguments) {
+  const scene::Scene scene = scene::findScene(arguments.scene);
+  const int n = scene.mechanism.dof();
+  const std::vector<scene::State<double>> states = readStates(arguments.states, n);
+
+  struct Column {
+    Quantity quantity;
+    std::unique_ptr<Witness> witness;
+  };
+  std::vector<Column> columns;
+  std::string header;
+  for (const std::string& text : arguments.quantities) {
+    const Quantity quantity = quantityNamed(text);
+    const std::string who = arguments.witness.empty() ? usualWitness(quantity) : arguments.witness;
+    std::unique_ptr<Witness> witness = selectWitnesses({who}).front().make(scene);
+    if (!witness->answers(quantity))
+      throw scene::InputError({}, fmt::format("witness '{}' does not answer {}", who, text));
+    columns.push_back({quantity, std::move(witness)});
+    for (const std::string& column : columnNames(quantity, n))
+      header += (header.empty() ? "" : ",") + column;
+  }
+
+  std::string table = header + "\n";
+  for (const scene::State<double>& state : states) {
+    std::string row;
+    for (Column& column : columns) {
+      const Eigen::MatrixXd value = column.witness->answer(column.quantity, state).value;
+      for (Eigen::Index i = 0; i < value.rows(); ++i)
+        for (Eigen::Index j = 0; j < value.cols(); ++j)
+          row += fmt::format("{}{:.17g}", row.empty() ? "" : ",", value(i, j));
+    }
+    table += row + "\n";
+  }
+  if (arguments.output.empty()) fmt::print("{}", table);
+  else writeWholeFile(arguments.output, table);
+  return 0;
+}
+
+}  // namespace
+
+Run addEvaluate(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Quantities of a scene at the states of a CSV file");
+  command->add_option("scene", arguments->scene, "Scene")->required();
+  command
+      ->add_option("--states", arguments->states,
+                   "CSV file: q1..qn, qd1..qdn, and qdd1..qddn or tau1..taun")
+      ->required();
+  command
+      ->add_option("--quantity", arguments->quantities,
+                   "M, c, g, tau, qdd, kinetic, potential, momentum; several with commas")
+      ->required()
+      ->delimiter(',');
+  command->add_option("--witness", arguments->witness, "Who answers; without: the usual sweep");
+  command->add_option("-o,--output", arguments->output, "File; without: standard output");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness scenes, version and drift.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/drift.hpp"
+#include "crosscheck/report/environment.hpp"
+#include "crosscheck/report/files.hpp"
+#include "crosscheck/report/plot.hpp"
+#include "crosscheck/witness.hpp"
+
+namespace dynwitness::cli {
+
+using namespace crosscheck;
+
+Run addScenes(CLI::App& app) {
+  app.add_subcommand("scenes", "List the bundled scenes");
+  return [] {
+    for (const auto& file : scene::bundledScenes()) {
+      const scene::Scene scene = scene::readScene(file);
+      fmt::print("{:<24} {:>2} dof  {}\n", scene.name, scene.mechanism.dof(), scene.title);
+    }
+    return 0;
+  };
+}
+
+Run addVersion(CLI::App& app) {
+  app.add_subcommand("version", "Versions of dynwitness, its witnesses and its libraries");
+  return [] {
+    const Environment environment = thisEnvironment();
+    fmt::print("dynwitness {}{}\n", environment.version,
+               environment.commit.empty() ? "" : " (" + environment.commit + ")");
+    for (const WitnessKind& kind : witnessKinds())
+      fmt::print("witness {:<18} {:<8} {}\n", kind.info.name,
+                 kind.info.present ? kind.info.version : "absent", kind.info.method);
+    for (const Environment::Library& library : environment.libraries)
+      fmt::print("library {:<18} {}\n", library.name, library.version);
+    fmt::print("compiler {} {}\n", environment.compiler, environment.flags);
+    return 0;
+  };
+}
+
+namespace {
+
+struct DriftArguments {
+  std::string scene, plot, csv;
+  std::vector<std::string> methods = {"runge_kutta4"};
+  DriftOptions options;
+};
+
+int runDrift(const DriftArguments& arguments) {
+  const scene::Scene scene = scene::findScene(arguments.scene);
+  Progress progress(static_cast<int>(arguments.methods.size()));
+  std::vector<Drift> drifts;
+  for (const std::string& method : arguments.methods) {
+    progress.stage(method);
+    DriftOptions options = arguments.options;
+    options.method = method;
+    drifts.push_back(measureDrift(scene, options));
+  }
+  std::string csv = fmt::format(
+      "# {}: largest |E - E0| along {} s from the start state, over the largest kinetic energy\n"
+      "method,step_s,worst_error,scale_J\n",
+      scene.name, arguments.options.duration);
+  for (const Drift& drift : drifts)
+    for (const Drift::Path& path : drift.paths)
+      csv += fmt::format("{},{},{},{}\n", drift.method, path.step, path.worst, drift.scale);
+  fmt::print("{}", csv);
+  for (const Drift& drift : drifts)
+    fmt::print("# {}: observed order {:.2f}, its own {}\n", drift.method, drift.observed_order,
+               drift.method_order);
+  if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csv);
+  if (!arguments.plot.empty()) plotDrift(drifts.front(), scene.title, arguments.plot);
+  return 0;
+}
+
+}  // namespace
+
+Run addDrift(CLI::App& app) {
+  auto arguments = std::make_shared<DriftArguments>();
+  CLI::App* command =
+      app.add_subcommand("drift", "Simulate a scene and follow its energy, step size by step size");
+  command->add_option("scene", arguments->scene, "Scene")->required();
+  std::string methods;
+  for (const auto& [method, order] : driftMethods())
+    methods += fmt::format("{}{} (order {})", methods.empty() ? "" : ", ", method, order);
+  command->add_option("--method", arguments->methods, "Integrators: " + methods)->delimiter(',');
+  command->add_option("--step", arguments->options.steps,
+                      "Step sizes [s]; without any: 0.01 halved until the order shows")
+      ->delimiter(',');
+  command->add_option("--duration", arguments->options.duration, "Simulated time [s]")
+      ->capture_default_str();
+  command->add_option("--plot", arguments->plot, "Chart of the first method, as SVG");
+  command->add_option("--csv", arguments->csv, "The printed table, as a file");
+  return [arguments] { return runDrift(*arguments); };
+}
+
+}  // namespace dynwitness::cli

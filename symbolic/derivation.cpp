@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "symbolic/derivation.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "symbolic/closed_form.hpp"
+#include "symbolic/exact_points.hpp"
+#include "symbolic/print.hpp"
+
+namespace dynwitness::symbolic {
+
+namespace {
+
+std::string numbered(const std::string& letter, int i) { return letter + std::to_string(i + 1); }
+std::string numbered(const std::string& letter, int i, int j) {
+  const bool wide = i > 8 || j > 8;
+  return letter + std::to_string(i + 1) + (wide ? "_" : "") + std::to_string(j + 1);
+}
+std::string christoffelName(int i, int j, int k) {
+  return numbered("Gamma", i, j) + std::to_string(k + 1);
+}
+
+/// M qdd + c + g = tau (+ Q), row i.
+Equation equationOfMotion(const Equations& e, int i) {
+  std::vector<Formula> left;
+  for (int j = 0; j < e.dof(); ++j)
+    if (!e.graph.isZero(e.M[i][j]))
+      left.push_back(Formula::product({Formula::ofSymbol(numbered("M", std::min(i, j), std::max(i, j))),
+                                       Formula::ofInput(Input::kAcceleration, j)}));
+  if (!e.graph.isZero(e.c[i])) left.push_back(Formula::ofSymbol(numbered("c", i)));
+  if (!e.graph.isZero(e.g[i])) left.push_back(Formula::ofSymbol(numbered("g", i)));
+  std::vector<Formula> right{Formula::ofSymbol(numbered("tau", i))};
+  if (!e.graph.isZero(e.Q[i])) right.push_back(Formula::ofSymbol(numbered("Q", i)));
+  return {Formula::sum(left), Formula::sum(right)};
+}
+
+// ---- closed forms -------------------------------------------------------------------------------
+
+std::vector<Step> closedSteps(Equations& e) {
+  const int n = e.dof();
+  ClosedAlgebra algebra(e);
+  const ClosedForm f = deriveClosedForm(algebra, e);
+  const auto isZero = [&](const GiNaC::ex& x) { return algebra.isZero(x); };
+  const auto equals = [&](const GiNaC::ex& x, Node node) {
+    return algebra.isZero(x - algebra.expression(node));
+  };
+  const auto equation = [&](const std::string& name, const GiNaC::ex& x) {
+    return Equation{Formula::ofSymbol(name), algebra.formula(x)};
+  };
+  const auto velocity = [&](int i) { return GiNaC::ex(algebra.input(Input::kVelocity, i)); };
+  std::vector<Step> steps;
+
+  for (int i = 0; i < n; ++i) {
+    const GiNaC::ex T = algebra.expression(e.link_kinetic[i]);
+    GiNaC::ex twice = 0;
+    for (int j = 0; j < n; ++j)
+      twice += velocity(j) * algebra.derivative(T, {Input::kVelocity, j});
+    steps.push_back({"kinetic energy of " + e.links[i],
+                     "Half of mass times velocity squared, summed over the link, from the velocity "
+                     "and angular velocity that the joints give it.",
+                     {equation("T_" + e.links[i], T)},
+                     "sum of qd_j dT/dqd_j = 2 T: the energy is quadratic in the velocities",
+                     isZero(twice - 2 * T)});
+  }
+  GiNaC::ex quadratic = 0;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      quadratic += algebra.expression(e.M[i][j]) * velocity(i) * velocity(j) / 2;
+  steps.push_back({"kinetic energy T", "The sum over the links.", {equation("T", f.kinetic)},
+                   "T = qd' M qd / 2, with M from the composite bodies outboard of each joint",
+                   isZero(f.kinetic - quadratic)});
+
+  GiNaC::ex shares = 0;
+  for (int i = 0; i < n; ++i) {
+    const GiNaC::ex V = algebra.expression(e.link_potential[i]);
+    shares += V;
+  }
+  bool constant_difference = true;
+  for (int i = 0; i < n; ++i)
+    constant_difference =
+        constant_difference &&
+        isZero(algebra.derivative(f.potential - shares, {Input::kPosition, i}));
+  steps.push_back({"potential energy V",
+                   "Minus gravity times the first moment of mass, and what the springs store.",
+                   {equation("V", f.potential)},
+                   "V differs from the sum of the links' shares by a constant",
+                   constant_difference});
+
+  for (int i = 0; i < n; ++i)
+    steps.push_back({numbered("p_", i), "The momentum of joint " + e.joints[i] + ": p_i = dT/dqd_i.",
+                     {equation(numbered("p", i), f.p[i])},
+                     "GiNaC's derivative equals that of the program in reverse mode",
+                     equals(f.p[i], e.p[i])});
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j)
+      steps.push_back({numbered("M_", i, j), "Mass matrix: M_ij = dp_i/dqd_j.",
+                       {equation(numbered("M", i, j), f.M[i][j])},
+                       "equals M_ji, and the matrix of the composite bodies",
+                       isZero(f.M[i][j] - f.M[j][i]) && equals(f.M[i][j], e.M[i][j])});
+
+  for (int i = 0; i < n; ++i) {
+    Step step{"Christoffel symbols of row " + std::to_string(i + 1),
+              "Gamma_ijk = (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)/2; those that are not listed are "
+              "0, and Gamma_ikj = Gamma_ijk.",
+              {}, "symmetric in j and k, and dM_ij/dq_k = Gamma_ijk + Gamma_jik", true};
+    for (int j = 0; j < n; ++j) {
+      for (int k = 0; k < n; ++k) {
+        const GiNaC::ex& gamma = f.Gamma[i][j][k];
+        step.holds = step.holds && isZero(gamma - f.Gamma[i][k][j]) &&
+                     isZero(algebra.derivative(f.M[i][j], {Input::kPosition, k}) - gamma -
+                            f.Gamma[j][i][k]);
+        if (k >= j && !isZero(gamma)) step.equations.push_back(equation(christoffelName(i, j, k), gamma));
+      }
+    }
+    steps.push_back(step);
+  }
+  for (int i = 0; i < n; ++i)
+    steps.push_back({numbered("c_", i),
+                     "Coriolis and centrifugal forces: c_i = sum of Gamma_ijk qd_j qd_k.",
+                     {equation(numbered("c", i), f.c[i])},
+                     "equals sum of (dp_i/dq_j) qd_j - dT/dq_i by the program",
+                     equals(f.c[i], e.c[i])});
+  for (int i = 0; i < n; ++i)
+    steps.push_back({numbered("g_", i), "Gravity and springs: g_i = dV/dq_i.",
+                     {equation(numbered("g", i), f.g[i])},
+                     "GiNaC's derivative equals that of the program in reverse mode",
+                     equals(f.g[i], e.g[i])});
+  for (int i = 0; i < n; ++i)
+    if (!e.graph.isZero(e.Q[i]))
+      steps.push_back({numbered("Q_", i),
+                       "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i.",
+                       {equation(numbered("Q", i), algebra.expression(e.Q[i]))},
+                       "depends on the position alone",
+                       [&] {
+                         bool at_rest = true;
+                         for (int j = 0; j < n; ++j)
+                           at_rest = at_rest &&
+                                     isZero(algebra.derivative(algebra.expression(e.Q[i]),
+                                                               {Input::kVelocity, j}));
+                         return at_rest;
+                       }()});
+  for (int i = 0; i < n; ++i) {
+    GiNaC::ex row = f.c[i] + f.g[i];
+    for (int j = 0; j < n; ++j)
+      row += f.M[i][j] * algebra.input(Input::kAcceleration, j);
+    const GiNaC::ex lagrange =
+        algebra.rate(f.p[i]) - algebra.derivative(f.kinetic - f.potential, {Input::kPosition, i});
+    steps.push_back({"equation of motion " + std::to_string(i + 1),
+                     "Lagrange's equation d/dt (dL/dqd_i) - dL/dq_i = tau_i with L = T - V.",
+                     {equationOfMotion(e, i)},
+                     "the left side equals d/dt (dL/dqd_i) - dL/dq_i by GiNaC", isZero(row - lagrange)});
+  }
+  return steps;
+}
+
+// ---- straight-line programs ---------------------------------------------------------------------
+
+/// Are these nodes 0 at random rational points?
+bool vanish(const Graph& graph, const std::vector<Node>& nodes, const scene::Mechanism& mechanism,
+            int dof, int points) {
+  const Program program = compile(graph, nodes);
+  for (int seed = 1; seed <= points; ++seed) {
+    ProgramRun<Rational> run(program, ExactNumbers(mechanism, seed));
+    for (const Rational& residual : run(exactState(dof, seed)))
+      if (residual != 0) return false;
+  }
+  return true;
+}
+
+std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, int points) {
+  const int n = e.dof();
+  Graph& graph = e.graph;
+  const std::string at = " at " + std::to_string(points) + " random rational points";
+  const auto check = [&](const std::vector<Node>& residuals) {
+    return vanish(graph, residuals, mechanism, n, points);
+  };
+  const auto velocity = [&](int i) { return graph.input(Input::kVelocity, i); };
+
+  // what the checks compare with: momentum and c once more, from M
+  std::vector<Node> p_of_M, c_of_M, residual_p, residual_c, residual_g;
+  std::vector<Variable> q;
+  std::vector<std::pair<Variable, Node>> motion;
+  Node T_of_M, V_of_links;
+  for (int i = 0; i < n; ++i) {
+    q.push_back({Input::kPosition, i});
+    motion.push_back({q[i], velocity(i)});
+    V_of_links = graph.add(V_of_links, e.link_potential[i]);
+    Node p;
+    for (int j = 0; j < n; ++j) p = graph.add(p, graph.multiply(e.M[i][j], velocity(j)));
+    p_of_M.push_back(p);
+    residual_p.push_back(graph.subtract(p, e.p[i]));
+    T_of_M = graph.add(T_of_M, graph.multiply(p, velocity(i)));
+  }
+  T_of_M = graph.multiply(graph.constant(Rational(1, 2)), T_of_M);
+  const std::vector<Node> p_rate = graph.directionalDerivative(p_of_M, motion);
+  const std::vector<Node> T_slope = graph.gradient(T_of_M, q);
+  const std::vector<Node> V_slope = graph.gradient(V_of_links, q);
+  for (int i = 0; i < n; ++i) {
+    residual_c.push_back(graph.subtract(graph.subtract(p_rate[i], T_slope[i]), e.c[i]));
+    residual_g.push_back(graph.subtract(V_slope[i], e.g[i]));
+    motion.push_back({{Input::kVelocity, i}, graph.input(Input::kAcceleration, i)});
+  }
+  Node power;  // of tau = M qdd + c + g
+  for (int i = 0; i < n; ++i) {
+    Node tau = graph.add(e.c[i], e.g[i]);
+    for (int j = 0; j < n; ++j)
+      tau = graph.add(tau, graph.multiply(e.M[i][j], graph.input(Input::kAcceleration, j)));
+    power = graph.add(power, graph.multiply(tau, velocity(i)));
+  }
+  const Node energy_rate =
+      graph.directionalDerivative({graph.add(e.kinetic, e.potential)}, motion)[0];
+
+  std::vector<Step> steps = {
+      {"kinetic energy T",
+       "Angular velocity omega and velocity v of each link's joint frame, in that frame, and from "
+       "them half of mass times velocity squared.",
+       {}, "T = qd' M qd / 2" + at, check({graph.subtract(T_of_M, e.kinetic)})},
+      {"potential energy V", "Minus gravity times the first moment of mass, and the springs.", {},
+       "dV/dq is that of the links' shares" + at, check(residual_g)},
+      {"momentum p", "p_i = dT/dqd_i.", {}, "p = M qd" + at, check(residual_p)},
+      {"mass matrix M", "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.", {},
+       "M qd is the momentum of T as a sum over links" + at, check(residual_p)},
+      {"Coriolis and centrifugal forces c", "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.", {},
+       "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq" + at, check(residual_c)},
+      {"gravity and springs g", "g_i = dV/dq_i.", {},
+       "equals the derivative of the links' shares" + at, check(residual_g)},
+      {"equations of motion", "Lagrange's equations.", {},
+       "power: qd' (M qdd + c + g) = d(T + V)/dt" + at,
+       check({graph.subtract(power, energy_rate)})}};
+
+  // the program's lines, each under the first step that needs it
+  struct Result {
+    std::string name;
+    Node node;
+    std::size_t step;
+  };
+  std::vector<Result> results = {{"T", e.kinetic, 0}, {"V", e.potential, 1}};
+  for (int i = 0; i < n; ++i) results.push_back({numbered("p", i), e.p[i], 2});
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j) results.push_back({numbered("M", i, j), e.M[i][j], 3});
+  for (int i = 0; i < n; ++i) results.push_back({numbered("c", i), e.c[i], 4});
+  for (int i = 0; i < n; ++i) results.push_back({numbered("g", i), e.g[i], 5});
+  std::vector<Node> nodes;
+  for (const Result& r : results) nodes.push_back(r.node);
+  const Program program = compile(graph, nodes);
+  const std::vector<Statement> lines = statements(program, Style::kText);
+  std::map<int, std::size_t> line_of;
+  for (std::size_t i = 0; i < lines.size(); ++i) line_of[lines[i].slot] = i;
+  std::vector<std::size_t> step_of(lines.size(), steps.size());
+  for (std::size_t r = 0; r < results.size(); ++r) {
+    std::vector<int> open{program.outputs[r]};
+    while (!open.empty()) {
+      const auto it = line_of.find(open.back());
+      open.pop_back();
+      if (it == line_of.end() || step_of[it->second] <= results[r].step) continue;
+      step_of[it->second] = results[r].step;
+      open.insert(open.end(), lines[it->second].reads.begin(), lines[it->second].reads.end());
+    }
+  }
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (step_of[i] < steps.size())
+      steps[step_of[i]].equations.push_back({Formula::ofSymbol(lines[i].name), lines[i].value});
+  for (std::size_t r = 0; r < results.size(); ++r) {
+    if (graph.isZero(results[r].node)) continue;
+    const auto it = line_of.find(program.outputs[r]);
+    const Formula value = it != line_of.end()
+                              ? Formula::ofSymbol(lines[it->second].name)
+                              : leafFormula(program, program.outputs[r]);
+    steps[results[r].step].equations.push_back({Formula::ofSymbol(results[r].name), value});
+  }
+  for (int i = 0; i < n; ++i) steps.back().equations.push_back(equationOfMotion(e, i));
+  return steps;
+}
+
+std::string escaped(const std::string& text, Style style) {
+  std::string out;
+  for (char ch : text) {
+    if (style == Style::kMathml && ch == '<') {
+      out += "&lt;";
+    } else if (style == Style::kMathml && ch == '>') {
+      out += "&gt;";
+    } else if (style == Style::kMathml && ch == '&') {
+      out += "&amp;";
+    } else if (style == Style::kLatex && std::string("_%$#&{}").find(ch) != std::string::npos) {
+      out += std::string("\\") + ch;
+    } else if (style == Style::kLatex && (ch == '^' || ch == '~' || ch == '\\')) {
+      out += ch == '\\' ? "\\textbackslash{}" : std::string("\\") + ch + "{}";
+    } else {
+      out += ch;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+bool Derivation::holds() const {
+  return std::all_of(steps.begin(), steps.end(), [](const Step& s) { return s.holds; });
+}
+
+Derivation derivation(const scene::Mechanism& mechanism, int points) {
+  Options options;
+  options.regroup_inertias = false;  // the energy of a link is to be that link's
+  Equations equations = derive(mechanism, options);
+  Derivation result;
+  result.joints = equations.joints;
+  result.closed_form = equations.dof() <= kClosedFormJoints;
+  result.steps = result.closed_form ? closedSteps(equations)
+                                    : programSteps(equations, mechanism, points);
+  return result;
+}
+
+std::string print(const Derivation& derivation, Style style) {
+  std::string text;
+  int number = 0;
+  for (const Step& step : derivation.steps) {
+    ++number;
+    const std::string head = std::to_string(number) + ". " + escaped(step.name, style);
+    const std::string sentence = escaped(step.sentence, style);
+    const std::string verdict =
+        escaped(step.check, style) + (step.holds ? ": holds" : ": DOES NOT HOLD");
+    switch (style) {
+      case Style::kLatex:
+        text += "\\paragraph{" + head + "} " + sentence + "\n";
+        for (const Equation& e : step.equations) text += "\\[ " + print(e, style) + " \\]\n";
+        text += "Check: " + verdict + ".\n\n";
+        break;
+      case Style::kMathml:
+        text += "<section class=\"step\"><h3>" + head + "</h3>\n<p>" + sentence + "</p>\n";
+        for (const Equation& e : step.equations) text += print(e, style) + "\n";
+        text += "<p class=\"" + std::string(step.holds ? "holds" : "fails") + "\">Check: " +
+                verdict + "</p></section>\n";
+        break;
+      default:
+        text += head + "\n   " + sentence + "\n";
+        for (const Equation& e : step.equations) text += "     " + print(e, Style::kText) + "\n";
+        text += "   check: " + verdict + "\n\n";
+    }
+  }
+  return text;
+}
+
+std::vector<ShownEquation> shortClosedForm(const scene::Mechanism& mechanism, std::size_t limit) {
+  if (mechanism.dof() > kClosedFormJoints) return {};
+  Options options;
+  options.regroup_inertias = false;
+  const Equations e = derive(mechanism, options);
+  ClosedAlgebra algebra(e);
+  std::vector<std::pair<std::string, Node>> wanted = {{"T", e.kinetic}, {"V", e.potential}};
+  for (int i = 0; i < e.dof(); ++i)
+    for (int j = i; j < e.dof(); ++j) wanted.emplace_back(numbered("M", i, j), e.M[i][j]);
+  for (int i = 0; i < e.dof(); ++i) wanted.emplace_back(numbered("c", i), e.c[i]);
+  for (int i = 0; i < e.dof(); ++i) wanted.emplace_back(numbered("g", i), e.g[i]);
+  std::vector<ShownEquation> shown;
+  for (const auto& [name, node] : wanted) {
+    const Equation equation{Formula::ofSymbol(name), algebra.formula(algebra.expression(node))};
+    if (print(equation, Style::kText).size() > limit) return {};
+    shown.push_back({name, print(equation, Style::kMathml)});
+  }
+  return shown;
+}
+
+}  // namespace dynwitness::symbolic

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The derivation of the equations of motion as named steps that a person can follow, each with an
+// exact check that it holds, made anew in every run.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/mechanism.hpp"
+#include "symbolic/equations.hpp"
+#include "symbolic/formula.hpp"
+
+namespace dynwitness::symbolic {
+
+struct Step {
+  std::string name;                 ///< "kinetic energy", "c_1", ...
+  std::string sentence;             ///< what is done, and from what
+  std::vector<Equation> equations;
+  std::string check;                ///< what was checked, exactly
+  bool holds = false;               ///< its outcome in this run
+};
+
+struct Derivation {
+  std::vector<std::string> joints;
+  bool closed_form = false;  ///< otherwise equations are lines of a straight-line program
+  std::vector<Step> steps;
+
+  bool holds() const;
+};
+
+/** Derives M, c and g of a mechanism step by step. Up to kClosedFormJoints joints the steps are
+    closed forms, derived by GiNaC and compared with the graph's derivatives by normal form. Beyond,
+    they list named intermediates, and identities are evaluated in exact rational arithmetic at
+    `points` random points of the circle c^2 + s^2 = 1. Not thread safe (GiNaC is not). */
+Derivation derivation(const scene::Mechanism& mechanism, int points = 2);
+
+/// A derivation as plain text, as a LaTeX fragment (amsmath), or as an HTML fragment with MathML.
+std::string print(const Derivation& derivation, Style style);
+
+/// A closed form that is short enough to be shown, for a report.
+struct ShownEquation {
+  std::string name;    ///< "T", "V", "M11", ..., "c1", ..., "g1", ...
+  std::string mathml;  ///< a whole `math` element
+};
+/// T, V, the upper triangle of M, c and g; empty when the mechanism has too many joints for closed
+/// forms or one of the equations is longer than `limit` characters as plain text.
+std::vector<ShownEquation> shortClosedForm(const scene::Mechanism& mechanism,
+                                           std::size_t limit = 600);
+
+}  // namespace dynwitness::symbolic

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "symbolic/print.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+namespace dynwitness::symbolic {
+
+namespace {
+
+bool isCode(Style style) { return style == Style::kC || style == Style::kPython; }
+
+/// The variable that holds a number of the scene in a program.
+std::string atomName(const Atom& atom, std::size_t position) {
+  if (atom.kind == Atom::Kind::kNumber) return identifier(atom.name);
+  return "k" + std::to_string(position + 1);
+}
+
+/// Values with their formulas, used-once values inlined.
+class Lister {
+ public:
+  Lister(const Program& program, Style style) : program_(program) {
+    formulas_.resize(program.slots);
+    uses_.assign(program.slots, 0);
+    const int numbers = static_cast<int>(program.constants.size() + program.atoms.size());
+    for (int slot = 0; slot < numbers; ++slot)
+      formulas_[slot] = {leafFormula(program, slot, style), {}, 1};
+    for (const Program::Load& load : program.loads)
+      formulas_[load.slot] = {leafFormula(program, load.slot, style), {}, 1};
+    for (const auto* part : {&program.prologue, &program.body}) {
+      for (const Program::Instruction& i : *part) {
+        ++uses_[i.a];
+        if (isBinary(i)) ++uses_[i.b];
+      }
+    }
+    // results, and what the body takes from the prologue, stand on lines of their own
+    for (int output : program.outputs) uses_[output] += 2;
+    std::vector<char> in_prologue(program.slots, 0);
+    for (const Program::Instruction& i : program.prologue) in_prologue[i.result] = 1;
+    for (const Program::Instruction& i : program.body)
+      for (int operand : {i.a, isBinary(i) ? i.b : i.a})
+        if (in_prologue[operand]) uses_[operand] += 2;
+    for (const Program::Instruction& i : program.prologue) visit(i);
+    for (const Program::Instruction& i : program.body) visit(i);
+  }
+
+  std::vector<Statement> take() { return std::move(statements_); }
+
+ private:
+  static constexpr int kLongest = 12;  ///< leaves on one line
+
+  struct Inlined {
+    Formula formula;
+    std::vector<int> reads;
+    int leaves = 0;
+  };
+
+  static bool isBinary(const Program::Instruction& i) {
+    return i.code != Program::Code::kNegate && i.code != Program::Code::kInverse;
+  }
+
+  void visit(const Program::Instruction& i) {
+    const Inlined& a = formulas_[i.a];
+    const Inlined& b = formulas_[i.b];
+    Inlined value;
+    switch (i.code) {
+      case Program::Code::kAdd: value.formula = Formula::sum({a.formula, b.formula}); break;
+      case Program::Code::kSubtract:
+        value.formula = Formula::sum({a.formula, Formula::negate(b.formula)});
+        break;
+      case Program::Code::kMultiply: value.formula = Formula::product({a.formula, b.formula}); break;
+      case Program::Code::kNegate: value.formula = Formula::negate(a.formula); break;
+      case Program::Code::kInverse: value.formula = Formula::power(a.formula, -1); break;
+    }
+    value.reads = a.reads;
+    value.leaves = a.leaves;
+    if (isBinary(i)) {
+      value.reads.insert(value.reads.end(), b.reads.begin(), b.reads.end());
+      value.leaves += b.leaves;
+    }
+    std::string name = program_.slot_names[i.result];
+    if (name.empty() && uses_[i.result] <= 1 && value.leaves < kLongest) {
+      formulas_[i.result] = value;
+      return;
+    }
+    if (name.empty()) name = "t" + std::to_string(++temporaries_);
+    statements_.push_back({i.result, name, value.formula, value.reads});
+    formulas_[i.result] = {Formula::ofSymbol(name), {i.result}, 1};
+  }
+
+  const Program& program_;
+  std::vector<Inlined> formulas_;
+  std::vector<int> uses_;
+  std::vector<Statement> statements_;
+  int temporaries_ = 0;
+};
+
+/// An expression of the scene as code: the algebra for scene::evaluateIn.
+struct Code {
+  std::string text;
+  friend Code operator+(const Code& a, const Code& b) { return {"(" + a.text + " + " + b.text + ")"}; }
+  friend Code operator-(const Code& a, const Code& b) { return {"(" + a.text + " - " + b.text + ")"}; }
+  friend Code operator*(const Code& a, const Code& b) { return {a.text + "*" + b.text}; }
+  friend Code operator/(const Code& a, const Code& b) { return {"(" + a.text + "/" + b.text + ")"}; }
+  Code operator-() const { return {"(-" + text + ")"}; }
+};
+struct CodeAlgebra {
+  Style style;
+  Code number(const Rational& r) const {
+    const std::string text = print(Formula::ofNumber(r), style);
+    return {r < 0 ? "(" + text + ")" : text};
+  }
+  Code parameter(const std::string& name) const { return {identifier(name)}; }
+  Code pi() const { return {"3.141592653589793"}; }
+};
+
+/// The differences between the two languages.
+struct Language {
+  Style style;
+  std::string declare;  ///< before a local variable
+  std::string end;      ///< after a statement
+};
+
+std::string atomCode(const Atom& atom, Style style) {
+  const CodeAlgebra algebra{style};
+  const auto code = [&](const scene::Number& n) {
+    return scene::evaluateIn<Code>(n, algebra).text;
+  };
+  const std::string x = code(atom.axis[0]), y = code(atom.axis[1]), z = code(atom.axis[2]);
+  const std::string rho = "sqrt(" + x + "*" + x + " + " + y + "*" + y + ")";
+  const std::string length = "sqrt(" + x + "*" + x + " + " + y + "*" + y + " + " + z + "*" + z + ")";
+  switch (atom.kind) {
+    case Atom::Kind::kNumber: return code(atom.number);
+    case Atom::Kind::kCos: return "cos(" + code(atom.number) + ")";
+    case Atom::Kind::kSin: return "sin(" + code(atom.number) + ")";
+    case Atom::Kind::kCosAlpha: return x + "/" + rho;
+    case Atom::Kind::kSinAlpha: return y + "/" + rho;
+    case Atom::Kind::kCosBeta: return z + "/" + length;
+    case Atom::Kind::kSinBeta: return rho + "/" + length;
+  }
+  return "";
+}
+
+/// The lines of a function's body: numbers of the scene, state, statements.
+std::vector<std::string> bodyLines(const Equations& equations, const scene::Mechanism& mechanism,
+                                   const Program& program, const Language& language) {
+  std::vector<std::string> lines;
+  const auto let = [&](const std::string& name, const std::string& value) {
+    lines.push_back(language.declare + name + " = " + value + language.end);
+  };
+  const auto isParameter = [](const Atom& a) {
+    return a.kind == Atom::Kind::kNumber && a.name != "pi";
+  };
+  // only the parameters that the statements read, or that the angles among them are made of
+  std::set<std::string> read;
+  for (const Atom& atom : program.atoms)
+    for (const scene::Number& n : {atom.number, atom.axis[0], atom.axis[1], atom.axis[2]})
+      for (const std::string& name : n.parameters()) read.insert(name);
+  for (std::size_t i = 0; i < mechanism.parameters.size(); ++i)
+    if (read.count(mechanism.parameters[i].name) > 0)
+      let(identifier(mechanism.parameters[i].name), "parameters[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < program.atoms.size(); ++i)
+    if (!isParameter(program.atoms[i]))
+      let(atomName(program.atoms[i], i),
+          atomCode(program.atoms[i], language.style));
+  for (const Program::Load& load : program.loads) {
+    const std::string index = "[" + std::to_string(load.joint) + "]";
+    const std::string name = print(Formula::ofInput(load.input, load.joint), language.style);
+    switch (load.input) {
+      case Input::kPosition: let(name, "q" + index); break;
+      case Input::kCos: let(name, "cos(q" + index + ")"); break;
+      case Input::kSin: let(name, "sin(q" + index + ")"); break;
+      case Input::kVelocity: let(name, "qd" + index); break;
+      case Input::kAcceleration: let(name, "qdd" + index); break;
+    }
+  }
+  std::map<int, std::string> name_of;
+  for (const Statement& s : statements(program, language.style)) {
+    let(s.name, print(s.value, language.style));
+    name_of[s.slot] = s.name;
+  }
+  // outputs that are no statement are leaves
+  const auto resultText = [&](int slot) {
+    const auto it = name_of.find(slot);
+    if (it != name_of.end()) return it->second;
+    return print(leafFormula(program, slot, language.style), language.style);
+  };
+  const int n = equations.dof();
+  for (int i = 0; i < n * (n + 2); ++i) {
+    const std::string value = resultText(program.outputs[i]);
+    if (language.style == Style::kC) {
+      const std::string target = i < n * n         ? "M[" + std::to_string(i) + "]"
+                                 : i < n * (n + 1) ? "c[" + std::to_string(i - n * n) + "]"
+                                                   : "g[" + std::to_string(i - n * (n + 1)) + "]";
+      lines.push_back(target + " = " + value + language.end);
+    } else {
+      lines.push_back(value);
+    }
+  }
+  return lines;
+}
+
+std::string parameterList(const scene::Mechanism& mechanism, Style style, bool names) {
+  const scene::ParameterValues values = mechanism.parameterValues();
+  std::string text;
+  for (const scene::Parameter& p : mechanism.parameters) {
+    if (!text.empty()) text += ", ";
+    text += names ? p.name : print(Formula::ofNumber(Rational(values.at(p.name).toDouble())), style);
+  }
+  return text;
+}
+
+std::string jointList(const Equations& equations) {
+  std::string text;
+  for (const std::string& joint : equations.joints) text += (text.empty() ? "" : ", ") + joint;
+  // a comment must not end before it is over
+  for (std::size_t i = 0; (i = text.find("*/", i)) != std::string::npos;) text.replace(i, 2, "* /");
+  for (char& ch : text)
+    if (ch == '\n' || ch == '\r' || ch == '"' || ch == '\\') ch = ' ';
+  return text;
+}
+
+}  // namespace
+
+std::vector<Statement> statements(const Program& program, Style style) {
+  return Lister(program, style).take();
+}
+
+Formula leafFormula(const Program& program, int slot, Style style) {
+  const std::size_t i = static_cast<std::size_t>(slot), constants = program.constants.size();
+  if (i < constants) return Formula::ofNumber(program.constants[i]);
+  if (i < constants + program.atoms.size()) {
+    const Atom& atom = program.atoms[i - constants];
+    return isCode(style) ? Formula::ofSymbol(atomName(atom, i - constants)) : Formula::ofAtom(atom);
+  }
+  for (const Program::Load& load : program.loads)
+    if (load.slot == slot) return Formula::ofInput(load.input, load.joint);
+  throw std::invalid_argument("leafFormula: slot: expected a number or a component of the state");
+}
+
+std::string emitC(const Equations& equations, const scene::Mechanism& mechanism,
+                  const std::string& name) {
+  const Program program = compile(equations.graph, massCoriolisGravity(equations));
+  const Program::Operations count = program.bodyOperations();
+  const bool any = !mechanism.parameters.empty();
+  std::string text =
+      "/* M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n"
+      "   joints: " + jointList(equations) + "\n"
+      "   " + std::to_string(count.multiplications) + " multiplications, " +
+      std::to_string(count.additions) + " additions\n"
+      "   parameters: " + (any ? parameterList(mechanism, Style::kC, true) : "none") + " */\n"
+      "#include <math.h>\n\n"
+      "const double " + name + "_parameters[] = {" +
+      (any ? parameterList(mechanism, Style::kC, false) : "0.0") + "};\n\n"
+      "void " + name + "(const double* q, const double* qd, const double* parameters,\n"
+      "    double* M, double* c, double* g) {\n"
+      "  (void)q; (void)qd; (void)parameters;\n";
+  for (const std::string& line :
+       bodyLines(equations, mechanism, program, {Style::kC, "const double ", ";"}))
+    text += "  " + line + "\n";
+  return text + "}\n";
+}
+
+std::string emitPython(const Equations& equations, const scene::Mechanism& mechanism,
+                       const std::string& name) {
+  const Program program = compile(equations.graph, massCoriolisGravity(equations));
+  const int n = equations.dof();
+  std::vector<std::string> lines =
+      bodyLines(equations, mechanism, program, {Style::kPython, "", ""});
+  const std::size_t first = lines.size() - n * (n + 2);
+  const auto list = [&](std::size_t from) {
+    std::string text = "[";
+    for (int i = 0; i < n; ++i) text += (i > 0 ? ", " : "") + lines[from + i];
+    return text + "]";
+  };
+  std::string text =
+      "\"\"\"M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n\n"
+      "joints: " + jointList(equations) + "\n"
+      "parameters: " + (mechanism.parameters.empty()
+                            ? "none" : parameterList(mechanism, Style::kPython, true)) +
+      "\n\"\"\"\n"
+      "from math import cos, sin, sqrt\n\n"
+      "PARAMETERS = [" + parameterList(mechanism, Style::kPython, false) + "]\n\n\n"
+      "def " + name + "(q, qd, parameters=PARAMETERS):\n"
+      "    \"\"\"Mass matrix M, Coriolis and centrifugal forces c, gravity forces g.\"\"\"\n";
+  for (std::size_t i = 0; i < first; ++i) text += "    " + lines[i] + "\n";
+  text += "    M = [\n";
+  for (int i = 0; i < n; ++i) text += "        " + list(first + i * n) + ",\n";
+  text += "    ]\n    c = " + list(first + n * n) + "\n    g = " + list(first + n * (n + 1)) + "\n";
+  return text + "    return M, c, g\n";
+}
+
+}  // namespace dynwitness::symbolic
