@@ -35,7 +35,7 @@ std::pair<const SceneResult*, const CheckResult*> CrosscheckResult::worst() cons
   for (const SceneResult& scene : scenes)
     for (const CheckResult& check : scene.checks)
       if (check.verdict != Verdict::kNotAnswerable && check.unit == "ulp" &&
-          (worst.second == nullptr || check.ratio > worst.second->ratio))
+          (worst.second == nullptr || !(check.ratio <= worst.second->ratio)))
         worst = {&scene, &check};
   return worst;
 }

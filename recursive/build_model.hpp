@@ -10,10 +10,6 @@ namespace dynwitness::recursive {
 /// Links on fixed joints become part of the link that carries them, or stay links of their own.
 enum class FixedJoints { kLumped, kKept };
 
-/// Link axes as the scene places them, or turned about the joint's axis by one radian more, so that no
-/// component is zero by a lucky choice of axes. Nothing that can be measured depends on it.
-enum class Axes { kAsPlaced, kTurned };
-
 namespace detail {
 
 template <typename T>
@@ -75,8 +71,7 @@ RigidInertia<T> rigidInertia(const scene::MassProperties& m, const Numbers& numb
     scene/numbers.hpp), all in that scalar's own arithmetic. */
 template <typename Numbers, typename T = typename Numbers::Scalar>
 Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
-                    FixedJoints fixed_joints = FixedJoints::kLumped,
-                    Axes axes = Axes::kAsPlaced) {
+                    FixedJoints fixed_joints = FixedJoints::kLumped) {
   Model<T> model;
   if (mechanism.has_gravity) model.gravity = detail::vector<T>(mechanism.gravity, number);
 
@@ -102,8 +97,6 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
       const scene::AxisTurn<T> turn = number.axisTurn(link.joint.axis);
       Transform<T> X_z = Transform<T>::identity();
       X_z.R = (detail::aboutZ<T>(turn.alpha) * detail::aboutY<T>(turn.beta)).transpose();
-      if (axes == Axes::kTurned)
-        X_z.R = (detail::aboutZ<T>(number.angle(scene::Number(1))).transpose() * X_z.R).eval();
       LinkModel<T> out;
       out.parent = parent;
       out.kind = link.joint.kind;

@@ -108,12 +108,24 @@ GiNaC::ex ClosedAlgebra::expression(Node node) {
   const Node a = graph.left(node), b = graph.right(node);
   GiNaC::ex x;
   switch (graph.op(node)) {
-    case Op::kConstant: x = toGinac(graph.value(node)); break;
-    case Op::kInput: x = input(graph.inputKind(node), graph.joint(node)); break;
-    case Op::kAdd: x = expression(a) + expression(b); break;
-    case Op::kSubtract: x = expression(a) - expression(b); break;
-    case Op::kMultiply: x = expression(a) * expression(b); break;
-    case Op::kNegate: x = -expression(a); break;
+    case Op::kConstant:
+      x = toGinac(graph.value(node));
+      break;
+    case Op::kInput:
+      x = input(graph.inputKind(node), graph.joint(node));
+      break;
+    case Op::kAdd:
+      x = expression(a) + expression(b);
+      break;
+    case Op::kSubtract:
+      x = expression(a) - expression(b);
+      break;
+    case Op::kMultiply:
+      x = expression(a) * expression(b);
+      break;
+    case Op::kNegate:
+      x = -expression(a);
+      break;
     case Op::kTurn: {
       const int k = graph.joint(node);
       x = input(Input::kCos, k) * expression(a) + input(Input::kSin, k) * expression(b);
@@ -382,7 +394,8 @@ class ClosedAlgebra::Writer {
  private:
   /// A polynomial by the part of its monomials whose symbols have a role.
   template <typename Predicate>
-  std::map<Monomial, Polynomial, DisplayOrder> grouped(const Polynomial& p, Predicate wanted) const {
+  std::map<Monomial, Polynomial, DisplayOrder> grouped(const Polynomial& p,
+                                                       Predicate wanted) const {
     std::map<Monomial, Polynomial, DisplayOrder> groups;
     for (const auto& [monomial, r] : p) {
       Monomial key, rest;
@@ -522,8 +535,7 @@ ClosedForm deriveClosedForm(ClosedAlgebra& algebra, const Equations& equations) 
   }
   for (int i = 0; i < n; ++i) {
     f.M.emplace_back();
-    for (int j = 0; j < n; ++j)
-      f.M[i].push_back(algebra.derivative(f.p[i], {Input::kVelocity, j}));
+    for (int j = 0; j < n; ++j) f.M[i].push_back(algebra.derivative(f.p[i], {Input::kVelocity, j}));
   }
   const auto slope = [&](int i, int j, int k) {
     return algebra.derivative(f.M[i][j], {Input::kPosition, k});

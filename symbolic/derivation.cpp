@@ -12,7 +12,9 @@ namespace dynwitness::symbolic {
 
 namespace {
 
-std::string numbered(const std::string& letter, int i) { return letter + std::to_string(i + 1); }
+std::string numbered(const std::string& letter, int i) {
+  return letter + std::to_string(i + 1);
+}
 std::string numbered(const std::string& letter, int i, int j) {
   const bool wide = i > 8 || j > 8;
   return letter + std::to_string(i + 1) + (wide ? "_" : "") + std::to_string(j + 1);
@@ -26,8 +28,9 @@ Equation equationOfMotion(const Equations& e, int i) {
   std::vector<Formula> left;
   for (int j = 0; j < e.dof(); ++j)
     if (!e.graph.isZero(e.M[i][j]))
-      left.push_back(Formula::product({Formula::ofSymbol(numbered("M", std::min(i, j), std::max(i, j))),
-                                       Formula::ofInput(Input::kAcceleration, j)}));
+      left.push_back(
+          Formula::product({Formula::ofSymbol(numbered("M", std::min(i, j), std::max(i, j))),
+                            Formula::ofInput(Input::kAcceleration, j)}));
   if (!e.graph.isZero(e.c[i])) left.push_back(Formula::ofSymbol(numbered("c", i)));
   if (!e.graph.isZero(e.g[i])) left.push_back(Formula::ofSymbol(numbered("g", i)));
   std::vector<Formula> right{Formula::ofSymbol(numbered("tau", i))};
@@ -54,8 +57,7 @@ std::vector<Step> closedSteps(Equations& e) {
   for (int i = 0; i < n; ++i) {
     const GiNaC::ex T = algebra.expression(e.link_kinetic[i]);
     GiNaC::ex twice = 0;
-    for (int j = 0; j < n; ++j)
-      twice += velocity(j) * algebra.derivative(T, {Input::kVelocity, j});
+    for (int j = 0; j < n; ++j) twice += velocity(j) * algebra.derivative(T, {Input::kVelocity, j});
     steps.push_back({"kinetic energy of " + e.links[i],
                      "Half of mass times velocity squared, summed over the link, from the velocity "
                      "and angular velocity that the joints give it.",
@@ -67,7 +69,9 @@ std::vector<Step> closedSteps(Equations& e) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       quadratic += algebra.expression(e.M[i][j]) * velocity(i) * velocity(j) / 2;
-  steps.push_back({"kinetic energy T", "The sum over the links.", {equation("T", f.kinetic)},
+  steps.push_back({"kinetic energy T",
+                   "The sum over the links.",
+                   {equation("T", f.kinetic)},
                    "T = qd' M qd / 2, with M from the composite bodies outboard of each joint",
                    isZero(f.kinetic - quadratic)});
 
@@ -78,9 +82,8 @@ std::vector<Step> closedSteps(Equations& e) {
   }
   bool constant_difference = true;
   for (int i = 0; i < n; ++i)
-    constant_difference =
-        constant_difference &&
-        isZero(algebra.derivative(f.potential - shares, {Input::kPosition, i}));
+    constant_difference = constant_difference &&
+                          isZero(algebra.derivative(f.potential - shares, {Input::kPosition, i}));
   steps.push_back({"potential energy V",
                    "Minus gravity times the first moment of mass, and what the springs store.",
                    {equation("V", f.potential)},
@@ -88,13 +91,15 @@ std::vector<Step> closedSteps(Equations& e) {
                    constant_difference});
 
   for (int i = 0; i < n; ++i)
-    steps.push_back({numbered("p_", i), "The momentum of joint " + e.joints[i] + ": p_i = dT/dqd_i.",
+    steps.push_back({numbered("p_", i),
+                     "The momentum of joint " + e.joints[i] + ": p_i = dT/dqd_i.",
                      {equation(numbered("p", i), f.p[i])},
                      "GiNaC's derivative equals that of the program in reverse mode",
                      equals(f.p[i], e.p[i])});
   for (int i = 0; i < n; ++i)
     for (int j = i; j < n; ++j)
-      steps.push_back({numbered("M_", i, j), "Mass matrix: M_ij = dp_i/dqd_j.",
+      steps.push_back({numbered("M_", i, j),
+                       "Mass matrix: M_ij = dp_i/dqd_j.",
                        {equation(numbered("M", i, j), f.M[i][j])},
                        "equals M_ji, and the matrix of the composite bodies",
                        isZero(f.M[i][j] - f.M[j][i]) && equals(f.M[i][j], e.M[i][j])});
@@ -103,14 +108,17 @@ std::vector<Step> closedSteps(Equations& e) {
     Step step{"Christoffel symbols of row " + std::to_string(i + 1),
               "Gamma_ijk = (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)/2; those that are not listed are "
               "0, and Gamma_ikj = Gamma_ijk.",
-              {}, "symmetric in j and k, and dM_ij/dq_k = Gamma_ijk + Gamma_jik", true};
+              {},
+              "symmetric in j and k, and dM_ij/dq_k = Gamma_ijk + Gamma_jik",
+              true};
     for (int j = 0; j < n; ++j) {
       for (int k = 0; k < n; ++k) {
         const GiNaC::ex& gamma = f.Gamma[i][j][k];
-        step.holds = step.holds && isZero(gamma - f.Gamma[i][k][j]) &&
-                     isZero(algebra.derivative(f.M[i][j], {Input::kPosition, k}) - gamma -
-                            f.Gamma[j][i][k]);
-        if (k >= j && !isZero(gamma)) step.equations.push_back(equation(christoffelName(i, j, k), gamma));
+        step.holds =
+            step.holds && isZero(gamma - f.Gamma[i][k][j]) &&
+            isZero(algebra.derivative(f.M[i][j], {Input::kPosition, k}) - gamma - f.Gamma[j][i][k]);
+        if (k >= j && !isZero(gamma))
+          step.equations.push_back(equation(christoffelName(i, j, k), gamma));
       }
     }
     steps.push_back(step);
@@ -122,7 +130,8 @@ std::vector<Step> closedSteps(Equations& e) {
                      "equals sum of (dp_i/dq_j) qd_j - dT/dq_i by the program",
                      equals(f.c[i], e.c[i])});
   for (int i = 0; i < n; ++i)
-    steps.push_back({numbered("g_", i), "Gravity and springs: g_i = dV/dq_i.",
+    steps.push_back({numbered("g_", i),
+                     "Gravity and springs: g_i = dV/dq_i.",
                      {equation(numbered("g", i), f.g[i])},
                      "GiNaC's derivative equals that of the program in reverse mode",
                      equals(f.g[i], e.g[i])});
@@ -135,21 +144,21 @@ std::vector<Step> closedSteps(Equations& e) {
                        [&] {
                          bool at_rest = true;
                          for (int j = 0; j < n; ++j)
-                           at_rest = at_rest &&
-                                     isZero(algebra.derivative(algebra.expression(e.Q[i]),
-                                                               {Input::kVelocity, j}));
+                           at_rest =
+                               at_rest && isZero(algebra.derivative(algebra.expression(e.Q[i]),
+                                                                    {Input::kVelocity, j}));
                          return at_rest;
                        }()});
   for (int i = 0; i < n; ++i) {
     GiNaC::ex row = f.c[i] + f.g[i];
-    for (int j = 0; j < n; ++j)
-      row += f.M[i][j] * algebra.input(Input::kAcceleration, j);
+    for (int j = 0; j < n; ++j) row += f.M[i][j] * algebra.input(Input::kAcceleration, j);
     const GiNaC::ex lagrange =
         algebra.rate(f.p[i]) - algebra.derivative(f.kinetic - f.potential, {Input::kPosition, i});
     steps.push_back({"equation of motion " + std::to_string(i + 1),
                      "Lagrange's equation d/dt (dL/dqd_i) - dL/dq_i = tau_i with L = T - V.",
                      {equationOfMotion(e, i)},
-                     "the left side equals d/dt (dL/dqd_i) - dL/dq_i by GiNaC", isZero(row - lagrange)});
+                     "the left side equals d/dt (dL/dqd_i) - dL/dq_i by GiNaC",
+                     isZero(row - lagrange)});
   }
   return steps;
 }
@@ -215,17 +224,33 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
       {"kinetic energy T",
        "Angular velocity omega and velocity v of each link's joint frame, in that frame, and from "
        "them half of mass times velocity squared.",
-       {}, "T = qd' M qd / 2" + at, check({graph.subtract(T_of_M, e.kinetic)})},
-      {"potential energy V", "Minus gravity times the first moment of mass, and the springs.", {},
-       "dV/dq is that of the links' shares" + at, check(residual_g)},
+       {},
+       "T = qd' M qd / 2" + at,
+       check({graph.subtract(T_of_M, e.kinetic)})},
+      {"potential energy V",
+       "Minus gravity times the first moment of mass, and the springs.",
+       {},
+       "dV/dq is that of the links' shares" + at,
+       check(residual_g)},
       {"momentum p", "p_i = dT/dqd_i.", {}, "p = M qd" + at, check(residual_p)},
-      {"mass matrix M", "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.", {},
-       "M qd is the momentum of T as a sum over links" + at, check(residual_p)},
-      {"Coriolis and centrifugal forces c", "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.", {},
-       "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq" + at, check(residual_c)},
-      {"gravity and springs g", "g_i = dV/dq_i.", {},
-       "equals the derivative of the links' shares" + at, check(residual_g)},
-      {"equations of motion", "Lagrange's equations.", {},
+      {"mass matrix M",
+       "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
+       {},
+       "M qd is the momentum of T as a sum over links" + at,
+       check(residual_p)},
+      {"Coriolis and centrifugal forces c",
+       "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
+       {},
+       "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq" + at,
+       check(residual_c)},
+      {"gravity and springs g",
+       "g_i = dV/dq_i.",
+       {},
+       "equals the derivative of the links' shares" + at,
+       check(residual_g)},
+      {"equations of motion",
+       "Lagrange's equations.",
+       {},
        "power: qd' (M qdd + c + g) = d(T + V)/dt" + at,
        check({graph.subtract(power, energy_rate)})}};
 
@@ -264,9 +289,8 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
   for (std::size_t r = 0; r < results.size(); ++r) {
     if (graph.isZero(results[r].node)) continue;
     const auto it = line_of.find(program.outputs[r]);
-    const Formula value = it != line_of.end()
-                              ? Formula::ofSymbol(lines[it->second].name)
-                              : leafFormula(program, program.outputs[r]);
+    const Formula value = it != line_of.end() ? Formula::ofSymbol(lines[it->second].name)
+                                              : leafFormula(program, program.outputs[r]);
     steps[results[r].step].equations.push_back({Formula::ofSymbol(results[r].name), value});
   }
   for (int i = 0; i < n; ++i) steps.back().equations.push_back(equationOfMotion(e, i));
@@ -306,8 +330,8 @@ Derivation derivation(const scene::Mechanism& mechanism, int points) {
   Derivation result;
   result.joints = equations.joints;
   result.closed_form = equations.dof() <= kClosedFormJoints;
-  result.steps = result.closed_form ? closedSteps(equations)
-                                    : programSteps(equations, mechanism, points);
+  result.steps =
+      result.closed_form ? closedSteps(equations) : programSteps(equations, mechanism, points);
   return result;
 }
 
@@ -329,8 +353,8 @@ std::string print(const Derivation& derivation, Style style) {
       case Style::kMathml:
         text += "<section class=\"step\"><h3>" + head + "</h3>\n<p>" + sentence + "</p>\n";
         for (const Equation& e : step.equations) text += print(e, style) + "\n";
-        text += "<p class=\"" + std::string(step.holds ? "holds" : "fails") + "\">Check: " +
-                verdict + "</p></section>\n";
+        text += "<p class=\"" + std::string(step.holds ? "holds" : "fails") +
+                "\">Check: " + verdict + "</p></section>\n";
         break;
       default:
         text += head + "\n   " + sentence + "\n";

@@ -13,11 +13,11 @@
 namespace dynwitness::symbolic {
 
 struct Step {
-  std::string name;                 ///< "kinetic energy", "c_1", ...
-  std::string sentence;             ///< what is done, and from what
+  std::string name;      ///< "kinetic energy", "c_1", ...
+  std::string sentence;  ///< what is done, and from what
   std::vector<Equation> equations;
-  std::string check;                ///< what was checked, exactly
-  bool holds = false;               ///< its outcome in this run
+  std::string check;   ///< what was checked, exactly
+  bool holds = false;  ///< its outcome in this run
 };
 
 struct Derivation {

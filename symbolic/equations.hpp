@@ -38,10 +38,10 @@ struct Equations {
   /// For each joint the next revolute joint inboard when both turn about the same direction, so
   /// that their angles add up; otherwise -1.
   std::vector<int> parallel_inboard;
-  std::vector<std::string> links;   ///< names of the links that these joints carry
+  std::vector<std::string> links;  ///< names of the links that these joints carry
 
-  Node kinetic;                  ///< T [J], from the velocities of the links
-  Node potential;                ///< V [J], zero for masses at the world's origin and springs at rest
+  Node kinetic;    ///< T [J], from the velocities of the links
+  Node potential;  ///< V [J], zero for masses at the world's origin and springs at rest
   std::vector<Node> link_kinetic;    ///< share of each moving link in T (its rotor's included)
   std::vector<Node> link_potential;  ///< share of each moving link in V (its spring's included)
   std::vector<Node> p, c, g, Q;

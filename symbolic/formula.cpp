@@ -90,7 +90,9 @@ namespace {
 /// Formulas as the algebra in which scene::evaluateIn writes an expression down.
 struct Written {
   Formula f;
-  friend Written operator+(const Written& a, const Written& b) { return {Formula::sum({a.f, b.f})}; }
+  friend Written operator+(const Written& a, const Written& b) {
+    return {Formula::sum({a.f, b.f})};
+  }
   friend Written operator-(const Written& a, const Written& b) {
     return {Formula::sum({a.f, Formula::negate(b.f)})};
   }
@@ -120,13 +122,18 @@ Formula Formula::ofAtom(const Atom& atom) {
   // the angles of an axis have no expression; their name stands in the parentheses
   const auto label = [&atom] { return ofSymbol(atom.name.substr(4, atom.name.size() - 5)); };
   switch (atom.kind) {
-    case Atom::Kind::kNumber: return ofSymbol(atom.name);
-    case Atom::Kind::kCos: return function(Kind::kCos, ofExpression(atom.number));
-    case Atom::Kind::kSin: return function(Kind::kSin, ofExpression(atom.number));
+    case Atom::Kind::kNumber:
+      return ofSymbol(atom.name);
+    case Atom::Kind::kCos:
+      return function(Kind::kCos, ofExpression(atom.number));
+    case Atom::Kind::kSin:
+      return function(Kind::kSin, ofExpression(atom.number));
     case Atom::Kind::kCosAlpha:
-    case Atom::Kind::kCosBeta: return function(Kind::kCos, label());
+    case Atom::Kind::kCosBeta:
+      return function(Kind::kCos, label());
     case Atom::Kind::kSinAlpha:
-    case Atom::Kind::kSinBeta: return function(Kind::kSin, label());
+    case Atom::Kind::kSinBeta:
+      return function(Kind::kSin, label());
   }
   return {};
 }
@@ -149,14 +156,14 @@ struct Greek {
 };
 // LaTeX knows these names with a backslash
 constexpr std::array<Greek, 33> kGreek = {{
-    {"alpha", "&#x3b1;"},  {"beta", "&#x3b2;"},   {"gamma", "&#x3b3;"}, {"delta", "&#x3b4;"},
-    {"epsilon", "&#x3f5;"}, {"zeta", "&#x3b6;"},  {"eta", "&#x3b7;"},   {"theta", "&#x3b8;"},
-    {"iota", "&#x3b9;"},   {"kappa", "&#x3ba;"},  {"lambda", "&#x3bb;"}, {"mu", "&#x3bc;"},
-    {"nu", "&#x3bd;"},     {"xi", "&#x3be;"},     {"pi", "&#x3c0;"},    {"rho", "&#x3c1;"},
-    {"sigma", "&#x3c3;"},  {"tau", "&#x3c4;"},    {"phi", "&#x3d5;"},   {"chi", "&#x3c7;"},
-    {"psi", "&#x3c8;"},    {"omega", "&#x3c9;"},  {"upsilon", "&#x3c5;"}, {"Gamma", "&#x393;"},
-    {"Delta", "&#x394;"},  {"Theta", "&#x398;"},  {"Lambda", "&#x39b;"}, {"Xi", "&#x39e;"},
-    {"Pi", "&#x3a0;"},     {"Sigma", "&#x3a3;"},  {"Phi", "&#x3a6;"},   {"Psi", "&#x3a8;"},
+    {"alpha", "&#x3b1;"},   {"beta", "&#x3b2;"},  {"gamma", "&#x3b3;"},   {"delta", "&#x3b4;"},
+    {"epsilon", "&#x3f5;"}, {"zeta", "&#x3b6;"},  {"eta", "&#x3b7;"},     {"theta", "&#x3b8;"},
+    {"iota", "&#x3b9;"},    {"kappa", "&#x3ba;"}, {"lambda", "&#x3bb;"},  {"mu", "&#x3bc;"},
+    {"nu", "&#x3bd;"},      {"xi", "&#x3be;"},    {"pi", "&#x3c0;"},      {"rho", "&#x3c1;"},
+    {"sigma", "&#x3c3;"},   {"tau", "&#x3c4;"},   {"phi", "&#x3d5;"},     {"chi", "&#x3c7;"},
+    {"psi", "&#x3c8;"},     {"omega", "&#x3c9;"}, {"upsilon", "&#x3c5;"}, {"Gamma", "&#x393;"},
+    {"Delta", "&#x394;"},   {"Theta", "&#x398;"}, {"Lambda", "&#x39b;"},  {"Xi", "&#x39e;"},
+    {"Pi", "&#x3a0;"},      {"Sigma", "&#x3a3;"}, {"Phi", "&#x3a6;"},     {"Psi", "&#x3a8;"},
     {"Omega", "&#x3a9;"},
 }};
 
@@ -245,8 +252,8 @@ std::string mathmlName(const std::string& name) {
   if (p.subscript.empty()) return mathmlIdentifier(p.head);
   const bool is_number = p.subscript.find_first_not_of("0123456789") == std::string::npos;
   const std::string tag = is_number ? "mn" : "mi";
-  return "<msub>" + mathmlIdentifier(p.head) + "<" + tag + ">" + xmlText(p.subscript) + "</" +
-         tag + "></msub>";
+  return "<msub>" + mathmlIdentifier(p.head) + "<" + tag + ">" + xmlText(p.subscript) + "</" + tag +
+         "></msub>";
 }
 
 bool isDecimal(const Rational& r) {
@@ -279,12 +286,16 @@ class Printer {
   int strength(const Formula& f) const {
     switch (f.kind) {
       case Formula::Kind::kSum:
-      case Formula::Kind::kNegate: return 1;
-      case Formula::Kind::kProduct: return 2;
-      case Formula::Kind::kPower: return isCode() || f.exponent > 0 ? 3 : 2;
+      case Formula::Kind::kNegate:
+        return 1;
+      case Formula::Kind::kProduct:
+        return 2;
+      case Formula::Kind::kPower:
+        return isCode() ? 4 : f.exponent > 0 ? 3 : 2;  // (x*x) in code
       case Formula::Kind::kNumber:
         return isFraction(f.number) && (style_ == Style::kText) ? 2 : 4;
-      default: return 4;
+      default:
+        return 4;
     }
   }
 
@@ -295,17 +306,26 @@ class Printer {
 
   std::string print(const Formula& f) const {
     switch (f.kind) {
-      case Formula::Kind::kNumber: return number(f.number);
-      case Formula::Kind::kSymbol: return printName(f.symbol, style_);
-      case Formula::Kind::kInput: return input(f);
+      case Formula::Kind::kNumber:
+        return number(f.number);
+      case Formula::Kind::kSymbol:
+        return printName(f.symbol, style_);
+      case Formula::Kind::kInput:
+        return input(f);
       case Formula::Kind::kNegate:
         return op(isCode() || style_ == Style::kText || style_ == Style::kLatex ? "-" : "&#x2212;",
-                  "", "") + at(f.operands.front(), 2);
-      case Formula::Kind::kSum: return sum(f);
-      case Formula::Kind::kProduct: return product(f);
-      case Formula::Kind::kPower: return power(f);
-      case Formula::Kind::kCos: return function("cos", f.operands.front(), 1);
-      case Formula::Kind::kSin: return function("sin", f.operands.front(), 1);
+                  "", "") +
+               at(f.operands.front(), 2);
+      case Formula::Kind::kSum:
+        return sum(f);
+      case Formula::Kind::kProduct:
+        return product(f);
+      case Formula::Kind::kPower:
+        return power(f);
+      case Formula::Kind::kCos:
+        return function("cos", f.operands.front(), 1);
+      case Formula::Kind::kSin:
+        return function("sin", f.operands.front(), 1);
     }
     return "";
   }
@@ -324,9 +344,12 @@ class Printer {
 
   std::string parenthesised(const std::string& text) const {
     switch (style_) {
-      case Style::kLatex: return "\\left(" + text + "\\right)";
-      case Style::kMathml: return "<mrow><mo>(</mo>" + text + "<mo>)</mo></mrow>";
-      default: return "(" + text + ")";
+      case Style::kLatex:
+        return "\\left(" + text + "\\right)";
+      case Style::kMathml:
+        return "<mrow><mo>(</mo>" + text + "<mo>)</mo></mrow>";
+      default:
+        return "(" + text + ")";
     }
   }
 
@@ -339,46 +362,64 @@ class Printer {
       if (literal.find_first_of(".e") == std::string::npos) literal += ".0";
       return literal;
     }
-    if (!isFraction(r)) return style_ == Style::kMathml ? "<mn>" + decimal(r) + "</mn>" : decimal(r);
+    if (!isFraction(r))
+      return style_ == Style::kMathml ? "<mn>" + decimal(r) + "</mn>" : decimal(r);
     const std::string n = numerator(r).str(), d = denominator(r).str();
     switch (style_) {
-      case Style::kLatex: return "\\frac{" + n + "}{" + d + "}";
-      case Style::kMathml: return "<mfrac><mn>" + n + "</mn><mn>" + d + "</mn></mfrac>";
-      default: return n + "/" + d;
+      case Style::kLatex:
+        return "\\frac{" + n + "}{" + d + "}";
+      case Style::kMathml:
+        return "<mfrac><mn>" + n + "</mn><mn>" + d + "</mn></mfrac>";
+      default:
+        return n + "/" + d;
     }
   }
 
-  std::string position(int joint) const { return printName("q" + std::to_string(joint + 1), style_); }
+  std::string position(int joint) const {
+    return printName("q" + std::to_string(joint + 1), style_);
+  }
 
   std::string input(const Formula& f) const {
     const std::string k = std::to_string(f.joint + 1);
     if (isCode()) {
       switch (f.input) {
-        case Input::kPosition: return "q" + k;
-        case Input::kCos: return "c" + k;
-        case Input::kSin: return "s" + k;
-        case Input::kVelocity: return "qd" + k;
-        case Input::kAcceleration: return "qdd" + k;
+        case Input::kPosition:
+          return "q" + k;
+        case Input::kCos:
+          return "c" + k;
+        case Input::kSin:
+          return "s" + k;
+        case Input::kVelocity:
+          return "qd" + k;
+        case Input::kAcceleration:
+          return "qdd" + k;
       }
     }
     switch (f.input) {
-      case Input::kPosition: return position(f.joint);
-      case Input::kCos: return function("cos", Formula::ofInput(Input::kPosition, f.joint), 1);
-      case Input::kSin: return function("sin", Formula::ofInput(Input::kPosition, f.joint), 1);
-      case Input::kVelocity: return dotted(k, 1);
-      case Input::kAcceleration: return dotted(k, 2);
+      case Input::kPosition:
+        return position(f.joint);
+      case Input::kCos:
+        return function("cos", Formula::ofInput(Input::kPosition, f.joint), 1);
+      case Input::kSin:
+        return function("sin", Formula::ofInput(Input::kPosition, f.joint), 1);
+      case Input::kVelocity:
+        return dotted(k, 1);
+      case Input::kAcceleration:
+        return dotted(k, 2);
     }
     return "";
   }
 
   std::string dotted(const std::string& k, int dots) const {
     switch (style_) {
-      case Style::kLatex: return std::string(dots == 1 ? "\\dot" : "\\ddot") + "{q}_{" + k + "}";
+      case Style::kLatex:
+        return std::string(dots == 1 ? "\\dot" : "\\ddot") + "{q}_{" + k + "}";
       case Style::kMathml:
         return "<msub><mover accent=\"true\"><mi>q</mi><mo>" +
                std::string(dots == 1 ? "&#x2d9;" : "&#xa8;") + "</mo></mover><mn>" + k +
                "</mn></msub>";
-      default: return (dots == 1 ? "qd" : "qdd") + k;
+      default:
+        return (dots == 1 ? "qd" : "qdd") + k;
     }
   }
 
@@ -403,18 +444,23 @@ class Printer {
     for (const Formula& factor : f.operands) {
       if (!text.empty()) {
         switch (style_) {
-          case Style::kLatex: text += " "; break;
-          case Style::kMathml: text += "<mo>&#x2062;</mo>"; break;
-          default: text += "*"; break;
+          case Style::kLatex:
+            text += " ";
+            break;
+          case Style::kMathml:
+            text += "<mo>&#x2062;</mo>";
+            break;
+          default:
+            text += "*";
+            break;
         }
         // two numerals side by side would read as one
         if (factor.kind == Formula::Kind::kNumber && style_ == Style::kLatex) text += "\\cdot ";
       }
+      // a*(b*c) keeps its order of evaluation, and a*(1/b) is no a*1/b
       const bool divides = factor.kind == Formula::Kind::kPower && factor.exponent < 0;
-      const bool nested = factor.kind == Formula::Kind::kProduct;
-      text += at(factor, isCode() && !text.empty() && (divides || nested) ? 4
-                         : divides && style_ == Style::kText                ? 3
-                                                                            : 2);
+      const bool nested = factor.kind == Formula::Kind::kProduct && isCode() && !text.empty();
+      text += at(factor, nested ? 4 : divides && style_ == Style::kText ? 3 : 2);
     }
     return style_ == Style::kMathml ? "<mrow>" + text + "</mrow>" : text;
   }
@@ -445,18 +491,25 @@ class Printer {
     } else {
       const std::string e = std::to_string(n);
       switch (style_) {
-        case Style::kLatex: text = "{" + at(base, 4) + "}^{" + e + "}"; break;
+        case Style::kLatex:
+          text = "{" + at(base, 4) + "}^{" + e + "}";
+          break;
         case Style::kMathml:
           text = "<msup><mrow>" + at(base, 4) + "</mrow><mn>" + e + "</mn></msup>";
           break;
-        default: text = at(base, 4) + "^" + e; break;
+        default:
+          text = at(base, 4) + "^" + e;
+          break;
       }
     }
     if (f.exponent > 0) return text;
     switch (style_) {
-      case Style::kLatex: return "\\frac{1}{" + text + "}";
-      case Style::kMathml: return "<mfrac><mn>1</mn><mrow>" + text + "</mrow></mfrac>";
-      default: return "1/" + text;
+      case Style::kLatex:
+        return "\\frac{1}{" + text + "}";
+      case Style::kMathml:
+        return "<mfrac><mn>1</mn><mrow>" + text + "</mrow></mfrac>";
+      default:
+        return "1/" + text;
     }
   }
 
@@ -487,13 +540,18 @@ class Printer {
 
 std::string printName(const std::string& name, Style style) {
   switch (style) {
-    case Style::kLatex: return latexName(name);
-    case Style::kMathml: return mathmlName(name);
-    default: return name;
+    case Style::kLatex:
+      return latexName(name);
+    case Style::kMathml:
+      return mathmlName(name);
+    default:
+      return name;
   }
 }
 
-std::string print(const Formula& formula, Style style) { return Printer(style).print(formula); }
+std::string print(const Formula& formula, Style style) {
+  return Printer(style).print(formula);
+}
 
 std::string print(const Equation& equation, Style style) {
   const std::string left = print(equation.left, style), right = print(equation.right, style);

@@ -15,12 +15,12 @@ struct Formula {
   enum class Kind { kNumber, kSymbol, kInput, kSum, kNegate, kProduct, kPower, kCos, kSin };
 
   Kind kind = Kind::kNumber;
-  Rational number = 0;            ///< kNumber
-  std::string symbol;             ///< kSymbol: a parameter or a definition, by its plain name
-  Input input = Input::kPosition; ///< kInput
-  int joint = 0;                  ///< kInput: counted from 0
-  int exponent = 1;               ///< kPower, may be negative
-  std::vector<Formula> operands;  ///< terms, factors, or the one operand
+  Rational number = 0;             ///< kNumber
+  std::string symbol;              ///< kSymbol: a parameter or a definition, by its plain name
+  Input input = Input::kPosition;  ///< kInput
+  int joint = 0;                   ///< kInput: counted from 0
+  int exponent = 1;                ///< kPower, may be negative
+  std::vector<Formula> operands;   ///< terms, factors, or the one operand
 
   static Formula ofNumber(const Rational& value);
   static Formula ofSymbol(const std::string& name);

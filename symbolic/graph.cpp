@@ -27,14 +27,12 @@ Node Graph::intern(Op op, int joint, int a, int b, bool depends_on_state) {
 
 Node Graph::operation(Op op, Node a, Node b, int joint) {
   const bool unary = op == Op::kNegate || op == Op::kInverse;
-  const bool moves =
-      op == Op::kTurn || dependsOnState(a) || (!unary && dependsOnState(b));
+  const bool moves = op == Op::kTurn || dependsOnState(a) || (!unary && dependsOnState(b));
   return intern(op, joint, a.index, unary ? 0 : b.index, moves);
 }
 
 Node Graph::constant(const Rational& value) {
-  const auto [it, is_new] =
-      constant_index_.emplace(value, static_cast<int>(constants_.size()));
+  const auto [it, is_new] = constant_index_.emplace(value, static_cast<int>(constants_.size()));
   if (is_new) constants_.push_back(value);
   return intern(Op::kConstant, 0, it->second, 0, false);
 }
@@ -53,10 +51,13 @@ int Graph::operandCount(Node n) const {
   switch (op(n)) {
     case Op::kConstant:
     case Op::kAtom:
-    case Op::kInput: return 0;
+    case Op::kInput:
+      return 0;
     case Op::kNegate:
-    case Op::kInverse: return 1;
-    default: return 2;
+    case Op::kInverse:
+      return 1;
+    default:
+      return 2;
   }
 }
 
@@ -295,7 +296,8 @@ std::vector<Node> Graph::directionalDerivative(
     switch (op(n)) {
       case Op::kConstant:
       case Op::kAtom:
-      case Op::kInverse: break;  // numbers of the scene do not move
+      case Op::kInverse:
+        break;  // numbers of the scene do not move
       case Op::kInput:
         if (isTrig(n)) {
           const Node dq = speedOf(Input::kPosition, joint(n));
@@ -304,10 +306,18 @@ std::vector<Node> Graph::directionalDerivative(
           d[i] = speedOf(inputKind(n), joint(n));
         }
         break;
-      case Op::kAdd: d[i] = add(d[a.index], d[b.index]); break;
-      case Op::kSubtract: d[i] = subtract(d[a.index], d[b.index]); break;
-      case Op::kNegate: d[i] = negate(d[a.index]); break;
-      case Op::kTurn: d[i] = turnDerivative(joint(n), a, b); break;
+      case Op::kAdd:
+        d[i] = add(d[a.index], d[b.index]);
+        break;
+      case Op::kSubtract:
+        d[i] = subtract(d[a.index], d[b.index]);
+        break;
+      case Op::kNegate:
+        d[i] = negate(d[a.index]);
+        break;
+      case Op::kTurn:
+        d[i] = turnDerivative(joint(n), a, b);
+        break;
       case Op::kMultiply: {
         if (isTrig(a) || isTrig(b)) {
           // as a turn with one component, for each factor that is a cosine or sine
@@ -375,7 +385,8 @@ std::vector<Node> Graph::gradient(Node n, const std::vector<Variable>& variables
     switch (op(m)) {
       case Op::kConstant:
       case Op::kAtom:
-      case Op::kInverse: break;
+      case Op::kInverse:
+        break;
       case Op::kInput: {
         const Node slope = isTrig(m) ? trigDerivative(m) : constant(1);
         results[variableOf(m)].push_back(multiply(lambda, slope));
@@ -389,14 +400,15 @@ std::vector<Node> Graph::gradient(Node n, const std::vector<Variable>& variables
         send(a, lambda);
         send(b, negate(lambda));
         break;
-      case Op::kNegate: send(a, negate(lambda)); break;
+      case Op::kNegate:
+        send(a, negate(lambda));
+        break;
       case Op::kTurn: {
         const int k = joint(m);
         if (active[a.index]) send(a, multiply(input(Input::kCos, k), lambda));
         if (active[b.index]) send(b, multiply(input(Input::kSin, k), lambda));
         const int variable = find(Input::kPosition, k);
-        if (variable >= 0)
-          results[variable].push_back(multiply(lambda, turn(k, b, negate(a))));
+        if (variable >= 0) results[variable].push_back(multiply(lambda, turn(k, b, negate(a))));
         break;
       }
       case Op::kMultiply:

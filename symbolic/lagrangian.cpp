@@ -15,12 +15,18 @@ namespace {
 Vector3 operator+(const Vector3& a, const Vector3& b) {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
-Vector3 operator*(Value s, const Vector3& a) { return {s * a[0], s * a[1], s * a[2]}; }
-Value dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vector3 operator*(Value s, const Vector3& a) {
+  return {s * a[0], s * a[1], s * a[2]};
+}
+Value dot(const Vector3& a, const Vector3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 Vector3 cross(const Vector3& a, const Vector3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-Vector3 column(const Symmetric& m, int j) { return {m(0, j), m(1, j), m(2, j)}; }
+Vector3 column(const Symmetric& m, int j) {
+  return {m(0, j), m(1, j), m(2, j)};
+}
 
 Symmetric operator+(const Symmetric& a, const Symmetric& b) {
   return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
@@ -256,13 +262,14 @@ std::vector<FrameStep> Lagrangian::axisSteps(const scene::Vector& axis, int* coo
   const int label = axes_.emplace(text, bodyCount() + 1).first->second;
   const auto symbol = [&](Atom::Kind kind, const std::string& what) {
     // with a space, which no parameter's name has
-    return Value{graph_, graph_->atom({kind, 0, axis, what + " axis" + std::to_string(label) + ")"})};
+    return Value{graph_,
+                 graph_->atom({kind, 0, axis, what + " axis" + std::to_string(label) + ")"})};
   };
   Value cos_alpha, sin_alpha, cos_beta, sin_beta;
   Rational rho, length;
-  const bool rho_exact =
-      all_rational && squareRoot(exact[0].rational * exact[0].rational +
-                                     exact[1].rational * exact[1].rational, &rho);
+  const bool rho_exact = all_rational && squareRoot(exact[0].rational * exact[0].rational +
+                                                        exact[1].rational * exact[1].rational,
+                                                    &rho);
   if (rho_exact) {
     cos_alpha = constant(exact[0].rational / rho);
     sin_alpha = constant(exact[1].rational / rho);
@@ -283,7 +290,8 @@ std::vector<FrameStep> Lagrangian::axisSteps(const scene::Vector& axis, int* coo
 
 MassMoments Lagrangian::linkMoments(const scene::MassProperties& inertia) {
   const Value zero = constant(0), one = constant(1);
-  MassMoments b{number(inertia.mass), {zero, zero, zero},
+  MassMoments b{number(inertia.mass),
+                {zero, zero, zero},
                 {number(inertia.xx), number(inertia.yy), number(inertia.zz), number(inertia.xy),
                  number(inertia.xz), number(inertia.yz)}};
   for (int axis : {0, 1, 2}) {  // R = Rz(yaw) Ry(pitch) Rx(roll)
@@ -321,13 +329,20 @@ Lagrangian::Lagrangian(const scene::Mechanism& mechanism, const Options& options
     if (link.parent >= 0) frame = frames_[link.parent];
     append(&frame.offset, steps(link.joint.placement.beforeJoint()));
     if (scene::degreesOfFreedom(link.joint.kind) > 0) {
-      Body body{link.name, link.joint.name, frame.body,
-                link.joint.kind == scene::JointKind::kRevolute, 2, false, frame.offset, nothing,
-                zero, number(link.joint.stiffness), number(link.joint.rest)};
+      Body body{link.name,
+                link.joint.name,
+                frame.body,
+                link.joint.kind == scene::JointKind::kRevolute,
+                2,
+                false,
+                frame.offset,
+                nothing,
+                zero,
+                number(link.joint.stiffness),
+                number(link.joint.rest)};
       const Value gear = number(link.joint.gear_ratio);
       body.rotor = gear * gear * number(link.joint.rotor_inertia);
-      const std::vector<FrameStep> to_axis =
-          axisSteps(link.joint.axis, &body.axis, &body.reversed);
+      const std::vector<FrameStep> to_axis = axisSteps(link.joint.axis, &body.axis, &body.reversed);
       append(&body.before, to_axis);
       frame = {bodyCount(), {}};
       for (auto step = to_axis.rbegin(); step != to_axis.rend(); ++step) {
@@ -447,8 +462,8 @@ std::vector<Value> Lagrangian::kineticByVelocities() {
   for (int i = 0; i < bodyCount(); ++i) {
     const MassMoments& b = bodies_[i].moments;
     const Vector3& omega = v[i].angular;
-    Value T = half * b.mass * dot(v[i].linear, v[i].linear) +
-              dot(b.first, cross(v[i].linear, omega));
+    Value T =
+        half * b.mass * dot(v[i].linear, v[i].linear) + dot(b.first, cross(v[i].linear, omega));
     for (int j = 0; j < 3; ++j) {
       T += half * b.second(j, j) * (omega[j] * omega[j]);
       for (int k = j + 1; k < 3; ++k) T += b.second(j, k) * (omega[j] * omega[k]);
@@ -496,8 +511,7 @@ Value Lagrangian::kineticByCompositeBodies() {
     angular[i] = placed.turnedBack(angular[i]) + cross(placed.p_AB, linear[i]);
     linear[body.parent] = linear[body.parent] + linear[i];
     angular[body.parent] = angular[body.parent] + angular[i];
-    composite[body.parent] =
-        composite[body.parent] + movedBack(body.before, movedBack(joint, b));
+    composite[body.parent] = composite[body.parent] + movedBack(body.before, movedBack(joint, b));
   }
   return T;
 }
@@ -512,8 +526,7 @@ std::vector<Value> Lagrangian::potentialByBody() {
     for (int k = i; k >= 0; k = bodies_[k].parent)
       b = movedBack(bodies_[k].before, movedBack(jointStep(k), b));
     const Value stretch = Value{graph_, graph_->input(Input::kPosition, i)} - bodies_[i].rest;
-    shares.push_back(-dot(gravity_, b.first) +
-                     half * bodies_[i].stiffness * (stretch * stretch));
+    shares.push_back(-dot(gravity_, b.first) + half * bodies_[i].stiffness * (stretch * stretch));
   }
   return shares;
 }
@@ -594,12 +607,12 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
   for (const Value& share : lagrangian.potentialByBody()) e.link_potential.push_back(share.node);
   e.potential = lagrangian.potential().node;
 
-  e.p = graph.gradient(e.kinetic, qd);                                         // (1)
+  e.p = graph.gradient(e.kinetic, qd);  // (1)
   const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion);
   const std::vector<Node> dT_dq = graph.gradient(e.kinetic, q);
   for (int i = 0; i < n; ++i) e.c.push_back(graph.subtract(p_rate[i], dT_dq[i]));  // (3)
-  e.g = graph.gradient(e.potential, q);                                        // (4)
-  e.Q = graph.gradient(lagrangian.wrenchPower().node, qd);                     // (5)
+  e.g = graph.gradient(e.potential, q);                                            // (4)
+  e.Q = graph.gradient(lagrangian.wrenchPower().node, qd);                         // (5)
 
   // (2): column j is the momentum that a unit rate of joint j alone gives to itself and to the
   // joints inboard of it; the other joints follow from symmetry, or share no body with j
@@ -611,8 +624,7 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
     for (int i = j; i >= 0; i = lagrangian.bodies()[i].parent) inboard.push_back(i);
     std::vector<Node> p;
     for (int i : inboard) p.push_back(p_composite[i]);
-    const std::vector<Node> columns =
-        graph.directionalDerivative(p, {{qd[j], graph.constant(1)}});
+    const std::vector<Node> columns = graph.directionalDerivative(p, {{qd[j], graph.constant(1)}});
     for (std::size_t k = 0; k < inboard.size(); ++k)
       e.M[inboard[k]][j] = e.M[j][inboard[k]] = columns[k];
   }
@@ -633,8 +645,7 @@ std::vector<std::vector<Node>> christoffelMatrix(Equations& e) {
   for (int i = 0; i < n; ++i) {
     const std::vector<Node> M_rate = graph.directionalDerivative(e.M[i], motion);
     for (int j = 0; j < n; ++j)
-      C[i][j] = graph.multiply(
-          half, graph.add(M_rate[j], graph.subtract(A[j][i], A[i][j])));
+      C[i][j] = graph.multiply(half, graph.add(M_rate[j], graph.subtract(A[j][i], A[i][j])));
   }
   return C;
 }

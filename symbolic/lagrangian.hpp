@@ -25,8 +25,8 @@ struct Symmetric {
 /// One elementary motion of a frame, as scene::Step, with nodes for its numbers.
 struct FrameStep {
   bool is_rotation;
-  int axis;           ///< rotation: 0, 1, 2 for x, y, z
-  Value c, s;         ///< rotation: cosine and sine of its angle
+  int axis;    ///< rotation: 0, 1, 2 for x, y, z
+  Value c, s;  ///< rotation: cosine and sine of its angle
   Vector3 translation;
 };
 
@@ -43,13 +43,13 @@ struct MassMoments {
     axis: everything constant lies between one joint's motion and the next. */
 struct Body {
   std::string name, joint_name;
-  int parent;                     ///< body, -1: the world
+  int parent;  ///< body, -1: the world
   bool revolute;
   int axis;                       ///< of the joint in the body's frame: 0, 1, 2
   bool reversed;                  ///< the joint's direction is minus that axis
   std::vector<FrameStep> before;  ///< parent body's frame to this body's frame at q = 0
   MassMoments moments;
-  Value rotor;                    ///< gear_ratio^2 rotor_inertia
+  Value rotor;  ///< gear_ratio^2 rotor_inertia
   Value stiffness, rest;
 };
 

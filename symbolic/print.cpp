@@ -10,7 +10,9 @@ namespace dynwitness::symbolic {
 
 namespace {
 
-bool isCode(Style style) { return style == Style::kC || style == Style::kPython; }
+bool isCode(Style style) {
+  return style == Style::kC || style == Style::kPython;
+}
 
 /// The variable that holds a number of the scene in a program.
 std::string atomName(const Atom& atom, std::size_t position) {
@@ -66,13 +68,21 @@ class Lister {
     const Inlined& b = formulas_[i.b];
     Inlined value;
     switch (i.code) {
-      case Program::Code::kAdd: value.formula = Formula::sum({a.formula, b.formula}); break;
+      case Program::Code::kAdd:
+        value.formula = Formula::sum({a.formula, b.formula});
+        break;
       case Program::Code::kSubtract:
         value.formula = Formula::sum({a.formula, Formula::negate(b.formula)});
         break;
-      case Program::Code::kMultiply: value.formula = Formula::product({a.formula, b.formula}); break;
-      case Program::Code::kNegate: value.formula = Formula::negate(a.formula); break;
-      case Program::Code::kInverse: value.formula = Formula::power(a.formula, -1); break;
+      case Program::Code::kMultiply:
+        value.formula = Formula::product({a.formula, b.formula});
+        break;
+      case Program::Code::kNegate:
+        value.formula = Formula::negate(a.formula);
+        break;
+      case Program::Code::kInverse:
+        value.formula = Formula::power(a.formula, -1);
+        break;
     }
     value.reads = a.reads;
     value.leaves = a.leaves;
@@ -100,10 +110,16 @@ class Lister {
 /// An expression of the scene as code: the algebra for scene::evaluateIn.
 struct Code {
   std::string text;
-  friend Code operator+(const Code& a, const Code& b) { return {"(" + a.text + " + " + b.text + ")"}; }
-  friend Code operator-(const Code& a, const Code& b) { return {"(" + a.text + " - " + b.text + ")"}; }
+  friend Code operator+(const Code& a, const Code& b) {
+    return {"(" + a.text + " + " + b.text + ")"};
+  }
+  friend Code operator-(const Code& a, const Code& b) {
+    return {"(" + a.text + " - " + b.text + ")"};
+  }
   friend Code operator*(const Code& a, const Code& b) { return {a.text + "*" + b.text}; }
-  friend Code operator/(const Code& a, const Code& b) { return {"(" + a.text + "/" + b.text + ")"}; }
+  friend Code operator/(const Code& a, const Code& b) {
+    return {"(" + a.text + "/" + b.text + ")"};
+  }
   Code operator-() const { return {"(-" + text + ")"}; }
 };
 struct CodeAlgebra {
@@ -130,15 +146,23 @@ std::string atomCode(const Atom& atom, Style style) {
   };
   const std::string x = code(atom.axis[0]), y = code(atom.axis[1]), z = code(atom.axis[2]);
   const std::string rho = "sqrt(" + x + "*" + x + " + " + y + "*" + y + ")";
-  const std::string length = "sqrt(" + x + "*" + x + " + " + y + "*" + y + " + " + z + "*" + z + ")";
+  const std::string length =
+      "sqrt(" + x + "*" + x + " + " + y + "*" + y + " + " + z + "*" + z + ")";
   switch (atom.kind) {
-    case Atom::Kind::kNumber: return code(atom.number);
-    case Atom::Kind::kCos: return "cos(" + code(atom.number) + ")";
-    case Atom::Kind::kSin: return "sin(" + code(atom.number) + ")";
-    case Atom::Kind::kCosAlpha: return x + "/" + rho;
-    case Atom::Kind::kSinAlpha: return y + "/" + rho;
-    case Atom::Kind::kCosBeta: return z + "/" + length;
-    case Atom::Kind::kSinBeta: return rho + "/" + length;
+    case Atom::Kind::kNumber:
+      return code(atom.number);
+    case Atom::Kind::kCos:
+      return "cos(" + code(atom.number) + ")";
+    case Atom::Kind::kSin:
+      return "sin(" + code(atom.number) + ")";
+    case Atom::Kind::kCosAlpha:
+      return x + "/" + rho;
+    case Atom::Kind::kSinAlpha:
+      return y + "/" + rho;
+    case Atom::Kind::kCosBeta:
+      return z + "/" + length;
+    case Atom::Kind::kSinBeta:
+      return rho + "/" + length;
   }
   return "";
 }
@@ -163,17 +187,26 @@ std::vector<std::string> bodyLines(const Equations& equations, const scene::Mech
       let(identifier(mechanism.parameters[i].name), "parameters[" + std::to_string(i) + "]");
   for (std::size_t i = 0; i < program.atoms.size(); ++i)
     if (!isParameter(program.atoms[i]))
-      let(atomName(program.atoms[i], i),
-          atomCode(program.atoms[i], language.style));
+      let(atomName(program.atoms[i], i), atomCode(program.atoms[i], language.style));
   for (const Program::Load& load : program.loads) {
     const std::string index = "[" + std::to_string(load.joint) + "]";
     const std::string name = print(Formula::ofInput(load.input, load.joint), language.style);
     switch (load.input) {
-      case Input::kPosition: let(name, "q" + index); break;
-      case Input::kCos: let(name, "cos(q" + index + ")"); break;
-      case Input::kSin: let(name, "sin(q" + index + ")"); break;
-      case Input::kVelocity: let(name, "qd" + index); break;
-      case Input::kAcceleration: let(name, "qdd" + index); break;
+      case Input::kPosition:
+        let(name, "q" + index);
+        break;
+      case Input::kCos:
+        let(name, "cos(q" + index + ")");
+        break;
+      case Input::kSin:
+        let(name, "sin(q" + index + ")");
+        break;
+      case Input::kVelocity:
+        let(name, "qd" + index);
+        break;
+      case Input::kAcceleration:
+        let(name, "qdd" + index);
+        break;
     }
   }
   std::map<int, std::string> name_of;
@@ -207,7 +240,8 @@ std::string parameterList(const scene::Mechanism& mechanism, Style style, bool n
   std::string text;
   for (const scene::Parameter& p : mechanism.parameters) {
     if (!text.empty()) text += ", ";
-    text += names ? p.name : print(Formula::ofNumber(Rational(values.at(p.name).toDouble())), style);
+    text +=
+        names ? p.name : print(Formula::ofNumber(Rational(values.at(p.name).toDouble())), style);
   }
   return text;
 }
@@ -247,14 +281,23 @@ std::string emitC(const Equations& equations, const scene::Mechanism& mechanism,
   const bool any = !mechanism.parameters.empty();
   std::string text =
       "/* M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n"
-      "   joints: " + jointList(equations) + "\n"
-      "   " + std::to_string(count.multiplications) + " multiplications, " +
-      std::to_string(count.additions) + " additions\n"
-      "   parameters: " + (any ? parameterList(mechanism, Style::kC, true) : "none") + " */\n"
+      "   joints: " +
+      jointList(equations) +
+      "\n"
+      "   " +
+      std::to_string(count.multiplications) + " multiplications, " +
+      std::to_string(count.additions) +
+      " additions\n"
+      "   parameters: " +
+      (any ? parameterList(mechanism, Style::kC, true) : "none") +
+      " */\n"
       "#include <math.h>\n\n"
-      "const double " + name + "_parameters[] = {" +
-      (any ? parameterList(mechanism, Style::kC, false) : "0.0") + "};\n\n"
-      "void " + name + "(const double* q, const double* qd, const double* parameters,\n"
+      "const double " +
+      name + "_parameters[] = {" + (any ? parameterList(mechanism, Style::kC, false) : "0.0") +
+      "};\n\n"
+      "void " +
+      name +
+      "(const double* q, const double* qd, const double* parameters,\n"
       "    double* M, double* c, double* g) {\n"
       "  (void)q; (void)qd; (void)parameters;\n";
   for (const std::string& line :
@@ -277,13 +320,19 @@ std::string emitPython(const Equations& equations, const scene::Mechanism& mecha
   };
   std::string text =
       "\"\"\"M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n\n"
-      "joints: " + jointList(equations) + "\n"
-      "parameters: " + (mechanism.parameters.empty()
-                            ? "none" : parameterList(mechanism, Style::kPython, true)) +
+      "joints: " +
+      jointList(equations) +
+      "\n"
+      "parameters: " +
+      (mechanism.parameters.empty() ? "none" : parameterList(mechanism, Style::kPython, true)) +
       "\n\"\"\"\n"
       "from math import cos, sin, sqrt\n\n"
-      "PARAMETERS = [" + parameterList(mechanism, Style::kPython, false) + "]\n\n\n"
-      "def " + name + "(q, qd, parameters=PARAMETERS):\n"
+      "PARAMETERS = [" +
+      parameterList(mechanism, Style::kPython, false) +
+      "]\n\n\n"
+      "def " +
+      name +
+      "(q, qd, parameters=PARAMETERS):\n"
       "    \"\"\"Mass matrix M, Coriolis and centrifugal forces c, gravity forces g.\"\"\"\n";
   for (std::size_t i = 0; i < first; ++i) text += "    " + lines[i] + "\n";
   text += "    M = [\n";

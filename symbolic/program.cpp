@@ -65,7 +65,8 @@ class Compiler {
       slot_of_[i] = newSlot(graph_.atom(Node{i}).name);
     }
     for (int i = 0; i < static_cast<int>(needed_.size()); ++i)
-      if (needed_[i] && graph_.op({i}) == Op::kInput) load(graph_.inputKind({i}), graph_.joint({i}));
+      if (needed_[i] && graph_.op({i}) == Op::kInput)
+        load(graph_.inputKind({i}), graph_.joint({i}));
     for (int joint : uses_trig_) {
       load(Input::kCos, joint);
       load(Input::kSin, joint);
@@ -123,17 +124,18 @@ class Compiler {
         slot = emit(Program::Code::kMultiply, a.slot, b.slot, in_body, name);
         break;
       case Op::kTurn: {
-        const int x = emit(Program::Code::kMultiply, load(Input::kCos, graph_.joint(n)), a.slot,
-                           true);
-        const int y = emit(Program::Code::kMultiply, load(Input::kSin, graph_.joint(n)), b.slot,
-                           true);
+        const int x =
+            emit(Program::Code::kMultiply, load(Input::kCos, graph_.joint(n)), a.slot, true);
+        const int y =
+            emit(Program::Code::kMultiply, load(Input::kSin, graph_.joint(n)), b.slot, true);
         slot = emit(b.negative ? Program::Code::kSubtract : Program::Code::kAdd, x, y, true, name);
         break;
       }
       case Op::kInverse:
         slot = emit(Program::Code::kInverse, a.slot, 0, false, name);
         break;
-      default: break;
+      default:
+        break;
     }
   }
 
@@ -157,10 +159,17 @@ Program::Operations count(const std::vector<Program::Instruction>& instructions)
   for (const Program::Instruction& i : instructions) {
     switch (i.code) {
       case Program::Code::kAdd:
-      case Program::Code::kSubtract: ++operations.additions; break;
-      case Program::Code::kMultiply: ++operations.multiplications; break;
-      case Program::Code::kInverse: ++operations.divisions; break;
-      case Program::Code::kNegate: break;
+      case Program::Code::kSubtract:
+        ++operations.additions;
+        break;
+      case Program::Code::kMultiply:
+        ++operations.multiplications;
+        break;
+      case Program::Code::kInverse:
+        ++operations.divisions;
+        break;
+      case Program::Code::kNegate:
+        break;
     }
   }
   return operations;
@@ -168,8 +177,12 @@ Program::Operations count(const std::vector<Program::Instruction>& instructions)
 
 }  // namespace
 
-Program::Operations Program::bodyOperations() const { return count(body); }
-Program::Operations Program::prologueOperations() const { return count(prologue); }
+Program::Operations Program::bodyOperations() const {
+  return count(body);
+}
+Program::Operations Program::prologueOperations() const {
+  return count(prologue);
+}
 
 Program compile(const Graph& graph, const std::vector<Node>& outputs) {
   return Compiler(graph, outputs).take();

@@ -33,9 +33,9 @@ struct Program {
   std::vector<Rational> constants;  ///< slots 0 ... constants.size() - 1
   std::vector<Atom> atoms;          ///< the slots after them
   std::vector<Load> loads;
-  std::vector<Instruction> prologue;  ///< work on numbers of the scene: done once
-  std::vector<Instruction> body;      ///< work on the state
-  std::vector<int> outputs;           ///< slots of the results
+  std::vector<Instruction> prologue;    ///< work on numbers of the scene: done once
+  std::vector<Instruction> body;        ///< work on the state
+  std::vector<int> outputs;             ///< slots of the results
   std::vector<std::string> slot_names;  ///< names of definitions, "" for values without one
   int slots = 0;
 
@@ -71,11 +71,21 @@ class ProgramRun {
     for (const Program::Load& load : program_->loads) {
       T& slot = slots_[load.slot];
       switch (load.input) {
-        case Input::kPosition: slot = state.x[load.joint].q; break;
-        case Input::kCos: slot = state.x[load.joint].c; break;
-        case Input::kSin: slot = state.x[load.joint].s; break;
-        case Input::kVelocity: slot = state.qd[load.joint]; break;
-        case Input::kAcceleration: slot = state.qdd[load.joint]; break;
+        case Input::kPosition:
+          slot = state.x[load.joint].q;
+          break;
+        case Input::kCos:
+          slot = state.x[load.joint].c;
+          break;
+        case Input::kSin:
+          slot = state.x[load.joint].s;
+          break;
+        case Input::kVelocity:
+          slot = state.qd[load.joint];
+          break;
+        case Input::kAcceleration:
+          slot = state.qdd[load.joint];
+          break;
       }
     }
     for (const Program::Instruction& i : program_->body) execute(i);
@@ -93,24 +103,41 @@ class ProgramRun {
   template <typename Numbers>
   static T atomValue(const Atom& atom, const Numbers& number) {
     switch (atom.kind) {
-      case Atom::Kind::kNumber: return number(atom.number);
-      case Atom::Kind::kCos: return number.angle(atom.number).c;
-      case Atom::Kind::kSin: return number.angle(atom.number).s;
-      case Atom::Kind::kCosAlpha: return number.axisTurn(atom.axis).alpha.c;
-      case Atom::Kind::kSinAlpha: return number.axisTurn(atom.axis).alpha.s;
-      case Atom::Kind::kCosBeta: return number.axisTurn(atom.axis).beta.c;
-      case Atom::Kind::kSinBeta: return number.axisTurn(atom.axis).beta.s;
+      case Atom::Kind::kNumber:
+        return number(atom.number);
+      case Atom::Kind::kCos:
+        return number.angle(atom.number).c;
+      case Atom::Kind::kSin:
+        return number.angle(atom.number).s;
+      case Atom::Kind::kCosAlpha:
+        return number.axisTurn(atom.axis).alpha.c;
+      case Atom::Kind::kSinAlpha:
+        return number.axisTurn(atom.axis).alpha.s;
+      case Atom::Kind::kCosBeta:
+        return number.axisTurn(atom.axis).beta.c;
+      case Atom::Kind::kSinBeta:
+        return number.axisTurn(atom.axis).beta.s;
     }
     throw std::logic_error("ProgramRun: unknown kind of atom");
   }
 
   void execute(const Program::Instruction& i) {
     switch (i.code) {
-      case Program::Code::kAdd: slots_[i.result] = slots_[i.a] + slots_[i.b]; break;
-      case Program::Code::kSubtract: slots_[i.result] = slots_[i.a] - slots_[i.b]; break;
-      case Program::Code::kMultiply: slots_[i.result] = slots_[i.a] * slots_[i.b]; break;
-      case Program::Code::kNegate: slots_[i.result] = -slots_[i.a]; break;
-      case Program::Code::kInverse: slots_[i.result] = slots_[0] / slots_[i.a]; break;
+      case Program::Code::kAdd:
+        slots_[i.result] = slots_[i.a] + slots_[i.b];
+        break;
+      case Program::Code::kSubtract:
+        slots_[i.result] = slots_[i.a] - slots_[i.b];
+        break;
+      case Program::Code::kMultiply:
+        slots_[i.result] = slots_[i.a] * slots_[i.b];
+        break;
+      case Program::Code::kNegate:
+        slots_[i.result] = -slots_[i.a];
+        break;
+      case Program::Code::kInverse:
+        slots_[i.result] = slots_[0] / slots_[i.a];
+        break;
     }
   }
 

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <ginac/ginac.h>
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
-#include <ginac/ginac.h>
 
 #include "symbolic/exact_points.hpp"
 #include "symbolic/graph.hpp"
@@ -33,14 +33,25 @@ Node randomExpression(Graph& graph, unsigned seed, int operations = 40) {
       nodes.push_back(graph.input(input, k));
   for (int i = 0; i < operations; ++i) {
     // recent nodes twice as often, so that depth grows; degrees are kept low by sums
-    const auto pick = [&] { return nodes[nodes.size() - 1 - random() % std::min<std::size_t>(nodes.size(), 14)]; };
+    const auto pick = [&] {
+      return nodes[nodes.size() - 1 - random() % std::min<std::size_t>(nodes.size(), 14)];
+    };
     const Node a = pick(), b = pick();
     switch (random() % 6) {
-      case 0: nodes.push_back(graph.multiply(a, b)); break;
-      case 1: nodes.push_back(graph.turn(random() % 3, a, b)); break;
-      case 2: nodes.push_back(graph.subtract(a, b)); break;
-      case 3: nodes.push_back(graph.negate(a)); break;
-      default: nodes.push_back(graph.add(a, b));
+      case 0:
+        nodes.push_back(graph.multiply(a, b));
+        break;
+      case 1:
+        nodes.push_back(graph.turn(random() % 3, a, b));
+        break;
+      case 2:
+        nodes.push_back(graph.subtract(a, b));
+        break;
+      case 3:
+        nodes.push_back(graph.negate(a));
+        break;
+      default:
+        nodes.push_back(graph.add(a, b));
     }
   }
   return graph.sum({nodes.end() - 6, nodes.end()});

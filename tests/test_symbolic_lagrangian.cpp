@@ -20,7 +20,8 @@ namespace data = boost::unit_test::data;
 namespace {
 
 scene::Mechanism mechanism(const std::string& toml) {
-  return scene::readSceneToml("title = \"t\"\nsource = \"this test\"\n" + toml, "test.toml").mechanism;
+  return scene::readSceneToml("title = \"t\"\nsource = \"this test\"\n" + toml, "test.toml")
+      .mechanism;
 }
 
 std::vector<Rational> evaluate(const Equations& e, const scene::Mechanism& m,
@@ -65,7 +66,9 @@ struct Values {
 /// sliders, products of inertia in turned axes, rotors, springs, wrenches in both kinds of axes.
 scene::Mechanism randomTree(unsigned seed, int links) {
   std::mt19937 random(seed);
-  const auto number = [&] { return std::to_string(static_cast<int>(random() % 1999) - 999) + "e-3"; };
+  const auto number = [&] {
+    return std::to_string(static_cast<int>(random() % 1999) - 999) + "e-3";
+  };
   const auto vector = [&] { return "[" + number() + ", " + number() + ", " + number() + "]"; };
   const std::vector<std::string> axes = {"[0, 0, 1]", "[0, -2, 0]", "[1, 0, 0]", "[0.6, 0, 0.8]",
                                          "[1, 2, 2]", "[1, -2, 3]", "[0, 0, -1]"};
@@ -79,12 +82,16 @@ scene::Mechanism randomTree(unsigned seed, int links) {
             ", yz = " + number() + " }\n[link.joint]\n";
     const unsigned kind = i == links ? 0 : random() % 5;
     toml += std::string("kind = \"") +
-            (kind == 4 ? "fixed" : kind == 3 ? "prismatic" : "revolute") + "\"\n";
+            (kind == 4   ? "fixed"
+             : kind == 3 ? "prismatic"
+                         : "revolute") +
+            "\"\n";
     if (kind < 4)
       toml += "rotor_inertia = 1e-3\ngear_ratio = 50\nstiffness = 3\nrest = " + number() + "\n";
     switch (random() % 4) {
       case 0:
-        toml += "dh = { a = " + number() + ", alpha = \"pi/2\", d = " + number() + ", theta = 0.7 }\n";
+        toml +=
+            "dh = { a = " + number() + ", alpha = \"pi/2\", d = " + number() + ", theta = 0.7 }\n";
         break;
       case 1:
         toml += "mdh = { a = " + number() + ", alpha = \"-pi/3\", d = " + number() + " }\n";
@@ -139,8 +146,7 @@ void checkIdentities(const scene::Mechanism& m, unsigned seed) {
     motion.push_back({{Input::kPosition, i}, e.graph.input(Input::kVelocity, i)});
     motion.push_back({{Input::kVelocity, i}, e.graph.input(Input::kAcceleration, i)});
   }
-  const Node rate =
-      e.graph.directionalDerivative({e.graph.add(e.kinetic, e.potential)}, motion)[0];
+  const Node rate = e.graph.directionalDerivative({e.graph.add(e.kinetic, e.potential)}, motion)[0];
   Rational power = 0;
   for (int i = 0; i < n; ++i) power += (v.tau[i] + v.Q[i]) * state.qd[i];
   BOOST_TEST(evaluate(e, m, rate, state) == power);
@@ -237,7 +243,8 @@ kind = "revolute"
 xyz = ["a1", 0, 0]
 )");
   const auto s = exactState(2, 4);
-  const Rational g(981, 100), m1 = 2, m2(5, 4), a1(7, 10), l1(3, 10), l2(2, 5), I1(1, 20), I2(1, 50);
+  const Rational g(981, 100), m1 = 2, m2(5, 4), a1(7, 10), l1(3, 10), l2(2, 5), I1(1, 20),
+                              I2(1, 50);
   const Rational c1 = s.x[0].c, c2 = s.x[1].c, s2 = s.x[1].s;
   const Rational c12 = c1 * c2 - s.x[0].s * s2, qd1 = s.qd[0], qd2 = s.qd[1];
   const Rational h = m2 * a1 * l2 * s2;
@@ -343,7 +350,8 @@ xyz = [0.5, 0, 0]
   BOOST_TEST(e.graph.value(e.M[0][0]) == 2 * Rational(1, 4) + Rational(9, 16));
 }
 
-// Limits: as counted when written; to be lowered when the count falls, and a rise is to be explained.
+// Limits: as counted when written; to be lowered when the count falls, and a rise is to be
+// explained.
 BOOST_AUTO_TEST_CASE(operation_counts) {
   struct Expected {
     const char* scene;

@@ -27,8 +27,7 @@ RunningError RunningErrorNumbers::operator()(const scene::Number& number) const 
 
 scene::CosSin<RunningError> RunningErrorNumbers::angle(const scene::Number& radians) const {
   int k = 0;
-  const Exact exact = scene::exactValue(radians, values_);
-  if ((exact.isZero() || quarter_turns_ == QuarterTurns::kExact) && scene::isQuarterTurn(exact, &k))
+  if (scene::isQuarterTurn(scene::exactValue(radians, values_), &k))
     return scene::quarterTurns<RunningError>(k);
   return cosSin((*this)(radians));
 }

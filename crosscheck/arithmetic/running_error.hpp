@@ -88,17 +88,12 @@ class RunningError {
   double value_ = 0, bound_ = 0;
 };
 
-/// What a computation makes of angles that are multiples of pi/2: points of the circle without error,
-/// or cos and sin of the nearest double, as an engine does that knows angles only as numbers.
-enum class QuarterTurns { kExact, kRounded };
-
 /// Gives a scene's exact numbers to RunningError: each rounded once, with the distance it moved.
 class RunningErrorNumbers {
  public:
   using Scalar = RunningError;
-  explicit RunningErrorNumbers(const scene::Mechanism& mechanism,
-                               QuarterTurns quarter_turns = QuarterTurns::kExact)
-      : values_(mechanism.parameterValues()), quarter_turns_(quarter_turns) {}
+  explicit RunningErrorNumbers(const scene::Mechanism& mechanism)
+      : values_(mechanism.parameterValues()) {}
 
   RunningError operator()(const scene::Number& number) const;
   scene::CosSin<RunningError> angle(const scene::Number& radians) const;
@@ -106,7 +101,6 @@ class RunningErrorNumbers {
 
  private:
   scene::ParameterValues values_;
-  QuarterTurns quarter_turns_;
 };
 
 /// The joint position q with cos q and sin q from the C library, whose error glibc states as below

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness scenes, version and drift.
+#include <fstream>
+#include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
@@ -7,6 +9,7 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/drift.hpp"
+#include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/environment.hpp"
 #include "crosscheck/report/files.hpp"
 #include "crosscheck/report/plot.hpp"
@@ -51,6 +54,26 @@ struct DriftArguments {
   DriftOptions options;
 };
 
+/// The report's drift chart alone, as one SVG file.
+void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesystem::path& file) {
+  SceneResult result;
+  result.name = scene.name;
+  result.title = scene.title;
+  result.drift = drift;
+  const std::string script = driftScript(result);
+  if (script.empty()) throw std::runtime_error("no energy error above zero: nothing to draw");
+  const UnfinishedFolder work(file.string() + ".work");  // vanishes again
+  work.write("style.gp", kStyleGnuplot);
+  work.write("chart/drift.csv", driftCsv(result));
+  work.write("chart/drift_worst.csv", driftWorstCsv(result));
+  work.write("chart/drift.gp", script);
+  const std::filesystem::path folder = work.path() / "chart";
+  if (const auto failure = runGnuplot(folder, "drift.gp", {"drift.svg", "drift_dark.svg"}))
+    throw std::runtime_error("chart: " + *failure);
+  std::ifstream picture(folder / "drift.svg");
+  writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
+}
+
 int runDrift(const DriftArguments& arguments) {
   const scene::Scene scene = scene::findScene(arguments.scene);
   Progress progress(static_cast<int>(arguments.methods.size()));
@@ -73,7 +96,7 @@ int runDrift(const DriftArguments& arguments) {
     fmt::print("# {}: observed order {:.2f}, its own {}\n", drift.method, drift.observed_order,
                drift.method_order);
   if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csv);
-  if (!arguments.plot.empty()) plotDrift(drifts.front(), scene.title, arguments.plot);
+  if (!arguments.plot.empty()) plotDrift(scene, drifts.front(), arguments.plot);
   return 0;
 }
 

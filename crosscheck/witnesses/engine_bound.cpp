@@ -4,6 +4,30 @@
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
+namespace {
+
+/// Adds an error of `times` u |largest entry| to every entry.
+template <typename Derived>
+void blur(Eigen::MatrixBase<Derived>& m, double times) {
+  double largest = 0;
+  for (const RunningError& x : m.reshaped()) largest = std::max(largest, std::abs(x.value()));
+  const double error = times * RunningError::kUnitRoundoff * largest;
+  for (RunningError& x : m.reshaped()) x = RunningError(x.value(), x.bound() + error);
+}
+
+recursive::Model<RunningError> inOtherAxes(recursive::Model<RunningError> model) {
+  for (recursive::LinkModel<RunningError>& link : model.links) {
+    blur(link.X_tree.R, 6);
+    blur(link.X_tree.p, 3);
+    blur(link.M.h, 3);
+    recursive::Matrix3<RunningError> I = link.M.I.matrix();
+    blur(I, 6);
+    link.M.I = recursive::Symmetric3<RunningError>::fromUpper(I);
+  }
+  return model;
+}
+
+}  // namespace
 
 struct EngineBound::Impl {
   Setup<RunningError> setup;
@@ -11,9 +35,8 @@ struct EngineBound::Impl {
 };
 
 EngineBound::EngineBound(const scene::Mechanism& mechanism, ForwardDynamicsBy method)
-    : impl_(new Impl{Setup<RunningError>(recursive::buildModel(
-                         mechanism, RunningErrorNumbers(mechanism, QuarterTurns::kRounded),
-                         recursive::FixedJoints::kKept, recursive::Axes::kTurned)),
+    : impl_(new Impl{Setup<RunningError>(inOtherAxes(recursive::buildModel(
+                         mechanism, RunningErrorNumbers(mechanism), recursive::FixedJoints::kKept))),
                      method}) {}
 EngineBound::~EngineBound() = default;
 

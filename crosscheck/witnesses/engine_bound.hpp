@@ -12,10 +12,11 @@ namespace dynwitness::crosscheck {
 enum class ForwardDynamicsBy { kSweep, kMassMatrix };
 
 /** Bounds for an engine that computes in double, in axes of its own, on the links as they stand in the
-    scene. We run our sweep of the same kind with running error bounds on a model as unfavourable as
-    the engine's may be: fixed joints kept, axes turned, multiples of pi/2 rounded. Since the engine
-    may have collected its rounding in world axes, where each component of a force reaches every entry,
-    all entries get the largest bound. */
+    scene. We run our sweep of the same kind with running error bounds, fixed joints kept, on a model
+    whose numbers are as uncertain as they are in other axes: turning a vector r (three products and two
+    sums an entry) leaves an error of up to 3 u |r| in every entry, where ours may have an exact zero;
+    turning a matrix does it twice, 6 u |I|. For the same reason all entries of the answer get the
+    largest bound among them: the engine may collect its rounding in world axes. */
 class EngineBound {
  public:
   explicit EngineBound(const scene::Mechanism& mechanism,

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/truth.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "crosscheck/tally.hpp"
+#include "crosscheck/witnesses/sweep_algorithms.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+MatrixOf<Ball> evaluate(Setup<Ball>& setup, Quantity quantity, const scene::State<Ball>& state) {
+  if (quantity == Quantity::kM) return CompositeBody::answer(setup, quantity, state);
+  if (quantity == Quantity::kQdd) return ArticulatedBody::answer(setup, quantity, state);
+  return NewtonEuler::answer(setup, quantity, state);
+}
+
+bool isFinite(const MatrixOf<Ball>& value) {
+  for (Eigen::Index k = 0; k < value.size(); ++k)
+    if (!value.data()[k].isFinite()) return false;
+  return true;
+}
+
+/// An enclosure at one precision, and whether a higher one would bring nothing more.
+struct Attempt {
+  Certified result;
+  bool final = false;
+};
+
+/// Which entries are known well enough.
+Attempt judged(Quantity quantity, MatrixOf<Ball> value, long accuracy) {
+  Attempt out;
+  Certified& result = out.result;
+  double largest = 0;
+  for (Eigen::Index k = 0; k < value.size(); ++k)
+    largest = std::max(largest, value.data()[k].atLeast());
+  const double negligible = std::ldexp(largest, static_cast<int>(-2 * accuracy));
+  const Eigen::MatrixXd shape(value.rows(), value.cols());
+  out.final = true;
+  for (Eigen::Index j = 0; j < value.cols(); ++j) {
+    for (Eigen::Index i = 0; i < value.rows(); ++i) {
+      const Ball& x = value(i, j);
+      if (x.isSharp(accuracy)) {
+        ++result.sharp_entries;
+        continue;
+      }
+      if (!(x.atMost() < negligible)) out.final = false;
+      if (!result.reason.empty()) continue;
+      const std::string entry = entryName(name(quantity), i, j, shape);
+      result.reason = x.containsZero()
+                          ? fmt::format("{} cannot be told from zero: at {} bits, |{}| < {:.1e}", entry,
+                                        BallPrecision::bits(), entry, x.atMost())
+                          : fmt::format("{} is known to {} only, at {} bits", entry, x.text(6),
+                                        BallPrecision::bits());
+    }
+  }
+  result.value = std::move(value);
+  return out;
+}
+
+}  // namespace
+
+struct Truth::Impl {
+  Impl(const scene::Mechanism& m, long a) : mechanism(m), numbers(m), accuracy(a) {}
+
+  /// The model with its numbers enclosed at the precision of the moment.
+  Setup<Ball>& setup() {
+    std::unique_ptr<Setup<Ball>>& slot = setups[BallPrecision::bits()];
+    if (!slot) slot = std::make_unique<Setup<Ball>>(recursive::buildModel(mechanism, numbers));
+    return *slot;
+  }
+
+  Attempt attempt(Quantity quantity, const scene::State<double>& state, long bits) {
+    const BallPrecision precision(bits);
+    MatrixOf<Ball> value = evaluate(setup(), quantity, ballState(state));
+    Attempt out = isFinite(value) ? judged(quantity, std::move(value), accuracy) : unbounded(quantity);
+    out.result.bits = bits;
+    return out;
+  }
+
+  /// Why the sweep just run has divided by zero.
+  Attempt unbounded(Quantity quantity) {
+    const Setup<Ball>& s = setup();
+    Attempt out;
+    out.result.reason = fmt::format("{} is not finite at {} bits", name(quantity),
+                                    BallPrecision::bits());
+    if (quantity != Quantity::kQdd) return out;
+    for (int i = static_cast<int>(s.model.links.size()) - 1; i >= 0; --i) {
+      const int dof = s.model.links[i].dof;
+      const Ball& D = s.ws.D[i];
+      if (dof < 0 || !D.containsZero()) continue;
+      const std::string& joint = mechanism.links[mechanism.movingLinks()[dof]].joint.name;
+      out.final = D.isZero();
+      out.result.reason = fmt::format(
+          "M is singular: joint '{}' moves no inertia while the joints beyond it are free (D {})",
+          joint, out.final ? "= 0" : fmt::format("< {:.1e} at {} bits", D.atMost(),
+                                                 BallPrecision::bits()));
+      break;  // joints further inboard divide by what is not finite
+    }
+    return out;
+  }
+
+  scene::Mechanism mechanism;
+  BallNumbers numbers;
+  long accuracy;
+  std::map<long, std::unique_ptr<Setup<Ball>>> setups;  ///< by precision
+};
+
+Truth::Truth(const scene::Mechanism& mechanism, long accuracy)
+    : impl_(new Impl(mechanism, accuracy)) {}
+Truth::~Truth() = default;
+
+Certified Truth::operator()(Quantity quantity, const scene::State<double>& state) {
+  long bits = 128;
+  while (bits < impl_->accuracy + 32) bits *= 2;
+  for (;; bits *= 2) {
+    Attempt attempt = impl_->attempt(quantity, state, bits);
+    if (attempt.final || 2 * bits > kMaxBits) return std::move(attempt.result);
+  }
+}
+
+}  // namespace dynwitness::crosscheck
