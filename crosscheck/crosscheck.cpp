@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/crosscheck.hpp"
 
+#include <fmt/format.h>
+
 #include "crosscheck/drift.hpp"
 #include "crosscheck/tables.hpp"
+#include "symbolic/derivation.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -28,6 +31,22 @@ void describe(const scene::Scene& scene, SceneResult& result) {
   }
 }
 
+/// T, V, M, c and g as maths where they are short enough to read, and their size where they are not.
+Equations equationsOf(const scene::Mechanism& mechanism) {
+  Equations out;
+  for (const symbolic::ShownEquation& equation : symbolic::shortClosedForm(mechanism)) {
+    if (equation.name == "T") out.kinetic = equation.mathml;
+    else if (equation.name == "V") out.potential = equation.mathml;
+    else out.lines.push_back(equation.mathml);
+  }
+  symbolic::Equations derived = symbolic::derive(mechanism);
+  const symbolic::Program::Operations operations =
+      symbolic::compile(derived.graph, symbolic::massCoriolisGravity(derived)).bodyOperations();
+  out.summary = fmt::format("M, c and g together: {} multiplications, {} additions",
+                            operations.multiplications, operations.additions);
+  return out;
+}
+
 void append(std::vector<CheckResult>& all, std::vector<CheckResult> more) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
@@ -38,6 +57,7 @@ SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<Witness
                             const Options& options) {
   SceneResult result;
   describe(scene, result);
+  result.equations = equationsOf(scene.mechanism);
   append(result.checks, compareWitnesses(scene, kinds, options));
   result.findings = findOutliers(scene.name, result.checks);
   append(result.checks, checkIdentities(scene, options));

@@ -9,12 +9,14 @@
 
 #include "crosscheck/states.hpp"
 #include "crosscheck/tally.hpp"
+#include "crosscheck/truth.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
-/// Wide enough for the distance between an answer and a truth, both of which carry more than 53 bits.
+/// Wide enough for the distance between an answer and a truth, both of which carry more than 53
+/// bits.
 constexpr long kDistanceBits = 256;
 
 template <typename Matrix>
@@ -30,6 +32,150 @@ scene::State<T> stateIn(const scene::State<double>& state) {
   out.qd.assign(state.qd.begin(), state.qd.end());
   out.qdd.assign(state.qdd.begin(), state.qdd.end());
   out.tau.assign(state.tau.begin(), state.tau.end());
+  return out;
+}
+
+/// One way of computing one quantity: collects answers state by state.
+class DigitsTally {
+ public:
+  /// @param description  scene, witness, quantity, scalar
+  /// @param max_digits   what the scalar has room for
+  DigitsTally(DigitsResult description, const scene::Mechanism& mechanism, int max_digits);
+
+  /// An answer, exactly as it is, against the truth; `bound` as in Answer, or none.
+  void add(int state, const MatrixOf<Ball>& answer, const Certified& truth,
+           const Eigen::MatrixXd* bound);
+  /// The witness could not answer at this state.
+  void fail(int state, const std::string& reason);
+
+  DigitsResult result() const;
+
+ private:
+  double digits(double error, double size) const;
+  std::string entry(Eigen::Index row, Eigen::Index column, const Eigen::MatrixXd& shape) const;
+  std::string joints(Eigen::Index row, Eigen::Index column) const;
+  void judge(int state, const std::string& where, double distance, double bound);
+
+  DigitsResult result_;
+  std::vector<std::string> joint_names_;
+  double max_digits_;
+  std::vector<double> by_state_;
+  std::string disagreement_, undecided_;
+};
+
+DigitsTally::DigitsTally(DigitsResult description, const scene::Mechanism& mechanism,
+                         int max_digits)
+    : result_(std::move(description)), max_digits_(max_digits) {
+  for (const int i : mechanism.movingLinks()) joint_names_.push_back(mechanism.links[i].joint.name);
+}
+
+double DigitsTally::digits(double error, double size) const {
+  if (error == 0) return max_digits_;
+  return std::clamp(-std::log10(error / size), 0.0, max_digits_);
+}
+
+std::string DigitsTally::entry(Eigen::Index row, Eigen::Index column,
+                               const Eigen::MatrixXd& shape) const {
+  return entryName(result_.quantity, row, column, shape);
+}
+
+/// " (joint 'elbow')" for an entry that belongs to joints.
+std::string DigitsTally::joints(Eigen::Index row, Eigen::Index column) const {
+  switch (quantityNamed(result_.quantity)) {
+    case Quantity::kM:
+      if (row != column)
+        return fmt::format(" (joints '{}' and '{}')", joint_names_[row], joint_names_[column]);
+      [[fallthrough]];
+    case Quantity::kc:
+    case Quantity::kg:
+    case Quantity::kTau:
+    case Quantity::kQdd:
+      return fmt::format(" (joint '{}')", joint_names_[row]);
+    case Quantity::kKinetic:
+    case Quantity::kPotential:
+    case Quantity::kMomentum:
+      break;
+  }
+  return "";
+}
+
+void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& truth,
+                      const Eigen::MatrixXd* bound) {
+  if (!truth.exists()) return fail(state, "no certified truth: " + truth.reason);
+  if (answer.rows() != truth.value.rows() || answer.cols() != truth.value.cols()) {
+    disagreement_ = fmt::format("{} x {} numbers at state {}, expected {} x {}", answer.rows(),
+                                answer.cols(), state, truth.value.rows(), truth.value.cols());
+    return;
+  }
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const BallPrecision precision(std::max(kDistanceBits, truth.bits));
+  const Eigen::MatrixXd shape(answer.rows(), answer.cols());
+  double size = 0, farthest = -1, fewest_single = max_digits_;
+  std::string farthest_entry;
+  for (Eigen::Index j = 0; j < answer.cols(); ++j) {
+    for (Eigen::Index i = 0; i < answer.rows(); ++i) {
+      const Ball& exact = truth.value(i, j);
+      const Ball distance = answer(i, j) - exact;
+      const double at_most = distance.isFinite() ? distance.atMost() : kInfinite;
+      size = std::max(size, exact.atLeast());
+      if (at_most > farthest) {
+        farthest = at_most;
+        farthest_entry = entry(i, j, shape);
+      }
+      if (!exact.containsZero())
+        fewest_single = std::min(fewest_single, digits(at_most, exact.atLeast()));
+      if (bound != nullptr)
+        judge(state, entry(i, j, shape) + joints(i, j),
+              distance.isFinite() ? distance.atLeast() : kInfinite, (*bound)(i, j));
+    }
+  }
+  if (size == 0) return;  // nothing to count digits of
+  const double kept = digits(farthest, size);
+  if (!result_.worst || kept < *result_.worst) {
+    result_.worst = kept;
+    result_.worst_state = state;
+    result_.worst_entry = farthest_entry;
+  }
+  result_.worst_single = std::min(result_.worst_single.value_or(fewest_single), fewest_single);
+  by_state_.push_back(kept);
+}
+
+/// @param distance  to the nearest point of the enclosure: what is proven
+void DigitsTally::judge(int state, const std::string& where, double distance, double bound) {
+  if (!std::isfinite(bound)) {
+    undecided_ = fmt::format("no error bound for {} at state {}: a divisor is zero within rounding",
+                             where, state);
+    return;
+  }
+  const double ratio = distance == 0 ? 0 : distance / bound;
+  if (result_.bound_ratio && !(ratio > *result_.bound_ratio)) return;
+  result_.bound_ratio = ratio;
+  if (distance > bound)
+    disagreement_ =
+        fmt::format("{} is {:.3g} from the truth at state {}, {:.3g} times its bound {:.3g}", where,
+                    distance, state, ratio, bound);
+}
+
+void DigitsTally::fail(int state, const std::string& reason) {
+  undecided_ = fmt::format("state {}: {}", state, reason);
+}
+
+DigitsResult DigitsTally::result() const {
+  DigitsResult out = result_;
+  out.states = static_cast<int>(by_state_.size());
+  if (!by_state_.empty()) {
+    std::vector<double> sorted = by_state_;
+    std::sort(sorted.begin(), sorted.end());
+    const std::size_t n = sorted.size();
+    out.median = (sorted[(n - 1) / 2] + sorted[n / 2]) / 2;
+  }
+  out.reason = !disagreement_.empty() ? disagreement_ : undecided_;
+  if (!disagreement_.empty())
+    out.verdict = Verdict::kDisagree;
+  else if (!undecided_.empty())
+    out.verdict = Verdict::kNotAnswerable;
+  else if (out.bound_ratio)
+    out.verdict = Verdict::kAgree;
   return out;
 }
 
@@ -85,113 +231,6 @@ class Course {
 };
 
 }  // namespace
-
-DigitsTally::DigitsTally(DigitsResult description, const scene::Mechanism& mechanism, int max_digits)
-    : result_(std::move(description)), max_digits_(max_digits) {
-  for (const int i : mechanism.movingLinks())
-    joint_names_.push_back(mechanism.links[i].joint.name);
-}
-
-double DigitsTally::digits(double error, double size) const {
-  if (error == 0) return max_digits_;
-  const double digits = -std::log10(error / size);
-  return std::isnan(digits) ? 0 : std::clamp(digits, 0.0, max_digits_);
-}
-
-/// " (joint 'elbow')" for an entry that belongs to joints.
-std::string DigitsTally::joints(Eigen::Index row, Eigen::Index column, Eigen::Index size) const {
-  const auto n = static_cast<Eigen::Index>(joint_names_.size());
-  const bool matrix = result_.quantity == name(Quantity::kM);
-  if (!matrix && (size != n || result_.quantity == name(Quantity::kKinetic) ||
-                  result_.quantity == name(Quantity::kPotential) ||
-                  result_.quantity == name(Quantity::kMomentum)))
-    return "";
-  if (!matrix || row == column) return fmt::format(" (joint '{}')", joint_names_[row]);
-  return fmt::format(" (joints '{}' and '{}')", joint_names_[row], joint_names_[column]);
-}
-
-void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& truth,
-                      const Eigen::MatrixXd* bound) {
-  if (!truth.exists()) return fail(state, "no certified truth: " + truth.reason);
-  if (answer.rows() != truth.value.rows() || answer.cols() != truth.value.cols()) {
-    disagreement_ = fmt::format("{} x {} numbers at state {}, expected {} x {}", answer.rows(),
-                                answer.cols(), state, truth.value.rows(), truth.value.cols());
-    return;
-  }
-  const BallPrecision precision(std::max(kDistanceBits, truth.bits));
-  const Eigen::MatrixXd shape(answer.rows(), answer.cols());
-  double size = 0, farthest = -1, fewest_single = max_digits_;
-  std::string farthest_entry;
-  for (Eigen::Index j = 0; j < answer.cols(); ++j) {
-    for (Eigen::Index i = 0; i < answer.rows(); ++i) {
-      const Ball& exact = truth.value(i, j);
-      const Ball distance = answer(i, j) - exact;
-      const double at_most = distance.isFinite() ? distance.atMost()
-                                                 : std::numeric_limits<double>::infinity();
-      const double at_least = distance.isFinite() ? distance.atLeast() : at_most;
-      size = std::max(size, exact.atLeast());
-      if (at_most > farthest) {
-        farthest = at_most;
-        farthest_entry = entryName(result_.quantity, i, j, shape);
-      }
-      if (!exact.containsZero())
-        fewest_single = std::min(fewest_single, digits(at_most, exact.atLeast()));
-      if (bound != nullptr)
-        judge(state, entryName(result_.quantity, i, j, shape) + joints(i, j, answer.size()), at_least,
-              at_most, (*bound)(i, j));
-    }
-  }
-  if (!(size > 0)) return;  // all zero: nothing to count digits of
-  const double kept = digits(farthest, size);
-  if (by_state_.empty() || kept < result_.worst) {
-    result_.worst = kept;
-    result_.worst_state = state;
-    result_.worst_entry = farthest_entry;
-  }
-  result_.worst_single =
-      by_state_.empty() ? fewest_single : std::min(result_.worst_single, fewest_single);
-  by_state_.push_back(kept);
-}
-
-void DigitsTally::judge(int state, const std::string& where, double at_least, double at_most,
-                        double bound) {
-  if (!std::isfinite(bound)) {
-    undecided_ = fmt::format("no error bound for {} at state {}: a divisor is zero within rounding",
-                             where, state);
-    return;
-  }
-  const double ratio = at_most == 0 ? 0 : at_most / bound;
-  if (result_.bound_ratio && !(ratio > *result_.bound_ratio)) return;
-  result_.bound_ratio = ratio;
-  if (at_least > bound)
-    disagreement_ = fmt::format("{} is {:.3g} off at state {}, {:.3g} of its bound {:.3g}", where,
-                                at_most, state, ratio, bound);
-  else if (at_most > bound)
-    undecided_ = fmt::format("{} at state {}: the truth is not sharp enough to tell", where, state);
-}
-
-void DigitsTally::fail(int state, const std::string& reason) {
-  undecided_ = fmt::format("state {}: {}", state, reason);
-}
-
-DigitsResult DigitsTally::result() const {
-  DigitsResult out = result_;
-  out.states = static_cast<int>(by_state_.size());
-  if (!by_state_.empty()) {
-    std::vector<double> sorted = by_state_;
-    std::sort(sorted.begin(), sorted.end());
-    const std::size_t n = sorted.size();
-    out.median = (sorted[(n - 1) / 2] + sorted[n / 2]) / 2;
-  }
-  out.reason = !disagreement_.empty() ? disagreement_ : undecided_;
-  if (!disagreement_.empty())
-    out.verdict = Verdict::kDisagree;
-  else if (!undecided_.empty())
-    out.verdict = Verdict::kNotAnswerable;
-  else if (out.bound_ratio)
-    out.verdict = Verdict::kAgree;
-  return out;
-}
 
 std::vector<DigitsResult> measureDigits(const scene::Scene& scene,
                                         const std::vector<WitnessKind>& kinds,

@@ -20,6 +20,17 @@ const char* name(Verdict verdict);
     the state of the worst residual, in the same unit; `worst / limit` is the largest over all states
     and entries, and the check agrees when it is at most 1. */
 struct CheckResult {
+  /// The verdict without tolerance: both sides over the integers modulo a prime.
+  struct Exact {
+    std::uint64_t prime = 0;
+    int points = 0;               ///< random points at which the residual was evaluated
+    int discarded = 0;            ///< points drawn again because a divisor was zero there
+    double degree = 0;            ///< bound of the residual's degree in the random inputs
+    double error_probability = 1; ///< chance at most that different formulas pass all points
+    bool residual_zero = false;
+    std::string parameters;       ///< "as written", or "random": then for every mechanism like this
+  };
+
   std::string check;      ///< "same", or the name of an identity
   std::string statement;  ///< one line: what must hold, as a formula
   std::string quantity;   ///< "M", "c", "g", "tau", "qdd", "kinetic", ...
@@ -34,6 +45,7 @@ struct CheckResult {
   std::uint64_t seed = 0;
   Verdict verdict = Verdict::kAgree;
   std::string reason;     ///< for kDisagree and kNotAnswerable
+  std::optional<Exact> exact;
 };
 
 /// A disagreement explained: who stands alone.
@@ -81,6 +93,9 @@ struct SceneResult {
 struct WitnessInfo {
   std::string name, version, method;  ///< method: one line, how it computes
   bool present = true;                ///< false: not found when dynwitness was configured
+  /// The convention card: lines "label: text", how this witness spells what all are asked about, how it
+  /// reads the mechanism, and where it is known to lose digits, why, and what removes that.
+  std::string conventions = {};
 };
 
 struct CrosscheckResult {

@@ -13,6 +13,9 @@
 namespace dynwitness::crosscheck {
 namespace {
 
+/// Smaller than this in SI units is 0 where nothing else is there to compare with.
+constexpr double kZeroForEveryPurpose = 1e-300;
+
 MatrixOf<Ball> evaluate(Setup<Ball>& setup, Quantity quantity, const scene::State<Ball>& state) {
   if (quantity == Quantity::kM) return CompositeBody::answer(setup, quantity, state);
   if (quantity == Quantity::kQdd) return ArticulatedBody::answer(setup, quantity, state);
@@ -29,6 +32,7 @@ bool isFinite(const MatrixOf<Ball>& value) {
 struct Attempt {
   Certified result;
   bool final = false;
+  double worst_unsharp = 0;  ///< upper bound of the entries that are not sharp
 };
 
 /// Which entries are known well enough.
@@ -48,12 +52,13 @@ Attempt judged(Quantity quantity, MatrixOf<Ball> value, long accuracy) {
         ++result.sharp_entries;
         continue;
       }
+      out.worst_unsharp = std::max(out.worst_unsharp, x.atMost());
       if (!(x.atMost() < negligible)) out.final = false;
       if (!result.reason.empty()) continue;
       const std::string entry = entryName(name(quantity), i, j, shape);
       result.reason = x.containsZero()
-                          ? fmt::format("{} cannot be told from zero: at {} bits, |{}| < {:.1e}", entry,
-                                        BallPrecision::bits(), entry, x.atMost())
+                          ? fmt::format("{} cannot be told from zero: at {} bits, |{}| < {:.1e}",
+                                        entry, BallPrecision::bits(), entry, x.atMost())
                           : fmt::format("{} is known to {} only, at {} bits", entry, x.text(6),
                                         BallPrecision::bits());
     }
@@ -77,7 +82,8 @@ struct Truth::Impl {
   Attempt attempt(Quantity quantity, const scene::State<double>& state, long bits) {
     const BallPrecision precision(bits);
     MatrixOf<Ball> value = evaluate(setup(), quantity, ballState(state));
-    Attempt out = isFinite(value) ? judged(quantity, std::move(value), accuracy) : unbounded(quantity);
+    Attempt out =
+        isFinite(value) ? judged(quantity, std::move(value), accuracy) : unbounded(quantity);
     out.result.bits = bits;
     return out;
   }
@@ -86,8 +92,8 @@ struct Truth::Impl {
   Attempt unbounded(Quantity quantity) {
     const Setup<Ball>& s = setup();
     Attempt out;
-    out.result.reason = fmt::format("{} is not finite at {} bits", name(quantity),
-                                    BallPrecision::bits());
+    out.result.reason =
+        fmt::format("{} is not finite at {} bits", name(quantity), BallPrecision::bits());
     if (quantity != Quantity::kQdd) return out;
     for (int i = static_cast<int>(s.model.links.size()) - 1; i >= 0; --i) {
       const int dof = s.model.links[i].dof;
@@ -97,8 +103,9 @@ struct Truth::Impl {
       out.final = D.isZero();
       out.result.reason = fmt::format(
           "M is singular: joint '{}' moves no inertia while the joints beyond it are free (D {})",
-          joint, out.final ? "= 0" : fmt::format("< {:.1e} at {} bits", D.atMost(),
-                                                 BallPrecision::bits()));
+          joint,
+          out.final ? "= 0"
+                    : fmt::format("< {:.1e} at {} bits", D.atMost(), BallPrecision::bits()));
       break;  // joints further inboard divide by what is not finite
     }
     return out;
@@ -119,7 +126,10 @@ Certified Truth::operator()(Quantity quantity, const scene::State<double>& state
   while (bits < impl_->accuracy + 32) bits *= 2;
   for (;; bits *= 2) {
     Attempt attempt = impl_->attempt(quantity, state, bits);
-    if (attempt.final || 2 * bits > kMaxBits) return std::move(attempt.result);
+    if (attempt.final) return std::move(attempt.result);
+    if (2 * bits <= kMaxBits) continue;
+    if (attempt.worst_unsharp > kZeroForEveryPurpose) attempt.result.value.resize(0, 0);
+    return std::move(attempt.result);
   }
 }
 

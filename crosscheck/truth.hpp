@@ -15,39 +15,40 @@ namespace dynwitness::crosscheck {
 
 /// An enclosure of a quantity at a state, and how it was reached.
 struct Certified {
-  MatrixOf<Ball> value;     ///< shaped like the quantity; empty when there is none
-  long bits = 0;            ///< precision of the last attempt
-  int sharp_entries = 0;    ///< that are known to the accuracy asked, exact zeros included
-  std::string reason;       ///< why there is no enclosure, or which entry is not sharp
+  MatrixOf<Ball> value;   ///< shaped like the quantity; empty when there is none
+  long bits = 0;          ///< precision of the last attempt
+  int sharp_entries = 0;  ///< that are known to the accuracy asked, exact zeros included
+  std::string reason;     ///< why there is no enclosure, or which entry is not sharp
 
   bool exists() const { return value.size() > 0; }
   /// Every entry is exact or relatively as accurate as was asked.
   bool isSharp() const { return exists() && sharp_entries == value.size(); }
 };
 
-/** Encloses quantities by running our sweeps on balls: composite bodies for M, Newton-Euler for c, g
-    and tau, articulated bodies for qdd. The precision starts at 128 bits and is doubled until the
+/** Encloses quantities by running our sweeps on balls: composite bodies for M, Newton-Euler for c,
+   g and tau, articulated bodies for qdd. The precision starts at 128 bits and is doubled until the
     radius of every entry is below 2^-accuracy of the entry.
 
     An entry whose true value is 0, without every term of it being 0, never gets there. When such an
-    entry is below 2^-(2 accuracy) of the largest it is left at that, as beyond what any computation in
-    double could resolve; where all entries are of that kind there is no largest, and the doubling ends
-    at kMaxBits. Either way `reason` says so. The enclosure is certain all the same.
+    entry is below 2^-(2 accuracy) of the largest it is left at that, as beyond what any computation
+   in double could resolve. Where all entries are of that kind there is no largest, and the doubling
+   goes on to kMaxBits; what is then below 1e-300 in SI units is left at that. `reason` names such
+   an entry; the enclosure is certain all the same.
 
-    What is certified is the value of that sweep's formula at exactly this state (every double of it is
-    taken as the number it is). That the formula is the right one is not: for that the sweeps are
+    What is certified is the value of that sweep's formula at exactly this state (every double of it
+   is taken as the number it is). That the formula is the right one is not: for that the sweeps are
     compared with the other witnesses, and with the derived equations exactly. */
 class Truth {
  public:
-  static constexpr long kAccuracy = 80;   ///< [bits]
+  static constexpr long kAccuracy = 80;  ///< [bits]
   static constexpr long kMaxBits = 4096;
 
   /// @param accuracy  [bits]; more than 80 to judge computations of more than 20 digits
   explicit Truth(const scene::Mechanism& mechanism, long accuracy = kAccuracy);
   ~Truth();
 
-  /// The quantity at a state. Without an enclosure (singular M: some joint moves no inertia) the result
-  /// does not exist() and names the joint.
+  /// The quantity at a state. Where there is no enclosure (singular M: some joint moves no inertia)
+  /// the result does not exist(), and its reason names the joint.
   Certified operator()(Quantity quantity, const scene::State<double>& state);
 
  private:

@@ -33,6 +33,15 @@ Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file);
 /// The scene as TOML. Reading the text again gives the same scene, and writing that the same text.
 std::string writeSceneToml(const Scene& scene);
 
+/** The scene as URDF. Links, joints, placements and mass properties are all there, fixed joints too;
+    gravity, rotors, springs and loads, for which URDF has no words, are named in a comment. Links
+    that stand in Denavit-Hartenberg rows hang on a massless link NAME.joint_frame. */
+std::string writeSceneUrdf(const Scene& scene);
+
+/// The URDF for a program that reads URDF itself: the scene's own file where it is one and still says
+/// what the scene says, without its shapes; otherwise writeSceneUrdf().
+std::string urdfForEngines(const Scene& scene);
+
 /// Checks that need the whole mechanism: names, masses, inertias, axes, singular leaves.
 /// @throws InputError naming the link, the value and the rule.
 void validate(const Scene& scene);

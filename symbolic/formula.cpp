@@ -415,8 +415,9 @@ class Printer {
       case Style::kLatex:
         return std::string(dots == 1 ? "\\dot" : "\\ddot") + "{q}_{" + k + "}";
       case Style::kMathml:
-        return "<msub><mover accent=\"true\"><mi>q</mi><mo>" +
-               std::string(dots == 1 ? "&#x2d9;" : "&#xa8;") + "</mo></mover><mn>" + k +
+        // dots as operators: browsers set the accents U+02D9 and U+00A8 onto the letter itself
+        return "<msub><mover><mi>q</mi><mo>" +
+               std::string(dots == 1 ? "&#x22c5;" : "&#x22c5;&#x22c5;") + "</mo></mover><mn>" + k +
                "</mn></msub>";
       default:
         return (dots == 1 ? "qd" : "qdd") + k;

@@ -5,6 +5,10 @@
 // (7-joint arms), 100 ms (31-joint humanoid).
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE symbolic_lagrangian
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
@@ -298,6 +302,75 @@ gear_ratio = 10
   BOOST_TEST(v.g[1] == 10 * sn);
 }
 
+// A joint about an axis is a joint about z in a frame that fixed joints turn there and back again.
+// Identities cannot see a reversed axis: it makes another mechanism, which obeys mechanics too.
+struct AxisCase {
+  double x, y, z;
+};
+std::ostream& operator<<(std::ostream& out, const AxisCase& a) {
+  return out << a.x << ' ' << a.y << ' ' << a.z;
+}
+BOOST_DATA_TEST_CASE(axes_point_where_they_say,
+                     data::make(std::vector<AxisCase>{{1, 0, 0},
+                                                      {0, 1, 0},
+                                                      {0, 0, 1},
+                                                      {-3, 0, 0},
+                                                      {0, -2, 0},
+                                                      {0, 0, -1},
+                                                      {0.6, 0, 0.8},
+                                                      {3, -4, 0},
+                                                      {1, 2, 2},
+                                                      {1, -2, 3}}) *
+                         data::make({"revolute", "prismatic"}),
+                     axis, kind) {
+  const auto text = [](double x) {
+    std::ostringstream out;
+    out << std::setprecision(17) << x;
+    return out.str();
+  };
+  const double alpha = std::atan2(axis.y, axis.x);
+  const double beta = std::atan2(std::hypot(axis.x, axis.y), axis.z);
+  const std::string head = R"(
+gravity = [1, 2, -9]
+[[link]]
+name = "base"
+[[link]]
+name = "a"
+parent = "base"
+mass = 1
+com = [0.3, 0.2, 0.1]
+[link.joint]
+kind = "revolute"
+axis = [0, 1, 0]
+)";
+  const std::string body =
+      "mass = 2\ncom = [0.1, -0.2, 0.3]\ninertia = { xx = 0.1, yy = 0.12, zz = 0.15, xy = 0.02 }\n";
+  const std::string moving =
+      std::string("[link.joint]\nkind = \"") + kind + "\"\nxyz = [0.5, 0.4, 0.3]\n";
+  const std::string fixed = "[link.joint]\nkind = \"fixed\"\n";
+  const auto direct =
+      mechanism(head + "[[link]]\nname = \"b\"\nparent = \"a\"\n" + body + moving + "axis = [" +
+                text(axis.x) + ", " + text(axis.y) + ", " + text(axis.z) + "]\n");
+  const auto spelled_out = mechanism(
+      head + "[[link]]\nname = \"b\"\nparent = \"a\"\nmass = 1e-30\n" + moving + "rpy = [0, " +
+      text(beta) + ", " + text(alpha) + "]\n[[link]]\nname = \"c\"\nparent = \"b\"\n" + fixed +
+      "rpy = [0, " + text(-beta) + ", 0]\n[[link]]\nname = \"d\"\nparent = \"c\"\n" + body + fixed +
+      "rpy = [0, 0, " + text(-alpha) + "]\n");
+  const auto evaluateDoubles = [](const scene::Mechanism& m) {
+    const Equations e = derive(m);
+    std::vector<Node> nodes = massCoriolisGravity(e);
+    nodes.push_back(e.kinetic);
+    nodes.push_back(e.potential);
+    scene::State<double> state;
+    state.x = {scene::jointPosition(0.4), scene::jointPosition(-1.1)};
+    state.qd = {0.7, -0.9};
+    const Program program = compile(e.graph, nodes);
+    return ProgramRun<double>(program, scene::RealNumbers<double>(m))(state);
+  };
+  const std::vector<double> a = evaluateDoubles(direct), b = evaluateDoubles(spelled_out);
+  for (std::size_t i = 0; i < a.size(); ++i) BOOST_TEST(std::abs(a[i] - b[i]) < 1e-13);
+}
+
 // A force at a point of a turned link does work along the point's path.
 BOOST_AUTO_TEST_CASE(wrenches_in_link_and_world_axes) {
   const std::string arm = R"(
@@ -310,15 +383,23 @@ mass = 1
 com = [1, 0, 0]
 [link.joint]
 kind = "revolute"
+[[link]]
+name = "hand"
+parent = "arm"
+[link.joint]
+kind = "fixed"
+xyz = [0.5, 0, 0]
+rpy = ["pi/2", 0, 0]
 [[wrench]]
-link = "arm"
+link = "hand"
 force = [3, 4, 5]
 moment = [7, 8, 9]
-at = [2, 0, 0]
+at = [1.5, 0, 0]
 )";
   const auto s = exactState(1, 8);
-  // r x f about z is 2 times the force across the arm; in world axes that is f_y c - f_x s
-  BOOST_TEST(Values(mechanism(arm + "axes = \"link\"\n"), {}, s).Q[0] == 2 * 4 + 9);
+  // r x f about z is 2 times the force across the arm. The hand's y is the arm's z and its z the
+  // arm's -y; in world axes the force across the arm is f_y c - f_x s
+  BOOST_TEST(Values(mechanism(arm + "axes = \"link\"\n"), {}, s).Q[0] == 2 * -5 + 8);
   BOOST_TEST(Values(mechanism(arm + "axes = \"world\"\n"), {}, s).Q[0] ==
              2 * (4 * s.x[0].c - 3 * s.x[0].s) + 9);
 }

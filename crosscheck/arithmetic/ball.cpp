@@ -108,7 +108,9 @@ bool Ball::isSharp(long bits) const {
   return sharp;
 }
 
-double Ball::mid() const { return arf_get_d(arb_midref(x_), ARF_RND_NEAR); }
+double Ball::mid() const {
+  return arf_get_d(arb_midref(x_), ARF_RND_NEAR);
+}
 
 double Ball::radius() const {
   Float r;

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Real numbers as balls [midpoint +- radius] of any precision: what the certified truth is computed in.
+// Real numbers as balls [midpoint +- radius] of any precision: what the certified truth is computed
+// in.
 #pragma once
 
 #include <string>
 
-#include <Eigen/Core>
 #include <arb.h>
+#include <Eigen/Core>
 
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
 
-/// Sets the precision [bits] that balls of this thread are computed with, until the end of its scope.
+/// Sets the precision [bits] that balls of this thread are computed with, until the end of its
+/// scope.
 class BallPrecision {
  public:
   explicit BallPrecision(long bits) : outer_(bits_) { bits_ = bits; }
@@ -26,18 +28,21 @@ class BallPrecision {
   static inline thread_local long bits_ = 128;
 };
 
-/** A set of real numbers [midpoint - radius, midpoint + radius] that encloses x, the value of the same
-    expression in real numbers. Every operation rounds the midpoint at BallPrecision::bits() and widens
-    the radius by what rounding may have lost, so enclosure is a theorem and no estimate. A division by
-    a ball that contains zero gives a ball that is not finite. (Arb's arb_t, with C++ operators.)
+/** A set of real numbers [midpoint - radius, midpoint + radius] that encloses x, the value of the
+   same expression in real numbers. Every operation rounds the midpoint at BallPrecision::bits() and
+   widens the radius by what rounding may have lost, so enclosure is a theorem and no estimate. A
+   division by a ball that contains zero gives a ball that is not finite. (Arb's arb_t, with C++
+   operators.)
 
     @see F. Johansson, Arb: efficient arbitrary-precision midpoint-radius interval arithmetic, IEEE
          Trans. Computers 66 (2017) */
 class Ball {
  public:
   Ball() { arb_init(x_); }
-  Ball(int value) : Ball() { arb_set_si(x_, value); }   // NOLINT(google-explicit-constructor): exact
-  Ball(double value) : Ball() { arb_set_d(x_, value); }  // NOLINT(google-explicit-constructor): exact
+  Ball(int value) : Ball() { arb_set_si(x_, value); }  // NOLINT(google-explicit-constructor): exact
+  Ball(double value) : Ball() {
+    arb_set_d(x_, value);
+  }                         // NOLINT(google-explicit-constructor): exact
   Ball(long double value);  // NOLINT(google-explicit-constructor): exact
   explicit Ball(const scene::Rational& value);
   Ball(const Ball& other) : Ball() { arb_set(x_, other.x_); }
@@ -134,7 +139,14 @@ struct NumTraits<dynwitness::crosscheck::Ball> : GenericNumTraits<double> {
   using NonInteger = Real;
   using Nested = Real;
   using Literal = Real;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 8,
-         AddCost = 40, MulCost = 60 };
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 1,
+    ReadCost = 8,
+    AddCost = 40,
+    MulCost = 60
+  };
 };
 }  // namespace Eigen

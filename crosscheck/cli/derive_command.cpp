@@ -32,7 +32,9 @@ symbolic::Derivation only(symbolic::Derivation derivation, const std::string& qu
   if (quantity == "all") return derivation;
   std::vector<symbolic::Step> kept;
   for (const symbolic::Step& step : derivation.steps)
-    if (step.name.rfind(quantity, 0) == 0) kept.push_back(step);
+    if (step.name.rfind(quantity + "_", 0) == 0 ||
+        (quantity == "c" && step.name.rfind("Christoffel", 0) == 0))
+      kept.push_back(step);
   derivation.steps = kept;
   return derivation;
 }

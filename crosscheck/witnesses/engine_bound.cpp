@@ -17,8 +17,8 @@ void blur(Eigen::MatrixBase<Derived>& m, double times) {
 
 recursive::Model<RunningError> inOtherAxes(recursive::Model<RunningError> model) {
   for (recursive::LinkModel<RunningError>& link : model.links) {
-    blur(link.X_tree.R, 6);
-    blur(link.X_tree.p, 3);
+    blur(link.X_tree.R, 9);
+    blur(link.X_tree.p, 6);
     blur(link.M.h, 3);
     recursive::Matrix3<RunningError> I = link.M.I.matrix();
     blur(I, 6);

@@ -46,7 +46,10 @@ class LagrangeWitness : public Witness {
   bool answers(Quantity quantity) const override { return quantity != Quantity::kMomentum; }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     const scene::State<RunningError> bounded = runningErrorState(state);
-    return boundedAnswer(shaped(quantity, state), shaped(quantity, bounded));
+    return boundedAnswer(value(quantity, state), shaped(quantity, bounded));
+  }
+  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
+    return shaped(quantity, state);
   }
 
  private:

@@ -97,30 +97,29 @@ class SimbodyWitness : public Witness {
   bool answers(Quantity) const override { return true; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
+    return {value(quantity, state), bound_(quantity, state)};
+  }
+  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
     // c and g are asked without the loads, tau and qdd with them
     const bool loaded = quantity == Quantity::kTau || quantity == Quantity::kQdd;
     loads_.clearAllForces(state_);
     setMotion(state, quantity != Quantity::kg);
     if (loaded) applyLoads();
-    Answer out;
-    out.bound = bound_(quantity, state);
     switch (quantity) {
-      case Quantity::kM: out.value = massMatrix(); break;
-      case Quantity::kc: out.value = residual({}, false); break;
-      case Quantity::kg: out.value = residual({}, true); break;
-      case Quantity::kTau: out.value = residual(state.qdd, true); break;
-      case Quantity::kQdd: out.value = accelerations(state.tau); break;
+      case Quantity::kM: return massMatrix();
+      case Quantity::kc: return residual({}, false);
+      case Quantity::kg: return residual({}, true);
+      case Quantity::kTau: return residual(state.qdd, true);
+      case Quantity::kQdd: return accelerations(state.tau);
       case Quantity::kKinetic:
         system_.realize(state_, SimTK::Stage::Velocity);
-        out.value = Eigen::MatrixXd::Constant(1, 1, system_.calcKineticEnergy(state_));
-        break;
+        return Eigen::MatrixXd::Constant(1, 1, system_.calcKineticEnergy(state_));
       case Quantity::kPotential:
         system_.realize(state_, SimTK::Stage::Dynamics);
-        out.value = Eigen::MatrixXd::Constant(1, 1, system_.calcPotentialEnergy(state_));
-        break;
-      case Quantity::kMomentum: out.value = momentum(); break;
+        return Eigen::MatrixXd::Constant(1, 1, system_.calcPotentialEnergy(state_));
+      case Quantity::kMomentum: return momentum();
     }
-    return out;
+    throw std::logic_error("simbody: not answered");
   }
 
  private:

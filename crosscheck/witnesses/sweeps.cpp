@@ -18,8 +18,11 @@ class SweepWitness : public Witness {
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return Algorithm::answers(quantity); }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
-    return boundedAnswer(Algorithm::answer(in_double_, quantity, state),
+    return boundedAnswer(value(quantity, state),
                          Algorithm::answer(with_bounds_, quantity, runningErrorState(state)));
+  }
+  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
+    return Algorithm::answer(in_double_, quantity, state);
   }
 
  private:

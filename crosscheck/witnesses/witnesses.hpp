@@ -12,4 +12,10 @@ WitnessKind compositeBodyKind();    ///< recursive/: M by composite bodies, M qd
 WitnessKind articulatedBodyKind();  ///< recursive/: articulated inertias
 WitnessKind simbodyKind();          ///< Simbody, which reads the scene with its own transforms
 
+// optional: present where crosscheck/cmake/engines.cmake found the engine
+WitnessKind mujocoKind();           ///< MuJoCo, which reads the URDF itself
+WitnessKind mujocoPrincipalKind();  ///< the same, given inertias in their principal axes
+WitnessKind dartKind();             ///< DART, which reads the URDF itself
+WitnessKind kdlKind();              ///< Orocos KDL, built from its own joints, segments and frames
+
 }  // namespace dynwitness::crosscheck

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A scene's numbers as rational numbers and indeterminates: what the exact checks compute with.
+#pragma once
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "scene/numbers.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// Whether the parameters of a scene are the numbers that it gives, or indeterminates: then the
+/// verdict covers every robot with that structure.
+enum class Parameters { kAsGiven, kRandom };
+
+namespace detail {
+
+/// A fixed angle as  sign (quarters pi/2 + rest):  equal up to quarter turns and sign, same rest.
+struct ReducedAngle {
+  bool negative;
+  int quarters;      ///< 0 ... 3
+  bool mirrored;     ///< the point of `rest` enters as that of -rest
+  scene::Exact rest;  ///< zero: a quarter turn
+};
+
+ReducedAngle reduced(const scene::Exact& angle);
+
+/// The square root of a rational that has a rational one.
+bool rationalRoot(const scene::Rational& square, scene::Rational* root);
+
+}  // namespace detail
+
+/** Gives a scene's numbers to a field (the "Numbers" concept of scene/numbers.hpp).
+
+    Rationals stay what they are. What has no rational value becomes an indeterminate, the same one
+    wherever the same number occurs: pi; the point (cos, sin) of the circle of a fixed angle that is
+    no quarter turn, where a x and -x + k pi/2 share one indeterminate point; and cos and sin of the
+    turns that take z to a slanted axis, where they are irrational. A formula that uses no more of
+    them than c^2 + s^2 = 1 cannot tell the difference, and what holds for the indeterminates holds
+    for the scene's numbers.
+
+    @tparam Source  supplies constant(rational), element(name) and circlePoint(name) as its Scalar */
+template <typename Source>
+class IndeterminateNumbers {
+ public:
+  using Scalar = typename Source::Scalar;
+  using Point = scene::CosSin<Scalar>;
+
+  IndeterminateNumbers(const scene::Mechanism& mechanism, Source source,
+                       Parameters parameters = Parameters::kAsGiven)
+      : values_(mechanism.parameterValues()), source_(std::move(source)), parameters_(parameters) {}
+
+  Scalar operator()(const scene::Number& number) const {
+    if (!isKnown(number)) return scene::evaluateIn<Scalar>(number, Algebra{source_});
+    const scene::Exact exact = exactValue(number, values_);
+    const Scalar value = source_.constant(exact.rational);
+    if (exact.pi_multiple == 0) return value;
+    return value + source_.constant(exact.pi_multiple) * source_.element("pi");
+  }
+
+  Point angle(const scene::Number& radians) const {
+    if (!isKnown(radians)) {
+      if (radians.kind() == scene::Number::Kind::kNegate) return mirrored(angle(radians.left()));
+      return source_.circlePoint("angle " + radians.text());
+    }
+    const detail::ReducedAngle a = detail::reduced(exactValue(radians, values_));
+    Point point = scene::quarterTurns<Scalar>(a.quarters);
+    if (!a.rest.isZero()) {
+      point = source_.circlePoint("angle " + a.rest.rational.str() + " + " +
+                                  a.rest.pi_multiple.str() + " pi");
+      if (a.mirrored) point = mirrored(point);
+      for (int k = 0; k < a.quarters; ++k) point = {-point.s, point.c};
+    }
+    return a.negative ? mirrored(point) : point;
+  }
+
+  scene::AxisTurn<Scalar> axisTurn(const scene::Vector& axis) const {
+    std::array<scene::Exact, 3> v;
+    std::array<bool, 3> is_zero;
+    bool rational = true;
+    for (int i = 0; i < 3; ++i) {
+      v[i] = exactValue(axis[i], values_);
+      is_zero[i] = isKnown(axis[i]) && v[i].isZero();
+      rational = rational && isKnown(axis[i]) && v[i].isRational();
+    }
+    if (is_zero[0] && is_zero[1] && is_zero[2])
+      throw std::invalid_argument("axisTurn: axis: expected a non-zero vector");
+    const auto sign = [&](int i) { return Scalar(v[i].approximation() < 0 ? -1 : 1); };
+
+    // where components are zero the turns are quarter turns, whatever the others are
+    const bool alpha_known = is_zero[0] || is_zero[1];
+    const bool beta_known = is_zero[2] || (is_zero[0] && is_zero[1]);
+    scene::AxisTurn<Scalar> turn{{Scalar(1), Scalar(0)}, {Scalar(0), Scalar(1)}};
+    if (is_zero[0] && !is_zero[1]) turn.alpha = {Scalar(0), sign(1)};
+    if (is_zero[1] && !is_zero[0]) turn.alpha = {sign(0), Scalar(0)};
+    if (is_zero[0] && is_zero[1]) turn.beta = {sign(2), Scalar(0)};
+    if (!rational) {
+      const std::string text =
+          axis[0].text() + ", " + axis[1].text() + ", " + axis[2].text();
+      if (!alpha_known) turn.alpha = source_.circlePoint("alpha of " + text);
+      if (!beta_known) turn.beta = source_.circlePoint("beta of " + text);
+      return turn;
+    }
+
+    // parallel axes share their points, whatever their lengths and signs
+    const scene::Rational x = v[0].rational, y = v[1].rational, z = v[2].rational;
+    const scene::Rational rho2 = x * x + y * y;
+    scene::Rational rho, length;
+    const bool rho_rational = detail::rationalRoot(rho2, &rho);
+    if (!alpha_known && rho_rational) {
+      turn.alpha = {source_.constant(x / rho), source_.constant(y / rho)};
+    } else if (!alpha_known) {
+      const scene::Rational slope = abs(y / x);
+      const Point p = source_.circlePoint("alpha of slope " + slope.str());
+      turn.alpha = {sign(0) * p.c, sign(1) * p.s};
+    }
+    if (!beta_known && rho_rational && detail::rationalRoot(rho2 + z * z, &length)) {
+      turn.beta = {source_.constant(z / length), source_.constant(rho / length)};
+    } else if (!beta_known) {
+      const scene::Rational slope2 = z * z / rho2;
+      const Point p = source_.circlePoint("beta of squared slope " + slope2.str());
+      turn.beta = {sign(2) * p.c, p.s};
+    }
+    return turn;
+  }
+
+ private:
+  /// Expressions in parameters, each parameter an indeterminate.
+  struct Algebra {
+    const Source& source;
+    Scalar number(const scene::Rational& value) const { return source.constant(value); }
+    Scalar parameter(const std::string& name) const { return source.element("parameter " + name); }
+    Scalar pi() const { return source.element("pi"); }
+  };
+
+  bool isKnown(const scene::Number& number) const {
+    return parameters_ == Parameters::kAsGiven || number.parameters().empty();
+  }
+  static Point mirrored(const Point& p) { return {p.c, -p.s}; }
+
+  scene::ParameterValues values_;
+  Source source_;
+  Parameters parameters_;
+};
+
+/// A state of indeterminates: joint positions as points of the circle beside an element for q, and
+/// elements for velocities, accelerations and forces.
+template <typename Source>
+scene::State<typename Source::Scalar> indeterminateState(const scene::Mechanism& mechanism,
+                                                         const Source& source) {
+  scene::State<typename Source::Scalar> state;
+  for (int i = 0; i < mechanism.dof(); ++i) {
+    const std::string joint = " of joint " + std::to_string(i);
+    const auto point = source.circlePoint("position" + joint);
+    state.x.push_back({source.element("q" + joint), point.c, point.s});
+    state.qd.push_back(source.element("qd" + joint));
+    state.qdd.push_back(source.element("qdd" + joint));
+    state.tau.push_back(source.element("tau" + joint));
+  }
+  return state;
+}
+
+}  // namespace dynwitness::crosscheck

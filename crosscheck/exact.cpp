@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/exact.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "crosscheck/identities.hpp"
+#include "symbolic/equations.hpp"
+#include "symbolic/program.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+/// Points without a value in a row before a check is given up: at random points, divisors are zero
+/// with a chance of 1e-10 or so, or always.
+constexpr int kPatience = 8;
+
+/// Left and right of one check in one arithmetic, or why there are none.
+template <typename T>
+struct Sides {
+  MatrixOf<T> left, right;
+  std::string failure;
+};
+template <typename T>
+using SidesOfAll = std::vector<Sides<T>>;
+
+/// Some checks that are asked together.
+struct Inquiry {
+  std::vector<CheckResult> checks;  ///< what is asked, in words
+  std::function<SidesOfAll<PrimeField>(const FieldNumbers&, const scene::State<PrimeField>&)> in_field;
+  std::function<SidesOfAll<DegreeBound>(const DegreeNumbers&, const scene::State<DegreeBound>&)>
+      in_degrees;
+};
+
+// ---- deciding -----------------------------------------------------------------------------------
+
+std::string entry(const CheckResult& check, Eigen::Index row, Eigen::Index column,
+                  const MatrixOf<PrimeField>& shape) {
+  if (shape.size() == 1) return check.quantity;
+  if (shape.cols() == 1) return fmt::format("{}[{}]", check.quantity, row + 1);
+  return fmt::format("{}[{},{}]", check.quantity, row + 1, column + 1);
+}
+
+/// One check on its way to a verdict.
+class Trial {
+ public:
+  Trial(CheckResult check, const ExactOptions& options) : check_(std::move(check)) {
+    check_.unit = "exact";
+    check_.seed = options.seed;
+    exact_.parameters = options.parameters == Parameters::kRandom ? "random" : "as given";
+  }
+
+  /// How many points it takes, from the size of the formulas.
+  void size(const Sides<DegreeBound>& sides, const DegreeBound::Divisors& divisors, double target) {
+    if (!sides.failure.empty()) return giveUp(sides.failure);
+    if (!sameShape(sides)) return;
+    double chance = 0;
+    for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
+      for (Eigen::Index i = 0; i < sides.left.rows(); ++i) {
+        const DegreeBound difference = sides.left(i, j) - sides.right(i, j);
+        exact_.degree = std::max(exact_.degree, difference.degree());
+        chance = std::max(chance, errorProbability(difference, divisors));
+      }
+    }
+    if (!(chance < 1))
+      return giveUp(fmt::format("a degree of up to {:.2g} is too large for primes below 2^63",
+                                exact_.degree));
+    chance_ = chance;
+    needed_ = pointsNeeded(chance, target);
+  }
+
+  void add(int index, const Sides<PrimeField>& sides) {
+    if (done_) return;
+    exact_.prime = PrimeField::modulus();
+    if (!sides.failure.empty()) {
+      ++exact_.discarded;
+      if (++discarded_in_a_row == kPatience)
+        giveUp(fmt::format("no value at {} points: {}", kPatience, sides.failure));
+      return;
+    }
+    discarded_in_a_row = 0;
+    ++exact_.points;
+    if (!sameShape(sides)) return;
+    for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
+      for (Eigen::Index i = 0; i < sides.left.rows(); ++i) {
+        if (sides.left(i, j) == sides.right(i, j)) continue;
+        check_.worst_entry = entry(check_, i, j, sides.left);
+        check_.worst_state = index;
+        return disagree(fmt::format("{} differs at point {} of seed {}: {} and {} modulo {}",
+                                    check_.worst_entry, index, check_.seed,
+                                    sides.left(i, j).residue(), sides.right(i, j).residue(),
+                                    exact_.prime));
+      }
+    }
+    done_ = exact_.points == needed_;
+  }
+
+  bool done() const { return done_; }
+  CheckResult result() const {
+    CheckResult out = check_;
+    out.states = exact_.points;
+    if (out.verdict == Verdict::kNotAnswerable) return out;
+    out.exact = exact_;
+    out.exact->residual_zero = out.verdict == Verdict::kAgree;
+    out.exact->error_probability = std::pow(chance_, exact_.points);
+    return out;
+  }
+
+ private:
+  void giveUp(const std::string& reason) {
+    check_.verdict = Verdict::kNotAnswerable;
+    check_.reason = reason;
+    done_ = true;
+  }
+  void disagree(const std::string& reason) {
+    check_.verdict = Verdict::kDisagree;
+    check_.reason = reason;
+    check_.ratio = check_.worst = std::numeric_limits<double>::infinity();
+    done_ = true;
+  }
+  template <typename T>
+  bool sameShape(const Sides<T>& sides) {
+    const bool same = sides.left.rows() == sides.right.rows() &&
+                      sides.left.cols() == sides.right.cols();
+    if (!same)
+      disagree(fmt::format("shapes differ: {} x {} and {} x {}", sides.left.rows(),
+                           sides.left.cols(), sides.right.rows(), sides.right.cols()));
+    return same;
+  }
+
+  CheckResult check_;
+  CheckResult::Exact exact_;
+  double chance_ = 0;
+  int needed_ = 1, discarded_in_a_row = 0;
+  bool done_ = false;
+};
+
+std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquiry,
+                                const ExactOptions& options) {
+  std::vector<Trial> trials;
+  for (const CheckResult& check : inquiry.checks) trials.emplace_back(check, options);
+  {
+    const DegreeBound::Divisors divisors;
+    const DegreeSource source;
+    const SidesOfAll<DegreeBound> sides =
+        inquiry.in_degrees(DegreeNumbers(scene.mechanism, source, options.parameters),
+                           indeterminateState(scene.mechanism, source));
+    for (std::size_t i = 0; i < trials.size(); ++i)
+      trials[i].size(sides[i], divisors, options.error_probability);
+  }
+  const auto isDone = [](const Trial& trial) { return trial.done(); };
+  for (int index = 0; !std::all_of(trials.begin(), trials.end(), isDone); ++index) {
+    const PrimeField::Modulus modulus(drawPrime(scene.name, options.seed, index));
+    const FieldSource source(scene.name, options.seed, index);
+    SidesOfAll<PrimeField> sides(trials.size());
+    try {
+      sides = inquiry.in_field(FieldNumbers(scene.mechanism, source, options.parameters),
+                               indeterminateState(scene.mechanism, source));
+    } catch (const DivisionByZero& error) {  // the prime divides a number of the scene
+      for (Sides<PrimeField>& failed : sides) failed.failure = error.what();
+    }
+    for (std::size_t i = 0; i < trials.size(); ++i) trials[i].add(index, sides[i]);
+  }
+  std::vector<CheckResult> results;
+  for (const Trial& trial : trials) results.push_back(trial.result());
+  return results;
+}
+
+// ---- witnesses ----------------------------------------------------------------------------------
+
+/// What the Lagrangian gives, compiled once for all arithmetics.
+class Derived {
+ public:
+  Derived(const scene::Mechanism& mechanism, Parameters parameters) {
+    symbolic::Options options;
+    options.fold_parameters = parameters == Parameters::kAsGiven;
+    symbolic::Equations equations = symbolic::derive(mechanism, options);
+    const std::vector<symbolic::Node> tau = symbolic::inverseDynamics(equations);
+    std::vector<symbolic::Node> M;
+    for (const auto& row : equations.M) M.insert(M.end(), row.begin(), row.end());
+    dof = equations.dof();
+    const auto keep = [&](Quantity quantity, const std::vector<symbolic::Node>& outputs) {
+      programs[static_cast<int>(quantity)] = symbolic::compile(equations.graph, outputs);
+    };
+    keep(Quantity::kM, M);
+    keep(Quantity::kc, equations.c);
+    keep(Quantity::kg, equations.g);
+    keep(Quantity::kTau, tau);
+    keep(Quantity::kKinetic, {equations.kinetic});
+    keep(Quantity::kPotential, {equations.potential});
+  }
+  static bool answers(Quantity quantity) { return quantity != Quantity::kMomentum; }
+
+  symbolic::Program programs[std::size(kAllQuantities)];  ///< qdd and momentum have none
+  int dof = 0;
+};
+
+/// The derived programs in one arithmetic.
+template <typename T>
+class DerivedAnswers {
+ public:
+  template <typename Numbers>
+  DerivedAnswers(std::shared_ptr<const Derived> derived, const Numbers& number)
+      : derived_(std::move(derived)) {
+    for (const symbolic::Program& program : derived_->programs) runs_.emplace_back(program, number);
+  }
+
+  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
+    if (quantity == Quantity::kM) return massMatrix(state);
+    if (quantity != Quantity::kQdd) return column(run(quantity, state));
+    // M qdd = tau - tau at qdd = 0
+    scene::State<T> coasting = state;
+    coasting.qdd.assign(state.qd.size(), T(0));
+    MatrixOf<T> qdd = column(state.tau) - column(run(Quantity::kTau, coasting));
+    MatrixOf<T> M = massMatrix(state);
+    recursive::factorize(M);
+    Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>> b = qdd.col(0);
+    recursive::solve(M, b);
+    return qdd;
+  }
+
+ private:
+  std::vector<T> run(Quantity quantity, const scene::State<T>& state) {
+    return runs_[static_cast<int>(quantity)](state);
+  }
+  MatrixOf<T> massMatrix(const scene::State<T>& state) {
+    const std::vector<T> entries = run(Quantity::kM, state);
+    return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        entries.data(), derived_->dof, derived_->dof);
+  }
+
+  std::shared_ptr<const Derived> derived_;
+  std::vector<symbolic::ProgramRun<T>> runs_;
+};
+
+ExactWitness lagrangeWitness(const scene::Scene& scene, Parameters parameters) {
+  const auto derived = std::make_shared<const Derived>(scene.mechanism, parameters);
+  const auto on = [derived](const auto& number) {
+    using Numbers = std::decay_t<decltype(number)>;
+    return DerivedAnswers<typename Numbers::Scalar>(derived, number);
+  };
+  return {"lagrange", Derived::answers, on, on};
+}
+
+// ---- comparisons --------------------------------------------------------------------------------
+
+/// Every quantity and every pair of witnesses that answer it.
+struct Pair {
+  Quantity quantity;
+  std::size_t left, right;
+};
+
+std::vector<Pair> pairsOf(const std::vector<ExactWitness>& witnesses) {
+  std::vector<Pair> pairs;
+  for (const Quantity quantity : kAllQuantities)
+    for (std::size_t a = 0; a < witnesses.size(); ++a)
+      for (std::size_t b = a + 1; b < witnesses.size(); ++b)
+        if (witnesses[a].answers(quantity) && witnesses[b].answers(quantity))
+          pairs.push_back({quantity, a, b});
+  return pairs;
+}
+
+/// What all witnesses say about all quantities, asked once each, then pair by pair.
+template <typename T>
+SidesOfAll<T> ask(const std::vector<Pair>& pairs, std::vector<ExactWitness::Answers<T>> witnesses,
+                  const scene::State<T>& state) {
+  struct Testimony {
+    MatrixOf<T> answer;
+    std::string failure;
+  };
+  std::map<std::pair<Quantity, std::size_t>, Testimony> said;
+  const auto hear = [&](Quantity quantity, std::size_t witness) -> const Testimony& {
+    const auto [it, is_new] = said.try_emplace({quantity, witness});
+    if (is_new) {
+      try {
+        it->second.answer = witnesses[witness](quantity, state);
+      } catch (const DivisionByZero& error) {
+        it->second.failure = error.what();
+      }
+    }
+    return it->second;
+  };
+  SidesOfAll<T> all;
+  for (const Pair& pair : pairs) {
+    const Testimony &left = hear(pair.quantity, pair.left), &right = hear(pair.quantity, pair.right);
+    all.push_back({left.answer, right.answer, left.failure.empty() ? right.failure : left.failure});
+  }
+  return all;
+}
+
+template <typename T, typename Numbers>
+SidesOfAll<T> identitySides(const scene::Mechanism& mechanism, const Numbers& number,
+                            const scene::State<T>& state) {
+  SidesOfAll<T> all(kIdentityCount);
+  try {
+    const std::vector<TwoSides<T>> sides = Identities<Numbers>(mechanism, number).evaluate(state);
+    for (int i = 0; i < kIdentityCount; ++i) all[i] = {sides[i].left, sides[i].right, ""};
+  } catch (const DivisionByZero& error) {
+    for (Sides<T>& failed : all) failed.failure = error.what();
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters) {
+  const auto as_it_is = [](auto&, const auto&) {};
+  return {lagrangeWitness(scene, parameters), sweepWitness<NewtonEuler>(scene, as_it_is),
+          sweepWitness<CompositeBody>(scene, as_it_is),
+          sweepWitness<ArticulatedBody>(scene, as_it_is)};
+}
+
+std::vector<CheckResult> compareExactly(const scene::Scene& scene,
+                                        const std::vector<ExactWitness>& witnesses,
+                                        const ExactOptions& options) {
+  const std::vector<Pair> pairs = pairsOf(witnesses);
+  Inquiry inquiry;
+  for (const Pair& pair : pairs) {
+    CheckResult check;
+    check.check = "same";
+    check.quantity = name(pair.quantity);
+    check.left = witnesses[pair.left].name;
+    check.right = witnesses[pair.right].name;
+    check.statement = fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
+    inquiry.checks.push_back(check);
+  }
+  inquiry.in_field = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    std::vector<ExactWitness::Answers<PrimeField>> built;
+    for (const ExactWitness& witness : witnesses) built.push_back(witness.in_field(number));
+    return ask<PrimeField>(pairs, std::move(built), state);
+  };
+  inquiry.in_degrees = [&](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
+    std::vector<ExactWitness::Answers<DegreeBound>> built;
+    for (const ExactWitness& witness : witnesses) built.push_back(witness.in_degrees(number));
+    return ask<DegreeBound>(pairs, std::move(built), state);
+  };
+  return decide(scene, inquiry, options);
+}
+
+std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
+                                                const ExactOptions& options) {
+  Inquiry inquiry;
+  for (const IdentityInfo& info : kIdentities) {
+    CheckResult check;
+    check.check = info.name;
+    check.statement = info.statement;
+    check.quantity = info.quantity;
+    check.left = info.left;
+    check.right = info.right;
+    inquiry.checks.push_back(check);
+  }
+  inquiry.in_field = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    return identitySides(scene.mechanism, number, state);
+  };
+  inquiry.in_degrees = [&](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
+    return identitySides(scene.mechanism, number, state);
+  };
+  return decide(scene, inquiry, options);
+}
+
+std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options) {
+  std::vector<CheckResult> all =
+      compareExactly(scene, exactWitnesses(scene, options.parameters), options);
+  for (CheckResult& check : checkIdentitiesExactly(scene, options)) all.push_back(std::move(check));
+  return all;
+}
+
+std::string describeExact(const CheckResult::Exact& exact) {
+  if (!exact.residual_zero) return fmt::format("residual not zero modulo {}", exact.prime);
+  return fmt::format(
+      "residual zero at {} points modulo 63-bit primes; chance that different formulas pass at most "
+      "{:.1e}",
+      exact.points, exact.error_probability);
+}
+
+}  // namespace dynwitness::crosscheck

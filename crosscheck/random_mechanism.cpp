@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/random_mechanism.hpp"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/states.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using scene::JointKind;
+using scene::Number;
+using scene::Rational;
+using scene::Vector;
+using Convention = scene::Placement::Convention;
+
+/// A number in the spelling that reading the scene file again gives.
+Number written(const Rational& value) { return Number::parse(value.str()); }
+
+/// Draws the parts of one mechanism.
+class Drawing {
+ public:
+  Drawing(std::uint64_t seed, std::uint64_t index) : random_("random mechanism", seed, index) {}
+
+  scene::Mechanism mechanism(int max_joints) {
+    scene::Mechanism out;
+    out.has_gravity = chance(85);
+    if (out.has_gravity) {
+      out.gravity = {Number(0), Number(0), Number::parse("-9.81")};
+      if (chance(30)) out.gravity = vector(-981, 981);
+    }
+    scene::Link root;
+    root.name = "base";
+    if (chance(30)) root.inertia = body();
+    out.links.push_back(root);
+    const int joints = 1 + below(max_joints);
+    for (int made = 0; made < joints;) {
+      const bool fixed = chance(15);
+      out.links.push_back(link(static_cast<int>(out.links.size()), fixed));
+      made += fixed ? 0 : 1;
+    }
+    for (int i = below(3); i > 0; --i) {
+      scene::Wrench wrench;
+      wrench.link = below(static_cast<int>(out.links.size()));
+      wrench.force = vector(-900, 900);
+      wrench.moment = vector(-300, 300);
+      wrench.at = vector(-50, 50);
+      wrench.axes = chance(50) ? scene::Wrench::Axes::kWorld : scene::Wrench::Axes::kLink;
+      out.wrenches.push_back(wrench);
+    }
+    return out;
+  }
+
+ private:
+  int below(int n) { return static_cast<int>(random_.next() % static_cast<std::uint64_t>(n)); }
+  bool chance(int percent) { return below(100) < percent; }
+
+  /// A decimal with two places, low/100 ... high/100.
+  Number decimal(int low, int high) {
+    const int k = low + below(high - low + 1), magnitude = std::abs(k);
+    return Number::parse(
+        fmt::format("{}{}.{:02}", k < 0 ? "-" : "", magnitude / 100, magnitude % 100));
+  }
+  Vector vector(int low, int high) {
+    return {decimal(low, high), decimal(low, high), decimal(low, high)};
+  }
+  Number angle() {
+    static constexpr const char* kCommon[] = {"0", "0", "pi/2", "-pi/2", "pi", "pi/3", "-pi/4"};
+    return chance(50) ? Number::parse(kCommon[below(7)]) : decimal(-314, 314);
+  }
+  /// An axis: z, another coordinate axis, of rational length, or any.
+  Vector axis() {
+    static constexpr int kAxes[][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, -1},
+                                       {0, 0, 2},  {3, 0, 4},  {0, 4, 3}, {3, -4, 0}, {1, 2, 2},
+                                       {-2, 1, 2}, {1, 1, 0},  {1, 0, 1}, {1, 1, 1},  {0, -1, -1}};
+    if (chance(40)) return {Number(0), Number(0), Number(1)};
+    if (chance(30)) return {decimal(-99, 99), decimal(-99, 99), decimal(1, 99)};
+    const auto& a = kAxes[below(15)];
+    return {written(a[0]), written(a[1]), written(a[2])};
+  }
+
+  scene::Placement placement() {
+    scene::Placement p;
+    const int kind = below(4);
+    if (kind < 2) {
+      p.xyz = vector(-60, 60);
+      p.rpy = {angle(), angle(), angle()};
+      return p;
+    }
+    p.convention = kind == 2 ? Convention::kDh : Convention::kMdh;
+    p.a = decimal(-60, 60);
+    p.d = decimal(-60, 60);
+    p.alpha = angle();
+    p.theta = angle();
+    return p;
+  }
+
+  /// The mass properties of one to five point masses.
+  scene::MassProperties body() {
+    const int count = chance(80) ? 4 + below(2) : 1 + below(3);
+    std::vector<std::pair<Rational, std::array<Rational, 3>>> points;
+    for (int i = 0; i < count; ++i) {
+      const Rational mass(1 + below(20), 10);
+      const Rational x(below(101) - 50, 100), y(below(101) - 50, 100), z(below(101) - 50, 100);
+      points.push_back({mass, {x, y, z}});
+    }
+    Rational mass = 0;
+    std::array<Rational, 3> com{0, 0, 0};
+    for (const auto& [m, p] : points) mass += m;
+    for (const auto& [m, p] : points)
+      for (int k = 0; k < 3; ++k) com[k] += m * p[k] / mass;
+
+    scene::MassProperties out;
+    out.mass = written(mass);
+    out.com = {written(com[0]), written(com[1]), written(com[2])};
+    const bool at_origin = chance(30);
+    if (at_origin)
+      out.about = scene::MassProperties::About::kLinkOrigin;
+    else if (chance(30))
+      out.rpy = {angle(), angle(), angle()};
+    Rational I[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    for (const auto& [m, p] : points) {
+      std::array<Rational, 3> r = p;
+      if (!at_origin)
+        for (int k = 0; k < 3; ++k) r[k] -= com[k];
+      const Rational r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) I[i][j] += m * ((i == j ? r2 : Rational(0)) - r[i] * r[j]);
+    }
+    out.xx = written(I[0][0]);
+    out.yy = written(I[1][1]);
+    out.zz = written(I[2][2]);
+    out.xy = written(I[0][1]);
+    out.xz = written(I[0][2]);
+    out.yz = written(I[1][2]);
+    return out;
+  }
+
+  scene::Link link(int index, bool fixed) {
+    scene::Link out;
+    out.name = fmt::format("link_{}", index);
+    out.parent = chance(65) ? index - 1 : below(index);
+    scene::Joint& joint = out.joint;
+    joint.name = fmt::format("joint_{}", index);
+    joint.kind = fixed ? JointKind::kFixed : chance(70) ? JointKind::kRevolute : JointKind::kPrismatic;
+    joint.placement = placement();
+    if (joint.placement.convention == Convention::kXyzRpy && !fixed) joint.axis = axis();
+    if (!fixed && chance(40)) {
+      joint.rotor_inertia = written(Rational(1 + below(50), 10000));
+      joint.gear_ratio = decimal(-9999, 9999);
+    }
+    if (!fixed && chance(25)) {
+      joint.stiffness = decimal(0, 5000);
+      joint.rest = joint.kind == JointKind::kRevolute ? angle() : decimal(-50, 50);
+    }
+    // without a mass of its own, or a rotor, a joint could move nothing that another one does not
+    if (chance(90) || !(fixed || joint.rotor_inertia.number() > 0)) out.inertia = body();
+    return out;
+  }
+
+  RandomStream random_;
+};
+
+}  // namespace
+
+scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints) {
+  if (max_joints < 1)
+    throw std::invalid_argument(
+        fmt::format("randomScene: max_joints: expected 1 or more, got {}", max_joints));
+  Drawing drawing(seed, index);
+  scene::Scene out;
+  out.name = fmt::format("random_{}_{}", seed, index);
+  out.title = fmt::format("Random mechanism {}", index);
+  out.source = fmt::format("dynwitness, random mechanism {} of seed {} with up to {} joints", index,
+                           seed, max_joints);
+  out.file = out.name + ".toml";
+  while (true) {
+    out.mechanism = drawing.mechanism(max_joints);
+    out.start_q.assign(out.mechanism.dof(), Number(0));
+    out.start_qd = out.start_q;
+    try {
+      scene::validate(out);
+      return out;
+    } catch (const scene::InputError&) {  // a joint that moves no inertia: the next one, then
+    }
+  }
+}
+
+RandomCampaign crosscheckRandom(int count, int max_joints, const ExactOptions& options,
+                                const std::function<void(int)>& progress) {
+  RandomCampaign campaign;
+  for (int index = 0; index < count; ++index) {
+    RandomCampaign::Failure failure{randomScene(options.seed, index, max_joints), {}, {}};
+    const std::vector<CheckResult> checks = exactChecks(failure.scene, options);
+    for (const CheckResult& check : checks) {
+      if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);
+      if (check.verdict == Verdict::kNotAnswerable) {
+        ++campaign.not_answerable;
+        continue;
+      }
+      ++campaign.checks;
+      campaign.error_probability =
+          std::max(campaign.error_probability, check.exact->error_probability);
+    }
+    ++campaign.mechanisms;
+    campaign.joints += failure.scene.mechanism.dof();
+    failure.findings = findOutliers(failure.scene.name, checks);
+    if (!failure.checks.empty()) campaign.failures.push_back(std::move(failure));
+    if (progress) progress(campaign.mechanisms);
+  }
+  return campaign;
+}
+
+std::string describeFailure(const RandomCampaign::Failure& failure) {
+  std::string text;
+  for (const Finding& finding : failure.findings) text += finding.text + "\n";
+  for (const CheckResult& check : failure.checks)
+    text += fmt::format("{}: {}: {}, {} ({}{}{}): {}\n", failure.scene.name, name(check.verdict),
+                        check.check, check.quantity, check.left, check.right.empty() ? "" : " and ",
+                        check.right, check.reason);
+  return text + fmt::format(
+                    "to see it again: write the scene below to {0}, then\n"
+                    "  dynwitness crosscheck {0} --seed {1}\n\n{2}",
+                    failure.scene.file.string(), failure.checks.front().seed,
+                    scene::writeSceneToml(failure.scene));
+}
+
+}  // namespace dynwitness::crosscheck

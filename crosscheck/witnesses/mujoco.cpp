@@ -1,0 +1,520 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// MuJoCo as a witness. It reads the mechanism from URDF: the scene's own file, or one written for it.
+// What URDF cannot say is set in MuJoCo's model: gravity, rotors (armature), springs.
+//
+// MuJoCo keeps a link's inertia as principal moments and axes. Its compiler finds the axes by Jacobi
+// turns and stops when the cosine of the next turn is above 1 - 1e-12 (mju_eig3, eigEPS; unchanged in
+// MuJoCo's sources of 2026), so up to 1.4e-6 rad are never turned and the products of inertia that are
+// left there are dropped. On the Panda that moves the inertia of link_1 by 6e-7 of itself and leaves 8
+// digits of M. There are therefore two witnesses:
+//   mujoco            reads the inertias as they are written. Its bound contains what the dropped
+//                     products do to the answer, by our sweeps, and nothing else that MuJoCo may do;
+//   mujoco_principal  gets them with the axes turned before, which is the remedy: the compiler then has
+//                     nothing to turn.
+#include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/witnesses.hpp"
+
+#ifdef DYNWITNESS_HAS_MUJOCO
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+#include <cstring>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <fmt/format.h>
+
+#include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/sweep_algorithms.hpp"
+#endif
+
+namespace dynwitness::crosscheck {
+namespace {
+
+enum class Inertias { kAsWritten, kPrincipal };
+
+const char* nameOf(Inertias inertias) {
+  return inertias == Inertias::kAsWritten ? "mujoco" : "mujoco_principal";
+}
+const char* methodOf(Inertias inertias) {
+  return inertias == Inertias::kAsWritten
+             ? "MuJoCo reads the URDF; M by composite bodies in world axes, qdd from M = L'DL"
+             : "MuJoCo, the URDF's inertias turned into their principal axes before";
+}
+
+#ifdef DYNWITNESS_HAS_MUJOCO
+
+using scene::RealNumbers;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+// ------------------------------------------------------------------------------ inertias
+
+Vector3d vector(const scene::Vector& v, const RealNumbers<double>& number) {
+  return {number(v[0]), number(v[1]), number(v[2])};
+}
+
+/// I = R diag(moments) R', in link axes, about the centre of mass.
+struct Body {
+  double mass;
+  Vector3d com, moments;
+  Matrix3d I, R;
+};
+
+Body bodyOf(const scene::MassProperties& m, const RealNumbers<double>& number) {
+  Body body;
+  body.mass = number(m.mass);
+  body.com = vector(m.com, number);
+  const double xx = number(m.xx), yy = number(m.yy), zz = number(m.zz), xy = number(m.xy),
+               xz = number(m.xz), yz = number(m.yz);
+  const Matrix3d R_inertia = (Eigen::AngleAxisd(number(m.rpy[2]), Vector3d::UnitZ()) *
+                              Eigen::AngleAxisd(number(m.rpy[1]), Vector3d::UnitY()) *
+                              Eigen::AngleAxisd(number(m.rpy[0]), Vector3d::UnitX()))
+                                 .toRotationMatrix();
+  const Matrix3d I_given = (Matrix3d() << xx, xy, xz, xy, yy, yz, xz, yz, zz).finished();
+  body.I = R_inertia * I_given * R_inertia.transpose();
+  if (m.about == scene::MassProperties::About::kLinkOrigin)
+    body.I -= body.mass * (body.com.squaredNorm() * Matrix3d::Identity() -
+                           body.com * body.com.transpose());
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(body.I);
+  body.moments = solver.eigenvalues().cwiseMax(0.0);  // a rod's zero may come out as -1e-19
+  body.R = solver.eigenvectors();
+  if (body.R.determinant() < 0) body.R.col(0) *= -1;
+  return body;
+}
+
+/// What MuJoCo's compiler refuses in a link: no mass, no extent (a point, a rod), or moments of a plane
+/// body that break the triangle inequality by a rounding.
+bool isRefused(const Body& body) {
+  const Vector3d& I = body.moments;  // rising
+  return body.mass < mjMINVAL || I[0] < mjMINVAL || I[0] + I[1] < I[2] * (1 + 1e-9);
+}
+
+scene::Number exactly(double x) { return scene::Number(scene::Rational(x)); }
+
+/// About the centre of mass, in axes of the given turn from link axes.
+scene::MassProperties inertiaAs(const scene::MassProperties& original, const Matrix3d& I,
+                                const Vector3d& yaw_pitch_roll) {
+  scene::MassProperties m = original;
+  m.about = scene::MassProperties::About::kCenterOfMass;
+  for (int k = 0; k < 3; ++k) m.rpy[k] = exactly(yaw_pitch_roll[2 - k]);
+  m.xx = exactly(I(0, 0));
+  m.yy = exactly(I(1, 1));
+  m.zz = exactly(I(2, 2));
+  m.xy = exactly(I(0, 1));
+  m.xz = exactly(I(0, 2));
+  m.yz = exactly(I(1, 2));
+  return m;
+}
+
+/// A body that the compiler takes, in place of one that it refuses.
+scene::MassProperties placeholder() {
+  scene::MassProperties m;
+  m.mass = m.xx = m.yy = m.zz = scene::Number(1);
+  return m;
+}
+
+/// The scene that MuJoCo is told.
+scene::Scene told(scene::Scene scene, const std::vector<Body>& bodies, Inertias inertias,
+                  bool with_placeholders) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    scene::MassProperties& m = scene.mechanism.links[i].inertia;
+    if (with_placeholders && isRefused(bodies[i]))
+      m = placeholder();
+    else if (inertias == Inertias::kPrincipal)
+      m = inertiaAs(m, bodies[i].moments.asDiagonal(), bodies[i].R.eulerAngles(2, 1, 0));
+  }
+  return scene;
+}
+
+// -------------------------------------------------------------------------------- loading
+
+struct Deleter {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+  void operator()(mjData* data) const { mj_deleteData(data); }
+  void operator()(mjVFS* files) const {
+    mj_deleteVFS(files);
+    delete files;
+  }
+};
+template <typename T>
+using Owned = std::unique_ptr<T, Deleter>;
+
+/// MuJoCo's own answers are to write MUJOCO_LOG.TXT, and on errors to wait for a key and exit.
+void installHandlers() {
+  mju_user_warning = [](const char*) {};  // counted in mjData::warning
+  mju_user_error = [](const char* text) { throw std::runtime_error(text); };
+}
+
+Owned<mjModel> loaded(std::string urdf) {
+  // nothing may be fused, bounded, balanced or inferred: the model is to be what the file says
+  urdf.insert(urdf.rfind("</robot>"),
+              "<mujoco><compiler fusestatic=\"false\" inertiafromgeom=\"false\" "
+              "balanceinertia=\"false\" boundmass=\"0\" boundinertia=\"0\"/></mujoco>");
+  constexpr const char* kFile = "scene.urdf";
+  const Owned<mjVFS> files(new mjVFS);
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(urdf.size()));
+  std::memcpy(files->filedata[0], urdf.data(), urdf.size());
+  char error[1000] = "";
+  Owned<mjModel> model(mj_loadXML(kFile, files.get(), error, sizeof error));
+  if (!model) throw std::runtime_error(fmt::format("MuJoCo does not read the URDF: {}", error));
+  return model;
+}
+
+int idOf(const mjModel* model, mjtObj kind, const std::string& name) {
+  const int id = mj_name2id(model, kind, name.c_str());
+  if (id < 0) throw std::runtime_error("MuJoCo did not make '" + name + "' of the URDF");
+  return id;
+}
+
+// -------------------------------------------------------------------------------- witness
+
+class MujocoWitness : public Witness {
+ public:
+  MujocoWitness(const scene::Scene& scene, Inertias inertias)
+      : name_(nameOf(inertias)),
+        bound_(scene.mechanism, ForwardDynamicsBy::kMassMatrix),
+        sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
+    installHandlers();
+    const scene::Mechanism& mechanism = scene.mechanism;
+    const RealNumbers<double> number(mechanism);
+    std::vector<Body> bodies;
+    for (const scene::Link& link : mechanism.links) bodies.push_back(bodyOf(link.inertia, number));
+    std::vector<bool> was_read(bodies.size(), true);
+    try {
+      model_ = loaded(scene::urdfForEngines(told(scene, bodies, inertias, false)));
+    } catch (const std::runtime_error&) {
+      model_ = loaded(scene::urdfForEngines(told(scene, bodies, inertias, true)));
+      for (std::size_t i = 0; i < bodies.size(); ++i) was_read[i] = !isRefused(bodies[i]);
+    }
+    for (const scene::Link& link : mechanism.links) findLink(link, number);
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (!was_read[i]) setBody(links_[i], bodies[i]);
+    if (inertias == Inertias::kAsWritten) prepareLoss(mechanism, bodies, was_read);
+    setPhysics(mechanism, number);
+    data_.reset(mj_makeData(model_.get()));
+    mj_setConst(model_.get(), data_.get());  // derived numbers, after the changes
+  }
+
+  const std::string& name() const override { return name_; }
+  bool answers(Quantity) const override { return true; }
+
+  Answer answer(Quantity quantity, const scene::State<double>& state) override {
+    Answer out{value(quantity, state), kQuaternion * bound_(quantity, state)};
+    out.bound.array() += axisError(quantity, state);
+    if (compiled_) out.bound += loss(quantity, state);
+    return out;
+  }
+
+ private:
+  struct AppliedWrench {
+    int body;
+    bool world_axes;
+    Vector3d force, moment, at;
+  };
+
+  void findLink(const scene::Link& link, const RealNumbers<double>& number) {
+    // of a root called "world", MuJoCo makes its own world, without mass
+    const bool is_world = link.parent < 0 && link.name == "world";
+    if (is_world && number(link.inertia.mass) != 0)
+      throw std::runtime_error("MuJoCo drops the mass of a root link called 'world'");
+    links_.push_back(is_world ? 0 : idOf(model_.get(), mjOBJ_BODY, link.name));
+    if (link.joint.kind == scene::JointKind::kFixed) return;
+    const int joint = idOf(model_.get(), mjOBJ_JOINT, link.joint.name);
+    const int dof = model_->jnt_dofadr[joint];
+    dofs_.push_back(dof);
+    positions_.push_back(model_->jnt_qposadr[joint]);
+    const double gear = number(link.joint.gear_ratio);
+    model_->dof_armature[dof] = gear * gear * number(link.joint.rotor_inertia);
+    model_->dof_damping[dof] = model_->dof_frictionloss[dof] = 0;  // a URDF file may have them
+    model_->jnt_stiffness[joint] = number(link.joint.stiffness);
+    model_->qpos_spring[positions_.back()] = number(link.joint.rest);
+  }
+
+  void setBody(int id, const Body& body) {
+    const RowMajor3 R = body.R;
+    model_->body_mass[id] = body.mass;
+    std::copy_n(body.com.data(), 3, model_->body_ipos + 3 * id);
+    std::copy_n(body.moments.data(), 3, model_->body_inertia + 3 * id);
+    mju_mat2Quat(model_->body_iquat + 4 * id, R.data());
+    // the compiler's shortcuts for the body that it saw
+    model_->body_sameframe[id] = 0;
+    std::fill_n(model_->body_simple, model_->nbody, 0);
+    std::fill_n(model_->dof_simplenum, model_->nv, 0);
+  }
+
+  void setPhysics(const scene::Mechanism& mechanism, const RealNumbers<double>& number) {
+    mjOption& option = model_->opt;
+    option.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_CONTACT;  // no joint limits, no contacts
+    option.enableflags |= mjENBL_ENERGY;
+    option.density = option.viscosity = 0;
+    if (mechanism.has_gravity) gravity_ = vector(mechanism.gravity, number);
+    for (const scene::Wrench& w : mechanism.wrenches)
+      wrenches_.push_back({links_[w.link], w.axes == scene::Wrench::Axes::kWorld,
+                           vector(w.force, number), vector(w.moment, number),
+                           vector(w.at, number)});
+  }
+
+  // What MuJoCo's algorithm rounds beyond the sweeps that EngineBound runs.
+  //
+  // It keeps orientations as unit quaternions: a product of two leaves 4 u in a component where turning
+  // by a matrix leaves 3 u in an entry; the matrix made of it doubles that, and making it adds 2 u.
+  static constexpr double kQuaternion = 10.0 / 3;
+
+  /** It gathers forces in world axes, about the tree's centre of mass, and only there projects them on
+      the axes of joints. Each component of a joint's force therefore counts in full, with the error of
+      an orientation: three turns a joint, 10 u each. Our sweeps project in the joint's own axes, where
+      most components drop out exactly.
+      @return a bound for all entries: 30 u (|m| + r |f|) of the largest force through a joint, r its
+              distance from the centre of mass; 1/2 qd' qd of it for T, times |M^-1| for qdd */
+  double axisError(Quantity quantity, const scene::State<double>& state) {
+    const std::vector<double> zeros = sweep_.zeros();
+    switch (quantity) {
+      case Quantity::kM: return massAxisError(state);
+      case Quantity::kc: return forceAxisError(state, state.qd, zeros, Terms::none());
+      case Quantity::kg: return forceAxisError(state, zeros, zeros, Terms::potential());
+      case Quantity::kTau: return forceAxisError(state, state.qd, state.qdd, Terms::all());
+      case Quantity::kKinetic: {
+        double sum = 0;
+        for (const double qd : state.qd) sum += std::abs(qd);
+        return massAxisError(state) * sum * sum / 2;
+      }
+      case Quantity::kQdd: {
+        const Eigen::MatrixXd M = CompositeBody::answer(sweep_, Quantity::kM, state);
+        const Eigen::VectorXd qdd = CompositeBody::answer(sweep_, Quantity::kQdd, state);
+        const Eigen::MatrixXd inverse = M.inverse();
+        return inverse.cwiseAbs().rowwise().sum().maxCoeff() *
+               (forceAxisError(state, state.qd, zeros, Terms::all()) +
+                massAxisError(state) * qdd.lpNorm<1>());
+      }
+      case Quantity::kPotential:
+      case Quantity::kMomentum: return 0;
+    }
+    throw std::logic_error("mujoco: unknown quantity");
+  }
+
+  double massAxisError(const scene::State<double>& state) {
+    double largest = 0;
+    for (std::size_t j = 0; j < dofs_.size(); ++j) {
+      std::vector<double> unit = sweep_.zeros();
+      unit[j] = 1;
+      largest = std::max(largest, forceAxisError(state, sweep_.zeros(), unit, Terms::none()));
+    }
+    return largest;
+  }
+
+  double forceAxisError(const scene::State<double>& state, const std::vector<double>& qd,
+                        const std::vector<double>& qdd, Terms terms) {
+    sweep_.inverse(state, qd, qdd, terms);
+    double largest = 0;
+    for (std::size_t i = 0; i < dofs_.size(); ++i) {
+      const recursive::Force<double>& f = sweep_.ws.f[sweep_.model.link_of_dof[i]];
+      const int joint = model_->dof_jntid[dofs_[i]];
+      const int root = model_->body_rootid[model_->jnt_bodyid[joint]];
+      const double r = (Eigen::Map<const Vector3d>(data_->subtree_com + 3 * root) -
+                        Eigen::Map<const Vector3d>(data_->xanchor + 3 * joint))
+                           .norm();
+      largest = std::max(largest, f.moment.norm() + r * f.force.norm());
+    }
+    return 30 * RunningError::kUnitRoundoff * largest;
+  }
+
+  /** The mechanism with the inertias that MuJoCo's compiler made of the written ones. A difference
+      that its stopping rule explains is accepted; one that it does not is left to be found. */
+  void prepareLoss(const scene::Mechanism& mechanism, const std::vector<Body>& bodies,
+                   const std::vector<bool>& was_read) {
+    scene::Mechanism compiled = mechanism;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const int id = links_[i];
+      if (id == 0 || !was_read[i]) continue;
+      RowMajor3 R;
+      mju_quat2Mat(R.data(), model_->body_iquat + 4 * id);
+      const Eigen::Map<const Vector3d> moments(model_->body_inertia + 3 * id);
+      const Matrix3d D = R.transpose() * bodies[i].I * R;
+      const double dropped = std::max({std::abs(D(0, 1)), std::abs(D(0, 2)), std::abs(D(1, 2))});
+      // cos > 1 - eps leaves a turn of sqrt(2 eps); an entry below eps is not turned at all
+      constexpr double kEps = 1e-12;
+      const double explained = std::max(
+          kEps, std::sqrt(2 * kEps) * (moments.maxCoeff() - moments.minCoeff()) * (1 + 1e-6));
+      if (dropped > explained) continue;
+      const Matrix3d I = R * moments.asDiagonal() * R.transpose();
+      compiled.links[i].inertia =
+          inertiaAs(mechanism.links[i].inertia, I, Vector3d::Zero());
+    }
+    const auto setup = [](const scene::Mechanism& m) {
+      return std::make_unique<Setup<RunningError>>(
+          recursive::buildModel(m, RunningErrorNumbers(m)));
+    };
+    written_ = setup(mechanism);
+    compiled_ = setup(compiled);
+  }
+
+  /// How far the compiled inertias move the answer, with the error of finding out.
+  Eigen::MatrixXd loss(Quantity quantity, const scene::State<double>& state) {
+    const scene::State<RunningError> bounded = runningErrorState(state);
+    const auto by = [&](Setup<RunningError>& setup) {
+      return quantity == Quantity::kQdd ? ArticulatedBody::answer(setup, quantity, bounded)
+                                        : NewtonEuler::answer(setup, quantity, bounded);
+    };
+    const MatrixX<RunningError> moved = by(*compiled_) - by(*written_);
+    return moved.unaryExpr(
+        [](const RunningError& x) { return std::abs(x.value()) + x.bound(); });
+  }
+
+  void setMotion(const scene::State<double>& state, bool moving) {
+    mj_resetData(model_.get(), data_.get());
+    for (std::size_t i = 0; i < dofs_.size(); ++i) {
+      data_->qpos[positions_[i]] = state.x[i].q;
+      if (moving) data_->qvel[dofs_[i]] = state.qd[i];
+    }
+  }
+
+  void setGravity(bool on) {
+    const Vector3d gravity = on ? gravity_ : Vector3d::Zero();
+    std::copy_n(gravity.data(), 3, model_->opt.gravity);
+  }
+
+  /// Forces of the loads on the joints (MuJoCo's J' F); positions must be up to date.
+  std::vector<double> loads() {
+    std::vector<double> Q(model_->nv, 0.0);
+    for (const AppliedWrench& w : wrenches_) {
+      const RowMajor3 R = Eigen::Map<const RowMajor3>(data_->xmat + 9 * w.body);
+      const Vector3d force = w.world_axes ? w.force : Vector3d(R * w.force);
+      const Vector3d moment = w.world_axes ? w.moment : Vector3d(R * w.moment);
+      const Vector3d point = Eigen::Map<const Vector3d>(data_->xpos + 3 * w.body) + R * w.at;
+      mj_applyFT(model_.get(), data_.get(), force.data(), moment.data(), point.data(), w.body,
+                 Q.data());
+    }
+    return Q;
+  }
+
+  Eigen::MatrixXd inOrderOfScene(const mjtNum* forces) const {
+    Eigen::MatrixXd out(dofs_.size(), 1);
+    for (std::size_t i = 0; i < dofs_.size(); ++i) out(i, 0) = forces[dofs_[i]];
+    return out;
+  }
+
+  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) {
+    mjModel* m = model_.get();
+    mjData* d = data_.get();
+    setMotion(state, quantity != Quantity::kg);
+    setGravity(quantity != Quantity::kc);
+    mj_fwdPosition(m, d);
+    mj_fwdVelocity(m, d);  // qfrc_bias: c + gravity; qfrc_passive: springs, minus their part of g
+    switch (quantity) {
+      case Quantity::kM: return massMatrix();
+      case Quantity::kc: return inOrderOfScene(d->qfrc_bias);
+      case Quantity::kg: return inOrderOfScene(d->qfrc_bias) - inOrderOfScene(d->qfrc_passive);
+      case Quantity::kTau:
+        for (std::size_t i = 0; i < dofs_.size(); ++i) d->qacc[dofs_[i]] = state.qdd[i];
+        mj_inverse(m, d);
+        return inOrderOfScene(d->qfrc_inverse) - inOrderOfScene(loads().data());
+      case Quantity::kQdd: return accelerations(state);
+      case Quantity::kKinetic: mj_energyVel(m, d); return scalar(double(d->energy[1]));
+      case Quantity::kPotential: mj_energyPos(m, d); return scalar(double(d->energy[0]));
+      case Quantity::kMomentum: return momentum();
+    }
+    throw std::logic_error("mujoco: unknown quantity");
+  }
+
+  Eigen::MatrixXd massMatrix() {
+    Eigen::MatrixXd full(model_->nv, model_->nv), M(dofs_.size(), dofs_.size());
+    mj_fullM(model_.get(), full.data(), data_->qM);
+    for (std::size_t j = 0; j < dofs_.size(); ++j)
+      for (std::size_t i = 0; i < dofs_.size(); ++i) M(i, j) = full(dofs_[i], dofs_[j]);
+    return M;
+  }
+
+  Eigen::MatrixXd accelerations(const scene::State<double>& state) {
+    const std::vector<double> Q = loads();
+    std::copy(Q.begin(), Q.end(), data_->qfrc_applied);
+    for (std::size_t i = 0; i < dofs_.size(); ++i)
+      data_->qfrc_applied[dofs_[i]] += state.tau[i];
+    mj_forward(model_.get(), data_.get());
+    if (data_->warning[mjWARN_INERTIA].number > 0)
+      throw std::runtime_error(
+          fmt::format("M is singular for MuJoCo: a pivot below {:g} is replaced by it", mjMINVAL));
+    return inOrderOfScene(data_->qacc);
+  }
+
+  /// MuJoCo has the angular momentum about the centre of mass.
+  Eigen::MatrixXd momentum() {
+    mj_subtreeVel(model_.get(), data_.get());
+    const Vector3d p =
+        model_->body_subtreemass[0] * Eigen::Map<const Vector3d>(data_->subtree_linvel);
+    const Vector3d com = Eigen::Map<const Vector3d>(data_->subtree_com);
+    Eigen::MatrixXd out(6, 1);
+    out << p, Eigen::Map<const Vector3d>(data_->subtree_angmom) + com.cross(p);
+    return out;
+  }
+
+  std::string name_;
+  EngineBound bound_;
+  Setup<double> sweep_;  ///< for axisError()
+  std::unique_ptr<Setup<RunningError>> written_, compiled_;  ///< of `mujoco` only
+  Owned<mjModel> model_;
+  Owned<mjData> data_;
+  Vector3d gravity_ = Vector3d::Zero();
+  std::vector<int> links_;             ///< MuJoCo's body, one a scene link
+  std::vector<int> dofs_, positions_;  ///< places in qvel and qpos, one a degree of freedom
+  std::vector<AppliedWrench> wrenches_;
+};
+
+/// The convention card.
+std::string conventions(Inertias inertias) {
+  std::string card =
+      "reads: the URDF itself, parsed by MuJoCo; geometry left out, fixed joints kept "
+      "(fusestatic=false), nothing bounded, balanced or inferred\n"
+      "does not read: links without mass or extent, and moments that break the triangle inequality "
+      "by a rounding, are refused; they pass the compiler as placeholders and get their mass, "
+      "centre of mass, moments and axes in mjModel\n"
+      "spatial vectors: angular part first, world axes, about the centre of mass of the tree\n"
+      "orientations: unit quaternions (w, x, y, z)\n"
+      "inertia: principal moments, and the quaternion of their axes, about the centre of mass\n"
+      "bias: qfrc_bias = c + gravity; c is asked with gravity switched off\n"
+      "springs: qfrc_passive = -stiffness (q - rest), with the sign of a force; not in qfrc_bias\n"
+      "gravity: mjOption.gravity is the acceleration of a falling body, as in the scene\n"
+      "rotors: dof_armature = gear_ratio^2 rotor_inertia, on the diagonal of M\n"
+      "loads: mj_applyFT at the point, world axes; inverse dynamics leaves them out, they are "
+      "subtracted here\n"
+      "momentum: mj_subtreeVel, angular part about the centre of mass, moved to the origin here\n"
+      "switched off: joint limits, contacts, damping, friction\n";
+  if (inertias == Inertias::kAsWritten)
+    card +=
+        "known loss: products of inertia. The compiler turns each inertia into its principal axes "
+        "by Jacobi turns (mju_eig3) and stops when the cosine of the next turn exceeds 1 - 1e-12, "
+        "that is with up to 1.4e-6 rad still to turn; what is left off the diagonal is dropped. "
+        "The inertia is wrong by up to 1.4e-6 (largest - smallest moment)\n"
+        "limit: the rounding of the algorithm, plus what the inertias in mjModel, where that rule "
+        "explains them, do to the answer\n"
+        "remedy: write each inertia in its principal axes (URDF: <inertial><origin rpy>; MJCF: "
+        "diaginertia and quat instead of fullinertia), as the witness mujoco_principal does; or set "
+        "body_inertia and body_iquat after loading";
+  else
+    card +=
+        "known loss: none; this is mujoco with the remedy for its known loss: every inertia is "
+        "written in its principal axes, found here in double";
+  return card;
+}
+
+WitnessKind kind(Inertias inertias) {
+  WitnessInfo info;
+  info.name = nameOf(inertias);
+  info.version = mj_versionString();
+  info.method = methodOf(inertias);
+  info.conventions = conventions(inertias);
+  return engineKind<MujocoWitness>(info, inertias);
+}
+#else
+WitnessKind kind(Inertias inertias) { return absentKind(nameOf(inertias), methodOf(inertias)); }
+#endif
+
+}  // namespace
+
+WitnessKind mujocoKind() { return kind(Inertias::kAsWritten); }
+WitnessKind mujocoPrincipalKind() { return kind(Inertias::kPrincipal); }
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the witnesses of engines share that may be absent, or may be unable to hold a scene.
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "crosscheck/witness.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// Stands in for an engine that cannot hold the scene: its answer to every question is the reason.
+class RefusedWitness : public Witness {
+ public:
+  RefusedWitness(std::string name, std::string reason)
+      : name_(std::move(name)), reason_(std::move(reason)) {}
+
+  const std::string& name() const override { return name_; }
+  bool answers(Quantity) const override { return true; }
+  Answer answer(Quantity, const scene::State<double>&) override {
+    throw std::runtime_error(reason_);
+  }
+
+ private:
+  std::string name_, reason_;
+};
+
+/// A kind whose witnesses are W(scene, arguments...), or what W's constructor threw.
+template <typename W, typename... Arguments>
+WitnessKind engineKind(WitnessInfo info, Arguments... arguments) {
+  const std::string name = info.name;
+  return {std::move(info), [=](const scene::Scene& scene) -> std::unique_ptr<Witness> {
+            try {
+              return std::make_unique<W>(scene, arguments...);
+            } catch (const std::runtime_error& error) {
+              return std::make_unique<RefusedWitness>(name, error.what());
+            }
+          }};
+}
+
+/// The kind of an engine that was not found when dynwitness was configured.
+inline WitnessKind absentKind(const std::string& name, const std::string& method) {
+  WitnessInfo info;
+  info.name = name;
+  info.method = method;
+  info.present = false;
+  return {info, [name](const scene::Scene&) -> std::unique_ptr<Witness> {
+            return std::make_unique<RefusedWitness>(name, "not found when dynwitness was configured");
+          }};
+}
+
+}  // namespace dynwitness::crosscheck
