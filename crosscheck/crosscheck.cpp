@@ -20,7 +20,10 @@ void describe(const scene::Scene& scene, SceneResult& result) {
   result.name = scene.name;
   result.title = scene.title;
   result.source = scene.source;
-  result.file = scene.file.string();
+  // bundled scenes are known by their place in the project, wherever it lies
+  const std::filesystem::path inside = scene.file.lexically_relative(scene::dataFolder());
+  result.file = inside.empty() || *inside.begin() == ".." ? scene.file.string()
+                                                          : (std::filesystem::path("data") / inside).string();
   result.dof = scene.mechanism.dof();
   result.links = static_cast<int>(scene.mechanism.links.size());
   result.not_modelled = scene.not_modelled;

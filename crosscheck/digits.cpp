@@ -108,7 +108,7 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
     return;
   }
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  const BallPrecision precision(std::max(kDistanceBits, truth.bits));
+  const BallPrecision precision(kDistanceBits);
   const Eigen::MatrixXd shape(answer.rows(), answer.cols());
   double size = 0, farthest = -1, fewest_single = max_digits_;
   std::string farthest_entry;

@@ -19,9 +19,6 @@ using scene::Rational;
 using scene::Vector;
 using Convention = scene::Placement::Convention;
 
-/// A number in the spelling that reading the scene file again gives.
-Number written(const Rational& value) { return Number::parse(value.str()); }
-
 /// Draws the parts of one mechanism.
 class Drawing {
  public:
@@ -81,7 +78,7 @@ class Drawing {
     if (chance(40)) return {Number(0), Number(0), Number(1)};
     if (chance(30)) return {decimal(-99, 99), decimal(-99, 99), decimal(1, 99)};
     const auto& a = kAxes[below(15)];
-    return {written(a[0]), written(a[1]), written(a[2])};
+    return {Number(a[0]), Number(a[1]), Number(a[2])};
   }
 
   scene::Placement placement() {
@@ -100,44 +97,48 @@ class Drawing {
     return p;
   }
 
-  /// The mass properties of one to five point masses.
+  /// The mass properties of two to five point masses. The last one, of 1 kg, is where it makes the
+  /// centre of mass a short decimal; so all numbers are decimals.
   scene::MassProperties body() {
-    const int count = chance(80) ? 4 + below(2) : 1 + below(3);
-    std::vector<std::pair<Rational, std::array<Rational, 3>>> points;
-    for (int i = 0; i < count; ++i) {
-      const Rational mass(1 + below(20), 10);
-      const Rational x(below(101) - 50, 100), y(below(101) - 50, 100), z(below(101) - 50, 100);
-      points.push_back({mass, {x, y, z}});
+    const int count = chance(85) ? 4 + below(2) : 2 + below(2);
+    Rational mass = 1;
+    std::array<Rational, 3> last{0, 0, 0}, com;
+    std::vector<std::pair<Rational, std::array<Rational, 3>>> points;  // from the centre of mass
+    for (int i = 1; i < count; ++i) {
+      const Rational m(1 + below(20), 10);
+      std::array<Rational, 3> r;
+      for (int k = 0; k < 3; ++k) {
+        r[k] = Rational(below(61) - 30, 100);
+        last[k] -= m * r[k];
+      }
+      mass += m;
+      points.emplace_back(m, r);
     }
-    Rational mass = 0;
-    std::array<Rational, 3> com{0, 0, 0};
-    for (const auto& [m, p] : points) mass += m;
-    for (const auto& [m, p] : points)
-      for (int k = 0; k < 3; ++k) com[k] += m * p[k] / mass;
+    points.emplace_back(1, last);
+    for (Rational& x : com) x = Rational(below(61) - 30, 100);
 
     scene::MassProperties out;
-    out.mass = written(mass);
-    out.com = {written(com[0]), written(com[1]), written(com[2])};
+    out.mass = mass;
+    out.com = {Number(com[0]), Number(com[1]), Number(com[2])};
     const bool at_origin = chance(30);
     if (at_origin)
       out.about = scene::MassProperties::About::kLinkOrigin;
     else if (chance(30))
       out.rpy = {angle(), angle(), angle()};
     Rational I[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-    for (const auto& [m, p] : points) {
-      std::array<Rational, 3> r = p;
-      if (!at_origin)
-        for (int k = 0; k < 3; ++k) r[k] -= com[k];
+    for (auto [m, r] : points) {
+      if (at_origin)
+        for (int k = 0; k < 3; ++k) r[k] += com[k];
       const Rational r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) I[i][j] += m * ((i == j ? r2 : Rational(0)) - r[i] * r[j]);
     }
-    out.xx = written(I[0][0]);
-    out.yy = written(I[1][1]);
-    out.zz = written(I[2][2]);
-    out.xy = written(I[0][1]);
-    out.xz = written(I[0][2]);
-    out.yz = written(I[1][2]);
+    out.xx = I[0][0];
+    out.yy = I[1][1];
+    out.zz = I[2][2];
+    out.xy = I[0][1];
+    out.xz = I[0][2];
+    out.yz = I[1][2];
     return out;
   }
 
@@ -150,8 +151,9 @@ class Drawing {
     joint.kind = fixed ? JointKind::kFixed : chance(70) ? JointKind::kRevolute : JointKind::kPrismatic;
     joint.placement = placement();
     if (joint.placement.convention == Convention::kXyzRpy && !fixed) joint.axis = axis();
-    if (!fixed && chance(40)) {
-      joint.rotor_inertia = written(Rational(1 + below(50), 10000));
+    const bool has_rotor = !fixed && chance(40);
+    if (has_rotor) {
+      joint.rotor_inertia = Rational(1 + below(50), 10000);
       joint.gear_ratio = decimal(-9999, 9999);
     }
     if (!fixed && chance(25)) {
@@ -159,7 +161,7 @@ class Drawing {
       joint.rest = joint.kind == JointKind::kRevolute ? angle() : decimal(-50, 50);
     }
     // without a mass of its own, or a rotor, a joint could move nothing that another one does not
-    if (chance(90) || !(fixed || joint.rotor_inertia.number() > 0)) out.inertia = body();
+    if (chance(90) || !(fixed || has_rotor)) out.inertia = body();
     return out;
   }
 

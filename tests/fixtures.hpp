@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include <boost/multiprecision/cpp_int.hpp>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <boost/multiprecision/cpp_int.hpp>
 
 #include "scene/mechanism.hpp"
 #include "scene/numbers.hpp"
@@ -23,8 +23,8 @@
 
 namespace dynwitness::fixtures {
 
-/// A rational number as Eigen can hold it. (The bare number type of Boost 1.74 does not compile with
-/// Eigen 3.4: it asks every matrix expression whether it is a container of bytes.)
+/// A rational number as Eigen can hold it. (The bare number type of Boost 1.74 does not compile
+/// with Eigen 3.4: it asks every matrix expression whether it is a container of bytes.)
 class Q {
  public:
   using Rational = scene::Rational;
@@ -88,7 +88,9 @@ using V3 = Eigen::Matrix<T, 3, 1>;
 template <typename T>
 using M3 = Eigen::Matrix<T, 3, 3>;
 
-inline scene::Number numberOf(const Q& q) { return scene::Number(q.rational()); }
+inline scene::Number numberOf(const Q& q) {
+  return scene::Number(q.rational());
+}
 inline scene::Vector vectorOf(const V3<Q>& v) {
   return {numberOf(v(0)), numberOf(v(1)), numberOf(v(2))};
 }
@@ -109,9 +111,10 @@ inline Q exactRoot(const Q& x) {
   return Q(scene::Rational(root_n, root_d));
 }
 
-/** A scene's numbers as rationals. Quarter turns are exact; any other fixed angle stands for the point
-    of the circle whose half-angle tangent is the angle's number (pi counted as 1), so the mechanism is
-    another one of the same kind: equal angles are equal points and opposite angles opposite points. */
+/** A scene's numbers as rationals. Quarter turns are exact; any other fixed angle stands for the
+   point of the circle whose half-angle tangent is the angle's number (pi counted as 1), so the
+   mechanism is another one of the same kind: equal angles are equal points and opposite angles
+   opposite points. */
 class RationalNumbers {
  public:
   using Scalar = Q;
@@ -132,8 +135,8 @@ class RationalNumbers {
   scene::AxisTurn<Q> axisTurn(const scene::Vector& axis) const {
     const Q x = (*this)(axis[0]), y = (*this)(axis[1]), z = (*this)(axis[2]);
     const Q rho = exactRoot(x * x + y * y), length = exactRoot(x * x + y * y + z * z);
-    const scene::CosSin<Q> alpha = rho == 0 ? scene::CosSin<Q>{1, 0}
-                                            : scene::CosSin<Q>{x / rho, y / rho};
+    const scene::CosSin<Q> alpha =
+        rho == 0 ? scene::CosSin<Q>{1, 0} : scene::CosSin<Q>{x / rho, y / rho};
     return {alpha, {z / length, rho / length}};
   }
 
@@ -158,7 +161,7 @@ class Sampler {
   scene::CosSin<Q> circle() { return circlePoint(Q((pick(2) == 0 ? 1 : -1) * (1 + pick(7))) / 4); }
   /// A vector of rational length and of rational distance from the z axis.
   V3<Q> axis() {
-    static constexpr int kAxes[][3] = {{3, 4, 12},   {-4, 3, 12}, {12, -16, 15}, {-3, -4, -12},
+    static constexpr int kAxes[][3] = {{3, 4, 12},    {-4, 3, 12}, {12, -16, 15}, {-3, -4, -12},
                                        {16, 12, -15}, {-12, 9, 8}, {9, 12, -8},   {5, -12, 84}};
     const int* a = kAxes[pick(8)];
     return V3<Q>(a[0], a[1], a[2]);
@@ -217,8 +220,8 @@ inline scene::MassProperties massProperties(const std::vector<Point>& cloud, boo
   const V3<Q> com = moment / mass;
   M3<Q> R = M3<Q>::Identity();  // link axes turned into the axes in which the six numbers are given
   if (turned)
-    R = rotationZ(circlePoint(rpy_half_tangents(2))) * rotationY(circlePoint(rpy_half_tangents(1))) *
-        rotationX(circlePoint(rpy_half_tangents(0)));
+    R = rotationZ(circlePoint(rpy_half_tangents(2))) *
+        rotationY(circlePoint(rpy_half_tangents(1))) * rotationX(circlePoint(rpy_half_tangents(0)));
   M3<Q> I = M3<Q>::Zero();
   for (const Point& point : cloud) {
     const V3<Q> from_point = about_origin ? point.at : V3<Q>(point.at - com);
@@ -249,9 +252,10 @@ struct Features {
 };
 
 /** A random branching tree with `moving` revolute and prismatic joints, generic in everything: no
-    number is zero, no axis is a coordinate axis (except where DH makes it z), every link is a cloud of
-    four to six mass points, placements come in all three conventions. Every third link or so hangs on
-    a fixed joint in between. Rational through and through; see RationalNumbers for its angles. */
+    number is zero, no axis is a coordinate axis (except where DH makes it z), every link is a cloud
+   of four to six mass points, placements come in all three conventions. Every third link or so
+   hangs on a fixed joint in between. Rational through and through; see RationalNumbers for its
+   angles. */
 inline Tree randomTree(int moving, std::uint64_t seed, const Features& features = {}) {
   Sampler sample(seed);
   Tree tree;
@@ -303,13 +307,14 @@ inline Tree randomTree(int moving, std::uint64_t seed, const Features& features 
   for (int i = 0; i < moving; ++i) {
     // long branches rather than a star: one of the last three links, or any
     const int count = static_cast<int>(carriers.size());
-    int parent = sample.pick(4) == 0 ? carriers[static_cast<std::size_t>(sample.pick(count))]
-                                     : carriers[static_cast<std::size_t>(
-                                           count - 1 - sample.pick(count < 3 ? count : 3))];
+    int parent =
+        sample.pick(4) == 0
+            ? carriers[static_cast<std::size_t>(sample.pick(count))]
+            : carriers[static_cast<std::size_t>(count - 1 - sample.pick(count < 3 ? count : 3))];
     if (features.fixed_joints && sample.pick(3) == 0)
       parent = addLink(parent, scene::JointKind::kFixed);
-    carriers.push_back(addLink(parent, sample.pick(3) == 0 ? scene::JointKind::kPrismatic
-                                                           : scene::JointKind::kRevolute));
+    carriers.push_back(addLink(
+        parent, sample.pick(3) == 0 ? scene::JointKind::kPrismatic : scene::JointKind::kRevolute));
   }
   if (features.fixed_joints) addLink(carriers.back(), scene::JointKind::kFixed);  // a fixed leaf
   if (features.wrenches) {
@@ -353,7 +358,8 @@ inline Tree floatingTree(int moving, std::uint64_t seed, bool gravity) {
   tree.clouds.assign(7, {});
   for (std::size_t i = 0; i < rest.mechanism.links.size(); ++i) {
     scene::Link link = rest.mechanism.links[i];
-    link.parent = link.parent < 0 ? 6 : link.parent + 7;  // its root is fixed to the last of the six
+    link.parent =
+        link.parent < 0 ? 6 : link.parent + 7;  // its root is fixed to the last of the six
     if (link.joint.name.empty() || i == 0) link.joint.name = "mount";
     tree.mechanism.links.push_back(link);
     tree.clouds.push_back(rest.clouds[i]);
@@ -361,7 +367,8 @@ inline Tree floatingTree(int moving, std::uint64_t seed, bool gravity) {
   return tree;
 }
 
-/// A random state, all of it rational: angles as points of the circle with an unrelated q for springs.
+/// A random state, all of it rational: angles as points of the circle with an unrelated q for
+/// springs.
 inline scene::State<Q> randomState(int dof, std::uint64_t seed) {
   Sampler sample(seed + 1000003u);
   scene::State<Q> state;
@@ -383,8 +390,8 @@ struct Pose {
 };
 
 /** Poses of all links, by composing rotations and translations as the scene's author wrote them,
-    in active 3 x 3 form; a joint turns by Rodrigues' formula about its own axis. Shares nothing with
-    recursive/ and reads only the fields of the scene. T: Q, or duals over Q. */
+    in active 3 x 3 form; a joint turns by Rodrigues' formula about its own axis. Shares nothing
+   with recursive/ and reads only the fields of the scene. T: Q, or duals over Q. */
 template <typename T>
 std::vector<Pose<T>> linkPoses(const scene::Mechanism& mechanism,
                                const std::vector<scene::JointPosition<T>>& x) {
@@ -416,8 +423,8 @@ std::vector<Pose<T>> linkPoses(const scene::Mechanism& mechanism,
       turn(detail::rotationZ(angle(place.rpy[2])));
       turn(detail::rotationY(angle(place.rpy[1])));
       turn(detail::rotationX(angle(place.rpy[0])));
-      axis = V3<Q>(number(link.joint.axis[0]), number(link.joint.axis[1]),
-                   number(link.joint.axis[2]));
+      axis =
+          V3<Q>(number(link.joint.axis[0]), number(link.joint.axis[1]), number(link.joint.axis[2]));
       axis /= exactRoot(axis.dot(axis));
     } else if (!dh) {
       turn(detail::rotationX(angle(place.alpha)));

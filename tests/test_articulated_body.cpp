@@ -61,14 +61,14 @@ std::vector<Q> released(const std::string& table_scene) {
 
 BOOST_AUTO_TEST_SUITE(known_answers)
 
-// Published by rbdl's tests (from Featherstone's spatial_v1), see data/reference/rbdl_*.json; the notes
-// there give the exact fractions behind the printed decimals.
+// Published by rbdl's tests (from Featherstone's spatial_v1), see data/reference/rbdl_*.json; the
+// notes there give the exact fractions behind the printed decimals.
 BOOST_AUTO_TEST_CASE(links_released_at_rest_fall_as_published) {
   const Q g = Q(981) / 100;
   BOOST_TEST(mismatch(released("rbdl_one_link_offset.toml"), {-g * 3 / 2 / (Q(25) / 4)}) == "");
   BOOST_TEST(mismatch(released("rbdl_two_links.toml"), {g * -3 / 5, g * 2 / 5}) == "");
-  BOOST_TEST(mismatch(released("rbdl_three_links.toml"),
-                      {g * -8 / 13, g * 5 / 13, g * 2 / 13}) == "");
+  BOOST_TEST(mismatch(released("rbdl_three_links.toml"), {g * -8 / 13, g * 5 / 13, g * 2 / 13}) ==
+             "");
 }
 
 // By hand: two slides along z, the outer one of mass m, the inner of mass M, forces F and f:
@@ -130,8 +130,7 @@ BOOST_AUTO_TEST_CASE(a_hanging_chain_of_100000_hinges_rests) {
     link.dof = i;
     link.kind = JointKind::kRevolute;
     if (i > 0) link.X_tree.p = {-1, 0, 0};
-    link.M = RigidInertia<double>::aboutCenterOfMass(1, {-0.5, 0, 0},
-                                                     {0.0, 0.25, 0.25, 0, 0, 0});
+    link.M = RigidInertia<double>::aboutCenterOfMass(1, {-0.5, 0, 0}, {0.0, 0.25, 0.25, 0, 0, 0});
     model.links.push_back(link);
     model.link_of_dof.push_back(i);
   }

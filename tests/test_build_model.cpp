@@ -72,10 +72,8 @@ BOOST_DATA_TEST_CASE(a_dh_row_places_the_link_behind_the_joint, data::xrange(kSe
   const Model<Q> model = buildModel(m, RationalNumbers(m));
   const auto t = fixtures::circlePoint(theta), l = fixtures::circlePoint(alpha);
   Eigen::Matrix<Q, 4, 4> A;
-  A << t.c, -t.s * l.c, t.s * l.s, a * t.c,
-       t.s, t.c * l.c, -t.c * l.s, a * t.s,
-       0, l.s, l.c, d,
-       0, 0, 0, 1;
+  A << t.c, -t.s * l.c, t.s * l.s, a * t.c, t.s, t.c * l.c, -t.c * l.s, a * t.s, 0, l.s, l.c, d, 0,
+      0, 0, 1;
   const Eigen::Matrix<Q, 4, 1> r = A * Eigen::Matrix<Q, 4, 1>(com(0), com(1), com(2), Q(1));
   BOOST_TEST(mismatch(model.links[0].M.h, V3<Q>(r.head<3>())) == "");
   BOOST_TEST(mismatch(model.links[0].X_tree.motionMatrix(), Matrix6<Q>::Identity()) == "");

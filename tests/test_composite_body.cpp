@@ -42,8 +42,7 @@ MatrixX<Q> coriolisMatrixOf(const scene::Mechanism& m, const scene::State<Q>& st
 
 /// M by its definition on mass points: M_ij = sum m dr/dq_i . dr/dq_j, and the rotors.
 template <typename T>
-MatrixX<T> massMatrixOfPoints(const fixtures::Tree& tree,
-                              const std::vector<JointPosition<T>>& x) {
+MatrixX<T> massMatrixOfPoints(const fixtures::Tree& tree, const std::vector<JointPosition<T>>& x) {
   const scene::Mechanism& m = tree.mechanism;
   const fixtures::RationalNumbers number(m);
   const int n = m.dof();
@@ -64,10 +63,9 @@ MatrixX<T> massMatrixOfPoints(const fixtures::Tree& tree,
   MatrixX<T> M = MatrixX<T>::Constant(n, n, T(0));
   const std::vector<int> moving = m.movingLinks();
   for (int i = 0; i < n; ++i) {
-    const scene::Joint& joint = m.links[static_cast<std::size_t>(
-        moving[static_cast<std::size_t>(i)])].joint;
-    M(i, i) += T(number(joint.gear_ratio) * number(joint.gear_ratio) *
-                 number(joint.rotor_inertia));
+    const scene::Joint& joint =
+        m.links[static_cast<std::size_t>(moving[static_cast<std::size_t>(i)])].joint;
+    M(i, i) += T(number(joint.gear_ratio) * number(joint.gear_ratio) * number(joint.rotor_inertia));
     for (int j = 0; j < n; ++j) {
       std::size_t k = 0;
       for (const auto& cloud : tree.clouds)
@@ -82,8 +80,8 @@ MatrixX<T> massMatrixOfPoints(const fixtures::Tree& tree,
 }
 
 MatrixX<Q> columnOf(const std::vector<Q>& v) {
-  return Eigen::Map<const Eigen::Matrix<Q, Eigen::Dynamic, 1>>(
-      v.data(), static_cast<Eigen::Index>(v.size()));
+  return Eigen::Map<const Eigen::Matrix<Q, Eigen::Dynamic, 1>>(v.data(),
+                                                               static_cast<Eigen::Index>(v.size()));
 }
 
 }  // namespace
@@ -123,7 +121,8 @@ BOOST_DATA_TEST_CASE(the_mass_matrix_is_that_of_the_mass_points, data::xrange(kS
 
 // C from the Christoffel symbols of the points' mass matrix:
 //   C_ij = sum_k (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) qd_k / 2.
-BOOST_DATA_TEST_CASE(the_coriolis_matrix_is_that_of_the_christoffel_symbols, data::xrange(4), seed) {
+BOOST_DATA_TEST_CASE(the_coriolis_matrix_is_that_of_the_christoffel_symbols, data::xrange(4),
+                     seed) {
   constexpr int n = 4;
   const fixtures::Tree tree = fixtures::randomTree(n, seed);
   const scene::State<Q> state = fixtures::randomState(n, seed);

@@ -66,9 +66,10 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(identities)
 
-// Exactly f(x + h) = f(x) + h f'(x) + O(h^2): the divided difference approaches the derivative at the
-// rate of h, so its error halves (to 10 %) when a small h does.
-BOOST_DATA_TEST_CASE(the_derivative_is_the_limit_of_divided_differences, data::xrange(kSeeds), seed) {
+// Exactly f(x + h) = f(x) + h f'(x) + O(h^2): the divided difference approaches the derivative at
+// the rate of h, so its error halves (to 10 %) when a small h does.
+BOOST_DATA_TEST_CASE(the_derivative_is_the_limit_of_divided_differences, data::xrange(kSeeds),
+                     seed) {
   Sampler sample(seed);
   const Q x = sample.rational(), h = Q(1) / 1000000;
   const D y = function(D(x, Q(1)));

@@ -53,7 +53,8 @@ std::vector<MovingPoint> movingPoints(const fixtures::Tree& tree, const scene::S
 
 BOOST_AUTO_TEST_SUITE(known_answers)
 
-// By hand: T = m l^2 qd^2 / 2 and V = -m g l cos q + k (q - rest)^2 / 2 of a pendulum with a spring.
+// By hand: T = m l^2 qd^2 / 2 and V = -m g l cos q + k (q - rest)^2 / 2 of a pendulum with a
+// spring.
 BOOST_AUTO_TEST_CASE(a_pendulum_has_its_textbook_energies) {
   scene::Mechanism m;
   m.has_gravity = true;
@@ -82,8 +83,8 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(identities)
 
-// Sums over mass points: T = sum m v'v / 2, V = -sum m gravity'r, p = sum m v, L = sum r x m v; rotors
-// and springs are added by their definition. The world's own links count in V.
+// Sums over mass points: T = sum m v'v / 2, V = -sum m gravity'r, p = sum m v, L = sum r x m v;
+// rotors and springs are added by their definition. The world's own links count in V.
 BOOST_DATA_TEST_CASE(energies_and_momentum_are_the_sums_over_mass_points, data::xrange(kSeeds),
                      seed) {
   const fixtures::Tree tree = fixtures::randomTree(kMoving, seed);
@@ -123,11 +124,11 @@ BOOST_AUTO_TEST_SUITE(conservation)
 
 // Newton's and Euler's laws for the whole: a floating mechanism without joint forces changes its
 // momentum by its weight alone,  dp/dt = m g,  dL/dt = (sum m r) x g;  without gravity not at all.
-// qdd comes from the articulated-body sweep, the rate from dual numbers, the weight from the points.
+// qdd comes from the articulated-body sweep, the rate from dual numbers, the weight from the
+// points.
 BOOST_DATA_TEST_CASE(only_the_weight_changes_the_momentum_of_a_floating_mechanism,
                      data::xrange(6) * data::make({false, true}), seed, gravity) {
-  const fixtures::Tree tree =
-      fixtures::floatingTree(3, static_cast<std::uint64_t>(seed), gravity);
+  const fixtures::Tree tree = fixtures::floatingTree(3, static_cast<std::uint64_t>(seed), gravity);
   const scene::Mechanism& m = tree.mechanism;
   const fixtures::RationalNumbers number(m);
   const int n = m.dof();

@@ -91,13 +91,15 @@ BOOST_AUTO_TEST_CASE(one_of_three_stands_alone) {
     BOOST_TEST(finding.scene == "test_scene");
     BOOST_TEST(finding.quantity == "kinetic");
     BOOST_TEST(finding.witness == std::string(1, static_cast<char>('a' + wrong)));
-    BOOST_TEST((finding.text.find("test_scene: kinetic: " + finding.witness + " stands alone") == 0),
-               finding.text);
+    BOOST_TEST(
+        (finding.text.find("test_scene: kinetic: " + finding.witness + " stands alone") == 0),
+        finding.text);
   }
 }
 
 BOOST_AUTO_TEST_CASE(one_of_four_stands_alone) {
-  const Finding finding = findingOf({saying("a", 1), saying("b", 1), saying("c", 9), saying("d", 1)});
+  const Finding finding =
+      findingOf({saying("a", 1), saying("b", 1), saying("c", 9), saying("d", 1)});
   BOOST_TEST(finding.witness == "c");
   BOOST_TEST((finding.text.find("a, b, d agree") != std::string::npos), finding.text);
 }
@@ -110,7 +112,8 @@ BOOST_AUTO_TEST_CASE(of_two_neither_stands_alone) {
 }
 
 BOOST_AUTO_TEST_CASE(two_against_two_blames_nobody) {
-  BOOST_TEST(findingOf({saying("a", 1), saying("b", 1), saying("c", 9), saying("d", 9)}).witness == "");
+  BOOST_TEST(findingOf({saying("a", 1), saying("b", 1), saying("c", 9), saying("d", 9)}).witness ==
+             "");
 }
 
 BOOST_AUTO_TEST_CASE(three_that_all_differ_blame_nobody) {
@@ -168,8 +171,9 @@ BOOST_AUTO_TEST_CASE(a_witness_without_bound_is_no_third_voice) {
 
 // Three proven answers suffice to say who is wrong, whether or not a fourth witness can speak.
 BOOST_AUTO_TEST_CASE(one_of_three_stands_alone_though_a_fourth_is_silent) {
-  BOOST_TEST(findingOf({saying("a", 9), saying("b", 1), saying("c", 1), saying("thrower", 1)}).witness ==
-             "a");
+  BOOST_TEST(
+      findingOf({saying("a", 9), saying("b", 1), saying("c", 1), saying("thrower", 1)}).witness ==
+      "a");
   BOOST_TEST(findingOf({saying("a", 9), saying("b", 1), saying("c", 1), saying("d", 1, kInfinity)})
                  .witness == "a");
 }
@@ -181,7 +185,8 @@ BOOST_AUTO_TEST_CASE(an_unknown_witness_is_refused_with_the_names_that_exist) {
   } catch (const scene::InputError& error) {
     const std::string what = error.what();
     BOOST_TEST((what.find("'newton_eular'") != std::string::npos), what);
-    for (const char* name : {"lagrange", "newton_euler", "composite_body", "articulated_body", "simbody"})
+    for (const char* name :
+         {"lagrange", "newton_euler", "composite_body", "articulated_body", "simbody"})
       BOOST_TEST((what.find(name) != std::string::npos), what);
   }
   BOOST_TEST(selectWitnesses({"simbody", "lagrange"}).size() == 2u);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the comparison of witnesses is worth: their folders share the scene's numbers and no formula.
-// Reads the include lines of the sources.
+// What the comparison of witnesses is worth: their folders share the scene's numbers and no
+// formula. Reads the include lines of the sources.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE independence
 #include <filesystem>
@@ -60,7 +60,9 @@ struct Rule {
   const char* folder;
   std::set<std::string> may_include;
 };
-std::ostream& operator<<(std::ostream& out, const Rule& rule) { return out << rule.folder; }
+std::ostream& operator<<(std::ostream& out, const Rule& rule) {
+  return out << rule.folder;
+}
 
 const std::vector<Rule> kRules = {{"scene", {"scene"}},
                                   {"symbolic", {"scene", "symbolic"}},

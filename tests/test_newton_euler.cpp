@@ -32,8 +32,8 @@ std::vector<Q> tauOf(const scene::Mechanism& mechanism, const scene::State<Q>& s
   return tau;
 }
 
-/// A link of a chain in the x-z plane: joint about y at the parent's (0, 0, -length), a point mass at
-/// this link's (0, 0, -r). Angle zero hangs down.
+/// A link of a chain in the x-z plane: joint about y at the parent's (0, 0, -length), a point mass
+/// at this link's (0, 0, -r). Angle zero hangs down.
 scene::Link pendulumLink(int parent, const Q& offset, const Q& r, const Q& mass) {
   scene::Link link;
   link.name = "link_" + std::to_string(parent + 1);
@@ -79,14 +79,13 @@ BOOST_DATA_TEST_CASE(a_double_pendulum_obeys_its_textbook_equations, data::xrang
   fixtures::Sampler sample(seed);
   const Q l1 = sample.positive(), l2 = sample.positive(), m1 = sample.positive(),
           m2 = sample.positive(), g = Q(981) / 100;
-  const scene::Mechanism two =
-      pendulums({pendulumLink(0, 0, l1, m1), pendulumLink(1, l1, l2, m2)});
+  const scene::Mechanism two = pendulums({pendulumLink(0, 0, l1, m1), pendulumLink(1, l1, l2, m2)});
   const scene::State<Q> state = fixtures::randomState(2, seed);
   const Q w1 = state.qd[0], w2 = state.qd[1], a1 = state.qdd[0], a2 = state.qdd[1];
   const Q s1 = state.x[0].s, c1 = state.x[0].c, s2 = state.x[1].s, c2 = state.x[1].c;
   const Q s12 = s1 * c2 + c1 * s2, w12 = w1 + w2;
-  const Q tau2 = m2 * l2 * l2 * (a1 + a2) + m2 * l1 * l2 * (c2 * a1 + s2 * w1 * w1) +
-                 m2 * g * l2 * s12;
+  const Q tau2 =
+      m2 * l2 * l2 * (a1 + a2) + m2 * l1 * l2 * (c2 * a1 + s2 * w1 * w1) + m2 * g * l2 * s12;
   const Q tau1 = tau2 + (m1 + m2) * l1 * l1 * a1 +
                  m2 * l1 * l2 * (c2 * (a1 + a2) - s2 * w12 * w12) + (m1 + m2) * g * l1 * s1;
   const std::vector<Q> tau = tauOf(two, state, state.qd, state.qdd, Terms::all());
@@ -123,8 +122,9 @@ BOOST_AUTO_TEST_CASE(a_chain_of_100000_slides_carries_what_is_above_each) {
   BOOST_TEST(expected == 0.5 * n * (n - 1) + 11.0 * n);
 }
 
-// By hand: n straight links of length 1 with 1 kg at the tips, no gravity, all turning with the first
-// joint: mass k is at distance k + 1, so tau_i = sum over k >= i of (k + 1 - i) (k + 1) qdd_0.
+// By hand: n straight links of length 1 with 1 kg at the tips, no gravity, all turning with the
+// first joint: mass k is at distance k + 1, so tau_i = sum over k >= i of (k + 1 - i) (k + 1)
+// qdd_0.
 BOOST_AUTO_TEST_CASE(a_straight_chain_of_100000_hinges_passes_moments_inward) {
   constexpr int n = 100000;
   scene::Mechanism m = pendulums({});

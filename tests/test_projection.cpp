@@ -21,7 +21,9 @@ namespace {
 
 constexpr int kSeeds = 8;
 
-Vector6<Q> unit(int i) { return Vector6<Q>::Unit(i); }
+Vector6<Q> unit(int i) {
+  return Vector6<Q>::Unit(i);
+}
 
 /// A generic positive definite 6 x 6 matrix: a sum of squares.
 Matrix6<Q> randomInertia(fixtures::Sampler& sample) {
@@ -46,13 +48,10 @@ BOOST_DATA_TEST_CASE(the_projection_matrices_are_those_written_out_in_the_chapte
   const Q d = has_rotor ? sample.positive() : Q(0);
   const Q D = d + m(5, 5);
   Matrix6<Q> P;
-  P << 1, 0, 0, 0, 0, -m(0, 5) / D,
-       0, 1, 0, 0, 0, -m(1, 5) / D,
-       0, 0, 1, 0, 0, -m(2, 5) / D,
-       0, 0, 0, 1, 0, -m(3, 5) / D,
-       0, 0, 0, 0, 1, -m(4, 5) / D,
-       // the page prints 0 here in (36) as well; it is 1 - m66/(d + m66), which is 0 without a rotor
-       0, 0, 0, 0, 0, d / D;
+  P << 1, 0, 0, 0, 0, -m(0, 5) / D, 0, 1, 0, 0, 0, -m(1, 5) / D, 0, 0, 1, 0, 0, -m(2, 5) / D, 0, 0,
+      0, 1, 0, -m(3, 5) / D, 0, 0, 0, 0, 1, -m(4, 5) / D,
+      // the page prints 0 here in (36) as well; it is 1 - m66/(d + m66), which is 0 without a rotor
+      0, 0, 0, 0, 0, d / D;
   BOOST_TEST(mismatch(forceProjection(m, unit(5), d), P) == "");
   BOOST_TEST(mismatch(accelerationProjection(m, unit(5), d), P.transpose()) == "");
 }
@@ -86,7 +85,7 @@ BOOST_DATA_TEST_CASE(the_projection_gives_the_force_that_a_free_joint_passes_on,
   const Q d = has_rotor ? sample.positive() : Q(0);
   Vector6<Q> A, Z;
   A << sample.vector(), sample.vector();
-  Z << sample.vector(), sample.vector();  // any screw, not only z
+  Z << sample.vector(), sample.vector();             // any screw, not only z
   const Q qdd = -Z.dot(M * A) / (d + Z.dot(M * Z));  // (22), (23)
   const Vector6<Q> acceleration = A + Z * qdd;       // (20)
   const Vector6<Q> F = M * acceleration;             // (24)
@@ -126,8 +125,8 @@ BOOST_DATA_TEST_CASE(with_a_rotor_the_projection_leaks, data::xrange(kSeeds), se
   BOOST_TEST(mismatch(P * P, P) != "");
 }
 
-// Every law of identities.hpp, which the crosscheck asks within rounding: here without any rounding,
-// on random trees. The residual is 0 or it is not.
+// Every law of identities.hpp, which the crosscheck asks within rounding: here without any
+// rounding, on random trees. The residual is 0 or it is not.
 BOOST_DATA_TEST_CASE(the_laws_of_mechanics_hold_without_rounding, data::xrange(6), seed) {
   const int moving = 3 + static_cast<int>(seed) % 3;
   const fixtures::Tree tree = fixtures::randomTree(moving, seed);
@@ -137,11 +136,12 @@ BOOST_DATA_TEST_CASE(the_laws_of_mechanics_hold_without_rounding, data::xrange(6
   BOOST_REQUIRE(sides.size() == static_cast<std::size_t>(crosscheck::kIdentityCount));
   for (int i = 0; i < crosscheck::kIdentityCount; ++i) {
     const auto& both = sides[static_cast<std::size_t>(i)];
-    BOOST_TEST_CONTEXT(crosscheck::kIdentities[i].name << ": " << crosscheck::kIdentities[i].statement) {
+    BOOST_TEST_CONTEXT(crosscheck::kIdentities[i].name << ": "
+                                                       << crosscheck::kIdentities[i].statement) {
       BOOST_TEST(mismatch(both.left, both.right) == "");
       // generic: a law between zeros would be no test
-      BOOST_TEST(mismatch(both.left, MatrixX<Q>::Constant(both.left.rows(), both.left.cols(), Q(0))) !=
-                 "");
+      BOOST_TEST(mismatch(both.left,
+                          MatrixX<Q>::Constant(both.left.rows(), both.left.cols(), Q(0))) != "");
     }
   }
 }

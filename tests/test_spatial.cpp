@@ -29,8 +29,8 @@ namespace {
 template <typename, typename A, typename B>
 struct CanAdd : std::false_type {};
 template <typename A, typename B>
-struct CanAdd<std::void_t<decltype(std::declval<A>() + std::declval<B>())>, A, B>
-    : std::true_type {};
+struct CanAdd<std::void_t<decltype(std::declval<A>() + std::declval<B>())>, A, B> : std::true_type {
+};
 template <typename, typename A, typename B>
 struct CanSubtract : std::false_type {};
 template <typename A, typename B>
@@ -60,7 +60,8 @@ static_assert(!CanAdd<void, X, F>::value && !CanAdd<void, F, X>::value);
 static_assert(CanSubtract<void, X, X>::value && CanSubtract<void, F, F>::value);
 static_assert(!CanSubtract<void, X, F>::value && !CanSubtract<void, F, X>::value);
 static_assert(CanDot<void, X, F>::value);
-static_assert(!CanDot<void, X, X>::value && !CanDot<void, F, F>::value && !CanDot<void, F, X>::value);
+static_assert(!CanDot<void, X, X>::value && !CanDot<void, F, F>::value &&
+              !CanDot<void, F, X>::value);
 static_assert(CanCross<void, X, X>::value && CanCross<void, X, F>::value);
 static_assert(!CanCross<void, F, X>::value && !CanCross<void, F, F>::value);
 static_assert(CanMultiply<void, RigidInertia<double>, X>::value);
@@ -76,8 +77,12 @@ static_assert(std::is_same_v<decltype(std::declval<RigidInertia<double>>() * X()
 
 // ----------------------------------------------------------------------------- random elements
 
-Motion<Q> randomMotion(Sampler& s) { return {s.vector(), s.vector()}; }
-Force<Q> randomForce(Sampler& s) { return {s.vector(), s.vector()}; }
+Motion<Q> randomMotion(Sampler& s) {
+  return {s.vector(), s.vector()};
+}
+Force<Q> randomForce(Sampler& s) {
+  return {s.vector(), s.vector()};
+}
 Transform<Q> randomTransform(Sampler& s) {
   using namespace dynwitness::fixtures::detail;
   return {rotationZ(s.circle()) * rotationY(s.circle()) * rotationX(s.circle()), s.vector()};
@@ -163,8 +168,8 @@ BOOST_DATA_TEST_CASE(a_velocity_moves_to_another_point_by_equation_8, data::xran
   BOOST_TEST(mismatch(X_BA * Motion<Q>{v_A, w_A}, Motion<Q>{v_B_again, v_B.angular}) == "");
 }
 
-// Section 5.3, left open there: momentum moves like force. By hand: p = sum m v, l = sum r x m v over
-// mass points of a moving body, about both origins.
+// Section 5.3, left open there: momentum moves like force. By hand: p = sum m v, l = sum r x m v
+// over mass points of a moving body, about both origins.
 BOOST_DATA_TEST_CASE(momentum_of_mass_points_moves_like_a_force, data::xrange(kSeeds), seed) {
   Sampler sample(seed);
   const std::vector<Point> cloud = randomCloud(sample);  // in A
@@ -195,9 +200,9 @@ BOOST_DATA_TEST_CASE(transformation_matrices_have_the_blocks_of_the_chapter, dat
   r_hat << 0, -r(2), r(1), r(2), 0, -r(0), -r(1), r(0), 0;  // (4)
   BOOST_TEST(mismatch(skew(r), r_hat) == "");
   Matrix6<Q> T_F_12, T_V_12, T_F_21, T_V_21;
-  T_F_12 << R_AB, M3<Q>::Zero(), r_hat * R_AB, R_AB;                                    // (6)
+  T_F_12 << R_AB, M3<Q>::Zero(), r_hat * R_AB, R_AB;                                       // (6)
   T_F_21 << R_AB.transpose(), M3<Q>::Zero(), -R_AB.transpose() * r_hat, R_AB.transpose();  // (7)
-  T_V_12 << R_AB, r_hat * R_AB, M3<Q>::Zero(), R_AB;                                    // (11)
+  T_V_12 << R_AB, r_hat * R_AB, M3<Q>::Zero(), R_AB;                                       // (11)
   T_V_21 << R_AB.transpose(), -R_AB.transpose() * r_hat, M3<Q>::Zero(), R_AB.transpose();  // (12)
   BOOST_TEST(mismatch(X_BA.forceMatrix(), T_F_21) == "");
   BOOST_TEST(mismatch(X_BA.motionMatrix(), T_V_21) == "");
@@ -207,8 +212,8 @@ BOOST_DATA_TEST_CASE(transformation_matrices_have_the_blocks_of_the_chapter, dat
 }
 
 // Chapter (16) and (18) against sums over mass points: the sums know no parallel-axis theorem.
-BOOST_DATA_TEST_CASE(the_parallel_axis_rule_gives_the_inertia_of_a_point_cloud, data::xrange(kSeeds),
-                     seed) {
+BOOST_DATA_TEST_CASE(the_parallel_axis_rule_gives_the_inertia_of_a_point_cloud,
+                     data::xrange(kSeeds), seed) {
   Sampler sample(seed);
   std::vector<Point> cloud = randomCloud(sample);
   const RigidInertia<Q> about_origin = summed(cloud);
@@ -224,7 +229,8 @@ BOOST_DATA_TEST_CASE(the_parallel_axis_rule_gives_the_inertia_of_a_point_cloud, 
 }
 
 // The same cloud seen from A and from B: points are moved one by one, then summed.
-BOOST_DATA_TEST_CASE(an_inertia_moves_to_another_frame_as_its_points_do, data::xrange(kSeeds), seed) {
+BOOST_DATA_TEST_CASE(an_inertia_moves_to_another_frame_as_its_points_do, data::xrange(kSeeds),
+                     seed) {
   Sampler sample(seed);
   const std::vector<Point> in_B = randomCloud(sample);
   const Transform<Q> X_BA = randomTransform(sample);
@@ -234,7 +240,8 @@ BOOST_DATA_TEST_CASE(an_inertia_moves_to_another_frame_as_its_points_do, data::x
 }
 
 // F = M a + bias for a cloud: each point needs m times its acceleration. With spatial acceleration
-// (a, alpha) and velocity (v, w) a point at r has the acceleration a + w x v + alpha x r + w x (w x r).
+// (a, alpha) and velocity (v, w) a point at r has the acceleration a + w x v + alpha x r + w x (w x
+// r).
 BOOST_DATA_TEST_CASE(inertial_force_is_the_sum_of_mass_times_acceleration, data::xrange(kSeeds),
                      seed) {
   Sampler sample(seed);
@@ -243,8 +250,8 @@ BOOST_DATA_TEST_CASE(inertial_force_is_the_sum_of_mass_times_acceleration, data:
   Force<Q> sum = Force<Q>::zero();
   for (const Point& point : cloud) {
     const V3<Q> w_r = v.angular.cross(point.at);
-    const V3<Q> acceleration = a.linear + v.angular.cross(v.linear) + a.angular.cross(point.at) +
-                               v.angular.cross(w_r);
+    const V3<Q> acceleration =
+        a.linear + v.angular.cross(v.linear) + a.angular.cross(point.at) + v.angular.cross(w_r);
     sum.force += acceleration * point.mass;
     sum.moment += point.at.cross(V3<Q>(acceleration * point.mass));
   }
@@ -305,7 +312,8 @@ BOOST_DATA_TEST_CASE(power_is_the_same_in_every_frame, data::xrange(kSeeds), see
   const Motion<Q> v = randomMotion(sample);
   const Force<Q> f = randomForce(sample);
   BOOST_TEST(dot(X * v, X * f) == dot(v, f));
-  BOOST_TEST(mismatch(X.forceMatrix().transpose() * X.motionMatrix(), Matrix6<Q>::Identity()) == "");
+  BOOST_TEST(mismatch(X.forceMatrix().transpose() * X.motionMatrix(), Matrix6<Q>::Identity()) ==
+             "");
 }
 
 // Chapter (19), with dense 6 x 6 products instead of the shifts that the code uses.

@@ -23,7 +23,9 @@ Tally tallyOf(const char* quantity) {
   return Tally(description);
 }
 
-MatrixXd column(double a, double b) { return (MatrixXd(2, 1) << a, b).finished(); }
+MatrixXd column(double a, double b) {
+  return (MatrixXd(2, 1) << a, b).finished();
+}
 
 }  // namespace
 
@@ -36,7 +38,8 @@ BOOST_AUTO_TEST_CASE(a_residual_within_its_limit_agrees) {
   BOOST_TEST((result.verdict == Verdict::kAgree));
   BOOST_TEST(result.states == 1);
   BOOST_TEST(result.reason == "");
-  // by hand: |left - right| / (eps * 8) = 4, limit 5 in the same unit (scale: largest entry, a bit over 8)
+  // by hand: |left - right| / (eps * 8) = 4, limit 5 in the same unit (scale: largest entry, a bit
+  // over 8)
   BOOST_TEST(result.worst == 4, boost::test_tools::tolerance(1e-12));
   BOOST_TEST(result.limit == 5, boost::test_tools::tolerance(1e-12));
   BOOST_TEST(result.ratio == 0.8, boost::test_tools::tolerance(1e-12));
@@ -99,8 +102,11 @@ BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(bad_input)
 
 BOOST_AUTO_TEST_CASE(what_is_not_a_number_disagrees) {
-  for (const auto& [left, right] : {std::pair{kNaN, 1.0}, {1.0, kNaN}, {kNaN, kNaN},
-                                    {kInfinity, 1.0}, {kInfinity, kInfinity}}) {
+  for (const auto& [left, right] : {std::pair{kNaN, 1.0},
+                                    {1.0, kNaN},
+                                    {kNaN, kNaN},
+                                    {kInfinity, 1.0},
+                                    {kInfinity, kInfinity}}) {
     Tally tally = tallyOf("tau");
     tally.add(0, column(1, left), column(1, right), column(1, 1));
     BOOST_TEST((tally.result().verdict == Verdict::kDisagree), left << " and " << right);

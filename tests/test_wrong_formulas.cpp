@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A deliberate mistake in one witness must be found, and the scene, the quantities and the witness be
-// named. The mistakes are those of wrong_formulas.hpp, one at a time.
+// A deliberate mistake in one witness must be found, and the scene, the quantities and the witness
+// be named. The mistakes are those of wrong_formulas.hpp, one at a time.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE wrong_formulas
 #include "wrong_formulas.hpp"
@@ -46,10 +46,11 @@ Options fewStates() {
 
 struct Case {
   Mistake mistake;
-  const char* what;        ///< in words
-  const char* chair;       ///< the witness that makes it
-  const char* scene;       ///< a scene in which it matters
-  const char* quantities;  ///< in dispute; in brackets where only two witnesses speak: no one stands alone
+  const char* what;   ///< in words
+  const char* chair;  ///< the witness that makes it
+  const char* scene;  ///< a scene in which it matters
+  const char*
+      quantities;  ///< in dispute; in brackets where only two witnesses speak: no one stands alone
 };
 std::ostream& operator<<(std::ostream& out, const Case& c) {
   return out << c.what << " (" << c.chair << ", " << c.scene << ")";
@@ -60,7 +61,8 @@ const std::vector<Case> kCases = {
     {Mistake::kGravitySign, "gravity: wrong sign", "articulated_body", "puma_560", "qdd"},
     {Mistake::kGravityNotTurned, "gravity not turned into link axes", "newton_euler", "puma_560",
      "g tau"},
-    {Mistake::kGravityForgetsALink, "gravity left out of one link", "newton_euler", "acrobot", "g tau"},
+    {Mistake::kGravityForgetsALink, "gravity left out of one link", "newton_euler", "acrobot",
+     "g tau"},
     {Mistake::kCoriolisSign, "Coriolis term: wrong sign", "newton_euler", "puma_560", "c tau"},
     {Mistake::kCoriolisSign, "Coriolis term: wrong sign", "articulated_body", "furuta_pendulum",
      "qdd"},
@@ -74,29 +76,31 @@ const std::vector<Case> kCases = {
      "kuka_iiwa_14", "M c g tau kinetic potential (momentum)"},
     {Mistake::kProductsOfInertiaSign, "products of inertia: wrong sign", "newton_euler",
      "franka_panda", "M c tau kinetic (momentum)"},
+    // (the link that it concerns turns about one fixed axis only: no c)
     {Mistake::kInertiaAxesIgnored, "inertia axes ignored", "newton_euler", "prismatic_revolute_mix",
-     "M c tau kinetic (momentum)"},
+     "M tau kinetic (momentum)"},
     {Mistake::kRotationTransposed, "R in place of R'", "newton_euler", "puma_560",
      "M c g tau kinetic (momentum)"},
     {Mistake::kRotationTransposed, "R in place of R'", "composite_body", "scara", "M qdd"},
     {Mistake::kTranslationSign, "transformation: wrong sign of p", "newton_euler", "planar_3r",
-     "M c g tau kinetic (momentum)"},
+     "M c tau kinetic (momentum)"},
     {Mistake::kTranslationSign, "transformation: wrong sign of p", "articulated_body", "planar_3r",
      "qdd"},
-    {Mistake::kForceMovedLikeMotion, "force transformed like a velocity", "newton_euler", "puma_560",
-     "M c g tau (momentum)"},
+    {Mistake::kForceMovedLikeMotion, "force transformed like a velocity", "newton_euler",
+     "puma_560", "M c g tau (momentum)"},
     {Mistake::kChildForceNotTransformed, "child's force not transformed", "newton_euler", "scara",
      "M c tau (momentum)"},
     {Mistake::kDhTurnsBeforeItMoves, "DH row in the wrong order", "newton_euler", "puma_560",
      "M c g tau kinetic potential (momentum)"},
     {Mistake::kRotorMissing, "rotor inertia missing", "newton_euler", "puma_560", "M tau kinetic"},
     {Mistake::kRotorMissing, "rotor inertia missing", "articulated_body", "humanoid", "qdd"},
-    {Mistake::kGearNotSquared, "gear ratio not squared", "newton_euler", "puma_560", "M tau kinetic"},
+    {Mistake::kGearNotSquared, "gear ratio not squared", "newton_euler", "puma_560",
+     "M tau kinetic"},
     {Mistake::kGearNotSquared, "gear ratio not squared", "composite_body", "puma_560", "M qdd"},
     {Mistake::kRotorOnNextJoint, "rotor at the wrong joint", "newton_euler", "stanford_arm",
      "M tau kinetic"},
     {Mistake::kSlideTakenForTurn, "prismatic joint taken for a revolute one", "newton_euler",
-     "cart_pole", "M c g tau kinetic (momentum)"},
+     "cart_pole", "M c tau kinetic (momentum)"},
     {Mistake::kSpringSign, "spring: wrong sign", "newton_euler", "elastic_pendulum",
      "g tau potential"},
     {Mistake::kWorldLoadNotTurned, "load in world axes not turned", "newton_euler",
@@ -109,7 +113,8 @@ const std::vector<Case> kCases = {
      "M qdd"},
     {Mistake::kInertiaNotProjected, "articulated inertia without U U'/D", "articulated_body",
      "acrobot", "qdd"},
-    {Mistake::kJointBiasMissing, "joint's bias force missing", "articulated_body", "puma_560", "qdd"},
+    {Mistake::kJointBiasMissing, "joint's bias force missing", "articulated_body", "puma_560",
+     "qdd"},
     {Mistake::kVelocityBiasNotCarried, "bias force without M_a c", "articulated_body",
      "prismatic_revolute_mix", "qdd"},
     {Mistake::kForceOfJointNotCarried, "bias force without U u/D", "articulated_body", "acrobot",
@@ -144,8 +149,8 @@ BOOST_DATA_TEST_CASE(the_copy_without_mistake_agrees_with_every_witness,
   BOOST_TEST(findOutliers(scene.name, checks).empty());
 }
 
-// One mistake in one witness: the crosscheck disagrees, in exactly these quantities, names the scene
-// and says who stands alone.
+// One mistake in one witness: the crosscheck disagrees, in exactly these quantities, names the
+// scene and says who stands alone.
 BOOST_DATA_TEST_CASE(a_mistake_is_found_and_its_maker_named, data::make(kCases), wrong) {
   const scene::Scene scene = scene::findScene(wrong.scene);
   const auto checks =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A second copy of the sweeps' formulas, in dense 6 x 6 matrices and with every link kept as it stands
-// in the scene, into which one mistake can be put at a time: what the crosscheck must find.
+// A second copy of the sweeps' formulas, in dense 6 x 6 matrices and with every link kept as it
+// stands in the scene, into which one mistake can be put at a time: what the crosscheck must find.
 // With Mistake::kNone it is a correct witness.
 #pragma once
 
@@ -28,16 +28,16 @@ enum class Mistake {
   kBiasMissing,           // f without v x* M v
   kForceCrossLosesForce,  // x* without v x f in the moment
   // inertia
-  kParallelAxisSign,        // I = I_c - shift
-  kCentreInParentAxes,      // the shift takes the centre of mass in the axes of the parent
-  kProductsOfInertiaSign,   // -I_xy for I_xy, as for "positive" products of inertia
-  kInertiaAxesIgnored,      // inertia given in turned axes is taken as given in link axes
+  kParallelAxisSign,       // I = I_c - shift
+  kCentreInParentAxes,     // the shift takes the centre of mass in the axes of the parent
+  kProductsOfInertiaSign,  // -I_xy for I_xy, as for "positive" products of inertia
+  kInertiaAxesIgnored,     // inertia given in turned axes is taken as given in link axes
   // transformations
-  kRotationTransposed,         // R for R'
-  kTranslationSign,            // + R' p x for - R' p x
-  kForceMovedLikeMotion,       // f_p += X^-1 f for X' f
-  kChildForceNotTransformed,   // f_p += f
-  kDhTurnsBeforeItMoves,       // alpha before a in a DH row (the last two steps of a placement)
+  kRotationTransposed,        // R for R'
+  kTranslationSign,           // + R' p x for - R' p x
+  kForceMovedLikeMotion,      // f_p += X^-1 f for X' f
+  kChildForceNotTransformed,  // f_p += f
+  kDhTurnsBeforeItMoves,      // alpha before a in a DH row (the last two steps of a placement)
   // joints
   kRotorMissing,        // no d qdd
   kGearNotSquared,      // d = n J
@@ -50,10 +50,10 @@ enum class Mistake {
   kCompositeNotMoved,    // I_C p += I_C
   kForceNotCarried,      // M_ij = Z_j' F with F still in the axes of link i
   // articulated bodies
-  kInertiaNotProjected,      // M_a without - U U' / D
-  kJointBiasMissing,         // u = tau without - Z' f_A
-  kVelocityBiasNotCarried,   // f_A p without M_a c
-  kForceOfJointNotCarried,   // f_A p without U u / D
+  kInertiaNotProjected,     // M_a without - U U' / D
+  kJointBiasMissing,        // u = tau without - Z' f_A
+  kVelocityBiasNotCarried,  // f_A p without M_a c
+  kForceOfJointNotCarried,  // f_A p without U u / D
 };
 
 template <typename T>
@@ -109,7 +109,8 @@ class Formulas {
     std::vector<V6<T>> v(n, V6<T>::Zero()), a(n, V6<T>::Zero()), f(n, V6<T>::Zero());
     Values tau(static_cast<std::size_t>(dof_), T(0));
     V6<T> a_0 = V6<T>::Zero();
-    if (asked.gravity) a_0.template head<3>() = is(Mistake::kGravitySign) ? gravity_ : V3<T>(-gravity_);
+    if (asked.gravity)
+      a_0.template head<3>() = is(Mistake::kGravitySign) ? gravity_ : V3<T>(-gravity_);
     std::vector<V6<T>> weightless(n, V6<T>::Zero());  // what a carries of gravity
     for (std::size_t i = 0; i < n; ++i) {
       const Body& b = bodies_[i];
@@ -341,7 +342,8 @@ class Formulas {
         b.Z.template tail<3>() = b.axis;
       b.Z = (motion(b.after) * b.Z).eval();
       const T gear = number(link.joint.gear_ratio), J = number(link.joint.rotor_inertia);
-      if (!is(Mistake::kRotorMissing)) b.rotor = is(Mistake::kGearNotSquared) ? gear * J : gear * gear * J;
+      if (!is(Mistake::kRotorMissing))
+        b.rotor = is(Mistake::kGearNotSquared) ? gear * J : gear * gear * J;
       b.stiffness = number(link.joint.stiffness);
       b.rest = number(link.joint.rest);
     }
@@ -374,7 +376,8 @@ class Formulas {
       if (b.dof >= 0 && b.slides) {
         pose.o = pose.o + pose.R * b.axis * x[static_cast<std::size_t>(b.dof)].q;
       } else if (b.dof >= 0) {
-        const T &c = x[static_cast<std::size_t>(b.dof)].c, &s = x[static_cast<std::size_t>(b.dof)].s;
+        const T &c = x[static_cast<std::size_t>(b.dof)].c,
+                &s = x[static_cast<std::size_t>(b.dof)].s;
         const M3<T> u = hat(b.axis);
         pose.R = (pose.R * (M3<T>::Identity() + u * s + u * u * (T(1) - c))).eval();
       }
@@ -453,9 +456,9 @@ class Formulas {
   int dof_ = 0;
 };
 
-/** A witness that sits on the chair of one of ours (newton_euler, composite_body, articulated_body),
-    answers the same quantities by the formulas above and gives their running error bounds: it is sure of
-    its numbers, right or wrong. */
+/** A witness that sits on the chair of one of ours (newton_euler, composite_body,
+   articulated_body), answers the same quantities by the formulas above and gives their running
+   error bounds: it is sure of its numbers, right or wrong. */
 class FormulaWitness : public crosscheck::Witness {
  public:
   using Quantity = crosscheck::Quantity;
@@ -493,16 +496,22 @@ class FormulaWitness : public crosscheck::Witness {
         }
         return M;
       }
-      case Quantity::kc: return inverse(state.qd, zeros, {false, false, false});
-      case Quantity::kg: return inverse(zeros, zeros, {true, true, false});
-      case Quantity::kTau: return inverse(state.qd, state.qdd, {true, true, true});
+      case Quantity::kc:
+        return inverse(state.qd, zeros, {false, false, false});
+      case Quantity::kg:
+        return inverse(zeros, zeros, {true, true, false});
+      case Quantity::kTau:
+        return inverse(state.qd, state.qdd, {true, true, true});
       case Quantity::kQdd:
-        return crosscheck::column(
-            name_ == "composite_body" ? formulas_.forwardByMassMatrix(state.x, state.qd, state.tau)
+        return crosscheck::column(name_ == "composite_body"
+                                      ? formulas_.forwardByMassMatrix(state.x, state.qd, state.tau)
                                       : formulas_.forward(state.x, state.qd, state.tau));
-      case Quantity::kKinetic: return crosscheck::scalar(formulas_.kinetic(state.x, state.qd));
-      case Quantity::kPotential: return crosscheck::scalar(formulas_.potential(state.x));
-      case Quantity::kMomentum: return formulas_.momentum(state.x, state.qd);
+      case Quantity::kKinetic:
+        return crosscheck::scalar(formulas_.kinetic(state.x, state.qd));
+      case Quantity::kPotential:
+        return crosscheck::scalar(formulas_.potential(state.x));
+      case Quantity::kMomentum:
+        return formulas_.momentum(state.x, state.qd);
     }
     return {};
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -54,26 +55,16 @@ class IndeterminateNumbers {
 
   Scalar operator()(const scene::Number& number) const {
     if (!isKnown(number)) return scene::evaluateIn<Scalar>(number, Algebra{source_});
-    const scene::Exact exact = exactValue(number, values_);
+    const scene::Exact exact = exactly(number);
     const Scalar value = source_.constant(exact.rational);
     if (exact.pi_multiple == 0) return value;
     return value + source_.constant(exact.pi_multiple) * source_.element("pi");
   }
 
   Point angle(const scene::Number& radians) const {
-    if (!isKnown(radians)) {
-      if (radians.kind() == scene::Number::Kind::kNegate) return mirrored(angle(radians.left()));
-      return source_.circlePoint("angle " + radians.text());
-    }
-    const detail::ReducedAngle a = detail::reduced(exactValue(radians, values_));
-    Point point = scene::quarterTurns<Scalar>(a.quarters);
-    if (!a.rest.isZero()) {
-      point = source_.circlePoint("angle " + a.rest.rational.str() + " + " +
-                                  a.rest.pi_multiple.str() + " pi");
-      if (a.mirrored) point = mirrored(point);
-      for (int k = 0; k < a.quarters; ++k) point = {-point.s, point.c};
-    }
-    return a.negative ? mirrored(point) : point;
+    const auto [it, is_new] = points_.try_emplace(radians.text());
+    if (is_new) it->second = pointOf(radians);
+    return it->second;
   }
 
   scene::AxisTurn<Scalar> axisTurn(const scene::Vector& axis) const {
@@ -81,7 +72,7 @@ class IndeterminateNumbers {
     std::array<bool, 3> is_zero;
     bool rational = true;
     for (int i = 0; i < 3; ++i) {
-      v[i] = exactValue(axis[i], values_);
+      v[i] = exactly(axis[i]);
       is_zero[i] = isKnown(axis[i]) && v[i].isZero();
       rational = rational && isKnown(axis[i]) && v[i].isRational();
     }
@@ -138,11 +129,30 @@ class IndeterminateNumbers {
   bool isKnown(const scene::Number& number) const {
     return parameters_ == Parameters::kAsGiven || number.parameters().empty();
   }
+  /// exactValue(), quickly for plain numbers.
+  scene::Exact exactly(const scene::Number& number) const {
+    if (number.kind() == scene::Number::Kind::kNumber) return {number.number(), 0};
+    return exactValue(number, values_);
+  }
+  Point pointOf(const scene::Number& radians) const {
+    if (radians.kind() == scene::Number::Kind::kNegate) return mirrored(angle(radians.left()));
+    if (!isKnown(radians)) return source_.circlePoint("angle " + radians.text());
+    const detail::ReducedAngle a = detail::reduced(exactly(radians));
+    Point point = scene::quarterTurns<Scalar>(a.quarters);
+    if (!a.rest.isZero()) {
+      point = source_.circlePoint("angle " + a.rest.rational.str() + " + " +
+                                  a.rest.pi_multiple.str() + " pi");
+      if (a.mirrored) point = mirrored(point);
+      for (int k = 0; k < a.quarters; ++k) point = {-point.s, point.c};
+    }
+    return a.negative ? mirrored(point) : point;
+  }
   static Point mirrored(const Point& p) { return {p.c, -p.s}; }
 
   scene::ParameterValues values_;
   Source source_;
   Parameters parameters_;
+  mutable std::map<std::string, Point> points_;  ///< angles that were asked for, by their text
 };
 
 /// A state of indeterminates: joint positions as points of the circle beside an element for q, and

@@ -92,6 +92,7 @@ int run(const Arguments& arguments) {
     if (kind.info.version != DYNWITNESS_VERSION)
       libraries.push_back({kind.info.name, kind.info.present ? kind.info.version : "absent"});
   }
+  result.witnesses.push_back({"table", DYNWITNESS_VERSION, "published numbers in data/reference"});
   {
     Progress progress(static_cast<int>(scenes.size()) + 1);
     for (const scene::Scene& scene : scenes) {

@@ -13,6 +13,7 @@
 #include <kdl/treeidsolver_recursive_newton_euler.hpp>
 #include <kdl/treejnttojacsolver.hpp>
 
+#include <limits>
 #include <optional>
 
 #include <Eigen/Cholesky>
@@ -105,6 +106,7 @@ class KdlWitness : public Witness {
   bool answers(Quantity) const override { return true; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
+    if (quantity == Quantity::kKinetic) return kinetic(state);
     return {value(quantity, state), bound_(quantity, state)};
   }
 
@@ -145,6 +147,12 @@ class KdlWitness : public Witness {
     KDL::JntArray out(static_cast<unsigned>(v.size()));
     out.data = Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
     return out;
+  }
+
+  static KDL::JntArray positions(const scene::State<double>& state) {
+    std::vector<double> q;
+    for (const auto& x : state.x) q.push_back(x.q);
+    return array(q);
   }
 
   KDL::Frame frameOf(const std::string& link, const KDL::JntArray& q) {
@@ -216,6 +224,16 @@ class KdlWitness : public Witness {
     return qdd.data;
   }
 
+  /// qd' M qd / 2, and what the errors of M and of the sum (4 n roundings) make of it.
+  Answer kinetic(const scene::State<double>& state) {
+    const Eigen::VectorXd qd = array(state.qd).data;
+    const Eigen::MatrixXd M = massMatrix(positions(state));
+    const double u = std::numeric_limits<double>::epsilon() / 2;
+    const Eigen::MatrixXd error =
+        bound_(Quantity::kM, state) + 4 * u * static_cast<double>(qd.size()) * M.cwiseAbs();
+    return {qd.transpose() * M * qd / 2, qd.cwiseAbs().transpose() * error * qd.cwiseAbs() / 2};
+  }
+
   struct Motion {
     KDL::RigidBodyInertia I;  ///< world axes, about the link's origin
     KDL::Frame frame;
@@ -234,20 +252,6 @@ class KdlWitness : public Witness {
       out.push_back({frame.M * segment.getInertia(), frame, velocity});
     }
     return out;
-  }
-
-  double kinetic(const KDL::JntArray& q, const KDL::JntArray& qd) {
-    double twice = 0;
-    for (const Motion& m : motions(q, qd)) twice += KDL::dot(m.velocity, m.I * m.velocity);
-    unsigned i = 0;
-    for (const std::string& link : names_) {
-      const KDL::Joint& joint =
-          GetTreeElementSegment(tree_.getSegment(link)->second).getJoint();
-      if (joint.getType() == KDL::Joint::Fixed) continue;
-      twice += joint.getInertia() * qd(i) * qd(i);
-      ++i;
-    }
-    return twice / 2;
   }
 
   double potential(const KDL::JntArray& q) {
@@ -270,9 +274,7 @@ class KdlWitness : public Witness {
   }
 
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) {
-    std::vector<double> positions;
-    for (const auto& x : state.x) positions.push_back(x.q);
-    const KDL::JntArray q = array(positions), qd = array(state.qd), zero(q.rows());
+    const KDL::JntArray q = positions(state), qd = array(state.qd), zero(q.rows());
     switch (quantity) {
       case Quantity::kM: return massMatrix(q);
       case Quantity::kc: return inverse(*without_gravity_, q, qd, zero, {});
@@ -280,9 +282,9 @@ class KdlWitness : public Witness {
       case Quantity::kTau:
         return inverse(*with_gravity_, q, qd, array(state.qdd), loads(q)) + springForces(q);
       case Quantity::kQdd: return accelerations(q, qd, array(state.tau));
-      case Quantity::kKinetic: return Eigen::MatrixXd::Constant(1, 1, kinetic(q, qd));
       case Quantity::kPotential: return Eigen::MatrixXd::Constant(1, 1, potential(q));
       case Quantity::kMomentum: return momentum(q, qd);
+      case Quantity::kKinetic: break;
     }
     throw std::logic_error("kdl: unknown quantity");
   }
@@ -313,8 +315,8 @@ constexpr const char* kConventions =
     "loads: wrenches on segments, in the axes of the segment\n"
     "branches: M column by column from inverse dynamics, and M qdd = tau - bias solved here, since "
     "KDL's solvers for both take chains only\n"
-    "energy, momentum: summed here over KDL's jacobians and inertias, which has no functions for "
-    "them\n"
+    "energies, momentum: KDL has no functions for them; T = qd' M qd / 2 with its M, the others are "
+    "summed here over its frames, jacobians and inertias\n"
     "known loss: none";
 
 WitnessKind kind() {

@@ -292,6 +292,21 @@ class SimbodyWitness : public Witness {
   SimTK::State state_;
 };
 
+constexpr const char* kConventions =
+    "reads: the scene, placed with Simbody's own Rotation and Transform, inertias turned and shifted "
+    "by its Inertia; fixed joints are welds\n"
+    "spatial vectors: angular part first, ground axes, about the body's origin\n"
+    "joint axis: a Pin turns about z, a Slider moves along x of its frame\n"
+    "inertia: given about the centre of mass, kept about the body's origin\n"
+    "bias: c is the residual force of inverse dynamics without applied forces and accelerations; g "
+    "is that of the applied forces at rest\n"
+    "gravity: Force::Gravity takes the acceleration of a falling body, as in the scene\n"
+    "springs: MobilityLinearSpring, an applied force\n"
+    "rotors: each is a body pinned to the ground that turns gear_ratio times as fast; then M and "
+    "bias are Simbody's, and M qdd = tau - bias is solved here\n"
+    "loads: body forces about the body's origin, ground axes\n"
+    "known loss: none";
+
 std::string simbodyVersion() {
   int major = 0, minor = 0, build = 0;
   SimTK_version_simbody(&major, &minor, &build);
@@ -301,8 +316,12 @@ std::string simbodyVersion() {
 }  // namespace
 
 WitnessKind simbodyKind() {
-  return {{"simbody", simbodyVersion(), "Simbody; rotors as bodies of their own"},
-          [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
+  WitnessInfo info;
+  info.name = "simbody";
+  info.version = simbodyVersion();
+  info.method = "Simbody; rotors as bodies of their own";
+  info.conventions = kConventions;
+  return {info, [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
             return std::make_unique<SimbodyWitness>(scene);
           }};
 }

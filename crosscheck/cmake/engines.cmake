@@ -1,0 +1,48 @@
+# The witnesses that need an engine which may be absent: MuJoCo, DART, Orocos KDL. Included by the
+# top-level CMakeLists.txt after the target dynwitness_crosscheck, among whose sources is one file an
+# engine; without its engine a file is a stub, whose witness the report names as absent.
+#
+#     apt-get install libmujoco-dev libdart-utils-urdf-dev liborocos-kdl-dev
+option(DYNWITNESS_ENGINES "look for MuJoCo, DART and Orocos KDL" ON)
+
+# dynwitness_engine(FILE DEFINITION TARGET...): compile crosscheck/witnesses/FILE with the engine
+function(dynwitness_engine FILE DEFINITION)
+  set(source crosscheck/witnesses/${FILE})
+  set_property(SOURCE ${source} APPEND PROPERTY COMPILE_DEFINITIONS ${DEFINITION})
+  foreach(target ${ARGN})
+    get_target_property(folders ${target} INTERFACE_INCLUDE_DIRECTORIES)
+    # the compiler's own folders must not come again in another order: <cstdlib> would not compile
+    list(TRANSFORM folders REPLACE "/$" "")
+    list(REMOVE_ITEM folders folders-NOTFOUND ${CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES})
+    set_property(SOURCE ${source} APPEND PROPERTY INCLUDE_DIRECTORIES ${folders})
+    target_link_libraries(dynwitness_crosscheck PRIVATE $<LINK_ONLY:${target}>)
+  endforeach()
+endfunction()
+
+if(DYNWITNESS_ENGINES)
+  # 3.0 changed how a model is given to the parser, and the layout of M
+  find_package(mujoco 2.2...<3 QUIET)
+  if(TARGET mujoco::mujoco)
+    dynwitness_engine(mujoco.cpp DYNWITNESS_HAS_MUJOCO mujoco::mujoco)
+  endif()
+
+  find_package(DART 6.12 QUIET COMPONENTS utils-urdf)
+  if(TARGET dart-utils-urdf)
+    dynwitness_engine(dart.cpp DYNWITNESS_HAS_DART dart-utils-urdf dart)
+  endif()
+
+  pkg_check_modules(KDL QUIET IMPORTED_TARGET orocos-kdl>=1.5)
+  if(TARGET PkgConfig::KDL)
+    dynwitness_engine(kdl.cpp DYNWITNESS_HAS_KDL PkgConfig::KDL)
+  endif()
+endif()
+
+foreach(engine MuJoCo=mujoco::mujoco DART=dart-utils-urdf KDL=PkgConfig::KDL)
+  string(REPLACE "=" ";" engine ${engine})
+  list(POP_FRONT engine name)
+  if(TARGET ${engine})
+    message(STATUS "Witness ${name}: found")
+  else()
+    message(STATUS "Witness ${name}: not found, the report will say so")
+  endif()
+endforeach()
