@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/crosscheck.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "crosscheck/drift.hpp"
+#include "crosscheck/exact.hpp"
 #include "crosscheck/tables.hpp"
 #include "symbolic/derivation.hpp"
 
@@ -54,6 +57,26 @@ void append(std::vector<CheckResult>& all, std::vector<CheckResult> more) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
+/// Puts the exact verdicts beside the rounded ones of the same comparison; those without such a twin
+/// become checks of their own. A residual that is not zero outweighs numbers that agree.
+void attachExact(std::vector<CheckResult>& checks, const std::vector<CheckResult>& exact) {
+  for (const CheckResult& verdict : exact) {
+    const auto twin = std::find_if(checks.begin(), checks.end(), [&](const CheckResult& check) {
+      return !check.exact && check.check == verdict.check && check.quantity == verdict.quantity &&
+             check.left == verdict.left && check.right == verdict.right;
+    });
+    if (twin == checks.end()) {
+      checks.push_back(verdict);
+      continue;
+    }
+    twin->exact = verdict.exact;
+    if (verdict.verdict == Verdict::kDisagree) {
+      twin->verdict = Verdict::kDisagree;
+      twin->reason = verdict.reason;
+    }
+  }
+}
+
 }  // namespace
 
 SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
@@ -62,8 +85,12 @@ SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<Witness
   describe(scene, result);
   result.equations = equationsOf(scene.mechanism);
   append(result.checks, compareWitnesses(scene, kinds, options));
-  result.findings = findOutliers(scene.name, result.checks);
   append(result.checks, checkIdentities(scene, options));
+  ExactOptions exact;
+  exact.seed = options.seed;
+  exact.error_probability = options.error_probability;
+  attachExact(result.checks, exactChecks(scene, exact));
+  result.findings = findOutliers(scene.name, result.checks);
   for (const std::filesystem::path& table : bundledTables())
     if (isAbout(table, scene)) append(result.checks, compareWithTable(table, scene, kinds));
   if (options.drift && conservesEnergy(scene.mechanism)) {

@@ -17,6 +17,7 @@ struct Options {
   int states = 100;
   std::vector<std::string> witnesses;  ///< names to ask; empty: all that are present
   bool drift = true;                   ///< simulate 10 s and watch the energy
+  double error_probability = 1e-30;    ///< chance at most that an exact check passes a wrong formula
 };
 
 /// The kinds that the options ask for. @throws scene::InputError on a name that does not exist or is

@@ -2,7 +2,9 @@
 #include "crosscheck/exact.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <stdexcept>
 
@@ -266,7 +268,8 @@ std::vector<Pair> pairsOf(const std::vector<ExactWitness>& witnesses) {
 
 /// What all witnesses say about all quantities, asked once each, then pair by pair.
 template <typename T>
-SidesOfAll<T> ask(const std::vector<Pair>& pairs, std::vector<ExactWitness::Answers<T>> witnesses,
+SidesOfAll<T> ask(const std::vector<Pair>& pairs,
+                  const std::vector<ExactWitness::Answers<T>>& witnesses,
                   const scene::State<T>& state) {
   struct Testimony {
     MatrixOf<T> answer;
@@ -292,6 +295,33 @@ SidesOfAll<T> ask(const std::vector<Pair>& pairs, std::vector<ExactWitness::Answ
   return all;
 }
 
+Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
+  const std::vector<Pair> pairs = pairsOf(witnesses);
+  Inquiry inquiry;
+  for (const Pair& pair : pairs) {
+    CheckResult check;
+    check.check = "same";
+    check.quantity = name(pair.quantity);
+    check.left = witnesses[pair.left].name;
+    check.right = witnesses[pair.right].name;
+    check.statement = fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
+    inquiry.checks.push_back(check);
+  }
+  inquiry.in_field = [=](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    std::vector<ExactWitness::Answers<PrimeField>> built;
+    for (const ExactWitness& witness : witnesses) built.push_back(witness.in_field(number));
+    return ask<PrimeField>(pairs, built, state);
+  };
+  inquiry.in_degrees = [=](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
+    std::vector<ExactWitness::Answers<DegreeBound>> built;
+    for (const ExactWitness& witness : witnesses) built.push_back(witness.in_degrees(number));
+    return ask<DegreeBound>(pairs, built, state);
+  };
+  return inquiry;
+}
+
+// ---- identities ---------------------------------------------------------------------------------
+
 template <typename T, typename Numbers>
 SidesOfAll<T> identitySides(const scene::Mechanism& mechanism, const Numbers& number,
                             const scene::State<T>& state) {
@@ -303,6 +333,42 @@ SidesOfAll<T> identitySides(const scene::Mechanism& mechanism, const Numbers& nu
     for (Sides<T>& failed : all) failed.failure = error.what();
   }
   return all;
+}
+
+Inquiry identities(const scene::Mechanism& mechanism) {
+  Inquiry inquiry;
+  for (const IdentityInfo& info : kIdentities) {
+    CheckResult check;
+    check.check = info.name;
+    check.statement = info.statement;
+    check.quantity = info.quantity;
+    check.left = info.left;
+    check.right = info.right;
+    inquiry.checks.push_back(check);
+  }
+  inquiry.in_field = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    return identitySides(mechanism, number, state);
+  };
+  inquiry.in_degrees = [&](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
+    return identitySides(mechanism, number, state);
+  };
+  return inquiry;
+}
+
+/// The checks of both, asked at the same points.
+Inquiry both(const Inquiry& a, const Inquiry& b) {
+  Inquiry inquiry{a.checks, {}, {}};
+  inquiry.checks.insert(inquiry.checks.end(), b.checks.begin(), b.checks.end());
+  const auto joined = [](auto left, auto right) {
+    return [=](const auto& number, const auto& state) {
+      auto sides = left(number, state);
+      for (auto& more : right(number, state)) sides.push_back(std::move(more));
+      return sides;
+    };
+  };
+  inquiry.in_field = joined(a.in_field, b.in_field);
+  inquiry.in_degrees = joined(a.in_degrees, b.in_degrees);
+  return inquiry;
 }
 
 }  // namespace
@@ -317,56 +383,19 @@ std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters p
 std::vector<CheckResult> compareExactly(const scene::Scene& scene,
                                         const std::vector<ExactWitness>& witnesses,
                                         const ExactOptions& options) {
-  const std::vector<Pair> pairs = pairsOf(witnesses);
-  Inquiry inquiry;
-  for (const Pair& pair : pairs) {
-    CheckResult check;
-    check.check = "same";
-    check.quantity = name(pair.quantity);
-    check.left = witnesses[pair.left].name;
-    check.right = witnesses[pair.right].name;
-    check.statement = fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
-    inquiry.checks.push_back(check);
-  }
-  inquiry.in_field = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
-    std::vector<ExactWitness::Answers<PrimeField>> built;
-    for (const ExactWitness& witness : witnesses) built.push_back(witness.in_field(number));
-    return ask<PrimeField>(pairs, std::move(built), state);
-  };
-  inquiry.in_degrees = [&](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
-    std::vector<ExactWitness::Answers<DegreeBound>> built;
-    for (const ExactWitness& witness : witnesses) built.push_back(witness.in_degrees(number));
-    return ask<DegreeBound>(pairs, std::move(built), state);
-  };
-  return decide(scene, inquiry, options);
+  return decide(scene, comparisons(witnesses), options);
 }
 
 std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
                                                 const ExactOptions& options) {
-  Inquiry inquiry;
-  for (const IdentityInfo& info : kIdentities) {
-    CheckResult check;
-    check.check = info.name;
-    check.statement = info.statement;
-    check.quantity = info.quantity;
-    check.left = info.left;
-    check.right = info.right;
-    inquiry.checks.push_back(check);
-  }
-  inquiry.in_field = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
-    return identitySides(scene.mechanism, number, state);
-  };
-  inquiry.in_degrees = [&](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
-    return identitySides(scene.mechanism, number, state);
-  };
-  return decide(scene, inquiry, options);
+  return decide(scene, identities(scene.mechanism), options);
 }
 
 std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options) {
-  std::vector<CheckResult> all =
-      compareExactly(scene, exactWitnesses(scene, options.parameters), options);
-  for (CheckResult& check : checkIdentitiesExactly(scene, options)) all.push_back(std::move(check));
-  return all;
+  return decide(scene,
+                both(comparisons(exactWitnesses(scene, options.parameters)),
+                     identities(scene.mechanism)),
+                options);
 }
 
 std::string describeExact(const CheckResult::Exact& exact) {

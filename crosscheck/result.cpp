@@ -25,6 +25,14 @@ int CrosscheckResult::checkCount() const {
   return count(Verdict::kAgree) + count(Verdict::kDisagree);
 }
 
+int CrosscheckResult::exactCount() const {
+  int count = 0;
+  for (const SceneResult& scene : scenes)
+    for (const CheckResult& check : scene.checks)
+      count += check.exact && check.exact->residual_zero ? 1 : 0;
+  return count;
+}
+
 Verdict CrosscheckResult::verdict() const {
   if (count(Verdict::kDisagree) > 0) return Verdict::kDisagree;
   return count(Verdict::kAgree) > 0 ? Verdict::kAgree : Verdict::kNotAnswerable;
@@ -46,6 +54,7 @@ std::string CrosscheckResult::headline() const {
                                  scenes.size() == 1 ? "" : "s", checkCount());
   line += disagreeing == 0 ? "all agree" : fmt::format("{} disagree", disagreeing);
   if (unanswered > 0) line += fmt::format(", {} not answerable", unanswered);
+  if (exactCount() > 0) line += fmt::format(", {} exactly", exactCount());
   const auto [scene, check] = worst();
   if (check != nullptr)
     line += fmt::format("; worst {:.3g} ulp of {:.3g} allowed: {}, {} ({}{}{})", check->worst,

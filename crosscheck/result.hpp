@@ -106,6 +106,7 @@ struct CrosscheckResult {
   std::string command;  ///< reproduces this result
 
   int checkCount() const;  ///< answered checks
+  int exactCount() const;  ///< checks whose residual is zero over the prime field
   int count(Verdict verdict) const;
   Verdict verdict() const;  ///< kDisagree when any check disagrees
   /// The check with the largest ratio, and its scene.

@@ -141,19 +141,23 @@ std::string jointElement(const std::string& name, const char* type, const std::s
       escaped(name), type, escaped(parent), escaped(child), origin.text(), more);
 }
 
+std::string linkElement(const std::string& name, const MassProperties& inertia,
+                        const Numbers& number) {
+  return fmt::format("  <link name=\"{}\">{}</link>\n", escaped(name), inertial(inertia, number));
+}
+
 std::string linkAndJoint(const Mechanism& mechanism, const Link& link, const Numbers& number) {
-  std::string out = fmt::format("  <link name=\"{}\">{}</link>\n", escaped(link.name),
-                                inertial(link.inertia, number));
-  if (link.parent < 0) return out;
+  const std::string element = linkElement(link.name, link.inertia, number);
+  if (link.parent < 0) return element;
   const Joint& joint = link.joint;
   const std::string& parent = mechanism.links[link.parent].name;
   const Origin before = jointOrigin(joint.placement, number);
+  const std::vector<Step> after_joint = joint.placement.afterJoint();
   if (joint.kind == JointKind::kFixed) {
     std::vector<Step> steps = joint.placement.beforeJoint();
-    const std::vector<Step> after = joint.placement.afterJoint();
-    steps.insert(steps.end(), after.begin(), after.end());
-    return out + jointElement(joint.name, "fixed", parent, link.name,
-                              after.empty() ? before : composed(steps, number));
+    steps.insert(steps.end(), after_joint.begin(), after_joint.end());
+    return element + jointElement(joint.name, "fixed", parent, link.name,
+                                  after_joint.empty() ? before : composed(steps, number));
   }
 
   const bool slides = joint.kind == JointKind::kPrismatic;
@@ -161,13 +165,13 @@ std::string linkAndJoint(const Mechanism& mechanism, const Link& link, const Num
   if (slides)  // URDF has no slide without ends
     axis += R"(<limit lower="-1e9" upper="1e9" effort="1e9" velocity="1e9"/>)";
   const char* type = slides ? "prismatic" : "continuous";
-  const Origin after = composed(joint.placement.afterJoint(), number);
+  const Origin after = composed(after_joint, number);
   if (after.text().empty())
-    return out + jointElement(joint.name, type, parent, link.name, before, axis);
+    return element + jointElement(joint.name, type, parent, link.name, before, axis);
   const std::string moved = link.name + ".joint_frame";
-  out += fmt::format("  <link name=\"{}\">{}</link>\n", escaped(moved), inertial({}, number));
-  out += jointElement(joint.name, type, parent, moved, before, axis);
-  return out + jointElement(joint.name + ".to_link_frame", "fixed", moved, link.name, after);
+  return linkElement(moved, {}, number) +
+         jointElement(joint.name, type, parent, moved, before, axis) + element +
+         jointElement(joint.name + ".to_link_frame", "fixed", moved, link.name, after);
 }
 
 /// What the scene has and URDF has no words for.

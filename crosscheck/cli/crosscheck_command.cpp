@@ -8,6 +8,7 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
+#include "crosscheck/random_mechanism.hpp"
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/report.hpp"
 #include "crosscheck/tables.hpp"
@@ -21,6 +22,7 @@ struct Arguments {
   std::vector<std::string> scenes;
   std::string report = "report", json;
   Options options;
+  int random = 0, joints = 12;  ///< random mechanisms instead of scenes
 };
 
 /// The scenes asked for, or all that are bundled with those of the tables.
@@ -40,6 +42,8 @@ std::string reproduce(const Arguments& arguments) {
   for (const std::string& name : arguments.scenes) command += fmt::format(" '{}'", name);
   command += fmt::format(" --states {} --seed {}", arguments.options.states, arguments.options.seed);
   for (const std::string& name : arguments.options.witnesses) command += " --witness " + name;
+  if (arguments.options.error_probability != Options().error_probability)
+    command += fmt::format(" --error-probability {}", arguments.options.error_probability);
   if (!arguments.options.drift) command += " --no-drift";
   return command;
 }
@@ -77,7 +81,38 @@ void printTable(const CrosscheckResult& result) {
   fmt::print("\n");
 }
 
+/// --random: mechanisms instead of scenes, exact checks instead of rounded ones, no report.
+int runRandom(const Arguments& arguments) {
+  if (!arguments.scenes.empty())
+    throw scene::InputError({}, "--random draws its own mechanisms: leave the scenes out");
+  ExactOptions options;
+  options.seed = arguments.options.seed;
+  options.error_probability = arguments.options.error_probability;
+  RandomCampaign campaign;
+  {
+    constexpr int kStages = 20;
+    Progress progress(kStages);
+    int stage = 0;
+    campaign = crosscheckRandom(arguments.random, arguments.joints, options, [&](int done) {
+      for (; stage < kStages && done * kStages >= (stage + 1) * arguments.random; ++stage)
+        progress.stage(fmt::format("{} mechanisms", done));
+    });
+  }
+  fmt::print("{} random mechanisms, {} joints, {} exact checks, {}{}; chance that a wrong formula passes "
+             "one at most {:.1g} (seed {})\n",
+             campaign.mechanisms, campaign.joints, campaign.checks,
+             campaign.failures.empty() ? "all agree"
+                                       : fmt::format("{} mechanisms DISAGREE", campaign.failures.size()),
+             campaign.not_answerable > 0
+                 ? fmt::format(", {} not answerable", campaign.not_answerable) : "",
+             campaign.error_probability, arguments.options.seed);
+  for (const RandomCampaign::Failure& failure : campaign.failures)
+    fmt::print("\n{}\n", describeFailure(failure));
+  return campaign.failures.empty() ? 0 : 1;
+}
+
 int run(const Arguments& arguments) {
+  if (arguments.random > 0) return runRandom(arguments);
   const std::vector<WitnessKind> kinds = selectWitnesses(arguments.options.witnesses);
   const std::vector<scene::Scene> scenes = scenesOf(arguments);
   requireWritable(arguments.report);
@@ -125,6 +160,17 @@ Run addCrosscheck(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
   command->add_option("--seed", arguments->options.seed, "Seed of the states")->capture_default_str();
+  command
+      ->add_option("--error-probability", arguments->options.error_probability,
+                   "Chance at most that an exact check passes a wrong formula")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-300, 0.5));
+  command->add_option("--random", arguments->random,
+                      "Check this many random mechanisms exactly, instead of scenes")
+      ->check(CLI::Range(1, 100000000));
+  command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
   command->add_flag("!--no-drift", arguments->options.drift, "Leave out the 10 s simulations");
   return [arguments] { return run(*arguments); };
 }

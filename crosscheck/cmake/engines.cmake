@@ -26,9 +26,18 @@ if(DYNWITNESS_ENGINES)
     dynwitness_engine(mujoco.cpp DYNWITNESS_HAS_MUJOCO mujoco::mujoco)
   endif()
 
-  find_package(DART 6.12 QUIET COMPONENTS utils-urdf)
-  if(TARGET dart-utils-urdf)
-    dynwitness_engine(dart.cpp DYNWITNESS_HAS_DART dart-utils-urdf dart)
+  # not by DART's CMake package, which adds -DBOOST_TEST_DYN_LINK to every target of a project
+  pkg_check_modules(DART QUIET dart>=6.12)
+  find_path(DART_FOLDER dart/utils/urdf/DartLoader.hpp)
+  find_library(DART_LIBRARY dart)
+  find_library(DART_URDF_LIBRARY dart-utils-urdf)
+  if(DART_FOUND AND DART_FOLDER AND DART_LIBRARY AND DART_URDF_LIBRARY)
+    add_library(dart-utils-urdf SHARED IMPORTED)
+    set_target_properties(dart-utils-urdf PROPERTIES
+      IMPORTED_LOCATION ${DART_URDF_LIBRARY}
+      INTERFACE_INCLUDE_DIRECTORIES ${DART_FOLDER}
+      INTERFACE_LINK_LIBRARIES ${DART_LIBRARY})
+    dynwitness_engine(dart.cpp DYNWITNESS_HAS_DART dart-utils-urdf)
   endif()
 
   pkg_check_modules(KDL QUIET IMPORTED_TARGET orocos-kdl>=1.5)

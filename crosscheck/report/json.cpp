@@ -46,6 +46,15 @@ Json toJson(const CheckResult& check) {
     putText(&json, "worst_entry", check.worst_entry);
     json["seed"] = check.seed;
   }
+  if (check.exact) {
+    json["exact"] = {{"prime", check.exact->prime},
+                     {"points", check.exact->points},
+                     {"discarded", check.exact->discarded},
+                     {"degree", number(check.exact->degree)},
+                     {"error_probability", number(check.exact->error_probability)},
+                     {"residual_zero", check.exact->residual_zero},
+                     {"parameters", cleanText(check.exact->parameters)}};
+  }
   json["verdict"] = name(check.verdict);
   if (check.verdict != Verdict::kAgree) putText(&json, "reason", check.reason);
   return json;

@@ -159,7 +159,7 @@ void putCheckHead(std::string* page, const std::string& caption) {
       "<th scope=\"col\" class=\"n\">Limit</th><th scope=\"col\">Unit</th>"
       "<th scope=\"col\">Share of the limit</th>"
       "<th scope=\"col\">Worst at</th><th scope=\"col\" class=\"n\">Seed</th>"
-      "<th scope=\"col\">Verdict</th></tr></thead>\n",
+      "<th scope=\"col\">Exactly</th><th scope=\"col\">Verdict</th></tr></thead>\n",
       caption);
 }
 
@@ -174,6 +174,15 @@ std::string worstAt(const CheckResult& check) {
                      check.worst_state, check.states);
 }
 
+/// The verdict over the prime field, or a dash where the check has none (an engine, a table).
+std::string exactly(const CheckResult& check) {
+  if (!check.exact) return "–";
+  return fmt::format("{}<span class=\"sub\">{} point{}, chance {}</span>",
+                     check.exact->residual_zero ? "zero" : "<strong>not zero</strong>",
+                     check.exact->points, check.exact->points == 1 ? "" : "s",
+                     esc(readable(check.exact->error_probability)));
+}
+
 void putCheckRow(std::string* page, const CheckResult& check) {
   const bool bad = check.verdict == Verdict::kDisagree;
   const std::string statement = check.statement.empty() ? check.check : check.statement;
@@ -185,10 +194,10 @@ void putCheckRow(std::string* page, const CheckResult& check) {
   put(page,
       "</th><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"unit\">{}</td>"
       "<td class=\"share\">{}</td><td class=\"nowrap\">{}</td><td "
-      "class=\"n\">{}</td><td>{}</td></tr>\n",
+      "class=\"n\">{}</td><td class=\"nowrap\">{}</td><td>{}</td></tr>\n",
       witnesses(check), esc(readable(check.worst)), esc(readable(check.limit)), esc(check.unit),
       share(check), worstAt(check), drawn(check) ? std::to_string(check.seed) : "–",
-      badge(check.verdict, name(check.verdict)));
+      exactly(check), badge(check.verdict, name(check.verdict)));
 }
 
 using Rows = std::vector<const CheckResult*>;
@@ -208,7 +217,7 @@ void putCheckTable(std::string* page, const Rows& rows, const std::string& capti
     std::stable_sort(group.begin(), group.end(), [](const CheckResult* a, const CheckResult* b) {
       return severity(*a) > severity(*b);
     });
-    put(page, "<tbody>\n<tr class=\"group\"><th scope=\"rowgroup\" colspan=\"9\">{}</th></tr>\n",
+    put(page, "<tbody>\n<tr class=\"group\"><th scope=\"rowgroup\" colspan=\"10\">{}</th></tr>\n",
         esc(quantityWords(quantity)));
     for (const CheckResult* check : group) putCheckRow(page, *check);
     put(page, "</tbody>\n");
@@ -396,7 +405,12 @@ void putHowToRead(std::string* page) {
       "rounding errors of that very computation at that very state. A residual above its limit "
       "cannot "
       "be rounding; then somebody is wrong. Where ulp is not the measure, the unit says what is: a "
-      "published table, for instance, is held to its last printed digit.</p>\n</section>\n");
+      "published table, for instance, is held to its last printed digit.</p>\n"
+      "<p>The column <em>exactly</em> asks another question: is it the same mathematics? Both sides "
+      "are computed once more over the integers modulo a 63-bit prime, with random points of the "
+      "circle for the joint angles. There is no rounding there: the residual is zero or it is not, "
+      "and <em>chance</em> bounds how probable it is that different formulas pass all points.</p>\n"
+      "</section>\n");
 }
 
 void putWitnesses(std::string* page, const CrosscheckResult& result) {

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Speed against accuracy: every method that computes the same quantity, on one picture.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "crosscheck/witness.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// One method in one scalar.
+struct ChartPoint {
+  std::string method;  ///< "Newton-Euler sweep", "straight-line program", "simbody", ...
+  std::string scalar;  ///< "double", "float", "long double", "50 digits", "128-bit balls"
+  /// Largest |entry - truth| / largest |truth| of a state, over the states (rounded up; balls count
+  /// to their far ends).
+  double error_worst = 0, error_median = 0;
+  /// CPU time of one evaluation [ns], over batches of states and repeats: fastest, median, 90 %.
+  double time_min_ns = 0, time_median_ns = 0, time_high_ns = 0;
+};
+
+struct Chart {
+  std::string scene, title, quantity;
+  int states = 0;
+  std::uint64_t seed = 0;
+  std::string machine;  ///< model name of the processor
+  std::vector<ChartPoint> points;
+  std::vector<std::string> left_out;  ///< methods that do not apply, each with the reason
+};
+
+/** Lets every method compute the same quantity at the same states in the same run.
+
+    All start from q, qd and qdd (or tau) as numbers, so cosines and sines are in the time, and end
+   with the numbers of the quantity. In double: the closed form evaluated as it is printed (up to
+   three joints; every cosine and product where it stands), the derived straight-line program, the
+   sweep, for qdd also the mass matrix with L D L', and the outside engines among `kinds` through
+    Witness::value(). The closed form and the program solve for qdd by L D L'. The sweep also runs
+   in float, long double, 50 decimal digits and balls of 128 bits. Programs are interpreted here;
+   compiled ones are faster. Rounds over all methods are repeated, so that a change of the machine's
+   pace meets all of them.
+
+    The truth is certified to 2^-200, to judge 50 digits too.
+
+    @param quantity  M, tau or qdd
+    @throws std::invalid_argument  on another quantity
+    @throws std::runtime_error     where there is no truth: M is singular at one of the states */
+Chart speedAccuracy(const scene::Scene& scene, Quantity quantity,
+                    const std::vector<WitnessKind>& kinds, int states = 1000,
+                    std::uint64_t seed = 1);
+
+/// One line a point:
+/// `method,scalar,error_worst,error_median,time_min_ns,time_median_ns,time_high_ns`, under `#`
+/// lines that say what was measured and on which machine.
+std::string chartCsv(const Chart& chart);
+
+/** Draws NAME.svg and NAME_dark.svg from NAME.csv beside it.
+    @param style  the path of style.gp, as seen from the script's folder */
+std::string chartScript(const Chart& chart, const std::string& name, const std::string& style);
+
+}  // namespace dynwitness::crosscheck
