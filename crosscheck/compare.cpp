@@ -110,7 +110,9 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
     std::map<std::string, int> disputes, pairs;  // by witness
     int disputed = 0;
     for (const CheckResult& check : checks) {
-      if (check.check != kSame || check.quantity != quantity) continue;
+      if (check.check != kSame || check.quantity != quantity ||
+          check.verdict == Verdict::kNotAnswerable)
+        continue;  // a witness that could not answer neither agrees nor disagrees
       const int disagrees = check.verdict == Verdict::kDisagree ? 1 : 0;
       disputed += disagrees;
       for (const std::string& witness : {check.left, check.right}) {

@@ -10,10 +10,10 @@
 #include <fstream>
 #include <iterator>
 
+#include <fmt/format.h>
+#include <Eigen/Core>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/eigen.hpp>
-#include <Eigen/Core>
-#include <fmt/format.h>
 
 #include "scene/numbers.hpp"
 #include "scene/scene.hpp"
@@ -76,8 +76,7 @@ struct Origin {
 Vector3 rollPitchYaw(const Matrix3& R) {
   const Real yaw = atan2(R(1, 0), R(0, 0)), c = cos(yaw), s = sin(yaw);
   const Real pitch = atan2(Real(-R(2, 0)), Real(c * R(0, 0) + s * R(1, 0)));
-  const Real roll =
-      atan2(Real(s * R(0, 2) - c * R(1, 2)), Real(c * R(1, 1) - s * R(0, 1)));
+  const Real roll = atan2(Real(s * R(0, 2) - c * R(1, 2)), Real(c * R(1, 1) - s * R(0, 1)));
   return Vector3(roll, pitch, yaw).unaryExpr([](const Real& x) { return settled(x, Real(1)); });
 }
 

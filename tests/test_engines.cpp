@@ -48,10 +48,11 @@ std::string textOf(const CheckResult& check) {
 }
 
 /// The engine's answers against both of our sweeps that answer the quantity.
-std::vector<CheckResult> checksOf(const WitnessKind& engine, const scene::Scene& scene, int states) {
+std::vector<CheckResult> checksOf(const WitnessKind& engine, const scene::Scene& scene,
+                                  int states) {
   std::vector<CheckResult> checks;
-  for (const CheckResult& check :
-       compareWitnesses(scene, {newtonEulerKind(), articulatedBodyKind(), engine}, statesOf(states)))
+  for (const CheckResult& check : compareWitnesses(
+           scene, {newtonEulerKind(), articulatedBodyKind(), engine}, statesOf(states)))
     if (check.right == engine.info.name) checks.push_back(check);
   return checks;
 }
@@ -92,7 +93,8 @@ BOOST_AUTO_TEST_SUITE(crosscheck_of_engines)
 
 BOOST_DATA_TEST_CASE(each_engine_agrees_with_our_sweeps_on_every_quantity,
                      data::make(scene::bundledScenes())) {
-  // Measured at 2 000 states of each scene: see EngineBound for the largest part of the limits in use.
+  // Measured at 2 000 states of each scene: see EngineBound for the largest part of the limits in
+  // use.
   const scene::Scene scene = scene::readScene(sample);
   for (const WitnessKind& engine : presentEngines()) {
     const std::vector<CheckResult> checks = checksOf(engine, scene, 25);
@@ -151,10 +153,10 @@ BOOST_AUTO_TEST_CASE(each_engine_shows_its_conventions_as_labelled_lines) {
       BOOST_TEST_REQUIRE(colon != std::string::npos, engine.info.name << ": " << line);
       labels += line.substr(0, colon) + ";";
     }
-    for (const char* label : {"reads;", "spatial vectors;", "inertia;", "bias;", "gravity;", "springs;",
-                              "rotors;", "loads;", "known loss;"})
-      BOOST_TEST(labels.find(label) != std::string::npos, engine.info.name << " says nothing of "
-                                                                           << label);
+    for (const char* label : {"reads;", "spatial vectors;", "inertia;", "bias;", "gravity;",
+                              "springs;", "rotors;", "loads;", "known loss;"})
+      BOOST_TEST(labels.find(label) != std::string::npos,
+                 engine.info.name << " says nothing of " << label);
   }
 }
 
@@ -191,8 +193,8 @@ BOOST_AUTO_TEST_CASE(no_products_of_inertia_no_loss) {
   BOOST_TEST(relativeErrorOfM(mujocoKind(), scene::findScene("kuka_iiwa_14")) < 1e-14);
 }
 
-// The limit of `mujoco` is the effect of the compiled inertias, found by our sweeps. Where the loss is a
-// million times the rounding, the error uses all of that limit: it has no other cause.
+// The limit of `mujoco` is the effect of the compiled inertias, found by our sweeps. Where the loss
+// is a million times the rounding, the error uses all of that limit: it has no other cause.
 BOOST_AUTO_TEST_CASE(the_compiled_inertias_explain_the_loss_and_there_is_no_more_of_it) {
   if (!mujocoKind().info.present) return;
   for (const CheckResult& check : checksOf(mujocoKind(), scene::findScene("franka_panda"), 25)) {

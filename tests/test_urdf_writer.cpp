@@ -62,18 +62,21 @@ void requireSameDynamics(const scene::Scene& left, const scene::Scene& right) {
     for (const Quantity quantity : kAllQuantities) {
       if (!a->answers(quantity)) continue;
       const Answer in_a = a->answer(quantity, state), in_b = b->answer(quantity, state);
-      // 17 digits are not all digits: up to half a unit of the 17th of the largest number is lost in
-      // each, a tenth of a rounding to double
+      // 17 digits are not all digits: up to half a unit of the 17th of the largest number is lost
+      // in each, a tenth of a rounding to double
       const double last_digit = 1e-16 * in_a.value.cwiseAbs().maxCoeff();
-      const Eigen::MatrixXd room =
-          (in_a.bound + in_b.bound).array() + 4 * last_digit - (in_a.value - in_b.value).array().abs();
-      BOOST_TEST(room.minCoeff() >= 0, left.name << ": " << name(quantity) << " differs at state " << k
-                                                 << " by " << (in_a.value - in_b.value).norm());
+      const Eigen::MatrixXd room = (in_a.bound + in_b.bound).array() + 4 * last_digit -
+                                   (in_a.value - in_b.value).array().abs();
+      BOOST_TEST(room.minCoeff() >= 0, left.name << ": " << name(quantity) << " differs at state "
+                                                 << k << " by "
+                                                 << (in_a.value - in_b.value).norm());
     }
   }
 }
 
-scene::Scene sceneOf(const std::string& toml) { return scene::readSceneToml(toml, "made_up.toml"); }
+scene::Scene sceneOf(const std::string& toml) {
+  return scene::readSceneToml(toml, "made_up.toml");
+}
 
 /// The text without its comment, which speaks of what the scene has and URDF has not.
 std::string withoutComment(std::string urdf) {
@@ -152,10 +155,14 @@ BOOST_DATA_TEST_CASE(rows_of_parameters_that_turn_in_any_way_keep_the_dynamics,
               "[link.joint]\nkind = \"revolute\"\nrpy = [0.1, 0.2, 0.3]\n"
               "[[link]]\nname = \"hand\"\nparent = \"arm\"\nmass = 1\ncom = [0.3, 0, 0.1]\n"
               "inertia = { about = \"origin\", rpy = [1, 2, 3], xx = 0.3, yy = 0.4, zz = 0.5 }\n"
-              "[link.joint]\nkind = \"prismatic\"\n" + std::string(sample) + "\n"
+              "[link.joint]\nkind = \"prismatic\"\n" +
+              std::string(sample) +
+              "\n"
               "[[link]]\nname = \"finger\"\nparent = \"hand\"\nmass = 0.1\n"
               "inertia = { xx = 0.003, yy = 0.004, zz = 0.005, xz = 0.001 }\n"
-              "[link.joint]\nkind = \"fixed\"\n" + std::string(sample) + "\n"
+              "[link.joint]\nkind = \"fixed\"\n" +
+              std::string(sample) +
+              "\n"
               "[[wrench]]\nlink = \"hand\"\nforce = [1, 2, 3]\nat = [0.1, 0.2, 0.3]\n");
   requireSameDynamics(original, throughUrdf(original));
 }
@@ -167,18 +174,21 @@ BOOST_AUTO_TEST_SUITE(known_answers)
 BOOST_AUTO_TEST_CASE(decimals_stay_the_decimals_that_they_are) {
   const std::string urdf = scene::writeSceneUrdf(scene::findScene("franka_panda"));
   BOOST_TEST(contains(urdf, "<mass value=\"4.970684\"/>"));
-  BOOST_TEST(contains(urdf, "<inertia ixx=\"0.70337\" ixy=\"-0.000139\" ixz=\"0.006772\" "
-                            "iyy=\"0.70661\" iyz=\"0.019169\" izz=\"0.009117\"/>"));
+  BOOST_TEST(contains(urdf,
+                      "<inertia ixx=\"0.70337\" ixy=\"-0.000139\" ixz=\"0.006772\" "
+                      "iyy=\"0.70661\" iyz=\"0.019169\" izz=\"0.009117\"/>"));
   BOOST_TEST(contains(urdf, "<origin xyz=\"0 -0.316 0\" rpy=\"1.5707963267948966 0 0\"/>"));
 }
 
 BOOST_AUTO_TEST_CASE(inertia_about_the_link_origin_is_shifted_exactly) {
   // 2 kg at (0.1, 0.2, 0.3): m (y^2 + z^2) = 0.26, m x y = 0.04, ...
-  const std::string urdf = scene::writeSceneUrdf(
-      sceneOf(kOneLink + "inertia = { about = \"origin\", xx = 0.36, yy = 0.35, zz = 0.24, "
-                         "xy = -0.04, xz = -0.05, yz = -0.12 }\n[link.joint]\nkind = \"revolute\"\n"));
-  BOOST_TEST(contains(urdf, "<inertia ixx=\"0.1\" ixy=\"0\" ixz=\"0.01\" iyy=\"0.15\" iyz=\"0\" "
-                            "izz=\"0.14\"/>"));
+  const std::string urdf =
+      scene::writeSceneUrdf(sceneOf(
+          kOneLink + "inertia = { about = \"origin\", xx = 0.36, yy = 0.35, zz = 0.24, "
+                     "xy = -0.04, xz = -0.05, yz = -0.12 }\n[link.joint]\nkind = \"revolute\"\n"));
+  BOOST_TEST(contains(urdf,
+                      "<inertia ixx=\"0.1\" ixy=\"0\" ixz=\"0.01\" iyy=\"0.15\" iyz=\"0\" "
+                      "izz=\"0.14\"/>"));
 }
 
 BOOST_AUTO_TEST_CASE(what_urdf_cannot_say_is_named) {

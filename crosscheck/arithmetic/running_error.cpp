@@ -12,7 +12,7 @@ scene::CosSin<RunningError> cosSin(const RunningError& angle) {
   const double c = std::cos(angle.value()), s = std::sin(angle.value());
   const double ulp = 2 * RunningError::kUnitRoundoff;
   // |cos' | <= 1 and |sin'| <= 1: an error of the angle moves them by no more than itself
-  return {{c, (c == 1 ? 0 : ulp * std::abs(c)) + angle.bound()},
+  return {{c, (angle.value() == 0 ? 0 : ulp * std::abs(c)) + angle.bound()},
           {s, ulp * std::abs(s) + angle.bound()}};
 }
 

@@ -36,22 +36,24 @@ class RunningError {
   double bound() const { return bound_; }
 
   friend RunningError operator+(const RunningError& a, const RunningError& b) {
-    return rounded(a.value_ + b.value_, a.bound_ + b.bound_, a.value_ == 0 || b.value_ == 0);
+    return rounded(a.value_ + b.value_, a.bound_ + b.bound_, a.isZero() || b.isZero(), a, b);
   }
   friend RunningError operator-(const RunningError& a, const RunningError& b) {
-    return rounded(a.value_ - b.value_, a.bound_ + b.bound_, a.value_ == 0 || b.value_ == 0);
+    return rounded(a.value_ - b.value_, a.bound_ + b.bound_, a.isZero() || b.isZero(), a, b);
   }
   friend RunningError operator*(const RunningError& a, const RunningError& b) {
-    return rounded(a.value_ * b.value_,
-                   std::abs(a.value_) * b.bound_ + (std::abs(b.value_) + b.bound_) * a.bound_,
-                   isPowerOfTwoOrZero(a.value_) || isPowerOfTwoOrZero(b.value_));
+    const double value = a.value_ * b.value_;
+    return rounded(value, std::abs(a.value_) * b.bound_ + (std::abs(b.value_) + b.bound_) * a.bound_,
+                   a.isZero() || b.isZero() ||
+                       ((isPowerOfTwo(a.value_) || isPowerOfTwo(b.value_)) && std::isnormal(value)),
+                   a, b);
   }
   friend RunningError operator/(const RunningError& a, const RunningError& b) {
     const double room = std::abs(b.value_) - b.bound_;  // at least this far from zero
     const double value = a.value_ / b.value_;
     if (!(room > 0)) return {value, std::numeric_limits<double>::infinity()};
     return rounded(value, (a.bound_ + std::abs(value) * kInflate * b.bound_) / room,
-                   isPowerOfTwoOrZero(b.value_));
+                   a.isZero() || (isPowerOfTwo(b.value_) && std::isnormal(value)), a, b);
   }
   RunningError operator-() const { return {-value_, bound_}; }
   RunningError& operator+=(const RunningError& b) { return *this = *this + b; }
@@ -63,7 +65,7 @@ class RunningError {
   friend RunningError sqrt(const RunningError& a) {
     const double root = std::sqrt(a.value_);
     if (!(a.value_ > a.bound_)) return {root, std::numeric_limits<double>::infinity()};
-    return rounded(root, a.bound_ / std::sqrt(a.value_ - a.bound_), false);
+    return rounded(root, a.bound_ / std::sqrt(a.value_ - a.bound_), false, a, a);
   }
 
   // order of the values: for Eigen's pivot searches, never inside a sweep
@@ -75,14 +77,18 @@ class RunningError {
   friend bool operator>=(const RunningError& a, const RunningError& b) { return a.value_ >= b.value_; }
 
  private:
-  static RunningError rounded(double value, double carried, bool exact_operation) {
-    const double own = exact_operation ? 0.0 : kUnitRoundoff * std::abs(value) + kTiny;
-    return {value, carried + own == 0 ? 0.0 : (carried + own) * kInflate + kTiny};
+  bool isZero() const { return value_ == 0 && bound_ == 0; }
+  static RunningError rounded(double value, double carried, bool exact_operation,
+                              const RunningError& a, const RunningError& b) {
+    if (exact_operation && a.bound_ == 0 && b.bound_ == 0) return value;
+    // 3 kTiny: the value and the bound itself may have lost half a subnormal at each step
+    const double own = exact_operation ? 0.0 : kUnitRoundoff * std::abs(value);
+    return {value, (carried + own) * kInflate + 3 * kTiny};
   }
-  static bool isPowerOfTwoOrZero(double x) {
+  static bool isPowerOfTwo(double x) {
     int exponent = 0;
     const double mantissa = std::frexp(x, &exponent);
-    return mantissa == 0 || mantissa == 0.5 || mantissa == -0.5;
+    return mantissa == 0.5 || mantissa == -0.5;
   }
 
   double value_ = 0, bound_ = 0;

@@ -3,8 +3,8 @@
 // What URDF cannot say is set in DART's skeleton: gravity, springs; rotors as bodies of their own.
 //
 // DART's joint springs are those of an implicit integrator: with the time step h they push with
-// -k (q + h qd - rest), and forward dynamics divides by M + h^2 k. The skeleton therefore gets a time
-// step so small that h k is nothing beside the last digit of anything.
+// -k (q + h qd - rest), and forward dynamics divides by M + h^2 k. The skeleton therefore gets a
+// time step so small that h k is nothing beside the last digit of anything.
 //
 // Debian's DART was compiled for plain x86-64: this file must not be compiled with -march=native,
 // which would change the alignment of Eigen's types in DART's classes.
@@ -188,8 +188,7 @@ class DartWitness : public Witness {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       Eigen::VectorXd unit = Eigen::VectorXd::Zero(full.cols());
       unit(joints_[j].joint->getIndexInSkeleton()) = 1;
-      if (joints_[j].rotor)
-        unit(joints_[j].rotor->getIndexInSkeleton()) = joints_[j].gear_ratio;
+      if (joints_[j].rotor) unit(joints_[j].rotor->getIndexInSkeleton()) = joints_[j].gear_ratio;
       M.col(j) = reduced(full * unit);
     }
     return M;
@@ -206,8 +205,8 @@ class DartWitness : public Witness {
     const std::vector<double> zeros(joints_.size(), 0.0);
     if (has_rotors_) {  // DART's M and bias with the rotors, solved here
       const Eigen::VectorXd bias = inverseDynamics(zeros, true);
-      return massMatrix().ldlt().solve(
-          Eigen::Map<const Eigen::VectorXd>(tau.data(), tau.size()) - bias);
+      return massMatrix().ldlt().solve(Eigen::Map<const Eigen::VectorXd>(tau.data(), tau.size()) -
+                                       bias);
     }
     for (std::size_t i = 0; i < joints_.size(); ++i) joints_[i].joint->setForce(tau[i]);
     skeleton_->computeForwardDynamics();
@@ -239,15 +238,22 @@ class DartWitness : public Witness {
     setState(state, quantity != Quantity::kg);
     if (quantity == Quantity::kTau || quantity == Quantity::kQdd) applyLoads();
     switch (quantity) {
-      case Quantity::kM: return massMatrix();
-      case Quantity::kc: return reduced(skeleton_->getCoriolisForces());
-      case Quantity::kg: return inverseDynamics(zeros, false);
-      case Quantity::kTau: return inverseDynamics(state.qdd, true);
-      case Quantity::kQdd: return accelerations(state.tau);
+      case Quantity::kM:
+        return massMatrix();
+      case Quantity::kc:
+        return reduced(skeleton_->getCoriolisForces());
+      case Quantity::kg:
+        return inverseDynamics(zeros, false);
+      case Quantity::kTau:
+        return inverseDynamics(state.qdd, true);
+      case Quantity::kQdd:
+        return accelerations(state.tau);
       case Quantity::kKinetic:
         return Eigen::MatrixXd::Constant(1, 1, skeleton_->computeKineticEnergy());
-      case Quantity::kPotential: return Eigen::MatrixXd::Constant(1, 1, potential());
-      case Quantity::kMomentum: return momentum();
+      case Quantity::kPotential:
+        return Eigen::MatrixXd::Constant(1, 1, potential());
+      case Quantity::kMomentum:
+        return momentum();
     }
     throw std::logic_error("dart: unknown quantity");
   }
@@ -269,12 +275,15 @@ constexpr const char* kConventions =
     "bias: getCoriolisForces = c; c is velocity products only\n"
     "gravity: setGravity takes the acceleration of a falling body, as in the scene; g comes from "
     "inverse dynamics at rest, so that the springs are in it\n"
-    "springs: those of an implicit integrator, -stiffness (q + h qd - rest), and h^2 stiffness added "
+    "springs: those of an implicit integrator, -stiffness (q + h qd - rest), and h^2 stiffness "
+    "added "
     "to M in forward dynamics; the time step h is 1e-100 s here\n"
-    "rotors: DART has none; each is a body pinned to the world that turns gear_ratio times as fast\n"
+    "rotors: DART has none; each is a body pinned to the world that turns gear_ratio times as "
+    "fast\n"
     "loads: addExtForce and addExtTorque, at a point in link axes\n"
     "momentum: body by body in link axes, moved to the world's origin here\n"
-    "potential: summed here over DART's centres of mass and joints, since its computePotentialEnergy "
+    "potential: summed here over DART's centres of mass and joints, since its "
+    "computePotentialEnergy "
     "takes the link's origin for the centre of mass (dartsim/dart issue 1681, open in 6.12.1)\n"
     "known loss: none";
 
@@ -287,11 +296,15 @@ WitnessKind kind() {
   return engineKind<DartWitness>(info);
 }
 #else
-WitnessKind kind() { return absentKind(kName, kMethod); }
+WitnessKind kind() {
+  return absentKind(kName, kMethod);
+}
 #endif
 
 }  // namespace
 
-WitnessKind dartKind() { return kind(); }
+WitnessKind dartKind() {
+  return kind();
+}
 
 }  // namespace dynwitness::crosscheck

@@ -5,9 +5,9 @@
 #include "crosscheck/witnesses/witnesses.hpp"
 
 #ifdef DYNWITNESS_HAS_KDL
+#include <kdl/config.h>
 #include <kdl/chaindynparam.hpp>
 #include <kdl/chainfdsolver_recursive_newton_euler.hpp>
-#include <kdl/config.h>
 #include <kdl/tree.hpp>
 #include <kdl/treefksolverpos_recursive.hpp>
 #include <kdl/treeidsolver_recursive_newton_euler.hpp>
@@ -49,19 +49,18 @@ struct Frames {
 Frames framesOf(const scene::Placement& p, const RealNumbers<double>& number) {
   using Convention = scene::Placement::Convention;
   switch (p.convention) {
-    case Convention::kXyzRpy: return {{rotation(p.rpy, number), vector(p.xyz, number)}, {}};
+    case Convention::kXyzRpy:
+      return {{rotation(p.rpy, number), vector(p.xyz, number)}, {}};
     case Convention::kDh:
       return {{}, KDL::Frame::DH(number(p.a), number(p.alpha), number(p.d), number(p.theta))};
     case Convention::kMdh:
-      return {KDL::Frame::DH_Craig1989(number(p.a), number(p.alpha), number(p.d),
-                                       number(p.theta)),
+      return {KDL::Frame::DH_Craig1989(number(p.a), number(p.alpha), number(p.d), number(p.theta)),
               {}};
   }
   throw std::logic_error("kdl: unknown placement");
 }
 
-KDL::RigidBodyInertia inertiaOf(const scene::MassProperties& m,
-                                const RealNumbers<double>& number) {
+KDL::RigidBodyInertia inertiaOf(const scene::MassProperties& m, const RealNumbers<double>& number) {
   const double mass = number(m.mass);
   const KDL::Vector com = vector(m.com, number);
   const KDL::RotationalInertia given(number(m.xx), number(m.yy), number(m.zz), number(m.xy),
@@ -165,8 +164,7 @@ class KdlWitness : public Witness {
   KDL::WrenchMap loads(const KDL::JntArray& q) {
     KDL::WrenchMap out;
     for (const AppliedWrench& w : wrenches_) {
-      const KDL::Wrench at_point =
-          w.world_axes ? frameOf(w.link, q).M.Inverse(w.wrench) : w.wrench;
+      const KDL::Wrench at_point = w.world_axes ? frameOf(w.link, q).M.Inverse(w.wrench) : w.wrench;
       out[w.link] += at_point.RefPoint(-w.at);
     }
     return out;
@@ -237,7 +235,7 @@ class KdlWitness : public Witness {
   struct Motion {
     KDL::RigidBodyInertia I;  ///< world axes, about the link's origin
     KDL::Frame frame;
-    KDL::Twist velocity;      ///< world axes, of the link's origin
+    KDL::Twist velocity;  ///< world axes, of the link's origin
   };
   std::vector<Motion> motions(const KDL::JntArray& q, const KDL::JntArray& qd) {
     KDL::TreeJntToJacSolver solver(tree_);
@@ -276,15 +274,22 @@ class KdlWitness : public Witness {
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) {
     const KDL::JntArray q = positions(state), qd = array(state.qd), zero(q.rows());
     switch (quantity) {
-      case Quantity::kM: return massMatrix(q);
-      case Quantity::kc: return inverse(*without_gravity_, q, qd, zero, {});
-      case Quantity::kg: return inverse(*with_gravity_, q, zero, zero, {}) + springForces(q);
+      case Quantity::kM:
+        return massMatrix(q);
+      case Quantity::kc:
+        return inverse(*without_gravity_, q, qd, zero, {});
+      case Quantity::kg:
+        return inverse(*with_gravity_, q, zero, zero, {}) + springForces(q);
       case Quantity::kTau:
         return inverse(*with_gravity_, q, qd, array(state.qdd), loads(q)) + springForces(q);
-      case Quantity::kQdd: return accelerations(q, qd, array(state.tau));
-      case Quantity::kPotential: return Eigen::MatrixXd::Constant(1, 1, potential(q));
-      case Quantity::kMomentum: return momentum(q, qd);
-      case Quantity::kKinetic: break;
+      case Quantity::kQdd:
+        return accelerations(q, qd, array(state.tau));
+      case Quantity::kPotential:
+        return Eigen::MatrixXd::Constant(1, 1, potential(q));
+      case Quantity::kMomentum:
+        return momentum(q, qd);
+      case Quantity::kKinetic:
+        break;
     }
     throw std::logic_error("kdl: unknown quantity");
   }
@@ -315,7 +320,8 @@ constexpr const char* kConventions =
     "loads: wrenches on segments, in the axes of the segment\n"
     "branches: M column by column from inverse dynamics, and M qdd = tau - bias solved here, since "
     "KDL's solvers for both take chains only\n"
-    "energies, momentum: KDL has no functions for them; T = qd' M qd / 2 with its M, the others are "
+    "energies, momentum: KDL has no functions for them; T = qd' M qd / 2 with its M, the others "
+    "are "
     "summed here over its frames, jacobians and inertias\n"
     "known loss: none";
 
@@ -328,11 +334,15 @@ WitnessKind kind() {
   return engineKind<KdlWitness>(info);
 }
 #else
-WitnessKind kind() { return absentKind(kName, kMethod); }
+WitnessKind kind() {
+  return absentKind(kName, kMethod);
+}
 #endif
 
 }  // namespace
 
-WitnessKind kdlKind() { return kind(); }
+WitnessKind kdlKind() {
+  return kind();
+}
 
 }  // namespace dynwitness::crosscheck

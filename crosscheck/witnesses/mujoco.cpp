@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MuJoCo as a witness. It reads the mechanism from URDF: the scene's own file, or one written for it.
-// What URDF cannot say is set in MuJoCo's model: gravity, rotors (armature), springs.
+// MuJoCo as a witness. It reads the mechanism from URDF: the scene's own file, or one written for
+// it. What URDF cannot say is set in MuJoCo's model: gravity, rotors (armature), springs.
 //
-// MuJoCo keeps a link's inertia as principal moments and axes. Its compiler finds the axes by Jacobi
-// turns and stops when the cosine of the next turn is above 1 - 1e-12 (mju_eig3, eigEPS; unchanged in
-// MuJoCo's sources of 2026), so up to 1.4e-6 rad are never turned and the products of inertia that are
-// left there are dropped. On the Panda that moves the inertia of link_1 by 6e-7 of itself and leaves 8
-// digits of M. There are therefore two witnesses:
+// MuJoCo keeps a link's inertia as principal moments and axes. Its compiler finds the axes by
+// Jacobi turns and stops when the cosine of the next turn is above 1 - 1e-12 (mju_eig3, eigEPS;
+// unchanged in MuJoCo's sources of 2026), so up to 1.4e-6 rad are never turned and the products of
+// inertia that are left there are dropped. On the Panda that moves the inertia of link_1 by 6e-7 of
+// itself and leaves 8 digits of M. There are therefore two witnesses:
 //   mujoco            reads the inertias as they are written. Its bound contains what the dropped
-//                     products do to the answer, by our sweeps, and nothing else that MuJoCo may do;
-//   mujoco_principal  gets them with the axes turned before, which is the remedy: the compiler then has
+//                     products do to the answer, by our sweeps, and nothing else that MuJoCo may
+//                     do;
+//   mujoco_principal  gets them with the axes turned before, which is the remedy: the compiler then
+//   has
 //                     nothing to turn.
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
@@ -20,10 +22,10 @@
 #include <cmath>
 #include <cstring>
 
+#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <fmt/format.h>
 
 #include "crosscheck/witnesses/engine_bound.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
@@ -45,9 +47,9 @@ const char* methodOf(Inertias inertias) {
 
 #ifdef DYNWITNESS_HAS_MUJOCO
 
-using scene::RealNumbers;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using scene::RealNumbers;
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 // ------------------------------------------------------------------------------ inertias
@@ -76,8 +78,8 @@ Body bodyOf(const scene::MassProperties& m, const RealNumbers<double>& number) {
   const Matrix3d I_given = (Matrix3d() << xx, xy, xz, xy, yy, yz, xz, yz, zz).finished();
   body.I = R_inertia * I_given * R_inertia.transpose();
   if (m.about == scene::MassProperties::About::kLinkOrigin)
-    body.I -= body.mass * (body.com.squaredNorm() * Matrix3d::Identity() -
-                           body.com * body.com.transpose());
+    body.I -= body.mass *
+              (body.com.squaredNorm() * Matrix3d::Identity() - body.com * body.com.transpose());
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(body.I);
   body.moments = solver.eigenvalues().cwiseMax(0.0);  // a rod's zero may come out as -1e-19
   body.R = solver.eigenvectors();
@@ -85,14 +87,16 @@ Body bodyOf(const scene::MassProperties& m, const RealNumbers<double>& number) {
   return body;
 }
 
-/// What MuJoCo's compiler refuses in a link: no mass, no extent (a point, a rod), or moments of a plane
-/// body that break the triangle inequality by a rounding.
+/// What MuJoCo's compiler refuses in a link: no mass, no extent (a point, a rod), or moments of a
+/// plane body that break the triangle inequality by a rounding.
 bool isRefused(const Body& body) {
   const Vector3d& I = body.moments;  // rising
   return body.mass < mjMINVAL || I[0] < mjMINVAL || I[0] + I[1] < I[2] * (1 + 1e-9);
 }
 
-scene::Number exactly(double x) { return scene::Number(scene::Rational(x)); }
+scene::Number exactly(double x) {
+  return scene::Number(scene::Rational(x));
+}
 
 /// About the centre of mass, in axes of the given turn from link axes.
 scene::MassProperties inertiaAs(const scene::MassProperties& original, const Matrix3d& I,
@@ -260,23 +264,28 @@ class MujocoWitness : public Witness {
 
   // What MuJoCo's algorithm rounds beyond the sweeps that EngineBound runs.
   //
-  // It keeps orientations as unit quaternions: a product of two leaves 4 u in a component where turning
-  // by a matrix leaves 3 u in an entry; the matrix made of it doubles that, and making it adds 2 u.
+  // It keeps orientations as unit quaternions: a product of two leaves 4 u in a component where
+  // turning by a matrix leaves 3 u in an entry; the matrix made of it doubles that, and making it
+  // adds 2 u.
   static constexpr double kQuaternion = 10.0 / 3;
 
-  /** It gathers forces in world axes, about the tree's centre of mass, and only there projects them on
-      the axes of joints. Each component of a joint's force therefore counts in full, with the error of
-      an orientation: three turns a joint, 10 u each. Our sweeps project in the joint's own axes, where
-      most components drop out exactly.
-      @return a bound for all entries: 30 u (|m| + r |f|) of the largest force through a joint, r its
-              distance from the centre of mass; 1/2 qd' qd of it for T, times |M^-1| for qdd */
+  /** It gathers forces in world axes, about the tree's centre of mass, and only there projects them
+     on the axes of joints. Each component of a joint's force therefore counts in full, with the
+     error of an orientation: three turns a joint, 10 u each. Our sweeps project in the joint's own
+     axes, where most components drop out exactly.
+      @return a bound for all entries: 30 u (|m| + r |f|) of the largest force through a joint, r
+     its distance from the centre of mass; 1/2 qd' qd of it for T, times |M^-1| for qdd */
   double axisError(Quantity quantity, const scene::State<double>& state) {
     const std::vector<double> zeros = sweep_.zeros();
     switch (quantity) {
-      case Quantity::kM: return massAxisError(state);
-      case Quantity::kc: return forceAxisError(state, state.qd, zeros, Terms::none());
-      case Quantity::kg: return forceAxisError(state, zeros, zeros, Terms::potential());
-      case Quantity::kTau: return forceAxisError(state, state.qd, state.qdd, Terms::all());
+      case Quantity::kM:
+        return massAxisError(state);
+      case Quantity::kc:
+        return forceAxisError(state, state.qd, zeros, Terms::none());
+      case Quantity::kg:
+        return forceAxisError(state, zeros, zeros, Terms::potential());
+      case Quantity::kTau:
+        return forceAxisError(state, state.qd, state.qdd, Terms::all());
       case Quantity::kKinetic: {
         double sum = 0;
         for (const double qd : state.qd) sum += std::abs(qd);
@@ -291,7 +300,8 @@ class MujocoWitness : public Witness {
                 massAxisError(state) * qdd.lpNorm<1>());
       }
       case Quantity::kPotential:
-      case Quantity::kMomentum: return 0;
+      case Quantity::kMomentum:
+        return 0;
     }
     throw std::logic_error("mujoco: unknown quantity");
   }
@@ -341,8 +351,7 @@ class MujocoWitness : public Witness {
           kEps, std::sqrt(2 * kEps) * (moments.maxCoeff() - moments.minCoeff()) * (1 + 1e-6));
       if (dropped > explained) continue;
       const Matrix3d I = R * moments.asDiagonal() * R.transpose();
-      compiled.links[i].inertia =
-          inertiaAs(mechanism.links[i].inertia, I, Vector3d::Zero());
+      compiled.links[i].inertia = inertiaAs(mechanism.links[i].inertia, I, Vector3d::Zero());
     }
     const auto setup = [](const scene::Mechanism& m) {
       return std::make_unique<Setup<RunningError>>(
@@ -360,8 +369,7 @@ class MujocoWitness : public Witness {
                                         : NewtonEuler::answer(setup, quantity, bounded);
     };
     const MatrixX<RunningError> moved = by(*compiled_) - by(*written_);
-    return moved.unaryExpr(
-        [](const RunningError& x) { return std::abs(x.value()) + x.bound(); });
+    return moved.unaryExpr([](const RunningError& x) { return std::abs(x.value()) + x.bound(); });
   }
 
   void setMotion(const scene::State<double>& state, bool moving) {
@@ -405,17 +413,26 @@ class MujocoWitness : public Witness {
     mj_fwdPosition(m, d);
     mj_fwdVelocity(m, d);  // qfrc_bias: c + gravity; qfrc_passive: springs, minus their part of g
     switch (quantity) {
-      case Quantity::kM: return massMatrix();
-      case Quantity::kc: return inOrderOfScene(d->qfrc_bias);
-      case Quantity::kg: return inOrderOfScene(d->qfrc_bias) - inOrderOfScene(d->qfrc_passive);
+      case Quantity::kM:
+        return massMatrix();
+      case Quantity::kc:
+        return inOrderOfScene(d->qfrc_bias);
+      case Quantity::kg:
+        return inOrderOfScene(d->qfrc_bias) - inOrderOfScene(d->qfrc_passive);
       case Quantity::kTau:
         for (std::size_t i = 0; i < dofs_.size(); ++i) d->qacc[dofs_[i]] = state.qdd[i];
         mj_inverse(m, d);
         return inOrderOfScene(d->qfrc_inverse) - inOrderOfScene(loads().data());
-      case Quantity::kQdd: return accelerations(state);
-      case Quantity::kKinetic: mj_energyVel(m, d); return scalar(double(d->energy[1]));
-      case Quantity::kPotential: mj_energyPos(m, d); return scalar(double(d->energy[0]));
-      case Quantity::kMomentum: return momentum();
+      case Quantity::kQdd:
+        return accelerations(state);
+      case Quantity::kKinetic:
+        mj_energyVel(m, d);
+        return scalar(double(d->energy[1]));
+      case Quantity::kPotential:
+        mj_energyPos(m, d);
+        return scalar(double(d->energy[0]));
+      case Quantity::kMomentum:
+        return momentum();
     }
     throw std::logic_error("mujoco: unknown quantity");
   }
@@ -431,8 +448,7 @@ class MujocoWitness : public Witness {
   Eigen::MatrixXd accelerations(const scene::State<double>& state) {
     const std::vector<double> Q = loads();
     std::copy(Q.begin(), Q.end(), data_->qfrc_applied);
-    for (std::size_t i = 0; i < dofs_.size(); ++i)
-      data_->qfrc_applied[dofs_[i]] += state.tau[i];
+    for (std::size_t i = 0; i < dofs_.size(); ++i) data_->qfrc_applied[dofs_[i]] += state.tau[i];
     mj_forward(model_.get(), data_.get());
     if (data_->warning[mjWARN_INERTIA].number > 0)
       throw std::runtime_error(
@@ -453,7 +469,7 @@ class MujocoWitness : public Witness {
 
   std::string name_;
   EngineBound bound_;
-  Setup<double> sweep_;  ///< for axisError()
+  Setup<double> sweep_;                                      ///< for axisError()
   std::unique_ptr<Setup<RunningError>> written_, compiled_;  ///< of `mujoco` only
   Owned<mjModel> model_;
   Owned<mjData> data_;
@@ -491,7 +507,8 @@ std::string conventions(Inertias inertias) {
         "limit: the rounding of the algorithm, plus what the inertias in mjModel, where that rule "
         "explains them, do to the answer\n"
         "remedy: write each inertia in its principal axes (URDF: <inertial><origin rpy>; MJCF: "
-        "diaginertia and quat instead of fullinertia), as the witness mujoco_principal does; or set "
+        "diaginertia and quat instead of fullinertia), as the witness mujoco_principal does; or "
+        "set "
         "body_inertia and body_iquat after loading";
   else
     card +=
@@ -509,12 +526,18 @@ WitnessKind kind(Inertias inertias) {
   return engineKind<MujocoWitness>(info, inertias);
 }
 #else
-WitnessKind kind(Inertias inertias) { return absentKind(nameOf(inertias), methodOf(inertias)); }
+WitnessKind kind(Inertias inertias) {
+  return absentKind(nameOf(inertias), methodOf(inertias));
+}
 #endif
 
 }  // namespace
 
-WitnessKind mujocoKind() { return kind(Inertias::kAsWritten); }
-WitnessKind mujocoPrincipalKind() { return kind(Inertias::kPrincipal); }
+WitnessKind mujocoKind() {
+  return kind(Inertias::kAsWritten);
+}
+WitnessKind mujocoPrincipalKind() {
+  return kind(Inertias::kPrincipal);
+}
 
 }  // namespace dynwitness::crosscheck

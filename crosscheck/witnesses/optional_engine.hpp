@@ -47,7 +47,8 @@ inline WitnessKind absentKind(const std::string& name, const std::string& method
   info.method = method;
   info.present = false;
   return {info, [name](const scene::Scene&) -> std::unique_ptr<Witness> {
-            return std::make_unique<RefusedWitness>(name, "not found when dynwitness was configured");
+            return std::make_unique<RefusedWitness>(name,
+                                                    "not found when dynwitness was configured");
           }};
 }
 
