@@ -157,7 +157,7 @@ void DigitsTally::judge(int state, const std::string& where, double distance, do
 }
 
 void DigitsTally::fail(int state, const std::string& reason) {
-  undecided_ = fmt::format("state {}: {}", state, reason);
+  if (undecided_.empty()) undecided_ = fmt::format("state {}: {}", state, reason);
 }
 
 DigitsResult DigitsTally::result() const {

@@ -31,8 +31,9 @@ Quantity quantityNamed(const std::string& text) {
 }
 
 std::vector<WitnessKind> witnessKinds() {
-  return {lagrangeKind(), newtonEulerKind(), compositeBodyKind(), articulatedBodyKind(),
-          simbodyKind()};
+  return {lagrangeKind(),        newtonEulerKind(), compositeBodyKind(),
+          articulatedBodyKind(), simbodyKind(),     mujocoKind(),
+          mujocoPrincipalKind(), dartKind(),        kdlKind()};
 }
 
 }  // namespace dynwitness::crosscheck

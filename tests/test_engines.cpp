@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // MuJoCo, DART and KDL, as far as this build has them, against our sweeps.
+#define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE engines
 #include <unistd.h>
 
@@ -93,8 +94,8 @@ BOOST_AUTO_TEST_SUITE(crosscheck_of_engines)
 
 BOOST_DATA_TEST_CASE(each_engine_agrees_with_our_sweeps_on_every_quantity,
                      data::make(scene::bundledScenes())) {
-  // Measured at 2 000 states of each scene: see EngineBound for the largest part of the limits in
-  // use.
+  // Measured at 2 000 states of each of 16 scenes, seed 7, the loss of `mujoco` aside: at most 67 %
+  // of the limits are used (mujoco_principal, kinetic, elastic_pendulum); by DART and KDL 44 %.
   const scene::Scene scene = scene::readScene(sample);
   for (const WitnessKind& engine : presentEngines()) {
     const std::vector<CheckResult> checks = checksOf(engine, scene, 25);
@@ -104,7 +105,7 @@ BOOST_DATA_TEST_CASE(each_engine_agrees_with_our_sweeps_on_every_quantity,
   }
 }
 
-// Every product of inertia is small beside the moments here, and all eight quantities see the mass.
+// An arm without products of inertia, so that `mujoco` has no loss that could hide the mistake.
 BOOST_AUTO_TEST_CASE(each_engine_sees_a_mass_that_is_wrong_in_the_ninth_digit) {
   const scene::Scene right = scene::findScene("kuka_iiwa_14");
   scene::Scene wrong = right;
@@ -181,7 +182,7 @@ BOOST_AUTO_TEST_SUITE(loss_of_mujoco)
 
 BOOST_AUTO_TEST_CASE(products_of_inertia_cost_digits_and_principal_axes_bring_them_back) {
   if (!mujocoKind().info.present) return;
-  // measured: 1.5e-8 and 8e-16
+  // measured at 100 states: 5e-8 and 2e-15
   const scene::Scene panda = scene::findScene("franka_panda");
   BOOST_TEST(relativeErrorOfM(mujocoKind(), panda) > 1e-9);
   BOOST_TEST(relativeErrorOfM(mujocoKind(), panda) < 1e-6);

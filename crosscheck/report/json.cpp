@@ -122,6 +122,7 @@ std::string reportJson(const CrosscheckResult& result, const Environment& enviro
     Json entry{{"name", cleanText(witness.name)}};
     putText(&entry, "version", witness.version);
     putText(&entry, "method", witness.method);
+    putText(&entry, "conventions", witness.conventions);
     entry["present"] = witness.present;
     json["witnesses"].push_back(entry);
   }

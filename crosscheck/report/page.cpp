@@ -413,6 +413,22 @@ void putHowToRead(std::string* page) {
       "</section>\n");
 }
 
+/// The convention card of a witness: lines of "label: text".
+void putConventions(std::string* page, const std::string& conventions) {
+  put(page, "<details><summary>conventions</summary><dl>");
+  for (std::size_t begin = 0; begin < conventions.size();) {
+    const std::size_t end = std::min(conventions.find('\n', begin), conventions.size());
+    const std::string line = conventions.substr(begin, end - begin);
+    const std::size_t colon = line.find(": ");
+    if (colon == std::string::npos)
+      put(page, "<dd>{}</dd>", esc(line));
+    else
+      put(page, "<dt>{}</dt><dd>{}</dd>", esc(line.substr(0, colon)), esc(line.substr(colon + 2)));
+    begin = end + 1;
+  }
+  put(page, "</dl></details>");
+}
+
 void putWitnesses(std::string* page, const CrosscheckResult& result) {
   put(page, "<section aria-labelledby=\"witnesses\">\n<h2 id=\"witnesses\">Witnesses</h2>\n");
   openScroll(page, "Table of witnesses");
@@ -428,6 +444,7 @@ void putWitnesses(std::string* page, const CrosscheckResult& result) {
     if (!witness.present)
       put(page, " {}",
           badge(Verdict::kNotAnswerable, "absent: not found when dynwitness was built"));
+    if (!witness.conventions.empty()) putConventions(page, witness.conventions);
     put(page, "</td></tr>\n");
   }
   put(page, "</tbody>\n</table>\n</div>\n</section>\n");

@@ -6,13 +6,11 @@
 // Jacobi turns and stops when the cosine of the next turn is above 1 - 1e-12 (mju_eig3, eigEPS;
 // unchanged in MuJoCo's sources of 2026), so up to 1.4e-6 rad are never turned and the products of
 // inertia that are left there are dropped. On the Panda that moves the inertia of link_1 by 6e-7 of
-// itself and leaves 8 digits of M. There are therefore two witnesses:
+// itself and leaves 7 or 8 digits of M. There are therefore two witnesses:
 //   mujoco            reads the inertias as they are written. Its bound contains what the dropped
-//                     products do to the answer, by our sweeps, and nothing else that MuJoCo may
-//                     do;
-//   mujoco_principal  gets them with the axes turned before, which is the remedy: the compiler then
-//   has
-//                     nothing to turn.
+//                     products do to the answer, found by our sweeps;
+//   mujoco_principal  gets them with the axes turned before, which is the remedy: its compiler then
+//                     has nothing to turn.
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -196,7 +194,7 @@ class MujocoWitness : public Witness {
     }
     for (const scene::Link& link : mechanism.links) findLink(link, number);
     for (std::size_t i = 0; i < bodies.size(); ++i)
-      if (!was_read[i]) setBody(links_[i], bodies[i]);
+      if (!was_read[i] && links_[i] != 0) setBody(links_[i], bodies[i]);
     if (inertias == Inertias::kAsWritten) prepareLoss(mechanism, bodies, was_read);
     setPhysics(mechanism, number);
     data_.reset(mj_makeData(model_.get()));

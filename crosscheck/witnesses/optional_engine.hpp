@@ -34,7 +34,7 @@ WitnessKind engineKind(WitnessInfo info, Arguments... arguments) {
   return {std::move(info), [=](const scene::Scene& scene) -> std::unique_ptr<Witness> {
             try {
               return std::make_unique<W>(scene, arguments...);
-            } catch (const std::runtime_error& error) {
+            } catch (const std::exception& error) {
               return std::make_unique<RefusedWitness>(name, error.what());
             }
           }};
