@@ -652,6 +652,7 @@ std::string looks(const std::string& method) {
       {sweepName(Sweep::kArticulatedBody), "linetype 5"},
       {"simbody", "linetype 6"},
       {"mujoco", "linecolor rgb orange pointtype 4"},
+      {"mujoco_principal", "linecolor rgb amber pointtype 10"},
       {"dart", "linecolor rgb green pointtype 8"},
       {"kdl", "linecolor rgb purple pointtype 12"}};
   const auto found = known.find(method);

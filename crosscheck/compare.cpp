@@ -46,7 +46,7 @@ std::vector<CheckResult> compareWitnesses(const scene::Scene& scene,
                                           const std::vector<WitnessKind>& kinds,
                                           const Options& options) {
   std::vector<std::unique_ptr<Witness>> witnesses;
-  for (const WitnessKind& kind : kinds) witnesses.push_back(kind.make(scene));
+  for (const WitnessKind& kind : kinds) witnesses.push_back(makeWitness(kind, scene));
 
   std::vector<CheckResult> results;
   for (const Quantity quantity : kAllQuantities) {
@@ -108,20 +108,21 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
   std::vector<Finding> findings;
   for (const std::string& quantity : quantities) {
     std::map<std::string, int> disputes, pairs;  // by witness
-    int disputed = 0;
+    int disputed = 0, agreed = 0;
     for (const CheckResult& check : checks) {
       if (check.check != kSame || check.quantity != quantity ||
           check.verdict == Verdict::kNotAnswerable)
         continue;  // a witness that could not answer neither agrees nor disagrees
       const int disagrees = check.verdict == Verdict::kDisagree ? 1 : 0;
       disputed += disagrees;
+      agreed += 1 - disagrees;
       for (const std::string& witness : {check.left, check.right}) {
         disputes[witness] += disagrees;
         ++pairs[witness];
       }
     }
     std::optional<std::string> outlier;
-    if (pairs.size() >= 3)  // of two that disagree, neither stands alone
+    if (pairs.size() >= 3 && agreed > 0)  // of two that disagree, neither stands alone
       for (const auto& [witness, count] : disputes)
         if (count == pairs[witness] && count == disputed) outlier = witness;
     std::string others;

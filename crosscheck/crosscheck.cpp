@@ -79,8 +79,14 @@ void attachExact(std::vector<CheckResult>& checks, const std::vector<CheckResult
 
 }  // namespace
 
+void requireMotion(const scene::Scene& scene) {
+  if (scene.mechanism.dof() == 0)
+    throw scene::InputError({scene.file.string()}, "no joint moves, expected at least one that does");
+}
+
 SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
                             const Options& options) {
+  requireMotion(scene);
   SceneResult result;
   describe(scene, result);
   result.equations = equationsOf(scene.mechanism);

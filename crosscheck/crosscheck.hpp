@@ -38,6 +38,9 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
 /// The laws of identities.hpp on our own sweeps, and that M is positive definite.
 std::vector<CheckResult> checkIdentities(const scene::Scene& scene, const Options& options);
 
+/// @throws scene::InputError when no joint of the scene moves: nothing can be asked about it then
+void requireMotion(const scene::Scene& scene);
+
 /// Everything about one scene, derivation and drift included.
 SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
                             const Options& options);

@@ -77,7 +77,8 @@ Trace simulate(Motion& motion, Vector y, double step, double duration) {
   for (long k = 1; k <= steps; ++k) {
     stepper.do_step(std::ref(motion), y, (k - 1) * step, step);
     const double error = std::abs(motion.energy(y) - E_0);
-    trace.most_kinetic = std::max(trace.most_kinetic, motion.kinetic(y));
+    const double kinetic = motion.kinetic(y);
+    trace.most_kinetic = kinetic <= trace.most_kinetic ? trace.most_kinetic : kinetic;
     // NaN counts as the worst: a path that left the numbers has lost its energy
     trace.path.worst = error <= trace.path.worst ? trace.path.worst : error;
     most_since_point = error <= most_since_point ? most_since_point : error;
@@ -136,6 +137,19 @@ bool orderShows(const Drift& drift) {
   return drift.paths.size() >= 2 && drift.observed_order > drift.method_order - 1;
 }
 
+/// The method follows this motion without error of its own, as it does free fall.
+bool belowRounding(const Drift& drift) {
+  return std::all_of(drift.paths.begin(), drift.paths.end(), [&](const Drift::Path& path) {
+    return path.worst <= roundingFloor(drift, path);
+  });
+}
+
+bool isFinite(const Drift& drift) {
+  return std::isfinite(drift.scale) &&
+         std::all_of(drift.paths.begin(), drift.paths.end(),
+                     [](const Drift::Path& path) { return std::isfinite(path.worst); });
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, int>> driftMethods() {
@@ -153,11 +167,12 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
                             "has a wrench: its energy is not constant, drift cannot be measured");
   if (!(options.duration > 0) || !std::isfinite(options.duration))
     throw scene::InputError({}, fmt::format("duration is {} s, allowed: positive", options.duration));
+  constexpr double kMostSteps = 1e8;
   for (const double step : options.steps)
-    if (!(step > 0) || step > options.duration)
+    if (!(step > 0) || step > options.duration || options.duration / step > kMostSteps)
       throw scene::InputError(
-          {}, fmt::format("step is {} s, allowed: positive and at most the duration, {} s", step,
-                          options.duration));
+          {}, fmt::format("step is {} s, allowed: positive, at most the duration of {} s, and at "
+                          "least a hundred millionth of it", step, options.duration));
 
   Motion motion(scene.mechanism);
   const scene::RealNumbers<double> number(scene.mechanism);
@@ -178,6 +193,7 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   const auto relative = [&] {
     Drift out = drift;
     for (Drift::Path& path : out.paths) {
+      if (out.scale == 0) continue;  // nothing moved, nothing was lost
       path.worst /= out.scale;
       for (double& error : path.error) error /= out.scale;
     }
@@ -194,7 +210,9 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   double step = kFirstStep;
   for (int k = 0; k <= kMostHalvings; ++k, step /= 2) {
     run(step);
-    if (k >= 3 && orderShows(relative())) break;
+    if (k < 3) continue;
+    const Drift so_far = relative();
+    if (orderShows(so_far) || belowRounding(so_far) || !isFinite(so_far) || so_far.scale == 0) break;
   }
   return relative();
 }
@@ -209,12 +227,21 @@ CheckResult checkDrift(const Drift& drift) {
   check.states = static_cast<int>(drift.paths.size());
   check.worst = drift.observed_order;
   check.limit = drift.method_order - 1;
-  check.ratio = orderShows(drift) && drift.observed_order > 0 ? check.limit / check.worst
-                                     : std::numeric_limits<double>::infinity();
-  if (!(drift.scale > 0)) {
+  check.ratio = orderShows(drift) ? check.limit / check.worst : std::numeric_limits<double>::infinity();
+  if (drift.scale == 0) {
     check.verdict = Verdict::kNotAnswerable;
     check.reason = "nothing moves from the start state: give the scene a [start]";
     check.ratio = 0;
+  } else if (!isFinite(drift)) {
+    check.verdict = Verdict::kDisagree;
+    check.reason = "the simulated motion leaves the numbers (NaN or infinite energy)";
+  } else if (belowRounding(drift)) {
+    check.unit = "rounding of the steps";
+    double share = 0;
+    for (const Drift::Path& path : drift.paths)
+      share = std::max(share, path.worst / roundingFloor(drift, path));
+    check.ratio = check.worst = share;
+    check.limit = 1;
   } else if (!orderShows(drift)) {
     check.verdict = Verdict::kDisagree;
     check.reason = fmt::format("energy drift falls with order {:.2f} down to steps of {:.2g} s; {} has {}",

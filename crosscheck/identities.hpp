@@ -24,7 +24,7 @@ struct IdentityInfo {
   const char* right;
 };
 
-/// In the order in which evaluateIdentities() returns them.
+/// In the order in which Identities::evaluate() returns them.
 inline constexpr IdentityInfo kIdentities[] = {
     {"symmetric mass matrix", "M = M'", "M", "newton_euler", ""},
     {"kinetic energy is quadratic", "T = qd' M qd / 2", "kinetic", "newton_euler", "composite_body"},
@@ -150,7 +150,8 @@ class Identities {
   /// The identities of section 7 of the chapter at every moving joint, stacked: 6 rows a joint.
   void appendProjections(const scene::State<T>& state, std::vector<TwoSides<T>>& out) {
     std::vector<T> qdd(model_.dof(), T(0));
-    recursive::forwardDynamics(model_, state.x, state.qd, state.tau, ws_, qdd);
+    // the articulated inertias do not depend on velocities and forces
+    recursive::forwardDynamics(model_, state.x, qdd, qdd, ws_, qdd);
     const int n = model_.dof();
     TwoSides<T> dual = blank(6 * n), projector = blank(6 * n), symmetric = blank(6 * n),
                 twice = blank(6 * n), force = {MatrixX::Constant(n, 6, T(0)),

@@ -52,7 +52,8 @@ std::string CrosscheckResult::headline() const {
   const int disagreeing = count(Verdict::kDisagree), unanswered = count(Verdict::kNotAnswerable);
   std::string line = fmt::format("{} scene{}, {} checks, ", scenes.size(),
                                  scenes.size() == 1 ? "" : "s", checkCount());
-  line += disagreeing == 0 ? "all agree" : fmt::format("{} disagree", disagreeing);
+  line += checkCount() == 0    ? std::string("nothing could be answered")
+          : disagreeing == 0 ? std::string("all agree") : fmt::format("{} disagree", disagreeing);
   if (unanswered > 0) line += fmt::format(", {} not answerable", unanswered);
   if (exactCount() > 0) line += fmt::format(", {} exactly", exactCount());
   const auto [scene, check] = worst();

@@ -17,8 +17,8 @@ const char* name(Verdict verdict);
 
     Residuals are counted in ulp: |left - right| / (eps * scale), eps = 2^-52, scale = the largest
     magnitude in the compared vector or matrix. `limit` is the error bound of the same computation at
-    the state of the worst residual, in the same unit; `worst / limit` is the largest over all states
-    and entries, and the check agrees when it is at most 1. */
+    that state, in the same unit. Both belong to the entry and state that use the largest share of their
+    limit; the check agrees when that share, `ratio`, is at most 1. */
 struct CheckResult {
   /// The verdict without tolerance: both sides over the integers modulo a prime.
   struct Exact {
@@ -37,8 +37,8 @@ struct CheckResult {
   std::string left, right;  ///< witnesses; right is empty for an identity of one witness
   std::string unit = "ulp";  ///< of worst and limit; a published table counts in its last digit
   int states = 0;
-  double worst = 0;       ///< largest residual [unit]
-  double limit = 0;       ///< limit at that state [unit]
+  double worst = 0;       ///< residual that uses the largest share of its limit [unit]
+  double limit = 0;       ///< that limit [unit]
   double ratio = 0;       ///< largest residual / limit over all states and entries
   int worst_state = 0;    ///< index of the state of `ratio`; with the seed it can be drawn again
   std::string worst_entry;  ///< "M[1,2]": where in the vector or matrix `ratio` is

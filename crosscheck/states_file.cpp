@@ -19,13 +19,22 @@ using scene::SourceLocation;
 
 constexpr const char* kGroups[] = {"q", "qd", "qdd", "tau"};
 
+std::string trimmed(const std::string& cell) {
+  const char* blanks = " \t\r";
+  const std::size_t begin = cell.find_first_not_of(blanks);
+  if (begin == std::string::npos) return "";
+  return cell.substr(begin, cell.find_last_not_of(blanks) - begin + 1);
+}
+
 std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> cells(1);
-  for (const char ch : line) {
-    if (ch == ',') cells.emplace_back();
-    else if (ch != ' ' && ch != '\t' && ch != '\r') cells.back() += ch;
+  std::vector<std::string> cells;
+  std::size_t begin = line.rfind("\xEF\xBB\xBF", 0) == 0 ? 3 : 0;  // a byte order mark is no name
+  for (;;) {
+    const std::size_t comma = line.find(',', begin);
+    cells.push_back(trimmed(line.substr(begin, comma - begin)));
+    if (comma == std::string::npos) return cells;
+    begin = comma + 1;
   }
-  return cells;
 }
 
 double number(const std::string& cell, const std::string& column, const SourceLocation& where) {
@@ -40,7 +49,7 @@ double number(const std::string& cell, const std::string& column, const SourceLo
 
 std::vector<scene::State<double>> readStates(const std::filesystem::path& file, int n) {
   std::ifstream in(file);
-  if (!in) throw InputError({file.string()}, "cannot be read");
+  if (!in || std::filesystem::is_directory(file)) throw InputError({file.string()}, "cannot be read");
   const std::string allowed =
       fmt::format("q1..q{0}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}", n);
 

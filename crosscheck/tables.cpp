@@ -61,6 +61,13 @@ int placesOf(const std::string& text) {
   return exponent_at == std::string::npos ? places : places - std::stoi(text.substr(exponent_at + 1));
 }
 
+/// A part of a table that must be there and must not be empty.
+const json& entry(const json& object, const char* key, const fs::path& file) {
+  if (!object.contains(key) || object[key].empty())
+    throw scene::InputError({file.string()}, fmt::format("'{}' is missing or empty", key));
+  return object[key];
+}
+
 /// How far a computed value may be from a printed one, and what that limit is counted in.
 struct Limit {
   double distance;
@@ -91,7 +98,6 @@ class Agreement {
       if (printed == 0) return {kComputedDigits, "units of the last printed digit"};
       places = significant_ - 1 - static_cast<int>(std::floor(std::log10(std::abs(printed))));
     }
-    // the computed value carries rounding of its own: some ulp of the largest entry
     return {units_ * std::pow(10.0, -places), "units of the last printed digit"};
   }
   /// What one unit of the report's residual is.
@@ -186,9 +192,12 @@ fs::path ownScene(const fs::path& table) {
 
 bool isAbout(const fs::path& table, const scene::Scene& scene) {
   const json content = readTable(table);
-  if (content.contains("scene_file"))
-    return fs::path(content["scene_file"].get<std::string>()).stem() == scene.name;
-  return content.value("scene", "") == scene.name;
+  // by file and not by name: a scene of the user's own may be called like a bundled one
+  const fs::path bundled = content.contains("scene_file")
+                               ? ownScene(table)
+                               : scene::dataFolder() / "scenes" / (content.value("scene", "") + ".toml");
+  std::error_code error;
+  return fs::equivalent(bundled, scene.file, error);
 }
 
 std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Scene& scene,
@@ -208,10 +217,10 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
     return results.back();
   };
 
-  for (const json& one_case : table.at("cases")) {
+  for (const json& one_case : entry(table, "cases", file)) {
     const scene::Scene asked = sceneOf(table, one_case, scene, file);
     const Case here = readCase(table, one_case, asked.mechanism.dof(), file);
-    for (const auto& [quantity, printed] : one_case.at("expect").items()) {
+    for (const auto& [quantity, printed] : entry(one_case, "expect", file).items()) {
       const Agreement agreement(table, one_case, quantity, file);
       double largest = 0;
       for (std::size_t i = 0; i < printed.size(); ++i)
@@ -222,6 +231,13 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
         CheckResult& out = check(quantity, witness);
         const Eigen::MatrixXd theirs = inSourceCoordinates(value, quantity, here.scale);
         ++out.states;
+        const std::size_t columns = printed[0].is_array() ? printed[0].size() : 1;
+        if (printed.size() != static_cast<std::size_t>(theirs.rows()) ||
+            columns != static_cast<std::size_t>(theirs.cols()))
+          throw scene::InputError({file.string()},
+                                  fmt::format("case '{}': {} is {} x {}, expected {} x {}",
+                                              one_case.value("name", ""), quantity, printed.size(),
+                                              columns, theirs.rows(), theirs.cols()));
         for (Eigen::Index i = 0; i < theirs.rows(); ++i) {
           for (Eigen::Index j = 0; j < theirs.cols(); ++j) {
             const std::string text = printedText(printed, i, j);
@@ -255,9 +271,19 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
         continue;
       }
       for (const WitnessKind& kind : kinds) {
-        const std::unique_ptr<Witness> witness = kind.make(asked);
-        if (witness->answers(quantityNamed(quantity)))
+        const std::unique_ptr<Witness> witness = makeWitness(kind, asked);
+        if (!witness->answers(quantityNamed(quantity))) continue;
+        try {
           compare(kind.info.name, computed(*witness, quantity, here.state));
+        } catch (const scene::InputError&) {
+          throw;
+        } catch (const std::exception& error) {
+          CheckResult& out = check(quantity, kind.info.name);
+          if (out.verdict == Verdict::kAgree) {
+            out.verdict = Verdict::kNotAnswerable;
+            out.reason = error.what();
+          }
+        }
       }
     }
   }

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 namespace dynwitness::crosscheck {
@@ -28,6 +29,14 @@ Quantity quantityNamed(const std::string& text) {
     names += std::string(names.empty() ? "" : ", ") + name(quantity);
   }
   throw scene::InputError({}, "unknown quantity '" + text + "', allowed: " + names);
+}
+
+std::unique_ptr<Witness> makeWitness(const WitnessKind& kind, const scene::Scene& scene) {
+  try {
+    return kind.make(scene);
+  } catch (const std::exception& error) {
+    return std::make_unique<RefusedWitness>(kind.info.name, error.what());
+  }
 }
 
 std::vector<WitnessKind> witnessKinds() {

@@ -55,6 +55,10 @@ struct WitnessKind {
   std::function<std::unique_ptr<Witness>(const scene::Scene&)> make;
 };
 
+/// A witness of this kind; when it cannot be built for the scene, one that answers every question with
+/// the reason why.
+std::unique_ptr<Witness> makeWitness(const WitnessKind& kind, const scene::Scene& scene);
+
 /// All witnesses that this build knows, the absent ones too (info.present = false).
 std::vector<WitnessKind> witnessKinds();
 

@@ -21,12 +21,18 @@ namespace dynwitness::recursive {
 
     @param  x, qd, tau  position, velocity [rad/s, m/s], joint force [N m, N], length n
     @param  qdd   accelerations, length n [rad/s^2, m/s^2]
+    @param  terms gravity, springs and loads can be left out
+    @throws std::invalid_argument  a vector is not of length n
     D = 0 (a massless subtree without rotor inertia) divides by zero: scene validation refuses it.
     @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, p. 132 */
 template <typename T>
 void forwardDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                      const std::vector<T>& qd, const std::vector<T>& tau, Workspace<T>& ws,
                      std::vector<T>& qdd, Terms terms = Terms::all()) {
+  requireSize(model, "forwardDynamics", "x", x.size());
+  requireSize(model, "forwardDynamics", "qd", qd.size());
+  requireSize(model, "forwardDynamics", "tau", tau.size());
+  requireSize(model, "forwardDynamics", "qdd", qdd.size());
   const int n = static_cast<int>(model.links.size());
   Motion<T> a_0 = Motion<T>::zero();
   if (terms.gravity) a_0.linear = -model.gravity;

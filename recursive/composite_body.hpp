@@ -18,10 +18,14 @@ using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
         (3)  M_ij = Z_j' F  for the joints j inboard of i, F carried inward
 
     M must be n x n on entry and is written whole.
+    @throws std::invalid_argument  x or M has another size
     @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), table 6.2, p. 107 */
 template <typename T>
 void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, Workspace<T>& ws,
                 MatrixX<T>& M) {
+  requireSize(model, "massMatrix", "x", x.size());
+  requireSize(model, "massMatrix", "rows of M", M.rows());
+  requireSize(model, "massMatrix", "columns of M", M.cols());
   const int n = static_cast<int>(model.links.size());
   for (int i = 0; i < n; ++i) {
     ws.X_up[i] = linkTransform(model.links[i], x);
@@ -83,6 +87,8 @@ Vector6<T> jointAxis(const LinkModel<T>& link) {
 template <typename T>
 MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                           const std::vector<T>& qd, Workspace<T>& ws) {
+  requireSize(model, "coriolisMatrix", "x", x.size());
+  requireSize(model, "coriolisMatrix", "qd", qd.size());
   const int n = static_cast<int>(model.links.size());
   std::vector<Vector6<T>> Z(n), dZ(n);
   std::vector<Matrix6<T>> I_C(n), B_C(n), X_up(n);

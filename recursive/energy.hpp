@@ -12,6 +12,8 @@ namespace dynwitness::recursive {
 template <typename T>
 void linkVelocities(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                     const std::vector<T>& qd, Workspace<T>& ws) {
+  requireSize(model, "linkVelocities", "x", x.size());
+  requireSize(model, "linkVelocities", "qd", qd.size());
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     const LinkModel<T>& link = model.links[i];
     ws.X_up[i] = linkTransform(link, x);
@@ -38,6 +40,7 @@ T kineticEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
     The first moments of mass are carried inward, so no link needs its place in the world. */
 template <typename T>
 T potentialEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x, Workspace<T>& ws) {
+  requireSize(model, "potentialEnergy", "x", x.size());
   T twice_springs = T(0);
   Vector3<T> h_world = model.base.h;
   for (std::size_t i = 0; i < model.links.size(); ++i) ws.I_C[i] = model.links[i].M;

@@ -2,6 +2,7 @@
 // A mechanism as the sweeps read it: flat, in topological order, every joint axis along z.
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,16 @@ struct Terms {
   static constexpr Terms none() { return {false, false, false}; }
   static constexpr Terms potential() { return {true, true, false}; }
 };
+
+/// A caller's vector must have one entry a degree of freedom.
+/// @throws std::invalid_argument  "inverseDynamics: qd: expected 3 joint values, got 2"
+template <typename T>
+void requireSize(const Model<T>& model, const char* function, const char* argument, std::size_t size) {
+  if (static_cast<int>(size) != model.dof())
+    throw std::invalid_argument(std::string(function) + ": " + argument + ": expected " +
+                                std::to_string(model.dof()) + " joint values, got " +
+                                std::to_string(size));
+}
 
 /// What the sweeps write on: sized once for a model, then reused without allocation.
 template <typename T>

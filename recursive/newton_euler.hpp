@@ -23,11 +23,16 @@ namespace dynwitness::recursive {
     @param  x, qd, qdd   position, velocity [rad/s, m/s], acceleration [rad/s^2, m/s^2], length n
     @param  tau   joint forces, length n [N m, N], positive along the joint's +z
     @param  terms gravity, springs and loads can be left out: c alone is qdd = 0 and Terms::none()
+    @throws std::invalid_argument  a vector is not of length n
     @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), table 5.1, p. 96 */
 template <typename T>
 void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                      const std::vector<T>& qd, const std::vector<T>& qdd, Workspace<T>& ws,
                      std::vector<T>& tau, Terms terms = Terms::all()) {
+  requireSize(model, "inverseDynamics", "x", x.size());
+  requireSize(model, "inverseDynamics", "qd", qd.size());
+  requireSize(model, "inverseDynamics", "qdd", qdd.size());
+  requireSize(model, "inverseDynamics", "tau", tau.size());
   const int n = static_cast<int>(model.links.size());
   const Motion<T> v_0 = Motion<T>::zero();
   Motion<T> a_0 = Motion<T>::zero();

@@ -246,7 +246,8 @@ std::vector<FrameStep> Lagrangian::axisSteps(const scene::Vector& axis, int* coo
     all_rational = all_rational && isExact(axis[i]) && exact[i].isRational();
   }
   for (int i = 0; i < 3; ++i) {
-    if (is_zero[(i + 1) % 3] && is_zero[(i + 2) % 3]) {
+    // the sign of a symbol is not known here: only a number may say that the axis is reversed
+    if (is_zero[(i + 1) % 3] && is_zero[(i + 2) % 3] && isExact(axis[i])) {
       *coordinate = i;
       *reversed = exact[i].approximation() < 0;
       return {};

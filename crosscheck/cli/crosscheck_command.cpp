@@ -115,6 +115,7 @@ int run(const Arguments& arguments) {
   if (arguments.random > 0) return runRandom(arguments);
   const std::vector<WitnessKind> kinds = selectWitnesses(arguments.options.witnesses);
   const std::vector<scene::Scene> scenes = scenesOf(arguments);
+  for (const scene::Scene& scene : scenes) requireMotion(scene);
   requireWritable(arguments.report);
 
   CrosscheckResult result;
@@ -142,6 +143,8 @@ int run(const Arguments& arguments) {
   }
   printTable(result);
   fmt::print("report: {}\n", (std::filesystem::path(arguments.report) / "index.html").string());
+  if (result.verdict() == Verdict::kNotAnswerable)
+    throw std::runtime_error("no check could be answered; the report says why");
   return result.verdict() == Verdict::kDisagree ? 1 : 0;
 }
 
@@ -159,17 +162,21 @@ Run addCrosscheck(CLI::App& app) {
   command->add_option("--states", arguments->options.states, "Seeded states a check")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
-  command->add_option("--seed", arguments->options.seed, "Seed of the states")->capture_default_str();
+  command->add_option("--seed", arguments->options.seed, "Seed of the states")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--error-probability", arguments->options.error_probability,
                    "Chance at most that an exact check passes a wrong formula")
       ->capture_default_str()
       ->check(CLI::Range(1e-300, 0.5));
   command->add_option("--random", arguments->random,
-                      "Check this many random mechanisms exactly, instead of scenes")
+                      "Check this many random mechanisms exactly, instead of scenes; no report")
+      ->excludes("--json", "--witness", "--states")
       ->check(CLI::Range(1, 100000000));
   command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
       ->capture_default_str()
+      ->needs("--random")
       ->check(CLI::Range(1, 1000));
   command->add_flag("!--no-drift", arguments->options.drift, "Leave out the 10 s simulations");
   return [arguments] { return run(*arguments); };

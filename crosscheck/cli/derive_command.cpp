@@ -35,6 +35,10 @@ symbolic::Derivation only(symbolic::Derivation derivation, const std::string& qu
     if (step.name.rfind(quantity + "_", 0) == 0 ||
         (quantity == "c" && step.name.rfind("Christoffel", 0) == 0))
       kept.push_back(step);
+  if (kept.empty())
+    throw scene::InputError({}, fmt::format("{}: the derivation of this scene is one program of named "
+                                            "intermediates, not a step a quantity; allowed: --quantity all, "
+                                            "or --format c or python", quantity));
   derivation.steps = kept;
   return derivation;
 }

@@ -37,7 +37,7 @@ std::vector<std::string> columnNames(Quantity quantity, int n) {
   return names;
 }
 
-/// The first of the usual witnesses that answers: sweeps first, since they are the fastest.
+/// Who answers when nobody is named: the sweep made for the quantity.
 std::string usualWitness(Quantity quantity) {
   if (quantity == Quantity::kM) return "composite_body";
   if (quantity == Quantity::kQdd) return "articulated_body";
@@ -46,6 +46,7 @@ std::string usualWitness(Quantity quantity) {
 
 int run(const Arguments& arguments) {
   const scene::Scene scene = scene::findScene(arguments.scene);
+  requireMotion(scene);
   const int n = scene.mechanism.dof();
   const std::vector<scene::State<double>> states = readStates(arguments.states, n);
 

@@ -39,7 +39,12 @@ int main(int argc, char** argv) {
   }
   try {
     for (const auto& [name, run] : commands)
-      if (app.got_subcommand(name)) return run();
+      if (app.got_subcommand(name)) {
+        const int status = run();
+        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+          throw std::runtime_error("standard output could not be written");
+        return status;
+      }
   } catch (const scene::InputError& error) {
     fmt::print(stderr, "dynwitness: {}\n", error.what());
     return kBadInput;

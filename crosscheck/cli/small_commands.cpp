@@ -8,6 +8,7 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/crosscheck.hpp"
 #include "crosscheck/drift.hpp"
 #include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/environment.hpp"
@@ -76,6 +77,7 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
 
 int runDrift(const DriftArguments& arguments) {
   const scene::Scene scene = scene::findScene(arguments.scene);
+  requireMotion(scene);
   Progress progress(static_cast<int>(arguments.methods.size()));
   std::vector<Drift> drifts;
   for (const std::string& method : arguments.methods) {
@@ -93,7 +95,9 @@ int runDrift(const DriftArguments& arguments) {
       csv += fmt::format("{},{},{},{}\n", drift.method, path.step, path.worst, drift.scale);
   fmt::print("{}", csv);
   for (const Drift& drift : drifts)
-    fmt::print("# {}: observed order {:.2f}, its own {}\n", drift.method, drift.observed_order,
+    fmt::print("# {}: observed order {}, its own {}\n", drift.method,
+               drift.observed_order > 0 ? fmt::format("{:.2f}", drift.observed_order)
+                                        : "not to be seen at these steps",
                drift.method_order);
   if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csv);
   if (!arguments.plot.empty()) plotDrift(scene, drifts.front(), arguments.plot);

@@ -23,7 +23,15 @@ recursive::Model<RunningError> inOtherAxes(recursive::Model<RunningError> model)
     recursive::Matrix3<RunningError> I = link.M.I.matrix();
     blur(I, 6);
     link.M.I = recursive::Symmetric3<RunningError>::fromUpper(I);
+    blur(link.load.force, 3);
+    blur(link.load.moment, 6);
   }
+  for (recursive::WorldLoad<RunningError>& load : model.world_loads) {
+    blur(load.force, 3);
+    blur(load.moment, 3);
+    blur(load.at, 3);
+  }
+  blur(model.gravity, 3);
   return model;
 }
 

@@ -17,7 +17,8 @@ enum class ForwardDynamicsBy { kSweep, kMassMatrix };
     sums an entry) leaves an error of up to 3 u |r| in every entry, where ours may have an exact zero. An
     engine turns three times to pass a joint (its inboard frame, its motion, its outboard frame), which
     is 9 u for an orientation; a joint's offset is turned on both sides of the joint, 6 u |p|; a centre
-    of mass once, 3 u |h|; an inertia once from each side, 6 u |I|. For the same reason all entries of
+    of mass once, 3 u |h|; an inertia once from each side, 6 u |I|; gravity and loads once, the moment of a load's
+    force twice. For the same reason all entries of
     the answer get the largest bound among them: the engine may collect its rounding in world axes.
 
     Measured at 2 000 states of each of the 23 bundled scenes, seed 7: Simbody uses at most 90 % of the
