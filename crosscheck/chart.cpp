@@ -740,7 +740,7 @@ std::string chartScript(const Chart& chart, const std::string& name, const std::
       "# Speed against accuracy of {0} of {1}. Draw again with:  gnuplot {2}.gp\n"
       "do for [dark = 0:1] {{\n"
       "load '{3}'\n"
-      "set terminal svg size 1000,480\n"
+      "set terminal svg size 1000,480 noenhanced\n"
       "set output dark ? '{2}_dark.svg' : '{2}.svg'\n"
       "set multiplot\n"
       "set label 1 {4} at screen 0.5, screen 0.96 center textcolor rgb ink font ',15'\n"
