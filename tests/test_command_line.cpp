@@ -78,7 +78,7 @@ BOOST_AUTO_TEST_SUITE(bad_input)
 BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   const Program program;
   refuses(program, "", "subcommand");
-  refuses(program, "crosschek", "crosschek");
+  refuses(program, "crosschek", "subcommand");
   refuses(program, "crosscheck --states 0", "--states");
   refuses(program, "crosscheck 'no such scene'", "double_pendulum");  // the names that exist
   refuses(program, "crosscheck missing.toml", "missing.toml");

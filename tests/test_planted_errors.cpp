@@ -39,7 +39,7 @@ const auto kParallelAxis = [](auto& model, const auto& number) {
   auto& M = model.links.back().M;
   M.I.xx += tiny<T>() * (M.h.y() * M.h.y() + M.h.z() * M.h.z()) / M.mass;  // m (y^2 + z^2)
 };
-const auto kRotation = [](auto& model, const auto&) { scaleFirstNonZero(model.links[1].X_tree.R); };
+const auto kRotation = [](auto& model, const auto&) { scaleFirstNonZero(model.links[3].X_tree.R); };
 const auto kTranslation = [](auto& model, const auto&) {
   scaleFirstNonZero(model.links[2].X_tree.p);
 };
