@@ -11,7 +11,10 @@ scene::Integer floorOf(const scene::Rational& x) {
 
 }  // namespace
 
-ReducedAngle reduced(const scene::Exact& angle) {
+ReducedAngle reduced(const scene::Exact& given) {
+  scene::Exact angle = given;
+  if (angle.rational == 0)  // between -pi and pi, so that whole turns do not change the sign
+    angle.pi_multiple -= 2 * floorOf((angle.pi_multiple + 1) / 2);
   ReducedAngle out{angle.rational < 0 || (angle.rational == 0 && angle.pi_multiple < 0), 0, false,
                    angle};
   if (out.negative) out.rest = {-angle.rational, -angle.pi_multiple};
