@@ -514,7 +514,7 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
       chart->left_out.push_back(kind.info.name + ": absent from this build");
       continue;
     }
-    std::unique_ptr<Witness> witness = kind.make(scene);
+    std::unique_ptr<Witness> witness = makeWitness(kind, scene);
     if (witness->answers(quantity))
       methods.push_back(std::make_unique<EngineMethod>(std::move(witness), quantity, states));
     else

@@ -33,14 +33,14 @@ struct Chart {
 
 /** Lets every method compute the same quantity at the same states in the same run.
 
-    All start from q, qd and qdd (or tau) as numbers, so cosines and sines are in the time, and end
-   with the numbers of the quantity. In double: the closed form evaluated as it is printed (up to
-   three joints; every cosine and product where it stands), the derived straight-line program, the
-   sweep, for qdd also the mass matrix with L D L', and the outside engines among `kinds` through
-    Witness::value(). The closed form and the program solve for qdd by L D L'. The sweep also runs
-   in float, long double, 50 decimal digits and balls of 128 bits. Programs are interpreted here;
-   compiled ones are faster. Rounds over all methods are repeated, so that a change of the machine's
-   pace meets all of them.
+    All start from q, qd and qdd (or tau) as numbers, so cosines and sines are in the time, and
+    end with the numbers of the quantity. In double: the closed form evaluated as it is printed
+    (up to three joints; every cosine and product where it stands), the derived straight-line
+    program, the sweep, for qdd also the mass matrix with L D L', and the outside engines among
+    `kinds` through Witness::value(). The closed form and the program solve for qdd by L D L'. The
+    sweep also runs in float, long double, 50 decimal digits and balls of 128 bits. Programs are
+    interpreted here; compiled ones are faster. Rounds over all methods are repeated, so that a
+    change of the machine's pace meets all of them.
 
     The truth is certified to 2^-200, to judge 50 digits too.
 

@@ -236,7 +236,7 @@ std::vector<DigitsResult> measureDigits(const scene::Scene& scene,
                                         const std::vector<WitnessKind>& kinds,
                                         const Options& options) {
   std::vector<std::unique_ptr<Witness>> witnesses;
-  for (const WitnessKind& kind : kinds) witnesses.push_back(kind.make(scene));
+  for (const WitnessKind& kind : kinds) witnesses.push_back(makeWitness(kind, scene));
   Setup<float> in_float(
       recursive::buildModel(scene.mechanism, scene::RealNumbers<float>(scene.mechanism)));
   Setup<long double> in_long_double(

@@ -16,9 +16,9 @@ namespace dynwitness::crosscheck {
     Digits are counted against the quantity as a whole,
         digits = -log10( max_i |x_i - truth_i| / max_i |truth_i| ),
     because an entry that should be 0 has no digits of its own. Distance to the truth means to the
-    farthest point of its enclosure, so no digit is counted that is not there. Digits that a scalar
-   has no room for are not counted either: 9 in float, 17 in double, 21 in long double
-   (max_digits10). */
+    farthest point of its enclosure, so no digit is counted that is not there. Digits that a
+    scalar has no room for are not counted either: 9 in float, 17 in double, 21 in long double
+    (max_digits10). */
 struct DigitsResult {
   std::string scene, witness, quantity;
   std::string scalar;                   ///< "double"; our sweeps in "float" and "long double" too
@@ -39,8 +39,8 @@ struct DigitsResult {
 };
 
 /** Every quantity that the witnesses answer, at the options' states: all witnesses in double,
-   judged by the bounds of their answers; then the sweeps in float and long double. A float run gets
-   the state rounded to float: that rounding is part of what float does, and is counted. */
+    judged by the bounds of their answers; then the sweeps in float and long double. A float run
+    gets the state rounded to float: that rounding is part of what float does, and is counted. */
 std::vector<DigitsResult> measureDigits(const scene::Scene& scene,
                                         const std::vector<WitnessKind>& kinds,
                                         const Options& options);

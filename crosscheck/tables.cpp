@@ -169,9 +169,14 @@ scene::Scene sceneOf(const json& table, const json& one_case, scene::Scene scene
   return scene;
 }
 
+fs::path ownScene(const json& content, const fs::path& table) {
+  if (!content.contains("scene_file")) return {};
+  return table.parent_path() / content["scene_file"].get<std::string>();
+}
+
 Eigen::MatrixXd computed(Witness& witness, const std::string& quantity,
                          const scene::State<double>& state) {
-  return witness.answer(quantityNamed(quantity), state).value;
+  return witness.value(quantityNamed(quantity), state);
 }
 
 }  // namespace
@@ -184,20 +189,15 @@ std::vector<fs::path> bundledTables() {
   return tables;
 }
 
-fs::path ownScene(const fs::path& table) {
-  const json content = readTable(table);
-  if (!content.contains("scene_file")) return {};
-  return table.parent_path() / content["scene_file"].get<std::string>();
-}
+fs::path ownScene(const fs::path& table) { return ownScene(readTable(table), table); }
 
 bool isAbout(const fs::path& table, const scene::Scene& scene) {
   const json content = readTable(table);
   // by file and not by name: a scene of the user's own may be called like a bundled one
-  const fs::path bundled = content.contains("scene_file")
-                               ? ownScene(table)
-                               : scene::dataFolder() / "scenes" / (content.value("scene", "") + ".toml");
+  fs::path about = ownScene(content, table);
+  if (about.empty()) about = scene::dataFolder() / "scenes" / (content.value("scene", "") + ".toml");
   std::error_code error;
-  return fs::equivalent(bundled, scene.file, error);
+  return fs::equivalent(about, scene.file, error);
 }
 
 std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Scene& scene,
@@ -219,6 +219,8 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
 
   for (const json& one_case : entry(table, "cases", file)) {
     const scene::Scene asked = sceneOf(table, one_case, scene, file);
+    std::vector<std::unique_ptr<Witness>> witnesses;
+    for (const WitnessKind& kind : kinds) witnesses.push_back(makeWitness(kind, asked));
     const Case here = readCase(table, one_case, asked.mechanism.dof(), file);
     for (const auto& [quantity, printed] : entry(one_case, "expect", file).items()) {
       const Agreement agreement(table, one_case, quantity, file);
@@ -270,15 +272,14 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
                                                                     here.state.x[0].q)));
         continue;
       }
-      for (const WitnessKind& kind : kinds) {
-        const std::unique_ptr<Witness> witness = makeWitness(kind, asked);
+      for (const std::unique_ptr<Witness>& witness : witnesses) {
         if (!witness->answers(quantityNamed(quantity))) continue;
         try {
-          compare(kind.info.name, computed(*witness, quantity, here.state));
+          compare(witness->name(), computed(*witness, quantity, here.state));
         } catch (const scene::InputError&) {
           throw;
         } catch (const std::exception& error) {
-          CheckResult& out = check(quantity, kind.info.name);
+          CheckResult& out = check(quantity, witness->name());
           if (out.verdict == Verdict::kAgree) {
             out.verdict = Verdict::kNotAnswerable;
             out.reason = error.what();

@@ -25,19 +25,19 @@ struct Certified {
   bool isSharp() const { return exists() && sharp_entries == value.size(); }
 };
 
-/** Encloses quantities by running our sweeps on balls: composite bodies for M, Newton-Euler for c,
-   g and tau, articulated bodies for qdd. The precision starts at 128 bits and is doubled until the
-    radius of every entry is below 2^-accuracy of the entry.
+/** Encloses quantities by running our sweeps on balls: composite bodies for M, Newton-Euler for
+    c, g and tau, articulated bodies for qdd. The precision starts at 128 bits and is doubled
+    until the radius of every entry is below 2^-accuracy of the entry.
 
-    An entry whose true value is 0, without every term of it being 0, never gets there. When such an
-    entry is below 2^-(2 accuracy) of the largest it is left at that, as beyond what any computation
-   in double could resolve. Where all entries are of that kind there is no largest, and the doubling
-   goes on to kMaxBits; what is then below 1e-300 in SI units is left at that. `reason` names such
-   an entry; the enclosure is certain all the same.
+    An entry whose true value is 0, without every term of it being 0, never gets there. When such
+    an entry is below 2^-(2 accuracy) of the largest it is left at that, as beyond what any
+    computation in double could resolve. Where all entries are of that kind there is no largest,
+    and the doubling goes on to kMaxBits; what is then below 1e-300 in SI units is left at that.
+    `reason` names such an entry; the enclosure is certain all the same.
 
-    What is certified is the value of that sweep's formula at exactly this state (every double of it
-   is taken as the number it is). That the formula is the right one is not: for that the sweeps are
-    compared with the other witnesses, and with the derived equations exactly. */
+    What is certified is the value of that sweep's formula at exactly this state (every double of
+    it is taken as the number it is). That the formula is the right one is not: for that the
+    sweeps are compared with the other witnesses, and with the derived equations exactly. */
 class Truth {
  public:
   static constexpr long kAccuracy = 80;  ///< [bits]

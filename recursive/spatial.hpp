@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spatial (6-D) algebra: motions, forces, frame transformations, rigid and articulated inertia.
 //
-// "Chapter" is H. Bruyninckx, Dynamics of robots (2005). Six-vectors are linear part first, X = (v, w) and F = (f, m), as in the chapter; this file is the
-// only one that knows the order. A motion refers to the body point at the origin of the frame that
+// "Chapter" is H. Bruyninckx, Dynamics of robots (2005). Six-vectors are linear part first, as there:
+// X = (v, w), F = (f, m); this file is the only one that knows the order. A motion refers to the body point at the origin of the frame that
 // it is expressed in, a force to the moment about that origin.
 #pragma once
 

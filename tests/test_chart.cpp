@@ -172,7 +172,7 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(identities)
 
-// the closed form, the program, the sweeps and Simbody: one quantity. Measured: worst 1.2e-13
+// the closed form, the program, the sweeps and Simbody: one quantity. Measured: worst 8.9e-15
 BOOST_DATA_TEST_CASE(all_methods_in_double_compute_the_same,
                      data::make(scenesWithClosedForm()) * data::make({"M", "tau", "qdd"}), name,
                      quantity) {
@@ -181,7 +181,7 @@ BOOST_DATA_TEST_CASE(all_methods_in_double_compute_the_same,
   find(chart, "closed form as printed", "double");
   find(chart, "straight-line program", "double");
   for (const ChartPoint& p : chart.points)
-    if (p.scalar == "double") BOOST_TEST(p.error_worst < 1e-11, p.method << " " << p.error_worst);
+    if (p.scalar == "double") BOOST_TEST(p.error_worst < 1e-12, p.method << " " << p.error_worst);
 }
 
 BOOST_AUTO_TEST_CASE(closed_forms_know_slanted_axes_fixed_angles_springs_rotors_and_wrenches) {

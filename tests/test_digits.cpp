@@ -143,7 +143,7 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(identities)
 
-// Measured at 300 states of each scene: our sweeps and the program use at most 89 % of their
+// Measured at 300 states of each scene: our sweeps and the program use at most 93 % of their
 // bounds. An engine may refuse a scene that it cannot hold, but what it answers must lie within its
 // bound too.
 BOOST_DATA_TEST_CASE(every_witness_lies_within_its_bound, data::make(sceneFiles()), file) {

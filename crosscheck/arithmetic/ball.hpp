@@ -29,13 +29,13 @@ class BallPrecision {
 };
 
 /** A set of real numbers [midpoint - radius, midpoint + radius] that encloses x, the value of the
-   same expression in real numbers. Every operation rounds the midpoint at BallPrecision::bits() and
-   widens the radius by what rounding may have lost, so enclosure is a theorem and no estimate. A
-   division by a ball that contains zero gives a ball that is not finite. (Arb's arb_t, with C++
-   operators.)
+    same expression in real numbers. Every operation rounds the midpoint at BallPrecision::bits()
+    and widens the radius by what rounding may have lost, so enclosure is a theorem and no
+    estimate. A division by a ball that contains zero gives a ball that is not finite. (Arb's
+    arb_t, with C++ operators.)
 
-    @see F. Johansson, Arb: efficient arbitrary-precision midpoint-radius interval arithmetic, IEEE
-         Trans. Computers 66 (2017) */
+    @see F. Johansson, Arb: efficient arbitrary-precision midpoint-radius interval arithmetic,
+         IEEE Trans. Computers 66 (2017) */
 class Ball {
  public:
   Ball() { arb_init(x_); }
