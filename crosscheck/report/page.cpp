@@ -82,9 +82,10 @@ bool answered(const CheckResult& check) {
 }
 
 /// For sorting: disagreements first, then what is nearest to its limit. NaN is worse than any
-/// number.
+/// number; a limit that contains a known loss says nothing about rounding, and comes last.
 double severity(const CheckResult& check) {
   if (!answered(check)) return -1;
+  if (check.known_loss && check.verdict == Verdict::kAgree) return 0;
   if (std::isnan(check.ratio)) return std::numeric_limits<double>::infinity();
   return check.ratio + (check.verdict == Verdict::kDisagree ? 1e6 : 0);
 }
