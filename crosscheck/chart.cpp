@@ -325,6 +325,8 @@ class PrintedFormula {
             return s.qd[joint_];
           case symbolic::Input::kAcceleration:
             return s.qdd[joint_];
+          case symbolic::Input::kForce:
+            return s.tau[joint_];
           case symbolic::Input::kCos:
             return std::cos(s.x[joint_].q);
           case symbolic::Input::kSin:

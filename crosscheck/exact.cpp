@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/identities.hpp"
+#include "crosscheck/kernel/roads.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
 
@@ -248,6 +249,57 @@ ExactWitness lagrangeWitness(const scene::Scene& scene, Parameters parameters) {
   return {"lagrange", Derived::answers, on, on};
 }
 
+/// The programs that kernels are compiled from.
+struct KernelPrograms {
+  explicit KernelPrograms(const scene::Mechanism& mechanism) : dof(mechanism.dof()) {
+    using kernel::Formula;
+    for (const auto& [quantity, formula] :
+         {std::pair(Quantity::kM, Formula::kMassMatrix),
+          std::pair(Quantity::kTau, Formula::kInverseDynamics),
+          std::pair(Quantity::kQdd, Formula::kForwardDynamics)})
+      programs.emplace(quantity, kernel::smallestRoad(mechanism, formula).program);
+  }
+  static bool answers(Quantity quantity) {
+    return quantity == Quantity::kM || quantity == Quantity::kTau || quantity == Quantity::kQdd;
+  }
+  std::map<Quantity, symbolic::Program> programs;
+  int dof;
+};
+
+/// The same in one arithmetic.
+template <typename T>
+class KernelAnswers {
+ public:
+  template <typename Numbers>
+  KernelAnswers(std::shared_ptr<const KernelPrograms> programs, const Numbers& number)
+      : programs_(std::move(programs)) {
+    for (const auto& [quantity, program] : programs_->programs)
+      runs_.emplace(quantity, symbolic::ProgramRun<T>(program, number));
+  }
+  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
+    const std::vector<T> out = runs_.at(quantity)(state);
+    return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        out.data(), programs_->dof, quantity == Quantity::kM ? programs_->dof : 1);
+  }
+
+ private:
+  std::shared_ptr<const KernelPrograms> programs_;
+  std::map<Quantity, symbolic::ProgramRun<T>> runs_;
+};
+
+}  // namespace
+
+ExactWitness kernelWitness(const scene::Scene& scene) {
+  const auto programs = std::make_shared<const KernelPrograms>(scene.mechanism);
+  const auto on = [programs](const auto& number) {
+    using Numbers = std::decay_t<decltype(number)>;
+    return KernelAnswers<typename Numbers::Scalar>(programs, number);
+  };
+  return {"kernel", KernelPrograms::answers, on, on};
+}
+
+namespace {
+
 // ---- comparisons --------------------------------------------------------------------------------
 
 /// Every quantity and every pair of witnesses that answer it.
@@ -375,9 +427,12 @@ Inquiry both(const Inquiry& a, const Inquiry& b) {
 
 std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters) {
   const auto as_it_is = [](auto&, const auto&) {};
-  return {lagrangeWitness(scene, parameters), sweepWitness<NewtonEuler>(scene, as_it_is),
-          sweepWitness<CompositeBody>(scene, as_it_is),
-          sweepWitness<ArticulatedBody>(scene, as_it_is)};
+  std::vector<ExactWitness> all = {
+      lagrangeWitness(scene, parameters), sweepWitness<NewtonEuler>(scene, as_it_is),
+      sweepWitness<CompositeBody>(scene, as_it_is), sweepWitness<ArticulatedBody>(scene, as_it_is)};
+  // a kernel is made for the numbers of its scene
+  if (parameters == Parameters::kAsGiven) all.push_back(kernelWitness(scene));
+  return all;
 }
 
 std::vector<CheckResult> compareExactly(const scene::Scene& scene,

@@ -55,7 +55,11 @@ ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
   return {Algorithm::kName, Algorithm::answers, on, on};
 }
 
-/// lagrange (derived here, once), newton_euler, composite_body and articulated_body.
+/// The programs that the scene's kernel is compiled from (smallestRoad), for the parameters as given.
+ExactWitness kernelWitness(const scene::Scene& scene);
+
+/// lagrange (derived here, once), newton_euler, composite_body and articulated_body; kernel where the
+/// parameters are as given.
 std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters);
 
 /** Runs the comparisons of witnesses and the identities of identities.hpp over the field.

@@ -393,6 +393,8 @@ class Printer {
           return "qd" + k;
         case Input::kAcceleration:
           return "qdd" + k;
+        case Input::kForce:
+          return "tau" + k;
       }
     }
     switch (f.input) {
@@ -406,6 +408,8 @@ class Printer {
         return dotted(k, 1);
       case Input::kAcceleration:
         return dotted(k, 2);
+      case Input::kForce:
+        return printName("tau" + k, style_);
     }
     return "";
   }

@@ -195,8 +195,6 @@ Node Graph::multiply(Node a, Node b) {
 
 Node Graph::inverse(Node a) {
   if (isZero(a)) throw std::invalid_argument("Graph::inverse: expected a number that is not 0");
-  if (dependsOnState(a))
-    throw std::invalid_argument("Graph::inverse: expected a number of the scene, got the state");
   if (isConstant(a)) return constant(1 / value(a));
   if (op(a) == Op::kInverse) return left(a);
   if (op(a) == Op::kNegate) return negate(inverse(left(a)));
@@ -296,8 +294,10 @@ std::vector<Node> Graph::directionalDerivative(
     switch (op(n)) {
       case Op::kConstant:
       case Op::kAtom:
-      case Op::kInverse:
         break;  // numbers of the scene do not move
+      case Op::kInverse:  // d(1/a) = -da / a^2
+        d[i] = negate(multiply(multiply(n, n), d[a.index]));
+        break;
       case Op::kInput:
         if (isTrig(n)) {
           const Node dq = speedOf(Input::kPosition, joint(n));
@@ -385,7 +385,9 @@ std::vector<Node> Graph::gradient(Node n, const std::vector<Variable>& variables
     switch (op(m)) {
       case Op::kConstant:
       case Op::kAtom:
+        break;
       case Op::kInverse:
+        send(a, negate(multiply(multiply(m, m), lambda)));
         break;
       case Op::kInput: {
         const Node slope = isTrig(m) ? trigDerivative(m) : constant(1);

@@ -38,7 +38,7 @@ enum class Op : std::uint8_t {
   kMultiply,  ///< a b
   kNegate,    ///< -a
   kTurn,      ///< c_k a + s_k b: what a joint angle does to coordinates
-  kInverse,   ///< 1 / a; only of numbers of the scene, never of the state
+  kInverse,   ///< 1 / a
 };
 
 /// A number of the scene that has no exact rational value, or that is kept by name.
@@ -51,11 +51,11 @@ struct Atom {
 };
 
 /// A component of the state; joints are counted from 0.
-enum class Input : std::uint8_t { kPosition, kCos, kSin, kVelocity, kAcceleration };
+enum class Input : std::uint8_t { kPosition, kCos, kSin, kVelocity, kAcceleration, kForce };
 
 /// What the derivative is taken with respect to: q_k, qd_k or qdd_k.
 struct Variable {
-  Input input;  ///< kPosition (c_k and s_k follow it), kVelocity or kAcceleration
+  Input input;  ///< kPosition (c_k and s_k follow it), kVelocity, kAcceleration or kForce
   int joint;
 };
 
@@ -73,7 +73,7 @@ class Graph {
   Node subtract(Node a, Node b) { return add(a, negate(b)); }
   Node multiply(Node a, Node b);
   Node negate(Node a);
-  Node inverse(Node a);  ///< @throws std::invalid_argument when a is 0 or depends on the state
+  Node inverse(Node a);  ///< @throws std::invalid_argument when a is 0
   /// c_k a + s_k b
   Node turn(int joint, Node a, Node b);
   /// The sum of many terms; those that a joint's c_k or s_k multiplies are gathered first.

@@ -207,6 +207,9 @@ std::vector<std::string> bodyLines(const Equations& equations, const scene::Mech
       case Input::kAcceleration:
         let(name, "qdd" + index);
         break;
+      case Input::kForce:
+        let(name, "tau" + index);
+        break;
     }
   }
   std::map<int, std::string> name_of;

@@ -132,7 +132,7 @@ class Compiler {
         break;
       }
       case Op::kInverse:
-        slot = emit(Program::Code::kInverse, a.slot, 0, false, name);
+        slot = emit(Program::Code::kInverse, a.slot, 0, in_body, name);
         break;
       default:
         break;

@@ -65,7 +65,7 @@ class ProgramRun {
   }
 
   /** Evaluates the outputs.
-      @param state    x, qd and qdd as far as the program reads them
+      @param state    x, qd, qdd and tau as far as the program reads them
       @param outputs  room for program.outputs.size() values */
   void operator()(const scene::State<T>& state, T* outputs) {
     for (const Program::Load& load : program_->loads) {
@@ -86,12 +86,19 @@ class ProgramRun {
         case Input::kAcceleration:
           slot = state.qdd[load.joint];
           break;
+        case Input::kForce:
+          slot = state.tau[load.joint];
+          break;
       }
     }
     for (const Program::Instruction& i : program_->body) execute(i);
     for (std::size_t i = 0; i < program_->outputs.size(); ++i)
       outputs[i] = slots_[program_->outputs[i]];
   }
+
+  /// A slot's value: of the numbers of the scene and of what is computed from them alone before a
+  /// run, of everything else after it.
+  const T& slot(int i) const { return slots_[i]; }
 
   std::vector<T> operator()(const scene::State<T>& state) {
     std::vector<T> outputs(program_->outputs.size(), slots_.empty() ? T() : slots_[0]);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness derive: the equations of motion from T and V, to be read or to be compiled.
+#include <algorithm>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/report/files.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/derivation.hpp"
@@ -15,7 +17,35 @@ namespace {
 
 struct Arguments {
   std::string scene, output, format = "text", quantity = "all";
+  bool operations = false;
 };
+
+/// How many operations each road to each formula takes, the smallest marked.
+std::string operationsTable(const scene::Scene& scene) {
+  using namespace crosscheck::kernel;
+  std::string text = fmt::format(
+      "{}: multiplications/additions/divisions a call, for the scene's own numbers.\n"
+      "Cosines and sines are not counted; * marks the smallest, which is the scene's kernel.\n\n",
+      scene.name);
+  bool first = true;
+  for (const Formula formula : kAllFormulas) {
+    const std::vector<Road> all = roads(scene.mechanism, formula);
+    const auto smallest = std::min_element(all.begin(), all.end(), [](const Road& a, const Road& b) {
+      return a.operations() < b.operations();
+    });
+    std::string head = fmt::format("{:<10}", ""), row = fmt::format("{:<10}", name(formula));
+    for (const Road& road : all) {
+      const symbolic::Program::Operations o = road.program.bodyOperations();
+      head += fmt::format("{:>16}", road.name);
+      row += fmt::format("{:>16}", fmt::format("{}{}/{}/{}", &road == &*smallest ? "* " : "",
+                                               o.multiplications, o.additions, o.divisions));
+    }
+    if (first) text += head + "\n";
+    first = false;
+    text += row + "\n";
+  }
+  return text;
+}
 
 std::string htmlPage(const std::string& title, const std::string& body) {
   return fmt::format(
@@ -47,7 +77,9 @@ int run(const Arguments& arguments) {
   const scene::Scene scene = scene::findScene(arguments.scene);
   std::string text;
   bool holds = true;
-  if (arguments.format == "c" || arguments.format == "python") {
+  if (arguments.operations) {
+    text = operationsTable(scene);
+  } else if (arguments.format == "c" || arguments.format == "python") {
     if (arguments.quantity != "all")
       throw scene::InputError({}, "--quantity: programs compute all of M, c, g: allowed is 'all'");
     symbolic::Equations equations = symbolic::derive(scene.mechanism);
@@ -82,6 +114,10 @@ Run addDerive(CLI::App& app) {
   command->add_option("--quantity", arguments->quantity, "Which steps to show")
       ->capture_default_str()
       ->check(CLI::IsMember({"M", "c", "g", "all"}));
+  command
+      ->add_flag("--operations", arguments->operations,
+                 "How many operations the programs for ID, M, c, g and FD take, by each road")
+      ->excludes("--format", "--quantity");
   command->add_option("-o,--output", arguments->output, "File; without: standard output");
   return [arguments] { return run(*arguments); };
 }

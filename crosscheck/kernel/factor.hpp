@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Fewer operations for the same functions: sums and products of a program, regrouped.
+#pragma once
+
+#include <vector>
+
+#include "symbolic/graph.hpp"
+#include "symbolic/program.hpp"
+
+namespace dynwitness::crosscheck::kernel {
+
+/** The program of some nodes, smaller where regrouping makes it so:
+      (1)  a b + a c = a (b + c),  where both products serve this sum alone
+      (2)  a + b in two sums, up to a common sign, is formed once
+    Sums are taken as sets of terms, so that neither depends on the order in which they were written.
+    Greedy, the largest saving first; programs of more than some thousand terms are left as they are,
+    because (2) looks at all pairs. The functions stay the same; roundings do not, so whoever bounds
+    them must bound those of the program that comes out.
+    @param graph  gets the new nodes */
+symbolic::Program factored(symbolic::Graph& graph, const std::vector<symbolic::Node>& outputs);
+
+}  // namespace dynwitness::crosscheck::kernel

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A scene's own kernel: inverse dynamics, M and forward dynamics as compiled straight-line code.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "crosscheck/kernel/roads.hpp"
+#include "scene/mechanism.hpp"
+
+namespace dynwitness::crosscheck::kernel {
+
+/// Doubles in a vector of this processor: 8 (AVX-512), 4 (AVX2), else 2.
+int widestLanes();
+
+struct KernelOptions {
+  std::vector<Formula> formulas = {Formula::kInverseDynamics, Formula::kMassMatrix,
+                                   Formula::kForwardDynamics};
+  int lanes = widestLanes();
+};
+
+/** The smallest programs of a mechanism (smallestRoad), emitted as C, compiled by the system's compiler
+    and loaded. Compiled code is kept (cacheFolder()), so that the second time costs the tracing alone.
+
+    All functions may be called from several threads at once; they allocate nothing. Vectors have one
+    entry a degree of freedom, in the order of q; SI units. Of `many` states, component i of state k is
+    at [i * count + k]. */
+class Kernel {
+ public:
+  /// @throws CannotCompile (compiled.hpp) where there is no compiler or no cache folder
+  explicit Kernel(const scene::Mechanism& mechanism, const KernelOptions& options = {});
+
+  int dof() const { return dof_; }
+  int lanes() const { return lanes_; }
+  /// The program that a formula's code was made of. @throws std::invalid_argument when it was not asked for
+  const Road& road(Formula formula) const;
+
+  /// tau = M qdd + c + g - loads
+  void inverseDynamics(const double* q, const double* qd, const double* qdd, double* tau) const {
+    id_.one(q, qd, qdd, tau);
+  }
+  /// M, n x n, row by row
+  void massMatrix(const double* q, double* M) const { m_.one(q, nullptr, nullptr, M); }
+  /// qdd of M qdd + c + g = tau + loads
+  void forwardDynamics(const double* q, const double* qd, const double* tau, double* qdd) const {
+    fd_.one(q, qd, tau, qdd);
+  }
+
+  void inverseDynamics(const double* q, const double* qd, const double* qdd, double* tau,
+                       long count) const {
+    id_.many(q, qd, qdd, tau, count);
+  }
+  void massMatrix(const double* q, double* M, long count) const {
+    m_.many(q, nullptr, nullptr, M, count);
+  }
+  void forwardDynamics(const double* q, const double* qd, const double* tau, double* qdd,
+                       long count) const {
+    fd_.many(q, qd, tau, qdd, count);
+  }
+
+ private:
+  struct Code {
+    void (*one)(const double*, const double*, const double*, double*) = nullptr;
+    void (*many)(const double*, const double*, const double*, double*, long) = nullptr;
+  };
+
+  int dof_, lanes_;
+  std::vector<std::pair<Formula, Road>> roads_;
+  std::vector<std::shared_ptr<class SharedObject>> objects_;
+  Code id_, m_, fd_;
+};
+
+}  // namespace dynwitness::crosscheck::kernel

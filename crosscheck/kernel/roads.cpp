@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/kernel/roads.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "crosscheck/kernel/factor.hpp"
+#include "crosscheck/kernel/lean_sweeps.hpp"
+#include "crosscheck/kernel/traced_sweeps.hpp"
+#include "recursive/build_model.hpp"
+#include "symbolic/equations.hpp"
+
+namespace dynwitness::crosscheck::kernel {
+namespace {
+
+using symbolic::Node;
+using symbolic::Program;
+
+constexpr LeanTerms kCoriolisTerms{false, true, false, false, false};
+constexpr LeanTerms kBiasTerms{false, true, true, true, true};
+
+void append(std::vector<Traced>& to, const std::vector<Traced>& more) {
+  to.insert(to.end(), more.begin(), more.end());
+}
+
+/// For each joint the next one inboard, -1: none.
+std::vector<int> inboard(const LeanModel& model) {
+  std::vector<int> joints(model.links.size(), -1);
+  for (const LeanLink& link : model.links)
+    if (link.parent >= 0) joints[link.dof] = model.links[link.parent].dof;
+  return joints;
+}
+
+std::vector<Traced> leanSweep(const LeanModel& model, Formula formula,
+                              const scene::State<Traced>& state, Turning turning) {
+  switch (formula) {
+    case Formula::kInverseDynamics: return inverseDynamics(model, state, {}, turning);
+    case Formula::kMassMatrix: return massMatrix(model, state, turning);
+    case Formula::kCoriolis: return inverseDynamics(model, state, kCoriolisTerms, turning);
+    case Formula::kGravity: return gravity(model, state, turning);
+    case Formula::kMassCoriolisGravity: {
+      std::vector<Traced> all = massMatrix(model, state, turning);
+      append(all, inverseDynamics(model, state, kCoriolisTerms, turning));
+      append(all, gravity(model, state, turning));
+      return all;
+    }
+    case Formula::kForwardDynamics: {
+      std::vector<Traced> b = inverseDynamics(model, state, kBiasTerms, turning);
+      for (std::size_t i = 0; i < b.size(); ++i) b[i] = state.tau[i] - b[i];
+      return solve(massMatrix(model, state, turning), b, inboard(model));
+    }
+  }
+  return {};
+}
+
+std::vector<Node> nodes(const std::vector<Traced>& values) {
+  std::vector<Node> out;
+  for (const Traced& value : values) out.push_back(value.node());
+  return out;
+}
+
+int operations(const Program& program) {
+  const Program::Operations o = program.bodyOperations();
+  return o.multiplications + o.additions + o.divisions;
+}
+
+/** A model and its program, while better ones are looked for: each step of the search changes the
+    origins, units or mass parameters of the best model so far, and is kept where the traced program
+    becomes smaller. The function stays the same whatever the search decides. */
+class LeanSearch {
+ public:
+  LeanSearch(const LeanModel& as_given, Formula formula, const scene::State<Traced>& state)
+      : best_(as_given), formula_(formula), state_(state) {
+    for (const LeanLink& link : as_given.links)
+      if (isNumber(link.mass)) total_mass_ += number(link.mass);
+    regroup(best_);
+    cost_ = cost(best_, turning_);
+  }
+
+  Program run() {
+    if (best_.links.size() > kLargest) return factored(Traced::graph(), outputs());
+    for (int round = 0, before = cost_ + 1; cost_ < before && round < 4; ++round) {
+      before = cost_;
+      for (int i = static_cast<int>(best_.links.size()) - 1; i >= 0; --i) {
+        tryOrigins(i);
+        tryMasses(i);
+      }
+    }
+    tryTurning();
+    tryUnits();
+    return factored(Traced::graph(), outputs());
+  }
+
+ private:
+  /// Links beyond which the search, which grows with their square, is not worth its time.
+  static constexpr std::size_t kLargest = 20;
+
+  std::vector<Node> outputs() const { return nodes(leanSweep(best_, formula_, state_, turning_)); }
+  int cost(const LeanModel& model, Turning turning) const {
+    return operations(factored(Traced::graph(), nodes(leanSweep(model, formula_, state_, turning))));
+  }
+  void consider(const LeanModel& model) {
+    const int c = cost(model, turning_);
+    if (c >= cost_) return;
+    cost_ = c;
+    best_ = model;
+  }
+  // the link's origin nearest to the parent's, or where the next axis comes nearest
+  void tryOrigins(int i) {
+    if (!best_.links[i].turns) return;
+    std::vector<Traced> shifts = {-Vector3(best_.links[i].R.row(2).transpose()).dot(best_.links[i].p)};
+    for (const LeanLink& child : best_.links)
+      if (child.parent == i) shifts.push_back(child.p.z());
+    for (const Traced& t : shifts) {
+      if (t == Traced(0)) continue;
+      LeanModel moved = best_;
+      slide(moved, i, t);
+      consider(moved);
+    }
+  }
+  // a mass at the link's origin that takes a first moment off the parent
+  void tryMasses(int i) {
+    const LeanModel start = best_;
+    const LeanLink& link = start.links[i];
+    if (link.parent < 0 || !link.turns || !start.links[link.parent].turns) return;
+    for (int k : {0, 1}) {
+      const Traced h = start.links[link.parent].h(k);
+      if (!isNumber(link.p(k)) || !isNumber(h)) continue;
+      const Traced mass = h / link.p(k);
+      // a lever that is short beside the first moment would cost digits
+      if (abs(number(mass)) > total_mass_) continue;
+      LeanModel changed = start;
+      takeMass(changed, i, mass);
+      consider(changed);
+    }
+  }
+  void tryTurning() {
+    const int c = cost(best_, Turning::kByMatrix);
+    if (c >= cost_) return;
+    cost_ = c;
+    turning_ = Turning::kByMatrix;
+  }
+  void tryUnits() {
+    const LeanModel metres = best_;
+    for (const LeanLink& link : metres.links) {
+      for (int k = 0; k < 3; ++k) {
+        if (!isNumber(link.p(k))) continue;
+        LeanModel scaled = metres;
+        if (!scaleLengths(scaled, link.p(k))) return;
+        consider(scaled);
+      }
+    }
+  }
+
+  /// A rational number that is not 0: only of these it is known how large they are.
+  static bool isNumber(Traced x) { return Traced::graph().isConstant(x.node()) && x != Traced(0); }
+  static const symbolic::Rational& number(Traced x) { return Traced::graph().value(x.node()); }
+
+  LeanModel best_;
+  symbolic::Rational total_mass_ = 0;
+  Formula formula_;
+  const scene::State<Traced>& state_;
+  Turning turning_ = Turning::kInSteps;
+  int cost_ = 0;
+};
+
+std::vector<Node> lagrange(symbolic::Equations& equations, Formula formula,
+                           const std::vector<int>& parent_dof) {
+  std::vector<Node> M;
+  for (const auto& row : equations.M) M.insert(M.end(), row.begin(), row.end());
+  switch (formula) {
+    case Formula::kInverseDynamics: return symbolic::inverseDynamics(equations);
+    case Formula::kMassMatrix: return M;
+    case Formula::kCoriolis: return equations.c;
+    case Formula::kGravity: return equations.g;
+    case Formula::kMassCoriolisGravity: return symbolic::massCoriolisGravity(equations);
+    case Formula::kForwardDynamics: break;
+  }
+  // M qdd = tau - (c + g - Q)
+  symbolic::Graph& graph = equations.graph;
+  const Traced::Recording recording(graph);
+  std::vector<Traced> entries, b;
+  for (const Node& node : M) entries.emplace_back(node);
+  for (int i = 0; i < equations.dof(); ++i)
+    b.push_back(Traced(graph.input(symbolic::Input::kForce, i)) -
+                (Traced(equations.c[i]) + Traced(equations.g[i]) - Traced(equations.Q[i])));
+  return nodes(solve(entries, b, parent_dof));
+}
+
+/// Calls use(name, make) for each road, where make() writes its program.
+template <typename Use>
+void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& use) {
+  symbolic::Graph graph;
+  const Traced::Recording recording(graph);
+  const recursive::Model<Traced> model =
+      recursive::buildModel(mechanism, TracedNumbers(mechanism));
+  const scene::State<Traced> state = tracedState(model.dof());
+  const auto traced = [&](const recursive::Model<Traced>& traced_model) {
+    return factored(graph, nodes(tracedSweep(traced_model, formula, state)));
+  };
+  if (isLean(model)) {
+    const LeanModel lean = leanModel(model);
+    use("lean sweep", [&] { return LeanSearch(lean, formula, state).run(); });
+    use("traced on base", [&] {
+      LeanModel base = lean;
+      regroup(base);
+      return traced(recursiveModel(base));
+    });
+    use("Lagrange", [&] {
+      symbolic::Options options;
+      options.fold_parameters = true;
+      symbolic::Equations equations = symbolic::derive(mechanism, options);
+      const std::vector<Node> outputs = lagrange(equations, formula, inboard(lean));
+      return factored(equations.graph, outputs);
+    });
+  }
+  use("traced sweep", [&] { return traced(model); });
+}
+
+}  // namespace
+
+const char* name(Formula formula) {
+  switch (formula) {
+    case Formula::kInverseDynamics: return "ID";
+    case Formula::kMassMatrix: return "M";
+    case Formula::kCoriolis: return "c";
+    case Formula::kGravity: return "g";
+    case Formula::kMassCoriolisGravity: return "M + c + g";
+    case Formula::kForwardDynamics: return "FD";
+  }
+  return "?";
+}
+
+int Road::operations() const { return kernel::operations(program); }
+
+std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula) {
+  std::vector<Road> all;
+  forEachRoad(mechanism, formula,
+              [&](const char* road, const auto& make) { all.push_back({road, make()}); });
+  return all;
+}
+
+Road smallestRoad(const scene::Mechanism& mechanism, Formula formula) {
+  std::vector<Road> all;
+  forEachRoad(mechanism, formula, [&](const std::string& road, const auto& make) {
+    if (road.rfind("traced", 0) != 0 || all.empty()) all.push_back({road, make()});
+  });
+  return *std::min_element(all.begin(), all.end(), [](const Road& a, const Road& b) {
+    return a.operations() < b.operations();
+  });
+}
+
+}  // namespace dynwitness::crosscheck::kernel

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The programs that compute a scene's quantities, by every road that we know, and the smallest of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/mechanism.hpp"
+#include "symbolic/program.hpp"
+
+namespace dynwitness::crosscheck::kernel {
+
+/// What a program computes. Outputs: n, but n x n row by row for M, and M, c, g one after the other.
+enum class Formula {
+  kInverseDynamics,      ///< tau of q, qd, qdd, loads and springs included
+  kMassMatrix,           ///< M of q
+  kCoriolis,             ///< c of q, qd
+  kGravity,              ///< g of q, springs included
+  kMassCoriolisGravity,  ///< M, c and g in one program
+  kForwardDynamics       ///< qdd of q, qd, tau
+};
+inline constexpr Formula kAllFormulas[] = {
+    Formula::kInverseDynamics, Formula::kMassMatrix,          Formula::kCoriolis,
+    Formula::kGravity,         Formula::kMassCoriolisGravity, Formula::kForwardDynamics};
+
+/// "ID", "M", "c", "g", "M + c + g", "FD"
+const char* name(Formula formula);
+
+/// One way to a formula.
+struct Road {
+  std::string name;
+  symbolic::Program program;
+
+  /// Multiplications, additions and divisions on the state together.
+  int operations() const;
+};
+
+/** All roads to a formula:
+      lean sweep       Newton-Euler with body-point accelerations and composite moments of mass, on base
+                       parameters, with origins and units where they save most (lean_sweeps.hpp)
+      traced sweep     the sweeps of recursive/ as they are (for FD the articulated bodies)
+      traced on base   the same on the base parameters
+      Lagrange         the derivation of symbolic/
+    A road that cannot take the mechanism is left out; "traced sweep" takes all. For the parameters of
+    the scene as they are: their zeros are structural, and what depends on them alone is folded. */
+std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula);
+
+/// The road of the fewest operations. Of the traced sweeps, which every bundled scene shows to be larger
+/// by half, the mechanisms that the lean sweep cannot take are left.
+Road smallestRoad(const scene::Mechanism& mechanism, Formula formula);
+
+}  // namespace dynwitness::crosscheck::kernel

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The programs that kernels are made of: the same functions as the sweeps, and how many operations.
+#define BOOST_TEST_DYN_LINK
+#define BOOST_TEST_MODULE roads
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <boost/test/data/monomorphic.hpp>
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+
+#include "crosscheck/arithmetic/prime_field.hpp"
+#include "crosscheck/kernel/factor.hpp"
+#include "crosscheck/kernel/lean_sweeps.hpp"
+#include "crosscheck/kernel/roads.hpp"
+#include "crosscheck/random_mechanism.hpp"
+#include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "recursive/build_model.hpp"
+#include "scene/scene.hpp"
+#include "symbolic/program.hpp"
+
+namespace data = boost::unit_test::data;
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+using namespace dynwitness::crosscheck::kernel;
+
+namespace {
+
+/// One random point modulo a random prime: the sweeps of recursive/, run there, are the other road.
+class Point {
+ public:
+  Point(const scene::Scene& scene, std::uint64_t index)
+      : modulus_(drawPrime(scene.name, 7, index)),
+        source_(scene.name, 7, index),
+        numbers_(scene.mechanism, source_, Parameters::kAsGiven),
+        state_(indeterminateState(scene.mechanism, source_)),
+        setup_(recursive::buildModel(scene.mechanism, numbers_)) {}
+
+  std::vector<PrimeField> program(const symbolic::Program& p) const {
+    return symbolic::ProgramRun<PrimeField>(p, numbers_)(state_);
+  }
+  std::vector<PrimeField> sweeps(Formula formula) {
+    switch (formula) {
+      case Formula::kInverseDynamics: return list(ask<NewtonEuler>(Quantity::kTau));
+      case Formula::kMassMatrix: return list(ask<CompositeBody>(Quantity::kM));
+      case Formula::kCoriolis: return list(ask<NewtonEuler>(Quantity::kc));
+      case Formula::kGravity: return list(ask<NewtonEuler>(Quantity::kg));
+      case Formula::kForwardDynamics: return list(ask<ArticulatedBody>(Quantity::kQdd));
+      case Formula::kMassCoriolisGravity: break;
+    }
+    std::vector<PrimeField> all = sweeps(Formula::kMassMatrix);
+    for (const Formula more : {Formula::kCoriolis, Formula::kGravity})
+      for (const PrimeField x : sweeps(more)) all.push_back(x);
+    return all;
+  }
+
+ private:
+  template <typename Algorithm>
+  MatrixOf<PrimeField> ask(Quantity quantity) {
+    return Algorithm::answer(setup_, quantity, state_);
+  }
+  static std::vector<PrimeField> list(const MatrixOf<PrimeField>& m) {  // M is symmetric
+    return {m.data(), m.data() + m.size()};
+  }
+
+  PrimeField::Modulus modulus_;
+  FieldSource source_;
+  FieldNumbers numbers_;
+  scene::State<PrimeField> state_;
+  Setup<PrimeField> setup_;
+};
+
+void everyRoadIsTheSameFunction(const scene::Scene& scene) {
+  for (const Formula formula : kAllFormulas) {
+    for (const Road& road : roads(scene.mechanism, formula)) {
+      for (std::uint64_t index : {0, 1}) {
+        Point point(scene, index);
+        BOOST_TEST((point.program(road.program) == point.sweeps(formula)),
+                   scene.name << ": " << name(formula) << " by " << road.name);
+      }
+    }
+  }
+}
+
+/// A scene whose links have ten parameters each that no zero hides behind, without rotors or springs.
+scene::Scene withGeneralInertias(const std::string& name) {
+  scene::Scene scene = scene::findScene(name);
+  int k = 3;
+  const auto next = [&] {
+    k = k * 37 % 1009;
+    return scene::Number(scene::Rational(k + 1, 1013));
+  };
+  for (scene::Link& link : scene.mechanism.links) {
+    scene::MassProperties& m = link.inertia;
+    m.mass = next();
+    for (scene::Number& x : m.com) x = next();
+    for (scene::Number* x : {&m.xx, &m.yy, &m.zz, &m.xy, &m.xz, &m.yz}) *x = next();
+    link.joint.rotor_inertia = link.joint.stiffness = 0;
+  }
+  return scene;
+}
+
+symbolic::Program::Operations operations(const scene::Scene& scene, Formula formula) {
+  return smallestRoad(scene.mechanism, formula).program.bodyOperations();
+}
+
+const std::vector<std::string> kScenes = {"double_pendulum", "cart_pole",      "furuta_pendulum",
+                                          "scara",           "elastic_pendulum", "stanford_arm",
+                                          "puma_560",        "franka_panda",   "prismatic_revolute_mix"};
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(same_mathematics)
+
+BOOST_DATA_TEST_CASE(every_road_is_the_same_function_for_bundled_scenes, data::make(kScenes), name) {
+  everyRoadIsTheSameFunction(scene::findScene(name));
+}
+
+// branches, slides, slanted axes, springs, loads in link and world axes
+BOOST_DATA_TEST_CASE(every_road_is_the_same_function_for_random_trees, data::xrange(12), index) {
+  everyRoadIsTheSameFunction(randomScene(11, static_cast<std::uint64_t>(index), 5));
+}
+
+// whatever the search tries, whether it keeps it or not
+BOOST_AUTO_TEST_CASE(moved_origins_taken_masses_and_units_change_no_function) {
+  const scene::Scene scene = withGeneralInertias("puma_560");
+  symbolic::Graph graph;
+  const Traced::Recording recording(graph);
+  const scene::State<Traced> state = tracedState(scene.mechanism.dof());
+  LeanModel model =
+      leanModel(recursive::buildModel(scene.mechanism, TracedNumbers(scene.mechanism)));
+  const auto number = [&](int n, int d) { return Traced(graph.constant(scene::Rational(n, d))); };
+  const auto holds = [&](const char* after) {
+    for (const Turning turning : {Turning::kInSteps, Turning::kByMatrix}) {
+      std::vector<std::pair<Formula, std::vector<Traced>>> all = {
+          {Formula::kInverseDynamics, inverseDynamics(model, state, {}, turning)},
+          {Formula::kMassMatrix, massMatrix(model, state, turning)},
+          {Formula::kGravity, gravity(model, state, turning)}};
+      for (const auto& [formula, values] : all) {
+        std::vector<symbolic::Node> nodes;
+        for (const Traced& value : values) nodes.push_back(value.node());
+        Point point(scene, 3);
+        BOOST_TEST((point.program(symbolic::compile(graph, nodes)) == point.sweeps(formula)),
+                   name(formula) << " after " << after);
+        BOOST_TEST((point.program(factored(graph, nodes)) == point.sweeps(formula)),
+                   name(formula) << " after " << after << ", factored");
+      }
+    }
+  };
+  holds("nothing");
+  slide(model, 1, number(3, 7));
+  slide(model, 5, number(-2, 5));
+  holds("slide, with masses");
+  regroup(model);
+  holds("regroup");
+  slide(model, 2, number(1, 3));
+  takeMass(model, 3, number(5, 3));
+  takeMass(model, 1, number(-7, 4));
+  holds("takeMass");
+  BOOST_TEST(scaleLengths(model, number(4318, 10000)));
+  holds("scaleLengths");
+
+  // red when one of the moves is wrong: a mass that nobody took
+  model.links[3].mass += number(1, 1000000);
+  std::vector<symbolic::Node> nodes;
+  for (const Traced& value : massMatrix(model, state)) nodes.push_back(value.node());
+  Point point(scene, 3);
+  BOOST_TEST((point.program(symbolic::compile(graph, nodes)) != point.sweeps(Formula::kMassMatrix)));
+}
+
+BOOST_AUTO_TEST_CASE(each_instruction_matters_and_the_field_sees_it) {
+  const scene::Scene scene = scene::findScene("furuta_pendulum");
+  for (const Formula formula :
+       {Formula::kInverseDynamics, Formula::kMassMatrix, Formula::kForwardDynamics}) {
+    const symbolic::Program program = smallestRoad(scene.mechanism, formula).program;
+    Point point(scene, 0);
+    const std::vector<PrimeField> right = point.sweeps(formula);
+    for (std::size_t i = 0; i < program.body.size(); ++i) {
+      using Code = symbolic::Program::Code;
+      symbolic::Program wrong = program;
+      Code& code = wrong.body[i].code;
+      code = code == Code::kAdd ? Code::kSubtract : code == Code::kInverse ? Code::kNegate : Code::kAdd;
+      BOOST_TEST((point.program(wrong) != right), name(formula) << ", instruction " << i);
+    }
+  }
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+// Multiplications and additions that the literature and earlier programs of the project reached, and
+// the most that ours may take. (Khalil and Dombre, Modeling, Identification and Control of Robots,
+// 2002, chapter 9, count in the same way: sin and cos are free, products with parameters are not.)
+BOOST_AUTO_TEST_SUITE(operation_counts)
+
+BOOST_AUTO_TEST_CASE(general_inertias_take_no_more_than_the_best_known) {
+  const auto most = [](const char* scene, Formula formula, int multiplications, int additions) {
+    const auto o = operations(withGeneralInertias(scene), formula);
+    BOOST_TEST(o.multiplications <= multiplications,
+               scene << " " << name(formula) << ": " << o.multiplications << " multiplications");
+    BOOST_TEST(o.additions <= additions,
+               scene << " " << name(formula) << ": " << o.additions << " additions");
+  };
+  most("puma_560", Formula::kInverseDynamics, 263, 238);
+  most("puma_560", Formula::kMassMatrix, 142, 116);
+  most("puma_560", Formula::kMassCoriolisGravity, 415, 342);
+  most("kuka_iiwa_14", Formula::kInverseDynamics, 300, 273);
+  most("kuka_iiwa_14", Formula::kMassMatrix, 165, 126);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
