@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// MuJoCo called as its users call it: no witness around it, no copies.
+#pragma once
+
+#ifdef DYNWITNESS_HAS_MUJOCO
+#include <mujoco/mujoco.h>
+
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "scene/numbers.hpp"
+#include "scene/scene.hpp"
+#include "scene/state.hpp"
+
+namespace dynwitness::benchmarks {
+
+/// A scene in MuJoCo, links on fixed joints fused. Joints keep the order of the file, which is that of
+/// the scene for a tree written depth first; timing does not mind another one.
+class RawMujoco {
+ public:
+  explicit RawMujoco(const scene::Scene& scene) {
+    std::string urdf = scene::urdfForEngines(scene);
+    urdf.insert(urdf.rfind("</robot>"),
+                "<mujoco><compiler fusestatic=\"true\" inertiafromgeom=\"false\" "
+                "balanceinertia=\"true\"/></mujoco>");
+    const std::unique_ptr<mjVFS> files(new mjVFS);
+    mj_defaultVFS(files.get());
+    mj_makeEmptyFileVFS(files.get(), "scene.urdf", static_cast<int>(urdf.size()));
+    std::memcpy(files->filedata[0], urdf.data(), urdf.size());
+    char error[1000] = "";
+    model_.reset(mj_loadXML("scene.urdf", files.get(), error, sizeof error));
+    mj_deleteVFS(files.get());
+    if (!model_) throw std::runtime_error(error);
+    const scene::RealNumbers<double> number(scene.mechanism);
+    const std::vector<int> moving = scene.mechanism.movingLinks();
+    if (model_->nv != static_cast<int>(moving.size())) throw std::runtime_error("other joints");
+    for (int i = 0; i < model_->nv; ++i) {
+      const scene::Joint& joint = scene.mechanism.links[moving[i]].joint;
+      const double gear = number(joint.gear_ratio);
+      model_->dof_armature[i] = gear * gear * number(joint.rotor_inertia);
+    }
+    for (int k = 0; k < 3; ++k)
+      model_->opt.gravity[k] = scene.mechanism.has_gravity ? number(scene.mechanism.gravity[k]) : 0;
+    data_.reset(mj_makeData(model_.get()));
+    mj_setConst(model_.get(), data_.get());
+  }
+
+  int bodies() const { return model_->nbody; }
+
+  void inverseDynamics(const scene::State<double>& s, double* tau) {
+    set(s);
+    std::memcpy(data_->qvel, s.qd.data(), s.qd.size() * sizeof(double));
+    std::memcpy(data_->qacc, s.qdd.data(), s.qdd.size() * sizeof(double));
+    mj_kinematics(model_.get(), data_.get());
+    mj_comPos(model_.get(), data_.get());
+    mj_comVel(model_.get(), data_.get());
+    mj_rne(model_.get(), data_.get(), 1, tau);
+  }
+  void massMatrix(const scene::State<double>& s) {
+    set(s);
+    mj_kinematics(model_.get(), data_.get());
+    mj_comPos(model_.get(), data_.get());
+    mj_crb(model_.get(), data_.get());
+  }
+  void forwardDynamics(const scene::State<double>& s) {
+    set(s);
+    std::memcpy(data_->qvel, s.qd.data(), s.qd.size() * sizeof(double));
+    std::memcpy(data_->qfrc_applied, s.tau.data(), s.tau.size() * sizeof(double));
+    mj_forward(model_.get(), data_.get());
+  }
+  const void* results() const { return data_->qacc; }
+
+ private:
+  struct Deleter {
+    void operator()(mjModel* model) const { mj_deleteModel(model); }
+    void operator()(mjData* data) const { mj_deleteData(data); }
+  };
+  void set(const scene::State<double>& s) {
+    for (std::size_t i = 0; i < s.x.size(); ++i) data_->qpos[i] = s.x[i].q;
+  }
+  std::unique_ptr<mjModel, Deleter> model_;
+  std::unique_ptr<mjData, Deleter> data_;
+};
+
+}  // namespace dynwitness::benchmarks
+#endif
