@@ -15,6 +15,10 @@ using symbolic::Node;
 using symbolic::Op;
 using symbolic::Program;
 
+/// Sums of up to so many terms are written out in others before pairs are looked for. Each is tried;
+/// longer ones were never the best for the bundled scenes.
+constexpr std::size_t kLongest[] = {0, 2, 3, 4};
+constexpr std::size_t kUsuallyBest = 2;
 /// Terms beyond which pairs are not compared.
 constexpr int kLargest = 6000;
 
@@ -38,11 +42,13 @@ struct Value {
 
 class Regrouping {
  public:
-  Regrouping(Graph& graph, const std::vector<Node>& outputs) : graph_(graph) {
+  Regrouping(Graph& graph, const std::vector<Node>& outputs, std::size_t longest)
+      : graph_(graph), longest_(longest) {
     takeApart(outputs);
     countUses();
-    for (Value& value : values_)
-      if (value.uses > 0 && value.kind == Value::Kind::kSum) flatten(value);
+    const int all = static_cast<int>(values_.size());  // flatten() adds leaves
+    for (int i = 0; i < all; ++i)
+      if (isSum(values_[i])) flatten(i);
   }
 
   /// @return false: too large
@@ -54,6 +60,7 @@ class Regrouping {
     for (std::size_t i = 0; i < values_.size(); ++i)  // values_ grows, and new sums are looked at too
       while (isSum(values_[i]) && factorOut(static_cast<int>(i))) {
       }
+    if (longest_ > 0 && !expand()) return false;
     while (sharePair()) {
     }
     return true;
@@ -174,18 +181,32 @@ class Regrouping {
   }
 
   /// Takes up the terms of sums that serve this one alone. Operands come first, so theirs are flat.
-  void flatten(Value& value) {
+  void flatten(int sum_index) {
     std::vector<Term> terms;
-    for (const Term& term : value.terms) {
+    Node fixed;  // what the state does not enter is one term
+    int fixed_terms = 0;
+    const auto take = [&](Term term) {
+      const Value& value = values_[term.value];
+      if (value.kind == Value::Kind::kLeaf && !graph_.dependsOnState(value.node)) {
+        fixed = term.negative ? graph_.subtract(fixed, value.node) : graph_.add(fixed, value.node);
+        ++fixed_terms;
+      } else {
+        terms.push_back(term);
+      }
+    };
+    for (const Term& term : values_[sum_index].terms) {
       Value& inner = values_[term.value];
       if (inner.kind != Value::Kind::kSum || inner.uses > 1) {
-        terms.push_back(term);
+        take(term);
         continue;
       }
-      for (const Term& t : inner.terms) terms.push_back({t.value, t.negative != term.negative});
+      for (const Term& t : inner.terms) take({t.value, t.negative != term.negative});
       inner.uses = 0;
     }
-    value.terms = std::move(terms);
+    if (fixed_terms > 0 && !graph_.isZero(fixed)) {
+      terms.push_back({fixedLeaf(fixed), false});
+    }
+    values_[sum_index].terms = std::move(terms);
   }
 
   // ---- (1)
@@ -233,6 +254,68 @@ class Regrouping {
     kept.push_back({p, false});
     values_[sum_index].terms = std::move(kept);
     return true;
+  }
+
+  // ---- (3)
+  /// Writes every sum in what is no sum. @return false: that becomes too large
+  bool expand() {
+    // sums by their operands: new ones of factorOut() may stand behind those that use them
+    std::vector<char> done(values_.size(), 0);
+    int total = 0;
+    for (std::size_t start = 0; start < values_.size(); ++start) {
+      std::vector<int> open = {static_cast<int>(start)};
+      while (!open.empty()) {
+        const int i = open.back();
+        if (!isSum(values_[i]) || done[i]) {
+          open.pop_back();
+          continue;
+        }
+        const std::size_t before = open.size();
+        for (const Term& term : values_[i].terms)
+          if (isSum(values_[term.value]) && !done[term.value]) open.push_back(term.value);
+        if (open.size() > before) continue;
+        open.pop_back();
+        done[i] = 1;
+        total += expandSum(i);
+        if (total > kLargest) return false;
+      }
+    }
+    return true;
+  }
+  /// @return how many terms the sum has now
+  int expandSum(int sum_index) {
+    std::map<int, int> times;
+    Node fixed;
+    const auto take = [&](const Term& term) {
+      const Value& value = values_[term.value];
+      if (value.kind == Value::Kind::kLeaf && !graph_.dependsOnState(value.node))
+        fixed = term.negative ? graph_.subtract(fixed, value.node) : graph_.add(fixed, value.node);
+      else
+        times[term.value] += term.negative ? -1 : 1;
+    };
+    for (const Term& term : values_[sum_index].terms) {
+      if (!isSum(values_[term.value]) || values_[term.value].terms.size() > longest_) {
+        take(term);
+        continue;
+      }
+      for (const Term& t : values_[term.value].terms) take({t.value, t.negative != term.negative});
+    }
+    std::vector<Term> terms;
+    for (const auto& [value, n] : times) {
+      // twice something would be a product
+      if (n > 1 || n < -1) return static_cast<int>(values_[sum_index].terms.size());
+      if (n != 0) terms.push_back({value, n < 0});
+    }
+    if (!graph_.isZero(fixed)) terms.push_back({fixedLeaf(fixed), false});
+    if (terms.empty()) return 0;
+    values_[sum_index].terms = std::move(terms);
+    return static_cast<int>(values_[sum_index].terms.size());
+  }
+  int fixedLeaf(Node n) {
+    const auto [it, is_new] = leaves_.try_emplace(n.index, 0);
+    if (is_new) it->second = leaf(n);
+    values_[it->second].uses++;
+    return it->second;
   }
 
   // ---- (2)
@@ -326,6 +409,7 @@ class Regrouping {
   }
 
   Graph& graph_;
+  std::size_t longest_;
   std::vector<Value> values_;
   std::map<std::pair<int, int>, int> products_;
   std::map<int, int> leaves_;  ///< by node
@@ -341,12 +425,16 @@ int operations(const Program& program) {
 
 }  // namespace
 
-Program factored(Graph& graph, const std::vector<Node>& outputs) {
-  Program plain = symbolic::compile(graph, outputs);
-  Regrouping regrouping(graph, outputs);
-  if (!regrouping.run()) return plain;
-  Program small = symbolic::compile(graph, regrouping.nodes());
-  return operations(small) < operations(plain) ? small : plain;
+Program factored(Graph& graph, const std::vector<Node>& outputs, Effort effort) {
+  Program best = symbolic::compile(graph, outputs);
+  for (const std::size_t longest : kLongest) {
+    if (effort == Effort::kQuick && longest != kUsuallyBest) continue;
+    Regrouping regrouping(graph, outputs, longest);
+    if (!regrouping.run()) break;
+    Program small = symbolic::compile(graph, regrouping.nodes());
+    if (operations(small) < operations(best)) best = std::move(small);
+  }
+  return best;
 }
 
 }  // namespace dynwitness::crosscheck::kernel

@@ -97,7 +97,8 @@ class LeanSearch {
 
   std::vector<Node> outputs() const { return nodes(leanSweep(best_, formula_, state_, turning_)); }
   int cost(const LeanModel& model, Turning turning) const {
-    return operations(factored(Traced::graph(), nodes(leanSweep(model, formula_, state_, turning))));
+    return operations(factored(Traced::graph(), nodes(leanSweep(model, formula_, state_, turning)),
+                               Effort::kQuick));
   }
   void consider(const LeanModel& model) {
     const int c = cost(model, turning_);
