@@ -495,7 +495,10 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
                    const std::vector<WitnessKind>& kinds, const States& states, Chart* chart) {
   const scene::Mechanism& mechanism = scene.mechanism;
   Methods methods;
-  if (mechanism.dof() <= symbolic::kClosedFormJoints)
+  if (mechanism.positions() != mechanism.dof())
+    chart->left_out.push_back(
+        fmt::format("{}: spherical and floating joints have none here", ClosedFormMethod::kName));
+  else if (mechanism.dof() <= symbolic::kClosedFormJoints)
     methods.push_back(std::make_unique<ClosedFormMethod>(quantity, mechanism, states));
   else
     chart->left_out.push_back(fmt::format("{}: more than {} joints", ClosedFormMethod::kName,

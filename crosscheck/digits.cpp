@@ -66,7 +66,7 @@ class DigitsTally {
 DigitsTally::DigitsTally(DigitsResult description, const scene::Mechanism& mechanism,
                          int max_digits)
     : result_(std::move(description)), max_digits_(max_digits) {
-  for (const int i : mechanism.movingLinks()) joint_names_.push_back(mechanism.links[i].joint.name);
+  joint_names_ = mechanism.rateLabels();
 }
 
 double DigitsTally::digits(double error, double size) const {

@@ -37,10 +37,10 @@ inline constexpr IdentityInfo kIdentities[] = {
     {"lumping fixed joints changes nothing", "tau lumped = tau with fixed joints kept", "tau",
      "newton_euler", ""},
     {"duality of transformations", "T_F' T_V = 1", "T", "spatial algebra", ""},
-    {"projector", "P P = P - d/(d + Z'MZ) (1 - P)", "P", "articulated_body", ""},
+    {"projector", "P P = P - M Z D^-1 d D^-1 Z' with D = d + Z'MZ", "P", "articulated_body", ""},
     {"projected inertia is symmetric", "P M = (P M)'", "P M", "articulated_body", ""},
-    {"projected twice", "P M P' = P M - d (MZ)(MZ)'/(d + Z'MZ)^2", "P M P'", "articulated_body", ""},
-    {"projections of force and motion are dual", "Z' P F = d/(d + Z'MZ) Z' F for every F", "Z' P",
+    {"projected twice", "P M P' = P M - M Z D^-1 d D^-1 Z' M", "P M P'", "articulated_body", ""},
+    {"projections of force and motion are dual", "Z' P F = d D^-1 Z' F for every F", "Z' P",
      "articulated_body", ""},
 };
 inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0]);
@@ -90,12 +90,9 @@ class Identities {
 
     // the rate of a quantity along the motion, by dual numbers
     using D = Dual<T>;
-    std::vector<scene::JointPosition<D>> x_moving;
+    std::vector<scene::JointPosition<D>> x_moving = movingAt(state.x, state.qd);
     std::vector<D> qd_moving;
-    for (int i = 0; i < n; ++i) {
-      x_moving.push_back(moving(state.x[i], state.qd[i]));
-      qd_moving.push_back({state.qd[i], state.qdd[i]});
-    }
+    for (int i = 0; i < n; ++i) qd_moving.push_back({state.qd[i], state.qdd[i]});
     const D energy = recursive::kineticEnergy(moving_, x_moving, qd_moving, ws_moving_) +
                      recursive::potentialEnergy(moving_, x_moving, ws_moving_);
     const MatrixX tau_and_loads =
@@ -121,7 +118,9 @@ class Identities {
     // dV/dq_i: the rate of V when joint i alone moves with unit velocity
     MatrixX gradient(n, 1);
     for (int i = 0; i < n; ++i) {
-      for (int j = 0; j < n; ++j) x_moving[j] = moving(state.x[j], T(i == j ? 1 : 0));
+      std::vector<T> unit = zeros;
+      unit[i] = T(1);
+      x_moving = movingAt(state.x, unit);
       gradient(i, 0) = recursive::potentialEnergy(moving_, x_moving, ws_moving_).derivative;
     }
     out.push_back({inverse(state, zeros, zeros, recursive::Terms::potential()), gradient});
@@ -140,6 +139,16 @@ class Identities {
   }
   static MatrixX one(const T& x) { return MatrixX::Constant(1, 1, x); }
 
+  /// Positions that move as they do at these rates.
+  std::vector<scene::JointPosition<Dual<T>>> movingAt(
+      const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd) const {
+    std::vector<T> rates(x.size(), T(0));
+    recursive::positionRates(model_, x, qd, rates);
+    std::vector<scene::JointPosition<Dual<T>>> out;
+    for (std::size_t i = 0; i < x.size(); ++i) out.push_back(moving(x[i], rates[i]));
+    return out;
+  }
+
   MatrixX inverse(const scene::State<T>& state, const std::vector<T>& qd,
                   const std::vector<T>& qdd, recursive::Terms terms) {
     std::vector<T> tau(model_.dof(), T(0));
@@ -149,45 +158,62 @@ class Identities {
 
   /// The identities of section 7 of the chapter at every moving joint, stacked: 6 rows a joint.
   void appendProjections(const scene::State<T>& state, std::vector<TwoSides<T>>& out) {
-    std::vector<T> qdd(model_.dof(), T(0));
+    const int n = model_.dof();
+    std::vector<T> qdd(n, T(0));
     // the articulated inertias do not depend on velocities and forces
     recursive::forwardDynamics(model_, state.x, qdd, qdd, ws_, qdd);
-    const int n = model_.dof();
-    TwoSides<T> dual = blank(6 * n), projector = blank(6 * n), symmetric = blank(6 * n),
-                twice = blank(6 * n), force = {MatrixX::Constant(n, 6, T(0)),
-                                               MatrixX::Constant(n, 6, T(0))};
-    for (int k = 0; k < n; ++k) {
-      const int i = model_.link_of_dof[k];
-      const recursive::LinkModel<T>& link = model_.links[i];
+    std::vector<int> moving;
+    for (std::size_t i = 0; i < model_.links.size(); ++i)
+      if (model_.links[i].dof >= 0) moving.push_back(static_cast<int>(i));
+    const int rows = 6 * static_cast<int>(moving.size());
+    TwoSides<T> dual = blank(rows), projector = blank(rows), symmetric = blank(rows),
+                twice = blank(rows), force = blank(n);
+    for (std::size_t k = 0; k < moving.size(); ++k) {
+      const recursive::LinkModel<T>& link = model_.links[moving[k]];
+      const int axes = recursive::axisCount(link.kind);
       const Matrix6 one6 = Matrix6::Identity();
-      const Matrix6 M = ws_.M_A[i].matrix();
-      const recursive::Vector6<T> Z = recursive::detail::jointAxis(link);
-      const recursive::Vector6<T> M_Z = M * Z;
-      const T D = link.rotor + Z.dot(M_Z);
-      const T leak = link.rotor / D;  // what a free joint with a rotor still passes on
-      const Matrix6 P = recursive::forceProjection(M, Z, link.rotor);
-      const Matrix6 P_M = recursive::inertiaProjection(M, Z, link.rotor);
+      const Matrix6 M = ws_.M_A[moving[k]].matrix();
+      recursive::JointAxes<T> Z(6, axes);
+      for (int axis = 0; axis < axes; ++axis) Z.col(axis) = recursive::jointAxis(link, axis);
+      const MatrixX d = MatrixX::Identity(axes, axes) * link.rotor;
+      const recursive::JointAxes<T> M_Z = M * Z;
+      const MatrixX inverse_D = inverse(MatrixX(d + MatrixX(Z.transpose() * M_Z)));
+      const MatrixX leak = d * inverse_D;  // what a free joint with a rotor still passes on
+      const MatrixX weight = inverse_D * leak;
+      const Matrix6 P = recursive::forceProjection(M, Z, d);
+      const Matrix6 P_M = recursive::inertiaProjection(M, Z, d);
 
-      set(dual.left, k, ws_.X_up[i].forceMatrix().transpose() * ws_.X_up[i].motionMatrix());
+      set(dual.left, k,
+          ws_.X_up[moving[k]].forceMatrix().transpose() * ws_.X_up[moving[k]].motionMatrix());
       set(dual.right, k, one6);
       set(projector.left, k, P * P);
-      set(projector.right, k, P - (one6 - P) * leak);
+      set(projector.right, k, P - Matrix6(M_Z * weight * Z.transpose()));
       set(symmetric.left, k, P_M);
       set(symmetric.right, k, P_M.transpose());
-      set(twice.left, k, P_M * recursive::accelerationProjection(M, Z, link.rotor));
-      set(twice.right, k, P_M - (M_Z * (leak / D)) * M_Z.transpose());
-      force.left.row(k) = Z.transpose() * P;
-      force.right.row(k) = Z.transpose() * leak;
+      set(twice.left, k, P_M * recursive::accelerationProjection(M, Z, d));
+      set(twice.right, k, P_M - Matrix6(M_Z * weight * M_Z.transpose()));
+      force.left.middleRows(link.dof, axes) = Z.transpose() * P;
+      force.right.middleRows(link.dof, axes) = leak * Z.transpose();
     }
     for (TwoSides<T>& sides : {std::ref(dual), std::ref(projector), std::ref(symmetric),
                                std::ref(twice), std::ref(force)})
       out.push_back(std::move(sides));
   }
+  /// Of a symmetric matrix.
+  static MatrixX inverse(MatrixX D) {
+    recursive::factorize(D);
+    MatrixX columns = MatrixX::Identity(D.rows(), D.cols());
+    for (Eigen::Index j = 0; j < D.cols(); ++j) {
+      Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>> column = columns.col(j);
+      recursive::solve(D, column);
+    }
+    return columns;
+  }
   static TwoSides<T> blank(int rows) {
     return {MatrixX::Constant(rows, 6, T(0)), MatrixX::Constant(rows, 6, T(0))};
   }
-  static void set(MatrixX& stack, int k, const Matrix6& block) {
-    stack.block(6 * k, 0, 6, 6) = block;
+  static void set(MatrixX& stack, std::size_t k, const Matrix6& block) {
+    stack.block(6 * static_cast<Eigen::Index>(k), 0, 6, 6) = block;
   }
 
   recursive::Model<T> model_, kept_;

@@ -118,7 +118,13 @@ struct Case {
   std::vector<double> scale;  ///< q here = scale * q there
 };
 
-Case readCase(const json& table, const json& one_case, int n, const fs::path& file) {
+Case readCase(const json& table, const json& one_case, const scene::Mechanism& mechanism,
+              const fs::path& file) {
+  const int n = mechanism.dof();
+  if (mechanism.positions() != n)
+    throw scene::InputError({file.string()},
+                            "the scene has spherical or floating joints, allowed in tables: joints "
+                            "whose qd are derivatives of q");
   Case out;
   out.scale = table.contains("coordinate_scale") ? numbers(table["coordinate_scale"], file)
                                                  : std::vector<double>(n, 1.0);
@@ -221,7 +227,7 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
     const scene::Scene asked = sceneOf(table, one_case, scene, file);
     std::vector<std::unique_ptr<Witness>> witnesses;
     for (const WitnessKind& kind : kinds) witnesses.push_back(makeWitness(kind, asked));
-    const Case here = readCase(table, one_case, asked.mechanism.dof(), file);
+    const Case here = readCase(table, one_case, asked.mechanism, file);
     for (const auto& [quantity, printed] : entry(one_case, "expect", file).items()) {
       const Agreement agreement(table, one_case, quantity, file);
       double largest = 0;

@@ -96,10 +96,11 @@ struct Truth::Impl {
         fmt::format("{} is not finite at {} bits", name(quantity), BallPrecision::bits());
     if (quantity != Quantity::kQdd) return out;
     for (int i = static_cast<int>(s.model.links.size()) - 1; i >= 0; --i) {
-      const int dof = s.model.links[i].dof;
-      const Ball& D = s.ws.D[i];
-      if (dof < 0 || !D.containsZero()) continue;
-      const std::string& joint = mechanism.links[mechanism.movingLinks()[dof]].joint.name;
+      int dof = s.model.links[i].dof, end = dof + recursive::axisCount(s.model.links[i].kind);
+      while (dof < end && !s.ws.D[dof].containsZero()) ++dof;  // in the order of elimination
+      if (dof == end) continue;
+      const Ball& D = s.ws.D[dof];
+      const std::string joint = mechanism.rateLabels()[dof];
       out.final = D.isZero();
       out.result.reason = fmt::format(
           "M is singular: joint '{}' moves no inertia while the joints beyond it are free (D {})",

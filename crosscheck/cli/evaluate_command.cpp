@@ -48,7 +48,7 @@ int run(const Arguments& arguments) {
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
   const int n = scene.mechanism.dof();
-  const std::vector<scene::State<double>> states = readStates(arguments.states, n);
+  const std::vector<scene::State<double>> states = readStates(arguments.states, scene.mechanism);
 
   struct Column {
     Quantity quantity;

@@ -180,6 +180,7 @@ class MujocoWitness : public Witness {
       : name_(nameOf(inertias)),
         bound_(scene.mechanism, ForwardDynamicsBy::kMassMatrix),
         sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
+    requirePlainJoints(scene.mechanism);
     installHandlers();
     const scene::Mechanism& mechanism = scene.mechanism;
     const RealNumbers<double> number(mechanism);
