@@ -92,7 +92,7 @@ Run addEvaluate(CLI::App& app) {
   command->add_option("scene", arguments->scene, "Scene")->required();
   command
       ->add_option("--states", arguments->states,
-                   "CSV file: q1..qn, qd1..qdn, and qdd1..qddn or tau1..taun")
+                   "CSV file: q1..q(positions), qd1..qdn, and qdd1..qddn or tau1..taun")
       ->required();
   command
       ->add_option("--quantity", arguments->quantities,
