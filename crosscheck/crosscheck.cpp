@@ -95,6 +95,7 @@ SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<Witness
   ExactOptions exact;
   exact.seed = options.seed;
   exact.error_probability = options.error_probability;
+  exact.parameters = options.parameters;
   attachExact(result.checks, exactChecks(scene, exact));
   result.findings = findOutliers(scene.name, result.checks);
   for (const std::filesystem::path& table : bundledTables())

@@ -53,7 +53,7 @@ class Trial {
   Trial(CheckResult check, const ExactOptions& options) : check_(std::move(check)) {
     check_.unit = "exact";
     check_.seed = options.seed;
-    exact_.parameters = options.parameters == Parameters::kRandom ? "random" : "as given";
+    exact_.parameters = name(options.parameters);
   }
 
   /// How many points it takes, from the size of the formulas.
@@ -179,7 +179,7 @@ class Derived {
  public:
   Derived(const scene::Mechanism& mechanism, Parameters parameters) {
     symbolic::Options options;
-    options.fold_parameters = parameters == Parameters::kAsGiven;
+    options.fold_parameters = parameters == Parameters::kAsWritten;
     symbolic::Equations equations = symbolic::derive(mechanism, options);
     const std::vector<symbolic::Node> tau = symbolic::inverseDynamics(equations);
     std::vector<symbolic::Node> M;

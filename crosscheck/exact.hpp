@@ -20,7 +20,7 @@ struct ExactOptions {
   /// Each check runs at as many points as make the chance that it passes different formulas at most
   /// this.
   double error_probability = 1e-30;
-  Parameters parameters = Parameters::kAsGiven;
+  Parameters parameters = Parameters::kAsWritten;
 };
 
 /** A witness in any arithmetic: built with a scene's numbers once, then asked at many states.

@@ -199,6 +199,23 @@ BOOST_AUTO_TEST_CASE(a_scene_with_a_bundled_name_is_not_held_to_the_table) {
   BOOST_TEST_CONTEXT(outcome.out) BOOST_TEST(outcome.status == 0);
 }
 
+// The parameters are named in the scene, so random ones are other inputs of larger formulas.
+BOOST_AUTO_TEST_CASE(exact_checks_take_the_parameters_as_asked_and_say_so) {
+  const Program program;
+  const std::string words = "crosscheck double_pendulum --no-drift --states 2 --report ";
+  BOOST_TEST(program.run(words + "written").status == 0);
+  BOOST_TEST(program.run(words + "random --parameters random").status == 0);
+  const std::string written = program.read("written/report.json"),
+                    random = program.read("random/report.json");
+  BOOST_TEST(written.find("\"parameters\": \"as written\"") != std::string::npos);
+  BOOST_TEST(written.find("\"parameters\": \"random\"") == std::string::npos);
+  BOOST_TEST(random.find("\"parameters\": \"random\"") != std::string::npos);
+  BOOST_TEST(random.find("\"parameters\": \"as written\"") == std::string::npos);
+  BOOST_TEST(random.find("--parameters random") != std::string::npos);  // the command of the report
+  refuses(program, "crosscheck acrobot --parameters none", "as-written");
+  refuses(program, "crosscheck --random 1 --parameters random", "--parameters");
+}
+
 BOOST_AUTO_TEST_CASE(another_seed_draws_other_states) {
   const Program program;
   for (const char* seed : {"1", "2"})

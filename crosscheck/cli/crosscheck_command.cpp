@@ -18,10 +18,13 @@ namespace {
 
 using namespace crosscheck;
 
+constexpr const char *kAsWritten = "as-written", *kRandom = "random";
+
 struct Arguments {
   std::vector<std::string> scenes;
   std::string report = "report", json;
   Options options;
+  std::string parameters = kAsWritten;
   int random = 0, joints = 12;  ///< random mechanisms instead of scenes
 };
 
@@ -44,6 +47,7 @@ std::string reproduce(const Arguments& arguments) {
   for (const std::string& name : arguments.options.witnesses) command += " --witness " + name;
   if (arguments.options.error_probability != Options().error_probability)
     command += fmt::format(" --error-probability {}", arguments.options.error_probability);
+  if (arguments.parameters != kAsWritten) command += " --parameters " + arguments.parameters;
   if (!arguments.options.drift) command += " --no-drift";
   return command;
 }
@@ -170,16 +174,25 @@ Run addCrosscheck(CLI::App& app) {
                    "Chance at most that an exact check passes a wrong formula")
       ->capture_default_str()
       ->check(CLI::Range(1e-300, 0.5));
+  command
+      ->add_option("--parameters", arguments->parameters,
+                   "Parameters in exact checks: the scene's values, or random elements of the field, so "
+                   "that the verdict covers every robot with that structure")
+      ->capture_default_str()
+      ->check(CLI::IsMember({kAsWritten, kRandom}));
   command->add_option("--random", arguments->random,
                       "Check this many random mechanisms exactly, instead of scenes; no report")
-      ->excludes("--json", "--witness", "--states")
+      ->excludes("--json", "--witness", "--states", "--parameters")
       ->check(CLI::Range(1, 100000000));
   command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
       ->capture_default_str()
       ->needs("--random")
       ->check(CLI::Range(1, 1000));
   command->add_flag("!--no-drift", arguments->options.drift, "Leave out the 10 s simulations");
-  return [arguments] { return run(*arguments); };
+  return [arguments] {
+    if (arguments->parameters == kRandom) arguments->options.parameters = Parameters::kRandom;
+    return run(*arguments);
+  };
 }
 
 }  // namespace dynwitness::cli
