@@ -96,6 +96,7 @@ SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<Witness
   exact.seed = options.seed;
   exact.error_probability = options.error_probability;
   exact.parameters = options.parameters;
+  for (const WitnessKind& kind : kinds) exact.witnesses.push_back(kind.info.name);
   attachExact(result.checks, exactChecks(scene, exact));
   result.findings = findOutliers(scene.name, result.checks);
   for (const std::filesystem::path& table : bundledTables())

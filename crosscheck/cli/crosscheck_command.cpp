@@ -161,7 +161,7 @@ Run addCrosscheck(CLI::App& app) {
   command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
   command->add_option("--report", arguments->report, "Folder of the report")->capture_default_str();
   command->add_option("--json", arguments->json, "Write report.json to this file as well");
-  command->add_option("--witness", arguments->options.witnesses, "Ask these witnesses only")
+  command->add_option("--witness", arguments->options.witnesses, "Compare these witnesses only; laws of mechanics are tested on our sweeps whoever is named")
       ->delimiter(',');
   command->add_option("--states", arguments->options.states, "Seeded states a check")
       ->capture_default_str()
