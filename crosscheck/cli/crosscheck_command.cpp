@@ -121,6 +121,11 @@ int run(const Arguments& arguments) {
   const std::vector<scene::Scene> scenes = scenesOf(arguments);
   for (const scene::Scene& scene : scenes) requireMotion(scene);
   requireWritable(arguments.report);
+  // the report's own folder may have to be made first, which is done by then
+  if (const std::filesystem::path json = arguments.json;
+      std::filesystem::weakly_canonical(json.parent_path()) !=
+      std::filesystem::weakly_canonical(arguments.report))
+    requireWritableFile(json);
 
   CrosscheckResult result;
   result.seed = arguments.options.seed;
@@ -161,7 +166,10 @@ Run addCrosscheck(CLI::App& app) {
   command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
   command->add_option("--report", arguments->report, "Folder of the report")->capture_default_str();
   command->add_option("--json", arguments->json, "Write report.json to this file as well");
-  command->add_option("--witness", arguments->options.witnesses, "Compare these witnesses only; laws of mechanics are tested on our sweeps whoever is named")
+  command
+      ->add_option("--witness", arguments->options.witnesses,
+                   "Compare these witnesses only; laws of mechanics are tested on our sweeps "
+                   "whoever is named")
       ->delimiter(',');
   command->add_option("--states", arguments->options.states, "Seeded states a check")
       ->capture_default_str()
@@ -175,13 +183,15 @@ Run addCrosscheck(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::Range(1e-300, 0.5));
   command
-      ->add_option("--parameters", arguments->parameters,
-                   "Parameters in exact checks: the scene's values, or random elements of the field, so "
-                   "that the verdict covers every robot with that structure")
+      ->add_option(
+          "--parameters", arguments->parameters,
+          "Parameters in exact checks: the scene's values, or random elements of the field, so "
+          "that the verdict covers every robot with that structure")
       ->capture_default_str()
       ->check(CLI::IsMember({kAsWritten, kRandom}));
-  command->add_option("--random", arguments->random,
-                      "Check this many random mechanisms exactly, instead of scenes; no report")
+  command
+      ->add_option("--random", arguments->random,
+                   "Check this many random mechanisms exactly, instead of scenes; no report")
       ->excludes("--json", "--witness", "--states", "--parameters")
       ->check(CLI::Range(1, 100000000));
   command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
