@@ -18,8 +18,8 @@ Eigen::MatrixXd bounds(const MatrixOf<RunningError>& m) {
   return m.unaryExpr([](const RunningError& x) { return x.bound(); });
 }
 
-/// M = L D L' has positive pivots: each larger than its own error bound, so proven. A pivot that is zero
-/// within its bound proves nothing; one that is proven negative disagrees.
+/// M = L D L' has positive pivots: each larger than its own error bound, so proven. A pivot that is
+/// zero within its bound proves nothing; one that is proven negative disagrees.
 class PositiveDefinite {
  public:
   PositiveDefinite(const scene::Mechanism& mechanism, std::uint64_t seed)

@@ -17,9 +17,9 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-/// Points without a value in a row before a check is given up: a divisor that is no zero as a formula
-/// vanishes at a random point with the chance r of errorProbability(), at this many with r^8. Giving up
-/// costs an answer, never a wrong one.
+/// Points without a value in a row before a check is given up: a divisor that is not zero as a
+/// formula vanishes at a point with the chance r of errorProbability(), at all of these with r^8.
+/// Giving up costs an answer; it never gives a wrong one.
 constexpr int kPatience = 8;
 
 template <typename T>

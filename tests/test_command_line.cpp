@@ -140,6 +140,31 @@ BOOST_AUTO_TEST_CASE(an_unwritable_report_folder_is_refused_before_any_work) {
   refuses(program, "crosscheck acrobot --report /proc/report", "/proc");
 }
 
+BOOST_AUTO_TEST_CASE(an_unwritable_file_is_refused_before_any_work) {
+  const Program program;
+  program.write("file", "");
+  for (const std::string words : {"crosscheck --json ", "derive acrobot -o ",
+                                  "evaluate acrobot --states none.csv --quantity M -o ",
+                                  "drift acrobot --csv ", "drift acrobot --plot "}) {
+    refuses(program, words + "none/out", "none/out: cannot be written: there is no folder none");
+    refuses(program, words + "file/out", "there is no folder file");
+    refuses(program, words + "/proc/out", "/proc/out: cannot be written");
+    refuses(program, words + "/dev/null",
+            "/dev/null: cannot be written: expected the name of a file");
+    refuses(program, words + ".", "expected the name of a file");
+  }
+  BOOST_TEST(program.fileCount() == 1u);
+}
+
+// What is asked for first, the report's folder, need not exist for a file in it.
+BOOST_AUTO_TEST_CASE(a_file_may_lie_in_the_folder_of_the_report) {
+  const Program program;
+  const std::string words =
+      "crosscheck acrobot --no-drift --states 1 --report new --json new/a.json";
+  BOOST_TEST(program.run(words).status == 0);
+  BOOST_TEST(program.read("new/a.json") == program.read("new/report.json"));
+}
+
 BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(results)
 
@@ -186,6 +211,26 @@ BOOST_AUTO_TEST_CASE(a_motion_without_integration_error_agrees) {
                 "[link.joint]\nkind = \"prismatic\"\n");
   const Outcome outcome = program.run("crosscheck fall.toml --states 5");
   BOOST_TEST_CONTEXT(outcome.out) BOOST_TEST(outcome.status == 0);
+}
+
+// Two sliders along one line, nothing between them: M = [2 2; 2 2]. Nobody is wrong about that.
+BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_is_no_disagreement) {
+  const Program program;
+  program.write(
+      "sliders.toml",
+      "title = \"x\"\nsource = \"x\"\n[[link]]\nname = \"base\"\n"
+      "[[link]]\nname = \"shuttle\"\nparent = \"base\"\njoint = { kind = \"prismatic\" }\n"
+      "[[link]]\nname = \"weight\"\nparent = \"shuttle\"\nmass = 2\n"
+      "joint = { kind = \"prismatic\" }\n");
+  const Outcome outcome = program.run(
+      "crosscheck sliders.toml --states 5 --witness "
+      "lagrange,newton_euler,composite_body,articulated_body");
+  BOOST_TEST_CONTEXT(outcome.out) {
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.out.find("not answerable: energy drift") != std::string::npos);
+    BOOST_TEST(outcome.out.find("not answerable: symmetric mass matrix") == std::string::npos);
+  }
+  refuses(program, "drift sliders.toml", "sliders.toml: qdd has no value at the start state");
 }
 
 // The user's own scene may be called like a bundled one: the published table is not about it.

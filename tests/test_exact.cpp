@@ -332,7 +332,8 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_forward_dynamics_unanswered) 
   }
 }
 
-// M = [2 2; 2 2] by hand: the laws that divide by an articulated inertia have no sides, and no other.
+// M = [2 2; 2 2] by hand: the laws that divide by an articulated inertia have no sides, and no
+// other.
 BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_only_those_identities_unanswered_that_divide) {
   const scene::Scene scene = singularScene();
   const std::set<std::string> dividing = {"forward dynamics undoes inverse dynamics", "projector",
@@ -361,7 +362,8 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_only_those_identities_unanswe
   BOOST_TEST(rounded.front().reason.rfind("D[2] is zero within its rounding at state ", 0) == 0u);
 }
 
-// The other way round: the law can fail. A mass of -1 is refused in a scene file, not in a mechanism.
+// The other way round: the law can fail. A mass of -1 is refused in a scene file, not in a
+// mechanism.
 BOOST_AUTO_TEST_CASE(a_mass_matrix_that_is_negative_disagrees) {
   scene::Scene scene = singularScene();
   scene.mechanism.links.back().inertia.mass = scene::Number(-1);

@@ -7,8 +7,8 @@
 namespace dynwitness::crosscheck {
 
 /** Base of Eigen::NumTraits<T> for a real scalar that is no plain double: one that needs its
-    constructor, and stays what it is in every expression. The costs (an addition of doubles is 1) only
-    tell Eigen when to store an intermediate result. */
+    constructor, and stays what it is in every expression. The costs (an addition of doubles is 1)
+    only tell Eigen when to store an intermediate result. */
 template <typename T, int kReadCost, int kAddCost, int kMultiplyCost>
 struct EigenScalar : Eigen::GenericNumTraits<double> {
   using Real = T;

@@ -401,7 +401,7 @@ void putHowToRead(std::string* page) {
       "state is a function of scene, seed and index, so the seed draws it again. A residual is "
       "counted "
       "in <em>ulp</em>: 1 ulp is 2<sup>−52</sup> of the largest number compared, the spacing of "
-      "double precision. Its <em>limit</em> is not a tuned tolerance: it is a running bound of the "
+      "double precision. Its <em>limit</em> was not chosen by anyone: it is a running bound of the "
       "rounding errors of that very computation at that very state. A residual above its limit "
       "cannot "
       "be rounding; then somebody is wrong. Where ulp is not the measure, the unit says what is: a "
