@@ -161,7 +161,7 @@ void requireWritable(const fs::path& given) {
     fs::remove(makeUnique(existing, ".dynwitness-try"), error);
     if (fs::exists(folder)) {
       const std::set<fs::path> ours = ownFiles(folder);
-      for (const char* file : {"index.html", "report.json", "junit.xml", kContents})
+      for (const char* file : {"index.html", "report.json", "junit.xml", "digits.md", kContents})
         requireOurs(folder, file, ours);
       if (fs::exists(folder / "scenes") && !fs::is_directory(folder / "scenes"))
         refuse(folder / "scenes", "is in the way: the report has a folder of this name");
