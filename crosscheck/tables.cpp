@@ -93,6 +93,9 @@ class Agreement {
   /// @param rounding  bound of what a program in double may lose on this entry
   Limit limit(const std::string& text, double printed, double rounding) const {
     if (accuracy_ > 0) return {accuracy_, accuracy_, "stated accuracy of the source"};
+    // all bits of a double: "4" is no number with one digit then
+    if (computed_ && places_ < 0 && significant_ == 0)
+      return {rounding, rounding, "rounding of the source's program"};
     int places = placesOf(text);
     if (places_ >= 0) places = places_;
     if (significant_ > 0) {
@@ -282,8 +285,9 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
             if (!out.worst_entry.empty() && used <= out.ratio) continue;
             out.ratio = std::isfinite(used) ? used : std::numeric_limits<double>::infinity();
             out.unit = limit.unit_name;
-            out.worst = residual == 0 ? 0 : residual / limit.unit;
-            out.limit = limit.unit > 0 ? allowed / limit.unit : 1;
+            const double unit = limit.unit > 0 ? limit.unit : allowed;
+            out.worst = residual == 0 ? 0 : residual / unit;
+            out.limit = allowed > 0 ? allowed / unit : 1;
             out.worst_state = out.states - 1;
             out.worst_entry = entryName(quantity, i, j, theirs);
             if (!(used <= 1)) {
