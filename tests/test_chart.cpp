@@ -15,7 +15,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "crosscheck/chart.hpp"
+#include "crosscheck/chart/chart.hpp"
+#include "crosscheck/chart/drawing.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/report/plot.hpp"
 
@@ -247,7 +248,7 @@ BOOST_AUTO_TEST_SUITE(output)
 
 BOOST_AUTO_TEST_CASE(the_table_has_a_line_a_point_and_says_what_was_measured) {
   const Chart chart = speedAccuracy(scene::findScene("acrobot"), Quantity::kTau, {}, 5, 7);
-  std::istringstream csv(chartCsv(chart));
+  std::istringstream csv(chartCsv({chart}));
   std::string comments, header;
   std::vector<std::string> rows;
   for (std::string line; std::getline(csv, line);) {
@@ -259,16 +260,17 @@ BOOST_AUTO_TEST_CASE(the_table_has_a_line_a_point_and_says_what_was_measured) {
       rows.push_back(line);
   }
   BOOST_TEST(header ==
-             "method,scalar,error_worst,error_median,time_min_ns,time_median_ns,time_high_ns");
+             "quantity,method,scalar,error_worst,error_median,time_min_ns,time_median_ns,"
+             "time_high_ns");
   for (const char* part :
        {"scene: acrobot", "quantity: tau", "states: 5, seed 7", "2^-200", "machine: "})
     BOOST_TEST(comments.find(part) != std::string::npos, part);
   BOOST_REQUIRE(rows.size() == chart.points.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const ChartPoint& p = chart.points[i];
-    BOOST_TEST(rows[i].rfind(p.method + "," + p.scalar + ",", 0) == 0u);
-    BOOST_TEST(std::count(rows[i].begin(), rows[i].end(), ',') == 6);
-    const double error = std::stod(rows[i].substr(p.method.size() + p.scalar.size() + 2));
+    BOOST_TEST(rows[i].rfind("tau," + p.method + "," + p.scalar + ",", 0) == 0u);
+    BOOST_TEST(std::count(rows[i].begin(), rows[i].end(), ',') == 7);
+    const double error = std::stod(rows[i].substr(p.method.size() + p.scalar.size() + 6));
     BOOST_TEST(std::abs(error - p.error_worst) <= 1e-3 * p.error_worst);
   }
 }
@@ -287,7 +289,7 @@ BOOST_DATA_TEST_CASE(the_script_draws_both_pictures,
   const TemporaryFolder folder;
   fs::copy_file(fs::path(DYNWITNESS_SOURCE_DIR) / "crosscheck/report/style.gp",
                 folder.path / "style.gp");
-  folder.write("speed.csv", chartCsv(chart));
+  folder.write("speed.csv", chartCsv({chart}));
   folder.write("speed.gp", chartScript(chart, "speed", "style.gp"));
   const auto problem = runGnuplot(folder.path, "speed.gp", {"speed.svg", "speed_dark.svg"});
   BOOST_REQUIRE_MESSAGE(!problem, problem.value_or(""));
