@@ -121,9 +121,10 @@ Chart speedAccuracy(const scene::Scene& scene, Quantity quantity,
     drawn.push_back(drawState(scene.mechanism, scene.name, seed, k));
     Certified certified = truth(quantity, drawn.back());
     if (!certified.exists())
-      throw scene::InputError({scene.file.string()},
-                              fmt::format("no exact {} to measure errors by: state {} of seed {}: {}",
-                                          name(quantity), k, seed, certified.reason));
+      throw scene::InputError(
+          {scene.file.string()},
+          fmt::format("no exact {} to measure errors by: state {} of seed {}: {}", name(quantity),
+                      k, seed, certified.reason));
     truths.push_back(std::move(certified.value));
   }
 

@@ -115,7 +115,6 @@ class PrintedFormula {
 /// The closed form, entry by entry, as `dynwitness derive` prints it.
 class ClosedFormMethod : public DerivedMethod {
  public:
-
   ClosedFormMethod(Quantity quantity, const scene::Mechanism& mechanism, const States& states)
       : DerivedMethod(MethodName::kClosedForm, quantity, mechanism.dof(), states) {
     symbolic::Options options;

@@ -43,13 +43,17 @@ namespace {
 
 /// Colour and marker of a method, the same in every chart: a line type of style.gp.
 int lineType(const std::string& method) {
-  static const std::map<std::string, int> known = {
-      {MethodName::kNewtonEuler, 1},         {MethodName::kClosedForm, 2},
-      {MethodName::kProgram, 3},             {MethodName::kCompositeBody, 4},
-      {MethodName::kCompositeBodySolved, 4}, {MethodName::kArticulatedBody, 5},
-      {"simbody", 11},                       {"mujoco_principal", 12},
-      {"dart", 13},                          {"kdl", 14},
-      {"mujoco", 15}};
+  static const std::map<std::string, int> known = {{MethodName::kNewtonEuler, 1},
+                                                   {MethodName::kClosedForm, 2},
+                                                   {MethodName::kProgram, 3},
+                                                   {MethodName::kCompositeBody, 4},
+                                                   {MethodName::kCompositeBodySolved, 4},
+                                                   {MethodName::kArticulatedBody, 5},
+                                                   {"simbody", 11},
+                                                   {"mujoco_principal", 12},
+                                                   {"dart", 13},
+                                                   {"kdl", 14},
+                                                   {"mujoco", 15}};
   const auto found = known.find(method);
   return found != known.end() ? found->second : 16;
 }
@@ -72,7 +76,7 @@ struct Range {
     }
     if (right < left) left = -17, right = -15;  // all exact
     left -= only_double ? 1 : 3;
-    right += only_double ? 0 : 2;
+    right += only_double ? 0 : 3;
     bottom -= 0.3;
     top += 0.3;
   }
@@ -99,13 +103,23 @@ std::string panel(const Chart& chart, const std::string& csv, bool only_double) 
                       [&](const ChartPoint& p) { return p.method == methods[i]; });
     text += i == 0 ? "" : ", \\\n     ";
     // of the CSV: 2 method, 3 scalar, 4 worst and 5 median error, 6 to 8 time fastest to 90 %
-    if (!only_double && settings > 1)
+    if (!only_double && settings > 1) {
       text += fmt::format(
-          "'{0}' using ({1} ? seen($4) : NaN):(1e-9 * $7) with lines linetype {2} dashtype 1 "
-          "linewidth 1 notitle, \\\n"
-          "     '{0}' using ({1} ? seen($4) : NaN):(1e-9 * $7):3 with labels left offset 0.7,0.6 "
-          "font ',11' textcolor rgb soft notitle, \\\n     ",
+          "'{}' using ({} ? seen($4) : NaN):(1e-9 * $7) with lines linetype {} dashtype 1 "
+          "linewidth 1 notitle, \\\n     ",
           csv, chosen, lineType(methods[i]));
+      // names stand where no other method can be: those lie above double, in double
+      const std::pair<const char*, const char*> places[] = {
+          {"among(strcol(3)) && $4 > border", "right offset -2.4,0"},
+          {"strcol(3) eq 'float' && !($4 > border)", "left offset 0.9,-0.6"},
+          {"!(among(strcol(3)) && $4 > border) && !(strcol(3) eq 'float' && !($4 > border))",
+           "left offset 0.7,0.6"}};
+      for (const auto& [rows, place] : places)
+        text += fmt::format(
+            "'{}' using ({} && {} ? seen($4) : NaN):(1e-9 * $7):3 with labels {} font ',11' "
+            "textcolor rgb soft notitle, \\\n     ",
+            csv, chosen, rows, place);
+    }
     text += fmt::format(
         "'{}' using ({} ? seen($4) : NaN):(1e-9 * $7):(seen($5)):(seen($4)):(1e-9 * $6):(1e-9 * "
         "$8) with xyerrorbars linetype {} dashtype 1 linewidth 1.5 {}",
@@ -136,6 +150,7 @@ std::string chartScript(const Chart& chart, const std::string& name, const std::
       "set tmargin at screen 0.86\nset bmargin at screen 0.28\n"
       "set logscale xy\nset format x '1e%T'\nset format y '%.0s %cs'\nset micro\nunset mxtics\n"
       "seen(error) = error > border ? error : border\n"
+      "among(scalar) = scalar eq 'double' || scalar eq 'long double'\n"
       "set bars 0.6\n"
       "set xlabel 'worst relative error  [1]'\n",
       chart.quantity, oneLine(chart.scene), name, style,
@@ -151,7 +166,7 @@ std::string chartScript(const Chart& chart, const std::string& name, const std::
       panel(chart, csv, false);
   text +=
       "unset label\nunset ylabel\n"
-      "set lmargin at screen 0.575\nset rmargin at screen 0.98\n"
+      "set lmargin at screen 0.575\nset rmargin at screen 0.97\n"
       "set title 'In double' textcolor rgb soft\n"
       "set key at screen 0.5, screen 0.1 center center vertical Left reverse maxrows 2\n" +
       panel(chart, csv, true);

@@ -10,7 +10,8 @@
 namespace dynwitness::crosscheck {
 
 /// Charts of one scene as one table, under `#` lines that say what was measured and on which
-/// machine: `quantity,method,scalar,error_worst,error_median,time_min_ns,time_median_ns,time_high_ns`.
+/// machine:
+/// `quantity,method,scalar,error_worst,error_median,time_min_ns,time_median_ns,time_high_ns`.
 std::string chartCsv(const std::vector<Chart>& charts);
 
 /** Draws NAME.svg and NAME_dark.svg from NAME.csv beside it.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "symbolic/program.hpp"
 #include "crosscheck/chart/derived_method.hpp"
 #include "symbolic/equations.hpp"
-#include "symbolic/program.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {

@@ -3,8 +3,10 @@
 
 namespace dynwitness::crosscheck {
 
-std::unique_ptr<Method> sweepInDouble(Sweep sweep, const scene::Mechanism& mechanism, const States& states) {
-  return std::make_unique<SweepMethod<scene::RealNumbers<double>>>(sweep, "double", mechanism, states);
+std::unique_ptr<Method> sweepInDouble(Sweep sweep, const scene::Mechanism& mechanism,
+                                      const States& states) {
+  return std::make_unique<SweepMethod<scene::RealNumbers<double>>>(sweep, "double", mechanism,
+                                                                   states);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -3,8 +3,10 @@
 
 namespace dynwitness::crosscheck {
 
-std::unique_ptr<Method> sweepInFloat(Sweep sweep, const scene::Mechanism& mechanism, const States& states) {
-  return std::make_unique<SweepMethod<scene::RealNumbers<float>>>(sweep, "float", mechanism, states);
+std::unique_ptr<Method> sweepInFloat(Sweep sweep, const scene::Mechanism& mechanism,
+                                     const States& states) {
+  return std::make_unique<SweepMethod<scene::RealNumbers<float>>>(sweep, "float", mechanism,
+                                                                  states);
 }
 
 }  // namespace dynwitness::crosscheck
