@@ -167,7 +167,7 @@ BOOST_AUTO_TEST_CASE(the_same_scene_and_seed_give_the_same_bytes) {
   for (const char* folder : {"a", "b"})
     BOOST_TEST(program.run("version > /dev/null; " + fixed_date + DYNWITNESS_PROGRAM + " " + words +
                            folder).status == 0);
-  for (const char* file : {"report.json", "junit.xml", "index.html"}) {
+  for (const char* file : {"report.json", "junit.xml", "digits.md", "index.html"}) {
     BOOST_TEST(!program.read(std::string("a/") + file).empty());
     BOOST_TEST(program.read(std::string("a/") + file) == program.read(std::string("b/") + file));
   }

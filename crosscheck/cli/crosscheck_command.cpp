@@ -27,7 +27,7 @@ struct Arguments {
   bool charts = true;
 };
 
-/// A chart's errors and times have settled at this many states, and the report is not about them.
+/// Slow methods would make a report wait; `dynwitness chart` takes more.
 constexpr int kMostChartStates = 100;
 
 /// The scenes asked for, or all that are bundled with those of the tables.
@@ -65,7 +65,7 @@ void printTable(const CrosscheckResult& result) {
       if (check.verdict == Verdict::kNotAnswerable) continue;
       ++answered;
       disagreeing += check.verdict == Verdict::kDisagree ? 1 : 0;
-      if (closest == nullptr || check.ratio > closest->ratio) closest = &check;
+      if (!check.known_loss && (closest == nullptr || check.ratio > closest->ratio)) closest = &check;
     }
     const std::string verdict = disagreeing == 0 ? answered > 0 ? "agree" : "not answerable"
                                                  : fmt::format("{} DISAGREE", disagreeing);
@@ -77,13 +77,18 @@ void printTable(const CrosscheckResult& result) {
     fmt::print("\n");
   }
   for (const SceneResult& scene : result.scenes) {
-    for (const Finding& finding : scene.findings) fmt::print("\nfinding: {}", finding.text);
+    for (const Finding& finding : scene.findings)
+      if (finding.kind == Finding::Kind::kDisagreement) fmt::print("\nfinding: {}", finding.text);
     for (const CheckResult& check : scene.checks)
       if (check.verdict != Verdict::kAgree)
         fmt::print("\n{}: {}: {} {} ({}{}{}): {} (seed {})", scene.name, name(check.verdict),
                    check.check, check.quantity, check.left, check.right.empty() ? "" : " and ",
                    check.right, check.reason, check.seed);
   }
+  for (const CrosscheckResult::KnownLoss& loss : result.knownLosses())
+    fmt::print("\nknown loss of {}, {} scene{}; worst in {}\n  cause: {}\n  remedy: {}\n",
+               loss.witness->name, loss.scenes, loss.scenes == 1 ? "" : "s", loss.worst->text,
+               loss.witness->convention("known loss"), loss.witness->convention("remedy"));
   fmt::print("\n");
 }
 

@@ -153,7 +153,7 @@ void requireWritable(const fs::path& given) {
   const fs::path folder = tidy(given);
   if (!fs::exists(folder)) return;
   const std::set<fs::path> ours = ownFiles(folder);
-  for (const char* file : {"index.html", "report.json", "junit.xml", kContents})
+  for (const char* file : {"index.html", "report.json", "junit.xml", "digits.md", kContents})
     requireOurs(folder, file, ours);
   if (fs::exists(folder / "scenes") && !fs::is_directory(folder / "scenes"))
     refuse(folder / "scenes", "is in the way: the report has a folder of this name");

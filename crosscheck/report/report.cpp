@@ -7,6 +7,7 @@
 
 #include "crosscheck/chart/drawing.hpp"
 #include "crosscheck/report/assets.hpp"
+#include "crosscheck/report/digits_table.hpp"
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/page.hpp"
 #include "crosscheck/report/plot.hpp"
@@ -79,6 +80,7 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
   }
   out.write("report.json", reportJson(result, environment));
   out.write("junit.xml", reportJUnit(result, environment));
+  out.write("digits.md", digitsTable(result, environment));
   out.write("index.html", reportPage(result, environment, files));
   out.moveIntoPlace("index.html");
 }

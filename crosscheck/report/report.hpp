@@ -3,6 +3,7 @@
 //
 //     index.html                       what people read
 //     report.json, junit.xml           what programs read
+//     digits.md                        correct digits: a table a quantity
 //     contents.txt                     which files of the folder are the report's
 //     scenes/style.gp                  the looks of the charts
 //     scenes/SCENE/tree.svg            the mechanism

@@ -207,7 +207,10 @@ class MujocoWitness : public Witness {
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), kQuaternion * bound_(quantity, state)};
     out.bound.array() += axisError(quantity, state);
-    if (compiled_) out.bound += loss(quantity, state);
+    if (compiled_) {
+      out.known_loss = loss(quantity, state);
+      out.bound += out.known_loss;
+    }
     return out;
   }
 
