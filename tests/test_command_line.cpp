@@ -54,9 +54,9 @@ class Program {
     return {std::istreambuf_iterator<char>(in), {}};
   }
   bool exists(const std::string& file) const { return fs::exists(folder_ / file); }
-  std::size_t fileCount() const {
+  std::size_t fileCount(const std::string& folder = "") const {
     return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+        std::distance(fs::directory_iterator(folder_ / folder), fs::directory_iterator()));
   }
 
  private:
@@ -87,6 +87,10 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   refuses(program, "drift acrobot --method rk5", "runge_kutta4");
   refuses(program, "drift acrobot --step 0", "allowed: positive");
   refuses(program, "drift prismatic_revolute_mix", "energy is not constant");
+  refuses(program, "chart", "scene");
+  refuses(program, "chart acrobot --quantity tau,c", "qdd");
+  refuses(program, "chart acrobot --states 0", "--states");
+  refuses(program, "chart acrobot --witness simbdy", "simbody");
   BOOST_TEST(program.fileCount() == 0u);  // and nothing was written
 }
 
@@ -103,6 +107,7 @@ BOOST_AUTO_TEST_CASE(a_scene_in_which_nothing_moves_is_refused) {
   program.write("rock.toml", "title = \"x\"\nsource = \"x\"\n[[link]]\nname = \"rock\"\nmass = 1\n");
   refuses(program, "crosscheck rock.toml", "rock.toml: no joint moves");
   refuses(program, "drift rock.toml", "rock.toml: no joint moves");
+  refuses(program, "chart rock.toml", "rock.toml: no joint moves");
 }
 
 BOOST_AUTO_TEST_CASE(a_bad_states_file_is_refused_with_its_line) {
@@ -138,6 +143,9 @@ BOOST_AUTO_TEST_CASE(an_unwritable_report_folder_is_refused_before_any_work) {
   program.write("file", "");
   refuses(program, "crosscheck acrobot --report file/report", "file");
   refuses(program, "crosscheck acrobot --report /proc/report", "/proc");
+  // 100000 states would take minutes
+  refuses(program, "chart humanoid --states 100000 -o file/charts", "file");
+  refuses(program, "chart humanoid --states 100000 -o /proc/charts", "/proc");
 }
 
 BOOST_AUTO_TEST_CASE(an_unwritable_file_is_refused_before_any_work) {
@@ -273,10 +281,54 @@ BOOST_AUTO_TEST_CASE(help_names_every_subcommand_and_succeeds) {
   const Program program;
   const Outcome outcome = program.run("--help");
   BOOST_TEST(outcome.status == 0);
-  for (const char* word : {"crosscheck", "derive", "evaluate", "drift", "scenes", "version"}) {
+  for (const char* word : {"crosscheck", "derive", "evaluate", "drift", "chart", "scenes", "version"}) {
     BOOST_TEST(outcome.out.find(word) != std::string::npos);
     BOOST_TEST(program.run(std::string(word) + " --help").status == 0);
   }
+}
+
+BOOST_AUTO_TEST_CASE(chart_prints_a_table_and_draws_each_quantity) {
+  const Program program;
+  const std::string words = "chart cart_pole --states 20 --seed 3 --witness simbody --quantity ";
+  const Outcome outcome = program.run(words + "qdd,M,qdd -o 'new/my charts'", "2>/dev/null");
+  BOOST_TEST_CONTEXT(outcome.out) {
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.out.find("# states: 20, seed 3\n") != std::string::npos);
+    const std::string header = "\nquantity,method,scalar,error_worst,";
+    BOOST_TEST(outcome.out.find(header) != std::string::npos);
+    BOOST_TEST(outcome.out.find(header) == outcome.out.rfind(header));
+    for (const char* row : {"\nM,composite-body sweep,50 digits,", "\nM,simbody,double,",
+                            "\nqdd,articulated-body sweep,float,"})
+      BOOST_TEST(outcome.out.find(row) != std::string::npos, row);
+    // each once, and no other engine or quantity
+    BOOST_TEST(outcome.out.find("\nqdd,simbody,") == outcome.out.rfind("\nqdd,simbody,"));
+    for (const char* row : {"\nqdd,kdl,", "\ntau,"})
+      BOOST_TEST(outcome.out.find(row) == std::string::npos, row);
+  }
+  const std::string folder = "new/my charts/cart_pole_";
+  for (const char* picture : {"M.svg", "M_dark.svg", "qdd.svg", "qdd_dark.svg"})
+    BOOST_TEST(program.read(folder + picture).find("</svg>") != std::string::npos, picture);
+  for (const char* file : {"M.gp", "M.csv", "qdd.gp", "qdd.csv"})
+    BOOST_TEST(program.exists(folder + file), file);
+  BOOST_TEST(program.exists("new/my charts/dynwitness_style.gp"));
+  BOOST_TEST(program.fileCount("new") == 1u);            // no unfinished folder is left
+  BOOST_TEST(program.fileCount("new/my charts") == 9u);
+
+  // a second chart leaves the first, and everybody's files, alone
+  program.write("new/my charts/mine.txt", "mine");
+  BOOST_TEST(program.run(words + "tau -o 'new/my charts'").status == 0);
+  BOOST_TEST(program.fileCount("new/my charts") == 14u);
+  BOOST_TEST(program.read("new/my charts/mine.txt") == "mine");
+}
+
+BOOST_AUTO_TEST_CASE(a_report_has_charts_unless_they_are_left_out) {
+  const Program program;
+  const std::string words = "crosscheck acrobot --states 5 --no-drift --witness newton_euler,lagrange";
+  BOOST_TEST(program.run(words + " --report with").status == 0);
+  BOOST_TEST(program.run(words + " --no-charts --report without").status == 0);
+  BOOST_TEST(program.exists("with/scenes/acrobot/speed.svg"));
+  BOOST_TEST(!program.exists("without/scenes/acrobot/speed.csv"));
+  BOOST_TEST(program.read("without/report.json").find("--no-charts") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(drift_prints_a_table_and_draws_a_chart) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/chart/chart.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
@@ -26,7 +27,11 @@ struct Arguments {
   Options options;
   std::string parameters = kAsWritten;
   int random = 0, joints = 12;  ///< random mechanisms instead of scenes
+  bool charts = true;
 };
+
+/// Slow methods would make a report wait; `dynwitness chart` takes more.
+constexpr int kMostChartStates = 100;
 
 /// The scenes asked for, or all that are bundled with those of the tables.
 std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
@@ -49,6 +54,7 @@ std::string reproduce(const Arguments& arguments) {
     command += fmt::format(" --error-probability {}", arguments.options.error_probability);
   if (arguments.parameters != kAsWritten) command += " --parameters " + arguments.parameters;
   if (!arguments.options.drift) command += " --no-drift";
+  if (!arguments.charts) command += " --no-charts";
   return command;
 }
 
@@ -143,15 +149,20 @@ int run(const Arguments& arguments) {
       libraries.push_back({kind.info.name, kind.info.present ? kind.info.version : "absent"});
   }
   result.witnesses.push_back({"table", DYNWITNESS_VERSION, "published numbers in data/reference"});
+  std::vector<Chart> charts;
   {
     Progress progress(static_cast<int>(scenes.size()) + 1);
     for (const scene::Scene& scene : scenes) {
       progress.stage(scene.name);
       result.scenes.push_back(crosscheckScene(scene, kinds, arguments.options));
+      if (arguments.charts)
+        charts.push_back(speedAccuracy(scene, Quantity::kTau, kinds,
+                                       std::min(arguments.options.states, kMostChartStates),
+                                       arguments.options.seed));
     }
     progress.stage("report");
     const Environment environment = thisEnvironment(libraries);
-    writeReport(result, environment, arguments.report);
+    writeReport(result, environment, arguments.report, charts);
     if (!arguments.json.empty())
       writeWholeFile(arguments.json, reportJson(result, environment));
   }
@@ -204,6 +215,9 @@ Run addCrosscheck(CLI::App& app) {
       ->needs("--random")
       ->check(CLI::Range(1, 1000));
   command->add_flag("!--no-drift", arguments->options.drift, "Leave out the 10 s simulations");
+  command->add_flag("!--no-charts", arguments->charts,
+                    "Leave out the charts of speed against accuracy, the only part that a clock "
+                    "measures");
   return [arguments] {
     if (arguments->parameters == kRandom) arguments->options.parameters = Parameters::kRandom;
     return run(*arguments);

@@ -148,29 +148,32 @@ void requireWritableFile(const fs::path& file) {
   }
 }
 
-void requireWritable(const fs::path& given) {
-  if (given.empty()) refuse("report folder", "expected a folder, got an empty name");
-  const fs::path folder = tidy(given);
+void requireWritableFolder(const fs::path& given) {
+  if (given.empty()) refuse("output folder", "expected a folder, got an empty name");
   try {
-    const fs::path existing = nearestExisting(folder);
+    const fs::path existing = nearestExisting(tidy(given));
     if (!fs::is_directory(existing))
-      refuse(given,
-             fmt::format("cannot be the report's folder: {} is not a folder", existing.string()));
+      refuse(given, fmt::format("cannot be a folder to write to: {} is not a folder",
+                                existing.string()));
     // asking the system to do it is the only answer that holds for root and read-only disks too
     std::error_code error;
     fs::remove(makeUnique(existing, ".dynwitness-try"), error);
-    if (fs::exists(folder)) {
-      const std::set<fs::path> ours = ownFiles(folder);
-      for (const char* file : {"index.html", "report.json", "junit.xml", "digits.md", kContents})
-        requireOurs(folder, file, ours);
-      if (fs::exists(folder / "scenes") && !fs::is_directory(folder / "scenes"))
-        refuse(folder / "scenes", "is in the way: the report has a folder of this name");
-    }
   } catch (const scene::InputError&) {
     throw;
   } catch (const std::exception& e) {
-    refuse(given, fmt::format("cannot write a report here ({})", e.what()));
+    refuse(given, fmt::format("cannot be written to ({})", e.what()));
   }
+}
+
+void requireWritable(const fs::path& given) {
+  requireWritableFolder(given);
+  const fs::path folder = tidy(given);
+  if (!fs::exists(folder)) return;
+  const std::set<fs::path> ours = ownFiles(folder);
+  for (const char* file : {"index.html", "report.json", "junit.xml", "digits.md", kContents})
+    requireOurs(folder, file, ours);
+  if (fs::exists(folder / "scenes") && !fs::is_directory(folder / "scenes"))
+    refuse(folder / "scenes", "is in the way: the report has a folder of this name");
 }
 
 UnfinishedFolder::UnfinishedFolder(const fs::path& folder) : folder_(tidy(folder)) {

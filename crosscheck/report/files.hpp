@@ -20,6 +20,13 @@ void writeWholeFile(const std::filesystem::path& file, std::string_view text);
    is no file (a folder, a device) has this name */
 void requireWritableFile(const std::filesystem::path& file);
 
+/** Looks whether files can be written to `folder`, without leaving anything there: for calling
+    before a long computation.
+
+    @throws scene::InputError  the folder (or where it would be made) cannot be written to, or is a
+                               file */
+void requireWritableFolder(const std::filesystem::path& folder);
+
 /** Looks whether a report can be written to `folder`, without leaving anything there: for calling
     before a long computation.
 

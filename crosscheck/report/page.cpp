@@ -620,7 +620,7 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
     sentence +=
         fmt::format(" At the finest step, {} s, it is {}.", finest.step, readable(finest.worst));
   }
-  put(page, "<figure class=\"drift\">\n");
+  put(page, "<figure class=\"charts\">\n");
   if (!files.drift_light.empty()) {
     openScroll(page, "Charts of the energy drift");
     put(page,
@@ -641,6 +641,30 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
   if (!files.drift_script.empty())
     put(page, "; <a href=\"{}\">gnuplot script</a>", files.drift_script);
   put(page, ".</figcaption>\n</figure>\n");
+}
+
+/// No number of the chart is on the page: times differ from run to run, and the page does not.
+void putChart(std::string* page, const SceneFiles& files) {
+  if (files.chart_csv.empty()) return;
+  put(page, "<h3>Speed against accuracy</h3>\n<figure class=\"charts\">\n");
+  if (!files.chart_light.empty()) {
+    openScroll(page, "Charts of speed against accuracy");
+    put(page,
+        "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
+        "<img src=\"{}\" width=\"1000\" height=\"480\" alt=\"Two charts, time of one evaluation "
+        "against worst relative error. Left: the sweep in five arithmetics. Right: every method in "
+        "double. The numbers are in the data file.\"></picture>\n</div>\n",
+        files.chart_dark, files.chart_light);
+  } else {
+    put(page, "<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
+        esc(files.no_chart_reason));
+  }
+  put(page,
+      "<figcaption>tau, inverse dynamics: each method's time and its worst error against the "
+      "certified truth; lower left is better. Times are of this machine and of this run, and "
+      "nothing here is judged by them. Data: <a href=\"{}\">all methods</a>; <a href=\"{}\">gnuplot "
+      "script</a>.</figcaption>\n</figure>\n",
+      files.chart_csv, files.chart_script);
 }
 
 void putScene(std::string* page, const SceneResult& scene, const SceneFiles& files) {
@@ -675,6 +699,7 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
   putChecks(page, scene);
   putDigits(page, scene);
   putDrift(page, scene, files);
+  putChart(page, files);
   put(page, "<p class=\"top\"><a href=\"#scenes\">All scenes</a></p>\n</section>\n");
 }
 
