@@ -122,6 +122,8 @@ SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<Witness
   ExactOptions exact;
   exact.seed = options.seed;
   exact.error_probability = options.error_probability;
+  exact.parameters = options.parameters;
+  for (const WitnessKind& kind : kinds) exact.witnesses.push_back(kind.info.name);
   attachExact(result.checks, exactChecks(scene, exact));
   result.findings = findOutliers(scene.name, result.checks);
   result.findings.insert(result.findings.end(), truth.losses.begin(), truth.losses.end());

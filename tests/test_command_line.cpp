@@ -148,6 +148,31 @@ BOOST_AUTO_TEST_CASE(an_unwritable_report_folder_is_refused_before_any_work) {
   refuses(program, "chart humanoid --states 100000 -o /proc/charts", "/proc");
 }
 
+BOOST_AUTO_TEST_CASE(an_unwritable_file_is_refused_before_any_work) {
+  const Program program;
+  program.write("file", "");
+  for (const std::string words : {"crosscheck --json ", "derive acrobot -o ",
+                                  "evaluate acrobot --states none.csv --quantity M -o ",
+                                  "drift acrobot --csv ", "drift acrobot --plot "}) {
+    refuses(program, words + "none/out", "none/out: cannot be written: there is no folder none");
+    refuses(program, words + "file/out", "there is no folder file");
+    refuses(program, words + "/proc/out", "/proc/out: cannot be written");
+    refuses(program, words + "/dev/null",
+            "/dev/null: cannot be written: expected the name of a file");
+    refuses(program, words + ".", "expected the name of a file");
+  }
+  BOOST_TEST(program.fileCount() == 1u);
+}
+
+// What is asked for first, the report's folder, need not exist for a file in it.
+BOOST_AUTO_TEST_CASE(a_file_may_lie_in_the_folder_of_the_report) {
+  const Program program;
+  const std::string words =
+      "crosscheck acrobot --no-drift --states 1 --report new --json new/a.json";
+  BOOST_TEST(program.run(words).status == 0);
+  BOOST_TEST(program.read("new/a.json") == program.read("new/report.json"));
+}
+
 BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(results)
 
@@ -196,6 +221,26 @@ BOOST_AUTO_TEST_CASE(a_motion_without_integration_error_agrees) {
   BOOST_TEST_CONTEXT(outcome.out) BOOST_TEST(outcome.status == 0);
 }
 
+// Two sliders along one line, nothing between them: M = [2 2; 2 2]. Nobody is wrong about that.
+BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_is_no_disagreement) {
+  const Program program;
+  program.write(
+      "sliders.toml",
+      "title = \"x\"\nsource = \"x\"\n[[link]]\nname = \"base\"\n"
+      "[[link]]\nname = \"shuttle\"\nparent = \"base\"\njoint = { kind = \"prismatic\" }\n"
+      "[[link]]\nname = \"weight\"\nparent = \"shuttle\"\nmass = 2\n"
+      "joint = { kind = \"prismatic\" }\n");
+  const Outcome outcome = program.run(
+      "crosscheck sliders.toml --states 5 --witness "
+      "lagrange,newton_euler,composite_body,articulated_body");
+  BOOST_TEST_CONTEXT(outcome.out) {
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.out.find("not answerable: energy drift") != std::string::npos);
+    BOOST_TEST(outcome.out.find("not answerable: symmetric mass matrix") == std::string::npos);
+  }
+  refuses(program, "drift sliders.toml", "sliders.toml: qdd has no value at the start state");
+}
+
 // The user's own scene may be called like a bundled one: the published table is not about it.
 BOOST_AUTO_TEST_CASE(a_scene_with_a_bundled_name_is_not_held_to_the_table) {
   const Program program;
@@ -205,6 +250,23 @@ BOOST_AUTO_TEST_CASE(a_scene_with_a_bundled_name_is_not_held_to_the_table) {
                 "[link.joint]\nkind = \"revolute\"\naxis = [0, 1, 0]\n[start]\nq = [1]\n");
   const Outcome outcome = program.run("crosscheck ./simple_pendulum.toml --states 5");
   BOOST_TEST_CONTEXT(outcome.out) BOOST_TEST(outcome.status == 0);
+}
+
+// The parameters are named in the scene, so random ones are other inputs of larger formulas.
+BOOST_AUTO_TEST_CASE(exact_checks_take_the_parameters_as_asked_and_say_so) {
+  const Program program;
+  const std::string words = "crosscheck double_pendulum --no-drift --states 2 --report ";
+  BOOST_TEST(program.run(words + "written").status == 0);
+  BOOST_TEST(program.run(words + "random --parameters random").status == 0);
+  const std::string written = program.read("written/report.json"),
+                    random = program.read("random/report.json");
+  BOOST_TEST(written.find("\"parameters\": \"as written\"") != std::string::npos);
+  BOOST_TEST(written.find("\"parameters\": \"random\"") == std::string::npos);
+  BOOST_TEST(random.find("\"parameters\": \"random\"") != std::string::npos);
+  BOOST_TEST(random.find("\"parameters\": \"as written\"") == std::string::npos);
+  BOOST_TEST(random.find("--parameters random") != std::string::npos);  // the command of the report
+  refuses(program, "crosscheck acrobot --parameters none", "as-written");
+  refuses(program, "crosscheck --random 1 --parameters random", "--parameters");
 }
 
 BOOST_AUTO_TEST_CASE(another_seed_draws_other_states) {

@@ -6,6 +6,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
 #include "crosscheck/arithmetic/ball.hpp"
+#include "crosscheck/arithmetic/eigen_scalar.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -55,19 +56,6 @@ inline crosscheck::Digits50 fromExact<crosscheck::Digits50>(const Exact& x) {
 
 namespace Eigen {
 template <>
-struct NumTraits<dynwitness::crosscheck::Digits50> : GenericNumTraits<double> {
-  using Real = dynwitness::crosscheck::Digits50;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = Real;
-  enum {
-    IsComplex = 0,
-    IsInteger = 0,
-    IsSigned = 1,
-    RequireInitialization = 1,
-    ReadCost = 8,
-    AddCost = 100,
-    MulCost = 150
-  };
-};
+struct NumTraits<dynwitness::crosscheck::Digits50>
+    : dynwitness::crosscheck::EigenScalar<dynwitness::crosscheck::Digits50, 8, 100, 150> {};
 }  // namespace Eigen

@@ -131,6 +131,23 @@ void writeWholeFile(const fs::path& file, std::string_view text) {
   }
 }
 
+void requireWritableFile(const fs::path& file) {
+  if (file.empty()) return;
+  try {
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (!fs::is_directory(folder))
+      refuse(file, fmt::format("cannot be written: there is no folder {}", folder.string()));
+    // a file is replaced by renaming another to its name, which would do away with a device
+    if (!file.has_filename() || (fs::exists(file) && !fs::is_regular_file(file)))
+      refuse(file, "cannot be written: expected the name of a file, new or to be replaced");
+    fs::remove(makeUnique(folder, ".dynwitness-try"));
+  } catch (const scene::InputError&) {
+    throw;
+  } catch (const std::exception& e) {
+    refuse(file, fmt::format("cannot be written ({})", e.what()));
+  }
+}
+
 void requireWritableFolder(const fs::path& given) {
   if (given.empty()) refuse("output folder", "expected a folder, got an empty name");
   try {
