@@ -288,7 +288,10 @@ BOOST_DATA_TEST_CASE(the_script_draws_both_pictures,
   }
   scene::Scene scene = scene::findScene(name);
   scene.title = "It's a 'test'";
-  const Chart chart = speedAccuracy(scene, quantityNamed(quantity), {plantedKind(0)}, 5);
+  Chart chart = speedAccuracy(scene, quantityNamed(quantity), {plantedKind(0)}, 5);
+  for (const WitnessKind& kind : witnessKinds())  // the key holds them all
+    if (kind.info.version != DYNWITNESS_VERSION)
+      chart.points.push_back({kind.info.name, "double", 1e-15, 1e-16, 100, 200, 300});
   const TemporaryFolder folder;
   fs::copy_file(fs::path(DYNWITNESS_SOURCE_DIR) / "crosscheck/report/style.gp",
                 folder.path / "style.gp");
@@ -301,6 +304,10 @@ BOOST_DATA_TEST_CASE(the_script_draws_both_pictures,
   for (const char* part : {"lower left is better", "straight-line program",
                            "closed form as printed", "50 digits", "128-bit balls"})
     BOOST_TEST(svg.find(part) != std::string::npos, part);
+  for (const ChartPoint& p : chart.points) {
+    const std::string name_in_xml = p.method.substr(0, p.method.find('\''));
+    BOOST_TEST(svg.find(">" + name_in_xml) != std::string::npos, p.method);
+  }
 }
 
 // Colour-blind readers tell methods by their markers: style.gp defines each, and no two are alike.

@@ -164,11 +164,17 @@ std::string chartScript(const Chart& chart, const std::string& name, const std::
       "set title 'The sweep in five arithmetics' textcolor rgb soft\n"
       "set ylabel 'time of one evaluation'\nunset key\n" +
       panel(chart, csv, false);
+  const auto named = std::count_if(chart.points.begin(), chart.points.end(),
+                                   [](const ChartPoint& p) { return p.scalar == "double"; });
   text +=
       "unset label\nunset ylabel\n"
       "set lmargin at screen 0.575\nset rmargin at screen 0.97\n"
-      "set title 'In double' textcolor rgb soft\n"
-      "set key at screen 0.5, screen 0.1 center center vertical Left reverse maxrows 2\n" +
+      "set title 'In double' textcolor rgb soft\n" +
+      // gnuplot leaves out what does not fit: four columns do
+      fmt::format(
+          "set key at screen 0.5, screen 0.105 center center vertical Left reverse "
+          "maxrows {}\n",
+          (named + 3) / 4) +
       panel(chart, csv, true);
   return text + "unset multiplot\nunset output\nreset\n}\n";
 }
