@@ -2,7 +2,8 @@
 // Laws that a mechanism's dynamics must obey, each as two sides that must be equal.
 #pragma once
 
-#include <functional>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "crosscheck/arithmetic/dual.hpp"
@@ -45,19 +46,26 @@ inline constexpr IdentityInfo kIdentities[] = {
 };
 inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0]);
 
+/// What must be equal, or why there is nothing to compare: then both sides are empty.
 template <typename T>
 struct TwoSides {
   recursive::MatrixX<T> left, right;
+  std::string failure = {};
 };
 
 /** All identities of one mechanism, in the arithmetic of Numbers. Nothing here is specific to
-    rounding: on RunningError the two sides must agree within their bounds, over a field exactly. */
+    rounding: on RunningError the two sides must agree within their bounds, over a field exactly.
+
+    Where M is singular, the laws that divide by an inertia have no sides, and the others do. (A scalar
+    that refuses to divide by zero throws std::domain_error; one that goes on, as RunningError does,
+    gives sides without a finite bound.) */
 template <typename Numbers>
 class Identities {
  public:
   using T = typename Numbers::Scalar;
   using MatrixX = recursive::MatrixX<T>;
   using Matrix6 = recursive::Matrix6<T>;
+  using Laws = std::vector<TwoSides<T>>;
 
   Identities(const scene::Mechanism& mechanism, const Numbers& numbers)
       : model_(recursive::buildModel(mechanism, numbers)),
@@ -68,10 +76,10 @@ class Identities {
         ws_moving_(moving_) {}
 
   /// Both sides of each identity at a state (its tau is not used), in the order of kIdentities.
-  std::vector<TwoSides<T>> evaluate(const scene::State<T>& state) {
+  Laws evaluate(const scene::State<T>& state) {
     const int n = model_.dof();
     const std::vector<T> zeros(n, T(0));
-    std::vector<TwoSides<T>> out;
+    Laws out;
 
     // M, by columns: the forces of unit accelerations
     MatrixX M_columns(n, n);
@@ -100,10 +108,12 @@ class Identities {
     out.push_back({one(energy.derivative), qd.transpose() * tau_and_loads});
 
     const MatrixX tau = inverse(state, state.qd, state.qdd, recursive::Terms::all());
-    std::vector<T> tau_values(n, T(0)), qdd(n, T(0));
-    for (int i = 0; i < n; ++i) tau_values[i] = tau(i, 0);
-    recursive::forwardDynamics(model_, state.x, state.qd, tau_values, ws_, qdd);
-    out.push_back({columnOf(qdd), columnOf(state.qdd)});
+    append(out, 1, [&] {
+      std::vector<T> tau_values(n, T(0)), qdd(n, T(0));
+      for (int i = 0; i < n; ++i) tau_values[i] = tau(i, 0);
+      recursive::forwardDynamics(model_, state.x, state.qd, tau_values, ws_, qdd);
+      return Laws{{columnOf(qdd), columnOf(state.qdd)}};
+    });
 
     const MatrixX C = recursive::coriolisMatrix(model_, state.x, state.qd, ws_);
     out.push_back({C * qd, inverse(state, state.qd, zeros, recursive::Terms::none())});
@@ -129,11 +139,31 @@ class Identities {
     recursive::inverseDynamics(kept_, state.x, state.qd, state.qdd, ws_kept_, tau_kept);
     out.push_back({tau, columnOf(tau_kept)});
 
-    appendProjections(state, out);
+    inverse(state, zeros, zeros, recursive::Terms::none());  // X_up of all links
+    const std::vector<int> moving = movingLinks();
+    TwoSides<T> dual = blank(6 * static_cast<int>(moving.size()));
+    for (std::size_t k = 0; k < moving.size(); ++k) {
+      const auto& X = ws_.X_up[moving[k]];
+      set(dual.left, k, X.forceMatrix().transpose() * X.motionMatrix());
+      set(dual.right, k, Matrix6::Identity());
+    }
+    out.push_back(std::move(dual));
+
+    append(out, 4, [&] { return projections(state); });
     return out;
   }
 
  private:
+  /// Appends `count` laws that divide, or why they cannot be asked.
+  template <typename Evaluate>
+  static void append(Laws& out, int count, Evaluate evaluate) {
+    try {
+      for (TwoSides<T>& sides : evaluate()) out.push_back(std::move(sides));
+    } catch (const std::domain_error& error) {
+      out.insert(out.end(), count, {{}, {}, error.what()});
+    }
+  }
+
   static MatrixX columnOf(const std::vector<T>& v) {
     return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(v.data(), v.size());
   }
@@ -157,21 +187,18 @@ class Identities {
   }
 
   /// The identities of section 7 of the chapter at every moving joint, stacked: 6 rows a joint.
-  void appendProjections(const scene::State<T>& state, std::vector<TwoSides<T>>& out) {
+  Laws projections(const scene::State<T>& state) {
     const int n = model_.dof();
     std::vector<T> qdd(n, T(0));
     // the articulated inertias do not depend on velocities and forces
     recursive::forwardDynamics(model_, state.x, qdd, qdd, ws_, qdd);
-    std::vector<int> moving;
-    for (std::size_t i = 0; i < model_.links.size(); ++i)
-      if (model_.links[i].dof >= 0) moving.push_back(static_cast<int>(i));
+    const std::vector<int> moving = movingLinks();
     const int rows = 6 * static_cast<int>(moving.size());
-    TwoSides<T> dual = blank(rows), projector = blank(rows), symmetric = blank(rows),
-                twice = blank(rows), force = blank(n);
+    TwoSides<T> projector = blank(rows), symmetric = blank(rows), twice = blank(rows),
+                force = blank(n);
     for (std::size_t k = 0; k < moving.size(); ++k) {
       const recursive::LinkModel<T>& link = model_.links[moving[k]];
       const int axes = recursive::axisCount(link.kind);
-      const Matrix6 one6 = Matrix6::Identity();
       const Matrix6 M = ws_.M_A[moving[k]].matrix();
       recursive::JointAxes<T> Z(6, axes);
       for (int axis = 0; axis < axes; ++axis) Z.col(axis) = recursive::jointAxis(link, axis);
@@ -183,9 +210,6 @@ class Identities {
       const Matrix6 P = recursive::forceProjection(M, Z, d);
       const Matrix6 P_M = recursive::inertiaProjection(M, Z, d);
 
-      set(dual.left, k,
-          ws_.X_up[moving[k]].forceMatrix().transpose() * ws_.X_up[moving[k]].motionMatrix());
-      set(dual.right, k, one6);
       set(projector.left, k, P * P);
       set(projector.right, k, P - Matrix6(M_Z * weight * Z.transpose()));
       set(symmetric.left, k, P_M);
@@ -195,9 +219,14 @@ class Identities {
       force.left.middleRows(link.dof, axes) = Z.transpose() * P;
       force.right.middleRows(link.dof, axes) = leak * Z.transpose();
     }
-    for (TwoSides<T>& sides : {std::ref(dual), std::ref(projector), std::ref(symmetric),
-                               std::ref(twice), std::ref(force)})
-      out.push_back(std::move(sides));
+    return {std::move(projector), std::move(symmetric), std::move(twice), std::move(force)};
+  }
+  /// Links of the model whose joints move.
+  std::vector<int> movingLinks() const {
+    std::vector<int> moving;
+    for (std::size_t i = 0; i < model_.links.size(); ++i)
+      if (model_.links[i].dof >= 0) moving.push_back(static_cast<int>(i));
+    return moving;
   }
   /// Of a symmetric matrix.
   static MatrixX inverse(MatrixX D) {

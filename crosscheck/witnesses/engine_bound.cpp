@@ -55,7 +55,12 @@ EngineBound::EngineBound(const scene::Mechanism& mechanism, ForwardDynamicsBy me
 EngineBound::~EngineBound() = default;
 
 Eigen::MatrixXd EngineBound::operator()(Quantity quantity, const scene::State<double>& state) {
-  scene::State<RunningError> bounded = runningErrorState(state);
+  return (*this)(quantity, runningErrorState(state));
+}
+
+Eigen::MatrixXd EngineBound::operator()(Quantity quantity,
+                                        const scene::State<RunningError>& state) {
+  scene::State<RunningError> bounded = state;
   bool turned = false;  // are there rates in axes that the engine does not have?
   for (const recursive::LinkModel<RunningError>& link : impl_->setup.model.links) {
     if (!hasQuaternion(link)) continue;
