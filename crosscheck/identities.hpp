@@ -2,6 +2,7 @@
 // Laws that a mechanism's dynamics must obey, each as two sides that must be equal.
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "recursive/energy.hpp"
 #include "recursive/newton_euler.hpp"
 #include "recursive/projection.hpp"
+#include "recursive/reroot.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -43,6 +45,10 @@ inline constexpr IdentityInfo kIdentities[] = {
     {"projected twice", "P M P' = P M - M Z D^-1 d D^-1 Z' M", "P M P'", "articulated_body", ""},
     {"projections of force and motion are dual", "Z' P F = d D^-1 Z' F for every F", "Z' P",
      "articulated_body", ""},
+    {"independence of the chosen root",
+     "on a floating base, another link as root: the same qdd, and the same twist and acceleration of every "
+     "link",
+     "qdd", "articulated_body", ""},
 };
 inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0]);
 
@@ -150,6 +156,7 @@ class Identities {
     out.push_back(std::move(dual));
 
     append(out, 4, [&] { return projections(state); });
+    append(out, 1, [&] { return Laws{otherRoot(state)}; });
     return out;
   }
 
@@ -228,6 +235,53 @@ class Identities {
       if (model_.links[i].dof >= 0) moving.push_back(static_cast<int>(i));
     return moving;
   }
+  /** The mechanism on a base that floats (its own, or what rests in the world is let go), and once more
+      with its last possible link as the root. A base let go gets an inertia, a pose and a twist: any
+      will do. */
+  TwoSides<T> otherRoot(const scene::State<T>& state) const {
+    using namespace recursive;
+    const RigidInertia<T> body = {T(7), {T(1), T(-2), T(3)}, {T(20), T(30), T(40), T(1), T(-2), T(3)}};
+    const bool floats = model_.links[0].kind == scene::JointKind::kFloating &&
+                        std::count_if(model_.links.begin(), model_.links.end(),
+                                      [](const auto& link) { return link.parent < 0; }) == 1;
+    const Model<T> model = floats ? model_ : onFloatingBase(model_, body);
+    int root = static_cast<int>(model.links.size()) - 1;
+    while (root > 0 && !canBeRoot(model, root)) --root;
+    if (root == 0) return {{}, {}, "no link but the base is reached by joints of one axis"};
+    const Rerooted<T> tree = reroot(model, root);
+
+    std::vector<JointPosition<T>> x(model.positions, JointPosition<T>{T(0), T(0), T(0)});
+    std::vector<T> qd(model.dof(), T(0)), tau(model.dof(), T(0));
+    const int pose[] = {1, -2, 3, 2, 1, -1, 3}, twist[] = {1, 2, -1, -3, 1, 2};
+    for (int k = 0; k < 7; ++k) x[k].q = T(pose[k]);
+    for (int k = 0; k < 6; ++k) qd[k] = T(twist[k]);
+    std::copy(state.x.begin(), state.x.end(), x.end() - state.x.size());
+    std::copy(state.qd.begin(), state.qd.end(), qd.end() - state.qd.size());
+    std::copy(state.qdd.begin(), state.qdd.end(), tau.end() - state.qdd.size());  // any forces will do
+    std::fill(tau.begin(), tau.begin() + 6, T(0));  // those on the base would be on another link
+
+    Workspace<T> ws(model), ws_rooted(tree.model);
+    std::vector<T> qdd(tau), qdd_rooted(tau);
+    forwardDynamics(model, x, qd, tau, ws, qdd);
+    rerootState(model, tree, ws, x, qd);
+    forwardDynamics(tree.model, x, qd, tau, ws_rooted, qdd_rooted);
+
+    const int n = model.dof() - 6, links = static_cast<int>(model.links.size());
+    TwoSides<T> sides = {MatrixX(n + 12 * links, 1), MatrixX(n + 12 * links, 1)};
+    for (int k = 0; k < n; ++k) {
+      sides.left(k, 0) = qdd[6 + k];
+      sides.right(k, 0) = qdd_rooted[6 + k];
+    }
+    for (int i = 0; i < links; ++i) {
+      const int at = n + 12 * i, j = tree.link[i];
+      sides.left.block(at, 0, 6, 1) = (tree.X[i] * ws.v[i]).vector();
+      sides.right.block(at, 0, 6, 1) = ws_rooted.v[j].vector();
+      sides.left.block(at + 6, 0, 6, 1) = (tree.X[i] * ws.a[i]).vector();
+      sides.right.block(at + 6, 0, 6, 1) = ws_rooted.a[j].vector();
+    }
+    return sides;
+  }
+
   /// Of a symmetric matrix.
   static MatrixX inverse(MatrixX D) {
     recursive::factorize(D);
