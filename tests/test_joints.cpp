@@ -364,7 +364,7 @@ BOOST_AUTO_TEST_SUITE(planted_errors)
 
 template <typename Change>
 void requireFound(const scene::Scene& scene, Change change) {
-  const std::vector<ExactWitness> honest = exactWitnesses(scene, Parameters::kAsGiven);
+  const std::vector<ExactWitness> honest = exactWitnesses(scene, Parameters::kAsWritten);
   int found = 0;
   for (const CheckResult& check :
        compareExactly(scene, {honest[0], sweepWitness<NewtonEuler>(scene, change)}, {}))
