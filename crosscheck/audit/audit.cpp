@@ -28,6 +28,18 @@ bool isNumbered(const std::string& id) {
          std::all_of(id.begin() + 2, id.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
+/// "7.1.2" as numbers, for the order of the chapter.
+std::vector<int> sectionNumbers(const std::string& section) {
+  std::vector<int> numbers(1, 0);
+  for (const char c : section) {
+    if (c == '.')
+      numbers.push_back(0);
+    else
+      numbers.back() = 10 * numbers.back() + (c - '0');
+  }
+  return numbers;
+}
+
 }  // namespace
 
 bool Entry::isSound() const {
@@ -65,6 +77,9 @@ std::vector<Claim> allClaims() {
     std::vector<Claim> claims = group();
     std::move(claims.begin(), claims.end(), std::back_inserter(all));
   }
+  std::stable_sort(all.begin(), all.end(), [](const Claim& a, const Claim& b) {
+    return sectionNumbers(a.section) < sectionNumbers(b.section);
+  });
   return all;
 }
 

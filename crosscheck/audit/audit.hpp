@@ -24,8 +24,8 @@ using Trial = std::function<Outcome(const std::string& name, std::uint64_t seed)
 
 /** One statement of the chapter and how to compute it.
 
-    Formulas in the texts stand between backticks, in the notation of formula.hpp. A statement is told in
-    our own words and symbols.
+    Formulas in the texts stand between backticks, in the notation of crosscheck/report/ascii_math.hpp. A
+    statement is told in our own words and symbols.
 
         Claim("eq1", "5.2", "Force and moment about another point")
             .printed("`m_1 = m_2 + r_12 x f_2`", exact([](auto& at) { ... }))

@@ -73,6 +73,42 @@ void printedAcceleration(At& at, Joint kind) {
 
 void addMotions(std::vector<Claim>* claims) {
   claims->push_back(
+      Claim("position_recursion", "8.1", "Outward: positions")
+          .printed("The place of the end effector is a product of homogeneous matrices, one a joint: "
+                   "`H_1 H_2 ... = [R, p; 0, 1]`",
+                   exact([](auto& at) {
+                     using T = ScalarOf<decltype(at)>;
+                     // a revolute joint and a slide: our transforms, and 4 x 4 matrices multiplied
+                     recursive::LinkModel<T> link;
+                     std::vector<recursive::JointPosition<T>> x(2);
+                     Transform<T> X = Transform<T>::identity();
+                     MatrixX<T> H = MatrixX<T>::Identity(4, 4);
+                     for (int i = 0; i < 2; ++i) {
+                       const scene::CosSin<T> angle = at.angle();
+                       x[i] = {at.number(), angle.c, angle.s};
+                       link.dof = i;
+                       link.kind = i == 0 ? recursive::JointKind::kRevolute
+                                          : recursive::JointKind::kPrismatic;
+                       link.X_tree = at.transform();
+                       X = recursive::linkTransform(link, x) * X;
+                       MatrixX<T> placed = MatrixX<T>::Identity(4, 4), moved = placed;
+                       placed.block(0, 0, 3, 3) = link.X_tree.R.transpose();
+                       placed.block(0, 3, 3, 1) = link.X_tree.p;
+                       if (i == 0) {
+                         moved(0, 0) = moved(1, 1) = angle.c;
+                         moved(1, 0) = angle.s;
+                         moved(0, 1) = -angle.s;
+                       } else {
+                         moved(2, 3) = x[i].q;
+                       }
+                       H = MatrixX<T>(MatrixX<T>(H * placed) * moved);
+                     }
+                     at.equal("R", MatrixX<T>(H.block(0, 0, 3, 3)), MatrixX<T>(X.R.transpose()));
+                     at.equal("p", MatrixX<T>(H.block(0, 3, 3, 1)), MatrixX<T>(X.p));
+                   }))
+          .why("Each link's frame is placed in that of the link before; products compose.")
+          .in("recursive/model.hpp"));
+  claims->push_back(
       Claim("eq42", "8.2", "Outward: linear velocity")
           .printed("`v_i+1 = v_i + w_i x r_i,i+1`", exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;

@@ -18,7 +18,7 @@ using namespace audit;
 
 struct Arguments {
   std::vector<std::string> ids;
-  std::string only = "all", json;
+  std::string only = "all", json, report;
   std::uint64_t seed = 1;
 };
 
@@ -69,6 +69,8 @@ bool shown(const Entry& entry, const std::string& only) {
 int run(Arguments arguments) {
   for (std::string& id : arguments.ids) id = canonical(id);
   requireKnown(arguments.ids);
+  if (!arguments.report.empty()) crosscheck::requireWritable(arguments.report);
+  crosscheck::requireWritableFile(arguments.json);
   const Audit audit = runAudit(arguments.seed, [&](const Claim& claim) {
     return arguments.ids.empty() ||
            std::find(arguments.ids.begin(), arguments.ids.end(), claim.id) != arguments.ids.end();
@@ -79,9 +81,13 @@ int run(Arguments arguments) {
       fmt::print("\n");
     }
   fmt::print("{} (seed {})\n", audit.headline(), audit.seed);
+  const crosscheck::Environment environment = crosscheck::thisEnvironment();
   if (!arguments.json.empty())
-    crosscheck::writeWholeFile(arguments.json,
-                               crosscheck::auditJson(audit, crosscheck::thisEnvironment()));
+    crosscheck::writeWholeFile(arguments.json, crosscheck::auditJson(audit, environment));
+  if (!arguments.report.empty()) {
+    crosscheck::writeAudit(audit, environment, arguments.report);
+    fmt::print("report: {}\n", (std::filesystem::path(arguments.report) / "index.html").string());
+  }
   for (const Entry& entry : audit.entries)
     if (!entry.isSound())
       fmt::print("{}: OUR OWN PART DOES NOT STAND: what is called corrected or conditional is not 0\n",
@@ -101,6 +107,7 @@ Run addAudit(CLI::App& app) {
       ->check(CLI::IsMember({"all", "wrong", "condition", "true"}))
       ->capture_default_str();
   command->add_option("--json", arguments->json, "Write the entries to this file");
+  command->add_option("--report", arguments->report, "Write a page and audit.json into this folder");
   command->add_option("--seed", arguments->seed, "Seed of the random points")->capture_default_str();
   command->footer(
       "Every verdict is computed when the command runs: both sides of an equation at random points of a\n"
