@@ -14,7 +14,7 @@ namespace dynwitness::audit {
 struct Outcome {
   bool zero = false;      ///< the two sides are equal (or the inequality is certain)
   int points = 0;         ///< at which both sides were computed
-  double chance = 0;      ///< that different formulas pass as equal; 0: a proof, as a counterexample is
+  double chance = 0;      ///< that different formulas pass as equal
   std::string method;     ///< "prime field", "certified digits", "counterexample", "count"
   std::string residual;   ///< "0 at 1 point modulo p, ...", "not 0: moment (entry 2 of 3)"
 };

@@ -22,13 +22,26 @@ struct Arguments {
   std::uint64_t seed = 1;
 };
 
+/// A label and its text, broken between words into lines of 100.
 void printBlock(const char* label, const std::string& text) {
-  if (!text.empty()) fmt::print("    {:<10} {}\n", label, plain(text));
+  constexpr std::size_t kWidth = 85;
+  std::string rest = plain(text);
+  for (const char* lead = label; !rest.empty(); lead = "") {
+    std::size_t size = rest.size();
+    if (size > kWidth) {
+      size = rest.rfind(' ', kWidth);
+      if (size == std::string::npos || size == 0) size = std::min(rest.find(' '), rest.size());
+    }
+    fmt::print("    {:<10} {}\n", lead, rest.substr(0, size));
+    rest.erase(0, std::min(size + 1, rest.size()));
+  }
 }
 
 void print(const Entry& entry) {
-  fmt::print("{:<8} {:<6} {:<16} {}\n", entry.id, entry.section, name(entry.holds),
-             plain(entry.title));
+  fmt::print("{}, section {}, {}: {}\n", entry.id, entry.section, plain(entry.title),
+             entry.holds == Holds::kTrue    ? "holds"
+             : entry.holds == Holds::kFalse ? "WRONG"
+                                            : "holds under a condition");
   printBlock("printed", entry.printed);
   printBlock("", "residual " + entry.residual_printed.residual);
   if (entry.residual_condition) {
