@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/audit/trial.hpp"
+
+namespace dynwitness::audit {
+
+std::vector<Claim> rigidBody() { return {}; }
+
+}  // namespace dynwitness::audit
