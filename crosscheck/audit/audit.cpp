@@ -20,10 +20,15 @@ const char* name(Holds holds) {
   return "false";
 }
 
-bool Entry::isEquation() const {
+namespace {
+
+/// "eq" and digits
+bool isNumbered(const std::string& id) {
   return id.size() > 2 && id.compare(0, 2, "eq") == 0 &&
          std::all_of(id.begin() + 2, id.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
+
+}  // namespace
 
 bool Entry::isSound() const {
   if (residual_corrected && !residual_corrected->zero) return false;
@@ -37,6 +42,7 @@ Entry evaluate(const Claim& claim, std::uint64_t seed) {
   entry.id = claim.id;
   entry.section = claim.section;
   entry.title = claim.title;
+  entry.kind = claim.is_open ? "open item" : isNumbered(claim.id) ? "equation" : "sentence";
   entry.printed = claim.printed_text;
   entry.corrected = claim.corrected_text;
   entry.condition = claim.condition_text;

@@ -52,6 +52,12 @@ class Claim {
   Claim& condition(std::string text, Trial trial) {
     return set(&condition_text, &condition_trial, std::move(text), std::move(trial));
   }
+  /// The chapter leaves this open (a TODO, "...", a question): what is printed is then what its context
+  /// says or asks.
+  Claim& open() {
+    is_open = true;
+    return *this;
+  }
   /// One or two sentences for a student.
   Claim& why(std::string text) {
     why_text = std::move(text);
@@ -65,6 +71,7 @@ class Claim {
 
   std::string id, section, title, printed_text, corrected_text, condition_text, why_text,
       implemented_in;
+  bool is_open = false;
   Trial printed_trial, corrected_trial, condition_trial;
 
  private:
@@ -80,12 +87,12 @@ const char* name(Holds holds);  ///< "true", "false", "under condition"
 
 /// A claim that was computed.
 struct Entry {
-  std::string id, section, title, printed, corrected, condition, why, implemented_in;
+  std::string id, section, title, kind, printed, corrected, condition, why, implemented_in;
   Holds holds = Holds::kFalse;
   Outcome residual_printed;
   std::optional<Outcome> residual_corrected, residual_condition;
 
-  bool isEquation() const;
+  bool isEquation() const { return kind == "equation"; }  ///< or "sentence", "open item"
   /// Our own part stands: what is called corrected or conditional was computed to be so, and nothing
   /// that is wrong lacks a correction.
   bool isSound() const;

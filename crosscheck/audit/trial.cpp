@@ -76,6 +76,27 @@ Outcome runExact(const ExactStatement& statement, const std::string& name, std::
   return outcome;
 }
 
+Outcome opposite(Outcome outcome) {
+  outcome.zero = !outcome.zero;
+  outcome.residual = outcome.zero ? "differs, as said: " + outcome.residual
+                                  : "no difference: " + outcome.residual;
+  if (outcome.zero) outcome.method = "counterexample";
+  return outcome;
+}
+
+Trial both(Trial first, Trial second) {
+  return [first = std::move(first), second = std::move(second)](const std::string& name,
+                                                                std::uint64_t seed) {
+    const Outcome a = first(name, seed);
+    if (!a.zero) return a;
+    Outcome b = second(name, seed);
+    if (b.method != a.method) b.method = a.method + ", " + b.method;
+    b.chance += a.chance;
+    if (b.zero) b.residual = a.residual + "; " + b.residual;
+    return b;
+  };
+}
+
 Trial certified(std::function<void(RealPoint&)> statement, int points) {
   return [statement = std::move(statement), points](const std::string& name, std::uint64_t seed) {
     constexpr long kMostBits = 2048;

@@ -152,6 +152,7 @@ struct ExactStatement {
   std::function<void(Point<DegreeSource>&)> in_degrees;
 };
 Outcome runExact(const ExactStatement& statement, const std::string& name, std::uint64_t seed);
+Outcome opposite(Outcome outcome);
 
 /** Decides an equation over a prime field: zero at as many random points as make the chance that
     different formulas pass at most 1e-30 (degree.hpp derives it), or a point where it is not zero.
@@ -166,6 +167,17 @@ Trial exact(Statement statement) {
     return runExact(both, name, seed);
   };
 }
+
+/// The opposite of exact(): the sides are said to differ, and one point where they do proves it.
+template <typename Statement>
+Trial differs(Statement statement) {
+  return [same = exact(statement)](const std::string& name, std::uint64_t seed) {
+    return opposite(same(name, seed));
+  };
+}
+
+/// Both: the first that fails decides.
+Trial both(Trial first, Trial second);
 
 /** A random point of real numbers, and the inequalities that are claimed there. */
 class RealPoint {

@@ -27,6 +27,7 @@ Json toJson(const std::optional<audit::Outcome>& outcome) {
 
 Json toJson(const audit::Entry& entry) {
   Json json{{"id", entry.id},
+            {"kind", entry.kind},
             {"section", entry.section},
             {"title", cleanText(audit::plain(entry.title))},
             {"printed", cleanText(audit::plain(entry.printed))}};
