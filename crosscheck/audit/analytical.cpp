@@ -273,9 +273,9 @@ Cost costOf(int n) {
   MatrixX<Counted> M(n, n);
   Cost cost{};
   const auto count = [](long* into, const auto& work) {
-    Counted::operations = 0;
+    Counted::operations() = {};
     work();
-    *into = Counted::operations;
+    *into = Counted::operations().total();
   };
   count(&cost.mass_matrix, [&] { recursive::massMatrix(model, x, ws, M); });
   long bias = 0;
@@ -308,62 +308,33 @@ std::vector<Cost> costs() {
 }
 
 Trial growsWithDegree(int degree, long Cost::* what, const char* name) {
-  return [=](const std::string&, std::uint64_t) {
+  return decided("count", [=]() -> Decision {
     std::vector<long> values;
     for (const Cost& cost : costs()) values.push_back(cost.*what);
-    Outcome outcome;
-    outcome.method = "count";
-    outcome.points = kLongest;
     const int found = degreeOf(values);
-    outcome.zero = found == degree;
-    outcome.residual = fmt::format("{}: {} operations at n = 1, {} at n = {}; a polynomial of degree {} in n",
-                                   name, values.front(), values.back(), kLongest, found);
-    return outcome;
-  };
+    return {found == degree,
+            fmt::format("{}: {} operations at n = 1, {} at n = {}; a polynomial of degree {} in n", name,
+                        values.front(), values.back(), kLongest, found)};
+  });
 }
 
-/// Whether composite bodies with a factorization cost more than articulated bodies for these n.
-Trial dearer(int from, int to) {
-  return [=](const std::string&, std::uint64_t) {
-    Outcome outcome;
-    outcome.method = "count";
-    outcome.zero = true;
+enum class Composite { kDearer, kCheaper };
+/// How composite bodies with a factorization compare with articulated bodies for all these n.
+Trial composite(Composite is, int from, int to) {
+  return decided("count", [=]() -> Decision {
     const std::vector<Cost> all = costs();
+    std::string found;
     for (int n = from; n <= to; ++n) {
       const Cost& cost = all[static_cast<std::size_t>(n - 1)];
-      const long composite = cost.mass_matrix + cost.solve;
-      ++outcome.points;
-      if (composite > cost.articulated && outcome.zero) {
-        if (outcome.residual.empty())
-          outcome.residual = fmt::format("n = {}: {} operations against {}", n, composite, cost.articulated);
-        continue;
-      }
-      if (outcome.zero)
-        outcome.residual = fmt::format("n = {}: {} operations, articulated bodies {}", n, composite,
-                                       cost.articulated);
-      outcome.zero = false;
+      const long operations = cost.mass_matrix + cost.solve;
+      found = fmt::format("n = {}: {} operations, articulated bodies {}", n, operations, cost.articulated);
+      if ((operations > cost.articulated) != (is == Composite::kDearer)) return {false, found};
     }
-    return outcome;
-  };
-}
-Trial cheaper(int from, int to) {
-  return [=](const std::string&, std::uint64_t) {
-    Outcome outcome;
-    outcome.method = "count";
-    outcome.zero = true;
-    const std::vector<Cost> all = costs();
-    for (int n = from; n <= to; ++n) {
-      const Cost& cost = all[static_cast<std::size_t>(n - 1)];
-      ++outcome.points;
-      outcome.zero = outcome.zero && cost.mass_matrix + cost.solve < cost.articulated;
-      outcome.residual = fmt::format("n = {}: {} operations against {}", n,
-                                     cost.mass_matrix + cost.solve, cost.articulated);
-    }
-    return outcome;
-  };
+    return {true, found};
+  });
 }
 
-std::vector<Claim> composite() {
+std::vector<Claim> compositeBodies() {
   std::vector<Claim> claims;
   claims.push_back(
       Claim("composite_bodies", "14.1", "TODO: the composite inertia method")
@@ -406,15 +377,15 @@ std::vector<Claim> composite() {
 
 std::vector<Claim> analytical() {
   std::vector<Claim> claims = form();
-  for (Claim& claim : composite()) claims.push_back(std::move(claim));
+  for (Claim& claim : compositeBodies()) claims.push_back(std::move(claim));
   claims.push_back(
       Claim("composite_efficiency", "14.1", "Composite bodies against the linear-time recursion")
           .printed("forward dynamics by composite bodies takes more operations than by articulated bodies, "
                    "for every n",
-                   dearer(1, kLongest))
-          .condition("long chains: n = 12 and more (counted up to 16)", dearer(12, kLongest))
+                   composite(Composite::kDearer, 1, kLongest))
+          .condition("long chains: n = 12 and more (counted up to 16)", composite(Composite::kDearer, 12, kLongest))
           .corrected("short chains are cheaper by composite bodies: six joints, for one",
-                     cheaper(1, 6))
+                     composite(Composite::kCheaper, 1, 6))
           .why("A cubic with a small factor is below a line with a large one for short chains. Counted on "
                "our own sweeps, without the shortcuts that either method has for special frames.")
           .in("recursive/articulated_body.hpp"));

@@ -68,17 +68,13 @@ struct BaseProblem {
   VectorX<T> shifted_b;
 };
 
-/// Says that the statement's two matrices can or cannot be multiplied.
-Trial shapesFit(int left_columns, int right_rows, const std::string& product) {
-  return [=](const std::string&, std::uint64_t) {
-    Outcome outcome;
-    outcome.method = "count";
-    outcome.points = 1;
-    outcome.zero = left_columns == right_rows;
-    outcome.residual = product + ": " + std::to_string(left_columns) + " columns meet " +
-                       std::to_string(right_rows) + " rows";
-    return outcome;
-  };
+/// Whether the transpose of a matrix can be multiplied with a motion.
+Trial transposeFits(const MatrixX<double>& A_0) {
+  return decided("count", [=]() -> Decision {
+    const Eigen::Index columns = A_0.transpose().cols(), rows = Motion<double>::zero().vector().rows();
+    return {columns == rows, "A_0' has " + std::to_string(columns) + " columns, Xdd_0 has " +
+                                 std::to_string(rows) + " rows"};
+  });
 }
 
 }  // namespace
@@ -140,9 +136,9 @@ std::vector<Claim> bases() {
   claims.push_back(
       Claim("eq60", "11.3", "Constraint on the base")
           .printed("`A_0' Xdd_0 = b_0` with `A_0` of k rows and 6 columns (k = 2)",
-                   shapesFit(2, 6, "A_0' Xdd_0"))
+                   transposeFits(MatrixX<double>::Zero(2, 6)))
           .corrected("`A_0` has 6 rows and k columns, one a constraint force",
-                     shapesFit(6, 6, "A_0' Xdd_0"))
+                     transposeFits(MatrixX<double>::Zero(6, 2)))
           .why("Each column is a wrench of six numbers, as in (53); the transpose then makes k numbers of "
                "the acceleration.")
           .in("crosscheck/audit/tasks.cpp"));

@@ -71,8 +71,9 @@ Outcome runExact(const ExactStatement& statement, const std::string& name, std::
   }
   outcome.zero = true;
   outcome.chance = std::pow(chance, outcome.points);
-  outcome.residual = fmt::format("0 at {} modulo p, chance of error <= {:.0e}",
-                                 pointsText(outcome.points), outcome.chance);
+  outcome.residual = chance > 0 ? fmt::format("0 at {} modulo p, chance of error <= {:.0e}",
+                                              pointsText(outcome.points), outcome.chance)
+                                : "0 before any number is put in";
   return outcome;
 }
 

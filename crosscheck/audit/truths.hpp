@@ -205,18 +205,28 @@ Matrix6<T> massMatrix6(const PointMasses<T>& body) {
   return massMatrix6<T>(body.mass(), body.firstMoment(), body.inertiaAbout(Vector3<T>::Zero()));
 }
 
+namespace detail {
+
+template <typename T>
+bool isZero(const T& x) {
+  return x == T(0);
+}
+inline bool isZero(const Ball& x) { return x.isZero(); }
+
+}  // namespace detail
+
 /// Solves A x = b by elimination in any field. @throws DivisionByZero when A is singular.
 template <typename T>
 VectorX<T> solveDense(MatrixX<T> A, VectorX<T> b) {
   const Eigen::Index n = A.rows();
   for (Eigen::Index k = 0; k < n; ++k) {
     Eigen::Index pivot = k;
-    while (pivot < n && A(pivot, k) == T(0)) ++pivot;
+    while (pivot < n && detail::isZero(A(pivot, k))) ++pivot;
     if (pivot == n) throw crosscheck::DivisionByZero("singular system");
     A.row(k).swap(A.row(pivot));
     std::swap(b(k), b(pivot));
     for (Eigen::Index i = k + 1; i < n; ++i) {
-      if (A(i, k) == T(0)) continue;
+      if (detail::isZero(A(i, k))) continue;
       const T factor = A(i, k) / A(k, k);
       for (Eigen::Index j = k; j < n; ++j) A(i, j) -= factor * A(k, j);
       b(i) -= factor * b(k);
