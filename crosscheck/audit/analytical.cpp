@@ -300,7 +300,7 @@ int degreeOf(std::vector<long> values) {
   }
 }
 
-constexpr int kLongest = 16;
+constexpr int kLongest = 24;
 std::vector<Cost> costs() {
   std::vector<Cost> all;
   for (int n = 1; n <= kLongest; ++n) all.push_back(costOf(n));
@@ -364,6 +364,8 @@ std::vector<Claim> compositeBodies() {
   claims.push_back(
       Claim("composite_order", "14.1", "Cost of the composite inertia method")
           .printed("the method is `O(n^3)`", growsWithDegree(3, &Cost::mass_matrix, "M by composite bodies"))
+          .condition("it is to give accelerations: bias forces, factorization and solution belong to it",
+                     growsWithDegree(3, &Cost::solve, "bias forces, L D L' and its solution"))
           .corrected("M costs `O(n^2)` on a chain; `O(n^3)` is the factorization that forward dynamics adds",
                      both(growsWithDegree(2, &Cost::mass_matrix, "M by composite bodies"),
                           growsWithDegree(3, &Cost::solve, "bias forces, L D L' and its solution")))
@@ -383,10 +385,11 @@ std::vector<Claim> analytical() {
           .printed("forward dynamics by composite bodies takes more operations than by articulated bodies, "
                    "for every n",
                    composite(Composite::kDearer, 1, kLongest))
-          .condition("long chains: n = 12 and more (counted up to 16)", composite(Composite::kDearer, 12, kLongest))
-          .corrected("short chains are cheaper by composite bodies: six joints, for one",
-                     composite(Composite::kCheaper, 1, 6))
-          .why("A cubic with a small factor is below a line with a large one for short chains. Counted on "
+          .condition("long chains: n = 20 and more (counted up to 24)",
+                     composite(Composite::kDearer, 20, kLongest))
+          .corrected("chains of 2 to 8 joints are cheaper by composite bodies",
+                     composite(Composite::kCheaper, 2, 8))
+          .why("A cubic with a small factor lies below a line with a large one while n is small. Counted on "
                "our own sweeps, without the shortcuts that either method has for special frames.")
           .in("recursive/articulated_body.hpp"));
   return claims;

@@ -106,9 +106,10 @@ struct CarriedInward {
 /// (Lazy products: Eigen's others ask scalars for ==, which balls do not have.)
 /// @param a  the accelerations in alpha: by default the bias accelerations
 /// @param transposed  whether (56) has E'
+/// @param until  link to stop at: its E is the last, and E_0, N_0, beta_0 are those seen there
 template <typename T>
 CarriedInward<T> carriedInward(const SixVectors<T>& six, const LinkConstraint<T>& held,
-                               const std::vector<Vector6<T>>& a, bool transposed) {
+                               const std::vector<Vector6<T>>& a, bool transposed, int until = -1) {
   const Eigen::Index m = held.A.cols();
   CarriedInward<T> out;
   out.E.assign(static_cast<std::size_t>(six.n()), MatrixX<T>::Constant(6, m, T(0)));
@@ -117,7 +118,7 @@ CarriedInward<T> carriedInward(const SixVectors<T>& six, const LinkConstraint<T>
   out.beta_0 = VectorX<T>::Constant(m, T(0));
   const std::vector<Vector6<T>> F = six.biasForces();
   out.E[held.link] = held.A;
-  for (int i = held.link; i >= 0; i = six.parent(i)) {
+  for (int i = held.link; i != until; i = six.parent(i)) {
     const MatrixX<T>& E = out.E[i];
     const T left = six.robot.tau[i] - six.Z[i].dot(F[i] + six.M_A[i] * a[i]);
     const Vector6<T> alpha = a[i] + six.Z[i] * (left / six.D[i]);
