@@ -183,6 +183,10 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   drift.method = method.name;
   drift.method_order = method.order;
   drift.duration = options.duration;
+  Vector rate(start.size());
+  motion(start, rate, 0);
+  if (!std::all_of(rate.begin(), rate.end(), [](double x) { return std::isfinite(x); }))
+    return drift;
   const auto run = [&](double step) {
     const Trace trace = method.simulate(motion, start, step, options.duration);
     drift.paths.push_back(trace.path);
@@ -227,7 +231,11 @@ CheckResult checkDrift(const Drift& drift) {
   check.worst = drift.observed_order;
   check.limit = drift.method_order - 1;
   check.ratio = orderShows(drift) ? check.limit / check.worst : std::numeric_limits<double>::infinity();
-  if (drift.scale == 0) {
+  if (drift.paths.empty()) {
+    check.verdict = Verdict::kNotAnswerable;
+    check.reason = kNoMotion;
+    check.ratio = 0;
+  } else if (drift.scale == 0) {
     check.verdict = Verdict::kNotAnswerable;
     check.reason = "nothing moves from the start state: give the scene a [start]";
     check.ratio = 0;

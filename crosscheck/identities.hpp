@@ -2,7 +2,8 @@
 // Laws that a mechanism's dynamics must obey, each as two sides that must be equal.
 #pragma once
 
-#include <functional>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "crosscheck/arithmetic/dual.hpp"
@@ -45,19 +46,26 @@ inline constexpr IdentityInfo kIdentities[] = {
 };
 inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0]);
 
+/// What must be equal, or why there is nothing to compare: then both sides are empty.
 template <typename T>
 struct TwoSides {
   recursive::MatrixX<T> left, right;
+  std::string failure = {};
 };
 
 /** All identities of one mechanism, in the arithmetic of Numbers. Nothing here is specific to
-    rounding: on RunningError the two sides must agree within their bounds, over a field exactly. */
+    rounding: on RunningError the two sides must agree within their bounds, over a field exactly.
+
+    Where M is singular, the laws that divide by an inertia have no sides, and the others do. (A scalar
+    that refuses to divide by zero throws std::domain_error; one that goes on, as RunningError does,
+    gives sides without a finite bound.) */
 template <typename Numbers>
 class Identities {
  public:
   using T = typename Numbers::Scalar;
   using MatrixX = recursive::MatrixX<T>;
   using Matrix6 = recursive::Matrix6<T>;
+  using Laws = std::vector<TwoSides<T>>;
 
   Identities(const scene::Mechanism& mechanism, const Numbers& numbers)
       : model_(recursive::buildModel(mechanism, numbers)),
@@ -68,10 +76,10 @@ class Identities {
         ws_moving_(moving_) {}
 
   /// Both sides of each identity at a state (its tau is not used), in the order of kIdentities.
-  std::vector<TwoSides<T>> evaluate(const scene::State<T>& state) {
+  Laws evaluate(const scene::State<T>& state) {
     const int n = model_.dof();
     const std::vector<T> zeros(n, T(0));
-    std::vector<TwoSides<T>> out;
+    Laws out;
 
     // M, by columns: the forces of unit accelerations
     MatrixX M_columns(n, n);
@@ -103,10 +111,12 @@ class Identities {
     out.push_back({one(energy.derivative), qd.transpose() * tau_and_loads});
 
     const MatrixX tau = inverse(state, state.qd, state.qdd, recursive::Terms::all());
-    std::vector<T> tau_values(n, T(0)), qdd(n, T(0));
-    for (int i = 0; i < n; ++i) tau_values[i] = tau(i, 0);
-    recursive::forwardDynamics(model_, state.x, state.qd, tau_values, ws_, qdd);
-    out.push_back({columnOf(qdd), columnOf(state.qdd)});
+    append(out, 1, [&] {
+      std::vector<T> tau_values(n, T(0)), qdd(n, T(0));
+      for (int i = 0; i < n; ++i) tau_values[i] = tau(i, 0);
+      recursive::forwardDynamics(model_, state.x, state.qd, tau_values, ws_, qdd);
+      return Laws{{columnOf(qdd), columnOf(state.qdd)}};
+    });
 
     const MatrixX C = recursive::coriolisMatrix(model_, state.x, state.qd, ws_);
     out.push_back({C * qd, inverse(state, state.qd, zeros, recursive::Terms::none())});
@@ -130,11 +140,30 @@ class Identities {
     recursive::inverseDynamics(kept_, state.x, state.qd, state.qdd, ws_kept_, tau_kept);
     out.push_back({tau, columnOf(tau_kept)});
 
-    appendProjections(state, out);
+    inverse(state, zeros, zeros, recursive::Terms::none());  // X_up of all links
+    TwoSides<T> dual = blank(6 * n);
+    for (int k = 0; k < n; ++k) {
+      const auto& X = ws_.X_up[model_.link_of_dof[k]];
+      set(dual.left, k, X.forceMatrix().transpose() * X.motionMatrix());
+      set(dual.right, k, Matrix6::Identity());
+    }
+    out.push_back(std::move(dual));
+
+    append(out, 4, [&] { return projections(state); });
     return out;
   }
 
  private:
+  /// Appends `count` laws that divide, or why they cannot be asked.
+  template <typename Evaluate>
+  static void append(Laws& out, int count, Evaluate evaluate) {
+    try {
+      for (TwoSides<T>& sides : evaluate()) out.push_back(std::move(sides));
+    } catch (const std::domain_error& error) {
+      out.insert(out.end(), count, {{}, {}, error.what()});
+    }
+  }
+
   static MatrixX columnOf(const std::vector<T>& v) {
     return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(v.data(), v.size());
   }
@@ -148,14 +177,13 @@ class Identities {
   }
 
   /// The identities of section 7 of the chapter at every moving joint, stacked: 6 rows a joint.
-  void appendProjections(const scene::State<T>& state, std::vector<TwoSides<T>>& out) {
+  Laws projections(const scene::State<T>& state) {
     std::vector<T> qdd(model_.dof(), T(0));
     // the articulated inertias do not depend on velocities and forces
     recursive::forwardDynamics(model_, state.x, qdd, qdd, ws_, qdd);
     const int n = model_.dof();
-    TwoSides<T> dual = blank(6 * n), projector = blank(6 * n), symmetric = blank(6 * n),
-                twice = blank(6 * n), force = {MatrixX::Constant(n, 6, T(0)),
-                                               MatrixX::Constant(n, 6, T(0))};
+    TwoSides<T> projector = blank(6 * n), symmetric = blank(6 * n), twice = blank(6 * n),
+                force = blank(n);
     for (int k = 0; k < n; ++k) {
       const int i = model_.link_of_dof[k];
       const recursive::LinkModel<T>& link = model_.links[i];
@@ -168,8 +196,6 @@ class Identities {
       const Matrix6 P = recursive::forceProjection(M, Z, link.rotor);
       const Matrix6 P_M = recursive::inertiaProjection(M, Z, link.rotor);
 
-      set(dual.left, k, ws_.X_up[i].forceMatrix().transpose() * ws_.X_up[i].motionMatrix());
-      set(dual.right, k, one6);
       set(projector.left, k, P * P);
       set(projector.right, k, P - (one6 - P) * leak);
       set(symmetric.left, k, P_M);
@@ -179,9 +205,7 @@ class Identities {
       force.left.row(k) = Z.transpose() * P;
       force.right.row(k) = Z.transpose() * leak;
     }
-    for (TwoSides<T>& sides : {std::ref(dual), std::ref(projector), std::ref(symmetric),
-                               std::ref(twice), std::ref(force)})
-      out.push_back(std::move(sides));
+    return {std::move(projector), std::move(symmetric), std::move(twice), std::move(force)};
   }
   static TwoSides<T> blank(int rows) {
     return {MatrixX::Constant(rows, 6, T(0)), MatrixX::Constant(rows, 6, T(0))};

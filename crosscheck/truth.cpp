@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -13,8 +14,8 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-/// Smaller than this in SI units is 0 where nothing else is there to compare with.
-constexpr double kZeroForEveryPurpose = 1e-300;
+/// The smallest double with all its digits: no computation in double resolves what lies below.
+constexpr double kSmallestDouble = std::numeric_limits<double>::min();
 
 MatrixOf<Ball> evaluate(Setup<Ball>& setup, Quantity quantity, const scene::State<Ball>& state) {
   if (quantity == Quantity::kM) return CompositeBody::answer(setup, quantity, state);
@@ -128,7 +129,7 @@ Certified Truth::operator()(Quantity quantity, const scene::State<double>& state
     Attempt attempt = impl_->attempt(quantity, state, bits);
     if (attempt.final) return std::move(attempt.result);
     if (2 * bits <= kMaxBits) continue;
-    if (attempt.worst_unsharp > kZeroForEveryPurpose) attempt.result.value.resize(0, 0);
+    if (attempt.worst_unsharp > kSmallestDouble) attempt.result.value.resize(0, 0);
     return std::move(attempt.result);
   }
 }

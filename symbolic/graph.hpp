@@ -147,7 +147,7 @@ class Graph {
   std::vector<Entry> entries_;
   std::unordered_map<Key, int, KeyHash> index_;
   std::vector<Rational> constants_;
-  std::map<Rational, int> constant_index_;
+  std::unordered_map<Rational, int> constant_index_;  ///< hashed: to order rationals is to multiply
   std::vector<Atom> atoms_;
   std::map<std::string, int> atom_index_;
   std::map<int, std::string> names_;

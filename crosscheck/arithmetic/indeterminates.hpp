@@ -14,7 +14,9 @@ namespace dynwitness::crosscheck {
 
 /// Whether the parameters of a scene are the numbers that it gives, or indeterminates: then the
 /// verdict covers every robot with that structure.
-enum class Parameters { kAsGiven, kRandom };
+enum class Parameters { kAsWritten, kRandom };
+/// "as written", "random"
+const char* name(Parameters parameters);
 
 namespace detail {
 
@@ -50,7 +52,7 @@ class IndeterminateNumbers {
   using Point = scene::CosSin<Scalar>;
 
   IndeterminateNumbers(const scene::Mechanism& mechanism, Source source,
-                       Parameters parameters = Parameters::kAsGiven)
+                       Parameters parameters = Parameters::kAsWritten)
       : values_(mechanism.parameterValues()), source_(std::move(source)), parameters_(parameters) {}
 
   Scalar operator()(const scene::Number& number) const {
@@ -127,7 +129,7 @@ class IndeterminateNumbers {
   };
 
   bool isKnown(const scene::Number& number) const {
-    return parameters_ == Parameters::kAsGiven || number.parameters().empty();
+    return parameters_ == Parameters::kAsWritten || number.parameters().empty();
   }
   /// exactValue(), quickly for plain numbers.
   scene::Exact exactly(const scene::Number& number) const {

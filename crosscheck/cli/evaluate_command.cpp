@@ -45,6 +45,7 @@ std::string usualWitness(Quantity quantity) {
 }
 
 int run(const Arguments& arguments) {
+  requireWritableFile(arguments.output);
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
   const int n = scene.mechanism.dof();

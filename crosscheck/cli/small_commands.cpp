@@ -76,6 +76,7 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
 }
 
 int runDrift(const DriftArguments& arguments) {
+  for (const std::string& file : {arguments.csv, arguments.plot}) requireWritableFile(file);
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
   Progress progress(static_cast<int>(arguments.methods.size()));
@@ -85,6 +86,7 @@ int runDrift(const DriftArguments& arguments) {
     DriftOptions options = arguments.options;
     options.method = method;
     drifts.push_back(measureDrift(scene, options));
+    if (drifts.back().paths.empty()) throw scene::InputError({scene.file.string()}, kNoMotion);
   }
   std::string csv = fmt::format(
       "# {}: largest |E - E0| along {} s from the start state, over the largest kinetic energy\n"

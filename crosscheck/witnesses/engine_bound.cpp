@@ -49,7 +49,11 @@ EngineBound::EngineBound(const scene::Mechanism& mechanism, ForwardDynamicsBy me
 EngineBound::~EngineBound() = default;
 
 Eigen::MatrixXd EngineBound::operator()(Quantity quantity, const scene::State<double>& state) {
-  const scene::State<RunningError> bounded = runningErrorState(state);
+  return (*this)(quantity, runningErrorState(state));
+}
+
+Eigen::MatrixXd EngineBound::operator()(Quantity quantity,
+                                        const scene::State<RunningError>& bounded) {
   MatrixX<RunningError> computed;
   if (quantity != Quantity::kQdd)
     computed = NewtonEuler::answer(impl_->setup, quantity, bounded);

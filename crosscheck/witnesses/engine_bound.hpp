@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "crosscheck/arithmetic/running_error.hpp"
 #include "crosscheck/witness.hpp"
 
 namespace dynwitness::crosscheck {
@@ -29,8 +30,9 @@ class EngineBound {
                        ForwardDynamicsBy method = ForwardDynamicsBy::kSweep);
   ~EngineBound();
 
-  /// Shaped like the quantity.
+  /// Shaped like the quantity. The state is exact, or carries bounds of its own.
   Eigen::MatrixXd operator()(Quantity quantity, const scene::State<double>& state);
+  Eigen::MatrixXd operator()(Quantity quantity, const scene::State<RunningError>& state);
 
  private:
   struct Impl;
