@@ -323,8 +323,8 @@ std::vector<Claim> metric() {
                      const T det = M(0, 0) * M(1, 1) - M(0, 1) * M(1, 0);
                      at.equal("curvature", T(riemann(robot) / det), T(b * c * (a * e - e * e - b * b) / (det * det)));
                    }))
-          .why("Where the curvature is negative, free motions that start side by side run apart: near the "
-               "folded pose the double pendulum forgets its start fastest.")
+          .why("Where the curvature is negative, free motions that start side by side run apart; where "
+               "it is positive they meet again.")
           .in("crosscheck/audit/geometry.cpp"));
   return claims;
 }
