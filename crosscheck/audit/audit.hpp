@@ -107,6 +107,12 @@ std::vector<Claim> frames();        ///< 5
 std::vector<Claim> rigidBody();     ///< 6
 std::vector<Claim> projections();   ///< 7
 std::vector<Claim> recursions();    ///< 8
+std::vector<Claim> algorithms();          ///< 9
+std::vector<Claim> constrainedSystems();  ///< 10
+std::vector<Claim> constraints();         ///< 11 to 13
+std::vector<Claim> analytical();          ///< 14
+std::vector<Claim> lagrange();            ///< 15, 16
+std::vector<Claim> geometry();            ///< 16.1, 17
 
 /// All of them, in the order of the chapter.
 std::vector<Claim> allClaims();

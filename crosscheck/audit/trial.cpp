@@ -78,6 +78,7 @@ Outcome runExact(const ExactStatement& statement, const std::string& name, std::
 }
 
 Outcome opposite(Outcome outcome) {
+  if (!outcome.zero && outcome.points == 0) return outcome;  // no value at all shows no difference
   outcome.zero = !outcome.zero;
   outcome.residual = outcome.zero ? "differs, as said: " + outcome.residual
                                   : "no difference: " + outcome.residual;
