@@ -324,7 +324,7 @@ std::vector<Claim> metric() {
                      at.equal("curvature", T(riemann(robot) / det), T(b * c * (a * e - e * e - b * b) / (det * det)));
                    }))
           .why("Where the curvature is negative, free motions that start side by side run apart; where "
-               "it is positive they meet again.")
+               "it is positive they draw together.")
           .in("crosscheck/audit/geometry.cpp"));
   return claims;
 }
