@@ -22,12 +22,12 @@ namespace dynwitness::recursive {
 template <typename T>
 struct LinkConstraint {
   int link = 0;
-  Eigen::Matrix<T, 6, Eigen::Dynamic> A;   ///< 6 x m, linear part first
-  Eigen::Matrix<T, Eigen::Dynamic, 1> b;   ///< m
+  Eigen::Matrix<T, 6, Eigen::Dynamic> A;  ///< 6 x m, linear part first
+  Eigen::Matrix<T, Eigen::Dynamic, 1> b;  ///< m
 };
 
-/// What the constrained sweeps write on besides the Workspace: sized once for a model and the number
-/// of its constraints.
+/// What the constrained sweeps write on besides the Workspace: sized once for a model and the
+/// number of its constraints.
 template <typename T>
 struct ConstraintWorkspace {
   using Matrix6X = Eigen::Matrix<T, 6, Eigen::Dynamic>;
@@ -61,11 +61,13 @@ struct ConstraintWorkspace {
     into cws.E, cws.e and cws.N. Constraints of all links share one matrix, and where branches meet
     their columns add. Costs O(n m^2) for m constraints.
 
-    N is symmetric and positive semidefinite, and definite exactly when the rows of A' J are linearly
-    independent: not with redundant constraints, not in a singular pose.
+    N is symmetric and positive semidefinite, and definite exactly when the rows of A' J are
+   linearly independent: not with redundant constraints, not in a singular pose.
 
-    The articulated inertias (ws.X_up, U, D) must be those of this position: forwardDynamics() has run.
-    @throws std::invalid_argument  a constraint names no link, or A is not 6 x m with m entries of b */
+    The articulated inertias (ws.X_up, U, D) must be those of this position: forwardDynamics() has
+   run.
+    @throws std::invalid_argument  a constraint names no link, or A is not 6 x m with m entries of b
+ */
 template <typename T>
 void propagateConstraints(const Model<T>& model, const std::vector<LinkConstraint<T>>& constraints,
                           const Workspace<T>& ws, ConstraintWorkspace<T>& cws) {
@@ -85,7 +87,7 @@ void propagateConstraints(const Model<T>& model, const std::vector<LinkConstrain
     if (column + m > cws.count())
       throw std::invalid_argument("propagateConstraints: workspace: sized for " +
                                   std::to_string(cws.count()) + " constraints, got more");
-    cws.E[constraint.link].middleCols(column, m) = constraint.A;                     // (1), own
+    cws.E[constraint.link].middleCols(column, m) = constraint.A;  // (1), own
     column += m;
   }
   if (column != cws.count())
@@ -104,7 +106,7 @@ void propagateConstraints(const Model<T>& model, const std::vector<LinkConstrain
         E = E - ws.U[i] * (cws.e[i](k) * inverse_D);
       }
       if (link.parent >= 0)
-        cws.E[link.parent].col(k) += ws.X_up[i].inverseTimes(E).vector();            // (1)
+        cws.E[link.parent].col(k) += ws.X_up[i].inverseTimes(E).vector();  // (1)
     }
   }
   for (int k = 0; k < cws.count(); ++k)
@@ -125,10 +127,9 @@ void accelerationsOfConstraintForces(const Model<T>& model,
   requireSize(model, "accelerationsOfConstraintForces", "qdd", qdd.size());
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     const LinkModel<T>& link = model.links[i];
-    const Motion<T> a =
-        link.parent < 0 ? Motion<T>::zero() : ws.X_up[i] * ws.a[link.parent];
+    const Motion<T> a = link.parent < 0 ? Motion<T>::zero() : ws.X_up[i] * ws.a[link.parent];
     if (link.dof >= 0) qdd[link.dof] = (cws.e[i].dot(nu) - dot(a, ws.U[i])) / ws.D[i];
-    ws.a[i] = a + jointMotion(link, qdd);                                            // (3)
+    ws.a[i] = a + jointMotion(link, qdd);  // (3)
   }
 }
 

@@ -34,9 +34,9 @@ void taskJacobian(const Model<T>& model, const std::vector<LinkConstraint<T>>& t
     task k by one and the others not at all. O(n m^2 + m^3), after propagateConstraints() and for
     tasks that N (the inverse of the operational inertia) is regular for.
 
-    Among all right inverses of J it is the one that the mass matrix singles out:  J M^-1 (1 - J' Jbar')
-    = 0, so joint forces (1 - J' Jbar') tau accelerate no task; and Jbar xd is the velocity of least
-    kinetic energy that gives task velocity xd.
+    Among all right inverses of J it is the one that the mass matrix singles out:  J M^-1 (1 - J'
+   Jbar') = 0, so joint forces (1 - J' Jbar') tau accelerate no task; and Jbar xd is the velocity of
+   least kinetic energy that gives task velocity xd.
     @see O. Khatib, A Unified Approach for Motion and Force Control of Robot Manipulators, IEEE J.
          Robotics and Automation 3 (1987) */
 template <typename T>

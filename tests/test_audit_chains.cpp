@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The audit of sections 9 to 17: its truths against hand formulas, its verdicts against those that we
-// derived on paper, and that no entry is missing.
+// The audit of sections 9 to 17: its truths against hand formulas, its verdicts against those that
+// we derived on paper, and that no entry is missing.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE audit_chains
 #include "crosscheck/audit/constraints.hpp"
@@ -19,7 +19,8 @@ using fixtures::Q;
 
 namespace {
 
-/// Two turning joints about z, the second at (length, 0, 0), one mass point on each link; gravity along -y.
+/// Two turning joints about z, the second at (length, 0, 0), one mass point on each link; gravity
+/// along -y.
 Robot<Q> planarArm(Q m1, Q l1, Q m2, Q l2, Q length, scene::CosSin<Q> q1, scene::CosSin<Q> q2) {
   Robot<Q> robot;
   for (int i = 0; i < 2; ++i) {
@@ -75,7 +76,8 @@ BOOST_AUTO_TEST_CASE(accelerations_undo_forces) {
   BOOST_TEST(mismatch(Robot<Q>::column(robot.accelerations()), Robot<Q>::column(robot.qdd)) == "");
 }
 
-// A wheel that turns with w has spatial acceleration 0 at its hub and w x (w x r) less w x v = 0 elsewhere.
+// A wheel that turns with w has spatial acceleration 0 at its hub and w x (w x r) less w x v = 0
+// elsewhere.
 BOOST_AUTO_TEST_CASE(spatial_acceleration_of_a_steady_turn_is_zero) {
   Robot<Q> robot = planarArm(m1, l1, m2, l2, length, q1, q2);
   const auto paths = robot.paths({Q(3), Q(0)}, {Q(0), Q(0)});
@@ -106,33 +108,51 @@ BOOST_AUTO_TEST_CASE(equations_51_to_74_have_one_entry_each) {
 // Derived on paper, before they were computed.
 BOOST_AUTO_TEST_CASE(verdicts_are_those_derived_on_paper) {
   using H = Holds;
-  const std::map<std::string, Holds> expected = {
-      {"tip_inertia", H::kFalse},        {"eq51", H::kFalse},
-      {"eq52", H::kUnderCondition},      {"gravity_start", H::kFalse},
-      {"eq53", H::kTrue},                {"b_curvature", H::kFalse},
-      {"eq54", H::kFalse},               {"eq55", H::kFalse},
-      {"eq56", H::kFalse},               {"eq57", H::kTrue},
-      {"balance", H::kUnderCondition},   {"N_definite", H::kUnderCondition},
-      {"eq58", H::kFalse},               {"eq59", H::kUnderCondition},
-      {"eq60", H::kFalse},               {"E0_rank", H::kUnderCondition},
-      {"null_motion", H::kUnderCondition}, {"eq61", H::kTrue},
-      {"eq62", H::kTrue},                {"eq63", H::kFalse},
-      {"composite_order", H::kUnderCondition}, {"eq64", H::kUnderCondition},
-      {"least_action", H::kUnderCondition}, {"eq65", H::kTrue},
-      {"eq66", H::kUnderCondition},      {"eq67", H::kTrue},
-      {"eq68", H::kFalse},               {"eq69", H::kFalse},
-      {"eq70", H::kTrue},                {"eq71", H::kTrue},
-      {"eq72", H::kTrue},                {"invariance", H::kUnderCondition},
-      {"eq73", H::kTrue},                {"eq74", H::kUnderCondition},
-      {"similarity", H::kFalse},         {"other_impedances", H::kFalse}};
+  const std::map<std::string, Holds> expected = {{"tip_inertia", H::kFalse},
+                                                 {"eq51", H::kFalse},
+                                                 {"eq52", H::kUnderCondition},
+                                                 {"gravity_start", H::kFalse},
+                                                 {"eq53", H::kTrue},
+                                                 {"b_curvature", H::kFalse},
+                                                 {"eq54", H::kFalse},
+                                                 {"eq55", H::kFalse},
+                                                 {"eq56", H::kFalse},
+                                                 {"eq57", H::kTrue},
+                                                 {"balance", H::kUnderCondition},
+                                                 {"N_definite", H::kUnderCondition},
+                                                 {"eq58", H::kFalse},
+                                                 {"eq59", H::kUnderCondition},
+                                                 {"eq60", H::kFalse},
+                                                 {"E0_rank", H::kUnderCondition},
+                                                 {"null_motion", H::kUnderCondition},
+                                                 {"eq61", H::kTrue},
+                                                 {"eq62", H::kTrue},
+                                                 {"eq63", H::kFalse},
+                                                 {"composite_order", H::kUnderCondition},
+                                                 {"eq64", H::kUnderCondition},
+                                                 {"least_action", H::kUnderCondition},
+                                                 {"eq65", H::kTrue},
+                                                 {"eq66", H::kUnderCondition},
+                                                 {"eq67", H::kTrue},
+                                                 {"eq68", H::kFalse},
+                                                 {"eq69", H::kFalse},
+                                                 {"eq70", H::kTrue},
+                                                 {"eq71", H::kTrue},
+                                                 {"eq72", H::kTrue},
+                                                 {"invariance", H::kUnderCondition},
+                                                 {"eq73", H::kTrue},
+                                                 {"eq74", H::kUnderCondition},
+                                                 {"similarity", H::kFalse},
+                                                 {"other_impedances", H::kFalse}};
   for (const auto& [id, holds] : expected)
     BOOST_TEST(name(evaluate(claimOf(id), 2).holds) == name(holds), id);
 }
 
-// Whatever the seed, what we give as correct is computed to be so; and each entry says why and where.
+// Whatever the seed, what we give as correct is computed to be so; and each entry says why and
+// where.
 BOOST_AUTO_TEST_CASE(our_own_part_stands) {
-  const std::set<std::string> sections = {"9", "9.1", "9.2", "10", "11.1", "11.2", "11.3", "12", "13",
-                                          "14", "14.1", "15", "15.1", "16", "16.1", "17"};
+  const std::set<std::string> sections = {"9",  "9.1", "9.2",  "10", "11.1", "11.2", "11.3", "12",
+                                          "13", "14",  "14.1", "15", "15.1", "16",   "16.1", "17"};
   std::set<std::string> seen;
   for (const Claim& claim : allClaims()) {
     if (sections.count(claim.section) == 0) continue;

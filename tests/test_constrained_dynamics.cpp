@@ -40,9 +40,9 @@ struct Line {
   Q acceleration;
 };
 
-/** A random branching tree with springs, rotors, loads and gravity, and three independent lines on its
-    links. The points' places, and by (nested) dual numbers their velocities and accelerations, come
-    from composing 3-D positions: no spatial vector and no Jacobian. */
+/** A random branching tree with springs, rotors, loads and gravity, and three independent lines on
+   its links. The points' places, and by (nested) dual numbers their velocities and accelerations,
+   come from composing 3-D positions: no spatial vector and no Jacobian. */
 class Case {
  public:
   explicit Case(int seed)
@@ -56,7 +56,8 @@ class Case {
     while (lines.size() < std::size_t(kLines)) {
       lines.push_back({model.link_of_dof[sample.pick(kJoints)], sample.vector(), sample.vector(),
                        sample.rational() * 3});
-      if (isDependent(jacobian())) lines.pop_back();  // redundant: a link near the base moves little
+      if (isDependent(jacobian()))
+        lines.pop_back();  // redundant: a link near the base moves little
     }
   }
   /// Whether J J' has a pivot that is zero (J J' is positive semidefinite, so the others are not).
@@ -92,8 +93,8 @@ class Case {
   Q acceleration(const Line& line, const std::vector<Q>& qdd) const {
     std::vector<scene::JointPosition<DD>> x;
     for (int i = 0; i < kJoints; ++i)
-      x.push_back(crosscheck::moving(crosscheck::moving(state.x[i], state.qd[i]),
-                                     D(state.qd[i], qdd[i])));
+      x.push_back(
+          crosscheck::moving(crosscheck::moving(state.x[i], state.qd[i]), D(state.qd[i], qdd[i])));
     const crosscheck::DualNumbers once(numbers);
     return along(line, crosscheck::DualNumbers<decltype(once)>(once), x).derivative.derivative;
   }

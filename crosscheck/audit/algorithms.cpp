@@ -45,14 +45,17 @@ std::vector<Claim> inverseDynamics() {
                        const SixVectors six(robot);
                        at.equal("inertia about the last joint", six.D[0], robot.massMatrix()(0, 0));
                      }))
-          .why("A sweep that starts with nothing at the tip never sees the last link, and divides by 0 at "
-               "its joint when there is no rotor. The recursion (49) adds the link's own inertia, so it is "
+          .why("A sweep that starts with nothing at the tip never sees the last link, and divides "
+               "by 0 at "
+               "its joint when there is no rotor. The recursion (49) adds the link's own inertia, "
+               "so it is "
                "the link after the last that starts with zero.")
           .in("recursive/articulated_body.hpp"));
 
   claims.push_back(
       Claim("eq51", "9.1", "Joint force of a given motion")
-          .printed("`tau_i = Z_i' (F_i + M_A,i (Xdd_i - Xdd_(i-1)))`, swept outward", exact([](auto& at) {
+          .printed("`tau_i = Z_i' (F_i + M_A,i (Xdd_i - Xdd_(i-1)))`, swept outward",
+                   exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, kTurns);
                      auto coasting = robot;  // no joint torques are known yet
@@ -89,15 +92,19 @@ std::vector<Claim> inverseDynamics() {
                        for (int i = robot.n() - 1; i >= 0; --i) {
                          const SixVectors<T> six(robot);
                          const std::vector<Vector6<T>> F = six.biasForces();
-                         robot.tau[i] = six.Z[i].dot(F[i] + six.M_A[i] * a[i]) +
-                                        robot.rotor[i] * robot.qdd[i];
+                         robot.tau[i] =
+                             six.Z[i].dot(F[i] + six.M_A[i] * a[i]) + robot.rotor[i] * robot.qdd[i];
                          at.equal("by articulated inertias", robot.tau[i], truth(i));
                        }
                      }))
-          .why("An articulated inertia is felt when the joints outboard are free to give way; in inverse "
-               "dynamics their motion is prescribed. Three things go wrong: the acceleration that the "
-               "proximal link hands on is subtracted (and gravity with it), the rotor's share is missing, "
-               "and F_i contains the torques of the joints outboard, which an outward sweep does not "
+          .why("An articulated inertia is felt when the joints outboard are free to give way; in "
+               "inverse "
+               "dynamics their motion is prescribed. Three things go wrong: the acceleration that "
+               "the "
+               "proximal link hands on is subtracted (and gravity with it), the rotor's share is "
+               "missing, "
+               "and F_i contains the torques of the joints outboard, which an outward sweep does "
+               "not "
                "know yet.")
           .in("recursive/newton_euler.hpp"));
 
@@ -112,7 +119,8 @@ std::vector<Claim> inverseDynamics() {
                      robot.tau = robot.zeros();
                      at.equal("F_1", with, SixVectors<T>(robot).biasForces()[0]);
                    }))
-          .corrected("`F_1` contains `X_2' M_A,2 Z_2 D_2^-1 tau_2`: torques are found from the tips inward",
+          .corrected("`F_1` contains `X_2' M_A,2 Z_2 D_2^-1 tau_2`: torques are found from the "
+                     "tips inward",
                      exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        auto robot = anyRobot(at, {kTurn, kTurn});
@@ -120,17 +128,20 @@ std::vector<Claim> inverseDynamics() {
                        const Vector6<T> with = SixVectors<T>(robot).biasForces()[0];
                        robot.tau = robot.zeros();
                        const SixVectors<T> six(robot);
-                       at.equal("F_1", with,
-                                Vector6<T>(six.biasForces()[0] + six.X[1].transpose() * six.M_A[1] *
-                                                                     six.Z[1] * (tau_2 / six.D[1])));
+                       at.equal(
+                           "F_1", with,
+                           Vector6<T>(six.biasForces()[0] + six.X[1].transpose() * six.M_A[1] *
+                                                                six.Z[1] * (tau_2 / six.D[1])));
                      }))
-          .why("What a motor pushes with at joint 2, link 1 feels through the joint. In inverse dynamics "
+          .why("What a motor pushes with at joint 2, link 1 feels through the joint. In inverse "
+               "dynamics "
                "tau_2 is an unknown, so link 1 has to wait for it.")
           .in("recursive/newton_euler.hpp"));
 
   claims.push_back(
       Claim("six_joints", "9.1", "Joint accelerations of an end-effector acceleration")
-          .printed("with exactly six joints `J qdd = Xdd - Jd qd` has one solution in every pose: `det J /= 0`",
+          .printed("with exactly six joints `J qdd = Xdd - Jd qd` has one solution in every pose: "
+                   "`det J /= 0`",
                    differs([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      auto robot = anyRobot(at, {kTurn, kTurn, kTurn, kTurn, kTurn, kTurn});
@@ -144,14 +155,16 @@ std::vector<Claim> inverseDynamics() {
                        const auto robot = anyRobot(at, {kTurn, kTurn, kTurn, kTurn, kTurn, kTurn});
                        at.zero("det J", determinant<T>(robot.jacobian(5)));
                      }))
-          .corrected("`det J = 0` where two axes coincide, e.g. in a stretched wrist", exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       auto robot = anyRobot(at, {kTurn, kTurn, kTurn, kTurn, kTurn, kTurn});
-                       robot.R[5] = Matrix3<T>::Identity();
-                       robot.r[5] = Vector3<T>::Zero();
-                       at.equal("columns 5 and 6", robot.jacobian(5).col(4), robot.jacobian(5).col(5));
-                     }))
-          .why("The number of joints is necessary, not sufficient: when two axes fall into one line the arm "
+          .corrected(
+              "`det J = 0` where two axes coincide, e.g. in a stretched wrist", exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                auto robot = anyRobot(at, {kTurn, kTurn, kTurn, kTurn, kTurn, kTurn});
+                robot.R[5] = Matrix3<T>::Identity();
+                robot.r[5] = Vector3<T>::Zero();
+                at.equal("columns 5 and 6", robot.jacobian(5).col(4), robot.jacobian(5).col(5));
+              }))
+          .why("The number of joints is necessary, not sufficient: when two axes fall into one "
+               "line the arm "
                "loses a direction, however many joints it has.")
           .in("recursive/operational_space.hpp"));
   return claims;
@@ -187,9 +200,10 @@ std::vector<Claim> forwardDynamicsClaims() {
                        Vector6<T> a = six.gravityAtBase();
                        for (int i = 0; i < six.n(); ++i) {
                          a = (six.X[i] * a).eval();
-                         at.equal("qdd",
-                                  T((robot.tau[i] - six.Z[i].dot(F[i] + six.M_A[i] * a)) / six.D[i]),
-                                  robot.qdd[i]);
+                         at.equal(
+                             "qdd",
+                             T((robot.tau[i] - six.Z[i].dot(F[i] + six.M_A[i] * a)) / six.D[i]),
+                             robot.qdd[i]);
                          a += six.Z[i] * robot.qdd[i];
                        }
                      }))
@@ -204,14 +218,17 @@ std::vector<Claim> forwardDynamicsClaims() {
                        Vector6<T> a = six.gravityAtBase();
                        for (int i = 0; i < six.n(); ++i) {
                          a = (six.X[i] * a + six.c[i]).eval();
-                         at.equal("qdd",
-                                  T((robot.tau[i] - six.Z[i].dot(F[i] + six.M_A[i] * a)) / six.D[i]),
-                                  robot.qdd[i]);
+                         at.equal(
+                             "qdd",
+                             T((robot.tau[i] - six.Z[i].dot(F[i] + six.M_A[i] * a)) / six.D[i]),
+                             robot.qdd[i]);
                          a += six.Z[i] * robot.qdd[i];
                        }
                      }))
-          .why("The link would move with T_V Xdd_(i-1) + A_i if its joint did not accelerate; both the "
-               "change of reference point and the bias acceleration A_i of a moving robot belong to it.")
+          .why("The link would move with T_V Xdd_(i-1) + A_i if its joint did not accelerate; both "
+               "the "
+               "change of reference point and the bias acceleration A_i of a moving robot belong "
+               "to it.")
           .in("recursive/articulated_body.hpp"));
 
   claims.push_back(
@@ -230,38 +247,45 @@ std::vector<Claim> forwardDynamicsClaims() {
                        at.equal("tau", newtonEuler<T>(six, six.gravityAtBase()),
                                 robot.forces(robot.qdd));
                      }))
-          .why("A robot that stands in a field g feels what it would feel without the field in a lift that "
-               "accelerates upward, against g. With the other sign a robot at rest would need torques "
+          .why("A robot that stands in a field g feels what it would feel without the field in a "
+               "lift that "
+               "accelerates upward, against g. With the other sign a robot at rest would need "
+               "torques "
                "that push it down.")
           .in("recursive/newton_euler.hpp"));
 
   claims.push_back(
-      Claim("inertia_sweep_shared", "9.2", "The same inertia sweep for inverse and forward dynamics")
-          .printed("step 2, the articulated inertias, is a step of both: `tau_1` of a given motion depends "
+      Claim("inertia_sweep_shared", "9.2",
+            "The same inertia sweep for inverse and forward dynamics")
+          .printed("step 2, the articulated inertias, is a step of both: `tau_1` of a given motion "
+                   "depends "
                    "on `M_A,1`, and with it on the rotor of joint 2 even where `qdd_2 = 0`",
                    differs([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, {kTurn, kTurn});
-                     auto heavy = robot;  // another rotor at the last joint, which does not accelerate
+                     auto heavy =
+                         robot;  // another rotor at the last joint, which does not accelerate
                      heavy.qdd[1] = T(0);
                      auto light = heavy;
                      light.rotor[1] = at.number();
                      at.equal("tau_1", heavy.forces(heavy.qdd)(0), light.forces(light.qdd)(0));
                    }))
-          .corrected("`M_A,1` depends on the rotor of joint 2 and `tau_1` of a given motion does not",
-                     both(differs([](auto& at) {
-                            const auto robot = anyRobot(at, {kTurn, kTurn});
-                            auto other = robot;
-                            other.rotor[1] = at.number();
-                            at.equal("M_A,1", SixVectors(robot).M_A[0], SixVectors(other).M_A[0]);
-                          }),
-                          exact([](auto& at) {
-                            const auto robot = anyRobot(at, {kTurn, kTurn});
-                            auto other = robot;
-                            other.rotor[1] = at.number();
-                            at.equal("tau_1", robot.forces(robot.qdd)(0), other.forces(other.qdd)(0));
-                          })))
-          .why("Articulated inertias answer what happens when joints are free. A given motion leaves "
+          .corrected(
+              "`M_A,1` depends on the rotor of joint 2 and `tau_1` of a given motion does not",
+              both(differs([](auto& at) {
+                     const auto robot = anyRobot(at, {kTurn, kTurn});
+                     auto other = robot;
+                     other.rotor[1] = at.number();
+                     at.equal("M_A,1", SixVectors(robot).M_A[0], SixVectors(other).M_A[0]);
+                   }),
+                   exact([](auto& at) {
+                     const auto robot = anyRobot(at, {kTurn, kTurn});
+                     auto other = robot;
+                     other.rotor[1] = at.number();
+                     at.equal("tau_1", robot.forces(robot.qdd)(0), other.forces(other.qdd)(0));
+                   })))
+          .why("Articulated inertias answer what happens when joints are free. A given motion "
+               "leaves "
                "nothing free: rigid inertias suffice, and the sweep of step 2 is wasted work.")
           .in("recursive/newton_euler.hpp"));
   return claims;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the statements about constrained robots share: the dense equations, the sweeps as the chapter
-// writes them, and real robots for inequalities.
+// What the statements about constrained robots share: the dense equations, the sweeps as the
+// chapter writes them, and real robots for inequalities.
 #pragma once
 
 #include <utility>
@@ -70,15 +70,16 @@ struct Swept : Constrained<T> {
     recursive::Workspace<T> ws(model);
     recursive::ConstraintWorkspace<T> cws(model, m);
     this->qdd = robot.zeros();
-    recursive::constrainedForwardDynamics(model, robot.x, robot.qd, robot.tau, all, ws, cws, this->qdd);
+    recursive::constrainedForwardDynamics(model, robot.x, robot.qd, robot.tau, all, ws, cws,
+                                          this->qdd);
     this->nu = cws.nu;
     N = cws.N;
   }
   MatrixX<T> N;
 };
 
-/// E_0' column by column: the acceleration along the constraints that unit accelerations of the base
-/// cause when all joints are free and at rest, by point masses. 6 x m.
+/// E_0' column by column: the acceleration along the constraints that unit accelerations of the
+/// base cause when all joints are free and at rest, by point masses. 6 x m.
 template <typename T>
 MatrixX<T> responseToBase(Robot<T> robot, const LinkConstraint<T>& held) {
   robot.qd = robot.zeros();
@@ -98,8 +99,8 @@ MatrixX<T> responseToBase(Robot<T> robot, const LinkConstraint<T>& held) {
 /// The chapter's inward sweeps (55) to (57), as corrected, for a constraint on one link.
 template <typename T>
 struct CarriedInward {
-  std::vector<MatrixX<T>> E;   ///< where link i feels them; 6 x m
-  MatrixX<T> E_0, N_0;         ///< N_0 with the chapter's sign
+  std::vector<MatrixX<T>> E;  ///< where link i feels them; 6 x m
+  MatrixX<T> E_0, N_0;        ///< N_0 with the chapter's sign
   VectorX<T> beta_0;
   std::vector<std::pair<VectorX<T>, T>> at_joints;  ///< E' Z and D of each joint
 };
@@ -151,8 +152,8 @@ void compareOutward(At& at, const Robot<T>& robot, const LinkConstraint<T>& held
   for (int i = 0; i < six.n(); ++i) {
     const Vector6<T> handed_on = six.X[i] * a_p;
     const Vector6<T> a = handed_on + six.c[i] + six.Z[i] * truth.qdd[i];
-    const Vector6<T> taken = printed == Printed::kYes ? Vector6<T>(a - handed_on)
-                                                      : Vector6<T>(handed_on + six.c[i]);
+    const Vector6<T> taken =
+        printed == Printed::kYes ? Vector6<T>(a - handed_on) : Vector6<T>(handed_on + six.c[i]);
     const Vector6<T> F_all = F[i] + six.M_A[i] * taken + inward.E[i] * nu;
     at.equal("qdd", T((robot.tau[i] - six.Z[i].dot(F_all)) / six.D[i]), truth.qdd[i]);
     a_p = a;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sections 15 and 16: Hamilton's principle, Lagrange's equations, and what they share with Newton's.
+// Sections 15 and 16: Hamilton's principle, Lagrange's equations, and what they share with
+// Newton's.
 #include <algorithm>
 
 #include "crosscheck/audit/lifted.hpp"
@@ -46,7 +47,8 @@ struct Poly {
   }
   T integral(const T& from, const T& to) const {
     std::vector<T> primitive(1, T(0));
-    for (std::size_t i = 0; i < c.size(); ++i) primitive.push_back(c[i] / T(static_cast<int>(i + 1)));
+    for (std::size_t i = 0; i < c.size(); ++i)
+      primitive.push_back(c[i] / T(static_cast<int>(i + 1)));
     return Poly(primitive).at(to) - Poly(primitive).at(from);
   }
 
@@ -80,8 +82,8 @@ Poly<T> anyVariation(At& at, const T& t1, const T& t2) {
   return (t - Poly<T>(t1)) * (t - Poly<T>(t2)) * anyPoly(at, 1);
 }
 
-/// A Lagrangian of two coordinates whose kinetic energy depends on the place and that has every kind of
-/// term: what the derivation of the equations must cope with.
+/// A Lagrangian of two coordinates whose kinetic energy depends on the place and that has every
+/// kind of term: what the derivation of the equations must cope with.
 template <typename T>
 struct Lagrangian {
   T a, b, c, d, e;
@@ -109,8 +111,8 @@ Poly<T> partial(const Lagrangian<T>& L, const std::vector<Poly<T>>& q, int i, bo
     x.push_back(of_rate ? D(q[j]) : D(q[j], seed));
     v.push_back(of_rate ? D(q[j].derivative(), seed) : D(q[j].derivative()));
   }
-  const auto lagrangian = Lagrangian<Poly<T>>{Poly<T>(L.a), Poly<T>(L.b), Poly<T>(L.c), Poly<T>(L.d),
-                                              Poly<T>(L.e)};
+  const auto lagrangian =
+      Lagrangian<Poly<T>>{Poly<T>(L.a), Poly<T>(L.b), Poly<T>(L.c), Poly<T>(L.d), Poly<T>(L.e)};
   return lagrangian(x, v).derivative;
 }
 
@@ -152,8 +154,8 @@ Varied<ScalarOf<At>> anyVaried(At& at) {
 
 // ---- Lagrange's equations at one instant --------------------------------------------------------
 
-/// d/dt dL/dqd_i - dL/dq_i of any L(q, qd), by nested duals: inner for the partial derivative, outer for
-/// time. Function: called with vectors of Dual<Dual<T>>.
+/// d/dt dL/dqd_i - dL/dq_i of any L(q, qd), by nested duals: inner for the partial derivative,
+/// outer for time. Function: called with vectors of Dual<Dual<T>>.
 template <typename T, typename Function>
 VectorX<T> eulerLagrange(const Function& L, const std::vector<T>& q, const std::vector<T>& qd,
                          const std::vector<T>& qdd) {
@@ -215,8 +217,8 @@ void compareWork(At& at, const Work& work, const ForceOfRate& force_of_rate) {
            T(m * qdd + k * q - force_of_rate(qd)));
 }
 
-/// The first variation of a polynomial path that is made physical by a force F(t), at eps = 0 or with the
-/// other eps anywhere.
+/// The first variation of a polynomial path that is made physical by a force F(t), at eps = 0 or
+/// with the other eps anywhere.
 template <typename At>
 void compareFirstVariation(At& at, bool all_zero) {
   using T = ScalarOf<At>;
@@ -228,8 +230,8 @@ void compareFirstVariation(At& at, bool all_zero) {
   for (int i = 0; i < 2; ++i) {
     std::vector<T> eps = {T(0), T(0)};
     if (!all_zero) eps[1 - i] = at.number();
-    const T slope = actionSlope<T>(v.L, v.q, v.r, eps, i, v.t1, v.t2) +
-                    (F[i] * v.r[i]).integral(v.t1, v.t2);
+    const T slope =
+        actionSlope<T>(v.L, v.q, v.r, eps, i, v.t1, v.t2) + (F[i] * v.r[i]).integral(v.t1, v.t2);
     sum += at.number() * slope;
   }
   at.zero("first variation", sum);
@@ -257,8 +259,8 @@ struct Oscillator {
   Oscillator(RealPoint& at, double low, double high) : m(at.number(0.5, 2)), k(at.number(0.5, 2)) {
     duration = sqrt(m / k) * at.number(low, high);
   }
-  /// What the action of q + r has more than that of any motion q:  integral of (m rd^2 - k r^2) / 2,
-  /// exactly, for r = t (duration - t) times a polynomial.
+  /// What the action of q + r has more than that of any motion q:  integral of (m rd^2 - k r^2) /
+  /// 2, exactly, for r = t (duration - t) times a polynomial.
   Ball excess(const Poly<Ball>& shape) const {
     const Poly<Ball> t = Poly<Ball>::time();
     const Poly<Ball> r = t * (Poly<Ball>(duration) - t) * shape, rd = r.derivative();
@@ -294,31 +296,36 @@ std::vector<Claim> hamilton() {
   });
   claims.push_back(
       Claim("eq64", "15", "Hamilton's principle")
-          .printed("the action of the motion is a local minimum or maximum: all variations change it with the "
+          .printed("the action of the motion is a local minimum or maximum: all variations change "
+                   "it with the "
                    "same sign (an oscillator over more than half a period)",
                    certified([](RealPoint& at) {
                      const Oscillator oscillator(at, 3.3, 6);
                      at.positive("(slow) (fast)", oscillator.slow() * oscillator.fast());
                    }))
-          .condition("the time between the end points is short: less than half a period of an oscillator",
-                     certified([](RealPoint& at) {
-                       const Oscillator oscillator(at, 0.5, 3.14);
-                       at.positive("slow", oscillator.slow());
-                       at.positive("fast", oscillator.fast());
-                       Poly<Ball> any(std::vector<Ball>{at.number(-1, 1), at.number(-1, 1), at.number(-1, 1),
-                                                        at.number(-1, 1)});
-                       at.positive("any", oscillator.excess(any));
-                     }))
-          .corrected("the action is stationary: `I(q + r) - I(q)` has no part of first order in r; over more "
+          .condition(
+              "the time between the end points is short: less than half a period of an oscillator",
+              certified([](RealPoint& at) {
+                const Oscillator oscillator(at, 0.5, 3.14);
+                at.positive("slow", oscillator.slow());
+                at.positive("fast", oscillator.fast());
+                Poly<Ball> any(std::vector<Ball>{at.number(-1, 1), at.number(-1, 1),
+                                                 at.number(-1, 1), at.number(-1, 1)});
+                at.positive("any", oscillator.excess(any));
+              }))
+          .corrected("the action is stationary: `I(q + r) - I(q)` has no part of first order in r; "
+                     "over more "
                      "than half a period a slow variation lowers it and a fast one raises it",
                      both(stationary, saddle))
-          .why("Beyond half a period (a conjugate point) the motion is a saddle of the action. A maximum it "
+          .why("Beyond half a period (a conjugate point) the motion is a saddle of the action. A "
+               "maximum it "
                "never is: fast wiggles cost kinetic energy without end. Lagrange's equations say "
                "stationary and nothing more, so with that word both are equivalent.")
           .in("crosscheck/audit/lagrange.cpp"));
   claims.push_back(
       Claim("least_action", "15", "The physical path and its neighbours")
-          .printed("the action of the motion is smaller than that of every path near by: `I(q + r) > I(q)`",
+          .printed("the action of the motion is smaller than that of every path near by: `I(q + r) "
+                   "> I(q)`",
                    certified([](RealPoint& at) {
                      at.positive("I(q + r) - I(q)", Oscillator(at, 3.3, 6).slow());
                    }))
@@ -329,39 +336,49 @@ std::vector<Claim> hamilton() {
                      certified([](RealPoint& at) {
                        at.positive("I(q) - I(q + r)", -Oscillator(at, 3.3, 6).slow());
                      }))
-          .why("The bump r = t (t2 - t) makes it smaller: over a long time, the potential energy that a slow "
+          .why("The bump r = t (t2 - t) makes it smaller: over a long time, the potential energy "
+               "that a slow "
                "detour gains outweighs the kinetic energy that it costs.")
           .in("crosscheck/audit/lagrange.cpp"));
-  claims.push_back(
-      Claim("eq65", "15", "The Lagrangian")
-          .printed("`L = T - V` gives the equations of motion", exact([](auto& at) {
-                     const auto robot = anyRobot(at, {kTurn, kSlide});
-                     at.equal("forces", robotEulerLagrange(robot, -1), robot.forces(robot.qdd));
-                   }))
-          .why("T and V by sweeps, differentiated by nested dual numbers, against virtual work on point "
-               "masses. T + V, the energy, would turn the sign of gravity.")
-          .in("recursive/energy.hpp"));
+  claims.push_back(Claim("eq65", "15", "The Lagrangian")
+                       .printed("`L = T - V` gives the equations of motion", exact([](auto& at) {
+                                  const auto robot = anyRobot(at, {kTurn, kSlide});
+                                  at.equal("forces", robotEulerLagrange(robot, -1),
+                                           robot.forces(robot.qdd));
+                                }))
+                       .why("T and V by sweeps, differentiated by nested dual numbers, against "
+                            "virtual work on point "
+                            "masses. T + V, the energy, would turn the sign of gravity.")
+                       .in("recursive/energy.hpp"));
   claims.push_back(
       Claim("eq66", "15", "Forces without potential in the Lagrangian")
-          .printed("`L = T - V + W` with W the work of the forces, for friction `Q = -b qd`: `W = Q q`",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const T b = at.number();
-                     compareWork(at, [&](const auto& q, const auto& qd) {
-                       using S = std::decay_t<decltype(q)>;
-                       return -(S(Dual<T>(b)) * qd * q);
-                     }, [&](const T& qd) { return -b * qd; });
-                   }))
+          .printed(
+              "`L = T - V + W` with W the work of the forces, for friction `Q = -b qd`: `W = Q q`",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                const T b = at.number();
+                compareWork(
+                    at,
+                    [&](const auto& q, const auto& qd) {
+                      using S = std::decay_t<decltype(q)>;
+                      return -(S(Dual<T>(b)) * qd * q);
+                    },
+                    [&](const T& qd) { return -b * qd; });
+              }))
           .condition("the forces are given functions of time, or constant, so that W = Q q",
                      exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        const T Q = at.number(), rate_of_Q = at.number();
-                       compareWork(at, [&](const auto& q, const auto&) {
-                         using S = std::decay_t<decltype(q)>;
-                         return S(Dual<T>(Q), Dual<T>(rate_of_Q)) * q;
-                       }, [&](const T&) { return Q; });
+                       compareWork(
+                           at,
+                           [&](const auto& q, const auto&) {
+                             using S = std::decay_t<decltype(q)>;
+                             return S(Dual<T>(Q), Dual<T>(rate_of_Q)) * q;
+                           },
+                           [&](const T&) { return Q; });
                      }))
-          .corrected("`d/dt dL/dqd - dL/dq = Q` with `L = T - V`; for the integral: the variation of the action "
+          .corrected("`d/dt dL/dqd - dL/dq = Q` with `L = T - V`; for the integral: the variation "
+                     "of the action "
                      "plus the integral of the virtual work `Q r` vanishes",
                      exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
@@ -369,12 +386,15 @@ std::vector<Claim> hamilton() {
                        const T m = at.number(), k = at.number(), t1 = at.number(), t2 = at.number();
                        const Poly<T> q = anyPoly(at, 3), r = anyVariation(at, t1, t2);
                        const Poly<T> Q = Poly<T>(m) * q.derivative().derivative() + Poly<T>(k) * q;
-                       const T slope = (Poly<T>(m) * q.derivative() * r.derivative() - Poly<T>(k) * q * r)
-                                           .integral(t1, t2);
+                       const T slope =
+                           (Poly<T>(m) * q.derivative() * r.derivative() - Poly<T>(k) * q * r)
+                               .integral(t1, t2);
                        at.zero("variation and virtual work", T(slope + (Q * r).integral(t1, t2)));
                      }))
-          .why("The term -b qd q is the rate of -b q^2 / 2, so it drops out of the equations and the friction "
-               "with it. Work depends on the path; what enters is virtual work, Q times the variation, not the "
+          .why("The term -b qd q is the rate of -b q^2 / 2, so it drops out of the equations and "
+               "the friction "
+               "with it. Work depends on the path; what enters is virtual work, Q times the "
+               "variation, not the "
                "variation of a function W.")
           .in("recursive/newton_euler.hpp"));
   return claims;
@@ -384,26 +404,32 @@ std::vector<Claim> variations() {
   std::vector<Claim> claims;
   claims.push_back(
       Claim("eq67", "15.1", "The action as a functional of the path")
-          .printed("`I = integral of L(q, qd, t) dt`; for free motion from (t1, q1) to (t2, q2) it is "
-                   "`m (q2 - q1)^2 / (2 (t2 - t1))`",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const T m = at.number(), t1 = at.number(), t2 = at.number();
-                     const Poly<T> q = anyPoly(at, 1), v = q.derivative();
-                     const T distance = q.at(t2) - q.at(t1);
-                     at.equal("I", (Poly<T>(m / T(2)) * v * v).integral(t1, t2),
-                              T(m * distance * distance / (T(2) * (t2 - t1))));
-                   }))
+          .printed(
+              "`I = integral of L(q, qd, t) dt`; for free motion from (t1, q1) to (t2, q2) it is "
+              "`m (q2 - q1)^2 / (2 (t2 - t1))`",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                const T m = at.number(), t1 = at.number(), t2 = at.number();
+                const Poly<T> q = anyPoly(at, 1), v = q.derivative();
+                const T distance = q.at(t2) - q.at(t1);
+                at.equal("I", (Poly<T>(m / T(2)) * v * v).integral(t1, t2),
+                         T(m * distance * distance / (T(2) * (t2 - t1))));
+              }))
+          .why("A number for a whole path. Its value for free motion tells how it depends on the "
+               "end points.")
           .in("crosscheck/audit/lagrange.cpp"));
   claims.push_back(
       Claim("eq68", "15.1", "A varied path")
-          .printed("`Phi(eps) = integral of L(q + eps' r, qd + eps' rd, t) dt`, with the derivative (70) by eps_1",
+          .printed("`Phi(eps) = integral of L(q + eps' r, qd + eps' rd, t) dt`, with the "
+                   "derivative (70) by eps_1",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto v = anyVaried(at);
-                     // eps' r is one number, added to every coordinate: d/deps_1 moves both along r_1
-                     const T slope = actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 0, v.t1, v.t2) +
-                                     actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 1, v.t1, v.t2);
+                     // eps' r is one number, added to every coordinate: d/deps_1 moves both along
+                     // r_1
+                     const T slope =
+                         actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 0, v.t1, v.t2) +
+                         actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 1, v.t1, v.t2);
                      at.equal("dPhi/deps_1", slope,
                               (partial(v.L, v.q, 0, false) * v.r[0] +
                                partial(v.L, v.q, 0, true) * v.r[0].derivative())
@@ -412,43 +438,51 @@ std::vector<Claim> variations() {
           .corrected("`q_i + eps_i r_i`, component by component", exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        const auto v = anyVaried(at);
-                       at.equal("dPhi/deps_1", actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, 0, v.t1, v.t2),
+                       at.equal("dPhi/deps_1",
+                                actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, 0, v.t1, v.t2),
                                 (partial(v.L, v.q, 0, false) * v.r[0] +
                                  partial(v.L, v.q, 0, true) * v.r[0].derivative())
                                     .integral(v.t1, v.t2));
                      }))
-          .why("eps' r is a scalar product, one number, and cannot be added to a vector. (70) is what comes of "
+          .why("eps' r is a scalar product, one number, and cannot be added to a vector. (70) is "
+               "what comes of "
                "varying each coordinate by its own eps_i r_i.")
           .in("crosscheck/audit/lagrange.cpp"));
   claims.push_back(
       Claim("eq69", "15.1", "First variation")
-          .printed("`0 = eps_1 dPhi/deps_1 + ...`, each derivative taken at its own `eps_i = 0`, the other eps "
+          .printed("`0 = eps_1 dPhi/deps_1 + ...`, each derivative taken at its own `eps_i = 0`, "
+                   "the other eps "
                    "being anything (a path that makes Phi stationary)",
                    exact([](auto& at) { compareFirstVariation(at, false); }))
-          .corrected("all derivatives at `eps = 0`", exact([](auto& at) { compareFirstVariation(at, true); }))
+          .corrected("all derivatives at `eps = 0`",
+                     exact([](auto& at) { compareFirstVariation(at, true); }))
           .why("Away from eps = 0 the second coordinate is no longer on the physical path, and the "
                "derivative by eps_1 feels that through the coupling in L.")
           .in("crosscheck/audit/lagrange.cpp"));
   claims.push_back(
       Claim("eq70", "15.1", "First variation under the integral")
-          .printed("`sum eps_i dPhi/deps_i = integral of sum eps_i (dL/dq_i r_i + dL/dqd_i rd_i) dt`",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto v = anyVaried(at);
-                     T left = T(0);
-                     Poly<T> right;
-                     for (int i = 0; i < 2; ++i) {
-                       const T eps = at.number();
-                       left += eps * actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, i, v.t1, v.t2);
-                       right += Poly<T>(eps) * (partial(v.L, v.q, i, false) * v.r[i] +
-                                                partial(v.L, v.q, i, true) * v.r[i].derivative());
-                     }
-                     at.equal("first variation", left, right.integral(v.t1, v.t2));
-                   }))
+          .printed(
+              "`sum eps_i dPhi/deps_i = integral of sum eps_i (dL/dq_i r_i + dL/dqd_i rd_i) dt`",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                const auto v = anyVaried(at);
+                T left = T(0);
+                Poly<T> right;
+                for (int i = 0; i < 2; ++i) {
+                  const T eps = at.number();
+                  left += eps * actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, i, v.t1, v.t2);
+                  right += Poly<T>(eps) * (partial(v.L, v.q, i, false) * v.r[i] +
+                                           partial(v.L, v.q, i, true) * v.r[i].derivative());
+                }
+                at.equal("first variation", left, right.integral(v.t1, v.t2));
+              }))
+          .why("The chain rule under the integral: the action is a sum over instants, and so is "
+               "its slope.")
           .in("crosscheck/audit/lagrange.cpp"));
   claims.push_back(
       Claim("eq71", "15.1", "Integration by parts")
-          .printed("`integral of eps_i (dL/dq_i r_i + dL/dqd_i rd_i) = [eps_i r_i dL/dqd_i] + integral of eps_i "
+          .printed("`integral of eps_i (dL/dq_i r_i + dL/dqd_i rd_i) = [eps_i r_i dL/dqd_i] + "
+                   "integral of eps_i "
                    "r_i (dL/dq_i - d/dt dL/dqd_i)`",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
@@ -459,18 +493,22 @@ std::vector<Claim> variations() {
                               T((r * p).at(v.t2) - (r * p).at(v.t1) +
                                 (r * (f - p.derivative())).integral(v.t1, v.t2)));
                    }))
+          .why("The rate of the variation is traded for the rate of the momentum dL/dqd; the price "
+               "is paid at the ends, where (72) lets the variation vanish.")
           .in("crosscheck/audit/lagrange.cpp"));
-  claims.push_back(
-      Claim("eq72", "15.1", "Lagrange's equations")
-          .printed("`d/dt dL/dqd_i - dL/dq_i = 0` where no forces but those of V act", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     auto robot = anyRobot(at, {kTurn, kTurn});
-                     robot.tau = robot.zeros();
-                     robot.qdd = robot.accelerations();  // by virtual work
-                     at.zero("d/dt dL/dqd - dL/dq", VectorX<T>(robotEulerLagrange(robot, -1)));
-                   }))
-          .why("Of a free fall of point masses on joints. With joint torques, tau stands on the right.")
-          .in("recursive/energy.hpp"));
+  claims.push_back(Claim("eq72", "15.1", "Lagrange's equations")
+                       .printed("`d/dt dL/dqd_i - dL/dq_i = 0` where no forces but those of V act",
+                                exact([](auto& at) {
+                                  using T = ScalarOf<decltype(at)>;
+                                  auto robot = anyRobot(at, {kTurn, kTurn});
+                                  robot.tau = robot.zeros();
+                                  robot.qdd = robot.accelerations();  // by virtual work
+                                  at.zero("d/dt dL/dqd - dL/dq",
+                                          VectorX<T>(robotEulerLagrange(robot, -1)));
+                                }))
+                       .why("Of a free fall of point masses on joints. With joint torques, tau "
+                            "stands on the right.")
+                       .in("recursive/energy.hpp"));
   return claims;
 }
 
@@ -478,11 +516,10 @@ std::vector<Claim> comparison() {
   std::vector<Claim> claims;
   claims.push_back(
       Claim("invariance", "16", "Lagrange's equations under another representation")
-          .printed("they keep their form under any change of representation, angular velocities for rates of "
+          .printed("they keep their form under any change of representation, angular velocities "
+                   "for rates of "
                    "coordinates included: `d/dt dT/dw = moment`",
-                   exact([](auto& at) {
-                     compareRotation(at, false);
-                   }))
+                   exact([](auto& at) { compareRotation(at, false); }))
           .condition("a change of coordinates, q = f(x): `E_x = (df/dx)' E_q`", exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        const Lagrangian<T> L = anyLagrangian(at);
@@ -490,21 +527,25 @@ std::vector<Claim> comparison() {
                        const auto f = [&](const auto& x) {  // any quadratic change of coordinates
                          using S = typename std::decay_t<decltype(x)>::value_type;
                          const auto k = [](const T& y) { return S(y); };
-                         return std::vector<S>{x[0] + k(a) * x[1] * x[1], x[1] + k(b) * x[0] * x[1] + k(c) * x[0]};
+                         return std::vector<S>{x[0] + k(a) * x[1] * x[1],
+                                               x[1] + k(b) * x[0] * x[1] + k(c) * x[0]};
                        };
-                       const std::vector<T> x = {at.number(), at.number()}, xd = {at.number(), at.number()},
+                       const std::vector<T> x = {at.number(), at.number()},
+                                            xd = {at.number(), at.number()},
                                             xdd = {at.number(), at.number()};
                        std::vector<Jet<T>> moving;
                        for (int i = 0; i < 2; ++i) moving.push_back(jet<T>(x[i], xd[i], xdd[i]));
                        const std::vector<Jet<T>> q = f(moving);
                        MatrixX<T> slope(2, 2);
                        for (int j = 0; j < 2; ++j) {
-                         std::vector<Dual<T>> seeded = {{x[0], T(j == 0 ? 1 : 0)}, {x[1], T(j == 1 ? 1 : 0)}};
+                         std::vector<Dual<T>> seeded = {{x[0], T(j == 0 ? 1 : 0)},
+                                                        {x[1], T(j == 1 ? 1 : 0)}};
                          const auto moved = f(seeded);
                          for (int i = 0; i < 2; ++i) slope(i, j) = moved[i].derivative;
                        }
                        using DD = Dual<Dual<T>>;
-                       const auto lifted_L = [&](const std::vector<DD>& q, const std::vector<DD>& v) {
+                       const auto lifted_L = [&](const std::vector<DD>& q,
+                                                 const std::vector<DD>& v) {
                          const auto k = [](const T& y) { return DD(Dual<T>(y)); };
                          return Lagrangian<DD>{k(L.a), k(L.b), k(L.c), k(L.d), k(L.e)}(q, v);
                        };
@@ -512,8 +553,9 @@ std::vector<Claim> comparison() {
                          // f(y) and its rate along yd, by duals over these scalars
                          std::vector<Dual<DD>> path = {{y[0], yd[0]}, {y[1], yd[1]}};
                          const auto k = [](const T& z) { return Dual<DD>(DD(Dual<T>(z))); };
-                         const std::vector<Dual<DD>> image = {path[0] + k(a) * path[1] * path[1],
-                                                              path[1] + k(b) * path[0] * path[1] + k(c) * path[0]};
+                         const std::vector<Dual<DD>> image = {
+                             path[0] + k(a) * path[1] * path[1],
+                             path[1] + k(b) * path[0] * path[1] + k(c) * path[0]};
                          return lifted_L({image[0].value, image[1].value},
                                          {image[0].derivative, image[1].derivative});
                        };
@@ -524,16 +566,19 @@ std::vector<Claim> comparison() {
                            lifted_L, part([](const Jet<T>& y) { return y.value.value; }),
                            part([](const Jet<T>& y) { return y.value.derivative; }),
                            part([](const Jet<T>& y) { return y.derivative.derivative; }));
-                       at.equal("E_x", eulerLagrange<T>(in_x, x, xd, xdd), VectorX<T>(slope.transpose() * E_q));
+                       at.equal("E_x", eulerLagrange<T>(in_x, x, xd, xdd),
+                                VectorX<T>(slope.transpose() * E_q));
                      }))
-          .corrected("in angular velocities a term of their own appears: `d/dt dT/dw + w x dT/dw = moment`",
+          .corrected("in angular velocities a term of their own appears: `d/dt dT/dw + w x dT/dw = "
+                     "moment`",
                      exact([](auto& at) { compareRotation(at, true); }))
           .why("w is not the rate of any three coordinates, so Lagrange's derivation, which varies "
                "coordinates, does not apply to it (Euler-Poincare's does).")
           .in("recursive/spatial.hpp"));
   claims.push_back(
       Claim("cartesian_local", "16", "End-effector coordinates as generalised coordinates")
-          .printed("six end-effector coordinates are only local: where two axes coincide, `J M^-1 J'`, the "
+          .printed("six end-effector coordinates are only local: where two axes coincide, `J M^-1 "
+                   "J'`, the "
                    "inverse of their mass matrix, is singular",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
@@ -542,7 +587,8 @@ std::vector<Claim> comparison() {
                      robot.r[2] = Vector3<T>::Zero();
                      const MatrixX<T> J = at.template matrix<3, 6>() * robot.jacobian(2);
                      at.zero("det J M^-1 J'",
-                             determinant<T>(MatrixX<T>(J * inverseDense<T>(robot.massMatrix()) * J.transpose())));
+                             determinant<T>(MatrixX<T>(J * inverseDense<T>(robot.massMatrix()) *
+                                                       J.transpose())));
                    }))
           .why("Three joints and three task coordinates here, for brevity: the same holds for six.")
           .in("recursive/operational_space.hpp"));

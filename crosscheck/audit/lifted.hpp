@@ -10,9 +10,7 @@ namespace dynwitness::audit {
 /// The same model for duals: its numbers are constants.
 template <typename S, typename T>
 recursive::Model<S> lifted(const recursive::Model<T>& model) {
-  const auto vector = [](const Vector3<T>& v) {
-    return Vector3<S>(S(v.x()), S(v.y()), S(v.z()));
-  };
+  const auto vector = [](const Vector3<T>& v) { return Vector3<S>(S(v.x()), S(v.y()), S(v.z())); };
   recursive::Model<S> out;
   out.gravity = vector(model.gravity);
   out.link_of_dof = model.link_of_dof;
@@ -25,7 +23,8 @@ recursive::Model<S> lifted(const recursive::Model<T>& model) {
       for (int j = 0; j < 3; ++j) l.X_tree.R(i, j) = S(link.X_tree.R(i, j));
     l.X_tree.p = vector(link.X_tree.p);
     const Symmetric3<T>& I = link.M.I;
-    l.M = {S(link.M.mass), vector(link.M.h), {S(I.xx), S(I.yy), S(I.zz), S(I.xy), S(I.xz), S(I.yz)}};
+    l.M = {
+        S(link.M.mass), vector(link.M.h), {S(I.xx), S(I.yy), S(I.zz), S(I.xy), S(I.xz), S(I.yz)}};
     l.rotor = S(link.rotor);
     out.links.push_back(l);
   }
@@ -49,7 +48,8 @@ std::vector<MatrixX<T>> massMatrixGradient(const Robot<T>& robot) {
   std::vector<MatrixX<T>> out;
   for (int k = 0; k < robot.n(); ++k) {
     std::vector<scene::JointPosition<D>> x;
-    for (int i = 0; i < robot.n(); ++i) x.push_back(crosscheck::moving(robot.x[i], T(i == k ? 1 : 0)));
+    for (int i = 0; i < robot.n(); ++i)
+      x.push_back(crosscheck::moving(robot.x[i], T(i == k ? 1 : 0)));
     const MatrixX<D> M = compositeMassMatrix<D>(model, x);
     MatrixX<T> dM(robot.n(), robot.n());
     for (int i = 0; i < robot.n(); ++i)
@@ -59,7 +59,8 @@ std::vector<MatrixX<T>> massMatrixGradient(const Robot<T>& robot) {
   return out;
 }
 
-/// Christoffel symbols of the first kind of the metric M: (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) / 2.
+/// Christoffel symbols of the first kind of the metric M: (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)
+/// / 2.
 template <typename T>
 T christoffel(const std::vector<MatrixX<T>>& dM, int i, int j, int k) {
   return (dM[k](i, j) + dM[j](i, k) - dM[i](j, k)) / T(2);
@@ -72,7 +73,8 @@ std::vector<Vector3<T>> secondPartials(const Robot<T>& robot, int j, int k) {
     std::vector<Vector3<T>> out;
     const auto paths = robot.paths(qd, robot.zeros());
     for (int i = 0; i < robot.n(); ++i)
-      for (const Vector3<T>& r : robot.body[i].r) out.push_back(secondRate<T, 3, 1>(paths[i].place(r)));
+      for (const Vector3<T>& r : robot.body[i].r)
+        out.push_back(secondRate<T, 3, 1>(paths[i].place(r)));
     return out;
   };
   std::vector<T> both = robot.unit(j);
@@ -93,7 +95,8 @@ std::vector<Vector3<T>> firstPartials(const Robot<T>& robot, int j) {
 }
 /// sum of m a' b over all points: the metric of the flat space that the robot's points move in.
 template <typename T>
-T weighted(const Robot<T>& robot, const std::vector<Vector3<T>>& a, const std::vector<Vector3<T>>& b) {
+T weighted(const Robot<T>& robot, const std::vector<Vector3<T>>& a,
+           const std::vector<Vector3<T>>& b) {
   T sum = T(0);
   std::size_t p = 0;
   for (int i = 0; i < robot.n(); ++i)

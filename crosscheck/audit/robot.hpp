@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random robots for the statements about whole chains: their truth by point masses and virtual work, and
-// the six-vectors that the chapter's recursions are written in.
+// Random robots for the statements about whole chains: their truth by point masses and virtual
+// work, and the six-vectors that the chapter's recursions are written in.
 #pragma once
 
 #include <functional>
@@ -63,7 +63,8 @@ T determinant(MatrixX<T> A) {
   return product;
 }
 
-/** A tree of one-dof joints whose links are point masses, in any state, with joint forces and gravity.
+/** A tree of one-dof joints whose links are point masses, in any state, with joint forces and
+   gravity.
 
     Its truth knows no spatial vector, inertia or recursion: places of points as functions of time
     (truths.hpp), Newton's law for each, and the principle of virtual work,
@@ -72,14 +73,14 @@ template <typename T>
 struct Robot {
   std::vector<int> parent;
   std::vector<JointKind> kind;
-  std::vector<Matrix3<T>> R;   ///< joint frame on the parent: x_parent = R x + r
+  std::vector<Matrix3<T>> R;  ///< joint frame on the parent: x_parent = R x + r
   std::vector<Vector3<T>> r;
   std::vector<PointMasses<T>> body;
   std::vector<T> rotor, qd, qdd, tau;
   std::vector<scene::JointPosition<T>> x;
   Vector3<T> gravity = Vector3<T>::Zero();
   Motion<T> base_velocity = Motion<T>::zero();
-  PointMasses<T> base_body;    ///< used where the base floats
+  PointMasses<T> base_body;  ///< used where the base floats
 
   int n() const { return static_cast<int>(parent.size()); }
   std::vector<T> zeros() const { return std::vector<T>(parent.size(), T(0)); }
@@ -89,9 +90,11 @@ struct Robot {
     return e;
   }
 
-  /// Where all link frames are, were and will be; `base`: spatial acceleration of the base in its axes.
+  /// Where all link frames are, were and will be; `base`: spatial acceleration of the base in its
+  /// axes.
   std::vector<Path<T>> paths(const std::vector<T>& qd, const std::vector<T>& qdd,
-                             const Motion<T>& base = Motion<T>::zero(), bool base_moves = true) const {
+                             const Motion<T>& base = Motion<T>::zero(),
+                             bool base_moves = true) const {
     std::vector<Path<T>> out;
     const Path<T> root = basePath(base, base_moves);
     for (int i = 0; i < n(); ++i) {
@@ -137,9 +140,8 @@ struct Robot {
   VectorX<T> forces(const std::vector<T>& qdd) const { return forces(qd, qdd, gravity); }
   /// The qdd that tau causes.
   std::vector<T> accelerations() const {
-    return values(solveAffine<T>(n(), [&](const VectorX<T>& qdd) {
-      return VectorX<T>(forces(values(qdd)) - column(tau));
-    }));
+    return values(solveAffine<T>(
+        n(), [&](const VectorX<T>& qdd) { return VectorX<T>(forces(values(qdd)) - column(tau)); }));
   }
   MatrixX<T> massMatrix() const {
     MatrixX<T> M(n(), n());
@@ -212,8 +214,8 @@ enum class Rotors { kNone, kAll };
 
 /// Any robot with these joints, link i on link parent[i] (on the one before it, when left out).
 template <typename At>
-Robot<ScalarOf<At>> anyRobot(At& at, const std::vector<JointKind>& kinds, Rotors rotors = Rotors::kAll,
-                             const std::vector<int>& parents = {}) {
+Robot<ScalarOf<At>> anyRobot(At& at, const std::vector<JointKind>& kinds,
+                             Rotors rotors = Rotors::kAll, const std::vector<int>& parents = {}) {
   using T = ScalarOf<At>;
   Robot<T> robot;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
@@ -240,10 +242,11 @@ Robot<ScalarOf<At>> anyRobot(At& at, const std::vector<JointKind>& kinds, Rotors
 
 inline constexpr JointKind kTurn = JointKind::kRevolute, kSlide = JointKind::kPrismatic;
 
-/** The chapter's quantities of a robot as six-vectors and 6 x 6 matrices in link coordinates, linear part
-    first, with spatial accelerations: X takes motions from parent to link (the chapter's T_V), its
-    transpose takes forces back (T_F); Z the joint axis, d the rotor; c the bias acceleration, b the bias
-    force of the link alone; M_A and D the articulated inertia and d + Z' M_A Z. */
+/** The chapter's quantities of a robot as six-vectors and 6 x 6 matrices in link coordinates,
+   linear part first, with spatial accelerations: X takes motions from parent to link (the chapter's
+   T_V), its transpose takes forces back (T_F); Z the joint axis, d the rotor; c the bias
+   acceleration, b the bias force of the link alone; M_A and D the articulated inertia and d + Z'
+   M_A Z. */
 template <typename T>
 struct SixVectors {
   explicit SixVectors(const Robot<T>& robot) : robot(robot) {
@@ -282,8 +285,8 @@ struct SixVectors {
     P -= (M_A[i] * Z[i]) * (T(1) / D[i]) * Z[i].transpose();
     return P;
   }
-  /// The force that link i and what hangs on it need besides M_A a, the joints outboard being driven by
-  /// their tau: b + sum X' (P p + M_A Z D^-1 tau + P M_A c).
+  /// The force that link i and what hangs on it need besides M_A a, the joints outboard being
+  /// driven by their tau: b + sum X' (P p + M_A Z D^-1 tau + P M_A c).
   std::vector<Vector6<T>> biasForces() const {
     std::vector<Vector6<T>> p = b;
     for (int i = n() - 1; i >= 0; --i)
