@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -277,6 +279,20 @@ BOOST_AUTO_TEST_CASE(json_says_what_the_entries_say) {
   }
 }
 
+BOOST_AUTO_TEST_CASE(the_readme_says_what_the_audit_finds) {
+  std::map<Holds, int> count;
+  for (const Entry& e : wholeAudit().entries)
+    if (e.isEquation()) ++count[e.holds];
+  std::ifstream file(std::string(DYNWITNESS_SOURCE_DIR) + "/README.md");
+  std::string readme(std::istreambuf_iterator<char>(file), {});
+  std::replace(readme.begin(), readme.end(), '\n', ' ');
+  const std::string expected =
+      "Of its " + std::to_string(kEquations) + " numbered equations " +
+      std::to_string(count[Holds::kTrue]) + " hold, " + std::to_string(count[Holds::kUnderCondition]) +
+      " hold under a condition and " + std::to_string(count[Holds::kFalse]) + " are wrong";
+  BOOST_TEST(readme.find(expected) != std::string::npos, expected);
+}
+
 BOOST_AUTO_TEST_CASE(formulas_are_set_as_they_are_meant) {
   using crosscheck::mathMl;
   const auto has = [](const std::string& text, const std::string& part) {
@@ -290,6 +306,8 @@ BOOST_AUTO_TEST_CASE(formulas_are_set_as_they_are_meant) {
   has(mathMl("D^-1"), "<msup><mi>D</mi><mrow><mo>−</mo><mn>1</mn></mrow></msup>");
   has(mathMl("T_F_12"), "<msubsup><mi>T</mi><mrow><mn>12</mn></mrow><mi>F</mi></msubsup>");
   has(mathMl("P_(i+1)"), "<msub><mi>P</mi><mrow><mi>i</mi><mo>+</mo><mn>1</mn></mrow></msub>");
+  has(mathMl("(P M)_ij"), "</mrow><mrow><mi>i</mi><mi>j</mi></mrow></msub>");
+  has(mathMl("hat(r_12)"), "<msub><mover accent=\"true\"><mi>r</mi><mo>^</mo></mover>");
   has(mathMl("[1, 0; A, 1]"), "<mtr><mtd><mrow><mi>A</mi></mrow></mtd><mtd>");
   has(mathMl("a < b"), "<mo>&lt;</mo>");
   has(crosscheck::textWithMath("a & `b`"), "a &amp; <math");

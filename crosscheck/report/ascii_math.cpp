@@ -161,7 +161,7 @@ class Setter {
       at_ = start;
       const std::string inside = list(")");
       eat(")");
-      return hatted(row(inside));
+      return hatted(row(op("(") + inside + op(")")));
     }
     const std::string base = word == "sum"   ? op("∑")
                              : word == "int" ? op("∫")
@@ -205,10 +205,10 @@ class Setter {
       } else if (isLetter(c)) {
         std::string word;
         for (; isLetter(peek()); ++at_) word += peek();
-        out += greek(word) != nullptr && word.size() > 1
-                   ? tag("mi", greek(word))
-                   : "<mi mathvariant=\"" + std::string(word.size() == 1 ? "italic" : "normal") + "\">" +
-                         word + "</mi>";
+        if (word.find_first_not_of("ijk") == std::string::npos)
+          for (const char index : word) out += tag("mi", std::string(1, index));
+        else
+          out += nameOf(word);
         last = word.back();
       } else if ((c == ',' || c == '_') && isAlnum(peek(1))) {
         ++at_;
@@ -247,7 +247,9 @@ class Setter {
   /// Transposes and powers after an operand.
   std::string withPowers(std::string base) {
     while (true) {
-      if (peek() == '\'') {
+      if (peek() == '_' && isAlnum(peek(1))) {  // of a bracket
+        base = "<msub>" + base + subscript() + "</msub>";
+      } else if (peek() == '\'') {
         ++at_;
         base = "<msup>" + base + "<mi mathvariant=\"normal\">T</mi></msup>";
       } else if (peek() == '^') {
