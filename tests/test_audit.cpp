@@ -89,8 +89,10 @@ BOOST_AUTO_TEST_CASE(every_correction_and_every_condition_is_found_to_hold) {
     BOOST_TEST_CONTEXT(e.id) {
       BOOST_TEST(e.isSound());
       if (e.holds != Holds::kTrue) BOOST_REQUIRE(e.residual_corrected.has_value());
-      if (e.residual_corrected) BOOST_TEST(e.residual_corrected->zero, e.residual_corrected->residual);
-      if (e.residual_condition) BOOST_TEST(e.residual_condition->zero, e.residual_condition->residual);
+      if (e.residual_corrected)
+        BOOST_TEST(e.residual_corrected->zero, e.residual_corrected->residual);
+      if (e.residual_condition)
+        BOOST_TEST(e.residual_condition->zero, e.residual_condition->residual);
       for (const auto& outcome : {std::optional<Outcome>(e.residual_printed), e.residual_corrected})
         if (outcome && outcome->zero) BOOST_TEST(outcome->chance <= 1e-30);
     }
@@ -104,7 +106,8 @@ BOOST_AUTO_TEST_CASE(known_errata_are_found_and_textbook_equations_hold) {
     BOOST_TEST((entry(id).holds == Holds::kFalse), id);
   for (const char* id : {"eq14", "eq17", "eq19", "rotor_projection"})
     BOOST_TEST((entry(id).holds == Holds::kUnderCondition), id);
-  for (const char* id : {"eq1", "eq4", "eq13", "eq16", "eq18", "eq23", "eq28", "eq30", "eq34", "eq49"})
+  for (const char* id :
+       {"eq1", "eq4", "eq13", "eq16", "eq18", "eq23", "eq28", "eq30", "eq34", "eq49"})
     BOOST_TEST((entry(id).holds == Holds::kTrue), id);
 }
 
@@ -158,7 +161,7 @@ BOOST_AUTO_TEST_CASE(holds_follows_from_the_residuals_alone) {
   BOOST_TEST((made(neverZero(), alwaysZero(), alwaysZero()).holds == Holds::kUnderCondition));
   BOOST_TEST((made(neverZero(), alwaysZero(), neverZero()).holds == Holds::kFalse));
   BOOST_TEST(made(neverZero(), alwaysZero(), {}).isSound());
-  BOOST_TEST(!made(neverZero(), {}, {}).isSound());           // wrong, and no word of what is right
+  BOOST_TEST(!made(neverZero(), {}, {}).isSound());  // wrong, and no word of what is right
   BOOST_TEST(!made(neverZero(), neverZero(), {}).isSound());
   BOOST_TEST(!made(neverZero(), alwaysZero(), neverZero()).isSound());
   BOOST_CHECK_THROW(evaluate(Claim("none", "1", "none"), 1), std::logic_error);
@@ -220,8 +223,8 @@ BOOST_AUTO_TEST_CASE(a_path_stays_a_rotation_and_its_rates_are_those_of_known_mo
     at.zero("its second rate", secondRate<T, 3, 3>(product));
   })("rotation", 1);
   BOOST_TEST(rotation.zero, rotation.residual);
-  // a frame that turns about z of the world: w = (0, 0, qd), wd = (0, 0, qdd); a place on it at distance r
-  // has the accelerations -r qd^2 inward and r qdd along
+  // a frame that turns about z of the world: w = (0, 0, qd), wd = (0, 0, qdd); a place on it at
+  // distance r has the accelerations -r qd^2 inward and r qdd along
   const Outcome circle = exact([](auto& at) {
     using T = ScalarOf<decltype(at)>;
     const Vector3<T> none = Vector3<T>::Zero();
@@ -286,10 +289,11 @@ BOOST_AUTO_TEST_CASE(the_readme_says_what_the_audit_finds) {
   std::ifstream file(std::string(DYNWITNESS_SOURCE_DIR) + "/README.md");
   std::string readme(std::istreambuf_iterator<char>(file), {});
   std::replace(readme.begin(), readme.end(), '\n', ' ');
-  const std::string expected =
-      "Of its " + std::to_string(kEquations) + " numbered equations " +
-      std::to_string(count[Holds::kTrue]) + " hold, " + std::to_string(count[Holds::kUnderCondition]) +
-      " hold under a condition and " + std::to_string(count[Holds::kFalse]) + " are wrong";
+  const std::string expected = "Of its " + std::to_string(kEquations) + " numbered equations " +
+                               std::to_string(count[Holds::kTrue]) + " hold, " +
+                               std::to_string(count[Holds::kUnderCondition]) +
+                               " hold under a condition and " +
+                               std::to_string(count[Holds::kFalse]) + " are wrong";
   BOOST_TEST(readme.find(expected) != std::string::npos, expected);
 }
 

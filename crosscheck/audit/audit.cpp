@@ -73,9 +73,8 @@ Entry evaluate(const Claim& claim, std::uint64_t seed) {
 
 std::vector<Claim> allClaims() {
   std::vector<Claim> all;
-  for (const auto& group :
-       {frames, rigidBody, projections, recursions, algorithms, constrainedSystems, constraints,
-        analytical, lagrange, geometry}) {
+  for (const auto& group : {frames, rigidBody, projections, recursions, algorithms,
+                            constrainedSystems, constraints, analytical, lagrange, geometry}) {
     std::vector<Claim> claims = group();
     std::move(claims.begin(), claims.end(), std::back_inserter(all));
   }

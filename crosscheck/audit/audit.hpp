@@ -12,11 +12,11 @@ namespace dynwitness::audit {
 
 /// What came of computing both sides of a statement.
 struct Outcome {
-  bool zero = false;      ///< the two sides are equal (or the inequality is certain)
-  int points = 0;         ///< at which both sides were computed
-  double chance = 0;      ///< that different formulas pass as equal
-  std::string method;     ///< "prime field", "certified digits", "counterexample", "count"
-  std::string residual;   ///< "0 at 1 point modulo p, ...", "not 0: moment (entry 2 of 3)"
+  bool zero = false;     ///< the two sides are equal (or the inequality is certain)
+  int points = 0;        ///< at which both sides were computed
+  double chance = 0;     ///< that different formulas pass as equal
+  std::string method;    ///< "prime field", "certified digits", "counterexample", "count"
+  std::string residual;  ///< "0 at 1 point modulo p, ...", "not 0: moment (entry 2 of 3)"
 };
 
 /// Computes both sides at random points, a pure function of (name, seed).
@@ -24,14 +24,14 @@ using Trial = std::function<Outcome(const std::string& name, std::uint64_t seed)
 
 /** One statement of the chapter and how to compute it.
 
-    Formulas in the texts stand between backticks, in the notation of crosscheck/report/ascii_math.hpp. A
-    statement is told in our own words and symbols.
+    Formulas in the texts stand between backticks, in the notation of
+   crosscheck/report/ascii_math.hpp. A statement is told in our own words and symbols.
 
         Claim("eq1", "5.2", "Force and moment about another point")
             .printed("`m_1 = m_2 + r_12 x f_2`", exact([](auto& at) { ... }))
             .corrected("...", exact(...))
             .why("...")
-            .in("recursive/spatial.hpp")                                                             */
+            .in("recursive/spatial.hpp") */
 class Claim {
  public:
   /// @param id       "eq1" ... "eq74", a short name for what has no number
@@ -52,8 +52,8 @@ class Claim {
   Claim& condition(std::string text, Trial trial) {
     return set(&condition_text, &condition_trial, std::move(text), std::move(trial));
   }
-  /// The chapter leaves this open (a TODO, "...", a question): what is printed is then what its context
-  /// says or asks.
+  /// The chapter leaves this open (a TODO, "...", a question): what is printed is then what its
+  /// context says or asks.
   Claim& open() {
     is_open = true;
     return *this;
@@ -93,20 +93,20 @@ struct Entry {
   std::optional<Outcome> residual_corrected, residual_condition;
 
   bool isEquation() const { return kind == "equation"; }  ///< or "sentence", "open item"
-  /// Our own part stands: what is called corrected or conditional was computed to be so, and nothing
-  /// that is wrong lacks a correction.
+  /// Our own part stands: what is called corrected or conditional was computed to be so, and
+  /// nothing that is wrong lacks a correction.
   bool isSound() const;
 };
 
-/** Computes a claim. `holds` follows from the residuals and from nothing else: printed zero is true;
-    not zero, and zero under the condition, is "under condition"; else false. */
+/** Computes a claim. `holds` follows from the residuals and from nothing else: printed zero is
+   true; not zero, and zero under the condition, is "under condition"; else false. */
 Entry evaluate(const Claim& claim, std::uint64_t seed);
 
 // The chapter, a file a group of sections.
-std::vector<Claim> frames();        ///< 5
-std::vector<Claim> rigidBody();     ///< 6
-std::vector<Claim> projections();   ///< 7
-std::vector<Claim> recursions();    ///< 8
+std::vector<Claim> frames();              ///< 5
+std::vector<Claim> rigidBody();           ///< 6
+std::vector<Claim> projections();         ///< 7
+std::vector<Claim> recursions();          ///< 8
 std::vector<Claim> algorithms();          ///< 9
 std::vector<Claim> constrainedSystems();  ///< 10
 std::vector<Claim> constraints();         ///< 11 to 13

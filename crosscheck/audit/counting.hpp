@@ -20,8 +20,8 @@ struct Operations {
   }
 };
 
-/// A number that is no number: its operations are counted in Counted::operations of the thread. Products
-/// with a known 0 or 1 and sums with 0 count like others; changes of sign do not.
+/// A number that is no number: its operations are counted in Counted::operations of the thread.
+/// Products with a known 0 or 1 and sums with 0 count like others; changes of sign do not.
 struct Counted {
   Counted(int = 0) {}  // NOLINT(google-explicit-constructor): integers are constants
   static Operations& operations() {
@@ -39,8 +39,8 @@ struct Counted {
   Counted& operator/=(Counted b) { return *this = *this / b; }
 };
 
-/** P M of a revolute joint about z, M symmetric, at the fewest operations that we know: the symmetric half
-    only, and nothing for what becomes zero.
+/** P M of a revolute joint about z, M symmetric, at the fewest operations that we know: the
+   symmetric half only, and nothing for what becomes zero.
     @param with_rotor  d counts: then the last row and column, m_6j d / (d + m_66), are not zero */
 template <typename T>
 recursive::Matrix6<T> projectThroughZ(const recursive::Matrix6<T>& M, const T& d, bool with_rotor) {
@@ -67,8 +67,15 @@ struct NumTraits<dynwitness::audit::Counted> : GenericNumTraits<double> {
   using NonInteger = Real;
   using Nested = Real;
   using Literal = Real;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 1,
-         AddCost = 1, MulCost = 1 };
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 1,
+    ReadCost = 1,
+    AddCost = 1,
+    MulCost = 1
+  };
 };
 }  // namespace Eigen
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 7: what of inertia, acceleration and force passes through a joint. The truth is the linear
-// system of Newton-Euler, joint and motor (solveJoint).
+// Section 7: what of inertia, acceleration and force passes through a joint. The truth is the
+// linear system of Newton-Euler, joint and motor (solveJoint).
 #include <fmt/format.h>
 
 #include "crosscheck/audit/counting.hpp"
@@ -48,64 +48,67 @@ Vector6<T> axisZ() {
 // ---- inertia -----------------------------------------------------------------------------------
 
 void addInertia(std::vector<Claim>* claims) {
-  claims->push_back(
-      Claim("eq20", "7.1", "Accelerations on both sides of a joint")
-          .printed("From standstill `Xdd_2 - Xdd_1 = Z qdd`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const Path<T> one = anyPath(at, Start::kStandstill);
-                     const Matrix3<T> R = at.rotation();
-                     const Vector3<T> r = at.vector();
-                     const auto joint = anyJointMotion(at, Start::kStandstill);
-                     const Path<T> two = turned(one, R, r, at.angle(), joint);
-                     const Vector3<T> vd_1 = secondRate<T, 3, 1>(one.place(r));
-                     const Vector3<T> z = one.axes() * R.col(2);
-                     at.equal("linear", two.acceleration().linear, vd_1);
-                     at.equal("angular", two.acceleration().angular, one.alpha() + z * joint.qdd);
-                   }))
-          .why("Both accelerations are at the joint's point. In motion the bias acceleration of (48) is "
-               "added.")
-          .in("recursive/articulated_body.hpp"));
+  claims->push_back(Claim("eq20", "7.1", "Accelerations on both sides of a joint")
+                        .printed("From standstill `Xdd_2 - Xdd_1 = Z qdd`", exact([](auto& at) {
+                                   using T = ScalarOf<decltype(at)>;
+                                   const Path<T> one = anyPath(at, Start::kStandstill);
+                                   const Matrix3<T> R = at.rotation();
+                                   const Vector3<T> r = at.vector();
+                                   const auto joint = anyJointMotion(at, Start::kStandstill);
+                                   const Path<T> two = turned(one, R, r, at.angle(), joint);
+                                   const Vector3<T> vd_1 = secondRate<T, 3, 1>(one.place(r));
+                                   const Vector3<T> z = one.axes() * R.col(2);
+                                   at.equal("linear", two.acceleration().linear, vd_1);
+                                   at.equal("angular", two.acceleration().angular,
+                                            one.alpha() + z * joint.qdd);
+                                 }))
+                        .why("Both accelerations are at the joint's point. In motion the bias "
+                             "acceleration of (48) is "
+                             "added.")
+                        .in("recursive/articulated_body.hpp"));
 
-  claims->push_back(
-      Claim("eq21", "7.1", "What a free joint cannot transmit")
-          .printed("`Z' F_2 = 0`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     // a bearing pushes on the shaft at points of its axis, in any direction
-                     const Vector3<T> p = at.vector(), z = at.vector();
-                     Force<T> F = Force<T>::zero();
-                     for (int k = 0; k < 3; ++k) {
-                       const Vector3<T> place = p + z * at.number(), f = at.vector();
-                       F = F + Force<T>{f, place.cross(f)};
-                     }
-                     // unit rotation about the axis through p, seen from the origin
-                     const Motion<T> Z{p.cross(z), z};
-                     at.zero("Z' F", dot(Z, F));
-                   }))
-          .why("Forces through points of the axis have no moment about it. In general: an ideal joint does "
-               "no work on the motion that it leaves free.")
-          .in("recursive/articulated_body.hpp"));
+  claims->push_back(Claim("eq21", "7.1", "What a free joint cannot transmit")
+                        .printed("`Z' F_2 = 0`", exact([](auto& at) {
+                                   using T = ScalarOf<decltype(at)>;
+                                   // a bearing pushes on the shaft at points of its axis, in any
+                                   // direction
+                                   const Vector3<T> p = at.vector(), z = at.vector();
+                                   Force<T> F = Force<T>::zero();
+                                   for (int k = 0; k < 3; ++k) {
+                                     const Vector3<T> place = p + z * at.number(), f = at.vector();
+                                     F = F + Force<T>{f, place.cross(f)};
+                                   }
+                                   // unit rotation about the axis through p, seen from the origin
+                                   const Motion<T> Z{p.cross(z), z};
+                                   at.zero("Z' F", dot(Z, F));
+                                 }))
+                        .why("Forces through points of the axis have no moment about it. In "
+                             "general: an ideal joint does "
+                             "no work on the motion that it leaves free.")
+                        .in("recursive/articulated_body.hpp"));
 
-  claims->push_back(
-      Claim("eq22", "7.1", "Equation for the joint's acceleration")
-          .printed("`-Z' M_2 Xdd_1 = Z' M_2 Z qdd`", exact([](auto& at) {
-                     const auto problem = anyProblem(at);
-                     at.equal("both sides", -problem.Z.dot(problem.M_2 * problem.Xdd_1),
-                              axisInertia(problem) * solveJoint(problem).qdd);
-                   }))
-          .why("(20) in `F_2 = M_2 Xdd_2`, and (21).")
-          .in("recursive/articulated_body.hpp"));
-  claims->push_back(
-      Claim("eq23", "7.1", "The joint's acceleration")
-          .printed("`qdd = -(Z' M_2 Z)^-1 Z' M_2 Xdd_1`", exact([](auto& at) {
-                     const auto problem = anyProblem(at);
-                     at.equal("qdd", solveJoint(problem).qdd,
-                              -(problem.Z.dot(problem.M_2 * problem.Xdd_1)) / axisInertia(problem));
-                   }))
-          .why("`Z' M_2 Z` is positive, as kinetic energy is.")
-          .in("recursive/articulated_body.hpp"));
+  claims->push_back(Claim("eq22", "7.1", "Equation for the joint's acceleration")
+                        .printed("`-Z' M_2 Xdd_1 = Z' M_2 Z qdd`", exact([](auto& at) {
+                                   const auto problem = anyProblem(at);
+                                   at.equal("both sides",
+                                            -problem.Z.dot(problem.M_2 * problem.Xdd_1),
+                                            axisInertia(problem) * solveJoint(problem).qdd);
+                                 }))
+                        .why("(20) in `F_2 = M_2 Xdd_2`, and (21).")
+                        .in("recursive/articulated_body.hpp"));
+  claims->push_back(Claim("eq23", "7.1", "The joint's acceleration")
+                        .printed("`qdd = -(Z' M_2 Z)^-1 Z' M_2 Xdd_1`", exact([](auto& at) {
+                                   const auto problem = anyProblem(at);
+                                   at.equal("qdd", solveJoint(problem).qdd,
+                                            -(problem.Z.dot(problem.M_2 * problem.Xdd_1)) /
+                                                axisInertia(problem));
+                                 }))
+                        .why("`Z' M_2 Z` is positive, as kinetic energy is.")
+                        .in("recursive/articulated_body.hpp"));
   claims->push_back(
       Claim("eq24", "7.1", "Force that the proximal link needs")
-          .printed("`F_1 = M_1 Xdd_1 + (M_2 - M_2 Z (Z' M_2 Z)^-1 Z' M_2) Xdd_1`", exact([](auto& at) {
+          .printed("`F_1 = M_1 Xdd_1 + (M_2 - M_2 Z (Z' M_2 Z)^-1 Z' M_2) Xdd_1`",
+                   exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto problem = anyProblem(at);
                      const Matrix6<T> M_1 = at.template symmetric<6>();
@@ -138,38 +141,42 @@ void addInertia(std::vector<Claim>* claims) {
                      const auto problem = anyProblem(at);
                      const Matrix6<T> M_1 = at.template symmetric<6>();
                      const Vector6<T> M_Z = problem.M_2 * problem.Z;
-                     const Matrix6<T> P = Matrix6<T>::Identity() -
-                                          Matrix6<T>(M_Z * problem.Z.transpose()) / axisInertia(problem);
+                     const Matrix6<T> P =
+                         Matrix6<T>::Identity() -
+                         Matrix6<T>(M_Z * problem.Z.transpose()) / axisInertia(problem);
                      const Matrix6<T> M_A1 = M_1 + P * problem.M_2;
                      at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted,
                               M_A1 * problem.Xdd_1);
                    }))
-          .why("The bracket has to close before the last `M_2` (extracted text loses it): otherwise a mass "
+          .why("The bracket has to close before the last `M_2` (extracted text loses it): "
+               "otherwise a mass "
                "would be subtracted from a number without unit.")
           .in("recursive/projection.hpp"));
-  claims->push_back(Claim("eq27", "7.1", "The projection")
-                        .printed("`P_2 = 1 - M_2 Z (Z' M_2 Z)^-1 Z'` takes `M_2 Xdd_1` to the force that "
-                                 "passes the joint",
-                                 exact([](auto& at) {
-                                   using T = ScalarOf<decltype(at)>;
-                                   const auto problem = anyProblem(at);
-                                   at.equal("force", solveJoint(problem).transmitted,
-                                            forceProjection<T>(problem.M_2, problem.Z, T(0)) *
-                                                Vector6<T>(problem.M_2 * problem.Xdd_1));
-                                 }))
-                        .why("It removes from a force what the free joint gives way to. (The text after "
-                             "(30) refers to (27) for the articulated inertia, which is (26).)")
-                        .in("recursive/projection.hpp"));
-  claims->push_back(Claim("eq28", "7.1", "It is a projection")
-                        .printed("`P_2 P_2 = P_2`", exact([](auto& at) {
-                                   using T = ScalarOf<decltype(at)>;
-                                   const Matrix6<T> P = forceProjection<T>(
-                                       at.template symmetric<6>(), at.vector6(), T(0));
-                                   at.equal("P P", P * P, P);
-                                 }))
-                        .why("`Z' M Z (Z' M Z)^-1 = 1`: what has passed a free joint passes it again. With "
-                             "a rotor it does not, see rotor_projection.")
-                        .in("recursive/projection.hpp"));
+  claims->push_back(
+      Claim("eq27", "7.1", "The projection")
+          .printed("`P_2 = 1 - M_2 Z (Z' M_2 Z)^-1 Z'` takes `M_2 Xdd_1` to the force that "
+                   "passes the joint",
+                   exact([](auto& at) {
+                     using T = ScalarOf<decltype(at)>;
+                     const auto problem = anyProblem(at);
+                     at.equal("force", solveJoint(problem).transmitted,
+                              forceProjection<T>(problem.M_2, problem.Z, T(0)) *
+                                  Vector6<T>(problem.M_2 * problem.Xdd_1));
+                   }))
+          .why("It removes from a force what the free joint gives way to. (The text after "
+               "(30) refers to (27) for the articulated inertia, which is (26).)")
+          .in("recursive/projection.hpp"));
+  claims->push_back(
+      Claim("eq28", "7.1", "It is a projection")
+          .printed("`P_2 P_2 = P_2`", exact([](auto& at) {
+                     using T = ScalarOf<decltype(at)>;
+                     const Matrix6<T> P =
+                         forceProjection<T>(at.template symmetric<6>(), at.vector6(), T(0));
+                     at.equal("P P", P * P, P);
+                   }))
+          .why("`Z' M Z (Z' M Z)^-1 = 1`: what has passed a free joint passes it again. With "
+               "a rotor it does not, see rotor_projection.")
+          .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("projection_skew", "7.1", "Skewed by the mass distribution")
           .printed("`P_2` is not orthogonal, `P_2' != P_2`; it is so in the metric of the mass, "
@@ -187,75 +194,80 @@ void addInertia(std::vector<Claim>* claims) {
                           const Matrix6<T> P = forceProjection<T>(M, at.vector6(), T(0));
                           at.equal("M P' and P M", M * P.transpose(), P * M);
                         })))
-          .why("Forces of different kinds (N and N m) have no angle between them until a mass gives them "
+          .why("Forces of different kinds (N and N m) have no angle between them until a mass "
+               "gives them "
                "one.")
           .in("recursive/projection.hpp"));
-  claims->push_back(
-      Claim("eq29", "7.1", "Own inertia and projected part")
-          .printed("`M_A1 = M_1 + P_2 M_2`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto problem = anyProblem(at);
-                     const Matrix6<T> M_1 = at.template symmetric<6>();
-                     const Matrix6<T> M_A1 =
-                         M_1 + inertiaProjection<T>(problem.M_2, problem.Z, T(0));
-                     at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted,
-                              M_A1 * problem.Xdd_1);
-                   }))
-          .why("In a chain `M_2` is the articulated inertia of link 2, as in (49).")
-          .in("recursive/projection.hpp"));
-  claims->push_back(
-      Claim("eq30", "7.1", "The projected inertia is symmetric")
-          .printed("`P_2 M_2 = P_2 M_2 P_2'`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const Matrix6<T> M = at.template symmetric<6>();
-                     const Vector6<T> Z = at.vector6();
-                     const Matrix6<T> P = forceProjection<T>(M, Z, T(0));
-                     at.equal("P M", P * M, P * M * P.transpose());
-                     at.equal("symmetric", P * M, (P * M).transpose());
-                   }))
-          .why("`P M = M P'` and `P P = P`. With a rotor `P M` is still symmetric and this equation is "
-               "wrong, see rotor_projection.")
-          .in("recursive/projection.hpp"));
+  claims->push_back(Claim("eq29", "7.1", "Own inertia and projected part")
+                        .printed("`M_A1 = M_1 + P_2 M_2`", exact([](auto& at) {
+                                   using T = ScalarOf<decltype(at)>;
+                                   const auto problem = anyProblem(at);
+                                   const Matrix6<T> M_1 = at.template symmetric<6>();
+                                   const Matrix6<T> M_A1 =
+                                       M_1 + inertiaProjection<T>(problem.M_2, problem.Z, T(0));
+                                   at.equal("F_1",
+                                            M_1 * problem.Xdd_1 + solveJoint(problem).transmitted,
+                                            M_A1 * problem.Xdd_1);
+                                 }))
+                        .why("In a chain `M_2` is the articulated inertia of link 2, as in (49).")
+                        .in("recursive/projection.hpp"));
+  claims->push_back(Claim("eq30", "7.1", "The projected inertia is symmetric")
+                        .printed("`P_2 M_2 = P_2 M_2 P_2'`", exact([](auto& at) {
+                                   using T = ScalarOf<decltype(at)>;
+                                   const Matrix6<T> M = at.template symmetric<6>();
+                                   const Vector6<T> Z = at.vector6();
+                                   const Matrix6<T> P = forceProjection<T>(M, Z, T(0));
+                                   at.equal("P M", P * M, P * M * P.transpose());
+                                   at.equal("symmetric", P * M, (P * M).transpose());
+                                 }))
+                        .why("`P M = M P'` and `P P = P`. With a rotor `P M` is still symmetric "
+                             "and this equation is "
+                             "wrong, see rotor_projection.")
+                        .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("heavier", "7.1", "The joint makes link 1 heavier")
-          .printed("`x' M_A1 x >= x' M_1 x` for all accelerations `x`, equal for `x` along `Z`: turning "
-                   "about the joint's own axis, link 1 does not feel link 2",
-                     both(exact([](auto& at) {
-                            using T = ScalarOf<decltype(at)>;
-                            const Vector6<T> Z = at.vector6();
-                            at.zero("P M Z", Vector6<T>(inertiaProjection<T>(
-                                                            at.template symmetric<6>(), Z, T(0)) *
-                                                        Z));
-                          }),
-                          certified([](RealPoint& at) {
-                            const RigidInertia<Ball> body = RigidInertia<Ball>::aboutCenterOfMass(
-                                at.number(1, 2), at.vector(), Symmetric3<Ball>::diagonal(at.number(1, 2)));
-                            const Matrix6<Ball> M = massMatrix6<Ball>(body.mass, body.h, body.I.matrix());
-                            Vector6<Ball> x;
-                            for (int i = 0; i < 6; ++i) x(i) = at.number(-1, 1);
-                            const Matrix6<Ball> P_M = inertiaProjection<Ball>(M, axisZ<Ball>(), Ball(0));
-                            at.positive("x' P_2 M_2 x", x.dot(P_M * x));
-                          })))
-          .why("`P_2 M_2` has rank five for a joint with one degree of freedom: positive semidefinite, not "
+          .printed(
+              "`x' M_A1 x >= x' M_1 x` for all accelerations `x`, equal for `x` along `Z`: turning "
+              "about the joint's own axis, link 1 does not feel link 2",
+              both(exact([](auto& at) {
+                     using T = ScalarOf<decltype(at)>;
+                     const Vector6<T> Z = at.vector6();
+                     at.zero(
+                         "P M Z",
+                         Vector6<T>(inertiaProjection<T>(at.template symmetric<6>(), Z, T(0)) * Z));
+                   }),
+                   certified([](RealPoint& at) {
+                     const RigidInertia<Ball> body = RigidInertia<Ball>::aboutCenterOfMass(
+                         at.number(1, 2), at.vector(), Symmetric3<Ball>::diagonal(at.number(1, 2)));
+                     const Matrix6<Ball> M = massMatrix6<Ball>(body.mass, body.h, body.I.matrix());
+                     Vector6<Ball> x;
+                     for (int i = 0; i < 6; ++i) x(i) = at.number(-1, 1);
+                     const Matrix6<Ball> P_M = inertiaProjection<Ball>(M, axisZ<Ball>(), Ball(0));
+                     at.positive("x' P_2 M_2 x", x.dot(P_M * x));
+                   })))
+          .why("`P_2 M_2` has rank five for a joint with one degree of freedom: positive "
+               "semidefinite, not "
                "definite. Heavier, then, in five directions of six.")
           .in("recursive/projection.hpp"));
 
   claims->push_back(
       Claim("eq31", "7.1", "P in joint coordinates")
-          .printed("With `Z = (0, 0, 0, 0, 0, 1)`: `P_2` is the unit matrix but for its last column, "
-                   "`-m_i6/m_66` and last 0",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const Matrix6<T> M = at.template symmetric<6>();
-                     Matrix6<T> P = Matrix6<T>::Identity();
-                     for (int i = 0; i < 6; ++i) P(i, 5) = i < 5 ? -M(i, 5) / M(5, 5) : T(0);
-                     at.equal("P", P, forceProjection<T>(M, axisZ<T>(), T(0)));
-                   }))
+          .printed(
+              "With `Z = (0, 0, 0, 0, 0, 1)`: `P_2` is the unit matrix but for its last column, "
+              "`-m_i6/m_66` and last 0",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                const Matrix6<T> M = at.template symmetric<6>();
+                Matrix6<T> P = Matrix6<T>::Identity();
+                for (int i = 0; i < 6; ++i) P(i, 5) = i < 5 ? -M(i, 5) / M(5, 5) : T(0);
+                at.equal("P", P, forceProjection<T>(M, axisZ<T>(), T(0)));
+              }))
           .why("`M_2 Z` is the last column of `M_2`, and `Z'` picks the last component.")
           .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("eq32", "7.1", "Projected inertia in joint coordinates")
-          .printed("`(P_2 M_2)_ij = m_ij` for `i, j <= 5`, last row and column 0", exact([](auto& at) {
+          .printed("`(P_2 M_2)_ij = m_ij` for `i, j <= 5`, last row and column 0",
+                   exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const Matrix6<T> M = at.template symmetric<6>();
                      Matrix6<T> printed = M;
@@ -275,7 +287,8 @@ void addInertia(std::vector<Claim>* claims) {
                        const Matrix6<T>& M = problem.M_2;
                        Matrix6<T> P_M;
                        for (int i = 0; i < 6; ++i)
-                         for (int j = 0; j < 6; ++j) P_M(i, j) = M(i, j) - M(i, 5) * M(5, j) / M(5, 5);
+                         for (int j = 0; j < 6; ++j)
+                           P_M(i, j) = M(i, j) - M(i, 5) * M(5, j) / M(5, 5);
                        at.zero("last row", Vector6<T>(P_M.row(5)));
                        at.zero("last column", Vector6<T>(P_M.col(5)));
                        at.equal("force that passes", solveJoint(problem).transmitted,
@@ -287,32 +300,37 @@ void addInertia(std::vector<Claim>* claims) {
                        const Force<T> U{A.B.col(2), A.C.columnZ()};
                        at.equal("our code", A.minusOuter(U, T(1) / U.moment.z()).matrix(), P_M);
                      }))
-          .why("(31) times `M_2` subtracts from row `i` the multiple `m_i6/m_66` of the last row. The "
-               "printed matrix is right only where `m_i6 = 0`: an axis through the centre of mass along a "
+          .why("(31) times `M_2` subtracts from row `i` the multiple `m_i6/m_66` of the last row. "
+               "The "
+               "printed matrix is right only where `m_i6 = 0`: an axis through the centre of mass "
+               "along a "
                "principal axis.")
           .in("recursive/spatial.hpp"));
   claims->push_back(
       Claim("free_projection", "7.1", "Cost of projecting the inertia")
-          .printed("Finding `P_2 M_2` takes no computation at all", decided("count of operations", [] {
-                     const Operations cost = projectionCost(false);
-                     return Decision{cost.total() == 0, "a correct one takes " + cost.text()};
-                   }))
-          .corrected("It takes 15 multiplications and 15 subtractions for the symmetric 5 x 5 part, 5 "
-                     "multiplications for the column and 1 division",
-                     both(decided("count of operations",
-                                  [] {
-                                    const Operations cost = projectionCost(false);
-                                    return Decision{cost.multiplications == 20 && cost.additions == 15 &&
-                                                        cost.divisions == 1,
-                                                    cost.text()};
-                                  }),
-                          exact([](auto& at) {
-                            using T = ScalarOf<decltype(at)>;
-                            const Matrix6<T> M = at.template symmetric<6>();
-                            Matrix6<T> P_M = projectThroughZ<T>(M, T(0), false);
-                            at.equal("what was counted", P_M,
-                                     inertiaProjection<T>(M, axisZ<T>(), T(0)));
-                          })))
+          .printed(
+              "Finding `P_2 M_2` takes no computation at all",
+              decided("count of operations",
+                      [] {
+                        const Operations cost = projectionCost(false);
+                        return Decision{cost.total() == 0, "a correct one takes " + cost.text()};
+                      }))
+          .corrected(
+              "It takes 15 multiplications and 15 subtractions for the symmetric 5 x 5 part, 5 "
+              "multiplications for the column and 1 division",
+              both(decided("count of operations",
+                           [] {
+                             const Operations cost = projectionCost(false);
+                             return Decision{cost.multiplications == 20 && cost.additions == 15 &&
+                                                 cost.divisions == 1,
+                                             cost.text()};
+                           }),
+                   exact([](auto& at) {
+                     using T = ScalarOf<decltype(at)>;
+                     const Matrix6<T> M = at.template symmetric<6>();
+                     Matrix6<T> P_M = projectThroughZ<T>(M, T(0), false);
+                     at.equal("what was counted", P_M, inertiaProjection<T>(M, axisZ<T>(), T(0)));
+                   })))
           .why("(32) looks free because it forgets the products.")
           .in("crosscheck/audit/counting.hpp"));
 }
@@ -358,7 +376,8 @@ void addJointKinds(std::vector<Claim>* claims) {
   claims->push_back(
       Claim("spherical_joint", "7.1.1", "TODO: P M for a spherical joint")
           .open()
-          .printed("For a spherical joint, `Z = [0; 1]`, the general formula gives `P_2 M_2` explicitly: "
+          .printed("For a spherical joint, `Z = [0; 1]`, the general formula gives `P_2 M_2` "
+                   "explicitly: "
                    "`[A - B C^-1 B', 0; 0, 0]` for `M_2 = [A, B; B', C]`; for one rigid link "
                    "`m 1 + m^2 hat(r_c) I^-1 hat(r_c)` in the corner",
                    exact([](auto& at) {
@@ -379,13 +398,15 @@ void addJointKinds(std::vector<Claim>* claims) {
                      const Matrix6<T> M = at.template symmetric<6>();
                      Matrix3<T> schur = M.template block<3, 3>(0, 0);
                      for (int k = 0; k < 3; ++k)
-                       schur.col(k) -= M.template block<3, 3>(0, 3) *
-                                       Vector3<T>(solveDense<T>(MatrixX<T>(M.template block<3, 3>(3, 3)),
-                                                                VectorX<T>(M.template block<3, 1>(3, k))));
+                       schur.col(k) -=
+                           M.template block<3, 3>(0, 3) *
+                           Vector3<T>(solveDense<T>(MatrixX<T>(M.template block<3, 3>(3, 3)),
+                                                    VectorX<T>(M.template block<3, 1>(3, k))));
                      passed.template head<3>() = schur * Vector3<T>(Xdd_1.template head<3>());
                      at.equal("any inertia", transmittedThrough<T>(M, Z, Xdd_1), passed);
                    }))
-          .why("Only a force passes, no moment. What is left of a rigid link is its effective mass at the "
+          .why("Only a force passes, no moment. What is left of a rigid link is its effective mass "
+               "at the "
                "joint: the mass alone when the joint is at its centre of mass, `r_c = 0`.")
           .in("crosscheck/audit/projections.cpp"));
 
@@ -414,15 +435,16 @@ void addJointKinds(std::vector<Claim>* claims) {
     const Vector6<T> F_2 = problem.M_2 * truth.Xdd_2 + problem.Z * (d * truth.qdd);
     at.zero("Z' F_2", problem.Z.dot(F_2));
   };
-  claims->push_back(Claim("eq33", "7.1.2", "Force that also accelerates the motor's shaft")
-                        .printed("`F_2 = M_2 Xdd_2 - d qdd Z` in `Z' F_2 = 0`",
-                                 exact([rotorForce](auto& at) { rotorForce(at, -1); }))
-                        .corrected("`F_2 = M_2 Xdd_2 + d qdd Z` in `Z' F_2 = 0`: the force on link 2 itself "
-                                   "is `M_2 Xdd_2`, with `Z' M_2 Xdd_2 = -d qdd`",
-                                   exact([rotorForce](auto& at) { rotorForce(at, 1); }))
-                        .why("With the printed sign `d` is subtracted from `Z' M_2 Z`: the rotor would make "
-                             "the joint lighter. (34), (35) and (52) have it right.")
-                        .in("recursive/articulated_body.hpp"));
+  claims->push_back(
+      Claim("eq33", "7.1.2", "Force that also accelerates the motor's shaft")
+          .printed("`F_2 = M_2 Xdd_2 - d qdd Z` in `Z' F_2 = 0`",
+                   exact([rotorForce](auto& at) { rotorForce(at, -1); }))
+          .corrected("`F_2 = M_2 Xdd_2 + d qdd Z` in `Z' F_2 = 0`: the force on link 2 itself "
+                     "is `M_2 Xdd_2`, with `Z' M_2 Xdd_2 = -d qdd`",
+                     exact([rotorForce](auto& at) { rotorForce(at, 1); }))
+          .why("With the printed sign `d` is subtracted from `Z' M_2 Z`: the rotor would make "
+               "the joint lighter. (34), (35) and (52) have it right.")
+          .in("recursive/articulated_body.hpp"));
   claims->push_back(
       Claim("eq34", "7.1.2", "Articulated inertia with a rotor")
           .printed("`M_A1 = M_1 + M_2 - M_2 Z (d + Z' M_2 Z)^-1 Z' M_2`", exact([](auto& at) {
@@ -434,7 +456,8 @@ void addJointKinds(std::vector<Claim>* claims) {
                      at.equal("force that passes", solveJoint(problem).transmitted,
                               (problem.M_2 - loss) * problem.Xdd_1);
                    }))
-          .why("The rotor holds the joint back, so more of link 2 is felt. As everywhere in the chapter, "
+          .why("The rotor holds the joint back, so more of link 2 is felt. As everywhere in the "
+               "chapter, "
                "the shaft's gyroscopic moment on link 1 is neglected.")
           .in("recursive/projection.hpp"));
   claims->push_back(
@@ -467,87 +490,97 @@ void addJointKinds(std::vector<Claim>* claims) {
                        at.equal("(28)", P * P, P);
                        at.equal("(30)", P * M, P * M * P.transpose());
                      }))
-          .corrected("`(P_2 - 1)(P_2 - d/D) = 0` with `D = d + Z' M_2 Z`: where a projection has the "
-                     "eigenvalue 0, `P_2` has `d/D`; and `P_2 M_2 = P_2 M_2 P_2' + d M_2 Z Z' M_2/D^2`, "
-                     "which is symmetric",
-                     exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       const Matrix6<T> M = at.template symmetric<6>(), one = Matrix6<T>::Identity();
-                       const Vector6<T> Z = at.vector6(), M_Z = M * Z;
-                       const T d = at.number(), D = d + Z.dot(M_Z);
-                       const Matrix6<T> P = forceProjection<T>(M, Z, d);
-                       at.zero("(P - 1)(P - d/D)", Matrix6<T>((P - one) * (P - one * (d / D))));
-                       at.equal("P M", P * M,
-                                P * M * P.transpose() + M_Z * M_Z.transpose() * (d / (D * D)));
-                       at.equal("symmetric", P * M, (P * M).transpose());
-                     }))
-          .why("A rotor gives way only in part: of a moment about the axis the share `d/D` passes, and of "
+          .corrected(
+              "`(P_2 - 1)(P_2 - d/D) = 0` with `D = d + Z' M_2 Z`: where a projection has the "
+              "eigenvalue 0, `P_2` has `d/D`; and `P_2 M_2 = P_2 M_2 P_2' + d M_2 Z Z' M_2/D^2`, "
+              "which is symmetric",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                const Matrix6<T> M = at.template symmetric<6>(), one = Matrix6<T>::Identity();
+                const Vector6<T> Z = at.vector6(), M_Z = M * Z;
+                const T d = at.number(), D = d + Z.dot(M_Z);
+                const Matrix6<T> P = forceProjection<T>(M, Z, d);
+                at.zero("(P - 1)(P - d/D)", Matrix6<T>((P - one) * (P - one * (d / D))));
+                at.equal("P M", P * M,
+                         P * M * P.transpose() + M_Z * M_Z.transpose() * (d / (D * D)));
+                at.equal("symmetric", P * M, (P * M).transpose());
+              }))
+          .why("A rotor gives way only in part: of a moment about the axis the share `d/D` passes, "
+               "and of "
                "that again the share `d/D` through the same joint.")
           .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("eq36", "7.1.2", "P with a rotor in joint coordinates")
-          .printed("`P_2` is the unit matrix but for its last column, `-m_i6/(d + m_66)` and last 0",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const Matrix6<T> M = at.template symmetric<6>();
-                     const T d = at.number();
-                     Matrix6<T> P = Matrix6<T>::Identity();
-                     for (int i = 0; i < 6; ++i) P(i, 5) = i < 5 ? -M(i, 5) / (d + M(5, 5)) : T(0);
-                     at.equal("P", P, forceProjection<T>(M, axisZ<T>(), d));
-                   }))
+          .printed(
+              "`P_2` is the unit matrix but for its last column, `-m_i6/(d + m_66)` and last 0",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                const Matrix6<T> M = at.template symmetric<6>();
+                const T d = at.number();
+                Matrix6<T> P = Matrix6<T>::Identity();
+                for (int i = 0; i < 6; ++i) P(i, 5) = i < 5 ? -M(i, 5) / (d + M(5, 5)) : T(0);
+                at.equal("P", P, forceProjection<T>(M, axisZ<T>(), d));
+              }))
           .corrected("The last entry is `1 - m_66/(d + m_66) = d/(d + m_66)`", exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        const Matrix6<T> M = at.template symmetric<6>();
                        const T d = at.number();
                        Matrix6<T> P = Matrix6<T>::Identity();
-                       for (int i = 0; i < 6; ++i)
-                         P(i, 5) = (i < 5 ? -M(i, 5) : d) / (d + M(5, 5));
+                       for (int i = 0; i < 6; ++i) P(i, 5) = (i < 5 ? -M(i, 5) : d) / (d + M(5, 5));
                        at.equal("P", P, forceProjection<T>(M, axisZ<T>(), d));
                      }))
-          .why("A moment about the axis is not lost when there is a rotor: the share that the rotor holds "
+          .why("A moment about the axis is not lost when there is a rotor: the share that the "
+               "rotor holds "
                "passes to link 1.")
           .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("rotor_cost", "7.1.2", "What a rotor costs")
-          .printed("`P_2 M_2` costs O(N) with a rotor and O(0) without", decided("count of operations", [] {
-                     const Operations without = projectionCost(false), with = projectionCost(true);
-                     return Decision{without.total() == 0 && with.total() > 0,
-                                     fmt::format("without a rotor {}; with one {}", without.text(),
-                                                 with.text())};
-                   }))
-          .corrected("Both cost the same few operations a joint, whatever the number of links; the rotor "
-                     "adds the last row and column, 7 multiplications, and one addition",
-                     decided("count of operations", [] {
-                       const Operations without = projectionCost(false), with = projectionCost(true);
-                       return Decision{with.multiplications - without.multiplications == 7 &&
-                                           with.additions - without.additions == 1 &&
-                                           with.divisions == without.divisions,
-                                       fmt::format("without a rotor {}; with one {}", without.text(),
-                                                   with.text())};
-                     }))
+          .printed("`P_2 M_2` costs O(N) with a rotor and O(0) without",
+                   decided("count of operations",
+                           [] {
+                             const Operations without = projectionCost(false),
+                                              with = projectionCost(true);
+                             return Decision{without.total() == 0 && with.total() > 0,
+                                             fmt::format("without a rotor {}; with one {}",
+                                                         without.text(), with.text())};
+                           }))
+          .corrected(
+              "Both cost the same few operations a joint, whatever the number of links; the rotor "
+              "adds the last row and column, 7 multiplications, and one addition",
+              decided("count of operations",
+                      [] {
+                        const Operations without = projectionCost(false),
+                                         with = projectionCost(true);
+                        return Decision{with.multiplications - without.multiplications == 7 &&
+                                            with.additions - without.additions == 1 &&
+                                            with.divisions == without.divisions,
+                                        fmt::format("without a rotor {}; with one {}",
+                                                    without.text(), with.text())};
+                      }))
           .why("What grows with N is the number of joints, with a rotor or without.")
           .in("crosscheck/audit/counting.hpp"));
   claims->push_back(
       Claim("rotor_explicit", "7.1.2", "TODO: P M with a rotor")
           .open()
-          .printed("In joint coordinates `(P_2 M_2)_ij = m_ij - m_i6 m_6j/(d + m_66)`; the last row and "
-                   "column are `m_6j d/(d + m_66)`",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     auto problem = anyProblem(at, true);
-                     problem.Z = axisZ<T>();
-                     const Matrix6<T>& M = problem.M_2;
-                     const T d = rotorInertia(problem), D = d + M(5, 5);
-                     Matrix6<T> P_M;
-                     for (int i = 0; i < 6; ++i)
-                       for (int j = 0; j < 6; ++j)
-                         P_M(i, j) = i == 5 || j == 5 ? M(i, j) * d / D
-                                                      : M(i, j) - M(i, 5) * M(5, j) / D;
-                     at.equal("force that passes", solveJoint(problem).transmitted,
-                              P_M * problem.Xdd_1);
-                     at.equal("what was counted", projectThroughZ<T>(M, d, true), P_M);
-                   }))
-          .why("With `d` large the joint is locked and all of `M_2` is felt; with `d = 0` it is (32), "
+          .printed(
+              "In joint coordinates `(P_2 M_2)_ij = m_ij - m_i6 m_6j/(d + m_66)`; the last row and "
+              "column are `m_6j d/(d + m_66)`",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                auto problem = anyProblem(at, true);
+                problem.Z = axisZ<T>();
+                const Matrix6<T>& M = problem.M_2;
+                const T d = rotorInertia(problem), D = d + M(5, 5);
+                Matrix6<T> P_M;
+                for (int i = 0; i < 6; ++i)
+                  for (int j = 0; j < 6; ++j)
+                    P_M(i, j) =
+                        i == 5 || j == 5 ? M(i, j) * d / D : M(i, j) - M(i, 5) * M(5, j) / D;
+                at.equal("force that passes", solveJoint(problem).transmitted, P_M * problem.Xdd_1);
+                at.equal("what was counted", projectThroughZ<T>(M, d, true), P_M);
+              }))
+          .why("With `d` large the joint is locked and all of `M_2` is felt; with `d = 0` it is "
+               "(32), "
                "corrected.")
           .in("recursive/projection.hpp"));
 }
@@ -555,39 +588,39 @@ void addJointKinds(std::vector<Claim>* claims) {
 // ---- acceleration and force --------------------------------------------------------------------
 
 void addOutAndIn(std::vector<Claim>* claims) {
-  claims->push_back(Claim("eq37", "7.2", "Acceleration of the distal link")
-                        .printed("`Xdd_2 = Xdd_1 + Z qdd`", exact([](auto& at) {
-                                   using T = ScalarOf<decltype(at)>;
-                                   const Path<T> one = anyPath(at, Start::kStandstill);
-                                   const auto joint = anyJointMotion(at, Start::kStandstill);
-                                   const Path<T> two =
-                                       slid(one, Matrix3<T>(at.rotation()), Vector3<T>(at.vector()), joint);
-                                   // a slide this time: the point of link 1 that the joint is at now
-                                   const Vector3<T> z = two.axes().col(2);
-                                   const Vector3<T> vd_1 =
-                                       one.acceleration().linear +
-                                       one.alpha().cross(two.origin() - one.origin());
-                                   at.equal("linear", two.acceleration().linear, vd_1 + z * joint.qdd);
-                                   at.equal("angular", two.alpha(), one.alpha());
-                                 }))
-                        .why("(20), from standstill. It needs no particular kind of joint.")
-                        .in("recursive/articulated_body.hpp"));
+  claims->push_back(
+      Claim("eq37", "7.2", "Acceleration of the distal link")
+          .printed("`Xdd_2 = Xdd_1 + Z qdd`", exact([](auto& at) {
+                     using T = ScalarOf<decltype(at)>;
+                     const Path<T> one = anyPath(at, Start::kStandstill);
+                     const auto joint = anyJointMotion(at, Start::kStandstill);
+                     const Path<T> two =
+                         slid(one, Matrix3<T>(at.rotation()), Vector3<T>(at.vector()), joint);
+                     // a slide this time: the point of link 1 that the joint is at now
+                     const Vector3<T> z = two.axes().col(2);
+                     const Vector3<T> vd_1 =
+                         one.acceleration().linear + one.alpha().cross(two.origin() - one.origin());
+                     at.equal("linear", two.acceleration().linear, vd_1 + z * joint.qdd);
+                     at.equal("angular", two.alpha(), one.alpha());
+                   }))
+          .why("(20), from standstill. It needs no particular kind of joint.")
+          .in("recursive/articulated_body.hpp"));
   claims->push_back(
       Claim("eq38", "7.2", "The same without qdd")
           .printed("`Xdd_2 = (1 - Z (Z' M_2 Z)^-1 Z' M_2) Xdd_1`", exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto problem = anyProblem(at, true);
-                     const T qdd = problem.Z.dot(problem.M_2 * problem.Xdd_1) / axisInertia(problem);
-                     at.equal("Xdd_2", solveJoint(problem).Xdd_2,
-                              problem.Xdd_1 - problem.Z * qdd);
+                     const T qdd =
+                         problem.Z.dot(problem.M_2 * problem.Xdd_1) / axisInertia(problem);
+                     at.equal("Xdd_2", solveJoint(problem).Xdd_2, problem.Xdd_1 - problem.Z * qdd);
                    }))
-          .condition("`d = 0`: no rotor (and no motor torque)", exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       const auto problem = anyProblem(at);
-                       const T qdd = problem.Z.dot(problem.M_2 * problem.Xdd_1) / axisInertia(problem);
-                       at.equal("Xdd_2", solveJoint(problem).Xdd_2,
-                                problem.Xdd_1 - problem.Z * qdd);
-                     }))
+          .condition(
+              "`d = 0`: no rotor (and no motor torque)", exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                const auto problem = anyProblem(at);
+                const T qdd = problem.Z.dot(problem.M_2 * problem.Xdd_1) / axisInertia(problem);
+                at.equal("Xdd_2", solveJoint(problem).Xdd_2, problem.Xdd_1 - problem.Z * qdd);
+              }))
           .corrected("`Xdd_2 = (1 - Z (d + Z' M_2 Z)^-1 Z' M_2) Xdd_1`", exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        const auto problem = anyProblem(at, true);
@@ -596,66 +629,71 @@ void addOutAndIn(std::vector<Claim>* claims) {
                        at.equal("Xdd_2", solveJoint(problem).Xdd_2,
                                 problem.Xdd_1 - problem.Z * qdd);
                      }))
-          .why("It stands after the section on rotors and goes back to (23), which has none; (39) with the "
+          .why("It stands after the section on rotors and goes back to (23), which has none; (39) "
+               "with the "
                "`P_2` of (35) is right in both cases.")
           .in("recursive/articulated_body.hpp"));
-  claims->push_back(
-      Claim("eq39", "7.2", "The outward projection")
-          .printed("`Xdd_2 = P_2' Xdd_1`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto problem = anyProblem(at, true);
-                     at.equal("Xdd_2", solveJoint(problem).Xdd_2,
-                              accelerationProjection<T>(problem.M_2, problem.Z, rotorInertia(problem)) *
-                                  problem.Xdd_1);
-                   }))
-          .why("Acceleration passes by the transpose of what force passes by, as power demands; here with "
-               "a rotor, `P_2` from (35).")
-          .in("recursive/projection.hpp"));
-
-  claims->push_back(
-      Claim("force_steps", "7.3", "How a force is lost in a joint")
-          .printed("`tau = Z' F_2`, `qdd = (Z' M_2 Z)^-1 tau`, `A = Z qdd`, and `M_2 A` of `F_2` is lost",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     auto problem = anyProblem(at);
-                     problem.Xdd_1 = Vector6<T>::Zero();
-                     problem.applied = at.vector6();
-                     const auto truth = solveJoint(problem);
-                     const T qdd = problem.Z.dot(problem.applied) / axisInertia(problem);
-                     at.equal("A", truth.Xdd_2, problem.Z * qdd);
-                     at.equal("lost", problem.applied + truth.transmitted,
-                              problem.M_2 * problem.Z * qdd);
-                   }))
-          .why("Link 1 is held fast, so link 2 can only move along `Z`.")
-          .in("recursive/projection.hpp"));
-  claims->push_back(
-      Claim("eq40", "7.3", "Force that passes the joint")
-          .printed("`F_1 = F_2 - M_2 Z (Z' M_2 Z)^-1 Z' F_2`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     auto problem = anyProblem(at);
-                     problem.Xdd_1 = Vector6<T>::Zero();
-                     problem.applied = at.vector6();
-                     // link 1 is pushed by the opposite of what it exerts on link 2
-                     const Vector6<T> lost =
-                         problem.M_2 * problem.Z * (problem.Z.dot(problem.applied) / axisInertia(problem));
-                     at.equal("F_1", -solveJoint(problem).transmitted, problem.applied - lost);
-                   }))
-          .why("What is not used up by accelerating link 2. No rotor here: with one, `d + Z' M_2 Z`, which "
-               "(41) says when `P_2` is that of (35).")
-          .in("recursive/projection.hpp"));
-  claims->push_back(Claim("eq41", "7.3", "The inward projection of force")
-                        .printed("`F_1 = P_2 F_2`", exact([](auto& at) {
+  claims->push_back(Claim("eq39", "7.2", "The outward projection")
+                        .printed("`Xdd_2 = P_2' Xdd_1`", exact([](auto& at) {
                                    using T = ScalarOf<decltype(at)>;
-                                   auto problem = anyProblem(at, true);
+                                   const auto problem = anyProblem(at, true);
+                                   at.equal("Xdd_2", solveJoint(problem).Xdd_2,
+                                            accelerationProjection<T>(problem.M_2, problem.Z,
+                                                                      rotorInertia(problem)) *
+                                                problem.Xdd_1);
+                                 }))
+                        .why("Acceleration passes by the transpose of what force passes by, as "
+                             "power demands; here with "
+                             "a rotor, `P_2` from (35).")
+                        .in("recursive/projection.hpp"));
+
+  claims->push_back(Claim("force_steps", "7.3", "How a force is lost in a joint")
+                        .printed("`tau = Z' F_2`, `qdd = (Z' M_2 Z)^-1 tau`, `A = Z qdd`, and `M_2 "
+                                 "A` of `F_2` is lost",
+                                 exact([](auto& at) {
+                                   using T = ScalarOf<decltype(at)>;
+                                   auto problem = anyProblem(at);
                                    problem.Xdd_1 = Vector6<T>::Zero();
                                    problem.applied = at.vector6();
-                                   at.equal("F_1", -solveJoint(problem).transmitted,
-                                            forceProjection<T>(problem.M_2, problem.Z,
-                                                               rotorInertia(problem)) *
-                                                problem.applied);
+                                   const auto truth = solveJoint(problem);
+                                   const T qdd =
+                                       problem.Z.dot(problem.applied) / axisInertia(problem);
+                                   at.equal("A", truth.Xdd_2, problem.Z * qdd);
+                                   at.equal("lost", problem.applied + truth.transmitted,
+                                            problem.M_2 * problem.Z * qdd);
                                  }))
-                        .why("The same operator that projects inertia; here with a rotor.")
+                        .why("Link 1 is held fast, so link 2 can only move along `Z`.")
                         .in("recursive/projection.hpp"));
+  claims->push_back(Claim("eq40", "7.3", "Force that passes the joint")
+                        .printed("`F_1 = F_2 - M_2 Z (Z' M_2 Z)^-1 Z' F_2`", exact([](auto& at) {
+                                   using T = ScalarOf<decltype(at)>;
+                                   auto problem = anyProblem(at);
+                                   problem.Xdd_1 = Vector6<T>::Zero();
+                                   problem.applied = at.vector6();
+                                   // link 1 is pushed by the opposite of what it exerts on link 2
+                                   const Vector6<T> lost =
+                                       problem.M_2 * problem.Z *
+                                       (problem.Z.dot(problem.applied) / axisInertia(problem));
+                                   at.equal("F_1", -solveJoint(problem).transmitted,
+                                            problem.applied - lost);
+                                 }))
+                        .why("What is not used up by accelerating link 2. No rotor here: with one, "
+                             "`d + Z' M_2 Z`, which "
+                             "(41) says when `P_2` is that of (35).")
+                        .in("recursive/projection.hpp"));
+  claims->push_back(
+      Claim("eq41", "7.3", "The inward projection of force")
+          .printed("`F_1 = P_2 F_2`", exact([](auto& at) {
+                     using T = ScalarOf<decltype(at)>;
+                     auto problem = anyProblem(at, true);
+                     problem.Xdd_1 = Vector6<T>::Zero();
+                     problem.applied = at.vector6();
+                     at.equal("F_1", -solveJoint(problem).transmitted,
+                              forceProjection<T>(problem.M_2, problem.Z, rotorInertia(problem)) *
+                                  problem.applied);
+                   }))
+          .why("The same operator that projects inertia; here with a rotor.")
+          .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("naive_force", "7.3", "Why not just the component about the axis")
           .printed("`F_2 - Z Z' F_2` is not the force that passes", differs([](auto& at) {
@@ -667,7 +705,8 @@ void addOutAndIn(std::vector<Claim>* claims) {
                      at.equal("F_1", -solveJoint(problem).transmitted,
                               problem.applied - problem.Z * problem.Z.dot(problem.applied));
                    }))
-          .why("Turning about the axis makes inertial forces in other directions, through the last column "
+          .why("Turning about the axis makes inertial forces in other directions, through the last "
+               "column "
                "of `M_2`.")
           .in("recursive/projection.hpp"));
 }

@@ -13,19 +13,22 @@ namespace {
 constexpr double kErrorProbability = 1e-30;
 constexpr int kMostDiscarded = 20;
 
-std::string pointsText(int points) { return fmt::format("{} point{}", points, points == 1 ? "" : "s"); }
+std::string pointsText(int points) {
+  return fmt::format("{} point{}", points, points == 1 ? "" : "s");
+}
 
 /// "moment (entry 2 of 3)" for each comparison that is not zero, "" when all are.
 std::string whatDiffers(const std::vector<Difference<PrimeField>>& differences) {
   std::string text;
   for (const auto& difference : differences) {
     const auto& entries = difference.entries;
-    const auto first = std::find_if(entries.begin(), entries.end(),
-                                    [](PrimeField x) { return !x.isZero(); });
+    const auto first =
+        std::find_if(entries.begin(), entries.end(), [](PrimeField x) { return !x.isZero(); });
     if (first == entries.end()) continue;
     text += fmt::format("{}{}", text.empty() ? "" : ", ", difference.what);
     if (entries.size() > 1)
-      text += fmt::format(" (first at entry {} of {})", first - entries.begin() + 1, entries.size());
+      text +=
+          fmt::format(" (first at entry {} of {})", first - entries.begin() + 1, entries.size());
   }
   return text;
 }
@@ -80,8 +83,8 @@ Outcome runExact(const ExactStatement& statement, const std::string& name, std::
 Outcome opposite(Outcome outcome) {
   if (!outcome.zero && outcome.points == 0) return outcome;  // no value at all shows no difference
   outcome.zero = !outcome.zero;
-  outcome.residual = outcome.zero ? "differs, as said: " + outcome.residual
-                                  : "no difference: " + outcome.residual;
+  outcome.residual =
+      outcome.zero ? "differs, as said: " + outcome.residual : "no difference: " + outcome.residual;
   if (outcome.zero) outcome.method = "counterexample";
   return outcome;
 }
@@ -110,11 +113,11 @@ Trial certified(std::function<void(RealPoint&)> statement, int points) {
         const crosscheck::BallPrecision precision(bits);
         RealPoint point(name, seed, static_cast<std::uint64_t>(index));
         statement(point);
-        if (point.claims().empty())
-          throw std::logic_error(name + ": the statement claims nothing");
-        const auto unsharp = std::find_if(point.claims().begin(), point.claims().end(), [](auto& c) {
-          return !c.second.isFinite() || (c.second.containsZero() && !c.second.isZero());
-        });
+        if (point.claims().empty()) throw std::logic_error(name + ": the statement claims nothing");
+        const auto unsharp =
+            std::find_if(point.claims().begin(), point.claims().end(), [](auto& c) {
+              return !c.second.isFinite() || (c.second.containsZero() && !c.second.isZero());
+            });
         if (unsharp != point.claims().end()) {
           if (bits < kMostBits) continue;
           throw std::logic_error(name + ": " + unsharp->first + ": sign not decided at " +
@@ -126,9 +129,8 @@ Trial certified(std::function<void(RealPoint&)> statement, int points) {
             least = std::min(least, value.atLeast());
             continue;
           }
-          outcome.residual =
-              fmt::format("{} is {} at point {}", what, value.isZero() ? "0" : value.text(4),
-                          index + 1);
+          outcome.residual = fmt::format("{} is {} at point {}", what,
+                                         value.isZero() ? "0" : value.text(4), index + 1);
           return outcome;
         }
         break;

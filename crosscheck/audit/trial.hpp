@@ -109,7 +109,8 @@ class Point {
     equal(what, left.vector(), right.vector());
   }
   template <typename A, typename B>
-  void equal(const char* what, const Eigen::MatrixBase<A>& left, const Eigen::MatrixBase<B>& right) {
+  void equal(const char* what, const Eigen::MatrixBase<A>& left,
+             const Eigen::MatrixBase<B>& right) {
     static_assert(std::is_same_v<typename A::Scalar, T> && std::is_same_v<typename B::Scalar, T>);
     Difference<T> difference{what, {}};
     for (Eigen::Index i = 0; i < left.rows(); ++i)
@@ -119,8 +120,9 @@ class Point {
   }
   template <typename A>
   void zero(const char* what, const Eigen::MatrixBase<A>& left) {
-    equal(what, left, Eigen::Matrix<T, A::RowsAtCompileTime, A::ColsAtCompileTime>::Constant(
-                          left.rows(), left.cols(), T(0)));
+    equal(what, left,
+          Eigen::Matrix<T, A::RowsAtCompileTime, A::ColsAtCompileTime>::Constant(
+              left.rows(), left.cols(), T(0)));
   }
   void zero(const char* what, const T& left) { equal(what, left, T(0)); }
 
@@ -157,15 +159,13 @@ Outcome opposite(Outcome outcome);
 /** Decides an equation over a prime field: zero at as many random points as make the chance that
     different formulas pass at most 1e-30 (degree.hpp derives it), or a point where it is not zero.
 
-    @param statement  called as statement(at) with a Point: draws its indeterminates from it, computes
-                      both sides by roads of their own, and says at.equal("what", left, right) for
-                      each equation that the statement makes. What the statement assumes is how the
-                      point is drawn. */
+    @param statement  called as statement(at) with a Point: draws its indeterminates from it,
+   computes both sides by roads of their own, and says at.equal("what", left, right) for each
+   equation that the statement makes. What the statement assumes is how the point is drawn. */
 template <typename Statement>
 Trial exact(Statement statement) {
-  return [both = ExactStatement{statement, statement}](const std::string& name, std::uint64_t seed) {
-    return runExact(both, name, seed);
-  };
+  return [both = ExactStatement{statement, statement}](
+             const std::string& name, std::uint64_t seed) { return runExact(both, name, seed); };
 }
 
 /// The opposite of exact(): the sides are said to differ, and one point where they do proves it.
@@ -201,9 +201,9 @@ class RealPoint {
   std::vector<std::pair<std::string, Ball>> claims_;
 };
 
-/** Decides an inequality with certified digits at `points` random points: each value that is claimed
-    positive is enclosed, with more digits until the enclosure excludes 0. A negative one refutes. That
-    all are positive is certain for these points, and for no others. */
+/** Decides an inequality with certified digits at `points` random points: each value that is
+   claimed positive is enclosed, with more digits until the enclosure excludes 0. A negative one
+   refutes. That all are positive is certain for these points, and for no others. */
 Trial certified(std::function<void(RealPoint&)> statement, int points = 20);
 
 /// What one computation decided, and the words that say what was found.

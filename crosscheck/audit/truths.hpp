@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the chapter's formulas are held against: bodies as point masses that obey Newton's law, velocities
-// and accelerations as derivatives of positions, joints as equations among many unknowns.
+// What the chapter's formulas are held against: bodies as point masses that obey Newton's law,
+// velocities and accelerations as derivatives of positions, joints as equations among many
+// unknowns.
 #pragma once
 
 #include <stdexcept>
@@ -54,8 +55,8 @@ Eigen::Matrix<Jet<T>, R, C> still(const Eigen::Matrix<T, R, C>& m) {
   return out;
 }
 
-/** A moving frame in the world, by its positions: R(t) takes its coordinates to the world's, p(t) is its
-    origin. All rates come from differentiating these. */
+/** A moving frame in the world, by its positions: R(t) takes its coordinates to the world's, p(t)
+   is its origin. All rates come from differentiating these. */
 template <typename T>
 struct Path {
   Matrix3<Jet<T>> R;
@@ -81,7 +82,8 @@ struct Path {
 
 enum class Start { kMoving, kNotTurning, kStandstill };
 
-/// Any motion, to second order in time: a rational rotation of a quaternion that is any function of time.
+/// Any motion, to second order in time: a rational rotation of a quaternion that is any function of
+/// time.
 template <typename At>
 Path<ScalarOf<At>> anyPath(At& at, Start start = Start::kMoving) {
   using T = ScalarOf<At>;
@@ -111,7 +113,8 @@ JointMotion<ScalarOf<At>> anyJointMotion(At& at, Start start = Start::kMoving) {
   return {q, qd, at.number()};
 }
 
-/// The frame that turns about z of a frame placed at (R, r) on the parent. cos and sin are `angle` now.
+/// The frame that turns about z of a frame placed at (R, r) on the parent. cos and sin are `angle`
+/// now.
 template <typename T>
 Path<T> turned(const Path<T>& parent, const Matrix3<T>& R, const Vector3<T>& r,
                const scene::CosSin<T>& angle, const JointMotion<T>& joint) {
@@ -135,8 +138,8 @@ Path<T> slid(const Path<T>& parent, const Matrix3<T>& R, const Vector3<T>& r,
   return {parent.R * still<T, 3, 3>(R), parent.p + parent.R * place};
 }
 
-/// A rigid body as point masses. Four in general places have every rigid inertia's generality that the
-/// formulas can see.
+/// A rigid body as point masses. Four in general places have every rigid inertia's generality that
+/// the formulas can see.
 template <typename T>
 struct PointMasses {
   std::vector<T> m;
@@ -171,7 +174,8 @@ struct PointMasses {
     for (Vector3<T>& place : out.r) place = R * place + p;
     return out;
   }
-  /// The force that Newton's law says this motion needs: sum m xdd, and its moment about `point` [world].
+  /// The force that Newton's law says this motion needs: sum m xdd, and its moment about `point`
+  /// [world].
   Force<T> force(const Path<T>& path, const Vector3<T>& point) const {
     Force<T> sum = Force<T>::zero();
     for (std::size_t k = 0; k < m.size(); ++k) {
@@ -193,7 +197,8 @@ PointMasses<ScalarOf<At>> anyBody(At& at) {
   return body;
 }
 
-/// [ m 1, -m hat(r_c); m hat(r_c), I ] written out.                             [chapter, equation 18]
+/// [ m 1, -m hat(r_c); m hat(r_c), I ] written out.                             [chapter, equation
+/// 18]
 template <typename T>
 Matrix6<T> massMatrix6(const T& m, const Vector3<T>& h, const Matrix3<T>& I) {
   Matrix6<T> M;
@@ -211,7 +216,9 @@ template <typename T>
 bool isZero(const T& x) {
   return x == T(0);
 }
-inline bool isZero(const Ball& x) { return x.isZero(); }
+inline bool isZero(const Ball& x) {
+  return x.isZero();
+}
 
 }  // namespace detail
 
@@ -242,13 +249,13 @@ VectorX<T> solveDense(MatrixX<T> A, VectorX<T> b) {
 /// A distal link on a joint, all in one frame, and what acts on it.
 template <typename T>
 struct JointProblem {
-  Matrix6<T> M_2;                             ///< of the distal link
-  Vector6<T> Z;                               ///< joint axis
-  T gear = T(0), rotor = T(0);                ///< the motor's shaft turns by gear qdd, its inertia
-  Vector6<T> Xdd_1 = Vector6<T>::Zero();      ///< of the proximal link
+  Matrix6<T> M_2;                         ///< of the distal link
+  Vector6<T> Z;                           ///< joint axis
+  T gear = T(0), rotor = T(0);            ///< the motor's shaft turns by gear qdd, its inertia
+  Vector6<T> Xdd_1 = Vector6<T>::Zero();  ///< of the proximal link
   Vector6<T> bias_acceleration = Vector6<T>::Zero(), bias_force = Vector6<T>::Zero();
-  Vector6<T> applied = Vector6<T>::Zero();    ///< force on the distal link from outside
-  T tau = T(0);                               ///< motor torque, at the joint: gear times that of the shaft
+  Vector6<T> applied = Vector6<T>::Zero();  ///< force on the distal link from outside
+  T tau = T(0);  ///< motor torque, at the joint: gear times that of the shaft
 };
 template <typename T>
 struct JointSolution {
@@ -256,11 +263,11 @@ struct JointSolution {
   T qdd;
 };
 
-/** Newton-Euler for the distal link, the joint, and the motor's shaft as one linear system in 14 unknowns
-    (Xdd_2, qdd, the joint's force f, the shaft's torque s on the gear):
-        M_2 Xdd_2 - f = applied - bias_force        Xdd_2 - Z qdd = Xdd_1 + bias_acceleration
-        Z' f = gear s                               rotor gear qdd = tau / gear - s
-    (the last two times gear; without a motor gear = 0, and s is what the shaft makes of tau). */
+/** Newton-Euler for the distal link, the joint, and the motor's shaft as one linear system in 14
+   unknowns (Xdd_2, qdd, the joint's force f, the shaft's torque s on the gear): M_2 Xdd_2 - f =
+   applied - bias_force        Xdd_2 - Z qdd = Xdd_1 + bias_acceleration Z' f = gear s rotor gear
+   qdd = tau / gear - s (the last two times gear; without a motor gear = 0, and s is what the shaft
+   makes of tau). */
 template <typename T>
 JointSolution<T> solveJoint(const JointProblem<T>& problem) {
   MatrixX<T> A = MatrixX<T>::Constant(14, 14, T(0));
@@ -274,8 +281,8 @@ JointSolution<T> solveJoint(const JointProblem<T>& problem) {
     b(i) = problem.applied(i) - problem.bias_force(i);
     b(6 + i) = problem.Xdd_1(i) + problem.bias_acceleration(i);
   }
-  A(12, 13) = T(-1);                             // Z' f = (gear s)
-  A(13, 13) = T(1);                              // (gear s) = tau - gear rotor gear qdd
+  A(12, 13) = T(-1);  // Z' f = (gear s)
+  A(13, 13) = T(1);   // (gear s) = tau - gear rotor gear qdd
   A(13, 6) = problem.gear * problem.rotor * problem.gear;
   b(13) = problem.tau;
   const VectorX<T> x = solveDense<T>(A, b);

@@ -58,15 +58,16 @@ void print(const Entry& entry) {
 
 /// An id as the user may write it: "eq15" or "15".
 std::string canonical(const std::string& id) {
-  const bool digits = !id.empty() && std::all_of(id.begin(), id.end(),
-                                                 [](char c) { return c >= '0' && c <= '9'; });
+  const bool digits =
+      !id.empty() && std::all_of(id.begin(), id.end(), [](char c) { return c >= '0' && c <= '9'; });
   return digits ? "eq" + id : id;
 }
 
 void requireKnown(const std::vector<std::string>& ids) {
   const std::vector<Claim> claims = allClaims();
   for (const std::string& id : ids) {
-    if (std::any_of(claims.begin(), claims.end(), [&](const Claim& c) { return c.id == id; })) continue;
+    if (std::any_of(claims.begin(), claims.end(), [&](const Claim& c) { return c.id == id; }))
+      continue;
     std::string known;
     for (const Claim& claim : claims) known += (known.empty() ? "" : ", ") + claim.id;
     throw scene::InputError({}, fmt::format("--equation: no entry '{}'; there are {}", id, known));
@@ -103,8 +104,9 @@ int run(Arguments arguments) {
   }
   for (const Entry& entry : audit.entries)
     if (!entry.isSound())
-      fmt::print("{}: OUR OWN PART DOES NOT STAND: what is called corrected or conditional is not 0\n",
-                 entry.id);
+      fmt::print(
+          "{}: OUR OWN PART DOES NOT STAND: what is called corrected or conditional is not 0\n",
+          entry.id);
   return audit.isSound() ? 0 : 1;
 }
 
@@ -114,17 +116,22 @@ Run addAudit(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "audit", "H. Bruyninckx, Dynamics of robots (2005), equation by equation: what holds");
-  command->add_option("--equation", arguments->ids, "These entries only, e.g. 15, eq15 or eq15,eq16")
+  command
+      ->add_option("--equation", arguments->ids, "These entries only, e.g. 15, eq15 or eq15,eq16")
       ->delimiter(',');
   command->add_option("--only", arguments->only, "Entries to print: all, wrong, condition or true")
       ->check(CLI::IsMember({"all", "wrong", "condition", "true"}))
       ->capture_default_str();
   command->add_option("--json", arguments->json, "Write the entries to this file");
-  command->add_option("--report", arguments->report, "Write a page and audit.json into this folder");
-  command->add_option("--seed", arguments->seed, "Seed of the random points")->capture_default_str();
+  command->add_option("--report", arguments->report,
+                      "Write a page and audit.json into this folder");
+  command->add_option("--seed", arguments->seed, "Seed of the random points")
+      ->capture_default_str();
   command->footer(
-      "Every verdict is computed when the command runs: both sides of an equation at random points of a\n"
-      "prime field, where a difference is 0 or it is not, or certified digits for inequalities. Exit\n"
+      "Every verdict is computed when the command runs: both sides of an equation at random points "
+      "of a\n"
+      "prime field, where a difference is 0 or it is not, or certified digits for inequalities. "
+      "Exit\n"
       "status 1: what is given as correct was not found to be so.");
   return [arguments] { return run(*arguments); };
 }

@@ -12,21 +12,31 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
-bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-bool isAlnum(char c) { return isLetter(c) || isDigit(c); }
+bool isLetter(char c) {
+  return std::isalpha(static_cast<unsigned char>(c)) != 0;
+}
+bool isDigit(char c) {
+  return std::isdigit(static_cast<unsigned char>(c)) != 0;
+}
+bool isAlnum(char c) {
+  return isLetter(c) || isDigit(c);
+}
 
 std::string tag(const char* name, const std::string& content) {
   return std::string("<") + name + ">" + content + "</" + name + ">";
 }
-std::string row(const std::string& content) { return tag("mrow", content); }
-std::string op(std::string_view sign) { return tag("mo", escapeMarkup(sign)); }
+std::string row(const std::string& content) {
+  return tag("mrow", content);
+}
+std::string op(std::string_view sign) {
+  return tag("mo", escapeMarkup(sign));
+}
 
 constexpr std::array<std::pair<std::string_view, const char*>, 22> kLetters = {{
-    {"w", "ω"}, {"wd", "ω"}, {"tau", "τ"}, {"alpha", "α"}, {"beta", "β"}, {"nu", "ν"}, {"mu", "μ"},
-    {"rho", "ρ"}, {"lambda", "λ"}, {"theta", "θ"}, {"phi", "φ"}, {"Phi", "Φ"}, {"delta", "δ"},
-    {"eps", "ε"}, {"epsilon", "ε"}, {"omega", "ω"}, {"pi", "π"}, {"kappa", "κ"}, {"sigma", "σ"},
-    {"Delta", "Δ"}, {"xi", "ξ"}, {"eta", "η"},
+    {"w", "ω"},     {"wd", "ω"},    {"tau", "τ"},     {"alpha", "α"}, {"beta", "β"}, {"nu", "ν"},
+    {"mu", "μ"},    {"rho", "ρ"},   {"lambda", "λ"},  {"theta", "θ"}, {"phi", "φ"},  {"Phi", "Φ"},
+    {"delta", "δ"}, {"eps", "ε"},   {"epsilon", "ε"}, {"omega", "ω"}, {"pi", "π"},   {"kappa", "κ"},
+    {"sigma", "σ"}, {"Delta", "Δ"}, {"xi", "ξ"},      {"eta", "η"},
 }};
 const char* greek(std::string_view word) {
   const auto found = std::find_if(kLetters.begin(), kLetters.end(),
@@ -119,7 +129,13 @@ class Setter {
 
   std::string sign() {
     static constexpr std::array<std::pair<std::string_view, const char*>, 8> kSigns = {{
-        {"!=", "≠"}, {"/=", "≠"}, {"<=", "≤"}, {">=", "≥"}, {"->", "→"}, {"...", "…"}, {"-", "−"},
+        {"!=", "≠"},
+        {"/=", "≠"},
+        {"<=", "≤"},
+        {">=", "≥"},
+        {"->", "→"},
+        {"...", "…"},
+        {"-", "−"},
         {"*", "·"},
     }};
     for (const auto& [ascii, shown] : kSigns)
@@ -163,9 +179,7 @@ class Setter {
       eat(")");
       return hatted(row(op("(") + inside + op(")")));
     }
-    const std::string base = word == "sum"   ? op("∑")
-                             : word == "int" ? op("∫")
-                                             : nameOf(word);
+    const std::string base = word == "sum" ? op("∑") : word == "int" ? op("∫") : nameOf(word);
     return subscripted(word, base);
   }
 

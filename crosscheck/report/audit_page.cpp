@@ -59,7 +59,8 @@ void putStatement(std::string* page, const char* label, const std::string& text,
 
 void putEntry(std::string* page, const Entry& entry) {
   put(page,
-      "<article class=\"entry {}\" id=\"{}\">\n<h3><span class=\"id\">{}</span><span>{}</span>{}</h3>\n"
+      "<article class=\"entry {}\" id=\"{}\">\n<h3><span "
+      "class=\"id\">{}</span><span>{}</span>{}</h3>\n"
       "<dl>\n",
       cssClass(entry.holds), escapeMarkup(entry.id),
       entry.isEquation() ? number(entry) : "§ " + escapeMarkup(entry.section),
@@ -118,17 +119,23 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
   const char* css = audit.isSound() ? "agree" : "disagree";
   put(&page,
       "<main>\n<header id=\"top\">\n<p class=\"eyebrow\"><strong>dynwitness</strong> audit of "
-      "H. Bruyninckx, Dynamics of robots (2005)</p>\n<div class=\"verdict {}\">{}\n<h1><span>{}</span> "
+      "H. Bruyninckx, Dynamics of robots (2005)</p>\n<div class=\"verdict "
+      "{}\">{}\n<h1><span>{}</span> "
       "<span class=\"detail\">{}</span></h1></div>\n",
-      css, icon(css), escapeMarkup(headline.substr(0, cut)), escapeMarkup(headline.substr(cut + 2)));
+      css, icon(css), escapeMarkup(headline.substr(0, cut)),
+      escapeMarkup(headline.substr(cut + 2)));
   put(&page, "<p>{}</p>\n",
       audit.isSound()
-          ? "Every verdict was computed for this page, and so was every correction: all corrections hold."
+          ? "Every verdict was computed for this page, and so was every correction: all "
+            "corrections hold."
           : "<strong>Not every correction was found to hold</strong>: the entries say which.");
   put(&page,
-      "<details><summary>How to read a residual</summary>\n<p>Both sides of an equation are computed by "
-      "different roads, at random points and modulo random 63-bit primes. There a difference is 0 or it "
-      "is not, without rounding; “chance of error” bounds how probable it is that different formulas "
+      "<details><summary>How to read a residual</summary>\n<p>Both sides of an equation are "
+      "computed by "
+      "different roads, at random points and modulo random 63-bit primes. There a difference is 0 "
+      "or it "
+      "is not, without rounding; “chance of error” bounds how probable it is that different "
+      "formulas "
       "passed. One point with a difference refutes. Inequalities are decided with certified "
       "digits.</p>\n<p>The truth comes from point masses that obey Newton’s law, from positions "
       "differentiated twice, and from linear systems of all bodies and joints together. Symbols: "
@@ -148,9 +155,12 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
     putEntry(&page, entry);
   }
   put(&page,
-      "</main>\n<footer>\n<h2>Compute it again</h2>\n<pre tabindex=\"0\"><code>dynwitness audit --seed "
-      "{}</code></pre>\n<dl class=\"meta\">\n<dt>dynwitness</dt><dd>{}{}</dd>\n<dt>Date</dt><dd>{}</dd>\n"
-      "<dt>For programs</dt><dd><a href=\"audit.json\">audit.json</a></dd>\n</dl>\n</footer>\n</body>\n"
+      "</main>\n<footer>\n<h2>Compute it again</h2>\n<pre tabindex=\"0\"><code>dynwitness audit "
+      "--seed "
+      "{}</code></pre>\n<dl "
+      "class=\"meta\">\n<dt>dynwitness</dt><dd>{}{}</dd>\n<dt>Date</dt><dd>{}</dd>\n"
+      "<dt>For programs</dt><dd><a "
+      "href=\"audit.json\">audit.json</a></dd>\n</dl>\n</footer>\n</body>\n"
       "</html>\n",
       audit.seed, escapeMarkup(environment.version),
       environment.commit.empty() ? "" : ", commit " + escapeMarkup(environment.commit),

@@ -10,8 +10,8 @@
 
 namespace dynwitness::crosscheck {
 
-/// The audit as JSON, one entry a statement. `holds` is true, false or "under condition"; corrected and
-/// condition, with their residuals, are null where there are none. Formulas are plain text.
+/// The audit as JSON, one entry a statement. `holds` is true, false or "under condition"; corrected
+/// and condition, with their residuals, are null where there are none. Formulas are plain text.
 std::string auditJson(const audit::Audit& audit, const Environment& environment);
 
 /// The audit as one HTML page: what is wrong, then every entry. No scripts and no network.
