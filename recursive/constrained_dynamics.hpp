@@ -35,7 +35,7 @@ struct ConstraintWorkspace {
 
   ConstraintWorkspace(const Model<T>& model, int count)
       : E(model.links.size(), Matrix6X::Constant(6, count, T(0))),
-        e(model.links.size(), Vector::Constant(count, T(0))),
+        e(model.link_of_dof.size(), Vector::Constant(count, T(0))),
         N(MatrixX<T>::Constant(count, count, T(0))),
         LDL(N),
         missing(Vector::Constant(count, T(0))),
@@ -45,7 +45,7 @@ struct ConstraintWorkspace {
   int count() const { return static_cast<int>(nu.size()); }
 
   std::vector<Matrix6X> E;  ///< what a link feels of unit constraint forces, joints being free
-  std::vector<Vector> e;    ///< Z' E
+  std::vector<Vector> e;    ///< Z' E, one a degree of freedom
   MatrixX<T> N;             ///< constraint accelerations of unit constraint forces, m x m
   MatrixX<T> LDL;           ///< N factorized
   Vector missing;           ///< b - A' a of the unconstrained motion
@@ -58,14 +58,15 @@ struct ConstraintWorkspace {
         (1)  E of a constrained link = its A;   E of p  +=  X' P E,   P = 1 - M_A Z D^-1 Z'
         (2)  N = sum over joints of (Z' E)' D^-1 (Z' E)  =  A' J M^-1 J' A
 
-    into cws.E, cws.e and cws.N. Constraints of all links share one matrix, and where branches meet
-    their columns add. Costs O(n m^2) for m constraints.
+    into cws.E, cws.e and cws.N; a joint of several axes is passed one axis at a time, in the order of
+    forwardDynamics(). Constraints of all links share one matrix, and where branches meet their
+    columns add. Costs O(n m^2) for m constraints.
 
     N is symmetric and positive semidefinite, and definite exactly when the rows of A' J are
-   linearly independent: not with redundant constraints, not in a singular pose.
+    linearly independent: not with redundant constraints, not in a singular pose.
 
     The articulated inertias (ws.X_up, U, D) must be those of this position: forwardDynamics() has
-   run.
+    run.
     @throws std::invalid_argument  a constraint names no link, or A is not 6 x m with m entries of b
  */
 template <typename T>
@@ -97,13 +98,13 @@ void propagateConstraints(const Model<T>& model, const std::vector<LinkConstrain
   cws.N.setConstant(T(0));
   for (int i = n - 1; i >= 0; --i) {
     const LinkModel<T>& link = model.links[i];
-    const T inverse_D = link.dof >= 0 ? T(1) / ws.D[i] : T(0);
     for (int k = 0; k < cws.count(); ++k) {
       Force<T> E = {cws.E[i].col(k).template head<3>(), cws.E[i].col(k).template tail<3>()};
-      if (link.dof >= 0) {
-        cws.e[i](k) = jointForce(link, E);
-        for (int j = 0; j <= k; ++j) cws.N(k, j) += cws.e[i](k) * cws.e[i](j) * inverse_D;  // (2)
-        E = E - ws.U[i] * (cws.e[i](k) * inverse_D);
+      for (int axis = 0, d = link.dof; axis < AnyJoints::axes(link); ++axis, ++d) {
+        cws.e[d](k) = AnyJoints::force(link, axis, E);
+        const T share = cws.e[d](k) / ws.D[d];
+        for (int j = 0; j <= k; ++j) cws.N(k, j) += share * cws.e[d](j);  // (2)
+        E = E - ws.U[d] * share;
       }
       if (link.parent >= 0)
         cws.E[link.parent].col(k) += ws.X_up[i].inverseTimes(E).vector();  // (1)
@@ -127,9 +128,11 @@ void accelerationsOfConstraintForces(const Model<T>& model,
   requireSize(model, "accelerationsOfConstraintForces", "qdd", qdd.size());
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     const LinkModel<T>& link = model.links[i];
-    const Motion<T> a = link.parent < 0 ? Motion<T>::zero() : ws.X_up[i] * ws.a[link.parent];
-    if (link.dof >= 0) qdd[link.dof] = (cws.e[i].dot(nu) - dot(a, ws.U[i])) / ws.D[i];
-    ws.a[i] = a + jointMotion(link, qdd);  // (3)
+    ws.a[i] = link.parent < 0 ? Motion<T>::zero() : ws.X_up[i] * ws.a[link.parent];
+    for (int axis = AnyJoints::axes(link) - 1, d = link.dof + axis; axis >= 0; --axis, --d) {
+      qdd[d] = (cws.e[d].dot(nu) - dot(ws.a[i], ws.U[d])) / ws.D[d];  // (3)
+      AnyJoints::addMotion(link, axis, qdd[d], ws.a[i]);
+    }
   }
 }
 

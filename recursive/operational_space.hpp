@@ -19,7 +19,9 @@ void taskJacobian(const Model<T>& model, const std::vector<LinkConstraint<T>>& t
     for (Eigen::Index k = 0; k < task.A.cols(); ++k, ++row) {
       Force<T> f = {task.A.col(k).template head<3>(), task.A.col(k).template tail<3>()};
       for (int i = task.link; i >= 0; i = model.links[i].parent) {
-        if (model.links[i].dof >= 0) J(row, model.links[i].dof) = jointForce(model.links[i], f);
+        const LinkModel<T>& link = model.links[i];
+        for (int axis = 0; axis < AnyJoints::axes(link); ++axis)
+          J(row, link.dof + axis) = AnyJoints::force(link, axis, f);
         f = ws.X_up[i].inverseTimes(f);
       }
     }
@@ -35,8 +37,8 @@ void taskJacobian(const Model<T>& model, const std::vector<LinkConstraint<T>>& t
     tasks that N (the inverse of the operational inertia) is regular for.
 
     Among all right inverses of J it is the one that the mass matrix singles out:  J M^-1 (1 - J'
-   Jbar') = 0, so joint forces (1 - J' Jbar') tau accelerate no task; and Jbar xd is the velocity of
-   least kinetic energy that gives task velocity xd.
+    Jbar') = 0, so joint forces (1 - J' Jbar') tau accelerate no task; and Jbar xd is the velocity of
+    least kinetic energy that gives task velocity xd.
     @see O. Khatib, A Unified Approach for Motion and Force Control of Robot Manipulators, IEEE J.
          Robotics and Automation 3 (1987) */
 template <typename T>

@@ -80,7 +80,7 @@ class Case {
     const Model<T> lifted = buildModel(tree.mechanism, number);
     Vector3<T> place = line.at.template cast<T>();
     for (int i = line.link; i >= 0; i = lifted.links[i].parent) {
-      const Transform<T> X = linkTransform(lifted.links[i], x);
+      const Transform<T> X = AnyJoints::transform(lifted.links[i], x);
       place = (X.p + X.R.transpose() * place).eval();
     }
     return place.dot(line.direction.template cast<T>());

@@ -283,11 +283,12 @@ struct Cost {
 };
 Cost costOf(int n) {
   recursive::Model<Counted> model;
+  model.positions = n;
   std::vector<scene::JointPosition<Counted>> x(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) {
     recursive::LinkModel<Counted> link;
     link.parent = i - 1;
-    link.dof = i;
+    link.dof = link.slot = i;
     link.kind = kTurn;
     model.links.push_back(link);
     model.link_of_dof.push_back(i);

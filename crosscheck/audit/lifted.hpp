@@ -14,10 +14,13 @@ recursive::Model<S> lifted(const recursive::Model<T>& model) {
   recursive::Model<S> out;
   out.gravity = vector(model.gravity);
   out.link_of_dof = model.link_of_dof;
+  out.positions = model.positions;
+  out.plain_joints = model.plain_joints;
   for (const recursive::LinkModel<T>& link : model.links) {
     recursive::LinkModel<S> l;
     l.parent = link.parent;
     l.dof = link.dof;
+    l.slot = link.slot;
     l.kind = link.kind;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) l.X_tree.R(i, j) = S(link.X_tree.R(i, j));

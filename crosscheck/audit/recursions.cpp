@@ -87,11 +87,11 @@ void addMotions(std::vector<Claim>* claims) {
                 for (int i = 0; i < 2; ++i) {
                   const scene::CosSin<T> angle = at.angle();
                   x[i] = {at.number(), angle.c, angle.s};
-                  link.dof = i;
+                  link.dof = link.slot = i;
                   link.kind =
                       i == 0 ? recursive::JointKind::kRevolute : recursive::JointKind::kPrismatic;
                   link.X_tree = at.transform();
-                  X = recursive::linkTransform(link, x) * X;
+                  X = recursive::AnyJoints::transform(link, x) * X;
                   MatrixX<T> placed = MatrixX<T>::Identity(4, 4), moved = placed;
                   placed.block(0, 0, 3, 3) = link.X_tree.R.transpose();
                   placed.block(0, 3, 3, 1) = link.X_tree.p;
@@ -508,10 +508,11 @@ void addInertiaAndForce(std::vector<Claim>* claims) {
 /// Operations of one inverse and one forward dynamics of a chain of n revolute links.
 Operations sweepCost(int n) {
   recursive::Model<Counted> model;
+  model.positions = n;
   for (int i = 0; i < n; ++i) {
     recursive::LinkModel<Counted> link;
     link.parent = i - 1;
-    link.dof = i;
+    link.dof = link.slot = i;
     link.kind = recursive::JointKind::kRevolute;
     model.links.push_back(link);
     model.link_of_dof.push_back(i);

@@ -195,10 +195,11 @@ struct Robot {
   recursive::Model<T> model() const {
     recursive::Model<T> out;
     out.gravity = gravity;
+    out.positions = n();
     for (int i = 0; i < n(); ++i) {
       recursive::LinkModel<T> link;
       link.parent = parent[i];
-      link.dof = i;
+      link.dof = link.slot = i;
       link.kind = kind[i];
       link.X_tree = {R[i].transpose(), r[i]};
       link.M = body[i].inertia();
@@ -253,7 +254,7 @@ struct SixVectors {
     const int n = robot.n();
     const recursive::Model<T> model = robot.model();
     for (int i = 0; i < n; ++i) {
-      const Transform<T> X_up = recursive::linkTransform(model.links[i], robot.x);
+      const Transform<T> X_up = recursive::AnyJoints::transform(model.links[i], robot.x);
       X.push_back(X_up.motionMatrix());
       Z.push_back(Vector6<T>::Unit(robot.kind[i] == kSlide ? 2 : 5));
       const Vector6<T> v_J = Z[i] * robot.qd[i];
