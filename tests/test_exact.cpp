@@ -35,7 +35,7 @@ void requireAllZero(const std::vector<CheckResult>& checks) {
     BOOST_TEST_CONTEXT(check.check << " " << check.quantity << " " << check.left << " "
                                    << check.right << " " << check.reason) {
       // a top on a spherical joint, and nothing else, has no other root
-      if (check.reason == "no value at 8 points: no link but the base is reached by joints of one axis")
+      if (check.reason.find("no link but the base is reached by joints of one axis") != std::string::npos)
         continue;
       BOOST_TEST((check.verdict == Verdict::kAgree));
       BOOST_TEST_REQUIRE(check.exact.has_value());
@@ -341,7 +341,8 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_only_those_identities_unanswe
   const scene::Scene scene = singularScene();
   const std::set<std::string> dividing = {"forward dynamics undoes inverse dynamics", "projector",
                                           "projected inertia is symmetric", "projected twice",
-                                          "projections of force and motion are dual"};
+                                          "projections of force and motion are dual",
+                                          "independence of the chosen root"};
   const auto requireJudgedAlone = [&](const std::vector<CheckResult>& checks,
                                       const std::string& reason) {
     for (const CheckResult& check : checks) {
