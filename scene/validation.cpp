@@ -410,7 +410,7 @@ bool Validator::movesInertia(std::size_t leaf) {
   // the link and what is fixed to it as one body, in the joint frame
   std::vector<std::optional<Frame>> in_joint(links.size());  // link frames, seen from the joint's
   in_joint[leaf] = frame(joint.placement.afterJoint());
-  Rational mass = 0;
+  Rational mass = 0, size = 0;  // size: what rounding in the moments of inertia is relative to
   RationalVector h{0, 0, 0};
   RationalMatrix I{{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}};
   for (std::size_t i = leaf; i < links.size(); ++i) {
@@ -426,6 +426,7 @@ bool Validator::movesInertia(std::size_t leaf) {
     const RationalMatrix turned = com.R * b.inertia * transpose(com.R);
     const Rational p2 = dot(com.p, com.p);
     mass += b.mass;
+    size += b.mass * p2 + b.inertia[0][0] + b.inertia[1][1] + b.inertia[2][2];
     for (std::size_t k = 0; k < 3; ++k) {
       h[k] += b.mass * com.p[k];
       for (std::size_t l = 0; l < 3; ++l)
@@ -447,7 +448,7 @@ bool Validator::movesInertia(std::size_t leaf) {
     }
     for (std::size_t k = 0; k < n; ++k)
       block[k][l] = dot(motions[k].v, linear) + dot(motions[k].w, angular);
-    scale += block[l][l];
+    scale += dot(v, v) * mass + dot(w, w) * size;
   }
   for (std::size_t j = 0; j < n; ++j) {  // eliminated column by column: all pivots are positive
     if (!(block[j][j] > slack(scale))) return false;

@@ -35,7 +35,7 @@ void requireAllZero(const std::vector<CheckResult>& checks) {
     BOOST_TEST_CONTEXT(check.check << " " << check.quantity << " " << check.left << " "
                                    << check.right << " " << check.reason) {
       // a top on a spherical joint, and nothing else, has no other root
-      if (check.reason == "no value at 8 points: no link but the base is reached by joints of one axis")
+      if (check.reason.find("no link but the base is reached by joints of one axis") != std::string::npos)
         continue;
       BOOST_TEST((check.verdict == Verdict::kAgree));
       BOOST_TEST_REQUIRE(check.exact.has_value());
@@ -272,7 +272,7 @@ BOOST_DATA_TEST_CASE(they_are_zero_for_every_robot_of_that_structure, data::make
   options.parameters = Parameters::kRandom;
   const auto checks = exactChecks(scene::findScene(sample), options);
   requireAllZero(checks);
-  for (const CheckResult& check : checks) BOOST_TEST(check.exact->parameters == "random");
+  for (const CheckResult& check : checks) BOOST_TEST((!check.exact || check.exact->parameters == "random"));
 }
 
 BOOST_AUTO_TEST_CASE(the_same_seed_gives_the_same_points) {
@@ -341,7 +341,8 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_only_those_identities_unanswe
   const scene::Scene scene = singularScene();
   const std::set<std::string> dividing = {"forward dynamics undoes inverse dynamics", "projector",
                                           "projected inertia is symmetric", "projected twice",
-                                          "projections of force and motion are dual"};
+                                          "projections of force and motion are dual",
+                                          "independence of the chosen root"};
   const auto requireJudgedAlone = [&](const std::vector<CheckResult>& checks,
                                       const std::string& reason) {
     for (const CheckResult& check : checks) {

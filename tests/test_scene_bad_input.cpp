@@ -62,7 +62,7 @@ const Bad kToml[] = {
      "bad.toml:6: link \"a\": unknown key \"mas\", allowed: name, parent, mass, com, inertia, "
      "joint"},
     {"unknown key of a joint", oneLink("", "kind = \"revolute\"\nangle = 1"),
-     "bad.toml:10: joint \"upper\": unknown key \"angle\", allowed: name, kind, axis"},
+     "bad.toml:10: joint \"upper\" (revolute): unknown key \"angle\", allowed: name, kind, xyz"},
     {"axis of a fixed joint", oneLink("", "kind = \"fixed\"\naxis = [0, 0, 1]"),
      "bad.toml:10: joint \"upper\" (fixed): unknown key \"axis\", allowed: name, kind, xyz"},
     {"unknown key of an inertia", oneLink("inertia = { ixx = 1 }"),
@@ -73,8 +73,8 @@ const Bad kToml[] = {
      "bad.toml:12: wrench: unknown key \"torque\", allowed: link, force, moment"},
     {"unknown key of the start", kUpper + "[start]\nqdd = [1]",
      "bad.toml:11: start: unknown key \"qdd\", allowed: q, qd"},
-    {"unknown joint kind", oneLink("", "kind = \"helical\""),
-     "bad.toml:9: joint \"upper\": kind is \"helical\", allowed: fixed, revolute, prismatic"},
+    {"unknown joint kind", oneLink("", "kind = \"screw\""),
+     "bad.toml:9: joint \"upper\": kind is \"screw\", allowed: fixed, revolute, prismatic"},
     {"no joint kind", oneLink("", ""),
      "bad.toml:8: joint \"upper\": has no kind, allowed: fixed, revolute, prismatic"},
     {"unknown parent",
@@ -356,12 +356,12 @@ const Bad kUrdf[] = {
     {"robot without a name", "<robot><link name=\"a\"/></robot>",
      "bad.urdf:1: <robot>: has no name"},
     {"no link", "<robot name=\"r\"/>", "bad.urdf: no root: there is no link"},
-    {"floating joint", robot("type=\"floating\">\n"),
-     "bad.urdf:4: <joint>: joint \"j\" is of type \"floating\", allowed: fixed, revolute, "
+    {"screw joint", robot("type=\"screw\">\n"),
+     "bad.urdf:4: <joint>: joint \"j\" is of type \"screw\", allowed: fixed, revolute, "
      "continuous, "
      "prismatic"},
-    {"planar joint", robot("type=\"planar\">\n"),
-     "bad.urdf:4: <joint>: joint \"j\" is of type \"planar\""},
+    {"spherical joint", robot("type=\"spherical\">\n"),
+     "bad.urdf:4: <joint>: joint \"j\" is of type \"spherical\""},
     {"joint without a type", robot(">\n"), "bad.urdf:4: <joint>: has no type"},
     {"joint without parent",
      kRobot + kHand + "<joint name=\"j\" type=\"fixed\">\n<child link=\"hand\"/></joint></robot>",
