@@ -297,7 +297,7 @@ void addInertia(std::vector<Claim>* claims) {
                        A.A = Symmetric3<T>::fromUpper(M.template block<3, 3>(0, 0));
                        A.B = M.template block<3, 3>(0, 3);
                        A.C = Symmetric3<T>::fromUpper(M.template block<3, 3>(3, 3));
-                       const Force<T> U{A.B.col(2), A.C.columnZ()};
+                       const Force<T> U{A.B.col(2), A.C.column(2)};
                        at.equal("our code", A.minusOuter(U, T(1) / U.moment.z()).matrix(), P_M);
                      }))
           .why("(31) times `M_2` subtracts from row `i` the multiple `m_i6/m_66` of the last row. "
