@@ -20,7 +20,7 @@ namespace dynwitness::recursive {
         [ J  0  ] [ -lambda ] = [ b ]                 M n x n positive definite, J m x n of any rank
 
     in coordinates in which M is the identity: with M = L L' and z = L' qdd,
-        (1)  A = J L'^-1, rows scaled to length 1;  A' = Q R P'  with column pivoting, rank r
+        (1)  A = J L'^-1;  A' = Q R P'  with column pivoting, rank r
         (2)  z = (1 - Q_1 Q_1') L^-1 f  +  Q_1 R_11'^-1 (P' b)_r      Q_1, R_11: first r columns
         (3)  A' lambda = z - L^-1 f
     The first r rows of the pivoted J stand for all: qdd is right whenever the equations do not contradict
@@ -28,21 +28,22 @@ namespace dynwitness::recursive {
     dependent rows could share are not determined by mechanics of rigid bodies; `determined` says
     which are, and the others are one possible choice.
 
-    A row counts as dependent when its part outside the rows chosen before it is shorter than
-    `rank_tolerance` (all rows have length 1). Rounding and drift leave such parts of dependent rows at 1e-16
-    to 1e-10; a mechanism that moves through a singular pose makes them pass through zero. The square
-    root of the machine's epsilon lies between.
+    A row of A counts as dependent when its part outside the rows chosen before it is shorter than
+    `rank_tolerance` times the longest row. Where rows are redundant that part is rounding, eps. On the way
+    through a singular pose it passes through zero: at a distance delta from the pose, rounding of J
+    and gamma is worth eps / delta of qdd, and leaving the row out in a step of that length is worth
+    delta^2. The default, the cube root of eps, is where the two are equal.
 
-    At a pose in which J loses rank (and only there) qdd is the acceleration of least constraint
-    (Gauss). It is also the limit along a motion through the pose if the multipliers stay bounded.
+    At a singular pose qdd is the acceleration of least constraint (Gauss). It is also the limit along a
+    motion through the pose if the multipliers stay bounded.
 
     Allocates; for doubles and wider. */
 template <typename T>
 class ConstrainedSolver {
  public:
   static T defaultRankTolerance() {
-    using std::sqrt;
-    return sqrt(std::numeric_limits<T>::epsilon());
+    using std::cbrt;
+    return cbrt(std::numeric_limits<T>::epsilon());
   }
 
   /// @throws std::invalid_argument  M is not positive definite
@@ -52,18 +53,13 @@ class ConstrainedSolver {
     if (llt_.info() != Eigen::Success)
       throw std::invalid_argument("ConstrainedSolver: M: expected a positive definite matrix");
     A_transposed_ = llt_.matrixL().solve(J.transpose());                           // (1)
-    scale_ = VectorX<T>::Constant(J.rows(), T(1));
-    for (Eigen::Index i = 0; i < J.rows(); ++i) {
-      const T length = A_transposed_.col(i).norm();
-      if (length > T(0)) scale_(i) = T(1) / length;  // a row of zeros stays one
-      A_transposed_.col(i) *= scale_(i);
-    }
     rank_ = 0;
     if (J.rows() == 0) return;
-    qr_.setThreshold(Eigen::Default);
     qr_.compute(A_transposed_);
+    using std::abs;
     const Eigen::Index most = std::min(J.rows(), J.cols());
-    while (rank_ < most && std::abs(qr_.matrixQR()(rank_, rank_)) > rank_tolerance) ++rank_;
+    const T least = rank_tolerance * abs(qr_.matrixQR()(0, 0));
+    while (rank_ < most && abs(qr_.matrixQR()(rank_, rank_)) > least) ++rank_;
   }
 
   Eigen::Index rank() const { return rank_; }
@@ -86,14 +82,14 @@ class ConstrainedSolver {
   struct Result {
     VectorX<T> qdd, lambda;
     std::vector<bool> determined;  ///< by multiplier
-    T contradiction;  ///< largest |J qdd - b|, rows scaled as in (1)
+    T contradiction;  ///< largest |J qdd - b|
   };
 
   Result solve(const VectorX<T>& f, const VectorX<T>& b) const {
     Result result;
     const VectorX<T> free = llt_.matrixL().solve(f);
     VectorX<T> z = free + alongConstraints(independent(b) - seen(free));           // (2)
-    const VectorX<T> residual = A_transposed_.transpose() * z - scaled(b);
+    const VectorX<T> residual = A_transposed_.transpose() * z - b;
     result.contradiction = residual.size() == 0 ? T(0) : residual.cwiseAbs().maxCoeff();
     multipliers(z - free, &result);
     llt_.matrixU().solveInPlace(z);
@@ -105,11 +101,10 @@ class ConstrainedSolver {
   auto R11() const {
     return qr_.matrixQR().topLeftCorner(rank_, rank_).template triangularView<Eigen::Upper>();
   }
-  VectorX<T> scaled(const VectorX<T>& b) const { return scale_.cwiseProduct(b); }
   /// R_11'^-1 (P' b)_r
   VectorX<T> independent(const VectorX<T>& b) const {
     if (rank_ == 0) return VectorX<T>();
-    const VectorX<T> pivoted = qr_.colsPermutation().transpose() * scaled(b);
+    const VectorX<T> pivoted = qr_.colsPermutation().transpose() * b;
     return qr_.matrixQR()
         .topLeftCorner(rank_, rank_)
         .transpose()
@@ -132,13 +127,13 @@ class ConstrainedSolver {
     return z;
   }
   void multipliers(const VectorX<T>& reaction, Result* result) const {
-    const Eigen::Index m = scale_.size();
+    const Eigen::Index m = A_transposed_.cols();
     result->lambda = VectorX<T>::Zero(m);
     result->determined.assign(m, true);
     if (m == 0) return;
     VectorX<T> pivoted = VectorX<T>::Zero(m);
     if (rank_ > 0) pivoted.head(rank_) = R11().solve(seen(reaction));              // (3)
-    result->lambda = scaled(qr_.colsPermutation() * pivoted);
+    result->lambda = qr_.colsPermutation() * pivoted;
     if (rank_ == m) return;
     // A' lambda = 0 is solved by (-R_11^-1 R_12; 1): what moves there is undetermined
     const auto& order = qr_.colsPermutation().indices();
@@ -153,7 +148,6 @@ class ConstrainedSolver {
   Eigen::LLT<MatrixX<T>> llt_;
   Eigen::ColPivHouseholderQR<MatrixX<T>> qr_;
   MatrixX<T> A_transposed_;
-  VectorX<T> scale_;
   Eigen::Index rank_ = 0;
 };
 
