@@ -24,7 +24,7 @@ std::vector<std::pair<std::string, int>> driftMethods();
     @throws scene::InputError for an unknown method, a step that is not positive, or loads */
 Drift measureDrift(const scene::Scene& scene, const DriftOptions& options);
 
-/// True when E = T + V must stay constant: no loads.
+/// True when E = T + V of the tree must stay constant: no loads, closures, or springs between points.
 bool conservesEnergy(const scene::Mechanism& mechanism);
 
 /** The verdict on a drift: with a correct qdd an integrator of order p loses energy as step^p, so the

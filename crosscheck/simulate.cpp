@@ -220,6 +220,17 @@ void forgetDerivative(Controlled& stepper, odeint::explicit_error_stepper_fsal_t
   stepper.reset();
 }
 
+std::vector<double> outputTimes(const SimulateOptions& options) {
+  std::vector<double> times;
+  for (int k = 1; k <= options.outputs; ++k)
+    times.push_back(options.duration * k / options.outputs);
+  for (const double time : options.more_times)
+    if (time > 0 && time <= options.duration) times.push_back(time);
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
 template <typename Stepper>
 void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Simulation* out) {
   auto stepper = odeint::make_controlled(options.tolerance, options.tolerance, Stepper());
@@ -239,8 +250,7 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
   const std::clock_t begin = std::clock();
   std::clock_t watching = 0;  // not the integrator's
   double time = 0, step = options.duration / options.outputs / 100;
-  for (int k = 1; k <= options.outputs; ++k) {
-    const double end = options.duration * k / options.outputs;
+  for (const double end : outputTimes(options)) {
     while (time < end) {
       // the last step before an output is cut to it, and does not teach the next one its size
       const bool cut = time + step >= end;

@@ -20,6 +20,7 @@ enum class Stabilisation { kNone, kBaumgarte, kProjection };
 struct SimulateOptions {
   double duration = 10;  ///< [s]
   int outputs = 100;     ///< equal intervals at whose ends the state is kept
+  std::vector<double> more_times;  ///< and at these, as far as they lie within the duration [s]
   std::string method = "runge_kutta_fehlberg78";
   double tolerance = 1e-9;  ///< of one step: |error| <= tolerance (1 + |y|), y in [rad, m, 1/s ..]
   Stabilisation stabilisation = Stabilisation::kProjection;

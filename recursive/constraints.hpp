@@ -20,6 +20,7 @@ struct Closure {
   int a, b;
   Transform<T> X_A, X_B;  ///< link frame to closure frame
   int row;                ///< of its first equation
+  T length;               ///< of a distance [m]
 };
 
 /// The closures of a mechanism, and what constraintEquations() writes on and returns.
@@ -48,7 +49,7 @@ Constraints<T> buildConstraints(const scene::Mechanism& mechanism, const Numbers
   for (const scene::Closure& closure : mechanism.closures) {
     out.closures.push_back({closure.kind, model.places[closure.a.link].link,
                             model.places[closure.b.link].link, frame(closure.a), frame(closure.b),
-                            rows});
+                            rows, number(closure.length)});
     rows += scene::equationCount(closure.kind);
   }
   out.phi = VectorX<T>::Constant(rows, T(0));
@@ -64,10 +65,11 @@ namespace detail {
 /** What a closure of this kind sees of a motion of B on A, given in A's axes: the rate of B's origin
     r at distance p, and of the products of axes  x_A . z_B,  y_A . z_B,  x_A . y_B,
 
-        r' = v + w x p,     z_B' = w x z_B,   y_B' = w x y_B                                        */
+        r' = v + w x p,     z_B' = w x z_B,   y_B' = w x y_B,    and of a distance p . r'           */
 template <typename T, typename Row>
 void closureRates(scene::ClosureKind kind, const Motion<T>& x, const Transform<T>& X_BA, Row&& row) {
   const Vector3<T> point = x.linear + x.angular.cross(X_BA.p);
+  if (kind == scene::ClosureKind::kDistance) return row(0, X_BA.p.dot(point));
   row(0, point.x());
   row(1, point.y());
   if (kind == scene::ClosureKind::kPlanarPoint) return;
@@ -91,7 +93,8 @@ void closureRates(scene::ClosureKind kind, const Motion<T>& x, const Transform<T
         (2)  V' = a_B - a_A - v_A x V             its rate of change there, at qdd = 0
         (3)  phi' = rates of V  (closureRates),   column k of J = rates of +-Z_k: + where joint k is
              inboard of B alone, - where it is inboard of A alone, nothing where of both
-        (4)  gamma = rates of V'  and the centrifugal parts  w x r',  w x (w x z_B)
+        (4)  gamma = rates of V'  and the centrifugal parts  w x r',  w x (w x z_B); of a distance
+             p . (w x r') + r' . r'
     No differences, no division: the same source runs on any field.
 
     @param  x, qd   position and velocity [rad/s, m/s], length n. phi = 0 is not needed.
@@ -122,11 +125,15 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
     const Motion<T> V_rate = in_A(ws.a, b) - in_A(ws.a, a) - cross(v_A, V);        // (2)
 
     const Vector3<T> z_B = X_BA.R.row(2), y_B = X_BA.R.row(1);
-    const T phi[] = {X_BA.p.x(), X_BA.p.y(), X_BA.p.z(), z_B.x(), z_B.y(), y_B.x()};
-    const Vector3<T>& w = V.angular;
-    const Vector3<T> r = w.cross(V.linear + w.cross(X_BA.p));
+    const Vector3<T>&p = X_BA.p, &w = V.angular;
+    const Vector3<T> r_rate = V.linear + w.cross(p), r = w.cross(r_rate);
+    T phi[] = {p.x(), p.y(), p.z(), z_B.x(), z_B.y(), y_B.x()};
     const Vector3<T> z = w.cross(w.cross(z_B)), y = w.cross(w.cross(y_B));
-    const T centrifugal[] = {r.x(), r.y(), r.z(), z.x(), z.y(), y.x()};
+    T centrifugal[] = {r.x(), r.y(), r.z(), z.x(), z.y(), y.x()};
+    if (closure.kind == scene::ClosureKind::kDistance) {
+      phi[0] = (p.dot(p) - closure.length * closure.length) / T(2);
+      centrifugal[0] = p.dot(r) + r_rate.dot(r_rate);
+    }
     detail::closureRates(closure.kind, V_rate, X_BA, [&](int k, const T& rate) {
       out.phi(closure.row + k) = phi[k];
       out.gamma(closure.row + k) = rate + centrifugal[k];                          // (4)

@@ -36,6 +36,8 @@ const char* name(JointKind kind) {
 
 const char* name(ClosureKind kind) {
   switch (kind) {
+    case ClosureKind::kDistance:
+      return "distance";
     case ClosureKind::kPlanarPoint:
       return "planar_point";
     case ClosureKind::kPoint:
@@ -50,6 +52,8 @@ const char* name(ClosureKind kind) {
 
 int equationCount(ClosureKind kind) {
   switch (kind) {
+    case ClosureKind::kDistance:
+      return 1;
     case ClosureKind::kPlanarPoint:
       return 2;
     case ClosureKind::kPoint:

@@ -103,13 +103,14 @@ struct Attachment {
 
 /// Which relative motions of frame b on frame a a closure takes away.
 enum class ClosureKind {
+  kDistance,     ///< the origins keep their distance, as if a massless rod joined them
   kPlanarPoint,  ///< b's origin stays on a's z axis: x, y. For mechanisms that move in that plane
   kPoint,        ///< b's origin stays at a's: x, y, z
   kHinge,        ///< a point, and b's z axis stays parallel to a's: a turn about z is left
   kWeld,         ///< a hinge, and b's y axis stays at right angles to a's x axis: nothing is left
 };
 const char* name(ClosureKind kind);
-/// 2, 3, 5, 6
+/// 1, 2, 3, 5, 6
 int equationCount(ClosureKind kind);
 
 /** A loop closure: two frames of two links, held together. With d the origin of b seen from a, in
@@ -117,11 +118,12 @@ int equationCount(ClosureKind kind);
 
         d_x, d_y;   d_z;   x_a . z_b, y_a . z_b;   x_a . y_b
 
-    as far as the kind goes. */
+    as far as the kind goes; of a distance  (d . d - length^2) / 2. */
 struct Closure {
   std::string name;
   ClosureKind kind = ClosureKind::kPoint;
   Attachment a, b;
+  Number length{0};  ///< kDistance [m]
   SourceLocation where;
 };
 

@@ -438,13 +438,13 @@ Closure TomlReader::readClosure(const toml::table& table, std::size_t index) con
   const toml::node* name_node = table.get("name");
   closure.name = name_node ? string(*name_node, "closure: name") : std::to_string(index + 1);
   const std::string what = "closure \"" + closure.name + '"';
-  checkKeys(table, what, {"name", "kind", "a", "b"});
-  const std::string allowed = "planar_point, point, hinge, weld";
+  checkKeys(table, what, {"name", "kind", "a", "b", "length"});
+  const std::string allowed = "distance, planar_point, point, hinge, weld";
   const toml::node& node = required(table, what, "kind", allowed);
   const std::string kind = string(node, what + ": kind");
   bool known = false;
-  for (const ClosureKind k : {ClosureKind::kPlanarPoint, ClosureKind::kPoint, ClosureKind::kHinge,
-                              ClosureKind::kWeld}) {
+  for (const ClosureKind k : {ClosureKind::kDistance, ClosureKind::kPlanarPoint, ClosureKind::kPoint,
+                              ClosureKind::kHinge, ClosureKind::kWeld}) {
     if (kind != dynwitness::scene::name(k)) continue;
     closure.kind = k;
     known = true;
@@ -454,6 +454,11 @@ Closure TomlReader::readClosure(const toml::table& table, std::size_t index) con
   }
   closure.a = readAttachment(table, what, "a", true);
   closure.b = readAttachment(table, what, "b", true);
+  if (closure.kind == ClosureKind::kDistance) {
+    closure.length = number(required(table, what, "length", "a length above zero"), what + ": length");
+  } else if (const toml::node* length = table.get("length")) {
+    throw InputError(where(*length), what + ": a " + kind + " has no length, allowed: name, kind, a, b");
+  }
   return closure;
 }
 

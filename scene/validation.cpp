@@ -152,7 +152,13 @@ class Validator {
     }
     requireInertiaOutboard();
     for (const Closure& closure : mechanism_.closures) {
-      requireEnds("closure \"" + closure.name + '"', closure.a.link, closure.b.link, closure.where);
+      const std::string what = "closure \"" + closure.name + '"';
+      requireEnds(what, closure.a.link, closure.b.link, closure.where);
+      const double length = exactValue(closure.length, values_, closure.where).toDouble();
+      if (closure.kind == ClosureKind::kDistance && !(length > 0)) {
+        throw InputError(closure.where,
+                         what + fmt::format(": length is {}, allowed: above zero", length));
+      }
     }
     for (const Spring& spring : mechanism_.springs) requireSpring(spring);
   }

@@ -56,6 +56,21 @@ struct Equations {
     is a check of the derivation. */
 Equations derive(const scene::Mechanism& mechanism, const Options& options = {});
 
+/** The closures of a mechanism and their derivatives, for Lagrange's equations with multipliers
+
+        M qdd + c + g = tau + Q + J' lambda,    J qdd + gamma = 0                           (6)
+
+    phi [m], J = dphi/dq [m x n], gamma = (dJ/dt) qd [m]; their order is that of scene::Closure. */
+struct ClosureEquations {
+  std::vector<Node> phi, gamma;
+  std::vector<std::vector<Node>> J;
+};
+
+/// Adds the closures to the graph of `equations`, which derive() made of the same mechanism with the
+/// same options: phi from the places of the frames in the world, the rest by differentiating it.
+ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
+                                  Equations& equations);
+
 /** The Christoffel form of the Coriolis matrix [n x n], with  c = C qd  and  dM/dt - 2 C  skew:
         C_ij = sum_k Gamma_ijk qd_k = (dM_ij/dt + dp_i/dq_j - dp_j/dq_i) / 2 */
 std::vector<std::vector<Node>> christoffelMatrix(Equations& equations);

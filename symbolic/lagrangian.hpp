@@ -75,6 +75,9 @@ class Lagrangian {
   Value potential();
   /// sum of f' v_at + m' w over the constant wrenches [W].
   Value wrenchPower();
+  /** phi of all closures, one after the other (scene::Closure has the equations): both frames are
+      placed in the world, and their origins and axes compared. */
+  std::vector<Value> closureResiduals();
 
  private:
   struct WorldOrBodyFrame {
@@ -95,6 +98,11 @@ class Lagrangian {
   MassMoments linkMoments(const scene::MassProperties& inertia);
   void regroup();
 
+  struct PlacedFrame {
+    Vector3 origin;
+    std::array<Vector3, 3> axes;
+  };
+  PlacedFrame inWorld(const scene::Attachment& at);
   Value rate(int body);
   /// The joint's own motion: a turn by q, or a shift by q.
   FrameStep jointStep(int body);
