@@ -103,7 +103,7 @@ struct Windows {
   double duration, tolerance;
 };
 std::ostream& operator<<(std::ostream& out, const Windows& w) { return out << w.windows; }
-const Windows kWindows[] = {{1, 10, 1e-9}, {2, 10, 1e-9}, {7, 20, 1e-9}, {40, 20, 1e-8}};
+const Windows kWindows[] = {{1, 10, 1e-9}, {2, 10, 1e-9}, {7, 20, 1e-9}, {40, 20, 1e-10}};
 
 BOOST_DATA_TEST_CASE(a02_four_bars_follow_the_elliptic_functions_through_singular_poses,
                      data::make(kWindows), sample) {
