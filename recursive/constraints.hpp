@@ -33,6 +33,7 @@ struct Constraints {
 
   std::vector<Transform<T>> X_W;  ///< world to link
   std::vector<int> chain;         ///< by link: 1 inboard of a, 2 of b, 3 of both
+  std::vector<T> unit;            ///< zeros, but for the joint whose column is formed
 
   int rows() const { return static_cast<int>(phi.size()); }
 };
@@ -57,6 +58,7 @@ Constraints<T> buildConstraints(const scene::Mechanism& mechanism, const Numbers
   out.J = MatrixX<T>::Constant(rows, model.dof(), T(0));
   out.X_W.assign(model.links.size(), Transform<T>::identity());
   out.chain.assign(model.links.size(), 0);
+  out.unit.assign(model.dof(), T(0));
   return out;
 }
 
@@ -145,12 +147,14 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
       for (int i = from; i >= 0; i = model.links[i].parent) {
         const LinkModel<T>& link = model.links[i];
         if (out.chain[i] != side || link.dof < 0) continue;
-        const Vector6<T> Z = detail::jointAxis(link);
-        const Motion<T> at_A =
-            X_AW * out.X_W[i].inverseTimes(Motion<T>{Z.template head<3>(), Z.template tail<3>()});
-        detail::closureRates(closure.kind, at_A, X_BA, [&](int k, const T& rate) {
-          out.J(closure.row + k, link.dof) = side == 2 ? rate : -rate;             // (3)
-        });
+        for (int j = link.dof; j < link.dof + scene::degreesOfFreedom(link.kind); ++j) {
+          out.unit[j] = T(1);
+          const Motion<T> at_A = X_AW * out.X_W[i].inverseTimes(jointMotion(link, out.unit));
+          out.unit[j] = T(0);
+          detail::closureRates(closure.kind, at_A, X_BA, [&](int k, const T& rate) {
+            out.J(closure.row + k, j) = side == 2 ? rate : -rate;                  // (3)
+          });
+        }
       }
     };
     columns(a, 1);
