@@ -257,8 +257,8 @@ BOOST_AUTO_TEST_CASE(andrews_initial_accelerations_and_multipliers_are_the_publi
   for (const bool determined : state.determined) BOOST_TEST(determined);
 }
 
-/** Largest |qdd by the sweeps - qdd by Simbody| over the largest |qdd|, at states along the simulated
-    motion. Simbody solves with its own J M^-1 J' by QTZ at its own tolerance. */
+/** Largest |qdd by the sweeps - qdd by Simbody|, over the largest |qdd|, at states along the simulated
+    motion (A02 starts without any acceleration). Simbody solves with its own J M^-1 J' by QTZ at its own tolerance. */
 struct Along {
   const char* scene;
   double duration;
@@ -266,11 +266,12 @@ struct Along {
 };
 std::ostream& operator<<(std::ostream& out, const Along& along) { return out << along.scene; }
 
-// The limits are eps cond(J M^-1 J') n, with the condition measured along the motion: A03 has links of
-// grams beside links of 70 g, A05 springs of 8e5 N/m whose length of 0.5 m is known to eps: 1e-10 N.
-const Along kAlong[] = {{"pendulum_on_slides", 5, 1e-13}, {"four_bars_2", 5, 1e-10},
-                        {"andrews_squeezer", 0.03, 1e-10}, {"bricard", 5, 1e-10},
-                        {"flyball_governor", 0.5, 1e-10}};
+// Rounding alone parts the two. Measured: up to 5e-15, but 1e-12 for A05, where the length of 0.5 m of a
+// spring of 8e5 N/m is known to eps, which is 9e-11 N on 3 kg: 3e-11 m/s^2 of up to 40. A wrong term in J,
+// gamma or a spring's force is worth 1e-3 and more.
+const Along kAlong[] = {{"pendulum_on_slides", 5, 1e-12}, {"four_bars_2", 5, 1e-12},
+                        {"andrews_squeezer", 0.03, 1e-12}, {"bricard", 5, 1e-12},
+                        {"flyball_governor", 0.5, 1e-11}};
 
 BOOST_DATA_TEST_CASE(accelerations_are_those_of_simbodys_constraints_along_the_motion,
                      data::make(kAlong), sample) {
@@ -278,7 +279,7 @@ BOOST_DATA_TEST_CASE(accelerations_are_those_of_simbodys_constraints_along_the_m
   SimulateOptions options;
   options.duration = sample.duration;
   options.outputs = 20;
-  double worst = 0;
+  double worst = 0, largest = 0;
   for (const Simulation::Point& point : simulate(scene, options).points) {
     scene::State<double> state;
     for (const double q : point.q) state.x.push_back(scene::jointPosition(q));
@@ -286,11 +287,12 @@ BOOST_DATA_TEST_CASE(accelerations_are_those_of_simbodys_constraints_along_the_m
     state.tau.assign(point.q.size(), 0.0);
     const Eigen::VectorXd theirs = simbodyClosedAccelerations(scene, state);
     const std::vector<double> ours = constrainedAccelerations(scene, point.q, point.qd).qdd;
-    const double largest = theirs.cwiseAbs().maxCoeff();
+    largest = std::max(largest, theirs.cwiseAbs().maxCoeff());
     for (std::size_t i = 0; i < ours.size(); ++i)
-      worst = std::max(worst, std::abs(ours[i] - theirs(i)) / largest);
+      worst = std::max(worst, std::abs(ours[i] - theirs(i)));
   }
-  BOOST_TEST(worst <= sample.limit);
+  BOOST_TEST_MESSAGE(sample.scene << ": " << worst / largest);
+  BOOST_TEST(worst <= sample.limit * largest);
 }
 
 // Every closure twice: the same motion, and no multiplier can be told any more. The limit: two
