@@ -7,20 +7,13 @@
 #include <fmt/format.h>
 
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/states.hpp"
 #include "crosscheck/tally.hpp"
+#include "crosscheck/testimony.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
 constexpr const char* kSame = "same";
-
-/// What one witness said at one state.
-struct Testimony {
-  const Witness* witness;
-  Answer answer;
-  std::string failure;  ///< not empty: the witness threw this
-};
 
 }  // namespace
 
@@ -42,57 +35,53 @@ std::vector<WitnessKind> selectWitnesses(const std::vector<std::string>& names) 
   return selected;
 }
 
+PairComparison::PairComparison(Quantity quantity, const std::vector<std::string>& witnesses,
+                               const Options& options) {
+  for (std::size_t a = 0; a < witnesses.size(); ++a) {
+    for (std::size_t b = a + 1; b < witnesses.size(); ++b) {
+      CheckResult check;
+      check.check = kSame;
+      check.quantity = name(quantity);
+      check.left = witnesses[a];
+      check.right = witnesses[b];
+      check.statement = fmt::format("{} by {} = {} by {}", check.quantity, check.left, check.quantity,
+                                    check.right);
+      check.seed = options.seed;
+      tallies_.emplace_back(check);
+    }
+  }
+}
+
+void PairComparison::add(int index, const std::vector<Testimony>& said) {
+  std::size_t pair = 0;
+  for (std::size_t a = 0; a < said.size(); ++a) {
+    for (std::size_t b = a + 1; b < said.size(); ++b, ++pair) {
+      const Testimony& failed = said[a].failure.empty() ? said[b] : said[a];
+      if (!failed.failure.empty())
+        tallies_[pair].fail(index, fmt::format("{}: {}", failed.witness, failed.failure));
+      else
+        tallies_[pair].add(index, said[a].answer.value, said[b].answer.value,
+                           said[a].answer.bound + said[b].answer.bound);
+    }
+  }
+}
+
+std::vector<CheckResult> PairComparison::results() const {
+  std::vector<CheckResult> results;
+  for (const Tally& tally : tallies_) results.push_back(tally.result());
+  return results;
+}
+
 std::vector<CheckResult> compareWitnesses(const scene::Scene& scene,
                                           const std::vector<WitnessKind>& kinds,
                                           const Options& options) {
-  std::vector<std::unique_ptr<Witness>> witnesses;
-  for (const WitnessKind& kind : kinds) witnesses.push_back(makeWitness(kind, scene));
-
+  Hearing hearing(scene, kinds, options);
   std::vector<CheckResult> results;
   for (const Quantity quantity : kAllQuantities) {
-    std::vector<Witness*> asked;
-    for (const auto& witness : witnesses)
-      if (witness->answers(quantity)) asked.push_back(witness.get());
-
-    std::vector<Tally> tallies;
-    for (std::size_t a = 0; a < asked.size(); ++a) {
-      for (std::size_t b = a + 1; b < asked.size(); ++b) {
-        CheckResult check;
-        check.check = kSame;
-        check.quantity = name(quantity);
-        check.left = asked[a]->name();
-        check.right = asked[b]->name();
-        check.statement = fmt::format("{} by {} = {} by {}", check.quantity, check.left,
-                                      check.quantity, check.right);
-        check.seed = options.seed;
-        tallies.emplace_back(check);
-      }
-    }
-    if (tallies.empty()) continue;
-
-    for (int k = 0; k < options.states; ++k) {
-      const scene::State<double> state = drawState(scene.mechanism, scene.name, options.seed, k);
-      std::vector<Testimony> said;
-      for (Witness* witness : asked) {
-        said.push_back({witness, {}, {}});
-        try {
-          said.back().answer = witness->answer(quantity, state);
-        } catch (const std::exception& error) {
-          said.back().failure = fmt::format("{}: {}", witness->name(), error.what());
-        }
-      }
-      std::size_t pair = 0;
-      for (std::size_t a = 0; a < said.size(); ++a) {
-        for (std::size_t b = a + 1; b < said.size(); ++b, ++pair) {
-          if (!said[a].failure.empty() || !said[b].failure.empty())
-            tallies[pair].fail(k, said[a].failure.empty() ? said[b].failure : said[a].failure);
-          else
-            tallies[pair].add(k, said[a].answer.value, said[b].answer.value,
-                              said[a].answer.bound + said[b].answer.bound);
-        }
-      }
-    }
-    for (const Tally& tally : tallies) results.push_back(tally.result());
+    PairComparison pairs(quantity, hearing.answering(quantity), options);
+    hearing.hear(quantity, [&](int index, const scene::State<double>&,
+                               const std::vector<Testimony>& said) { pairs.add(index, said); });
+    for (CheckResult& check : pairs.results()) results.push_back(std::move(check));
   }
   return results;
 }
@@ -128,7 +117,10 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
     std::string others;
     for (const auto& [witness, count] : disputes)
       if (witness != outlier.value_or("")) others += (others.empty() ? "" : ", ") + witness;
-    Finding finding{scene_name, quantity, outlier.value_or(""), ""};
+    Finding finding;
+    finding.scene = scene_name;
+    finding.quantity = quantity;
+    finding.witness = outlier.value_or("");
     finding.text =
         outlier ? fmt::format("{}: {}: {} stands alone; {} agree with each other", scene_name,
                               quantity, *outlier, others)

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/digits.hpp"
 #include "crosscheck/drift.hpp"
 #include "crosscheck/exact.hpp"
 #include "crosscheck/tables.hpp"
@@ -60,6 +61,30 @@ void append(std::vector<CheckResult>& all, std::vector<CheckResult> more) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
+/// Pairs of witnesses (into `checks`), and each witness against the certified truth.
+DigitsFound askWitnesses(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+                         const Options& options, std::vector<CheckResult>& checks) {
+  Hearing hearing(scene, kinds, options);
+  DigitsCount count(scene, options);
+  for (const Quantity quantity : kAllQuantities) {
+    PairComparison pairs(quantity, hearing.answering(quantity), options);
+    hearing.hear(quantity, [&](int index, const scene::State<double>& state,
+                               const std::vector<Testimony>& said) {
+      pairs.add(index, said);
+      count.add(quantity, index, state, said);
+    });
+    append(checks, pairs.results());
+  }
+  DigitsFound truth = count.found();
+  // a limit that contains a loss says so, in the pairs as well
+  for (const CheckResult& lossy : truth.checks)
+    for (CheckResult& pair : checks)
+      if (lossy.known_loss && pair.quantity == lossy.quantity &&
+          (pair.left == lossy.left || pair.right == lossy.left))
+        pair.known_loss = true;
+  return truth;
+}
+
 /// Puts the exact verdicts beside the rounded ones of the same comparison; those without such a twin
 /// become checks of their own. A residual that is not zero outweighs numbers that agree.
 void attachExact(std::vector<CheckResult>& checks, const std::vector<CheckResult>& exact) {
@@ -93,13 +118,18 @@ SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<Witness
   SceneResult result;
   describe(scene, result);
   result.equations = equationsOf(scene.mechanism);
-  append(result.checks, compareWitnesses(scene, kinds, options));
+  DigitsFound truth = askWitnesses(scene, kinds, options, result.checks);
+  append(result.checks, std::move(truth.checks));
+  result.digits = std::move(truth.digits);
   append(result.checks, checkIdentities(scene, options));
   ExactOptions exact;
   exact.seed = options.seed;
   exact.error_probability = options.error_probability;
+  exact.parameters = options.parameters;
+  for (const WitnessKind& kind : kinds) exact.witnesses.push_back(kind.info.name);
   attachExact(result.checks, exactChecks(scene, exact));
   result.findings = findOutliers(scene.name, result.checks);
+  result.findings.insert(result.findings.end(), truth.losses.begin(), truth.losses.end());
   for (const std::filesystem::path& table : bundledTables())
     if (isAbout(table, scene)) append(result.checks, compareWithTable(table, scene, kinds));
   if (options.drift && conservesEnergy(scene.mechanism)) {

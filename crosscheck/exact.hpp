@@ -20,7 +20,10 @@ struct ExactOptions {
   /// Each check runs at as many points as make the chance that it passes different formulas at most
   /// this.
   double error_probability = 1e-30;
-  Parameters parameters = Parameters::kAsGiven;
+  Parameters parameters = Parameters::kAsWritten;
+  /// Names of those to compare, which may name others that do not compute exactly; empty: all. The
+  /// identities are laws of our sweeps and hold whoever is compared.
+  std::vector<std::string> witnesses = {};
 };
 
 /** A witness in any arithmetic: built with a scene's numbers once, then asked at many states.
@@ -55,8 +58,10 @@ ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
   return {Algorithm::kName, Algorithm::answers, on, on};
 }
 
-/// lagrange (derived here, once), newton_euler, composite_body and articulated_body.
-std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters);
+/// lagrange (derived here, once), newton_euler, composite_body and articulated_body, or those of them
+/// that `names` names.
+std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
+                                         const std::vector<std::string>& names = {});
 
 /** Runs the comparisons of witnesses and the identities of identities.hpp over the field.
 

@@ -27,10 +27,10 @@ MotionTable::Column readColumn(const json& given, const scene::Mechanism& mechan
   MotionTable::Column column;
   if (given.is_string()) {
     const std::string name = given.get<std::string>();
-    for (int i = 0; i < mechanism.dof(); ++i)
+    for (int i = 0; i < mechanism.positions(); ++i)
       if (name == fmt::format("q{}", i + 1)) column.joint = i;
     if (column.joint < 0)
-      fail(file, fmt::format("column '{}', allowed: q1 to q{}", name, mechanism.dof()));
+      fail(file, fmt::format("column '{}', allowed: q1 to q{}", name, mechanism.positions()));
     return column;
   }
   const std::string link = given.at("link").get<std::string>();

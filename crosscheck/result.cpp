@@ -14,6 +14,15 @@ const char* name(Verdict verdict) {
   return "?";
 }
 
+std::string WitnessInfo::convention(const std::string& label) const {
+  const std::string lines = "\n" + conventions + "\n";
+  const std::string start = "\n" + label + ": ";
+  const std::size_t at = lines.find(start);
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + start.size();
+  return lines.substr(begin, lines.find('\n', begin) - begin);
+}
+
 int CrosscheckResult::count(Verdict verdict) const {
   int count = 0;
   for (const SceneResult& scene : scenes)
@@ -42,10 +51,26 @@ std::pair<const SceneResult*, const CheckResult*> CrosscheckResult::worst() cons
   std::pair<const SceneResult*, const CheckResult*> worst{nullptr, nullptr};
   for (const SceneResult& scene : scenes)
     for (const CheckResult& check : scene.checks)
-      if (check.verdict != Verdict::kNotAnswerable && check.unit == "ulp" &&
+      if (check.verdict != Verdict::kNotAnswerable && check.unit == "ulp" && !check.known_loss &&
           (worst.second == nullptr || !(check.ratio <= worst.second->ratio)))
         worst = {&scene, &check};
   return worst;
+}
+
+std::vector<CrosscheckResult::KnownLoss> CrosscheckResult::knownLosses() const {
+  std::vector<KnownLoss> losses;
+  for (const WitnessInfo& witness : witnesses) {
+    KnownLoss loss{&witness, nullptr, 0};
+    for (const SceneResult& scene : scenes) {
+      for (const Finding& finding : scene.findings) {
+        if (finding.kind != Finding::Kind::kKnownLoss || finding.witness != witness.name) continue;
+        ++loss.scenes;
+        if (loss.worst == nullptr || finding.digits < loss.worst->digits) loss.worst = &finding;
+      }
+    }
+    if (loss.worst != nullptr) losses.push_back(loss);
+  }
+  return losses;
 }
 
 std::string CrosscheckResult::headline() const {

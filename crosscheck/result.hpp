@@ -20,7 +20,7 @@ const char* name(Verdict verdict);
     that state, in the same unit. Both belong to the entry and state that use the largest share of their
     limit; the check agrees when that share, `ratio`, is at most 1. */
 struct CheckResult {
-  /// The verdict without tolerance: both sides over the integers modulo a prime.
+  /// The verdict without rounding: both sides over the integers modulo a prime.
   struct Exact {
     std::uint64_t prime = 0;
     int points = 0;               ///< random points at which the residual was evaluated
@@ -31,7 +31,7 @@ struct CheckResult {
     std::string parameters;       ///< "as written", or "random": then for every mechanism like this
   };
 
-  std::string check;      ///< "same", or the name of an identity
+  std::string check;      ///< "same", "truth" (distance to the certified one), or the name of an identity
   std::string statement;  ///< one line: what must hold, as a formula
   std::string quantity;   ///< "M", "c", "g", "tau", "qdd", "kinetic", ...
   std::string left, right;  ///< witnesses; right is empty for an identity of one witness
@@ -46,13 +46,39 @@ struct CheckResult {
   Verdict verdict = Verdict::kAgree;
   std::string reason;     ///< for kDisagree and kNotAnswerable
   std::optional<Exact> exact;
+  std::optional<double> digits;  ///< fewest correct ones, where the check is against the truth
+  /// Beyond rounding, within what a witness documents as its loss: agrees, and its limit hides more than
+  /// others do.
+  bool known_loss = false;
 };
 
-/// A disagreement explained: who stands alone.
+/** What is left of one quantity by one witness, over the states of a crosscheck.
+
+    Digits are counted against the quantity as a whole,
+        digits = -log10( max_i |x_i - truth_i| / max_i |truth_i| ),
+    because an entry that should be 0 has no digits of its own. Distance to the truth means to the
+    farthest point of its enclosure, so no digit is counted that is not there. Digits that a
+    scalar has no room for are not counted either: 9 in float, 17 in double, 21 in long double
+    (max_digits10). */
+struct DigitsResult {
+  std::string witness, quantity;
+  std::string scalar;                   ///< "double"; our sweeps in "float" and "long double" too
+  int states = 0;                       ///< that have digits: the truth is certified and not 0
+  std::optional<double> worst, median;  ///< digits over those states; empty when there are none
+  /// Fewest digits of a single entry against itself, over entries that are not 0.
+  std::optional<double> worst_single;
+  int worst_state = 0;      ///< where `worst` is
+  std::string worst_entry;  ///< the entry farthest from the truth there
+};
+
+/// What a person should know: who stands alone in a disagreement, or who loses digits and why.
 struct Finding {
+  enum class Kind { kDisagreement, kKnownLoss };
+  Kind kind = Kind::kDisagreement;
   std::string scene, quantity;
   std::string witness;  ///< the one that stands alone; empty when no single one does
   std::string text;     ///< a sentence for people
+  std::optional<double> digits;  ///< of a known loss: how many are left
 };
 
 /// Energy along simulated paths of one scene with one integrator.
@@ -86,6 +112,7 @@ struct SceneResult {
   std::vector<std::string> not_modelled;
   Equations equations;
   std::vector<CheckResult> checks;
+  std::vector<DigitsResult> digits;
   std::vector<Finding> findings;
   std::optional<Drift> drift;
 };
@@ -96,6 +123,9 @@ struct WitnessInfo {
   /// The convention card: lines "label: text", how this witness spells what all are asked about, how it
   /// reads the mechanism, and where it is known to lose digits, why, and what removes that.
   std::string conventions = {};
+
+  /// The text of the card's line of this label, or "".
+  std::string convention(const std::string& label) const;
 };
 
 struct CrosscheckResult {
@@ -109,8 +139,16 @@ struct CrosscheckResult {
   int exactCount() const;  ///< checks whose residual is zero over the prime field
   int count(Verdict verdict) const;
   Verdict verdict() const;  ///< kDisagree when any check disagrees
-  /// The check with the largest ratio, and its scene.
+  /// The check with the largest ratio, and its scene. Limits that contain a known loss do not compete:
+  /// they say nothing about rounding.
   std::pair<const SceneResult*, const CheckResult*> worst() const;
+  /// A witness that loses digits as it documents: the worst finding, and the number of scenes.
+  struct KnownLoss {
+    const WitnessInfo* witness;
+    const Finding* worst;
+    int scenes;
+  };
+  std::vector<KnownLoss> knownLosses() const;
   /// "14 scenes, 1212 checks, all agree; worst 7.4 ulp: ..."
   std::string headline() const;
 };

@@ -36,9 +36,10 @@ class ClosedMotion {
         constraints_(recursive::buildConstraints(scene.mechanism, number_, model_)),
         springs_(recursive::buildPointSprings(scene.mechanism, number_, model_)),
         baumgarte_(stabilisation == Stabilisation::kBaumgarte ? rate : 0),
-        x_(dof()), qd_(dof()), zero_(dof(), 0.0), tau_(dof()), bias_(dof()), M_(dof(), dof()) {}
+        x_(model_.positions), qd_(dof()), q_rate_(model_.positions), zero_(dof(), 0.0), tau_(dof()), bias_(dof()), M_(dof(), dof()) {}
 
   int dof() const { return model_.dof(); }
+  int positions() const { return model_.positions; }
   int rows() const { return constraints_.rows(); }
   State start(const scene::Scene& scene) const {
     State y;
@@ -51,9 +52,10 @@ class ClosedMotion {
   void operator()(const State& y, State& rate, double) {
     ++evaluations;
     const auto& result = accelerations(y);
-    std::copy(qd_.begin(), qd_.end(), rate.begin());
-    for (int i = 0; i < dof(); ++i) rate[dof() + i] = result.qdd(i);
-    rate[2 * dof()] = loadPower() - spring_.dissipation;
+    recursive::positionRates(model_, x_, qd_, q_rate_);
+    std::copy(q_rate_.begin(), q_rate_.end(), rate.begin());
+    for (int i = 0; i < dof(); ++i) rate[positions() + i] = result.qdd(i);
+    rate.back() = loadPower() - spring_.dissipation;
   }
 
   /** Which equations stand for all, decided at this state and kept until the next call. Redundant
@@ -103,10 +105,8 @@ class ClosedMotion {
 
   /// phi and J at this state.
   void equations(const State& y) {
-    for (int i = 0; i < dof(); ++i) {
-      x_[i] = scene::jointPosition(y[i]);
-      qd_[i] = y[dof() + i];
-    }
+    for (int i = 0; i < positions(); ++i) x_[i] = scene::jointPosition(y[i]);
+    std::copy_n(y.begin() + positions(), dof(), qd_.begin());
     recursive::constraintEquations(model_, x_, qd_, ws_, constraints_);
   }
 
@@ -122,7 +122,8 @@ class ClosedMotion {
       factorize();
       const Vector dq = solver_.shortest(-chosen(constraints_.phi));
       State moved = *y;
-      for (int i = 0; i < dof(); ++i) moved[i] += dq(i);
+      recursive::positionRates(model_, x_, std::vector<double>(dq.data(), dq.data() + dof()), q_rate_);
+      for (int i = 0; i < positions(); ++i) moved[i] += q_rate_[i];
       equations(moved);
       if (!(phi() < before)) break;
       *y = moved;
@@ -131,7 +132,7 @@ class ClosedMotion {
     equations(*y);
     factorize();
     const Vector dqd = solver_.shortest(-chosen(phiRate()));
-    for (int i = 0; i < dof(); ++i) (*y)[dof() + i] += dqd(i);
+    for (int i = 0; i < dof(); ++i) (*y)[positions() + i] += dqd(i);
   }
 
   /// E - work of loads and dampers [J]; the part that must not change.
@@ -141,7 +142,7 @@ class ClosedMotion {
     const double springs =
         recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_).energy;
     kinetic_ = recursive::kineticEnergy(model_, x_, qd_, ws_);
-    return kinetic_ + recursive::potentialEnergy(model_, x_, ws_) + springs - y[2 * dof()];
+    return kinetic_ + recursive::potentialEnergy(model_, x_, ws_) + springs - y.back();
   }
   double kinetic() const { return kinetic_; }
 
@@ -193,7 +194,7 @@ class ClosedMotion {
   recursive::ConstrainedSolver<double> solver_;
   recursive::SpringState<double> spring_;
   std::vector<scene::JointPosition<double>> x_;
-  std::vector<double> qd_, zero_, tau_, bias_;
+  std::vector<double> qd_, q_rate_, zero_, tau_, bias_;
   recursive::MatrixX<double> M_, J_chosen_;
   std::vector<int> chosen_;
   double kinetic_ = 0;
@@ -202,10 +203,9 @@ class ClosedMotion {
 Simulation::Point pointAt(ClosedMotion& motion, const State& y, double time, double start_balance) {
   Simulation::Point point;
   const double error = std::abs(motion.balance(y) - start_balance);
-  const auto n = static_cast<std::ptrdiff_t>(motion.dof());
   point.time = time;
-  point.q.assign(y.begin(), y.begin() + n);
-  point.qd.assign(y.begin() + n, y.begin() + 2 * n);
+  point.q.assign(y.begin(), y.begin() + motion.positions());
+  point.qd.assign(y.begin() + motion.positions(), y.end() - 1);
   point.phi = motion.phi();
   point.phi_rate = motion.phiRateSize();
   point.energy_error = error;
@@ -357,10 +357,10 @@ ConstrainedState constrainedAccelerations(const scene::Scene& scene, const std::
   State y = q;
   y.insert(y.end(), qd.begin(), qd.end());
   y.push_back(0);
-  if (static_cast<int>(y.size()) != 2 * motion.dof() + 1)
-    throw std::invalid_argument(fmt::format("constrainedAccelerations: q, qd: expected {} joint "
-                                            "values each, got {} and {}",
-                                            motion.dof(), q.size(), qd.size()));
+  if (static_cast<int>(q.size()) != motion.positions() || static_cast<int>(qd.size()) != motion.dof())
+    throw std::invalid_argument(
+        fmt::format("constrainedAccelerations: q, qd: expected {} and {} joint values, got {} and {}",
+                    motion.positions(), motion.dof(), q.size(), qd.size()));
   const auto result = motion.accelerationsOfAll(y);
   ConstrainedState out;
   out.qdd.assign(result.qdd.data(), result.qdd.data() + result.qdd.size());

@@ -32,6 +32,9 @@ struct Answer {
   /// Entry by entry, how far value may be from the exact number: proven where the arithmetic is ours;
   /// for an outside engine the bound of its algorithm (engine_bound.hpp).
   Eigen::MatrixXd bound;
+  /// The part of `bound` that is no rounding but a loss which the witness's convention card documents.
+  /// Empty: none.
+  Eigen::MatrixXd known_loss = {};
 };
 
 class Witness {

@@ -33,7 +33,6 @@ struct Constraints {
 
   std::vector<Transform<T>> X_W;  ///< world to link
   std::vector<int> chain;         ///< by link: 1 inboard of a, 2 of b, 3 of both
-  std::vector<T> unit;            ///< zeros, but for the joint whose column is formed
 
   int rows() const { return static_cast<int>(phi.size()); }
 };
@@ -58,7 +57,6 @@ Constraints<T> buildConstraints(const scene::Mechanism& mechanism, const Numbers
   out.J = MatrixX<T>::Constant(rows, model.dof(), T(0));
   out.X_W.assign(model.links.size(), Transform<T>::identity());
   out.chain.assign(model.links.size(), 0);
-  out.unit.assign(model.dof(), T(0));
   return out;
 }
 
@@ -99,7 +97,7 @@ void closureRates(scene::ClosureKind kind, const Motion<T>& x, const Transform<T
              p . (w x r') + r' . r'
     No differences, no division: the same source runs on any field.
 
-    @param  x, qd   position and velocity [rad/s, m/s], length n. phi = 0 is not needed.
+    @param  x, qd   positions, one a slot, and velocity [rad/s, m/s], length n. phi = 0 is not needed.
     @throws std::invalid_argument  x or qd has another length */
 template <typename T>
 void constraintEquations(const Model<T>& model, const std::vector<JointPosition<T>>& x,
@@ -107,7 +105,7 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
   linkVelocities(model, x, qd, ws);
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     const LinkModel<T>& link = model.links[i];
-    const Motion<T> c = cross(ws.v[i], jointMotion(link, qd));
+    const Motion<T> c = cross(ws.v[i], AnyJoints::motion(link, qd));
     ws.a[i] = link.parent < 0 ? c : ws.X_up[i] * ws.a[link.parent] + c;
     out.X_W[i] = link.parent < 0 ? ws.X_up[i] : ws.X_up[i] * out.X_W[link.parent];
   }
@@ -147,12 +145,12 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
       for (int i = from; i >= 0; i = model.links[i].parent) {
         const LinkModel<T>& link = model.links[i];
         if (out.chain[i] != side || link.dof < 0) continue;
-        for (int j = link.dof; j < link.dof + scene::degreesOfFreedom(link.kind); ++j) {
-          out.unit[j] = T(1);
-          const Motion<T> at_A = X_AW * out.X_W[i].inverseTimes(jointMotion(link, out.unit));
-          out.unit[j] = T(0);
+        for (int j = 0; j < AnyJoints::axes(link); ++j) {
+          Motion<T> Z = Motion<T>::zero();
+          AnyJoints::addMotion(link, j, T(1), Z);
+          const Motion<T> at_A = X_AW * out.X_W[i].inverseTimes(Z);
           detail::closureRates(closure.kind, at_A, X_BA, [&](int k, const T& rate) {
-            out.J(closure.row + k, j) = side == 2 ? rate : -rate;                  // (3)
+            out.J(closure.row + k, link.dof + j) = side == 2 ? rate : -rate;       // (3)
           });
         }
       }

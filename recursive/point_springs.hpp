@@ -85,7 +85,8 @@ SpringState<T> addSpringForces(const Model<T>& model, const std::vector<PointSpr
   }
   for (int i = static_cast<int>(model.links.size()) - 1; i >= 0; --i) {
     const LinkModel<T>& link = model.links[i];
-    if (link.dof >= 0) tau[link.dof] += jointForce(link, ws.f[i]);                 // (2)
+    for (int k = 0; k < AnyJoints::axes(link); ++k)
+      tau[link.dof + k] += AnyJoints::force(link, k, ws.f[i]);                     // (2)
     if (link.parent >= 0)
       ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(ws.f[i]);
   }

@@ -80,6 +80,7 @@ class TomlReader {
   NamedLink readLink(const toml::table& table) const;
   Joint readJoint(const toml::table& table, const std::string& link) const;
   JointKind readJointKind(const toml::table& table, const std::string& what) const;
+  void checkJointKeys(const toml::table& table, const std::string& what, JointKind kind) const;
   Placement readPlacement(const toml::table& table, const std::string& what) const;
   void readInertia(const toml::table& table, const std::string& what,
                    MassProperties* inertia) const;
@@ -304,13 +305,45 @@ NamedLink TomlReader::readLink(const toml::table& table) const {
 }
 
 JointKind TomlReader::readJointKind(const toml::table& table, const std::string& what) const {
-  const std::string allowed = "fixed, revolute, prismatic";
+  std::string allowed;
+  for (const JointKind k : kAllJointKinds) allowed += (allowed.empty() ? "" : ", ") + std::string(name(k));
   const toml::node& node = required(table, what, "kind", allowed);
   const std::string kind = string(node, what + ": kind");
-  for (const JointKind k : {JointKind::kFixed, JointKind::kRevolute, JointKind::kPrismatic}) {
+  for (const JointKind k : kAllJointKinds) {
     if (kind == name(k)) return k;
   }
   throw InputError(where(node), what + ": kind is \"" + kind + "\", allowed: " + allowed);
+}
+
+void TomlReader::checkJointKeys(const toml::table& table, const std::string& what,
+                                JointKind kind) const {
+  const std::string of_kind = what + " (" + name(kind) + ")";
+  Keys allowed = {"name", "kind", "xyz", "rpy"};
+  const auto allow = [&](std::initializer_list<const char*> keys) {
+    allowed.insert(allowed.end(), keys.begin(), keys.end());
+  };
+  switch (kind) {
+    case JointKind::kFixed: allow({"dh", "mdh"}); break;
+    case JointKind::kHelical: allow({"pitch"}); [[fallthrough]];
+    case JointKind::kRevolute:
+    case JointKind::kPrismatic:
+      allow({"axis", "dh", "mdh", "rotor_inertia", "gear_ratio", "stiffness", "rest"});
+      break;
+    case JointKind::kCylindrical: allow({"axis", "dh", "mdh"}); break;
+    case JointKind::kPlanar: allow({"axis"}); break;
+    case JointKind::kUniversal:
+    case JointKind::kSpherical:
+    case JointKind::kFloating: break;
+  }
+  if (degreesOfFreedom(kind) > 1) {
+    for (const char* key : {"rotor_inertia", "gear_ratio", "stiffness", "rest"}) {
+      if (const toml::node* node = table.get(key))
+        throw InputError(where(*node), of_kind + ": has " + key +
+                                           ", allowed: only with revolute, prismatic and helical "
+                                           "joints, which have one position to measure");
+    }
+  }
+  checkKeys(table, of_kind, allowed);
 }
 
 Joint TomlReader::readJoint(const toml::table& table, const std::string& link) const {
@@ -320,15 +353,11 @@ Joint TomlReader::readJoint(const toml::table& table, const std::string& link) c
   const std::string what = "joint \"" + joint.name + '"';
   if (joint.name.empty()) throw InputError(where(*name_node), what + ": empty name");
   joint.kind = readJointKind(table, what);
-  if (joint.kind == JointKind::kFixed) {
-    checkKeys(table, what + " (fixed)", {"name", "kind", "xyz", "rpy", "dh", "mdh"});
-  } else {
-    checkKeys(table, what,
-              {"name", "kind", "axis", "xyz", "rpy", "dh", "mdh", "rotor_inertia", "gear_ratio",
-               "stiffness", "rest"});
-  }
+  checkJointKeys(table, what, joint.kind);
   joint.placement = readPlacement(table, what);
   joint.axis = optionalVector(table, what, "axis", joint.axis);
+  if (joint.kind == JointKind::kHelical)
+    joint.pitch = number(required(table, what, "pitch", "the advance a radian, m/rad"), what + ": pitch");
   joint.rotor_inertia = optionalNumber(table, what, "rotor_inertia");
   joint.gear_ratio = optionalNumber(table, what, "gear_ratio", 1);
   joint.stiffness = optionalNumber(table, what, "stiffness");
@@ -481,7 +510,8 @@ void TomlReader::readStart(const toml::node& node) {
   const toml::table& table = asTable(node, "start");
   checkKeys(table, "start", {"q", "qd"});
   const auto dof = static_cast<std::size_t>(scene_.mechanism.dof());
-  if (const toml::node* q = table.get("q")) scene_.start_q = numbers(*q, "start: q", dof);
+  const auto positions = static_cast<std::size_t>(scene_.mechanism.positions());
+  if (const toml::node* q = table.get("q")) scene_.start_q = numbers(*q, "start: q", positions);
   if (const toml::node* qd = table.get("qd")) scene_.start_qd = numbers(*qd, "start: qd", dof);
 }
 
@@ -508,9 +538,8 @@ Scene TomlReader::read(const toml::table& top) {
   for (const toml::table* table : tables(top, "spring")) {
     mechanism.springs.push_back(readSpring(*table, mechanism.springs.size()));
   }
-  const auto dof = static_cast<std::size_t>(mechanism.dof());
-  scene_.start_q.resize(dof);
-  scene_.start_qd.resize(dof);
+  scene_.start_q = mechanism.restPosition();
+  scene_.start_qd.resize(static_cast<std::size_t>(mechanism.dof()));
   if (const toml::node* start = top.get("start")) readStart(*start);
   return std::move(scene_);
 }

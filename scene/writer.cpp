@@ -164,6 +164,7 @@ void writeJoint(const Link& link, Lines* lines) {
   const bool is_z =
       isLiteral(joint.axis[0], 0) && isLiteral(joint.axis[1], 0) && isLiteral(joint.axis[2], 1);
   if (!is_z) lines->value("axis", array(joint.axis));
+  if (joint.kind == JointKind::kHelical) lines->value("pitch", number(joint.pitch));
   writePlacement(joint.placement, lines);
   lines->scalar("rotor_inertia", joint.rotor_inertia);
   lines->scalar("gear_ratio", joint.gear_ratio, 1);
@@ -215,8 +216,10 @@ std::string writeSceneToml(const Scene& scene) {
     lines.scalar("rest", spring.rest);
     lines.scalar("damping", spring.damping);
   }
-  if (!allZero(scene.start_q) || !allZero(scene.start_qd)) lines.raw("\n[start]");
-  lines.list("q", scene.start_q);
+  const std::string q = array(scene.start_q);
+  const bool at_rest = q == array(mechanism.restPosition());
+  if (!at_rest || !allZero(scene.start_qd)) lines.raw("\n[start]");
+  if (!at_rest) lines.value("q", q);
   lines.list("qd", scene.start_qd);
   return lines.text();
 }

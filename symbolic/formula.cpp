@@ -393,6 +393,8 @@ class Printer {
           return "qd" + k;
         case Input::kAcceleration:
           return "qdd" + k;
+        case Input::kRotation:
+          return rotation(f.joint);
       }
     }
     switch (f.input) {
@@ -406,8 +408,16 @@ class Printer {
         return dotted(k, 1);
       case Input::kAcceleration:
         return dotted(k, 2);
+      case Input::kRotation:
+        return printName(rotation(f.joint), style_);
     }
     return "";
+  }
+
+  /// "R4_23": row 2, column 3 of the rotation whose quaternion starts at q4.
+  static std::string rotation(int entry) {
+    return "R" + std::to_string(entry / 9 + 1) + "_" + std::to_string(entry % 9 / 3 + 1) +
+           std::to_string(entry % 3 + 1);
   }
 
   std::string dotted(const std::string& k, int dots) const {

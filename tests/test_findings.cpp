@@ -53,8 +53,10 @@ std::vector<CheckResult> compared(const std::vector<WitnessKind>& kinds) {
 /// The one finding, or an empty one with a note.
 Finding findingOf(const std::vector<WitnessKind>& kinds) {
   const std::vector<Finding> findings = findOutliers("test_scene", compared(kinds));
-  return findings.size() == 1 ? findings[0]
-                              : Finding{"", "", "", std::to_string(findings.size()) + " findings"};
+  if (findings.size() == 1) return findings[0];
+  Finding none;
+  none.text = std::to_string(findings.size()) + " findings";
+  return none;
 }
 
 }  // namespace

@@ -20,7 +20,9 @@
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
 
+#include "crosscheck/report/digits_table.hpp"
 #include "crosscheck/report/json.hpp"
+#include "crosscheck/report/page.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/report.hpp"
 #include "crosscheck/report/text.hpp"
@@ -113,7 +115,8 @@ CrosscheckResult sample() {
   result.states = 100;
   result.command = "./dynwitness crosscheck 'a<b>' --seed 18446744073709551615";
   result.witnesses = {{"lagrange", "0.1.0", "T and V, differentiated; " + kAwkward},
-                      {"simbody", "3.7", "Simbody's matter subsystem"},
+                      {"simbody", "3.7", "Simbody's matter subsystem", true,
+                       "known loss: " + kAwkward + "\nremedy: none"},
                       {"mujoco", "", "reads the URDF itself", false}};
   result.scenes.push_back(pendulum());
 
@@ -129,7 +132,18 @@ CrosscheckResult sample() {
   awkward.checks[2].verdict = Verdict::kDisagree;
   awkward.checks[3].verdict = Verdict::kNotAnswerable;
   awkward.checks[3].reason = "no table: " + kAwkward;
-  awkward.findings = {{awkward.name, "M", "simbody", "simbody stands alone: " + kAwkward}};
+  Finding alone;
+  alone.scene = awkward.name;
+  alone.quantity = "M";
+  alone.witness = "simbody";
+  alone.text = "simbody stands alone: " + kAwkward;
+  Finding loss = alone;
+  loss.kind = Finding::Kind::kKnownLoss;
+  loss.text = "keeps few digits: " + kAwkward;
+  loss.digits = 7.3;
+  awkward.findings = {alone, loss};
+  awkward.digits = {{"simbody", "M", "double", 100, 7.3, 15.2, 6.9, 17, "M[1,2]"},
+                    {kAwkward, "M", "float", 0, {}, {}, {}, 0, ""}};
   result.scenes.push_back(awkward);
 
   SceneResult bare;  // nothing but a name, twice
@@ -219,7 +233,7 @@ BOOST_FIXTURE_TEST_CASE(all_files_are_there, TemporaryFolder) {
   writeReport(sample(), environment(), path / "deep" / "report");
   const auto files = contents(path / "deep" / "report");
   for (const char* file :
-       {"index.html", "report.json", "junit.xml", "contents.txt", "scenes/style.gp",
+       {"index.html", "report.json", "junit.xml", "digits.md", "contents.txt", "scenes/style.gp",
         "scenes/pendulum/tree.svg", "scenes/pendulum/drift.csv", "scenes/pendulum/drift_worst.csv",
         "scenes/pendulum/drift.gp"})
     BOOST_TEST(files.count(file) == 1, file);
@@ -258,6 +272,46 @@ BOOST_FIXTURE_TEST_CASE(same_input_gives_the_same_bytes, TemporaryFolder) {
 BOOST_FIXTURE_TEST_CASE(result_without_scenes_is_still_a_report, TemporaryFolder) {
   writeReport({}, environment(), path / "report");
   BOOST_TEST(contains(read(path / "report/index.html"), "0 scenes"));
+}
+
+/// One a scene of the sample, with these times [ns].
+std::vector<Chart> charts(double time) {
+  Chart chart;
+  chart.scene = kAwkward;
+  chart.title = kAwkward;
+  chart.quantity = "tau";
+  chart.states = 100;
+  chart.machine = kAwkward;
+  chart.left_out = {kAwkward};
+  chart.points = {{"Newton-Euler sweep", "float", 1e-6, 1e-7, time, 2 * time, 3 * time},
+                  {"Newton-Euler sweep", "double", 1e-15, 1e-16, time, 2 * time, 3 * time},
+                  {"simbody", "double", 0, 0, 5 * time, 6 * time, 7 * time}};
+  return {chart, chart, chart};
+}
+
+BOOST_FIXTURE_TEST_CASE(charts_are_drawn_and_their_times_stay_out_of_page_and_json,
+                        TemporaryFolder) {
+  writeReport(sample(), environment(), path / "one", charts(1e3));
+  writeReport(sample(), environment(), path / "two", charts(7e6));
+  const auto one = contents(path / "one"), two = contents(path / "two");
+  BOOST_TEST(countOf(one.at("index.html"), "<h3>Speed against accuracy</h3>") == 3);
+  for (const char* file : {"index.html", "report.json", "junit.xml", "contents.txt"})
+    BOOST_TEST(one.at(file) == two.at(file), file);
+  BOOST_TEST(one.at("scenes/pendulum/speed.csv") != two.at("scenes/pendulum/speed.csv"));
+  BOOST_TEST(one.count("scenes/pendulum/speed.gp") == 1);
+  if (haveGnuplot())
+    for (const char* file : {"scenes/pendulum/speed.svg", "scenes/___up____down_/speed_dark.svg"})
+      BOOST_TEST(one.count(file) == 1, file);
+}
+
+BOOST_FIXTURE_TEST_CASE(charts_of_other_scenes_are_refused, TemporaryFolder) {
+  std::vector<Chart> two = charts(1);
+  two.pop_back();
+  BOOST_CHECK_EXCEPTION(writeReport(sample(), environment(), path / "report", two),
+                        std::invalid_argument, [](const std::exception& e) {
+                          return contains(e.what(), "charts: expected none or 3, got 2");
+                        });
+  BOOST_TEST(!fs::exists(path / "report"));
 }
 
 BOOST_AUTO_TEST_SUITE_END()
@@ -338,6 +392,31 @@ BOOST_AUTO_TEST_CASE(json_has_the_fields_that_apply) {
   BOOST_TEST(unanswered.at("reason") == "no table: " + kAwkward);
   BOOST_TEST(!unanswered.contains("worst"));
   BOOST_TEST(!json.at("scenes").at(2).contains("drift"));
+}
+
+BOOST_AUTO_TEST_CASE(digits_and_known_losses_are_in_every_form) {
+  const auto report = nlohmann::json::parse(reportJson(sample(), environment()));
+  const auto& scene = report["scenes"][1];
+  BOOST_TEST(scene["digits"][0]["worst"] == 7.3);
+  BOOST_TEST(scene["digits"][0]["median"] == 15.2);
+  BOOST_TEST(!scene["digits"][1].contains("worst"));  // none were counted
+  BOOST_TEST(scene["findings"][0]["kind"] == "disagreement");
+  BOOST_TEST(scene["findings"][1]["kind"] == "known loss");
+  const std::string table = digitsTable(sample(), environment());
+  BOOST_TEST(contains(table, "| ../up & <down> | 7.3 (15.2) | – |"), table);
+  const std::string page =
+      reportPage(sample(), environment(), std::vector<SceneFiles>(sample().scenes.size()));
+  BOOST_TEST(contains(page, "Digits lost, and why"));
+  BOOST_TEST(contains(page, "<td class=\"n\">7.3<span class=\"sub\">15.2</span></td>"));
+}
+
+BOOST_AUTO_TEST_CASE(a_limit_with_a_known_loss_is_not_the_headline) {
+  CrosscheckResult result;
+  result.scenes.push_back(pendulum());
+  result.scenes[0].checks[3] = check("c", "lagrange", "mujoco", 63, 64);
+  BOOST_TEST(result.worst().second->right == "mujoco");
+  result.scenes[0].checks[3].known_loss = true;
+  BOOST_TEST(result.worst().second->right != "mujoco");
 }
 
 BOOST_AUTO_TEST_CASE(bytes_that_are_no_text_do_not_stop_the_json) {

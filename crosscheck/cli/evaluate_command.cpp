@@ -45,10 +45,11 @@ std::string usualWitness(Quantity quantity) {
 }
 
 int run(const Arguments& arguments) {
+  requireWritableFile(arguments.output);
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
   const int n = scene.mechanism.dof();
-  const std::vector<scene::State<double>> states = readStates(arguments.states, n);
+  const std::vector<scene::State<double>> states = readStates(arguments.states, scene.mechanism);
 
   struct Column {
     Quantity quantity;
@@ -97,7 +98,7 @@ Run addEvaluate(CLI::App& app) {
   command->add_option("scene", arguments->scene, "Scene")->required();
   command
       ->add_option("--states", arguments->states,
-                   "CSV file: q1..qn, qd1..qdn, and qdd1..qddn or tau1..taun")
+                   "CSV file: q1..q(positions), qd1..qdn, and qdd1..qddn or tau1..taun")
       ->required();
   command
       ->add_option("--quantity", arguments->quantities,

@@ -26,10 +26,10 @@ const std::pair<const char*, Stabilisation> kStabilisations[] = {
 
 /// One row an output: time, q, qd, and how far constraints and energy are off.
 std::string csvOf(const Simulation& simulation) {
-  const std::size_t n = simulation.points.front().q.size();
+  const Simulation::Point& first = simulation.points.front();
   std::string csv = "time_s";
-  for (const char* letter : {"q", "qd"})
-    for (std::size_t i = 1; i <= n; ++i) csv += fmt::format(",{}{}", letter, i);
+  for (std::size_t i = 1; i <= first.q.size(); ++i) csv += fmt::format(",q{}", i);
+  for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",qd{}", i);
   csv += ",phi,phi_rate,energy_error_J\n";
   for (const Simulation::Point& point : simulation.points) {
     csv += fmt::format("{:.17g}", point.time);

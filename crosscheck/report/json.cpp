@@ -44,6 +44,8 @@ Json toJson(const CheckResult& check) {
     json["ratio"] = number(check.ratio);
     json["worst_state"] = check.worst_state;
     putText(&json, "worst_entry", check.worst_entry);
+    if (check.digits) json["digits"] = number(*check.digits);
+    if (check.known_loss) json["known_loss"] = true;
     json["seed"] = check.seed;
   }
   if (check.exact) {
@@ -60,9 +62,27 @@ Json toJson(const CheckResult& check) {
   return json;
 }
 
+Json toJson(const DigitsResult& digits) {
+  Json json{{"witness", cleanText(digits.witness)},
+            {"quantity", cleanText(digits.quantity)},
+            {"scalar", cleanText(digits.scalar)},
+            {"states", digits.states}};
+  if (!digits.worst) return json;
+  json["worst"] = number(*digits.worst);
+  json["median"] = number(*digits.median);
+  json["worst_single"] = number(*digits.worst_single);
+  json["worst_state"] = digits.worst_state;
+  json["worst_entry"] = cleanText(digits.worst_entry);
+  return json;
+}
+
 Json toJson(const Finding& finding) {
-  Json json{{"scene", cleanText(finding.scene)}, {"quantity", cleanText(finding.quantity)}};
+  const bool loss = finding.kind == Finding::Kind::kKnownLoss;
+  Json json{{"kind", loss ? "known loss" : "disagreement"},
+            {"scene", cleanText(finding.scene)},
+            {"quantity", cleanText(finding.quantity)}};
   putText(&json, "witness", finding.witness);
+  if (finding.digits) json["digits"] = number(*finding.digits);
   json["text"] = cleanText(finding.text);
   return json;
 }
@@ -90,6 +110,10 @@ Json toJson(const SceneResult& scene) {
   if (!scene.not_modelled.empty()) json["not_modelled"] = texts(scene.not_modelled);
   json["checks"] = Json::array();
   for (const CheckResult& check : scene.checks) json["checks"].push_back(toJson(check));
+  if (!scene.digits.empty()) {
+    json["digits"] = Json::array();
+    for (const DigitsResult& digits : scene.digits) json["digits"].push_back(toJson(digits));
+  }
   if (!scene.findings.empty()) {
     json["findings"] = Json::array();
     for (const Finding& finding : scene.findings) json["findings"].push_back(toJson(finding));

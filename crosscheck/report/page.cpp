@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/report/assets.hpp"
+#include "crosscheck/report/page_parts.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/report/tree_svg.hpp"
 
@@ -48,15 +48,8 @@ const char* cssClass(Verdict verdict) {
   return "none";
 }
 
-std::string icon(const char* css_class) {
-  return fmt::format(R"(<svg class="icon" aria-hidden="true"><use href="#icon-{}"/></svg>)",
-                     css_class);
-}
-
-/// Sign and word: never a colour alone.
 std::string badge(Verdict verdict, const std::string& word) {
-  return fmt::format(R"(<span class="badge {0}">{1}{2}</span>)", cssClass(verdict),
-                     icon(cssClass(verdict)), esc(word));
+  return crosscheck::badge(cssClass(verdict), word);
 }
 
 /// A quantity in words, as the headings of the check tables say it; names we do not know stay.
@@ -82,9 +75,10 @@ bool answered(const CheckResult& check) {
 }
 
 /// For sorting: disagreements first, then what is nearest to its limit. NaN is worse than any
-/// number.
+/// number; a limit that contains a known loss says nothing about rounding, and comes last.
 double severity(const CheckResult& check) {
   if (!answered(check)) return -1;
+  if (check.known_loss && check.verdict == Verdict::kAgree) return 0;
   if (std::isnan(check.ratio)) return std::numeric_limits<double>::infinity();
   return check.ratio + (check.verdict == Verdict::kDisagree ? 1e6 : 0);
 }
@@ -243,27 +237,8 @@ Rows digest(const Rows& rows) {
 
 void putHead(std::string* page, const CrosscheckResult& result, const Environment& environment) {
   const char* sign = result.verdict() == Verdict::kDisagree ? "✗" : "✓";
-  put(page,
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<meta name=\"generator\" content=\"dynwitness {}\">\n"
-      "<title>{} {}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n{}{}</style>\n</head>\n",
-      esc(environment.version), sign, esc(result.headline()), kStyleCss, treeStyle());
-  // the three signs, drawn once
-  put(page,
-      "<body>\n<a class=\"skip\" href=\"#scenes\">Skip to the scenes</a>\n"
-      "<svg class=\"symbols\" aria-hidden=\"true\" focusable=\"false\">"
-      "<symbol id=\"icon-agree\" viewBox=\"0 0 24 24\"><circle cx=\"12\" cy=\"12\" r=\"12\" "
-      "fill=\"currentColor\"/><path d=\"M6.5 12.5l3.6 3.6 7.4-8\" fill=\"none\" "
-      "stroke=\"var(--card)\" stroke-width=\"2.6\" stroke-linecap=\"round\" "
-      "stroke-linejoin=\"round\"/></symbol>"
-      "<symbol id=\"icon-disagree\" viewBox=\"0 0 24 24\"><path d=\"M7.5 1h9L23 7.5v9L16.500 "
-      "23h-9L1 16.500v-9z\" fill=\"currentColor\"/><path d=\"M8 8l8 8m0-8l-8 8\" fill=\"none\" "
-      "stroke=\"var(--card)\" stroke-width=\"2.6\" stroke-linecap=\"round\"/></symbol>"
-      "<symbol id=\"icon-none\" viewBox=\"0 0 24 24\"><circle cx=\"12\" cy=\"12\" r=\"10.800\" "
-      "fill=\"none\" stroke=\"currentColor\" stroke-width=\"2.2\"/><path d=\"M7.500 12h9\" "
-      "stroke=\"currentColor\" stroke-width=\"2.4\" stroke-linecap=\"round\"/></symbol></svg>\n");
+  *page += pageHead(sign + (" " + result.headline()), environment.version, treeStyle(), "scenes",
+                    "Skip to the scenes");
 }
 
 void putVerdict(std::string* page, const CrosscheckResult& result, const Environment& environment) {
@@ -298,6 +273,7 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
   for (std::size_t i = 0; i < result.scenes.size(); ++i) {
     const SceneResult& scene = result.scenes[i];
     for (const Finding& finding : scene.findings) {
+      if (finding.kind != Finding::Kind::kDisagreement) continue;
       put(page, "<div class=\"finding\"><p class=\"who\">");
       if (!finding.witness.empty())
         put(page, "{} stands alone", esc(finding.witness));
@@ -346,6 +322,25 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
         worstAt(check));
   }
   put(page, "</tbody>\n</table>\n</div>\n</section>\n");
+}
+
+/// Who loses digits that its algorithm need not lose: how many, why, and what removes it.
+void putKnownLosses(std::string* page, const CrosscheckResult& result) {
+  const std::vector<CrosscheckResult::KnownLoss> losses = result.knownLosses();
+  if (losses.empty()) return;
+  put(page,
+      "<section aria-labelledby=\"losses\">\n<h2 id=\"losses\">Digits lost, and why</h2>\n");
+  for (const CrosscheckResult::KnownLoss& loss : losses) {
+    put(page,
+        "<div class=\"finding loss\"><p class=\"who\">{} <span class=\"soft\">in</span> {}</p>"
+        "<p>Worst in {}.</p><dl class=\"meta\">",
+        esc(loss.witness->name), plural(loss.scenes, "scene"), esc(loss.worst->text));
+    for (const auto& [term, label] : {std::pair{"Cause", "known loss"}, {"Remedy", "remedy"}})
+      if (const std::string text = loss.witness->convention(label); !text.empty())
+        put(page, "<dt>{}</dt><dd>{}</dd>", term, esc(text));
+    put(page, "</dl></div>\n");
+  }
+  put(page, "</section>\n");
 }
 
 void putSceneTable(std::string* page, const CrosscheckResult& result,
@@ -401,7 +396,7 @@ void putHowToRead(std::string* page) {
       "state is a function of scene, seed and index, so the seed draws it again. A residual is "
       "counted "
       "in <em>ulp</em>: 1 ulp is 2<sup>−52</sup> of the largest number compared, the spacing of "
-      "double precision. Its <em>limit</em> is not a tuned tolerance: it is a running bound of the "
+      "double precision. Its <em>limit</em> is not tuned: it is a running bound of the "
       "rounding errors of that very computation at that very state. A residual above its limit "
       "cannot "
       "be rounding; then somebody is wrong. Where ulp is not the measure, the unit says what is: a "
@@ -410,6 +405,10 @@ void putHowToRead(std::string* page) {
       "are computed once more over the integers modulo a 63-bit prime, with random points of the "
       "circle for the joint angles. There is no rounding there: the residual is zero or it is not, "
       "and <em>chance</em> bounds how probable it is that different formulas pass all points.</p>\n"
+      "<p>How many <em>digits</em> survive is counted against a certified truth: our sweeps in ball "
+      "arithmetic, which encloses the exact number, with the precision doubled until the enclosure is "
+      "below 2<sup>−80</sup> of it. The check <em>truth</em> holds each witness to its own error bound "
+      "there.</p>\n"
       "</section>\n");
 }
 
@@ -537,6 +536,46 @@ void putChecks(std::string* page, const SceneResult& scene) {
   put(page, "</ul>\n</details>\n");
 }
 
+/// A row a witness and scalar, a column a quantity: worst digits, median below.
+void putDigits(std::string* page, const SceneResult& scene) {
+  if (scene.digits.empty()) return;
+  std::vector<std::string> quantities;
+  std::vector<std::pair<std::string, std::string>> rows;  // witness, scalar
+  std::map<std::string, const DigitsResult*> cells;
+  for (const DigitsResult& d : scene.digits) {
+    if (std::find(quantities.begin(), quantities.end(), d.quantity) == quantities.end())
+      quantities.push_back(d.quantity);
+    const auto row = std::pair(d.witness, d.scalar);
+    if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
+    cells[d.quantity + "/" + d.witness + "/" + d.scalar] = &d;
+  }
+  // what is judged comes first, then the other scalars
+  std::stable_partition(rows.begin(), rows.end(),
+                        [](const auto& row) { return row.second == "double"; });
+  put(page, "<h3>Digits kept</h3>\n");
+  openScroll(page, "Table of digits");
+  put(page,
+      "<table class=\"digits\">\n<caption><span>Correct decimal digits against the certified truth: "
+      "the fewest over the states, their median below. A dash: not answered, or the quantity is 0."
+      "</span></caption>\n<thead><tr><th scope=\"col\">Witness</th><th scope=\"col\">Scalar</th>");
+  for (const std::string& quantity : quantities)
+    put(page, "<th scope=\"col\" class=\"n\">{}</th>", esc(quantity));
+  put(page, "</tr></thead>\n<tbody>\n");
+  for (const auto& [witness, scalar] : rows) {
+    put(page, "<tr><th scope=\"row\">{}</th><td>{}</td>", esc(witness), esc(scalar));
+    for (const std::string& quantity : quantities) {
+      const auto found = cells.find(quantity + "/" + witness + "/" + scalar);
+      if (found == cells.end() || !found->second->worst)
+        put(page, "<td class=\"n\">–</td>");
+      else
+        put(page, "<td class=\"n\">{:.1f}<span class=\"sub\">{:.1f}</span></td>",
+            *found->second->worst, *found->second->median);
+    }
+    put(page, "</tr>\n");
+  }
+  put(page, "</tbody>\n</table>\n</div>\n");
+}
+
 void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& files) {
   if (!scene.drift) return;
   const Drift& drift = *scene.drift;
@@ -555,7 +594,7 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
     sentence +=
         fmt::format(" At the finest step, {} s, it is {}.", finest.step, readable(finest.worst));
   }
-  put(page, "<figure class=\"drift\">\n");
+  put(page, "<figure class=\"charts\">\n");
   if (!files.drift_light.empty()) {
     openScroll(page, "Charts of the energy drift");
     put(page,
@@ -576,6 +615,30 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
   if (!files.drift_script.empty())
     put(page, "; <a href=\"{}\">gnuplot script</a>", files.drift_script);
   put(page, ".</figcaption>\n</figure>\n");
+}
+
+/// No number of the chart is on the page: times differ from run to run, and the page does not.
+void putChart(std::string* page, const SceneFiles& files) {
+  if (files.chart_csv.empty()) return;
+  put(page, "<h3>Speed against accuracy</h3>\n<figure class=\"charts\">\n");
+  if (!files.chart_light.empty()) {
+    openScroll(page, "Charts of speed against accuracy");
+    put(page,
+        "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
+        "<img src=\"{}\" width=\"1000\" height=\"480\" alt=\"Two charts, time of one evaluation "
+        "against worst relative error. Left: the sweep in five arithmetics. Right: every method in "
+        "double. The numbers are in the data file.\"></picture>\n</div>\n",
+        files.chart_dark, files.chart_light);
+  } else {
+    put(page, "<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
+        esc(files.no_chart_reason));
+  }
+  put(page,
+      "<figcaption>tau, inverse dynamics: each method's time and its worst error against the "
+      "certified truth; lower left is better. Times are of this machine and of this run, and "
+      "nothing here is judged by them. Data: <a href=\"{}\">all methods</a>; <a href=\"{}\">gnuplot "
+      "script</a>.</figcaption>\n</figure>\n",
+      files.chart_csv, files.chart_script);
 }
 
 void putScene(std::string* page, const SceneResult& scene, const SceneFiles& files) {
@@ -602,11 +665,15 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
   }
   put(page, "</dl>\n");
   for (const Finding& finding : scene.findings)
-    put(page, "<div class=\"finding\"><p>{}</p></div>\n", esc(finding.text));
+    put(page, "<div class=\"finding{}\"><p>{}{}</p></div>\n",
+        finding.kind == Finding::Kind::kKnownLoss ? " loss" : "", esc(finding.text),
+        finding.kind == Finding::Kind::kKnownLoss ? " <a href=\"#losses\">Why</a>" : "");
   putTree(page, scene, files);
   putEquations(page, scene);
   putChecks(page, scene);
+  putDigits(page, scene);
   putDrift(page, scene, files);
+  putChart(page, files);
   put(page, "<p class=\"top\"><a href=\"#scenes\">All scenes</a></p>\n</section>\n");
 }
 
@@ -628,7 +695,8 @@ void putFooter(std::string* page, const CrosscheckResult& result, const Environm
   put(page,
       "<dt>Seed</dt><dd>{}</dd>\n<dt>States</dt><dd>{} a scene</dd>\n"
       "<dt>For programs</dt><dd><a href=\"report.json\">report.json</a>, "
-      "<a href=\"junit.xml\">junit.xml</a></dd>\n</dl>\n</footer>\n</body>\n</html>\n",
+      "<a href=\"junit.xml\">junit.xml</a>, "
+      "<a href=\"digits.md\">digits.md</a></dd>\n</dl>\n</footer>\n</body>\n</html>\n",
       result.seed, result.states);
 }
 
@@ -640,6 +708,7 @@ std::string reportPage(const CrosscheckResult& result, const Environment& enviro
   putHead(&page, result, environment);
   putVerdict(&page, result, environment);
   putDisagreements(&page, result, files);
+  putKnownLosses(&page, result);
   putSceneTable(&page, result, files);
   putHowToRead(&page);
   putWitnesses(&page, result);

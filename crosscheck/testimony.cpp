@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/testimony.hpp"
+
+#include <fmt/format.h>
+
+#include "crosscheck/states.hpp"
+
+namespace dynwitness::crosscheck {
+
+Hearing::Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+                 const Options& options)
+    : scene_(scene), options_(options) {
+  for (const WitnessKind& kind : kinds) witnesses_.push_back(makeWitness(kind, scene));
+}
+
+std::vector<std::string> Hearing::answering(Quantity quantity) const {
+  std::vector<std::string> names;
+  for (const auto& witness : witnesses_)
+    if (witness->answers(quantity)) names.push_back(witness->name());
+  return names;
+}
+
+void Hearing::hear(Quantity quantity, const Listener& listener) {
+  for (int k = 0; k < options_.states; ++k) {
+    const scene::State<double> state = drawState(scene_.mechanism, scene_.name, options_.seed, k);
+    std::vector<Testimony> said;
+    for (const auto& witness : witnesses_) {
+      if (!witness->answers(quantity)) continue;
+      said.push_back({witness->name(), {}, {}});
+      try {
+        said.back().answer = witness->answer(quantity, state);
+      } catch (const std::exception& error) {
+        said.back().failure = error.what();
+      }
+    }
+    listener(k, state, said);
+  }
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the witnesses of one scene say, state by state: asked once, judged by all who listen.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/tally.hpp"
+#include "crosscheck/witness.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// What one witness said about one quantity at one state.
+struct Testimony {
+  std::string witness;
+  Answer answer;
+  std::string failure;  ///< not empty: the witness threw this, and there is no answer
+};
+
+/// All witnesses of a scene.
+class Hearing {
+ public:
+  Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kinds, const Options& options);
+
+  /// Names of the witnesses that answer the quantity, in the order of their testimonies.
+  std::vector<std::string> answering(Quantity quantity) const;
+
+  using Listener = std::function<void(int index, const scene::State<double>& state,
+                                      const std::vector<Testimony>& said)>;
+  /// Asks each of them at each of the options' states.
+  void hear(Quantity quantity, const Listener& listener);
+
+ private:
+  const scene::Scene& scene_;
+  const Options& options_;
+  std::vector<std::unique_ptr<Witness>> witnesses_;
+};
+
+/// One quantity, each pair of the witnesses that answer it.
+class PairComparison {
+ public:
+  PairComparison(Quantity quantity, const std::vector<std::string>& witnesses, const Options& options);
+  void add(int index, const std::vector<Testimony>& said);
+  std::vector<CheckResult> results() const;
+
+ private:
+  std::vector<Tally> tallies_;
+};
+
+}  // namespace dynwitness::crosscheck
