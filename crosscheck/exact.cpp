@@ -291,7 +291,7 @@ Inquiry closures(const scene::Mechanism& mechanism, Parameters parameters) {
     inquiry.checks.push_back(check);
   }
   symbolic::Options options;
-  options.fold_parameters = parameters == Parameters::kAsGiven;
+  options.fold_parameters = parameters == Parameters::kAsWritten;
   symbolic::Equations equations = symbolic::derive(mechanism, options);
   const symbolic::ClosureEquations derived =
       symbolic::closureEquations(mechanism, options, equations);
@@ -320,7 +320,7 @@ Inquiry closures(const scene::Mechanism& mechanism, Parameters parameters) {
           for (Eigen::Index j = 0; j < columns; ++j) all[k].left(i, j) = *from++;
       }
     } catch (const DivisionByZero& error) {
-      for (Sides<T>& failed : all) failed.failure = error.what();
+      for (TwoSides<T>& failed : all) failed.failure = error.what();
     }
     return all;
   };

@@ -227,7 +227,7 @@ BOOST_DATA_TEST_CASE(accelerations_are_those_of_lagranges_equations_with_multipl
   addClosure(&scene, kinds[seed % 3], ground_is_a ? 0 : deepest, ground_is_a ? deepest : 0, random);
   const PrimeField::Modulus modulus(drawPrime("constraints", seed, 0));
   const FieldSource source("constraints", seed, 0);
-  const FieldNumbers number(scene.mechanism, source, Parameters::kAsGiven);
+  const FieldNumbers number(scene.mechanism, source, Parameters::kAsWritten);
   const auto state = indeterminateState(scene.mechanism, source);
   const FieldVector left = byMultipliers(scene.mechanism, number, state);
   const FieldVector right = bySweeps(scene.mechanism, number, state);
