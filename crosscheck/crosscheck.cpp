@@ -31,6 +31,9 @@ void describe(const scene::Scene& scene, SceneResult& result) {
   result.dof = scene.mechanism.dof();
   result.links = static_cast<int>(scene.mechanism.links.size());
   result.not_modelled = scene.not_modelled;
+  if (!scene.mechanism.isOpenTree())
+    result.not_modelled.push_back("closures and springs between points, in comparisons of witnesses: "
+                                  "these are about the tree that the joints make");
   for (const scene::Link& link : scene.mechanism.links) {
     result.link_names.push_back(link.name);
     result.joint_labels.push_back(jointLabel(link));

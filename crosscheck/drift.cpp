@@ -155,10 +155,16 @@ std::vector<std::pair<std::string, int>> driftMethods() {
   return out;
 }
 
-bool conservesEnergy(const scene::Mechanism& mechanism) { return mechanism.wrenches.empty(); }
+bool conservesEnergy(const scene::Mechanism& mechanism) {
+  return mechanism.wrenches.empty() && mechanism.isOpenTree();
+}
 
 Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   const Method& method = methodNamed(options.method);
+  if (!scene.mechanism.isOpenTree())
+    throw scene::InputError({scene.file.string(), 0},
+                            "has closures, or springs between points, allowed: a tree of links; "
+                            "'dynwitness simulate' moves this scene");
   if (!conservesEnergy(scene.mechanism))
     throw scene::InputError({scene.file.string(), 0},
                             "has a wrench: its energy is not constant, drift cannot be measured");

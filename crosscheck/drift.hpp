@@ -28,7 +28,7 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options);
 /// Why a Drift has no paths.
 inline constexpr const char* kNoMotion = "qdd has no value at the start state: M is singular there";
 
-/// True when E = T + V must stay constant: no loads.
+/// True when E = T + V of the tree must stay constant: no loads, closures, or springs between points.
 bool conservesEnergy(const scene::Mechanism& mechanism);
 
 /** The verdict on a drift: with a correct qdd an integrator of order p loses energy as step^p, so the

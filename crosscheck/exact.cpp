@@ -13,6 +13,9 @@
 #include "crosscheck/identities.hpp"
 #include "crosscheck/tally.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
+#include "recursive/constraints.hpp"
+#include "symbolic/equations.hpp"
+#include "symbolic/program.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -267,6 +270,65 @@ Inquiry identities(const scene::Mechanism& mechanism) {
   return inquiry;
 }
 
+// ---- closures -----------------------------------------------------------------------------------
+
+/// phi, J and gamma, derived from phi and from the sweeps.
+Inquiry closures(const scene::Mechanism& mechanism, Parameters parameters) {
+  constexpr int kParts = 3;
+  constexpr const char* kNames[kParts] = {"phi", "J", "gamma"};
+  constexpr const char* kStatements[kParts] = {
+      "closures: phi by lagrange = phi by the sweeps",
+      "closures: J = dphi/dq by lagrange = J by the sweeps",
+      "closures: (dJ/dt) qd by lagrange = by the sweeps"};
+  Inquiry inquiry;
+  for (int k = 0; k < kParts; ++k) {
+    CheckResult check;
+    check.check = "closures";
+    check.statement = kStatements[k];
+    check.quantity = kNames[k];
+    check.left = "lagrange";
+    check.right = "sweeps";
+    inquiry.checks.push_back(check);
+  }
+  symbolic::Options options;
+  options.fold_parameters = parameters == Parameters::kAsWritten;
+  symbolic::Equations equations = symbolic::derive(mechanism, options);
+  const symbolic::ClosureEquations derived =
+      symbolic::closureEquations(mechanism, options, equations);
+  std::vector<symbolic::Node> outputs = derived.phi;
+  for (const auto& row : derived.J) outputs.insert(outputs.end(), row.begin(), row.end());
+  outputs.insert(outputs.end(), derived.gamma.begin(), derived.gamma.end());
+  const auto program =
+      std::make_shared<const symbolic::Program>(symbolic::compile(equations.graph, outputs));
+  const auto ask = [program, &mechanism](const auto& number, const auto& state) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    SidesOfAll<T> all(kParts);
+    try {
+      const auto model = recursive::buildModel(mechanism, number);
+      recursive::Workspace<T> ws(model);
+      auto sweeps = recursive::buildConstraints(mechanism, number, model);
+      recursive::constraintEquations(model, state.x, state.qd, ws, sweeps);
+      const std::vector<T> values = symbolic::ProgramRun<T>(*program, number)(state);
+      const Eigen::Index m = sweeps.rows(), n = model.dof();
+      const MatrixOf<T> right[kParts] = {sweeps.phi, sweeps.J, sweeps.gamma};
+      const T* from = values.data();
+      for (int k = 0; k < kParts; ++k) {
+        const Eigen::Index columns = k == 1 ? n : 1;
+        all[k].right = right[k];
+        all[k].left.resize(m, columns);
+        for (Eigen::Index i = 0; i < m; ++i)
+          for (Eigen::Index j = 0; j < columns; ++j) all[k].left(i, j) = *from++;
+      }
+    } catch (const DivisionByZero& error) {
+      for (TwoSides<T>& failed : all) failed.failure = error.what();
+    }
+    return all;
+  };
+  inquiry.in_field = ask;
+  inquiry.in_degrees = ask;
+  return inquiry;
+}
+
 /// The checks of both, asked at the same points.
 Inquiry both(const Inquiry& a, const Inquiry& b) {
   Inquiry inquiry{a.checks, {}, {}};
@@ -314,11 +376,20 @@ std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
   return decide(scene, identities(scene.mechanism), options);
 }
 
+std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
+                                              const ExactOptions& options) {
+  if (scene.mechanism.closures.empty()) return {};
+  return decide(scene, closures(scene.mechanism, options.parameters), options);
+}
+
 std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options) {
-  return decide(scene,
-                both(comparisons(exactWitnesses(scene, options.parameters, options.witnesses)),
-                     identities(scene.mechanism)),
-                options);
+  std::vector<CheckResult> checks =
+      decide(scene,
+             both(comparisons(exactWitnesses(scene, options.parameters, options.witnesses)),
+                  identities(scene.mechanism)),
+             options);
+  for (const CheckResult& check : checkClosuresExactly(scene, options)) checks.push_back(check);
+  return checks;
 }
 
 std::string describeExact(const CheckResult::Exact& exact) {

@@ -84,6 +84,9 @@ std::vector<CheckResult> compareExactly(const scene::Scene& scene,
 /// The identities alone.
 std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
                                                 const ExactOptions& options);
+/// phi, J and (dJ/dt) qd of the closures, by lagrange and by the sweeps; none without closures.
+std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
+                                              const ExactOptions& options);
 
 /// "residual zero at 2 points modulo 63-bit primes; chance that different formulas pass at most 3e-34"
 std::string describeExact(const CheckResult::Exact& exact);

@@ -159,6 +159,9 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
     M = M + X_carrier[i].inverseTimes(detail::rigidInertia<T>(link.inertia, number));
   }
 
+  for (std::size_t i = 0; i < mechanism.links.size(); ++i)
+    model.places.push_back({carrier[i], X_carrier[i]});
+
   for (const scene::Wrench& wrench : mechanism.wrenches) {
     if (carrier[wrench.link] < 0) continue;  // on the world: moves nothing
     const int link = carrier[wrench.link];

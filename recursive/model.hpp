@@ -45,9 +45,17 @@ struct WorldLoad {
   Vector3<T> force, moment, at;
 };
 
+/// Where a link of the scene is found in the model, which lumps fixed joints and turns frames.
+template <typename T>
+struct ScenePlace {
+  int link;        ///< of the model; -1: the world
+  Transform<T> X;  ///< that link's frame to the scene's link frame
+};
+
 template <typename T>
 struct Model {
   std::vector<LinkModel<T>> links;
+  std::vector<ScenePlace<T>> places;  ///< one a link of the scene
   std::vector<int> link_of_dof;
   int positions = 0;         ///< how many slots q has: dof(), and one a quaternion
   bool plain_joints = true;  ///< all are fixed, revolute or prismatic

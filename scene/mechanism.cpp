@@ -46,6 +46,45 @@ const char* name(JointKind kind) {
   throw std::logic_error("name: unknown joint kind");
 }
 
+const char* name(ClosureKind kind) {
+  switch (kind) {
+    case ClosureKind::kDistance:
+      return "distance";
+    case ClosureKind::kPlanarPoint:
+      return "planar_point";
+    case ClosureKind::kPoint:
+      return "point";
+    case ClosureKind::kHinge:
+      return "hinge";
+    case ClosureKind::kWeld:
+      return "weld";
+  }
+  throw std::logic_error("name: unknown closure kind");
+}
+
+int equationCount(ClosureKind kind) {
+  switch (kind) {
+    case ClosureKind::kDistance:
+      return 1;
+    case ClosureKind::kPlanarPoint:
+      return 2;
+    case ClosureKind::kPoint:
+      return 3;
+    case ClosureKind::kHinge:
+      return 5;
+    case ClosureKind::kWeld:
+      return 6;
+  }
+  throw std::logic_error("equationCount: unknown closure kind");
+}
+
+std::vector<Step> Attachment::steps() const {
+  Placement placement;
+  placement.xyz = xyz;
+  placement.rpy = rpy;
+  return placement.beforeJoint();
+}
+
 namespace {
 
 /// What there is to know about a joint kind.

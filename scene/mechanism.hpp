@@ -130,6 +130,49 @@ struct Wrench {
   Axes axes = Axes::kLink;
 };
 
+/// A frame fixed to a link: the link frame, moved by xyz [m], then turned by rpy [rad].
+struct Attachment {
+  int link = 0;
+  Vector xyz, rpy;
+
+  std::vector<Step> steps() const;  ///< link frame to this frame, to be composed from left to right
+};
+
+/// Which relative motions of frame b on frame a a closure takes away.
+enum class ClosureKind {
+  kDistance,     ///< the origins keep their distance, as if a massless rod joined them
+  kPlanarPoint,  ///< b's origin stays on a's z axis: x, y. For mechanisms that move in that plane
+  kPoint,        ///< b's origin stays at a's: x, y, z
+  kHinge,        ///< a point, and b's z axis stays parallel to a's: a turn about z is left
+  kWeld,         ///< a hinge, and b's y axis stays at right angles to a's x axis: nothing is left
+};
+const char* name(ClosureKind kind);
+/// 1, 2, 3, 5, 6
+int equationCount(ClosureKind kind);
+
+/** A loop closure: two frames of two links, held together. With d the origin of b seen from a, in
+    a's axes, and x, y, z the axes of the frame named, its equations phi = 0 are, in this order,
+
+        d_x, d_y;   d_z;   x_a . z_b, y_a . z_b;   x_a . y_b
+
+    as far as the kind goes; of a distance  (d . d - length^2) / 2. */
+struct Closure {
+  std::string name;
+  ClosureKind kind = ClosureKind::kPoint;
+  Attachment a, b;
+  Number length{0};  ///< kDistance [m]
+  SourceLocation where;
+};
+
+/** A spring with a damper between the origins of two frames, at distance l:
+    they pull towards each other with  stiffness (l - rest) + damping dl/dt  [N]. */
+struct Spring {
+  std::string name;
+  Attachment a, b;  ///< rpy is not used
+  Number stiffness{0}, rest{0}, damping{0};  ///< [N/m], [m], [N s/m]
+  SourceLocation where;
+};
+
 struct Parameter {
   std::string name;
   Number value;  ///< in terms of the parameters before it
@@ -143,9 +186,13 @@ struct Mechanism {
   Vector gravity;  ///< [m/s^2], world axes
   std::vector<Link> links;
   std::vector<Wrench> wrenches;
+  std::vector<Closure> closures;
+  std::vector<Spring> springs;  ///< between two points; those of joints stand with the joint
 
   int dof() const;        ///< how many rates qd there are
   int positions() const;  ///< how many position slots q there are: dof(), and one a quaternion
+  /// True when the tree alone is the whole mechanism: no closures, no springs between points.
+  bool isOpenTree() const { return closures.empty() && springs.empty(); }
   /// Indices of the links whose joints move, in the order of q.
   std::vector<int> movingLinks() const;
   /// What each position slot says, in the order of q.

@@ -52,7 +52,12 @@ void validate(const Scene& scene);
 /// The folder with scenes/ and reference/ in it: the environment variable DYNWITNESS_DATA, or where the
 /// build or the installation put it.
 std::filesystem::path dataFolder();
-/// The scene of this name in the folder of bundled scenes, or the file of this path.
+/** A row of `windows` four-bar linkages, the benchmark A02: windows + 1 uprights on the ground, joined by
+    as many bars less one, all rods of 1 m and 1 kg, moving in the xy plane. It starts upright.
+    In each of its flat poses every window may fold either way: the rank of J falls by `windows`. */
+Scene fourBars(int windows);
+
+/// The scene of this name in the folder of bundled scenes, the file of this path, or four_bars_N.
 /// @throws InputError listing the names that exist when it is neither.
 Scene findScene(const std::string& name_or_path);
 /// The bundled scenes, in alphabetical order, as paths.

@@ -84,7 +84,13 @@ class TomlReader {
   Placement readPlacement(const toml::table& table, const std::string& what) const;
   void readInertia(const toml::table& table, const std::string& what,
                    MassProperties* inertia) const;
+  /// A link of this scene by name, as an index.
+  int linkNamed(const toml::node& node, const std::string& what) const;
   Wrench readWrench(const toml::table& table) const;
+  Attachment readAttachment(const toml::table& table, const std::string& what,
+                            const std::string& key, bool has_axes) const;
+  Closure readClosure(const toml::table& table, std::size_t index) const;
+  Spring readSpring(const toml::table& table, std::size_t index) const;
   void readStart(const toml::node& node);
 
   std::string file_;
@@ -405,20 +411,24 @@ void TomlReader::readInertia(const toml::table& table, const std::string& what,
   inertia->yz = optionalNumber(table, what, "yz");
 }
 
+int TomlReader::linkNamed(const toml::node& node, const std::string& what) const {
+  const std::string name = string(node, what + ": link");
+  const std::vector<Link>& links = scene_.mechanism.links;
+  const auto found = std::find_if(links.begin(), links.end(),
+                                  [&name](const Link& link) { return link.name == name; });
+  if (found == links.end()) {
+    throw InputError(where(node), what + ": \"" + name + "\" is not a link of this scene");
+  }
+  return static_cast<int>(found - links.begin());
+}
+
 Wrench TomlReader::readWrench(const toml::table& table) const {
   Wrench wrench;
   checkKeys(table, "wrench", {"link", "force", "moment", "at", "axes"});
   const toml::node& node = required(table, "wrench", "link", "the name of a link");
   const std::string link = string(node, "wrench: link");
   const std::string what = "wrench on \"" + link + '"';
-  const std::vector<Link>& links = scene_.mechanism.links;
-  const auto found = std::find_if(links.begin(), links.end(), [&link](const Link& candidate) {
-    return candidate.name == link;
-  });
-  if (found == links.end()) {
-    throw InputError(where(node), "wrench: \"" + link + "\" is not a link of this scene");
-  }
-  wrench.link = static_cast<int>(found - links.begin());
+  wrench.link = linkNamed(node, "wrench");
   wrench.force = optionalVector(table, what, "force");
   wrench.moment = optionalVector(table, what, "moment");
   wrench.at = optionalVector(table, what, "at");
@@ -433,6 +443,69 @@ Wrench TomlReader::readWrench(const toml::table& table) const {
   return wrench;
 }
 
+Attachment TomlReader::readAttachment(const toml::table& table, const std::string& what,
+                                      const std::string& key, bool has_axes) const {
+  const std::string allowed = has_axes ? "{ link = \"name\", xyz = [..], rpy = [..] }"
+                                       : "{ link = \"name\", xyz = [..] }";
+  const std::string whole = what + ": " + key;
+  const toml::table& given = asTable(required(table, what, key, allowed), whole);
+  if (has_axes) {
+    checkKeys(given, whole, {"link", "xyz", "rpy"});
+  } else {
+    checkKeys(given, whole, {"link", "xyz"});
+  }
+  Attachment attachment;
+  attachment.link = linkNamed(required(given, whole, "link", "the name of a link"), whole);
+  attachment.xyz = optionalVector(given, whole, "xyz");
+  if (has_axes) attachment.rpy = optionalVector(given, whole, "rpy");
+  return attachment;
+}
+
+Closure TomlReader::readClosure(const toml::table& table, std::size_t index) const {
+  Closure closure;
+  closure.where = where(table);
+  const toml::node* name_node = table.get("name");
+  closure.name = name_node ? string(*name_node, "closure: name") : std::to_string(index + 1);
+  const std::string what = "closure \"" + closure.name + '"';
+  checkKeys(table, what, {"name", "kind", "a", "b", "length"});
+  const std::string allowed = "distance, planar_point, point, hinge, weld";
+  const toml::node& node = required(table, what, "kind", allowed);
+  const std::string kind = string(node, what + ": kind");
+  bool known = false;
+  for (const ClosureKind k : {ClosureKind::kDistance, ClosureKind::kPlanarPoint, ClosureKind::kPoint,
+                              ClosureKind::kHinge, ClosureKind::kWeld}) {
+    if (kind != dynwitness::scene::name(k)) continue;
+    closure.kind = k;
+    known = true;
+  }
+  if (!known) {
+    throw InputError(where(node), what + ": kind is \"" + kind + "\", allowed: " + allowed);
+  }
+  closure.a = readAttachment(table, what, "a", true);
+  closure.b = readAttachment(table, what, "b", true);
+  if (closure.kind == ClosureKind::kDistance) {
+    closure.length = number(required(table, what, "length", "a length above zero"), what + ": length");
+  } else if (const toml::node* length = table.get("length")) {
+    throw InputError(where(*length), what + ": a " + kind + " has no length, allowed: name, kind, a, b");
+  }
+  return closure;
+}
+
+Spring TomlReader::readSpring(const toml::table& table, std::size_t index) const {
+  Spring spring;
+  spring.where = where(table);
+  const toml::node* name_node = table.get("name");
+  spring.name = name_node ? string(*name_node, "spring: name") : std::to_string(index + 1);
+  const std::string what = "spring \"" + spring.name + '"';
+  checkKeys(table, what, {"name", "a", "b", "stiffness", "rest", "damping"});
+  spring.a = readAttachment(table, what, "a", false);
+  spring.b = readAttachment(table, what, "b", false);
+  spring.stiffness = optionalNumber(table, what, "stiffness");
+  spring.rest = optionalNumber(table, what, "rest");
+  spring.damping = optionalNumber(table, what, "damping");
+  return spring;
+}
+
 void TomlReader::readStart(const toml::node& node) {
   const toml::table& table = asTable(node, "start");
   checkKeys(table, "start", {"q", "qd"});
@@ -443,7 +516,8 @@ void TomlReader::readStart(const toml::node& node) {
 }
 
 Scene TomlReader::read(const toml::table& top) {
-  checkKeys(top, "scene", {"title", "source", "gravity", "parameters", "link", "wrench", "start"});
+  checkKeys(top, "scene", {"title", "source", "gravity", "parameters", "link", "wrench", "closure",
+                          "spring", "start"});
   scene_.title = optionalString(top, "title");
   scene_.source = optionalString(top, "source");
   if (const toml::node* parameters = top.get("parameters")) readParameters(*parameters);
@@ -457,6 +531,12 @@ Scene TomlReader::read(const toml::table& top) {
   mechanism.links = arrange(links, file_);
   for (const toml::table* table : tables(top, "wrench")) {
     mechanism.wrenches.push_back(readWrench(*table));
+  }
+  for (const toml::table* table : tables(top, "closure")) {
+    mechanism.closures.push_back(readClosure(*table, mechanism.closures.size()));
+  }
+  for (const toml::table* table : tables(top, "spring")) {
+    mechanism.springs.push_back(readSpring(*table, mechanism.springs.size()));
   }
   scene_.start_q = mechanism.restPosition();
   scene_.start_qd.resize(static_cast<std::size_t>(mechanism.dof()));

@@ -200,6 +200,7 @@ std::string leftOut(const Mechanism& mechanism, const Numbers& number) {
   if (rotors) what += ", rotors";
   if (springs) what += ", springs";
   if (!mechanism.wrenches.empty()) what += ", loads";
+  if (!mechanism.isOpenTree()) what += ", closures and springs between points";
   return what;
 }
 

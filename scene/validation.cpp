@@ -157,6 +157,16 @@ class Validator {
     }
     requireStart();
     requireInertiaOutboard();
+    for (const Closure& closure : mechanism_.closures) {
+      const std::string what = "closure \"" + closure.name + '"';
+      requireEnds(what, closure.a.link, closure.b.link, closure.where);
+      const double length = exactValue(closure.length, values_, closure.where).toDouble();
+      if (closure.kind == ClosureKind::kDistance && !(length > 0)) {
+        throw InputError(closure.where,
+                         what + fmt::format(": length is {}, allowed: above zero", length));
+      }
+    }
+    for (const Spring& spring : mechanism_.springs) requireSpring(spring);
   }
 
  private:
@@ -180,6 +190,8 @@ class Validator {
   void requireJoint(const Link& link);
   void requireStart() const;
   void requireInertiaOutboard();
+  void requireEnds(const std::string& what, int a, int b, const SourceLocation& where) const;
+  void requireSpring(const Spring& spring) const;
 
   Frame frame(const std::vector<Step>& steps);
   RationalMatrix turnOf(const Vector& rpy);
@@ -234,6 +246,13 @@ void Validator::requireValues() const {
   require(scene_.start_qd, file_);
   for (const Wrench& w : mechanism_.wrenches) {
     for (const Vector& v : {w.force, w.moment, w.at}) require(v, file_);
+  }
+  for (const Closure& c : mechanism_.closures) {
+    for (const Vector& v : {c.a.xyz, c.a.rpy, c.b.xyz, c.b.rpy}) require(v, c.where);
+  }
+  for (const Spring& s : mechanism_.springs) {
+    for (const Vector& v : {s.a.xyz, s.b.xyz}) require(v, s.where);
+    require(std::initializer_list<Number>{s.stiffness, s.rest, s.damping}, s.where);
   }
   for (const Link& link : mechanism_.links) {
     const MassProperties& i = link.inertia;
@@ -515,6 +534,41 @@ void Validator::requireInertiaOutboard() {
               "what it carries has no inertia about the joint's axis and it has no "
               "rotor_inertia, so forward dynamics is singular, allowed: inertia about the "
               "axis, or a rotor_inertia");
+  }
+}
+
+/// What joins two links must be able to do something: they exist, and a joint between them moves.
+void Validator::requireEnds(const std::string& what, int a, int b,
+                            const SourceLocation& where) const {
+  const std::vector<Link>& links = mechanism_.links;
+  for (const int link : {a, b}) {
+    if (link >= 0 && link < static_cast<int>(links.size())) continue;
+    throw InputError(where, what + fmt::format(": there is no link of index {}", link));
+  }
+  const auto carrier = [&links](int link) {  // the link that moves this one, the root: none does
+    while (link > 0 && degreesOfFreedom(links[static_cast<std::size_t>(link)].joint.kind) == 0) {
+      link = links[static_cast<std::size_t>(link)].parent;
+    }
+    return link;
+  };
+  if (carrier(a) != carrier(b)) return;
+  const auto name = [&links](int link) { return links[static_cast<std::size_t>(link)].name; };
+  throw InputError(where, what + ": no joint moves between links \"" + name(a) + "\" and \"" +
+                              name(b) + "\", allowed: two links that move on each other");
+}
+
+void Validator::requireSpring(const Spring& spring) const {
+  const std::string what = "spring \"" + spring.name + '"';
+  requireEnds(what, spring.a.link, spring.b.link, spring.where);
+  const std::pair<const char*, const Number*> numbers[] = {{"stiffness", &spring.stiffness},
+                                                           {"rest", &spring.rest},
+                                                           {"damping", &spring.damping}};
+  for (const auto& [key, n] : numbers) {
+    const double value = exactValue(*n, values_, spring.where).toDouble();
+    if (value < 0) {
+      throw InputError(spring.where,
+                       what + fmt::format(": {} is {}, allowed: zero or more", key, value));
+    }
   }
 }
 

@@ -90,6 +90,21 @@ std::vector<Node> positionGradient(Equations& equations, Node f);
 Direction motion(Equations& equations, bool with_accelerations = false);
 /// sum_jk b_ijk qd_j p_k for all rates i, the last term of (3').
 std::vector<Node> structureTerms(Equations& equations, const std::vector<Node>& p);
+/** The closures of a mechanism and their derivatives, for Lagrange's equations with multipliers
+
+        M qdd + c + g = tau + Q + J' lambda,    J qdd + gamma = 0                           (6)
+
+    phi [m], J_ki = X_i phi_k [m x n] (dphi_k/dq_i, or along the rate where there are quasi-velocities),
+    gamma = (dJ/dt) qd [m]; their order is that of scene::Closure. */
+struct ClosureEquations {
+  std::vector<Node> phi, gamma;
+  std::vector<std::vector<Node>> J;
+};
+
+/// Adds the closures to the graph of `equations`, which derive() made of the same mechanism with the
+/// same options: phi from the places of the frames in the world, the rest by differentiating it.
+ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
+                                  Equations& equations);
 
 /** The Christoffel form of the Coriolis matrix [n x n], with  c = C qd  and  dM/dt - 2 C  skew:
         C_ij = sum_k Gamma_ijk qd_k = (dM_ij/dt + dp_i/dq_j - dp_j/dq_i) / 2

@@ -730,6 +730,50 @@ Value Lagrangian::wrenchPower() {
   return power;
 }
 
+// ---- closures -----------------------------------------------------------------------------------
+
+Lagrangian::PlacedFrame Lagrangian::inWorld(const scene::Attachment& at) {
+  const Value zero = constant(0), one = constant(1);
+  PlacedFrame frame{{zero, zero, zero},
+                    {{{one, zero, zero}, {zero, one, zero}, {zero, zero, one}}}};
+  const auto moveBack = [&frame](const FrameStep& step) {
+    if (!step.is_rotation) {
+      frame.origin = step.translation + frame.origin;
+      return;
+    }
+    frame.origin = turnedBack(step, frame.origin);
+    for (Vector3& axis : frame.axes) axis = turnedBack(step, axis);
+  };
+  const auto allBack = [&](const std::vector<FrameStep>& steps) {
+    for (auto step = steps.rbegin(); step != steps.rend(); ++step) moveBack(*step);
+  };
+  allBack(steps(at.steps()));
+  allBack(frames_[at.link].offset);
+  for (int k = frames_[at.link].body; k >= 0; k = bodies_[k].parent) {
+    allBack(jointSteps(k));
+    allBack(bodies_[k].before);
+  }
+  return frame;
+}
+
+std::vector<Value> Lagrangian::closureResiduals() {
+  std::vector<Value> phi;
+  for (const scene::Closure& closure : mechanism_.closures) {
+    const PlacedFrame a = inWorld(closure.a), b = inWorld(closure.b);
+    const Vector3 d = b.origin + constant(-1) * a.origin;
+    if (closure.kind == scene::ClosureKind::kDistance) {
+      const Value length = number(closure.length);
+      phi.push_back(constant(Rational(1, 2)) * (dot(d, d) - length * length));
+      continue;
+    }
+    const Value all[] = {dot(a.axes[0], d),         dot(a.axes[1], d),
+                         dot(a.axes[2], d),         dot(a.axes[0], b.axes[2]),
+                         dot(a.axes[1], b.axes[2]), dot(a.axes[0], b.axes[1])};
+    phi.insert(phi.end(), all, all + scene::equationCount(closure.kind));
+  }
+  return phi;
+}
+
 // ---- equations ----------------------------------------------------------------------------------
 
 namespace {
@@ -871,6 +915,24 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
       e.M[inboard[k]][j] = e.M[j][inboard[k]] = columns[k];
   }
   return e;
+}
+
+ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
+                                  Equations& e) {
+  Graph& graph = e.graph;
+  ClosureEquations closures;
+  for (const Value& phi : Lagrangian(mechanism, options, &graph).closureResiduals())
+    closures.phi.push_back(phi.node);
+  std::vector<Node> phi_rate;
+  for (const Node phi : closures.phi) {
+    closures.J.push_back(positionGradient(e, phi));
+    Node rate;
+    for (int i = 0; i < e.dof(); ++i)
+      rate = graph.add(rate, graph.multiply(closures.J.back()[i], graph.input(Input::kVelocity, i)));
+    phi_rate.push_back(rate);
+  }
+  closures.gamma = graph.directionalDerivative(phi_rate, motion(e));
+  return closures;
 }
 
 std::vector<std::vector<Node>> christoffelMatrix(Equations& e) {

@@ -88,6 +88,9 @@ class Lagrangian {
   Value potential();
   /// sum of f' v_at + m' w over the constant wrenches [W].
   Value wrenchPower();
+  /** phi of all closures, one after the other (scene::Closure has the equations): both frames are
+      placed in the world, and their origins and axes compared. */
+  std::vector<Value> closureResiduals();
 
  private:
   struct WorldOrBodyFrame {
@@ -108,6 +111,11 @@ class Lagrangian {
   MassMoments linkMoments(const scene::MassProperties& inertia);
   void regroup();
 
+  struct PlacedFrame {
+    Vector3 origin;
+    std::array<Vector3, 3> axes;
+  };
+  PlacedFrame inWorld(const scene::Attachment& at);
   /// One thing that a joint does: a turn about a coordinate axis of its body, a shift along it, or
   /// both, with this rate.
   struct Axis {

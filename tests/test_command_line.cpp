@@ -4,6 +4,7 @@
 #define BOOST_TEST_MODULE command_line
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -87,6 +88,10 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   refuses(program, "drift acrobot --method rk5", "runge_kutta4");
   refuses(program, "drift acrobot --step 0", "allowed: positive");
   refuses(program, "drift prismatic_revolute_mix", "energy is not constant");
+  refuses(program, "drift bricard", "dynwitness simulate");
+  refuses(program, "simulate bricard --stabilisation hope", "projection");
+  refuses(program, "simulate bricard --method rk5", "runge_kutta_dopri5");
+  refuses(program, "simulate four_bars_0", "four_bars_N with N from 1 to 200");
   refuses(program, "chart", "scene");
   refuses(program, "chart acrobot --quantity tau,c", "qdd");
   refuses(program, "chart acrobot --states 0", "--states");
@@ -281,9 +286,31 @@ BOOST_AUTO_TEST_CASE(help_names_every_subcommand_and_succeeds) {
   const Program program;
   const Outcome outcome = program.run("--help");
   BOOST_TEST(outcome.status == 0);
-  for (const char* word : {"crosscheck", "derive", "evaluate", "drift", "chart", "scenes", "version"}) {
+  for (const char* word :
+       {"crosscheck", "derive", "evaluate", "drift", "simulate", "chart", "scenes", "version"}) {
     BOOST_TEST(outcome.out.find(word) != std::string::npos);
     BOOST_TEST(program.run(std::string(word) + " --help").status == 0);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(simulate_says_drift_cost_and_whether_the_published_motion_agrees) {
+  const Program program;
+  const Outcome outcome = program.run(
+      "simulate andrews_squeezer --duration 0.03 --tolerance 1e-11 --outputs 3 --csv m.csv");
+  BOOST_TEST_CONTEXT(outcome.out) {
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.out.find("6 equations of rank 6, 1 freedoms") != std::string::npos);
+    BOOST_TEST(outcome.out.find("7 values, agree") != std::string::npos);
+  }
+  const std::string csv = program.read("m.csv");
+  BOOST_TEST(csv.find("time_s,q1,") == 0u);
+  BOOST_TEST(std::count(csv.begin(), csv.end(), '\n') == 5);  // header, start and three outputs
+  // a tolerance that cannot reach the printed digits is found out
+  const Outcome coarse =
+      program.run("simulate andrews_squeezer --duration 0.03 --tolerance 1e-4");
+  BOOST_TEST_CONTEXT(coarse.out) {
+    BOOST_TEST(coarse.status == 1);
+    BOOST_TEST(coarse.out.find("DISAGREE") != std::string::npos);
   }
 }
 

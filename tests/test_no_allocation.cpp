@@ -29,6 +29,7 @@ long allocations = 0;
 #include "recursive/build_model.hpp"
 #include "recursive/composite_body.hpp"
 #include "recursive/constrained_dynamics.hpp"
+#include "recursive/constraints.hpp"
 #include "recursive/energy.hpp"
 #include "recursive/newton_euler.hpp"
 #include "scene/scene.hpp"
@@ -129,6 +130,15 @@ BOOST_DATA_TEST_CASE(the_mass_matrix_allocates_nothing, data::make(kScenes), sce
   Bench b(scene);
   BOOST_TEST(allocationsIn([&] { massMatrix(b.model, b.x, b.ws, b.M); }) == 0);
   BOOST_TEST(b.M(0, 0) > 0);
+}
+
+BOOST_DATA_TEST_CASE(constraint_equations_allocate_nothing,
+                     data::make(std::vector<std::string>{"andrews_squeezer", "bricard"}), scene) {
+  Bench b(scene);
+  Constraints<double> constraints =
+      buildConstraints(b.mechanism, scene::RealNumbers<double>(b.mechanism), b.model);
+  BOOST_TEST(allocationsIn([&] { constraintEquations(b.model, b.x, b.qd, b.ws, constraints); }) == 0);
+  BOOST_TEST(constraints.J.cwiseAbs().maxCoeff() > 0);  // it did run
 }
 
 BOOST_DATA_TEST_CASE(constrained_forward_dynamics_allocates_nothing, data::make(kScenes), scene) {

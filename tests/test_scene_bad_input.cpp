@@ -52,7 +52,36 @@ std::string oneLink(const std::string& body, const std::string& joint = "kind = 
          joint + "\n";
 }
 
+/// A closure (or what is said) at lines 10 and on; `ends` are its a and b.
+std::string closure(const std::string& first, const std::string& ends) {
+  return kUpper + "\n[[closure]]\n" + first + "\n" + ends + "\n";
+}
+const std::string kEnds = "a = { link = \"base\" }\nb = { link = \"upper\" }";
+
 const Bad kToml[] = {
+    {"unknown kind of closure", closure("kind = \"glue\"", kEnds),
+     "bad.toml:12: closure \"1\": kind is \"glue\", allowed: distance, planar_point, point, hinge, "
+     "weld"},
+    {"closure without a kind", closure("", kEnds), "bad.toml:11: closure \"1\": has no kind"},
+    {"closure with one end", closure("kind = \"point\"", "a = { link = \"base\" }"),
+     "bad.toml:11: closure \"1\": has no b, allowed: { link = \"name\""},
+    {"closure on a link that is none",
+     closure("kind = \"point\"", "a = { link = \"base\" }\nb = { link = \"nobody\" }"),
+     "bad.toml:14: closure \"1\": b: \"nobody\" is not a link of this scene"},
+    {"closure of a link with itself",
+     closure("kind = \"point\"", "a = { link = \"upper\" }\nb = { link = \"upper\" }"),
+     "bad.toml:11: closure \"1\": no joint moves between links \"upper\" and \"upper\""},
+    {"distance without length", closure("kind = \"distance\"", kEnds),
+     "bad.toml:11: closure \"1\": has no length, allowed: a length above zero"},
+    {"distance of zero", closure("kind = \"distance\"\nlength = 0", kEnds),
+     "bad.toml:11: closure \"1\": length is 0, allowed: above zero"},
+    {"length of a hinge", closure("kind = \"hinge\"\nlength = 1", kEnds),
+     "bad.toml:13: closure \"1\": a hinge has no length"},
+    {"spring that pushes", kUpper + "\n[[spring]]\n" + kEnds + "\nstiffness = -1\n",
+     "bad.toml:11: spring \"1\": stiffness is -1, allowed: zero or more"},
+    {"spring with axes",
+     kUpper + "\n[[spring]]\na = { link = \"base\", rpy = [0, 0, 1] }\nb = { link = \"upper\" }\n",
+     "bad.toml:12: spring \"1\": a: unknown key \"rpy\", allowed: link, xyz"},
     {"syntax error", "title = \"x\"\ngravity = [0, 0\nq", "bad.toml:3: not TOML: "},
     {"overflowing number", "gravity = [0, 0, 1e999]", "bad.toml:1: not TOML: "},
     {"not UTF-8", "title = \"\xff\"", "bad.toml:1: not TOML: "},

@@ -59,6 +59,11 @@ int run(const Arguments& arguments) {
   std::string header;
   for (const std::string& text : arguments.quantities) {
     const Quantity quantity = quantityNamed(text);
+    if (!scene.mechanism.isOpenTree() && (quantity == Quantity::kTau || quantity == Quantity::kQdd))
+      throw scene::InputError({scene.file.string(), 0},
+                              "has closures, or springs between points: " + text +
+                                  " is not that of its tree, allowed: M, c, g, kinetic, potential, "
+                                  "momentum of the tree");
     const std::string who = arguments.witness.empty() ? usualWitness(quantity) : arguments.witness;
     std::unique_ptr<Witness> witness = selectWitnesses({who}).front().make(scene);
     if (!witness->answers(quantity))

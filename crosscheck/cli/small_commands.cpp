@@ -27,6 +27,7 @@ Run addScenes(CLI::App& app) {
       const scene::Scene scene = scene::readScene(file);
       fmt::print("{:<24} {:>2} dof  {}\n", scene.name, scene.mechanism.dof(), scene.title);
     }
+    fmt::print("{:<24}         N = 1 to 200 four-bar windows (IFToMM A02)\n", "four_bars_N");
     return 0;
   };
 }

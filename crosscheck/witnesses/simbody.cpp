@@ -184,7 +184,8 @@ struct Joint {
 
 class SimbodyWitness : public Witness {
  public:
-  explicit SimbodyWitness(const scene::Scene& scene)
+  /// @param closed  with the scene's closures and springs between points: for qdd only
+  explicit SimbodyWitness(const scene::Scene& scene, bool closed = false)
       : has_rotors_(hasRotors(scene.mechanism)),
         bound_(scene.mechanism,
                has_rotors_ ? ForwardDynamicsBy::kMassMatrix : ForwardDynamicsBy::kSweep),
@@ -199,6 +200,12 @@ class SimbodyWitness : public Witness {
     for (const scene::Wrench& w : mechanism.wrenches)
       wrenches_.push_back({w.link, w.axes == scene::Wrench::Axes::kWorld, vec3(w.force, number),
                            vec3(w.moment, number), vec3(w.at, number)});
+    if (closed) {
+      if (has_rotors_)
+        throw std::invalid_argument("simbody: rotors and closures together are not answered");
+      for (const scene::Closure& closure : mechanism.closures) addClosure(closure, number);
+      for (const scene::Spring& spring : mechanism.springs) addSpring(spring, number);
+    }
     state_ = system_.realizeTopology();
     system_.realizeModel(state_);
   }
@@ -267,6 +274,42 @@ class SimbodyWitness : public Witness {
     rotors_.emplace_back();
     const double rotor = number(joint.rotor_inertia), gear = number(joint.gear_ratio);
     if (rotor != 0) addRotor(rotor, gear);
+  }
+
+  void addClosure(const scene::Closure& closure, const RealNumbers<double>& number) {
+    using namespace SimTK;  // NOLINT(google-build-using-namespace): its constraints, five of them
+    MobilizedBody& a = matter_.updMobilizedBody(links_[closure.a.link]);
+    MobilizedBody& b = matter_.updMobilizedBody(links_[closure.b.link]);
+    const SimTK::Transform X_A = composed(closure.a.steps(), number),
+                           X_B = composed(closure.b.steps(), number);
+    switch (closure.kind) {
+      case scene::ClosureKind::kDistance:
+        Constraint::Rod(a, X_A.p(), b, X_B.p(), number(closure.length));
+        break;
+      case scene::ClosureKind::kPlanarPoint:
+        Constraint::PointOnLine(a, X_A.z(), X_A.p(), b, X_B.p());
+        break;
+      case scene::ClosureKind::kPoint:
+        Constraint::Ball(a, X_A.p(), b, X_B.p());
+        break;
+      case scene::ClosureKind::kHinge:
+        Constraint::Ball(a, X_A.p(), b, X_B.p());
+        Constraint::ConstantAngle(a, X_A.x(), b, X_B.z(), Pi / 2);
+        Constraint::ConstantAngle(a, X_A.y(), b, X_B.z(), Pi / 2);
+        break;
+      case scene::ClosureKind::kWeld:
+        Constraint::Weld(a, X_A, b, X_B);
+        break;
+    }
+  }
+
+  void addSpring(const scene::Spring& spring, const RealNumbers<double>& number) {
+    const SimTK::MobilizedBody& a = matter_.getMobilizedBody(links_[spring.a.link]);
+    const SimTK::MobilizedBody& b = matter_.getMobilizedBody(links_[spring.b.link]);
+    const SimTK::Vec3 at_a = vec3(spring.a.xyz, number), at_b = vec3(spring.b.xyz, number);
+    SimTK::Force::TwoPointLinearSpring(forces_, a, at_a, b, at_b, number(spring.stiffness),
+                                       number(spring.rest));
+    SimTK::Force::TwoPointLinearDamper(forces_, a, at_a, b, at_b, number(spring.damping));
   }
 
   void addRotor(double inertia, double gear) {
@@ -436,6 +479,11 @@ std::string simbodyVersion() {
 }
 
 }  // namespace
+
+Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
+                                           const scene::State<double>& state) {
+  return SimbodyWitness(scene, true).value(Quantity::kQdd, state);
+}
 
 WitnessKind simbodyKind() {
   WitnessInfo info;
