@@ -18,7 +18,8 @@ Eigen::MatrixXd bounds(const MatrixOf<RunningError>& m) {
   return m.unaryExpr([](const RunningError& x) { return x.bound(); });
 }
 
-/// M = L D L' has positive pivots: each larger than its own error bound, so proven.
+/// M = L D L' has positive pivots: each larger than its own error bound, so proven. A pivot that is
+/// zero within its bound proves nothing; one that is proven negative disagrees.
 class PositiveDefinite {
  public:
   PositiveDefinite(const scene::Mechanism& mechanism, std::uint64_t seed)
@@ -38,25 +39,39 @@ class PositiveDefinite {
     recursive::factorize(M);
     ++result_.states;
     for (int i = 0; i < model_.dof(); ++i) {
-      const double share = M(i, i).value() > 0 ? M(i, i).bound() / M(i, i).value()
-                                               : std::numeric_limits<double>::infinity();
+      const RunningError& D = M(i, i);
+      const std::string entry = "D[" + std::to_string(i + 1) + "]";
+      if (!(std::abs(D.value()) > D.bound())) {
+        unanswered_ = entry + " is zero within its rounding at state " + std::to_string(state) +
+                      ": M is singular there, a joint moves no inertia";
+        return;  // the pivots after it were divided by it
+      }
+      const double share = D.value() > 0 ? D.bound() / D.value()
+                                         : std::numeric_limits<double>::infinity();
       if (!result_.worst_entry.empty() && share <= result_.ratio) continue;
       result_.ratio = result_.worst = share;
       result_.worst_state = state;
-      result_.worst_entry = "D[" + std::to_string(i + 1) + "]";
-      if (!(share < 1)) {
+      result_.worst_entry = entry;
+      if (D.value() < 0) {
         result_.verdict = Verdict::kDisagree;
-        result_.reason = result_.worst_entry + " is not positive beyond its rounding at state " +
-                         std::to_string(state);
+        result_.reason = entry + " is negative at state " + std::to_string(state);
       }
     }
   }
-  const CheckResult& result() const { return result_; }
+  CheckResult result() const {
+    CheckResult out = result_;
+    if (out.verdict == Verdict::kAgree && !unanswered_.empty()) {
+      out.verdict = Verdict::kNotAnswerable;
+      out.reason = unanswered_;
+    }
+    return out;
+  }
 
  private:
   recursive::Model<RunningError> model_;
   recursive::Workspace<RunningError> ws_;
   CheckResult result_;
+  std::string unanswered_;
 };
 
 }  // namespace
@@ -79,9 +94,14 @@ std::vector<CheckResult> checkIdentities(const scene::Scene& scene, const Option
     const scene::State<RunningError> state =
         runningErrorState(drawState(scene.mechanism, scene.name, options.seed, k));
     const std::vector<TwoSides<RunningError>> sides = identities.evaluate(state);
-    for (int i = 0; i < kIdentityCount; ++i)
+    for (int i = 0; i < kIdentityCount; ++i) {
+      if (!sides[i].failure.empty()) {
+        tallies[i].fail(k, sides[i].failure);
+        continue;
+      }
       tallies[i].add(k, values(sides[i].left), values(sides[i].right),
                      bounds(sides[i].left) + bounds(sides[i].right));
+    }
     positive.add(k, state.x);
   }
   std::vector<CheckResult> results = {positive.result()};

@@ -31,6 +31,9 @@ void describe(const scene::Scene& scene, SceneResult& result) {
   result.dof = scene.mechanism.dof();
   result.links = static_cast<int>(scene.mechanism.links.size());
   result.not_modelled = scene.not_modelled;
+  if (!scene.mechanism.isOpenTree())
+    result.not_modelled.push_back("closures and springs between points, in comparisons of witnesses: "
+                                  "these are about the tree that the joints make");
   for (const scene::Link& link : scene.mechanism.links) {
     result.link_names.push_back(link.name);
     result.joint_labels.push_back(jointLabel(link));
@@ -122,6 +125,8 @@ SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<Witness
   ExactOptions exact;
   exact.seed = options.seed;
   exact.error_probability = options.error_probability;
+  exact.parameters = options.parameters;
+  for (const WitnessKind& kind : kinds) exact.witnesses.push_back(kind.info.name);
   attachExact(result.checks, exactChecks(scene, exact));
   result.findings = findOutliers(scene.name, result.checks);
   result.findings.insert(result.findings.end(), truth.losses.begin(), truth.losses.end());

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "crosscheck/arithmetic/indeterminates.hpp"
 #include "crosscheck/result.hpp"
 #include "crosscheck/witness.hpp"
 #include "scene/scene.hpp"
@@ -18,6 +19,7 @@ struct Options {
   std::vector<std::string> witnesses;  ///< names to ask; empty: all that are present
   bool drift = true;                   ///< simulate 10 s and watch the energy
   double error_probability = 1e-30;    ///< chance at most that an exact check passes a wrong formula
+  Parameters parameters = Parameters::kAsWritten;  ///< in exact checks: the scene's, or any
 };
 
 /// The kinds that the options ask for. @throws scene::InputError on a name that does not exist or is

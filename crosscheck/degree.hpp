@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "crosscheck/arithmetic/eigen_scalar.hpp"
 #include "crosscheck/arithmetic/indeterminates.hpp"
 
 namespace dynwitness::crosscheck {
@@ -153,12 +154,6 @@ int pointsNeeded(double p, double target);
 
 namespace Eigen {
 template <>
-struct NumTraits<dynwitness::crosscheck::DegreeBound> : GenericNumTraits<double> {
-  using Real = dynwitness::crosscheck::DegreeBound;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = Real;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 4,
-         AddCost = 10, MulCost = 10 };
-};
+struct NumTraits<dynwitness::crosscheck::DegreeBound>
+    : dynwitness::crosscheck::EigenScalar<dynwitness::crosscheck::DegreeBound, 4, 10, 10> {};
 }  // namespace Eigen

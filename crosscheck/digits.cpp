@@ -224,8 +224,7 @@ struct DigitsCount::Impl {
         in_float(recursive::buildModel(s.mechanism, scene::RealNumbers<float>(s.mechanism))),
         in_long_double(
             recursive::buildModel(s.mechanism, scene::RealNumbers<long double>(s.mechanism))) {
-    for (const int i : s.mechanism.movingLinks())
-      joint_names.push_back(s.mechanism.links[i].joint.name);
+    joint_names = s.mechanism.rateLabels();
   }
 
   /// The tally of this witness, quantity and scalar; the first answer makes it.

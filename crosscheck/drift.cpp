@@ -31,15 +31,15 @@ class Motion {
  public:
   explicit Motion(const scene::Mechanism& mechanism)
       : model_(recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism))),
-        ws_(model_), x_(model_.dof()), qd_(model_.dof()), qdd_(model_.dof()),
-        no_force_(model_.dof(), 0.0) {}
+        ws_(model_), x_(model_.positions), qd_(model_.dof()), qdd_(model_.dof()),
+        q_rate_(model_.positions), no_force_(model_.dof(), 0.0) {}
 
-  int dof() const { return model_.dof(); }
   void operator()(const Vector& y, Vector& rate, double) {
     split(y);
     recursive::forwardDynamics(model_, x_, qd_, no_force_, ws_, qdd_);
-    std::copy(qd_.begin(), qd_.end(), rate.begin());
-    std::copy(qdd_.begin(), qdd_.end(), rate.begin() + dof());
+    recursive::positionRates(model_, x_, qd_, q_rate_);
+    std::copy(q_rate_.begin(), q_rate_.end(), rate.begin());
+    std::copy(qdd_.begin(), qdd_.end(), rate.begin() + model_.positions);
   }
   double kinetic(const Vector& y) {
     split(y);
@@ -49,15 +49,13 @@ class Motion {
 
  private:
   void split(const Vector& y) {
-    for (int i = 0; i < dof(); ++i) {
-      x_[i] = scene::jointPosition(y[i]);
-      qd_[i] = y[dof() + i];
-    }
+    for (int i = 0; i < model_.positions; ++i) x_[i] = scene::jointPosition(y[i]);
+    std::copy(y.begin() + model_.positions, y.end(), qd_.begin());
   }
   recursive::Model<double> model_;
   recursive::Workspace<double> ws_;
   std::vector<scene::JointPosition<double>> x_;
-  Vector qd_, qdd_, no_force_;
+  Vector qd_, qdd_, q_rate_, no_force_;
 };
 
 struct Trace {
@@ -157,10 +155,16 @@ std::vector<std::pair<std::string, int>> driftMethods() {
   return out;
 }
 
-bool conservesEnergy(const scene::Mechanism& mechanism) { return mechanism.wrenches.empty(); }
+bool conservesEnergy(const scene::Mechanism& mechanism) {
+  return mechanism.wrenches.empty() && mechanism.isOpenTree();
+}
 
 Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   const Method& method = methodNamed(options.method);
+  if (!scene.mechanism.isOpenTree())
+    throw scene::InputError({scene.file.string(), 0},
+                            "has closures, or springs between points, allowed: a tree of links; "
+                            "'dynwitness simulate' moves this scene");
   if (!conservesEnergy(scene.mechanism))
     throw scene::InputError({scene.file.string(), 0},
                             "has a wrench: its energy is not constant, drift cannot be measured");
@@ -183,6 +187,10 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   drift.method = method.name;
   drift.method_order = method.order;
   drift.duration = options.duration;
+  Vector rate(start.size());
+  motion(start, rate, 0);
+  if (!std::all_of(rate.begin(), rate.end(), [](double x) { return std::isfinite(x); }))
+    return drift;
   const auto run = [&](double step) {
     const Trace trace = method.simulate(motion, start, step, options.duration);
     drift.paths.push_back(trace.path);
@@ -227,7 +235,11 @@ CheckResult checkDrift(const Drift& drift) {
   check.worst = drift.observed_order;
   check.limit = drift.method_order - 1;
   check.ratio = orderShows(drift) ? check.limit / check.worst : std::numeric_limits<double>::infinity();
-  if (drift.scale == 0) {
+  if (drift.paths.empty()) {
+    check.verdict = Verdict::kNotAnswerable;
+    check.reason = kNoMotion;
+    check.ratio = 0;
+  } else if (drift.scale == 0) {
     check.verdict = Verdict::kNotAnswerable;
     check.reason = "nothing moves from the start state: give the scene a [start]";
     check.ratio = 0;

@@ -12,24 +12,22 @@
 
 #include "crosscheck/identities.hpp"
 #include "crosscheck/kernel/roads.hpp"
+#include "crosscheck/tally.hpp"
+#include "crosscheck/witnesses/lagrange.hpp"
+#include "recursive/constraints.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
-/// Points without a value in a row before a check is given up: at random points, divisors are zero
-/// with a chance of 1e-10 or so, or always.
+/// Points without a value in a row before a check is given up: a divisor that is not zero as a
+/// formula vanishes at a point with the chance r of errorProbability(), at all of these with r^8.
+/// Giving up costs an answer; it never gives a wrong one.
 constexpr int kPatience = 8;
 
-/// Left and right of one check in one arithmetic, or why there are none.
 template <typename T>
-struct Sides {
-  MatrixOf<T> left, right;
-  std::string failure;
-};
-template <typename T>
-using SidesOfAll = std::vector<Sides<T>>;
+using SidesOfAll = std::vector<TwoSides<T>>;
 
 /// Some checks that are asked together.
 struct Inquiry {
@@ -41,24 +39,17 @@ struct Inquiry {
 
 // ---- deciding -----------------------------------------------------------------------------------
 
-std::string entry(const CheckResult& check, Eigen::Index row, Eigen::Index column,
-                  const MatrixOf<PrimeField>& shape) {
-  if (shape.size() == 1) return check.quantity;
-  if (shape.cols() == 1) return fmt::format("{}[{}]", check.quantity, row + 1);
-  return fmt::format("{}[{},{}]", check.quantity, row + 1, column + 1);
-}
-
 /// One check on its way to a verdict.
 class Trial {
  public:
   Trial(CheckResult check, const ExactOptions& options) : check_(std::move(check)) {
     check_.unit = "exact";
     check_.seed = options.seed;
-    exact_.parameters = options.parameters == Parameters::kRandom ? "random" : "as given";
+    exact_.parameters = name(options.parameters);
   }
 
   /// How many points it takes, from the size of the formulas.
-  void size(const Sides<DegreeBound>& sides, const DegreeBound::Divisors& divisors, double target) {
+  void size(const TwoSides<DegreeBound>& sides, const DegreeBound::Divisors& divisors, double target) {
     if (!sides.failure.empty()) return giveUp(sides.failure);
     if (!sameShape(sides)) return;
     double chance = 0;
@@ -76,7 +67,7 @@ class Trial {
     needed_ = pointsNeeded(chance, target);
   }
 
-  void add(int index, const Sides<PrimeField>& sides) {
+  void add(int index, const TwoSides<PrimeField>& sides) {
     if (done_) return;
     exact_.prime = PrimeField::modulus();
     if (!sides.failure.empty()) {
@@ -91,7 +82,7 @@ class Trial {
     for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
       for (Eigen::Index i = 0; i < sides.left.rows(); ++i) {
         if (sides.left(i, j) == sides.right(i, j)) continue;
-        check_.worst_entry = entry(check_, i, j, sides.left);
+        check_.worst_entry = entryName(check_.quantity, i, j, sides.left);
         check_.worst_state = index;
         return disagree(fmt::format("{} differs at point {} of seed {}: {} and {} modulo {}",
                                     check_.worst_entry, index, check_.seed,
@@ -126,7 +117,7 @@ class Trial {
     done_ = true;
   }
   template <typename T>
-  bool sameShape(const Sides<T>& sides) {
+  bool sameShape(const TwoSides<T>& sides) {
     const bool same = sides.left.rows() == sides.right.rows() &&
                       sides.left.cols() == sides.right.cols();
     if (!same)
@@ -164,7 +155,7 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
       sides = inquiry.in_field(FieldNumbers(scene.mechanism, source, options.parameters),
                                indeterminateState(scene.mechanism, source));
     } catch (const DivisionByZero& error) {  // the prime divides a number of the scene
-      for (Sides<PrimeField>& failed : sides) failed.failure = error.what();
+      for (TwoSides<PrimeField>& failed : sides) failed.failure = error.what();
     }
     for (std::size_t i = 0; i < trials.size(); ++i) trials[i].add(index, sides[i]);
   }
@@ -175,78 +166,15 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
 
 // ---- witnesses ----------------------------------------------------------------------------------
 
-/// What the Lagrangian gives, compiled once for all arithmetics.
-class Derived {
- public:
-  Derived(const scene::Mechanism& mechanism, Parameters parameters) {
-    symbolic::Options options;
-    options.fold_parameters = parameters == Parameters::kAsGiven;
-    symbolic::Equations equations = symbolic::derive(mechanism, options);
-    const std::vector<symbolic::Node> tau = symbolic::inverseDynamics(equations);
-    std::vector<symbolic::Node> M;
-    for (const auto& row : equations.M) M.insert(M.end(), row.begin(), row.end());
-    dof = equations.dof();
-    const auto keep = [&](Quantity quantity, const std::vector<symbolic::Node>& outputs) {
-      programs[static_cast<int>(quantity)] = symbolic::compile(equations.graph, outputs);
-    };
-    keep(Quantity::kM, M);
-    keep(Quantity::kc, equations.c);
-    keep(Quantity::kg, equations.g);
-    keep(Quantity::kTau, tau);
-    keep(Quantity::kKinetic, {equations.kinetic});
-    keep(Quantity::kPotential, {equations.potential});
-  }
-  static bool answers(Quantity quantity) { return quantity != Quantity::kMomentum; }
-
-  symbolic::Program programs[std::size(kAllQuantities)];  ///< qdd and momentum have none
-  int dof = 0;
-};
-
-/// The derived programs in one arithmetic.
-template <typename T>
-class DerivedAnswers {
- public:
-  template <typename Numbers>
-  DerivedAnswers(std::shared_ptr<const Derived> derived, const Numbers& number)
-      : derived_(std::move(derived)) {
-    for (const symbolic::Program& program : derived_->programs) runs_.emplace_back(program, number);
-  }
-
-  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
-    if (quantity == Quantity::kM) return massMatrix(state);
-    if (quantity != Quantity::kQdd) return column(run(quantity, state));
-    // M qdd = tau - tau at qdd = 0
-    scene::State<T> coasting = state;
-    coasting.qdd.assign(state.qd.size(), T(0));
-    MatrixOf<T> qdd = column(state.tau) - column(run(Quantity::kTau, coasting));
-    MatrixOf<T> M = massMatrix(state);
-    recursive::factorize(M);
-    Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>> b = qdd.col(0);
-    recursive::solve(M, b);
-    return qdd;
-  }
-
- private:
-  std::vector<T> run(Quantity quantity, const scene::State<T>& state) {
-    return runs_[static_cast<int>(quantity)](state);
-  }
-  MatrixOf<T> massMatrix(const scene::State<T>& state) {
-    const std::vector<T> entries = run(Quantity::kM, state);
-    return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-        entries.data(), derived_->dof, derived_->dof);
-  }
-
-  std::shared_ptr<const Derived> derived_;
-  std::vector<symbolic::ProgramRun<T>> runs_;
-};
-
 ExactWitness lagrangeWitness(const scene::Scene& scene, Parameters parameters) {
-  const auto derived = std::make_shared<const Derived>(scene.mechanism, parameters);
+  const auto derived = std::make_shared<const DerivedPrograms>(
+      scene.mechanism, parameters == Parameters::kAsWritten);
   const auto on = [derived](const auto& number) {
     using Numbers = std::decay_t<decltype(number)>;
-    return DerivedAnswers<typename Numbers::Scalar>(derived, number);
+    return [derived, answer = DerivedAnswers<typename Numbers::Scalar>(*derived, number)](
+               Quantity quantity, const auto& state) mutable { return answer(quantity, state); };
   };
-  return {"lagrange", Derived::answers, on, on};
+  return {"lagrange", DerivedPrograms::answers, on, on};
 }
 
 /// The programs that kernels are compiled from.
@@ -374,19 +302,6 @@ Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
 
 // ---- identities ---------------------------------------------------------------------------------
 
-template <typename T, typename Numbers>
-SidesOfAll<T> identitySides(const scene::Mechanism& mechanism, const Numbers& number,
-                            const scene::State<T>& state) {
-  SidesOfAll<T> all(kIdentityCount);
-  try {
-    const std::vector<TwoSides<T>> sides = Identities<Numbers>(mechanism, number).evaluate(state);
-    for (int i = 0; i < kIdentityCount; ++i) all[i] = {sides[i].left, sides[i].right, ""};
-  } catch (const DivisionByZero& error) {
-    for (Sides<T>& failed : all) failed.failure = error.what();
-  }
-  return all;
-}
-
 Inquiry identities(const scene::Mechanism& mechanism) {
   Inquiry inquiry;
   for (const IdentityInfo& info : kIdentities) {
@@ -399,11 +314,70 @@ Inquiry identities(const scene::Mechanism& mechanism) {
     inquiry.checks.push_back(check);
   }
   inquiry.in_field = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
-    return identitySides(mechanism, number, state);
+    return Identities<FieldNumbers>(mechanism, number).evaluate(state);
   };
   inquiry.in_degrees = [&](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
-    return identitySides(mechanism, number, state);
+    return Identities<DegreeNumbers>(mechanism, number).evaluate(state);
   };
+  return inquiry;
+}
+
+// ---- closures -----------------------------------------------------------------------------------
+
+/// phi, J and gamma, derived from phi and from the sweeps.
+Inquiry closures(const scene::Mechanism& mechanism, Parameters parameters) {
+  constexpr int kParts = 3;
+  constexpr const char* kNames[kParts] = {"phi", "J", "gamma"};
+  constexpr const char* kStatements[kParts] = {
+      "closures: phi by lagrange = phi by the sweeps",
+      "closures: J = dphi/dq by lagrange = J by the sweeps",
+      "closures: (dJ/dt) qd by lagrange = by the sweeps"};
+  Inquiry inquiry;
+  for (int k = 0; k < kParts; ++k) {
+    CheckResult check;
+    check.check = "closures";
+    check.statement = kStatements[k];
+    check.quantity = kNames[k];
+    check.left = "lagrange";
+    check.right = "sweeps";
+    inquiry.checks.push_back(check);
+  }
+  symbolic::Options options;
+  options.fold_parameters = parameters == Parameters::kAsWritten;
+  symbolic::Equations equations = symbolic::derive(mechanism, options);
+  const symbolic::ClosureEquations derived =
+      symbolic::closureEquations(mechanism, options, equations);
+  std::vector<symbolic::Node> outputs = derived.phi;
+  for (const auto& row : derived.J) outputs.insert(outputs.end(), row.begin(), row.end());
+  outputs.insert(outputs.end(), derived.gamma.begin(), derived.gamma.end());
+  const auto program =
+      std::make_shared<const symbolic::Program>(symbolic::compile(equations.graph, outputs));
+  const auto ask = [program, &mechanism](const auto& number, const auto& state) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    SidesOfAll<T> all(kParts);
+    try {
+      const auto model = recursive::buildModel(mechanism, number);
+      recursive::Workspace<T> ws(model);
+      auto sweeps = recursive::buildConstraints(mechanism, number, model);
+      recursive::constraintEquations(model, state.x, state.qd, ws, sweeps);
+      const std::vector<T> values = symbolic::ProgramRun<T>(*program, number)(state);
+      const Eigen::Index m = sweeps.rows(), n = model.dof();
+      const MatrixOf<T> right[kParts] = {sweeps.phi, sweeps.J, sweeps.gamma};
+      const T* from = values.data();
+      for (int k = 0; k < kParts; ++k) {
+        const Eigen::Index columns = k == 1 ? n : 1;
+        all[k].right = right[k];
+        all[k].left.resize(m, columns);
+        for (Eigen::Index i = 0; i < m; ++i)
+          for (Eigen::Index j = 0; j < columns; ++j) all[k].left(i, j) = *from++;
+      }
+    } catch (const DivisionByZero& error) {
+      for (TwoSides<T>& failed : all) failed.failure = error.what();
+    }
+    return all;
+  };
+  inquiry.in_field = ask;
+  inquiry.in_degrees = ask;
   return inquiry;
 }
 
@@ -425,14 +399,25 @@ Inquiry both(const Inquiry& a, const Inquiry& b) {
 
 }  // namespace
 
-std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters) {
-  const auto as_it_is = [](auto&, const auto&) {};
-  std::vector<ExactWitness> all = {
-      lagrangeWitness(scene, parameters), sweepWitness<NewtonEuler>(scene, as_it_is),
-      sweepWitness<CompositeBody>(scene, as_it_is), sweepWitness<ArticulatedBody>(scene, as_it_is)};
+std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
+                                         const std::vector<std::string>& names) {
+  std::vector<ExactWitness> witnesses;
+  const auto isAsked = [&](const std::string& name) {
+    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const auto sweep = [&](auto algorithm) {
+    using Algorithm = decltype(algorithm);
+    if (isAsked(Algorithm::kName))
+      witnesses.push_back(sweepWitness<Algorithm>(scene, [](auto&, const auto&) {}));
+  };
+  if (isAsked("lagrange")) witnesses.push_back(lagrangeWitness(scene, parameters));
+  sweep(NewtonEuler());
+  sweep(CompositeBody());
+  sweep(ArticulatedBody());
   // a kernel is made for the numbers of its scene
-  if (parameters == Parameters::kAsGiven) all.push_back(kernelWitness(scene));
-  return all;
+  if (parameters == Parameters::kAsWritten && scene.mechanism.isOpenTree() && isAsked("kernel"))
+    witnesses.push_back(kernelWitness(scene));
+  return witnesses;
 }
 
 std::vector<CheckResult> compareExactly(const scene::Scene& scene,
@@ -446,11 +431,20 @@ std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
   return decide(scene, identities(scene.mechanism), options);
 }
 
+std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
+                                              const ExactOptions& options) {
+  if (scene.mechanism.closures.empty()) return {};
+  return decide(scene, closures(scene.mechanism, options.parameters), options);
+}
+
 std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options) {
-  return decide(scene,
-                both(comparisons(exactWitnesses(scene, options.parameters)),
-                     identities(scene.mechanism)),
-                options);
+  std::vector<CheckResult> checks =
+      decide(scene,
+             both(comparisons(exactWitnesses(scene, options.parameters, options.witnesses)),
+                  identities(scene.mechanism)),
+             options);
+  for (const CheckResult& check : checkClosuresExactly(scene, options)) checks.push_back(check);
+  return checks;
 }
 
 std::string describeExact(const CheckResult::Exact& exact) {

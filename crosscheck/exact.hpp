@@ -20,7 +20,10 @@ struct ExactOptions {
   /// Each check runs at as many points as make the chance that it passes different formulas at most
   /// this.
   double error_probability = 1e-30;
-  Parameters parameters = Parameters::kAsGiven;
+  Parameters parameters = Parameters::kAsWritten;
+  /// Names of those to compare, which may name others that do not compute exactly; empty: all. The
+  /// identities are laws of our sweeps and hold whoever is compared.
+  std::vector<std::string> witnesses = {};
 };
 
 /** A witness in any arithmetic: built with a scene's numbers once, then asked at many states.
@@ -55,12 +58,13 @@ ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
   return {Algorithm::kName, Algorithm::answers, on, on};
 }
 
-/// The programs that the scene's kernel is compiled from (smallestRoad), for the parameters as given.
+/// The programs that the scene's kernel is compiled from (smallestRoad), for the parameters as written.
 ExactWitness kernelWitness(const scene::Scene& scene);
 
-/// lagrange (derived here, once), newton_euler, composite_body and articulated_body; kernel where the
-/// parameters are as given.
-std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters);
+/// lagrange (derived here, once), newton_euler, composite_body, articulated_body and, where the
+/// parameters are as written and there is one, kernel; or those of them that `names` names.
+std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
+                                         const std::vector<std::string>& names = {});
 
 /** Runs the comparisons of witnesses and the identities of identities.hpp over the field.
 
@@ -83,6 +87,9 @@ std::vector<CheckResult> compareExactly(const scene::Scene& scene,
 /// The identities alone.
 std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
                                                 const ExactOptions& options);
+/// phi, J and (dJ/dt) qd of the closures, by lagrange and by the sweeps; none without closures.
+std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
+                                              const ExactOptions& options);
 
 /// "residual zero at 2 points modulo 63-bit primes; chance that different formulas pass at most 3e-34"
 std::string describeExact(const CheckResult::Exact& exact);

@@ -2,7 +2,9 @@
 // Laws that a mechanism's dynamics must obey, each as two sides that must be equal.
 #pragma once
 
-#include <functional>
+#include <algorithm>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "crosscheck/arithmetic/dual.hpp"
@@ -12,6 +14,7 @@
 #include "recursive/energy.hpp"
 #include "recursive/newton_euler.hpp"
 #include "recursive/projection.hpp"
+#include "recursive/reroot.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -37,27 +40,38 @@ inline constexpr IdentityInfo kIdentities[] = {
     {"lumping fixed joints changes nothing", "tau lumped = tau with fixed joints kept", "tau",
      "newton_euler", ""},
     {"duality of transformations", "T_F' T_V = 1", "T", "spatial algebra", ""},
-    {"projector", "P P = P - d/(d + Z'MZ) (1 - P)", "P", "articulated_body", ""},
+    {"projector", "P P = P - M Z D^-1 d D^-1 Z' with D = d + Z'MZ", "P", "articulated_body", ""},
     {"projected inertia is symmetric", "P M = (P M)'", "P M", "articulated_body", ""},
-    {"projected twice", "P M P' = P M - d (MZ)(MZ)'/(d + Z'MZ)^2", "P M P'", "articulated_body", ""},
-    {"projections of force and motion are dual", "Z' P F = d/(d + Z'MZ) Z' F for every F", "Z' P",
+    {"projected twice", "P M P' = P M - M Z D^-1 d D^-1 Z' M", "P M P'", "articulated_body", ""},
+    {"projections of force and motion are dual", "Z' P F = d D^-1 Z' F for every F", "Z' P",
      "articulated_body", ""},
+    {"independence of the chosen root",
+     "on a floating base, another link as root: the same qdd, and the same twist and acceleration of every "
+     "link",
+     "qdd", "articulated_body", ""},
 };
 inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0]);
 
+/// What must be equal, or why there is nothing to compare: then both sides are empty.
 template <typename T>
 struct TwoSides {
   recursive::MatrixX<T> left, right;
+  std::string failure = {};
 };
 
 /** All identities of one mechanism, in the arithmetic of Numbers. Nothing here is specific to
-    rounding: on RunningError the two sides must agree within their bounds, over a field exactly. */
+    rounding: on RunningError the two sides must agree within their bounds, over a field exactly.
+
+    Where M is singular, the laws that divide by an inertia have no sides, and the others do. (A scalar
+    that refuses to divide by zero throws std::domain_error; one that goes on, as RunningError does,
+    gives sides without a finite bound.) */
 template <typename Numbers>
 class Identities {
  public:
   using T = typename Numbers::Scalar;
   using MatrixX = recursive::MatrixX<T>;
   using Matrix6 = recursive::Matrix6<T>;
+  using Laws = std::vector<TwoSides<T>>;
 
   Identities(const scene::Mechanism& mechanism, const Numbers& numbers)
       : model_(recursive::buildModel(mechanism, numbers)),
@@ -68,10 +82,10 @@ class Identities {
         ws_moving_(moving_) {}
 
   /// Both sides of each identity at a state (its tau is not used), in the order of kIdentities.
-  std::vector<TwoSides<T>> evaluate(const scene::State<T>& state) {
+  Laws evaluate(const scene::State<T>& state) {
     const int n = model_.dof();
     const std::vector<T> zeros(n, T(0));
-    std::vector<TwoSides<T>> out;
+    Laws out;
 
     // M, by columns: the forces of unit accelerations
     MatrixX M_columns(n, n);
@@ -90,12 +104,9 @@ class Identities {
 
     // the rate of a quantity along the motion, by dual numbers
     using D = Dual<T>;
-    std::vector<scene::JointPosition<D>> x_moving;
+    std::vector<scene::JointPosition<D>> x_moving = movingAt(state.x, state.qd);
     std::vector<D> qd_moving;
-    for (int i = 0; i < n; ++i) {
-      x_moving.push_back(moving(state.x[i], state.qd[i]));
-      qd_moving.push_back({state.qd[i], state.qdd[i]});
-    }
+    for (int i = 0; i < n; ++i) qd_moving.push_back({state.qd[i], state.qdd[i]});
     const D energy = recursive::kineticEnergy(moving_, x_moving, qd_moving, ws_moving_) +
                      recursive::potentialEnergy(moving_, x_moving, ws_moving_);
     const MatrixX tau_and_loads =
@@ -103,10 +114,12 @@ class Identities {
     out.push_back({one(energy.derivative), qd.transpose() * tau_and_loads});
 
     const MatrixX tau = inverse(state, state.qd, state.qdd, recursive::Terms::all());
-    std::vector<T> tau_values(n, T(0)), qdd(n, T(0));
-    for (int i = 0; i < n; ++i) tau_values[i] = tau(i, 0);
-    recursive::forwardDynamics(model_, state.x, state.qd, tau_values, ws_, qdd);
-    out.push_back({columnOf(qdd), columnOf(state.qdd)});
+    append(out, 1, [&] {
+      std::vector<T> tau_values(n, T(0)), qdd(n, T(0));
+      for (int i = 0; i < n; ++i) tau_values[i] = tau(i, 0);
+      recursive::forwardDynamics(model_, state.x, state.qd, tau_values, ws_, qdd);
+      return Laws{{columnOf(qdd), columnOf(state.qdd)}};
+    });
 
     const MatrixX C = recursive::coriolisMatrix(model_, state.x, state.qd, ws_);
     out.push_back({C * qd, inverse(state, state.qd, zeros, recursive::Terms::none())});
@@ -121,7 +134,9 @@ class Identities {
     // dV/dq_i: the rate of V when joint i alone moves with unit velocity
     MatrixX gradient(n, 1);
     for (int i = 0; i < n; ++i) {
-      for (int j = 0; j < n; ++j) x_moving[j] = moving(state.x[j], T(i == j ? 1 : 0));
+      std::vector<T> unit = zeros;
+      unit[i] = T(1);
+      x_moving = movingAt(state.x, unit);
       gradient(i, 0) = recursive::potentialEnergy(moving_, x_moving, ws_moving_).derivative;
     }
     out.push_back({inverse(state, zeros, zeros, recursive::Terms::potential()), gradient});
@@ -130,15 +145,46 @@ class Identities {
     recursive::inverseDynamics(kept_, state.x, state.qd, state.qdd, ws_kept_, tau_kept);
     out.push_back({tau, columnOf(tau_kept)});
 
-    appendProjections(state, out);
+    inverse(state, zeros, zeros, recursive::Terms::none());  // X_up of all links
+    const std::vector<int> moving = movingLinks();
+    TwoSides<T> dual = blank(6 * static_cast<int>(moving.size()));
+    for (std::size_t k = 0; k < moving.size(); ++k) {
+      const auto& X = ws_.X_up[moving[k]];
+      set(dual.left, k, X.forceMatrix().transpose() * X.motionMatrix());
+      set(dual.right, k, Matrix6::Identity());
+    }
+    out.push_back(std::move(dual));
+
+    append(out, 4, [&] { return projections(state); });
+    append(out, 1, [&] { return Laws{otherRoot(state)}; });
     return out;
   }
 
  private:
+  /// Appends `count` laws that divide, or why they cannot be asked.
+  template <typename Evaluate>
+  static void append(Laws& out, int count, Evaluate evaluate) {
+    try {
+      for (TwoSides<T>& sides : evaluate()) out.push_back(std::move(sides));
+    } catch (const std::domain_error& error) {
+      out.insert(out.end(), count, {{}, {}, error.what()});
+    }
+  }
+
   static MatrixX columnOf(const std::vector<T>& v) {
     return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(v.data(), v.size());
   }
   static MatrixX one(const T& x) { return MatrixX::Constant(1, 1, x); }
+
+  /// Positions that move as they do at these rates.
+  std::vector<scene::JointPosition<Dual<T>>> movingAt(
+      const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd) const {
+    std::vector<T> rates(x.size(), T(0));
+    recursive::positionRates(model_, x, qd, rates);
+    std::vector<scene::JointPosition<Dual<T>>> out;
+    for (std::size_t i = 0; i < x.size(); ++i) out.push_back(moving(x[i], rates[i]));
+    return out;
+  }
 
   MatrixX inverse(const scene::State<T>& state, const std::vector<T>& qd,
                   const std::vector<T>& qdd, recursive::Terms terms) {
@@ -148,46 +194,109 @@ class Identities {
   }
 
   /// The identities of section 7 of the chapter at every moving joint, stacked: 6 rows a joint.
-  void appendProjections(const scene::State<T>& state, std::vector<TwoSides<T>>& out) {
-    std::vector<T> qdd(model_.dof(), T(0));
+  Laws projections(const scene::State<T>& state) {
+    const int n = model_.dof();
+    std::vector<T> qdd(n, T(0));
     // the articulated inertias do not depend on velocities and forces
     recursive::forwardDynamics(model_, state.x, qdd, qdd, ws_, qdd);
-    const int n = model_.dof();
-    TwoSides<T> dual = blank(6 * n), projector = blank(6 * n), symmetric = blank(6 * n),
-                twice = blank(6 * n), force = {MatrixX::Constant(n, 6, T(0)),
-                                               MatrixX::Constant(n, 6, T(0))};
-    for (int k = 0; k < n; ++k) {
-      const int i = model_.link_of_dof[k];
-      const recursive::LinkModel<T>& link = model_.links[i];
-      const Matrix6 one6 = Matrix6::Identity();
-      const Matrix6 M = ws_.M_A[i].matrix();
-      const recursive::Vector6<T> Z = recursive::detail::jointAxis(link);
-      const recursive::Vector6<T> M_Z = M * Z;
-      const T D = link.rotor + Z.dot(M_Z);
-      const T leak = link.rotor / D;  // what a free joint with a rotor still passes on
-      const Matrix6 P = recursive::forceProjection(M, Z, link.rotor);
-      const Matrix6 P_M = recursive::inertiaProjection(M, Z, link.rotor);
+    const std::vector<int> moving = movingLinks();
+    const int rows = 6 * static_cast<int>(moving.size());
+    TwoSides<T> projector = blank(rows), symmetric = blank(rows), twice = blank(rows),
+                force = blank(n);
+    for (std::size_t k = 0; k < moving.size(); ++k) {
+      const recursive::LinkModel<T>& link = model_.links[moving[k]];
+      const int axes = recursive::axisCount(link.kind);
+      const Matrix6 M = ws_.M_A[moving[k]].matrix();
+      recursive::JointAxes<T> Z(6, axes);
+      for (int axis = 0; axis < axes; ++axis) Z.col(axis) = recursive::jointAxis(link, axis);
+      const MatrixX d = MatrixX::Identity(axes, axes) * link.rotor;
+      const recursive::JointAxes<T> M_Z = M * Z;
+      const MatrixX inverse_D = inverse(MatrixX(d + MatrixX(Z.transpose() * M_Z)));
+      const MatrixX leak = d * inverse_D;  // what a free joint with a rotor still passes on
+      const MatrixX weight = inverse_D * leak;
+      const Matrix6 P = recursive::forceProjection(M, Z, d);
+      const Matrix6 P_M = recursive::inertiaProjection(M, Z, d);
 
-      set(dual.left, k, ws_.X_up[i].forceMatrix().transpose() * ws_.X_up[i].motionMatrix());
-      set(dual.right, k, one6);
       set(projector.left, k, P * P);
-      set(projector.right, k, P - (one6 - P) * leak);
+      set(projector.right, k, P - Matrix6(M_Z * weight * Z.transpose()));
       set(symmetric.left, k, P_M);
       set(symmetric.right, k, P_M.transpose());
-      set(twice.left, k, P_M * recursive::accelerationProjection(M, Z, link.rotor));
-      set(twice.right, k, P_M - (M_Z * (leak / D)) * M_Z.transpose());
-      force.left.row(k) = Z.transpose() * P;
-      force.right.row(k) = Z.transpose() * leak;
+      set(twice.left, k, P_M * recursive::accelerationProjection(M, Z, d));
+      set(twice.right, k, P_M - Matrix6(M_Z * weight * M_Z.transpose()));
+      force.left.middleRows(link.dof, axes) = Z.transpose() * P;
+      force.right.middleRows(link.dof, axes) = leak * Z.transpose();
     }
-    for (TwoSides<T>& sides : {std::ref(dual), std::ref(projector), std::ref(symmetric),
-                               std::ref(twice), std::ref(force)})
-      out.push_back(std::move(sides));
+    return {std::move(projector), std::move(symmetric), std::move(twice), std::move(force)};
+  }
+  /// Links of the model whose joints move.
+  std::vector<int> movingLinks() const {
+    std::vector<int> moving;
+    for (std::size_t i = 0; i < model_.links.size(); ++i)
+      if (model_.links[i].dof >= 0) moving.push_back(static_cast<int>(i));
+    return moving;
+  }
+  /** The mechanism on a base that floats (its own, or what rests in the world is let go), and once more
+      with its last possible link as the root. A base let go gets an inertia, a pose and a twist: any
+      will do. */
+  TwoSides<T> otherRoot(const scene::State<T>& state) const {
+    using namespace recursive;
+    const RigidInertia<T> body = {T(7), {T(1), T(-2), T(3)}, {T(20), T(30), T(40), T(1), T(-2), T(3)}};
+    const bool floats = model_.links[0].kind == scene::JointKind::kFloating &&
+                        std::count_if(model_.links.begin(), model_.links.end(),
+                                      [](const auto& link) { return link.parent < 0; }) == 1;
+    const Model<T> model = floats ? model_ : onFloatingBase(model_, body);
+    int root = static_cast<int>(model.links.size()) - 1;
+    while (root > 0 && !canBeRoot(model, root)) --root;
+    if (root == 0) return {{}, {}, "no link but the base is reached by joints of one axis"};
+    const Rerooted<T> tree = reroot(model, root);
+
+    std::vector<JointPosition<T>> x(model.positions, JointPosition<T>{T(0), T(0), T(0)});
+    std::vector<T> qd(model.dof(), T(0)), tau(model.dof(), T(0));
+    const int pose[] = {1, -2, 3, 2, 1, -1, 3}, twist[] = {1, 2, -1, -3, 1, 2};
+    for (int k = 0; k < 7; ++k) x[k].q = T(pose[k]);
+    for (int k = 0; k < 6; ++k) qd[k] = T(twist[k]);
+    std::copy(state.x.begin(), state.x.end(), x.end() - state.x.size());
+    std::copy(state.qd.begin(), state.qd.end(), qd.end() - state.qd.size());
+    std::copy(state.qdd.begin(), state.qdd.end(), tau.end() - state.qdd.size());  // any forces will do
+    std::fill(tau.begin(), tau.begin() + 6, T(0));  // those on the base would be on another link
+
+    Workspace<T> ws(model), ws_rooted(tree.model);
+    std::vector<T> qdd(tau), qdd_rooted(tau);
+    forwardDynamics(model, x, qd, tau, ws, qdd);
+    rerootState(model, tree, ws, x, qd);
+    forwardDynamics(tree.model, x, qd, tau, ws_rooted, qdd_rooted);
+
+    const int n = model.dof() - 6, links = static_cast<int>(model.links.size());
+    TwoSides<T> sides = {MatrixX(n + 12 * links, 1), MatrixX(n + 12 * links, 1)};
+    for (int k = 0; k < n; ++k) {
+      sides.left(k, 0) = qdd[6 + k];
+      sides.right(k, 0) = qdd_rooted[6 + k];
+    }
+    for (int i = 0; i < links; ++i) {
+      const int at = n + 12 * i, j = tree.link[i];
+      sides.left.block(at, 0, 6, 1) = (tree.X[i] * ws.v[i]).vector();
+      sides.right.block(at, 0, 6, 1) = ws_rooted.v[j].vector();
+      sides.left.block(at + 6, 0, 6, 1) = (tree.X[i] * ws.a[i]).vector();
+      sides.right.block(at + 6, 0, 6, 1) = ws_rooted.a[j].vector();
+    }
+    return sides;
+  }
+
+  /// Of a symmetric matrix.
+  static MatrixX inverse(MatrixX D) {
+    recursive::factorize(D);
+    MatrixX columns = MatrixX::Identity(D.rows(), D.cols());
+    for (Eigen::Index j = 0; j < D.cols(); ++j) {
+      Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>> column = columns.col(j);
+      recursive::solve(D, column);
+    }
+    return columns;
   }
   static TwoSides<T> blank(int rows) {
     return {MatrixX::Constant(rows, 6, T(0)), MatrixX::Constant(rows, 6, T(0))};
   }
-  static void set(MatrixX& stack, int k, const Matrix6& block) {
-    stack.block(6 * k, 0, 6, 6) = block;
+  static void set(MatrixX& stack, std::size_t k, const Matrix6& block) {
+    stack.block(6 * static_cast<Eigen::Index>(k), 0, 6, 6) = block;
   }
 
   recursive::Model<T> model_, kept_;

@@ -13,7 +13,7 @@
 
 namespace dynwitness::crosscheck {
 
-double pendulumPeriodRatio(const scene::Mechanism& mechanism, double q_0) {
+double pendulumPeriodRatio(const scene::Mechanism& mechanism, double q_0, int steps) {
   // near the upright position rounding grows as fast as the motion: 64-bit mantissas keep it away
   using Real = long double;
   using Vector = std::vector<Real>;  // (q, qd)
@@ -40,7 +40,7 @@ double pendulumPeriodRatio(const scene::Mechanism& mechanism, double q_0) {
 
   // step until the velocity turns, then bisect the length of the last step
   boost::numeric::odeint::runge_kutta_fehlberg78<Vector, Real> stepper;
-  const Real step = T_0 / 500;
+  const Real step = T_0 / steps;
   Vector y = {q_0, 0}, next = y;
   Real t = 0;
   for (;; t += step, y = next) {

@@ -142,23 +142,37 @@ class Drawing {
     return out;
   }
 
+  /// Mostly revolute or prismatic.
+  JointKind kind() {
+    static constexpr JointKind kRare[] = {JointKind::kHelical,   JointKind::kCylindrical,
+                                          JointKind::kUniversal, JointKind::kPlanar,
+                                          JointKind::kSpherical, JointKind::kFloating};
+    if (chance(30)) return kRare[below(6)];
+    return chance(70) ? JointKind::kRevolute : JointKind::kPrismatic;
+  }
+
   scene::Link link(int index, bool fixed) {
     scene::Link out;
     out.name = fmt::format("link_{}", index);
     out.parent = chance(65) ? index - 1 : below(index);
     scene::Joint& joint = out.joint;
     joint.name = fmt::format("joint_{}", index);
-    joint.kind = fixed ? JointKind::kFixed : chance(70) ? JointKind::kRevolute : JointKind::kPrismatic;
-    joint.placement = placement();
-    if (joint.placement.convention == Convention::kXyzRpy && !fixed) joint.axis = axis();
-    const bool has_rotor = !fixed && chance(40);
+    joint.kind = fixed ? JointKind::kFixed : kind();
+    const bool has_axis = scene::hasAxis(joint.kind), has_one_q = scene::degreesOfFreedom(joint.kind) == 1;
+    do {
+      joint.placement = placement();
+    } while (!fixed && (!has_axis || joint.kind == JointKind::kPlanar) &&
+             joint.placement.convention != Convention::kXyzRpy);
+    if (joint.placement.convention == Convention::kXyzRpy && has_axis) joint.axis = axis();
+    if (joint.kind == JointKind::kHelical) joint.pitch = decimal(-40, 40);
+    const bool has_rotor = has_one_q && chance(40);
     if (has_rotor) {
       joint.rotor_inertia = Rational(1 + below(50), 10000);
       joint.gear_ratio = decimal(-9999, 9999);
     }
-    if (!fixed && chance(25)) {
+    if (has_one_q && chance(25)) {
       joint.stiffness = decimal(0, 5000);
-      joint.rest = joint.kind == JointKind::kRevolute ? angle() : decimal(-50, 50);
+      joint.rest = joint.kind != JointKind::kPrismatic ? angle() : decimal(-50, 50);
     }
     // without a mass of its own, or a rotor, a joint could move nothing that another one does not
     if (chance(90) || !(fixed || has_rotor)) out.inertia = body();
@@ -183,8 +197,8 @@ scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints
   out.file = out.name + ".toml";
   while (true) {
     out.mechanism = drawing.mechanism(max_joints);
-    out.start_q.assign(out.mechanism.dof(), Number(0));
-    out.start_qd = out.start_q;
+    out.start_q = out.mechanism.restPosition();
+    out.start_qd.assign(out.mechanism.dof(), Number(0));
     try {
       scene::validate(out);
       return out;
@@ -200,6 +214,9 @@ RandomCampaign crosscheckRandom(int count, int max_joints, const ExactOptions& o
     RandomCampaign::Failure failure{randomScene(options.seed, index, max_joints), {}, {}};
     const std::vector<CheckResult> checks = exactChecks(failure.scene, options);
     for (const CheckResult& check : checks) {
+      // where joints of several axes are in the way there is no other root, and nothing to ask
+      if (check.verdict == Verdict::kNotAnswerable && check.check == "independence of the chosen root")
+        continue;
       if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);
       if (check.verdict == Verdict::kNotAnswerable) {
         ++campaign.not_answerable;

@@ -20,7 +20,7 @@ const char* name(Verdict verdict);
     that state, in the same unit. Both belong to the entry and state that use the largest share of their
     limit; the check agrees when that share, `ratio`, is at most 1. */
 struct CheckResult {
-  /// The verdict without tolerance: both sides over the integers modulo a prime.
+  /// The verdict without rounding: both sides over the integers modulo a prime.
   struct Exact {
     std::uint64_t prime = 0;
     int points = 0;               ///< random points at which the residual was evaluated

@@ -10,6 +10,20 @@ std::uint64_t mixed(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
+/// A direction in four dimensions, all equally likely, and a length between 1/2 and 1: witnesses must
+/// not take a quaternion's length for granted.
+void drawQuaternion(RandomStream& random, scene::State<double>* state) {
+  double q[4], length2;
+  do {
+    length2 = 0;
+    for (double& component : q) {
+      component = random.uniform(-1, 1);
+      length2 += component * component;
+    }
+  } while (length2 < 0.25 || length2 > 1);
+  for (const double component : q) state->x.push_back(scene::jointPosition(component));
+}
+
 }  // namespace
 
 RandomStream::RandomStream(const std::string& name, std::uint64_t seed, std::uint64_t index) {
@@ -31,12 +45,18 @@ scene::State<double> drawState(const scene::Mechanism& mechanism, const std::str
   constexpr double kPi = 3.141592653589793;
   scene::State<double> state;
   for (const int i : mechanism.movingLinks()) {
-    const bool slides = mechanism.links[i].joint.kind == scene::JointKind::kPrismatic;
-    const double reach = slides ? 1.0 : kPi;
-    state.x.push_back(scene::jointPosition(random.uniform(-reach, reach)));
-    state.qd.push_back(random.uniform(-3, 3));
-    state.qdd.push_back(random.uniform(-10, 10));
-    state.tau.push_back(random.uniform(-10, 10));
+    const scene::JointKind kind = mechanism.links[i].joint.kind;
+    for (const scene::SlotKind slot : scene::positionSlots(kind)) {
+      if (slot == scene::SlotKind::kQuaternion) break;  // they come last
+      const double reach = slot == scene::SlotKind::kLength ? 1.0 : kPi;
+      state.x.push_back(scene::jointPosition(random.uniform(-reach, reach)));
+    }
+    if (scene::positionSlots(kind).back() == scene::SlotKind::kQuaternion) drawQuaternion(random, &state);
+    for (int k = 0; k < scene::degreesOfFreedom(kind); ++k) {
+      state.qd.push_back(random.uniform(-3, 3));
+      state.qdd.push_back(random.uniform(-10, 10));
+      state.tau.push_back(random.uniform(-10, 10));
+    }
   }
   return state;
 }

@@ -22,7 +22,8 @@ class RandomStream {
   std::uint64_t state_;
 };
 
-/// State number `index`: joint angles in [-pi, pi), slides in [-1, 1) m, velocities in [-3, 3),
+/// State number `index`: joint angles in [-pi, pi), slides in [-1, 1) m, quaternions of any direction
+/// and a length between 1/2 and 1 (they need not be of length 1), velocities in [-3, 3),
 /// accelerations in [-10, 10), joint forces in [-10, 10), SI units.
 scene::State<double> drawState(const scene::Mechanism& mechanism, const std::string& scene_name,
                                std::uint64_t seed, std::uint64_t index);

@@ -45,13 +45,34 @@ double number(const std::string& cell, const std::string& column, const SourceLo
   return value;
 }
 
+void requireQuaternions(const scene::Mechanism& mechanism, const scene::State<double>& state,
+                        const SourceLocation& where) {
+  int slot = 0;
+  for (const scene::Link& link : mechanism.links) {
+    const std::vector<scene::SlotKind>& slots = scene::positionSlots(link.joint.kind);
+    slot += static_cast<int>(slots.size());
+    if (slots.empty() || slots.back() != scene::SlotKind::kQuaternion) continue;
+    double size = 0;
+    for (int k = slot - 4; k < slot; ++k) size += std::abs(state.x[k].q);
+    if (size == 0)
+      throw InputError(where, fmt::format("q{} to q{} are the quaternion of joint '{}' and all zero, "
+                                          "allowed: any other (1, 0, 0, 0 is no turn)",
+                                          slot - 3, slot, link.joint.name));
+  }
+}
+
 }  // namespace
 
-std::vector<scene::State<double>> readStates(const std::filesystem::path& file, int n) {
+std::vector<scene::State<double>> readStates(const std::filesystem::path& file,
+                                             const scene::Mechanism& mechanism) {
   std::ifstream in(file);
   if (!in || std::filesystem::is_directory(file)) throw InputError({file.string()}, "cannot be read");
   const std::string allowed =
-      fmt::format("q1..q{0}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}", n);
+      fmt::format("q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}", mechanism.dof(),
+                  mechanism.positions());
+  const auto count = [&](const std::string& group) {
+    return group == "q" ? mechanism.positions() : mechanism.dof();
+  };
 
   std::vector<std::string> columns;
   std::map<std::string, int> at;  // column name -> place in the row
@@ -67,7 +88,7 @@ std::vector<scene::State<double>> readStates(const std::filesystem::path& file, 
       columns = cells;
       std::map<std::string, int> known;
       for (const char* group : kGroups)
-        for (int i = 1; i <= n; ++i) known[group + std::to_string(i)] = 0;
+        for (int i = 1; i <= count(group); ++i) known[group + std::to_string(i)] = 0;
       for (std::size_t k = 0; k < columns.size(); ++k) {
         if (known.count(columns[k]) == 0)
           throw InputError(where, fmt::format("column '{}' is unknown, allowed: {}", columns[k], allowed));
@@ -76,6 +97,7 @@ std::vector<scene::State<double>> readStates(const std::filesystem::path& file, 
       }
       for (const std::string group : kGroups) {
         int present = 0;
+        const int n = count(group);
         for (int i = 1; i <= n; ++i) present += at.count(group + std::to_string(i)) > 0 ? 1 : 0;
         if (present == n || (present == 0 && group != "q")) continue;
         for (int i = 1; i <= n; ++i)
@@ -92,8 +114,10 @@ std::vector<scene::State<double>> readStates(const std::filesystem::path& file, 
       return found == at.end() ? 0.0 : number(cells[found->second], found->first, where);
     };
     scene::State<double> state;
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < mechanism.positions(); ++i)
       state.x.push_back(scene::jointPosition(entry("q", i)));
+    requireQuaternions(mechanism, state, where);
+    for (int i = 0; i < mechanism.dof(); ++i) {
       state.qd.push_back(entry("qd", i));
       state.qdd.push_back(entry("qdd", i));
       state.tau.push_back(entry("tau", i));

@@ -11,6 +11,7 @@
 
 #include "crosscheck/pendulum_period.hpp"
 #include "crosscheck/tally.hpp"
+#include "crosscheck/witnesses/engine_bound.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr double kComputedDigits = 1e-12;  // data/reference/README.md, "What agreement means", 2
+constexpr double kUnitRoundoff = RunningError::kUnitRoundoff;
 
 json readTable(const fs::path& file) {
   std::ifstream in(file);
@@ -71,7 +72,8 @@ const json& entry(const json& object, const char* key, const fs::path& file) {
 /// How far a computed value may be from a printed one, and what that limit is counted in.
 struct Limit {
   double distance;
-  const char* unit;
+  double unit;
+  const char* unit_name;
 };
 
 class Agreement {
@@ -88,21 +90,22 @@ class Agreement {
     units_ = one_case.value("truncated", false) ? 1.0 : 0.5;
   }
 
-  Limit limit(const std::string& text, double printed, double largest) const {
-    if (accuracy_ > 0) return {accuracy_, "stated accuracy of the source"};
-    if (computed_)
-      return {kComputedDigits * std::max(1.0, largest), "1e-12 of the largest entry"};
+  /// @param rounding  bound of what a program in double may lose on this entry
+  Limit limit(const std::string& text, double printed, double rounding) const {
+    if (accuracy_ > 0) return {accuracy_, accuracy_, "stated accuracy of the source"};
+    // all bits of a double: "4" is no number with one digit then
+    if (computed_ && places_ < 0 && significant_ == 0)
+      return {rounding, rounding, "rounding of the source's program"};
     int places = placesOf(text);
     if (places_ >= 0) places = places_;
     if (significant_ > 0) {
-      if (printed == 0) return {kComputedDigits, "units of the last printed digit"};
+      if (printed == 0) return {rounding, rounding, "rounding of the source's program"};
       places = significant_ - 1 - static_cast<int>(std::floor(std::log10(std::abs(printed))));
     }
-    return {units_ * std::pow(10.0, -places), "units of the last printed digit"};
-  }
-  /// What one unit of the report's residual is.
-  double unitOf(const Limit& limit) const {
-    return accuracy_ > 0 || computed_ ? limit.distance : limit.distance / units_;
+    const double place = std::pow(10.0, -places), printing = units_ * place;
+    if (computed_)
+      return {rounding + printing, rounding + printing, "rounding of the source's program"};
+    return {printing, place, "units of the last printed digit"};
   }
 
  private:
@@ -118,7 +121,13 @@ struct Case {
   std::vector<double> scale;  ///< q here = scale * q there
 };
 
-Case readCase(const json& table, const json& one_case, int n, const fs::path& file) {
+Case readCase(const json& table, const json& one_case, const scene::Mechanism& mechanism,
+              const fs::path& file) {
+  const int n = mechanism.dof();
+  if (mechanism.positions() != n)
+    throw scene::InputError({file.string()},
+                            "the scene has spherical or floating joints, allowed in tables: joints "
+                            "whose qd are derivatives of q");
   Case out;
   out.scale = table.contains("coordinate_scale") ? numbers(table["coordinate_scale"], file)
                                                  : std::vector<double>(n, 1.0);
@@ -141,6 +150,24 @@ Case readCase(const json& table, const json& one_case, int n, const fs::path& fi
     out.state.qdd[i] *= out.scale[i];
     out.state.tau[i] /= out.scale[i];
   }
+  return out;
+}
+
+/// The state with what reading it may have moved: an expression, its scale and their product are
+/// rounded once each.
+scene::State<RunningError> asRead(const scene::State<double>& state) {
+  const auto read = [](double x) { return RunningError(x, 3 * kUnitRoundoff * std::abs(x)); };
+  scene::State<RunningError> out;
+  for (const scene::JointPosition<double>& x : state.x) {
+    const RunningError q = read(x.q);
+    const scene::JointPosition<RunningError> at = runningErrorPosition(x.q);
+    // |cos'| <= 1 and |sin'| <= 1
+    out.x.push_back({q, RunningError(at.c.value(), at.c.bound() + q.bound()),
+                     RunningError(at.s.value(), at.s.bound() + q.bound())});
+  }
+  for (const double x : state.qd) out.qd.push_back(read(x));
+  for (const double x : state.qdd) out.qdd.push_back(read(x));
+  for (const double x : state.tau) out.tau.push_back(read(x));
   return out;
 }
 
@@ -174,9 +201,16 @@ fs::path ownScene(const json& content, const fs::path& table) {
   return table.parent_path() / content["scene_file"].get<std::string>();
 }
 
-Eigen::MatrixXd computed(Witness& witness, const std::string& quantity,
-                         const scene::State<double>& state) {
-  return witness.value(quantityNamed(quantity), state);
+/// The period ratio, and how far it may be off: halving the step leaves less than half of the
+/// error, and the angle of release is known to the rounding of its reading.
+Answer periodRatio(const scene::Mechanism& mechanism, double q_0) {
+  constexpr int kSteps = 1000;
+  const auto ratio = [&](double q, int steps) { return pendulumPeriodRatio(mechanism, q, steps); };
+  const double fine = ratio(q_0, kSteps);
+  const double error = std::abs(fine - ratio(q_0, kSteps / 2)) +
+                       std::abs(fine - ratio(q_0 * (1 + 4 * kUnitRoundoff), kSteps)) +
+                       kUnitRoundoff * fine;
+  return {Eigen::MatrixXd::Constant(1, 1, fine), Eigen::MatrixXd::Constant(1, 1, error)};
 }
 
 }  // namespace
@@ -221,17 +255,21 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
     const scene::Scene asked = sceneOf(table, one_case, scene, file);
     std::vector<std::unique_ptr<Witness>> witnesses;
     for (const WitnessKind& kind : kinds) witnesses.push_back(makeWitness(kind, asked));
-    const Case here = readCase(table, one_case, asked.mechanism.dof(), file);
+    EngineBound in_double(asked.mechanism);
+    const Case here = readCase(table, one_case, asked.mechanism, file);
     for (const auto& [quantity, printed] : entry(one_case, "expect", file).items()) {
       const Agreement agreement(table, one_case, quantity, file);
-      double largest = 0;
-      for (std::size_t i = 0; i < printed.size(); ++i)
-        for (std::size_t j = 0; j < (printed[i].is_array() ? printed[i].size() : 1); ++j)
-          largest = std::max(largest, std::abs(number(printedText(printed, i, j), file)));
-
-      const auto compare = [&](const std::string& witness, const Eigen::MatrixXd& value) {
+      // rounding: what the source's program may lose, and what reading the state does to the answer
+      const auto compare = [&](const std::string& witness, const Answer& answer,
+                               const Eigen::MatrixXd& rounding) {
         CheckResult& out = check(quantity, witness);
-        const Eigen::MatrixXd theirs = inSourceCoordinates(value, quantity, here.scale);
+        const auto there = [&](const Eigen::MatrixXd& value) {
+          return inSourceCoordinates(value, quantity, here.scale);
+        };
+        const Eigen::MatrixXd theirs = there(answer.value), own = there(answer.bound + rounding),
+                              source = there(rounding);
+        if (!own.allFinite())
+          throw std::runtime_error("no error bound: a divisor is zero within rounding");
         ++out.states;
         const std::size_t columns = printed[0].is_array() ? printed[0].size() : 1;
         if (printed.size() != static_cast<std::size_t>(theirs.rows()) ||
@@ -244,16 +282,18 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
           for (Eigen::Index j = 0; j < theirs.cols(); ++j) {
             const std::string text = printedText(printed, i, j);
             const double expected = number(text, file);
-            const Limit limit = agreement.limit(text, expected, largest);
+            const Limit limit = agreement.limit(text, expected, source(i, j));
             const double residual = std::abs(theirs(i, j) - expected);
-            // decimal midpoints are not doubles: the limit itself is only good to rounding
-            const double slack = std::numeric_limits<double>::epsilon() * std::max(largest, 1.0);
-            const double used = residual / (limit.distance + slack);
+            // decimals are not doubles: the printed number is read, and subtracted, to rounding
+            const double read = 2 * kUnitRoundoff * (std::abs(expected) + std::abs(theirs(i, j)));
+            const double allowed = limit.distance + own(i, j) + read;
+            const double used = residual == 0 ? 0 : residual / allowed;
             if (!out.worst_entry.empty() && used <= out.ratio) continue;
             out.ratio = std::isfinite(used) ? used : std::numeric_limits<double>::infinity();
-            out.unit = limit.unit;
-            out.worst = residual / agreement.unitOf(limit);
-            out.limit = limit.distance / agreement.unitOf(limit);
+            out.unit = limit.unit_name;
+            const double unit = limit.unit > 0 ? limit.unit : allowed;
+            out.worst = residual == 0 ? 0 : residual / unit;
+            out.limit = allowed > 0 ? allowed / unit : 1;
             out.worst_state = out.states - 1;
             out.worst_entry = entryName(quantity, i, j, theirs);
             if (!(used <= 1)) {
@@ -267,15 +307,15 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
       };
 
       if (quantity == "period_ratio") {
-        compare("articulated_body",
-                Eigen::MatrixXd::Constant(1, 1, pendulumPeriodRatio(asked.mechanism,
-                                                                    here.state.x[0].q)));
+        compare("articulated_body", periodRatio(asked.mechanism, here.state.x[0].q),
+                Eigen::MatrixXd::Zero(1, 1));
         continue;
       }
+      const Eigen::MatrixXd rounding = in_double(quantityNamed(quantity), asRead(here.state));
       for (const std::unique_ptr<Witness>& witness : witnesses) {
         if (!witness->answers(quantityNamed(quantity))) continue;
         try {
-          compare(witness->name(), computed(*witness, quantity, here.state));
+          compare(witness->name(), witness->answer(quantityNamed(quantity), here.state), rounding);
         } catch (const scene::InputError&) {
           throw;
         } catch (const std::exception& error) {

@@ -19,9 +19,9 @@ double share(double residual, double limit) {
 }  // namespace
 
 std::string entryName(const std::string& quantity, Eigen::Index row, Eigen::Index column,
-                      const Eigen::MatrixXd& shape) {
-  if (shape.size() == 1) return quantity;
-  if (shape.cols() == 1) return fmt::format("{}[{}]", quantity, row + 1);
+                      Eigen::Index rows, Eigen::Index columns) {
+  if (rows * columns == 1) return quantity;
+  if (columns == 1) return fmt::format("{}[{}]", quantity, row + 1);
   return fmt::format("{}[{},{}]", quantity, row + 1, column + 1);
 }
 

@@ -32,6 +32,11 @@ class Tally {
 
 /// "M[1,2]", or "M" for a single number.
 std::string entryName(const std::string& quantity, Eigen::Index row, Eigen::Index column,
-                      const Eigen::MatrixXd& shape);
+                      Eigen::Index rows, Eigen::Index columns);
+template <typename Derived>
+std::string entryName(const std::string& quantity, Eigen::Index row, Eigen::Index column,
+                      const Eigen::EigenBase<Derived>& shape) {
+  return entryName(quantity, row, column, shape.rows(), shape.cols());
+}
 
 }  // namespace dynwitness::crosscheck

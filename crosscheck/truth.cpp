@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -13,8 +14,8 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-/// Smaller than this in SI units is 0 where nothing else is there to compare with.
-constexpr double kZeroForEveryPurpose = 1e-300;
+/// The smallest double with all its digits: no computation in double resolves what lies below.
+constexpr double kSmallestDouble = std::numeric_limits<double>::min();
 
 MatrixOf<Ball> evaluate(Setup<Ball>& setup, Quantity quantity, const scene::State<Ball>& state) {
   if (quantity == Quantity::kM) return CompositeBody::answer(setup, quantity, state);
@@ -96,10 +97,11 @@ struct Truth::Impl {
         fmt::format("{} is not finite at {} bits", name(quantity), BallPrecision::bits());
     if (quantity != Quantity::kQdd) return out;
     for (int i = static_cast<int>(s.model.links.size()) - 1; i >= 0; --i) {
-      const int dof = s.model.links[i].dof;
-      const Ball& D = s.ws.D[i];
-      if (dof < 0 || !D.containsZero()) continue;
-      const std::string& joint = mechanism.links[mechanism.movingLinks()[dof]].joint.name;
+      int dof = s.model.links[i].dof, end = dof + recursive::axisCount(s.model.links[i].kind);
+      while (dof < end && !s.ws.D[dof].containsZero()) ++dof;  // in the order of elimination
+      if (dof == end) continue;
+      const Ball& D = s.ws.D[dof];
+      const std::string joint = mechanism.rateLabels()[dof];
       out.final = D.isZero();
       out.result.reason = fmt::format(
           "M is singular: joint '{}' moves no inertia while the joints beyond it are free (D {})",
@@ -128,7 +130,7 @@ Certified Truth::operator()(Quantity quantity, const scene::State<double>& state
     Attempt attempt = impl_->attempt(quantity, state, bits);
     if (attempt.final) return std::move(attempt.result);
     if (2 * bits <= kMaxBits) continue;
-    if (attempt.worst_unsharp > kZeroForEveryPurpose) attempt.result.value.resize(0, 0);
+    if (attempt.worst_unsharp > kSmallestDouble) attempt.result.value.resize(0, 0);
     return std::move(attempt.result);
   }
 }

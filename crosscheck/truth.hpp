@@ -32,7 +32,7 @@ struct Certified {
     An entry whose true value is 0, without every term of it being 0, never gets there. When such
     an entry is below 2^-(2 accuracy) of the largest it is left at that, as beyond what any
     computation in double could resolve. Where all entries are of that kind there is no largest,
-    and the doubling goes on to kMaxBits; what is then below 1e-300 in SI units is left at that.
+    and the doubling goes on to kMaxBits; what is then below the smallest normal double is left at that.
     `reason` names such an entry; the enclosure is certain all the same.
 
     What is certified is the value of that sweep's formula at exactly this state (every double of

@@ -49,6 +49,33 @@ Transform<T> composed(const std::vector<scene::Step>& steps, const Numbers& numb
   return X;
 }
 
+/// One axis of a joint, or its axes where the sweeps pass them together.
+struct JointPart {
+  JointKind kind;
+  int axis;   ///< of the joint frame, 0, 1, 2: what becomes z of the part's frame
+  int slots;  ///< how many positions it has
+};
+
+/** What a joint is made of. Cylindrical, universal and planar joints are chains of parts: their motion
+    is the product of the motions of one axis each, so that a chain is the joint exactly. */
+inline std::vector<JointPart> partsOf(JointKind kind) {
+  constexpr JointKind turn = JointKind::kRevolute, slide = JointKind::kPrismatic;
+  switch (kind) {
+    case JointKind::kCylindrical: return {{slide, 2, 1}, {turn, 2, 1}};
+    case JointKind::kUniversal: return {{turn, 0, 1}, {turn, 1, 1}};
+    case JointKind::kPlanar: return {{slide, 0, 1}, {slide, 1, 1}, {turn, 2, 1}};
+    default: return {{kind, 2, static_cast<int>(scene::positionSlots(kind).size())}};
+  }
+}
+
+/// Turns coordinate axes in a circle so that this one comes to stand as z.
+template <typename T>
+Transform<T> asZ(int axis) {
+  Transform<T> X{Matrix3<T>::Constant(T(0)), Vector3<T>::Constant(T(0))};
+  for (int k = 0; k < 3; ++k) X.R(k, (axis + 1 + k) % 3) = T(1);
+  return X;
+}
+
 /// Rigid inertia in the scene's link frame.
 template <typename T, typename Numbers>
 RigidInertia<T> rigidInertia(const scene::MassProperties& m, const Numbers& number) {
@@ -67,7 +94,8 @@ RigidInertia<T> rigidInertia(const scene::MassProperties& m, const Numbers& numb
 
 }  // namespace detail
 
-/** Builds the model of a mechanism for the scalar of `number` (the "Numbers" concept of
+/** Builds the model of a mechanism, its cylindrical, universal and planar joints as chains of massless
+    links, for the scalar of `number` (the "Numbers" concept of
     scene/numbers.hpp), all in that scalar's own arithmetic. */
 template <typename Numbers, typename T = typename Numbers::Scalar>
 Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
@@ -97,25 +125,42 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
       const scene::AxisTurn<T> turn = number.axisTurn(link.joint.axis);
       Transform<T> X_z = Transform<T>::identity();
       X_z.R = (detail::aboutZ<T>(turn.alpha) * detail::aboutY<T>(turn.beta)).transpose();
-      LinkModel<T> out;
-      out.parent = parent;
-      out.kind = link.joint.kind;
-      out.X_tree = X_z * X_before;
-      if (link.joint.kind != JointKind::kFixed) {
-        const T gear = number(link.joint.gear_ratio);
-        out.dof = model.dof();
-        out.rotor = gear * gear * number(link.joint.rotor_inertia);
-        out.stiffness = number(link.joint.stiffness);
-        out.rest = number(link.joint.rest);
-        model.link_of_dof.push_back(static_cast<int>(model.links.size()));
+      Transform<T> X_tree = X_z * X_before;  // to the axes that the next part finds
+      Transform<T> X_back = X_z.inverse();   // from the last part's frame to joint axes
+      carrier[i] = parent;
+      for (const detail::JointPart& part : detail::partsOf(link.joint.kind)) {
+        const Transform<T> X_part = detail::asZ<T>(part.axis);
+        LinkModel<T> out;
+        out.parent = carrier[i];
+        out.kind = part.kind;
+        out.X_tree = part.axis == 2 ? X_tree : X_part * X_tree;
+        if (part.kind != JointKind::kFixed) {
+          const T gear = number(link.joint.gear_ratio);
+          out.dof = model.dof();
+          out.slot = model.positions;
+          out.rotor = gear * gear * number(link.joint.rotor_inertia);
+          out.stiffness = number(link.joint.stiffness);
+          out.rest = number(link.joint.rest);
+          out.pitch = number(link.joint.pitch);
+          model.positions += part.slots;
+          model.plain_joints = model.plain_joints && (part.kind == JointKind::kRevolute ||
+                                                      part.kind == JointKind::kPrismatic);
+          model.link_of_dof.insert(model.link_of_dof.end(), axisCount(part.kind),
+                                   static_cast<int>(model.links.size()));
+        }
+        carrier[i] = static_cast<int>(model.links.size());
+        model.links.push_back(out);
+        X_tree = X_part.inverse();
+        X_back = part.axis == 2 ? X_z.inverse() : X_z.inverse() * X_tree;
       }
-      carrier[i] = static_cast<int>(model.links.size());
-      X_carrier[i] = X_after * X_z.inverse();
-      model.links.push_back(out);
+      X_carrier[i] = X_after * X_back;
     }
     RigidInertia<T>& M = carrier[i] < 0 ? model.base : model.links[carrier[i]].M;
     M = M + X_carrier[i].inverseTimes(detail::rigidInertia<T>(link.inertia, number));
   }
+
+  for (std::size_t i = 0; i < mechanism.links.size(); ++i)
+    model.places.push_back({carrier[i], X_carrier[i]});
 
   for (const scene::Wrench& wrench : mechanism.wrenches) {
     if (carrier[wrench.link] < 0) continue;  // on the world: moves nothing

@@ -23,29 +23,37 @@ using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
 template <typename T>
 void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, Workspace<T>& ws,
                 MatrixX<T>& M) {
-  requireSize(model, "massMatrix", "x", x.size());
+  requirePositions(model, "massMatrix", x.size());
   requireSize(model, "massMatrix", "rows of M", M.rows());
   requireSize(model, "massMatrix", "columns of M", M.cols());
   const int n = static_cast<int>(model.links.size());
-  for (int i = 0; i < n; ++i) {
-    ws.X_up[i] = linkTransform(model.links[i], x);
-    ws.I_C[i] = model.links[i].M;
-  }
-  M.setConstant(T(0));  // joints on different branches do not feel each other
-  for (int i = n - 1; i >= 0; --i) {
-    const LinkModel<T>& link = model.links[i];
-    if (link.parent >= 0)
-      ws.I_C[link.parent] = ws.I_C[link.parent] + ws.X_up[i].inverseTimes(ws.I_C[i]);  // (1)
-    if (link.dof < 0) continue;
-    Force<T> F = jointColumn(link, ws.I_C[i]);
-    M(link.dof, link.dof) = jointForce(link, F) + link.rotor;                          // (2)
-    for (int k = i, j = link.parent; j >= 0; k = j, j = model.links[j].parent) {
-      F = ws.X_up[k].inverseTimes(F);
-      if (model.links[j].dof < 0) continue;
-      M(link.dof, model.links[j].dof) = jointForce(model.links[j], F);                 // (3)
-      M(model.links[j].dof, link.dof) = M(link.dof, model.links[j].dof);
+  withJoints(model, [&](auto joints) {
+    using Joints = decltype(joints);
+    for (int i = 0; i < n; ++i) {
+      ws.X_up[i] = Joints::transform(model.links[i], x);
+      ws.I_C[i] = model.links[i].M;
     }
-  }
+    M.setConstant(T(0));  // joints on different branches do not feel each other
+    for (int i = n - 1; i >= 0; --i) {
+      const LinkModel<T>& link = model.links[i];
+      if (link.parent >= 0)
+        ws.I_C[link.parent] = ws.I_C[link.parent] + ws.X_up[i].inverseTimes(ws.I_C[i]);  // (1)
+      for (int k = 0, d = link.dof; k < Joints::axes(link); ++k, ++d) {
+        Force<T> F = Joints::column(link, k, ws.I_C[i]);
+        M(d, d) = Joints::force(link, k, F) + link.rotor;                               // (2)
+        for (int l = 0, e = link.dof; l < k; ++l, ++e)
+          M(d, e) = M(e, d) = Joints::force(link, l, F);
+        for (int b = i, j = link.parent; j >= 0; b = j, j = model.links[j].parent) {
+          F = ws.X_up[b].inverseTimes(F);
+          const LinkModel<T>& inboard = model.links[j];
+          for (int l = 0, e = inboard.dof; l < Joints::axes(inboard); ++l, ++e) {
+            M(d, e) = Joints::force(inboard, l, F);                                     // (3)
+            M(e, d) = M(d, e);
+          }
+        }
+      }
+    }
+  });
 }
 
 namespace detail {
@@ -65,20 +73,11 @@ Matrix6<T> bodyCoriolis(const RigidInertia<T>& M, const Motion<T>& v) {
   return twice * (T(1) / T(2));
 }
 
-/// Z as six numbers.
-template <typename T>
-Vector6<T> jointAxis(const LinkModel<T>& link) {
-  Vector6<T> Z = Vector6<T>::Zero();
-  if (link.kind == JointKind::kRevolute) Z(5) = T(1);
-  if (link.kind == JointKind::kPrismatic) Z(2) = T(1);
-  return Z;
-}
-
 }  // namespace detail
 
 /** Coriolis matrix C(q, qd), n x n, with c = C qd and dM/dt - 2 C skew-symmetric: the matrix that
-    the Christoffel symbols give, by composite bodies. With B the body-level Coriolis matrix of each
-    link, composed outboard like the inertia, and dZ = v x Z:
+    the Christoffel symbols give (where qd are derivatives of q), by composite bodies. With B the
+    body-level Coriolis matrix of each link, composed outboard like the inertia, and dZ = v x Z:
         (1)  F_1 = I_C dZ_j + B_C Z_j,   F_2 = I_C Z_j,   F_3 = B_C' Z_j
         (2)  C_ij = Z_i' F_1,   C_ji = dZ_i' F_2 + Z_i' F_3      for i inboard of j (or j itself)
     Dense 6 x 6 products, O(n depth): for checks, not for speed.
@@ -87,43 +86,46 @@ Vector6<T> jointAxis(const LinkModel<T>& link) {
 template <typename T>
 MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                           const std::vector<T>& qd, Workspace<T>& ws) {
-  requireSize(model, "coriolisMatrix", "x", x.size());
+  requirePositions(model, "coriolisMatrix", x.size());
   requireSize(model, "coriolisMatrix", "qd", qd.size());
   const int n = static_cast<int>(model.links.size());
-  std::vector<Vector6<T>> Z(n), dZ(n);
+  std::vector<Vector6<T>> Z(model.dof()), dZ(model.dof());
   std::vector<Matrix6<T>> I_C(n), B_C(n), X_up(n);
   for (int i = 0; i < n; ++i) {
     const LinkModel<T>& link = model.links[i];
-    ws.X_up[i] = linkTransform(link, x);
-    const Motion<T> v_J = jointMotion(link, qd);
+    ws.X_up[i] = AnyJoints::transform(link, x);
+    const Motion<T> v_J = AnyJoints::motion(link, qd);
     ws.v[i] = link.parent < 0 ? v_J : ws.X_up[i] * ws.v[link.parent] + v_J;
     X_up[i] = ws.X_up[i].motionMatrix();
-    Z[i] = detail::jointAxis(link);
-    dZ[i] = cross(ws.v[i], Motion<T>{Z[i].template head<3>(), Z[i].template tail<3>()}).vector();
+    for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
+      Z[d] = jointAxis(link, k);
+      dZ[d] = cross(ws.v[i], Motion<T>{Z[d].template head<3>(), Z[d].template tail<3>()}).vector();
+    }
     I_C[i] = ArticulatedInertia<T>::fromRigid(link.M).matrix();
     B_C[i] = detail::bodyCoriolis(link.M, ws.v[i]);
   }
   MatrixX<T> C = MatrixX<T>::Constant(model.dof(), model.dof(), T(0));
-  for (int j = n - 1; j >= 0; --j) {
-    const int p = model.links[j].parent, dof_j = model.links[j].dof;
-    if (dof_j >= 0) {
-      Vector6<T> F_1 = I_C[j] * dZ[j] + B_C[j] * Z[j];
-      Vector6<T> F_2 = I_C[j] * Z[j];
-      Vector6<T> F_3 = B_C[j].transpose() * Z[j];                               // (1)
-      C(dof_j, dof_j) = Z[j].dot(F_1);
-      for (int k = j, i = p; i >= 0; k = i, i = model.links[i].parent) {
-        F_1 = X_up[k].transpose() * F_1;
-        F_2 = X_up[k].transpose() * F_2;
-        F_3 = X_up[k].transpose() * F_3;
-        const int dof_i = model.links[i].dof;
-        if (dof_i < 0) continue;
-        C(dof_i, dof_j) = Z[i].dot(F_1);
-        C(dof_j, dof_i) = dZ[i].dot(F_2) + Z[i].dot(F_3);                       // (2)
+  for (int b = n - 1; b >= 0; --b) {
+    const LinkModel<T>& link = model.links[b];
+    for (int j = link.dof; j < link.dof + AnyJoints::axes(link); ++j) {
+      Vector6<T> F_1 = I_C[b] * dZ[j] + B_C[b] * Z[j];
+      Vector6<T> F_2 = I_C[b] * Z[j];
+      Vector6<T> F_3 = B_C[b].transpose() * Z[j];                               // (1)
+      for (int i = link.dof; i < link.dof + AnyJoints::axes(link); ++i) C(i, j) = Z[i].dot(F_1);
+      for (int a = b, p = link.parent; p >= 0; a = p, p = model.links[p].parent) {
+        F_1 = X_up[a].transpose() * F_1;
+        F_2 = X_up[a].transpose() * F_2;
+        F_3 = X_up[a].transpose() * F_3;
+        const LinkModel<T>& inboard = model.links[p];
+        for (int i = inboard.dof; i < inboard.dof + AnyJoints::axes(inboard); ++i) {
+          C(i, j) = Z[i].dot(F_1);
+          C(j, i) = dZ[i].dot(F_2) + Z[i].dot(F_3);                             // (2)
+        }
       }
     }
-    if (p >= 0) {
-      I_C[p] += X_up[j].transpose() * I_C[j] * X_up[j];
-      B_C[p] += X_up[j].transpose() * B_C[j] * X_up[j];
+    if (link.parent >= 0) {
+      I_C[link.parent] += X_up[b].transpose() * I_C[b] * X_up[b];
+      B_C[link.parent] += X_up[b].transpose() * B_C[b] * X_up[b];
     }
   }
   return C;

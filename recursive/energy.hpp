@@ -12,12 +12,12 @@ namespace dynwitness::recursive {
 template <typename T>
 void linkVelocities(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                     const std::vector<T>& qd, Workspace<T>& ws) {
-  requireSize(model, "linkVelocities", "x", x.size());
+  requirePositions(model, "linkVelocities", x.size());
   requireSize(model, "linkVelocities", "qd", qd.size());
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     const LinkModel<T>& link = model.links[i];
-    ws.X_up[i] = linkTransform(link, x);
-    const Motion<T> v_J = jointMotion(link, qd);
+    ws.X_up[i] = AnyJoints::transform(link, x);
+    const Motion<T> v_J = AnyJoints::motion(link, qd);
     ws.v[i] = link.parent < 0 ? v_J : ws.X_up[i] * ws.v[link.parent] + v_J;
   }
 }
@@ -40,13 +40,13 @@ T kineticEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
     The first moments of mass are carried inward, so no link needs its place in the world. */
 template <typename T>
 T potentialEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x, Workspace<T>& ws) {
-  requireSize(model, "potentialEnergy", "x", x.size());
+  requirePositions(model, "potentialEnergy", x.size());
   T twice_springs = T(0);
   Vector3<T> h_world = model.base.h;
   for (std::size_t i = 0; i < model.links.size(); ++i) ws.I_C[i] = model.links[i].M;
   for (int i = static_cast<int>(model.links.size()) - 1; i >= 0; --i) {
     const LinkModel<T>& link = model.links[i];
-    const Transform<T> X = linkTransform(link, x);
+    const Transform<T> X = AnyJoints::transform(link, x);
     const T& mass = ws.I_C[i].mass;
     const Vector3<T> h = X.R.transpose() * ws.I_C[i].h + X.p * mass;
     if (link.parent < 0) {
@@ -56,7 +56,7 @@ T potentialEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
       ws.I_C[link.parent].h += h;
     }
     if (link.dof >= 0) {
-      const T stretch = x[link.dof].q - link.rest;
+      const T stretch = x[link.slot].q - link.rest;
       twice_springs += link.stiffness * stretch * stretch;
     }
   }
@@ -76,6 +76,34 @@ Force<T> momentum(const Model<T>& model, const std::vector<JointPosition<T>>& x,
     inboard = inboard + ws.X_up[i].inverseTimes(ws.f[i]);
   }
   return total;
+}
+
+/** Rates of change of the position slots at rates qd: qd itself, but for a floating joint's position,
+    p' = R v, and for quaternions, q' = q (0, w) / 2, which leaves their length as it is.
+    @param rates  one a slot */
+template <typename T>
+void positionRates(const Model<T>& model, const std::vector<JointPosition<T>>& x,
+                   const std::vector<T>& qd, std::vector<T>& rates) {
+  requirePositions(model, "positionRates", x.size());
+  requirePositions(model, "positionRates", rates.size());
+  requireSize(model, "positionRates", "qd", qd.size());
+  for (const LinkModel<T>& link : model.links) {
+    if (link.dof < 0) continue;
+    int slot = link.slot, dof = link.dof;
+    if (axisCount(link.kind) == 1) rates[slot] = qd[dof];
+    if (link.kind == JointKind::kFloating) {
+      const Vector3<T> p_rate = rotation(&x[slot + 3]) * Vector3<T>(qd[dof], qd[dof + 1], qd[dof + 2]);
+      for (int k = 0; k < 3; ++k) rates[slot + k] = p_rate(k);
+      slot += 3;
+      dof += 3;
+    }
+    if (axisCount(link.kind) < 3) continue;
+    const Vector3<T> w(qd[dof], qd[dof + 1], qd[dof + 2]);
+    const Vector3<T> v(x[slot + 1].q, x[slot + 2].q, x[slot + 3].q);
+    const Vector3<T> v_rate = w * x[slot].q + v.cross(w);
+    rates[slot] = -v.dot(w) / T(2);
+    for (int k = 0; k < 3; ++k) rates[slot + 1 + k] = v_rate(k) / T(2);
+  }
 }
 
 }  // namespace dynwitness::recursive

@@ -11,8 +11,8 @@ namespace dynwitness::recursive {
 /** Inverse dynamics, tau = M(q) qdd + c(q, qd) + g(q) - Q, by an outward sweep of motion and an
     inward sweep of force (recursive Newton-Euler), in O(n).
 
-    With p the parent of link i, Z the joint's axis, X the transformation from p to i, everything in
-    the coordinates of link i:
+    With p the parent of link i, Z the joint's axes, X the transformation from p to i, everything in
+    the coordinates of link i, where Z is constant:
         (1)  v_i = X v_p + Z qd_i
         (2)  a_i = X a_p + Z qdd_i + v_i x Z qd_i          a_0 = -gravity
         (3)  f_i = M_i a_i + v_i x* (M_i v_i) - loads + sum over children of X' f_child
@@ -29,7 +29,7 @@ template <typename T>
 void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                      const std::vector<T>& qd, const std::vector<T>& qdd, Workspace<T>& ws,
                      std::vector<T>& tau, Terms terms = Terms::all()) {
-  requireSize(model, "inverseDynamics", "x", x.size());
+  requirePositions(model, "inverseDynamics", x.size());
   requireSize(model, "inverseDynamics", "qd", qd.size());
   requireSize(model, "inverseDynamics", "qdd", qdd.size());
   requireSize(model, "inverseDynamics", "tau", tau.size());
@@ -38,29 +38,32 @@ void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
   Motion<T> a_0 = Motion<T>::zero();
   if (terms.gravity) a_0.linear = -model.gravity;
 
-  // outward: velocities, accelerations, and the force that each link alone needs
-  for (int i = 0; i < n; ++i) {
-    const LinkModel<T>& link = model.links[i];
-    const int p = link.parent;
-    ws.X_up[i] = linkTransform(link, x);
-    const Motion<T> v_J = jointMotion(link, qd);
-    ws.v[i] = ws.X_up[i] * (p < 0 ? v_0 : ws.v[p]) + v_J;                        // (1)
-    ws.a[i] = ws.X_up[i] * (p < 0 ? a_0 : ws.a[p]) + jointMotion(link, qdd) +
-              cross(ws.v[i], v_J);                                               // (2)
-    ws.f[i] = link.M * ws.a[i] + biasForce(link.M, ws.v[i]);                     // (3), own part
-  }
-  if (terms.loads) subtractLoads(model, ws, ws.f);
-
-  // inward: what passes through each joint
-  for (int i = n - 1; i >= 0; --i) {
-    const LinkModel<T>& link = model.links[i];
-    if (link.dof >= 0) {
-      tau[link.dof] = jointForce(link, ws.f[i]) + link.rotor * qdd[link.dof];    // (4)
-      if (terms.springs) tau[link.dof] += link.stiffness * (x[link.dof].q - link.rest);
+  withJoints(model, [&](auto joints) {
+    using Joints = decltype(joints);
+    // outward: velocities, accelerations, and the force that each link alone needs
+    for (int i = 0; i < n; ++i) {
+      const LinkModel<T>& link = model.links[i];
+      const int p = link.parent;
+      ws.X_up[i] = Joints::transform(link, x);
+      const Motion<T> v_J = Joints::motion(link, qd);
+      ws.v[i] = ws.X_up[i] * (p < 0 ? v_0 : ws.v[p]) + v_J;                        // (1)
+      ws.a[i] = ws.X_up[i] * (p < 0 ? a_0 : ws.a[p]) + Joints::motion(link, qdd) +
+                cross(ws.v[i], v_J);                                               // (2)
+      ws.f[i] = link.M * ws.a[i] + biasForce(link.M, ws.v[i]);                     // (3), own part
     }
-    if (link.parent >= 0)
-      ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(ws.f[i]);  // (3), children
-  }
+    if (terms.loads) subtractLoads(model, ws, ws.f);
+
+    // inward: what passes through each joint
+    for (int i = n - 1; i >= 0; --i) {
+      const LinkModel<T>& link = model.links[i];
+      for (int k = 0, d = link.dof; k < Joints::axes(link); ++k, ++d)
+        tau[d] = Joints::force(link, k, ws.f[i]) + link.rotor * qdd[d];               // (4)
+      if (terms.springs && link.dof >= 0)
+        tau[link.dof] += link.stiffness * (x[link.slot].q - link.rest);
+      if (link.parent >= 0)
+        ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(ws.f[i]);  // (3), children
+    }
+  });
 }
 
 }  // namespace dynwitness::recursive

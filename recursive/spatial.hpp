@@ -91,7 +91,9 @@ struct Symmetric3 {
     return {xx * r.x() + xy * r.y() + xz * r.z(), xy * r.x() + yy * r.y() + yz * r.z(),
             xz * r.x() + yz * r.y() + zz * r.z()};
   }
-  Vector3<T> columnZ() const { return {xz, yz, zz}; }
+  Vector3<T> column(int j) const {
+    return j == 0 ? Vector3<T>(xx, xy, xz) : j == 1 ? Vector3<T>(xy, yy, yz) : Vector3<T>(xz, yz, zz);
+  }
   Matrix3<T> matrix() const {
     Matrix3<T> m;
     m << xx, xy, xz, xy, yy, yz, xz, yz, zz;
@@ -143,6 +145,21 @@ struct RigidInertia {
   Force<T> operator*(const Motion<T>& x) const {
     return {x.linear * mass + x.angular.cross(h), h.cross(x.linear) + I * x.angular};
   }
+  /// M (e_j, 0) and M (0, e_j): the columns of the matrix.
+  Force<T> linearColumn(int j) const {
+    Force<T> column{Vector3<T>::Zero(), crossUnit(h, j)};
+    column.force(j) = mass;
+    return column;
+  }
+  Force<T> angularColumn(int j) const { return {-crossUnit(h, j), I.column(j)}; }
+
+ private:
+  /// r x e_j
+  static Vector3<T> crossUnit(const Vector3<T>& r, int j) {
+    return j == 0   ? Vector3<T>(T(0), r.z(), -r.y())
+           : j == 1 ? Vector3<T>(-r.z(), T(0), r.x())
+                    : Vector3<T>(r.y(), -r.x(), T(0));
+  }
 };
 
 /** Bias force of a rigid body moving with velocity x: the force that its motion needs without any
@@ -180,6 +197,9 @@ struct ArticulatedInertia {
   Force<T> operator*(const Motion<T>& x) const {
     return {A * x.linear + B * x.angular, B.transpose() * x.linear + C * x.angular};
   }
+  /// M (e_j, 0) and M (0, e_j): the columns of the matrix.
+  Force<T> linearColumn(int j) const { return {A.column(j), B.row(j).transpose()}; }
+  Force<T> angularColumn(int j) const { return {B.col(j), C.column(j)}; }
   /// M - U U' / D, the rank-one loss through a joint; `inverse_D` is 1 / D.
   ArticulatedInertia minusOuter(const Force<T>& U, const T& inverse_D) const {
     return {A - Symmetric3<T>::outer(U.force, inverse_D),

@@ -19,7 +19,7 @@ void rotate(Step::Kind kind, const Number& angle, std::vector<Step>* steps) {
 }  // namespace
 
 int degreesOfFreedom(JointKind kind) {
-  return kind == JointKind::kFixed ? 0 : 1;
+  return static_cast<int>(rateNames(kind).size());
 }
 
 const char* name(JointKind kind) {
@@ -30,8 +30,103 @@ const char* name(JointKind kind) {
       return "revolute";
     case JointKind::kPrismatic:
       return "prismatic";
+    case JointKind::kHelical:
+      return "helical";
+    case JointKind::kCylindrical:
+      return "cylindrical";
+    case JointKind::kUniversal:
+      return "universal";
+    case JointKind::kPlanar:
+      return "planar";
+    case JointKind::kSpherical:
+      return "spherical";
+    case JointKind::kFloating:
+      return "floating";
   }
   throw std::logic_error("name: unknown joint kind");
+}
+
+const char* name(ClosureKind kind) {
+  switch (kind) {
+    case ClosureKind::kDistance:
+      return "distance";
+    case ClosureKind::kPlanarPoint:
+      return "planar_point";
+    case ClosureKind::kPoint:
+      return "point";
+    case ClosureKind::kHinge:
+      return "hinge";
+    case ClosureKind::kWeld:
+      return "weld";
+  }
+  throw std::logic_error("name: unknown closure kind");
+}
+
+int equationCount(ClosureKind kind) {
+  switch (kind) {
+    case ClosureKind::kDistance:
+      return 1;
+    case ClosureKind::kPlanarPoint:
+      return 2;
+    case ClosureKind::kPoint:
+      return 3;
+    case ClosureKind::kHinge:
+      return 5;
+    case ClosureKind::kWeld:
+      return 6;
+  }
+  throw std::logic_error("equationCount: unknown closure kind");
+}
+
+std::vector<Step> Attachment::steps() const {
+  Placement placement;
+  placement.xyz = xyz;
+  placement.rpy = rpy;
+  return placement.beforeJoint();
+}
+
+namespace {
+
+/// What there is to know about a joint kind.
+struct KindInfo {
+  std::vector<SlotKind> slots;
+  std::vector<std::string> rates;
+};
+
+const KindInfo& info(JointKind kind) {
+  constexpr SlotKind a = SlotKind::kAngle, d = SlotKind::kLength, h = SlotKind::kQuaternion;
+  static const KindInfo kInfos[] = {
+      {{}, {}},                                                        // fixed
+      {{a}, {""}},                                                     // revolute
+      {{d}, {""}},                                                     // prismatic
+      {{a}, {""}},                                                     // helical
+      {{d, a}, {"slide", "turn"}},                                     // cylindrical
+      {{a, a}, {"turn_x", "turn_y"}},                                  // universal
+      {{d, d, a}, {"x", "y", "turn"}},                                 // planar
+      {{h, h, h, h}, {"wx", "wy", "wz"}},                              // spherical
+      {{d, d, d, h, h, h, h}, {"vx", "vy", "vz", "wx", "wy", "wz"}}};  // floating
+  return kInfos[static_cast<int>(kind)];
+}
+
+}  // namespace
+
+const std::vector<SlotKind>& positionSlots(JointKind kind) { return info(kind).slots; }
+const std::vector<std::string>& rateNames(JointKind kind) { return info(kind).rates; }
+bool ratesArePositionDerivatives(JointKind kind) {
+  return info(kind).slots.size() == info(kind).rates.size();
+}
+
+bool hasAxis(JointKind kind) {
+  switch (kind) {
+    case JointKind::kRevolute:
+    case JointKind::kPrismatic:
+    case JointKind::kHelical:
+    case JointKind::kCylindrical:
+    case JointKind::kPlanar:
+      return true;
+    default:
+      return false;
+  }
 }
 
 std::vector<Step> Placement::beforeJoint() const {
@@ -69,6 +164,39 @@ int Mechanism::dof() const {
   int n = 0;
   for (const Link& link : links) n += degreesOfFreedom(link.joint.kind);
   return n;
+}
+
+int Mechanism::positions() const {
+  std::size_t n = 0;
+  for (const Link& link : links) n += positionSlots(link.joint.kind).size();
+  return static_cast<int>(n);
+}
+
+std::vector<SlotKind> Mechanism::slots() const {
+  std::vector<SlotKind> all;
+  for (const Link& link : links)
+    for (const SlotKind slot : positionSlots(link.joint.kind)) all.push_back(slot);
+  return all;
+}
+
+std::vector<std::string> Mechanism::rateLabels() const {
+  std::vector<std::string> labels;
+  for (const Link& link : links)
+    for (const std::string& rate : rateNames(link.joint.kind))
+      labels.push_back(link.joint.name + (rate.empty() ? "" : "." + rate));
+  return labels;
+}
+
+std::vector<Number> Mechanism::restPosition() const {
+  std::vector<Number> q;
+  for (const Link& link : links) {
+    const std::vector<SlotKind>& slots = positionSlots(link.joint.kind);
+    for (std::size_t k = 0; k < slots.size(); ++k) {
+      const bool is_w = slots[k] == SlotKind::kQuaternion && k + 4 == slots.size();
+      q.emplace_back(is_w ? 1 : 0);
+    }
+  }
+  return q;
 }
 
 std::vector<int> Mechanism::movingLinks() const {

@@ -16,11 +16,45 @@ namespace dynwitness::scene {
 using Number = Expression;
 using Vector = std::array<Number, 3>;
 
-enum class JointKind { kFixed, kRevolute, kPrismatic };
+enum class JointKind {
+  kFixed,
+  kRevolute,     ///< q: turn about the axis
+  kPrismatic,    ///< q: slide along the axis
+  kHelical,      ///< q: turn about the axis, which advances along it by pitch [m/rad] q
+  kCylindrical,  ///< (d, q): slide along the axis and turn about it
+  kUniversal,    ///< (q1, q2): turn about x of the joint frame, then about the new y
+  kPlanar,       ///< (x, y, q): shift along x and y, then turn about z (the axis)
+  kSpherical,    ///< quaternion (w, x, y, z)
+  kFloating,     ///< position of the link's origin in the joint frame, then quaternion
+};
+inline constexpr JointKind kAllJointKinds[] = {
+    JointKind::kFixed,   JointKind::kRevolute,  JointKind::kPrismatic,
+    JointKind::kHelical, JointKind::kCylindrical, JointKind::kUniversal,
+    JointKind::kPlanar,  JointKind::kSpherical, JointKind::kFloating};
 
-/// Degrees of freedom of a joint kind.
-int degreesOfFreedom(JointKind kind);
 const char* name(JointKind kind);
+/// Degrees of freedom of a joint kind: how many rates qd it has.
+int degreesOfFreedom(JointKind kind);
+
+/** What a position says. One q is one slot, except that an orientation is four: a quaternion
+    q = (w, x, y, z), which turns link axes into joint axes by
+
+        R = 1 + 2 (w [v]x + [v]x [v]x) / (q'q),   v = (x, y, z)
+
+    A unit quaternion is the usual choice; but R is a rotation for every q except 0, so that nothing
+    needs to be normalised, and an element of any field will do. */
+enum class SlotKind { kAngle, kLength, kQuaternion };
+
+/** The position slots of a joint kind. Where rates are not the derivatives of slots (spherical and
+    floating joints), they are those of the body, in the axes of the moved joint frame: the angular
+    velocity (wx, wy, wz), after the velocity of its origin (vx, vy, vz) where it floats. */
+const std::vector<SlotKind>& positionSlots(JointKind kind);
+/// Whether qd are the derivatives of q.
+bool ratesArePositionDerivatives(JointKind kind);
+/// Whether the joint has an axis of its own; the others move in the joint frame as it stands.
+bool hasAxis(JointKind kind);
+/// What tells the rates of one joint apart: "" for the only one, otherwise "slide", "turn", "x", ...
+const std::vector<std::string>& rateNames(JointKind kind);
 
 /// One elementary motion of a frame: a translation [m], or a turn about one of its axes [rad].
 struct Step {
@@ -50,14 +84,17 @@ struct Placement {
   std::vector<Step> afterJoint() const;
 };
 
-/** A joint: the link moves about (revolute, rad) or along (prismatic, m) `axis`, given in the joint
-    frame and of any non-zero length. A rotor of inertia J [kg m^2], geared n times faster than the
-    joint, adds n^2 J to the joint's own inertia. A spring adds  stiffness (q - rest)^2 / 2  to V. */
+/** A joint: the link moves about or along `axis`, given in the joint frame and of any non-zero length
+    (revolute, prismatic, helical, cylindrical; the normal of a planar joint, whose x and y are those
+    of the joint frame turned by AxisTurn). The others move in the joint frame as it stands. A rotor of
+    inertia J [kg m^2], geared n times faster than the joint, adds n^2 J to the joint's own inertia; a
+    spring adds  stiffness (q - rest)^2 / 2  to V. Both go with joints that have one q. */
 struct Joint {
   std::string name;
   JointKind kind = JointKind::kFixed;
   Placement placement;
   Vector axis{Number(0), Number(0), Number(1)};
+  Number pitch{0};  ///< helical: advance a radian [m/rad]
   Number rotor_inertia{0}, gear_ratio{1};
   Number stiffness{0}, rest{0};
 };
@@ -93,6 +130,49 @@ struct Wrench {
   Axes axes = Axes::kLink;
 };
 
+/// A frame fixed to a link: the link frame, moved by xyz [m], then turned by rpy [rad].
+struct Attachment {
+  int link = 0;
+  Vector xyz, rpy;
+
+  std::vector<Step> steps() const;  ///< link frame to this frame, to be composed from left to right
+};
+
+/// Which relative motions of frame b on frame a a closure takes away.
+enum class ClosureKind {
+  kDistance,     ///< the origins keep their distance, as if a massless rod joined them
+  kPlanarPoint,  ///< b's origin stays on a's z axis: x, y. For mechanisms that move in that plane
+  kPoint,        ///< b's origin stays at a's: x, y, z
+  kHinge,        ///< a point, and b's z axis stays parallel to a's: a turn about z is left
+  kWeld,         ///< a hinge, and b's y axis stays at right angles to a's x axis: nothing is left
+};
+const char* name(ClosureKind kind);
+/// 1, 2, 3, 5, 6
+int equationCount(ClosureKind kind);
+
+/** A loop closure: two frames of two links, held together. With d the origin of b seen from a, in
+    a's axes, and x, y, z the axes of the frame named, its equations phi = 0 are, in this order,
+
+        d_x, d_y;   d_z;   x_a . z_b, y_a . z_b;   x_a . y_b
+
+    as far as the kind goes; of a distance  (d . d - length^2) / 2. */
+struct Closure {
+  std::string name;
+  ClosureKind kind = ClosureKind::kPoint;
+  Attachment a, b;
+  Number length{0};  ///< kDistance [m]
+  SourceLocation where;
+};
+
+/** A spring with a damper between the origins of two frames, at distance l:
+    they pull towards each other with  stiffness (l - rest) + damping dl/dt  [N]. */
+struct Spring {
+  std::string name;
+  Attachment a, b;  ///< rpy is not used
+  Number stiffness{0}, rest{0}, damping{0};  ///< [N/m], [m], [N s/m]
+  SourceLocation where;
+};
+
 struct Parameter {
   std::string name;
   Number value;  ///< in terms of the parameters before it
@@ -106,10 +186,21 @@ struct Mechanism {
   Vector gravity;  ///< [m/s^2], world axes
   std::vector<Link> links;
   std::vector<Wrench> wrenches;
+  std::vector<Closure> closures;
+  std::vector<Spring> springs;  ///< between two points; those of joints stand with the joint
 
-  int dof() const;
+  int dof() const;        ///< how many rates qd there are
+  int positions() const;  ///< how many position slots q there are: dof(), and one a quaternion
+  /// True when the tree alone is the whole mechanism: no closures, no springs between points.
+  bool isOpenTree() const { return closures.empty() && springs.empty(); }
   /// Indices of the links whose joints move, in the order of q.
   std::vector<int> movingLinks() const;
+  /// What each position slot says, in the order of q.
+  std::vector<SlotKind> slots() const;
+  /// Names of the degrees of freedom, in the order of qd: that of the joint, or "joint.turn".
+  std::vector<std::string> rateLabels() const;
+  /// All q zero, orientations that of the joint frame: (1, 0, 0, 0).
+  std::vector<Number> restPosition() const;
   /// Exact values of all parameters.
   ParameterValues parameterValues() const;
 };

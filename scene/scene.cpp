@@ -44,7 +44,54 @@ std::string normalized(std::string name) {
   return name;
 }
 
+constexpr int kMostWindows = 200;
+
+bool isFourBars(const std::string& name, int* windows) {
+  const std::string prefix = "four_bars_";
+  if (name.compare(0, prefix.size(), prefix) != 0) return false;
+  const std::string digits = name.substr(prefix.size());
+  if (digits.empty() || digits.size() > 3 ||
+      !std::all_of(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c); })) {
+    return false;
+  }
+  *windows = std::stoi(digits);
+  return *windows >= 1 && *windows <= kMostWindows && std::to_string(*windows) == digits;
+}
+
 }  // namespace
+
+Scene fourBars(int windows) {
+  std::string text = "title = \"" + std::to_string(windows) +
+                     " four-bar windows (IFToMM A02)\"\n"
+                     "source = \"M. Gonzalez, D. Dopico, U. Lugris, J. Cuadrado, A benchmarking "
+                     "system for MBS simulation software, Multibody Syst. Dyn. 16 (2006) 179-190; "
+                     "problem A02 of lim.ii.udc.es/mbsbenchmark\"\n"
+                     "gravity = [0, \"-g\", 0]\n\n[parameters]\ng = 9.81\nm = 1\nl = 1\n\n"
+                     "[[link]]\nname = \"ground\"\n";
+  std::string q, qd, closures;
+  const auto rod = [&](const std::string& name, const std::string& parent, const std::string& x) {
+    text += "\n[[link]]\nname = \"" + name + "\"\nparent = \"" + parent +
+            "\"\nmass = \"m\"\ncom = [\"l/2\", 0, 0]\n"
+            "inertia = { yy = \"m*l^2/12\", zz = \"m*l^2/12\" }\n"
+            "joint = { kind = \"revolute\", xyz = [\"" +
+            x + "\", 0, 0] }\n";
+  };
+  for (int k = 0; k <= windows; ++k) {
+    const std::string number = std::to_string(k), next = std::to_string(k + 1);
+    rod("upright" + number, "ground", number + "*l");
+    q += std::string(k == 0 ? "" : ", ") + "\"pi/2\"";
+    qd += std::string(k == 0 ? "" : ", ") + "\"-1/l\"";  // B0 starts at 1 m/s
+    if (k == windows) break;
+    rod("bar" + number, "upright" + number, "l");
+    q += ", \"-pi/2\"";
+    qd += ", \"1/l\"";
+    closures += "\n[[closure]]\nname = \"B" + next + "\"\nkind = \"planar_point\"\na = { link = \"bar" +
+                number + "\", xyz = [\"l\", 0, 0] }\nb = { link = \"upright" + next +
+                "\", xyz = [\"l\", 0, 0] }\n";
+  }
+  const std::string name = "four_bars_" + std::to_string(windows);
+  return readSceneToml(text + closures + "\n[start]\nq = [" + q + "]\nqd = [" + qd + "]\n", name);
+}
 
 fs::path dataFolder() {
   const char* set = std::getenv("DYNWITNESS_DATA");
@@ -76,8 +123,12 @@ Scene findScene(const std::string& name_or_path) {
   }
   std::error_code error;
   if (fs::exists(name_or_path, error)) return readScene(name_or_path);
+  int windows = 0;
+  if (isFourBars(normalized(name_or_path), &windows)) return fourBars(windows);
   throw InputError({}, "no scene and no file is called \"" + name_or_path + "\", allowed: " +
-                           (names.empty() ? "" : names + ", or ") + "the path of a file");
+                           (names.empty() ? "" : names + ", four_bars_N with N from 1 to " +
+                                                     std::to_string(kMostWindows) + ", or ") +
+                           "the path of a file");
 }
 
 }  // namespace dynwitness::scene

@@ -16,8 +16,9 @@ struct Scene {
   std::string source;  ///< where the figures come from
   std::filesystem::path file;
   Mechanism mechanism;
-  std::vector<Number> start_q, start_qd;    ///< one a degree of freedom; default 0
-  std::vector<std::string> not_modelled;    ///< what the file says and dynwitness leaves out
+  std::vector<Number> start_q;   ///< one a position slot; default Mechanism::restPosition()
+  std::vector<Number> start_qd;  ///< one a degree of freedom; default 0
+  std::vector<std::string> not_modelled;  ///< what the file says and dynwitness leaves out
 };
 
 /** Reads a scene from a TOML or URDF file, told apart by content, and validates it.
@@ -35,7 +36,9 @@ std::string writeSceneToml(const Scene& scene);
 
 /** The scene as URDF. Links, joints, placements and mass properties are all there, fixed joints too;
     gravity, rotors, springs and loads, for which URDF has no words, are named in a comment. Links
-    that stand in Denavit-Hartenberg rows hang on a massless link NAME.joint_frame. */
+    that stand in Denavit-Hartenberg rows hang on a massless link NAME.joint_frame.
+    @throws InputError when a joint is of a kind that URDF has not: helical, cylindrical, universal,
+    spherical */
 std::string writeSceneUrdf(const Scene& scene);
 
 /// The URDF for a program that reads URDF itself: the scene's own file where it is one and still says
@@ -49,7 +52,12 @@ void validate(const Scene& scene);
 /// The folder with scenes/ and reference/ in it: the environment variable DYNWITNESS_DATA, or where the
 /// build or the installation put it.
 std::filesystem::path dataFolder();
-/// The scene of this name in the folder of bundled scenes, or the file of this path.
+/** A row of `windows` four-bar linkages, the benchmark A02: windows + 1 uprights on the ground, joined by
+    as many bars less one, all rods of 1 m and 1 kg, moving in the xy plane. It starts upright.
+    In each of its flat poses every window may fold either way: the rank of J falls by `windows`. */
+Scene fourBars(int windows);
+
+/// The scene of this name in the folder of bundled scenes, the file of this path, or four_bars_N.
 /// @throws InputError listing the names that exist when it is neither.
 Scene findScene(const std::string& name_or_path);
 /// The bundled scenes, in alphabetical order, as paths.

@@ -13,9 +13,9 @@ struct CosSin {
   T c, s;
 };
 
-/** Position of one degree of freedom. Witnesses read c and s where a joint turns and q where it
-    slides (or where a spring measures it), so every quantity is a rational function of the three,
-    and a position need not come from a floating-point angle. */
+/** One position slot. Witnesses read c and s where a joint turns and q where it slides (or where a
+    spring measures it, or where it is a component of a quaternion), so every quantity is a rational
+    function of the three, and a position need not come from a floating-point angle. */
 template <typename T>
 struct JointPosition {
   T q, c, s;
@@ -28,7 +28,8 @@ JointPosition<T> jointPosition(const T& q) {
   return {q, cos(q), sin(q)};
 }
 
-/// One state, all vectors of length n = Mechanism::dof(), SI units, in the order of the joints.
+/// One state, SI units, in the order of the joints: Mechanism::positions() slots x, and
+/// Mechanism::dof() of each of the others.
 template <typename T>
 struct State {
   std::vector<JointPosition<T>> x;

@@ -80,10 +80,17 @@ class TomlReader {
   NamedLink readLink(const toml::table& table) const;
   Joint readJoint(const toml::table& table, const std::string& link) const;
   JointKind readJointKind(const toml::table& table, const std::string& what) const;
+  void checkJointKeys(const toml::table& table, const std::string& what, JointKind kind) const;
   Placement readPlacement(const toml::table& table, const std::string& what) const;
   void readInertia(const toml::table& table, const std::string& what,
                    MassProperties* inertia) const;
+  /// A link of this scene by name, as an index.
+  int linkNamed(const toml::node& node, const std::string& what) const;
   Wrench readWrench(const toml::table& table) const;
+  Attachment readAttachment(const toml::table& table, const std::string& what,
+                            const std::string& key, bool has_axes) const;
+  Closure readClosure(const toml::table& table, std::size_t index) const;
+  Spring readSpring(const toml::table& table, std::size_t index) const;
   void readStart(const toml::node& node);
 
   std::string file_;
@@ -298,13 +305,45 @@ NamedLink TomlReader::readLink(const toml::table& table) const {
 }
 
 JointKind TomlReader::readJointKind(const toml::table& table, const std::string& what) const {
-  const std::string allowed = "fixed, revolute, prismatic";
+  std::string allowed;
+  for (const JointKind k : kAllJointKinds) allowed += (allowed.empty() ? "" : ", ") + std::string(name(k));
   const toml::node& node = required(table, what, "kind", allowed);
   const std::string kind = string(node, what + ": kind");
-  for (const JointKind k : {JointKind::kFixed, JointKind::kRevolute, JointKind::kPrismatic}) {
+  for (const JointKind k : kAllJointKinds) {
     if (kind == name(k)) return k;
   }
   throw InputError(where(node), what + ": kind is \"" + kind + "\", allowed: " + allowed);
+}
+
+void TomlReader::checkJointKeys(const toml::table& table, const std::string& what,
+                                JointKind kind) const {
+  const std::string of_kind = what + " (" + name(kind) + ")";
+  Keys allowed = {"name", "kind", "xyz", "rpy"};
+  const auto allow = [&](std::initializer_list<const char*> keys) {
+    allowed.insert(allowed.end(), keys.begin(), keys.end());
+  };
+  switch (kind) {
+    case JointKind::kFixed: allow({"dh", "mdh"}); break;
+    case JointKind::kHelical: allow({"pitch"}); [[fallthrough]];
+    case JointKind::kRevolute:
+    case JointKind::kPrismatic:
+      allow({"axis", "dh", "mdh", "rotor_inertia", "gear_ratio", "stiffness", "rest"});
+      break;
+    case JointKind::kCylindrical: allow({"axis", "dh", "mdh"}); break;
+    case JointKind::kPlanar: allow({"axis"}); break;
+    case JointKind::kUniversal:
+    case JointKind::kSpherical:
+    case JointKind::kFloating: break;
+  }
+  if (degreesOfFreedom(kind) > 1) {
+    for (const char* key : {"rotor_inertia", "gear_ratio", "stiffness", "rest"}) {
+      if (const toml::node* node = table.get(key))
+        throw InputError(where(*node), of_kind + ": has " + key +
+                                           ", allowed: only with revolute, prismatic and helical "
+                                           "joints, which have one position to measure");
+    }
+  }
+  checkKeys(table, of_kind, allowed);
 }
 
 Joint TomlReader::readJoint(const toml::table& table, const std::string& link) const {
@@ -314,15 +353,11 @@ Joint TomlReader::readJoint(const toml::table& table, const std::string& link) c
   const std::string what = "joint \"" + joint.name + '"';
   if (joint.name.empty()) throw InputError(where(*name_node), what + ": empty name");
   joint.kind = readJointKind(table, what);
-  if (joint.kind == JointKind::kFixed) {
-    checkKeys(table, what + " (fixed)", {"name", "kind", "xyz", "rpy", "dh", "mdh"});
-  } else {
-    checkKeys(table, what,
-              {"name", "kind", "axis", "xyz", "rpy", "dh", "mdh", "rotor_inertia", "gear_ratio",
-               "stiffness", "rest"});
-  }
+  checkJointKeys(table, what, joint.kind);
   joint.placement = readPlacement(table, what);
   joint.axis = optionalVector(table, what, "axis", joint.axis);
+  if (joint.kind == JointKind::kHelical)
+    joint.pitch = number(required(table, what, "pitch", "the advance a radian, m/rad"), what + ": pitch");
   joint.rotor_inertia = optionalNumber(table, what, "rotor_inertia");
   joint.gear_ratio = optionalNumber(table, what, "gear_ratio", 1);
   joint.stiffness = optionalNumber(table, what, "stiffness");
@@ -376,20 +411,24 @@ void TomlReader::readInertia(const toml::table& table, const std::string& what,
   inertia->yz = optionalNumber(table, what, "yz");
 }
 
+int TomlReader::linkNamed(const toml::node& node, const std::string& what) const {
+  const std::string name = string(node, what + ": link");
+  const std::vector<Link>& links = scene_.mechanism.links;
+  const auto found = std::find_if(links.begin(), links.end(),
+                                  [&name](const Link& link) { return link.name == name; });
+  if (found == links.end()) {
+    throw InputError(where(node), what + ": \"" + name + "\" is not a link of this scene");
+  }
+  return static_cast<int>(found - links.begin());
+}
+
 Wrench TomlReader::readWrench(const toml::table& table) const {
   Wrench wrench;
   checkKeys(table, "wrench", {"link", "force", "moment", "at", "axes"});
   const toml::node& node = required(table, "wrench", "link", "the name of a link");
   const std::string link = string(node, "wrench: link");
   const std::string what = "wrench on \"" + link + '"';
-  const std::vector<Link>& links = scene_.mechanism.links;
-  const auto found = std::find_if(links.begin(), links.end(), [&link](const Link& candidate) {
-    return candidate.name == link;
-  });
-  if (found == links.end()) {
-    throw InputError(where(node), "wrench: \"" + link + "\" is not a link of this scene");
-  }
-  wrench.link = static_cast<int>(found - links.begin());
+  wrench.link = linkNamed(node, "wrench");
   wrench.force = optionalVector(table, what, "force");
   wrench.moment = optionalVector(table, what, "moment");
   wrench.at = optionalVector(table, what, "at");
@@ -404,16 +443,81 @@ Wrench TomlReader::readWrench(const toml::table& table) const {
   return wrench;
 }
 
+Attachment TomlReader::readAttachment(const toml::table& table, const std::string& what,
+                                      const std::string& key, bool has_axes) const {
+  const std::string allowed = has_axes ? "{ link = \"name\", xyz = [..], rpy = [..] }"
+                                       : "{ link = \"name\", xyz = [..] }";
+  const std::string whole = what + ": " + key;
+  const toml::table& given = asTable(required(table, what, key, allowed), whole);
+  if (has_axes) {
+    checkKeys(given, whole, {"link", "xyz", "rpy"});
+  } else {
+    checkKeys(given, whole, {"link", "xyz"});
+  }
+  Attachment attachment;
+  attachment.link = linkNamed(required(given, whole, "link", "the name of a link"), whole);
+  attachment.xyz = optionalVector(given, whole, "xyz");
+  if (has_axes) attachment.rpy = optionalVector(given, whole, "rpy");
+  return attachment;
+}
+
+Closure TomlReader::readClosure(const toml::table& table, std::size_t index) const {
+  Closure closure;
+  closure.where = where(table);
+  const toml::node* name_node = table.get("name");
+  closure.name = name_node ? string(*name_node, "closure: name") : std::to_string(index + 1);
+  const std::string what = "closure \"" + closure.name + '"';
+  checkKeys(table, what, {"name", "kind", "a", "b", "length"});
+  const std::string allowed = "distance, planar_point, point, hinge, weld";
+  const toml::node& node = required(table, what, "kind", allowed);
+  const std::string kind = string(node, what + ": kind");
+  bool known = false;
+  for (const ClosureKind k : {ClosureKind::kDistance, ClosureKind::kPlanarPoint, ClosureKind::kPoint,
+                              ClosureKind::kHinge, ClosureKind::kWeld}) {
+    if (kind != dynwitness::scene::name(k)) continue;
+    closure.kind = k;
+    known = true;
+  }
+  if (!known) {
+    throw InputError(where(node), what + ": kind is \"" + kind + "\", allowed: " + allowed);
+  }
+  closure.a = readAttachment(table, what, "a", true);
+  closure.b = readAttachment(table, what, "b", true);
+  if (closure.kind == ClosureKind::kDistance) {
+    closure.length = number(required(table, what, "length", "a length above zero"), what + ": length");
+  } else if (const toml::node* length = table.get("length")) {
+    throw InputError(where(*length), what + ": a " + kind + " has no length, allowed: name, kind, a, b");
+  }
+  return closure;
+}
+
+Spring TomlReader::readSpring(const toml::table& table, std::size_t index) const {
+  Spring spring;
+  spring.where = where(table);
+  const toml::node* name_node = table.get("name");
+  spring.name = name_node ? string(*name_node, "spring: name") : std::to_string(index + 1);
+  const std::string what = "spring \"" + spring.name + '"';
+  checkKeys(table, what, {"name", "a", "b", "stiffness", "rest", "damping"});
+  spring.a = readAttachment(table, what, "a", false);
+  spring.b = readAttachment(table, what, "b", false);
+  spring.stiffness = optionalNumber(table, what, "stiffness");
+  spring.rest = optionalNumber(table, what, "rest");
+  spring.damping = optionalNumber(table, what, "damping");
+  return spring;
+}
+
 void TomlReader::readStart(const toml::node& node) {
   const toml::table& table = asTable(node, "start");
   checkKeys(table, "start", {"q", "qd"});
   const auto dof = static_cast<std::size_t>(scene_.mechanism.dof());
-  if (const toml::node* q = table.get("q")) scene_.start_q = numbers(*q, "start: q", dof);
+  const auto positions = static_cast<std::size_t>(scene_.mechanism.positions());
+  if (const toml::node* q = table.get("q")) scene_.start_q = numbers(*q, "start: q", positions);
   if (const toml::node* qd = table.get("qd")) scene_.start_qd = numbers(*qd, "start: qd", dof);
 }
 
 Scene TomlReader::read(const toml::table& top) {
-  checkKeys(top, "scene", {"title", "source", "gravity", "parameters", "link", "wrench", "start"});
+  checkKeys(top, "scene", {"title", "source", "gravity", "parameters", "link", "wrench", "closure",
+                          "spring", "start"});
   scene_.title = optionalString(top, "title");
   scene_.source = optionalString(top, "source");
   if (const toml::node* parameters = top.get("parameters")) readParameters(*parameters);
@@ -428,9 +532,14 @@ Scene TomlReader::read(const toml::table& top) {
   for (const toml::table* table : tables(top, "wrench")) {
     mechanism.wrenches.push_back(readWrench(*table));
   }
-  const auto dof = static_cast<std::size_t>(mechanism.dof());
-  scene_.start_q.resize(dof);
-  scene_.start_qd.resize(dof);
+  for (const toml::table* table : tables(top, "closure")) {
+    mechanism.closures.push_back(readClosure(*table, mechanism.closures.size()));
+  }
+  for (const toml::table* table : tables(top, "spring")) {
+    mechanism.springs.push_back(readSpring(*table, mechanism.springs.size()));
+  }
+  scene_.start_q = mechanism.restPosition();
+  scene_.start_qd.resize(static_cast<std::size_t>(mechanism.dof()));
   if (const toml::node* start = top.get("start")) readStart(*start);
   return std::move(scene_);
 }

@@ -203,8 +203,10 @@ JointKind readJointKind(const Element& element, const std::string& joint) {
   if (kind == "fixed") return JointKind::kFixed;
   if (kind == "revolute" || kind == "continuous") return JointKind::kRevolute;
   if (kind == "prismatic") return JointKind::kPrismatic;
+  if (kind == "planar") return JointKind::kPlanar;
+  if (kind == "floating") return JointKind::kFloating;
   element.fail("joint \"" + joint + "\" is of type \"" + kind +
-               "\", allowed: fixed, revolute, continuous, prismatic");
+               "\", allowed: fixed, revolute, continuous, prismatic, planar, floating");
 }
 
 Joint readJoint(const Element& element) {
@@ -216,7 +218,8 @@ Joint readJoint(const Element& element) {
     joint.placement.xyz = origin->optionalVector("xyz");
     joint.placement.rpy = origin->optionalAngles("rpy");
   }
-  if (joint.kind == JointKind::kFixed) return joint;  // an axis, if given, means nothing
+  // an axis, if given, means nothing
+  if (joint.kind == JointKind::kFixed || joint.kind == JointKind::kFloating) return joint;
   joint.axis = {1, 0, 0};                             // what URDF means by leaving it out
   if (const std::optional<Element> axis = element.child("axis")) {
     joint.axis = axis->optionalVector("xyz");
@@ -323,8 +326,8 @@ Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) 
   mechanism.links = arrange(links, name);
   mechanism.has_gravity = true;  // URDF cannot say; every reader of it supposes this
   mechanism.gravity = {0, 0, Expression::parse("-9.81")};
-  scene.start_q.resize(static_cast<std::size_t>(mechanism.dof()));
-  scene.start_qd.resize(scene.start_q.size());
+  scene.start_q = mechanism.restPosition();
+  scene.start_qd.resize(static_cast<std::size_t>(mechanism.dof()));
 
   requireValidUrdf(text, name);
   validate(scene);

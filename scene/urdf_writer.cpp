@@ -145,6 +145,20 @@ std::string linkElement(const std::string& name, const MassProperties& inertia,
   return fmt::format("  <link name=\"{}\">{}</link>\n", escaped(name), inertial(inertia, number));
 }
 
+/// What URDF calls a moving joint.
+const char* urdfType(const Link& link) {
+  switch (link.joint.kind) {
+    case JointKind::kRevolute: return "continuous";
+    case JointKind::kPrismatic: return "prismatic";
+    case JointKind::kPlanar: return "planar";
+    case JointKind::kFloating: return "floating";
+    default:
+      throw InputError(link.where, fmt::format("joint \"{}\" is {}, allowed in URDF: fixed, revolute, "
+                                               "prismatic, planar, floating",
+                                               link.joint.name, name(link.joint.kind)));
+  }
+}
+
 std::string linkAndJoint(const Mechanism& mechanism, const Link& link, const Numbers& number) {
   const std::string element = linkElement(link.name, link.inertia, number);
   if (link.parent < 0) return element;
@@ -159,11 +173,11 @@ std::string linkAndJoint(const Mechanism& mechanism, const Link& link, const Num
                                   after_joint.empty() ? before : composed(steps, number));
   }
 
-  const bool slides = joint.kind == JointKind::kPrismatic;
+  const char* type = urdfType(link);
   std::string axis = fmt::format("<axis xyz=\"{}\"/>", text(vector(joint.axis, number)));
-  if (slides)  // URDF has no slide without ends
+  if (joint.kind == JointKind::kPrismatic)  // URDF has no slide without ends
     axis += R"(<limit lower="-1e9" upper="1e9" effort="1e9" velocity="1e9"/>)";
-  const char* type = slides ? "prismatic" : "continuous";
+  if (joint.kind == JointKind::kFloating) axis.clear();
   const Origin after = composed(after_joint, number);
   if (after.text().empty())
     return element + jointElement(joint.name, type, parent, link.name, before, axis);
@@ -186,6 +200,7 @@ std::string leftOut(const Mechanism& mechanism, const Numbers& number) {
   if (rotors) what += ", rotors";
   if (springs) what += ", springs";
   if (!mechanism.wrenches.empty()) what += ", loads";
+  if (!mechanism.isOpenTree()) what += ", closures and springs between points";
   return what;
 }
 

@@ -136,6 +136,11 @@ struct Body {
   bool is_exact;  ///< no rounding in it
 };
 
+/// A motion of a joint's link: velocity of the joint frame's origin, and angular velocity.
+struct Twist {
+  RationalVector v, w;
+};
+
 class Validator {
  public:
   explicit Validator(const Scene& scene)
@@ -150,7 +155,18 @@ class Validator {
       bodies_.push_back(body(link));
       if (link.parent >= 0) requireJoint(link);
     }
+    requireStart();
     requireInertiaOutboard();
+    for (const Closure& closure : mechanism_.closures) {
+      const std::string what = "closure \"" + closure.name + '"';
+      requireEnds(what, closure.a.link, closure.b.link, closure.where);
+      const double length = exactValue(closure.length, values_, closure.where).toDouble();
+      if (closure.kind == ClosureKind::kDistance && !(length > 0)) {
+        throw InputError(closure.where,
+                         what + fmt::format(": length is {}, allowed: above zero", length));
+      }
+    }
+    for (const Spring& spring : mechanism_.springs) requireSpring(spring);
   }
 
  private:
@@ -172,7 +188,10 @@ class Validator {
   void requireTree() const;
   void requireValues() const;
   void requireJoint(const Link& link);
+  void requireStart() const;
   void requireInertiaOutboard();
+  void requireEnds(const std::string& what, int a, int b, const SourceLocation& where) const;
+  void requireSpring(const Spring& spring) const;
 
   Frame frame(const std::vector<Step>& steps);
   RationalMatrix turnOf(const Vector& rpy);
@@ -180,7 +199,8 @@ class Validator {
                                 const Rational& allowance);
   Body body(const Link& link);
   Rational slack(const Rational& scale) const;
-  bool turnsMass(std::size_t leaf);
+  std::vector<Twist> motionsOf(const Joint& joint);
+  bool movesInertia(std::size_t leaf);
 
   const Scene& scene_;
   const Mechanism& mechanism_;
@@ -204,9 +224,11 @@ void Validator::requireTree() const {
     if (i > 0 && links[i].joint.name.empty()) failLink(links[i], "its joint has no name");
   }
   const auto dof = static_cast<std::size_t>(mechanism_.dof());
-  if (scene_.start_q.size() != dof || scene_.start_qd.size() != dof) {
-    throw InputError(file_, fmt::format("start: {} positions and {} speeds, allowed: {} of each",
-                                        scene_.start_q.size(), scene_.start_qd.size(), dof));
+  const auto positions = static_cast<std::size_t>(mechanism_.positions());
+  if (scene_.start_q.size() != positions || scene_.start_qd.size() != dof) {
+    throw InputError(file_, fmt::format("start: {} positions and {} speeds, allowed: {} and {}",
+                                        scene_.start_q.size(), scene_.start_qd.size(), positions,
+                                        dof));
   }
   for (const Wrench& wrench : mechanism_.wrenches) {
     if (wrench.link >= 0 && wrench.link < static_cast<int>(links.size())) continue;
@@ -225,6 +247,13 @@ void Validator::requireValues() const {
   for (const Wrench& w : mechanism_.wrenches) {
     for (const Vector& v : {w.force, w.moment, w.at}) require(v, file_);
   }
+  for (const Closure& c : mechanism_.closures) {
+    for (const Vector& v : {c.a.xyz, c.a.rpy, c.b.xyz, c.b.rpy}) require(v, c.where);
+  }
+  for (const Spring& s : mechanism_.springs) {
+    for (const Vector& v : {s.a.xyz, s.b.xyz}) require(v, s.where);
+    require(std::initializer_list<Number>{s.stiffness, s.rest, s.damping}, s.where);
+  }
   for (const Link& link : mechanism_.links) {
     const MassProperties& i = link.inertia;
     const Placement& p = link.joint.placement;
@@ -232,7 +261,7 @@ void Validator::requireValues() const {
     for (const Vector& v : {i.com, i.rpy, p.xyz, p.rpy, j.axis}) require(v, link.where);
     require(
         std::initializer_list<Number>{i.mass, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz, p.a, p.alpha, p.d,
-                                      p.theta, j.rotor_inertia, j.gear_ratio, j.stiffness, j.rest},
+                                      p.theta, j.pitch, j.rotor_inertia, j.gear_ratio, j.stiffness, j.rest},
         link.where);
   }
 }
@@ -353,6 +382,16 @@ void Validator::requireJoint(const Link& link) {
     return !exactValue(n, values_).isZero();
   });
   if (!has_axis) failJoint(link, "axis is [0, 0, 0], allowed: any length but zero");
+  const bool is_standard = joint.placement.convention == Placement::Convention::kXyzRpy;
+  if (!is_standard && (!hasAxis(joint.kind) || joint.kind == JointKind::kPlanar)) {
+    failJoint(link, std::string("is ") + name(joint.kind) +
+                        " and stands in a Denavit-Hartenberg row, allowed: xyz and rpy");
+  }
+  if (degreesOfFreedom(joint.kind) > 1 &&
+      (value(joint.rotor_inertia) != 0 || value(joint.stiffness) != 0)) {
+    failJoint(link, std::string("is ") + name(joint.kind) +
+                        " and has a rotor or a spring, allowed: only with joints of one position");
+  }
   if (value(joint.rotor_inertia) < 0) {
     failJoint(link,
               "rotor_inertia is " + shown(joint.rotor_inertia) + " kg m^2, allowed: zero or more");
@@ -365,16 +404,34 @@ void Validator::requireJoint(const Link& link) {
   }
 }
 
-/// Whether turning a revolute joint that carries no other moving joint moves mass: the inertia of
-/// the link, and of what is fixed to it, about the joint's axis is positive.
-bool Validator::turnsMass(std::size_t leaf) {
+/// A quaternion of four zeros says nothing about an orientation.
+void Validator::requireStart() const {
+  std::size_t end = 0;
+  for (const Link& link : mechanism_.links) {
+    const std::vector<SlotKind>& slots = positionSlots(link.joint.kind);
+    end += slots.size();
+    if (slots.empty() || slots.back() != SlotKind::kQuaternion) continue;
+    const auto first = scene_.start_q.begin() + static_cast<std::ptrdiff_t>(end) - 4;
+    if (std::all_of(first, first + 4,
+                    [this](const Number& n) { return exactValue(n, values_).isZero(); }))
+      failJoint(link, "its quaternion at the start is [0, 0, 0, 0], allowed: any other");
+  }
+}
+
+/** Whether every motion of a joint that carries no other moving joint moves mass: the joint's own
+    block of M is positive definite. (Of a universal joint only the outer axis is looked at: whether
+    the inner one moves mass depends on the position.) */
+bool Validator::movesInertia(std::size_t leaf) {
   const std::vector<Link>& links = mechanism_.links;
+  const Joint& joint = links[leaf].joint;
   is_exact_ = true;
-  const bool along_z = links[leaf].joint.placement.convention != Placement::Convention::kXyzRpy;
-  const RationalVector u = along_z ? RationalVector{0, 0, 1} : vector(links[leaf].joint.axis);
+
+  // the link and what is fixed to it as one body, in the joint frame
   std::vector<std::optional<Frame>> in_joint(links.size());  // link frames, seen from the joint's
-  in_joint[leaf] = frame(links[leaf].joint.placement.afterJoint());
-  Rational about_axis = 0, scale = 0;  // both times |u|^2
+  in_joint[leaf] = frame(joint.placement.afterJoint());
+  Rational mass = 0, size = 0;  // size: what rounding in the moments of inertia is relative to
+  RationalVector h{0, 0, 0};
+  RationalMatrix I{{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}};
   for (std::size_t i = leaf; i < links.size(); ++i) {
     const Placement& placement = links[i].joint.placement;
     if (i != leaf) {
@@ -385,12 +442,67 @@ bool Validator::turnsMass(std::size_t leaf) {
     const Body& b = bodies_[i];
     is_exact_ = is_exact_ && b.is_exact;
     const Frame com = *in_joint[i] * Frame{identity(), b.com};
-    const RationalVector arm = cross(u, com.p), u_link = transpose(com.R) * u;
-    about_axis += b.mass * dot(arm, arm) + dot(u_link, b.inertia * u_link);
-    const Rational trace = b.inertia[0][0] + b.inertia[1][1] + b.inertia[2][2];
-    scale += (b.mass * dot(com.p, com.p) + trace) * dot(u, u);
+    const RationalMatrix turned = com.R * b.inertia * transpose(com.R);
+    const Rational p2 = dot(com.p, com.p);
+    mass += b.mass;
+    size += b.mass * p2 + b.inertia[0][0] + b.inertia[1][1] + b.inertia[2][2];
+    for (std::size_t k = 0; k < 3; ++k) {
+      h[k] += b.mass * com.p[k];
+      for (std::size_t l = 0; l < 3; ++l)
+        I[k][l] += turned[k][l] + b.mass * ((k == l ? p2 : Rational(0)) - com.p[k] * com.p[l]);
+    }
   }
-  return about_axis > slack(scale);
+
+  const std::vector<Twist> motions = motionsOf(joint);
+  const std::size_t n = motions.size();
+  std::vector<std::vector<Rational>> block(n, std::vector<Rational>(n));
+  Rational scale = 0;
+  for (std::size_t l = 0; l < n; ++l) {
+    const auto& [v, w] = motions[l];
+    const RationalVector w_h = cross(w, h), h_v = cross(h, v), I_w = I * w;
+    RationalVector linear, angular;
+    for (std::size_t k = 0; k < 3; ++k) {
+      linear[k] = mass * v[k] + w_h[k];
+      angular[k] = h_v[k] + I_w[k];
+    }
+    for (std::size_t k = 0; k < n; ++k)
+      block[k][l] = dot(motions[k].v, linear) + dot(motions[k].w, angular);
+    scale += dot(v, v) * mass + dot(w, w) * size;
+  }
+  for (std::size_t j = 0; j < n; ++j) {  // eliminated column by column: all pivots are positive
+    if (!(block[j][j] > slack(scale))) return false;
+    for (std::size_t i = j + 1; i < n; ++i)
+      for (std::size_t k = j + 1; k < n; ++k)
+        block[i][k] -= block[i][j] * block[j][k] / block[j][j];
+  }
+  return true;
+}
+
+/// The motions of a joint that span what it can do, in the axes of the moved joint frame.
+std::vector<Twist> Validator::motionsOf(const Joint& joint) {
+  const RationalVector zero{0, 0, 0};
+  const RationalMatrix e = identity();
+  const bool along_z = joint.placement.convention != Placement::Convention::kXyzRpy;
+  const RationalVector u = along_z ? e[2] : vector(joint.axis);
+  switch (joint.kind) {
+    case JointKind::kFixed: return {};
+    case JointKind::kRevolute: return {{zero, u}};
+    case JointKind::kPrismatic: return {{u, zero}};
+    case JointKind::kHelical: {
+      const Rational pitch = value(joint.pitch);
+      return {{{pitch * u[0], pitch * u[1], pitch * u[2]}, u}};
+    }
+    case JointKind::kCylindrical: return {{u, zero}, {zero, u}};
+    case JointKind::kUniversal: return {{zero, e[1]}};
+    case JointKind::kPlanar: {
+      const RationalVector across = cross(u, u[0] == 0 && u[1] == 0 ? e[0] : e[2]);
+      return {{across, zero}, {cross(u, across), zero}, {zero, u}};
+    }
+    case JointKind::kSpherical: return {{zero, e[0]}, {zero, e[1]}, {zero, e[2]}};
+    case JointKind::kFloating:
+      return {{e[0], zero}, {e[1], zero}, {e[2], zero}, {zero, e[0]}, {zero, e[1]}, {zero, e[2]}};
+  }
+  throw std::logic_error("motionsOf: unknown joint kind");
 }
 
 /** A joint that moves no inertia leaves a zero on the diagonal of M: forward dynamics is singular
@@ -412,11 +524,50 @@ void Validator::requireInertiaOutboard() {
                 "nothing that it carries has mass and it has no rotor_inertia, so forward "
                 "dynamics is singular, allowed: a mass, or a rotor_inertia");
     }
-    if (link.joint.kind == JointKind::kRevolute && !carries_joint[i] && !turnsMass(i)) {
-      failJoint(link,
-                "what it carries has no inertia about the joint's axis and it has no "
-                "rotor_inertia, so forward dynamics is singular, allowed: inertia about the "
-                "axis, or a rotor_inertia");
+    if (carries_joint[i] || movesInertia(i)) continue;
+    if (degreesOfFreedom(link.joint.kind) > 1) {
+      failJoint(link, std::string("is ") + name(link.joint.kind) +
+                          ", and some of its motions move no inertia, so forward dynamics is "
+                          "singular, allowed: a link with inertia about every axis of the joint");
+    }
+    failJoint(link,
+              "what it carries has no inertia about the joint's axis and it has no "
+              "rotor_inertia, so forward dynamics is singular, allowed: inertia about the "
+              "axis, or a rotor_inertia");
+  }
+}
+
+/// What joins two links must be able to do something: they exist, and a joint between them moves.
+void Validator::requireEnds(const std::string& what, int a, int b,
+                            const SourceLocation& where) const {
+  const std::vector<Link>& links = mechanism_.links;
+  for (const int link : {a, b}) {
+    if (link >= 0 && link < static_cast<int>(links.size())) continue;
+    throw InputError(where, what + fmt::format(": there is no link of index {}", link));
+  }
+  const auto carrier = [&links](int link) {  // the link that moves this one, the root: none does
+    while (link > 0 && degreesOfFreedom(links[static_cast<std::size_t>(link)].joint.kind) == 0) {
+      link = links[static_cast<std::size_t>(link)].parent;
+    }
+    return link;
+  };
+  if (carrier(a) != carrier(b)) return;
+  const auto name = [&links](int link) { return links[static_cast<std::size_t>(link)].name; };
+  throw InputError(where, what + ": no joint moves between links \"" + name(a) + "\" and \"" +
+                              name(b) + "\", allowed: two links that move on each other");
+}
+
+void Validator::requireSpring(const Spring& spring) const {
+  const std::string what = "spring \"" + spring.name + '"';
+  requireEnds(what, spring.a.link, spring.b.link, spring.where);
+  const std::pair<const char*, const Number*> numbers[] = {{"stiffness", &spring.stiffness},
+                                                           {"rest", &spring.rest},
+                                                           {"damping", &spring.damping}};
+  for (const auto& [key, n] : numbers) {
+    const double value = exactValue(*n, values_, spring.where).toDouble();
+    if (value < 0) {
+      throw InputError(spring.where,
+                       what + fmt::format(": {} is {}, allowed: zero or more", key, value));
     }
   }
 }

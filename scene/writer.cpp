@@ -139,6 +139,22 @@ void writePlacement(const Placement& p, Lines* lines) {
       inlineTable("", {{"a", &p.a}, {"alpha", &p.alpha}, {"d", &p.d}, {"theta", &p.theta}}));
 }
 
+std::string inlineAttachment(const Attachment& at, const Mechanism& mechanism) {
+  std::string text =
+      "{ link = " + quoted(mechanism.links[static_cast<std::size_t>(at.link)].name);
+  if (!allZero(at.xyz)) text += ", xyz = " + array(at.xyz);
+  if (!allZero(at.rpy)) text += ", rpy = " + array(at.rpy);
+  return text + " }";
+}
+
+/// Closures and springs without a name of their own are called by their place.
+template <typename Part>
+void writeEnds(const Part& part, std::size_t index, const Mechanism& mechanism, Lines* lines) {
+  if (part.name != std::to_string(index + 1)) lines->value("name", quoted(part.name));
+  lines->value("a", inlineAttachment(part.a, mechanism));
+  lines->value("b", inlineAttachment(part.b, mechanism));
+}
+
 void writeJoint(const Link& link, Lines* lines) {
   const Joint& joint = link.joint;
   lines->raw("");
@@ -148,6 +164,7 @@ void writeJoint(const Link& link, Lines* lines) {
   const bool is_z =
       isLiteral(joint.axis[0], 0) && isLiteral(joint.axis[1], 0) && isLiteral(joint.axis[2], 1);
   if (!is_z) lines->value("axis", array(joint.axis));
+  if (joint.kind == JointKind::kHelical) lines->value("pitch", number(joint.pitch));
   writePlacement(joint.placement, lines);
   lines->scalar("rotor_inertia", joint.rotor_inertia);
   lines->scalar("gear_ratio", joint.gear_ratio, 1);
@@ -183,8 +200,26 @@ std::string writeSceneToml(const Scene& scene) {
     lines.list("at", wrench.at);
     if (wrench.axes == Wrench::Axes::kWorld) lines.value("axes", "\"world\"");
   }
-  if (!allZero(scene.start_q) || !allZero(scene.start_qd)) lines.raw("\n[start]");
-  lines.list("q", scene.start_q);
+  for (std::size_t i = 0; i < mechanism.closures.size(); ++i) {
+    lines.raw("\n[[closure]]");
+    lines.value("kind", quoted(name(mechanism.closures[i].kind)));
+    writeEnds(mechanism.closures[i], i, mechanism, &lines);
+    if (mechanism.closures[i].kind == ClosureKind::kDistance) {
+      lines.value("length", number(mechanism.closures[i].length));
+    }
+  }
+  for (std::size_t i = 0; i < mechanism.springs.size(); ++i) {
+    const Spring& spring = mechanism.springs[i];
+    lines.raw("\n[[spring]]");
+    writeEnds(spring, i, mechanism, &lines);
+    lines.scalar("stiffness", spring.stiffness);
+    lines.scalar("rest", spring.rest);
+    lines.scalar("damping", spring.damping);
+  }
+  const std::string q = array(scene.start_q);
+  const bool at_rest = q == array(mechanism.restPosition());
+  if (!at_rest || !allZero(scene.start_qd)) lines.raw("\n[start]");
+  if (!at_rest) lines.value("q", q);
   lines.list("qd", scene.start_qd);
   return lines.text();
 }

@@ -2,6 +2,7 @@
 #include "symbolic/derivation.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "symbolic/closed_form.hpp"
@@ -54,7 +55,7 @@ std::vector<Step> closedSteps(Equations& e) {
   const auto velocity = [&](int i) { return GiNaC::ex(algebra.input(Input::kVelocity, i)); };
   std::vector<Step> steps;
 
-  for (int i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < e.links.size(); ++i) {
     const GiNaC::ex T = algebra.expression(e.link_kinetic[i]);
     GiNaC::ex twice = 0;
     for (int j = 0; j < n; ++j) twice += velocity(j) * algebra.derivative(T, {Input::kVelocity, j});
@@ -76,10 +77,7 @@ std::vector<Step> closedSteps(Equations& e) {
                    isZero(f.kinetic - quadratic)});
 
   GiNaC::ex shares = 0;
-  for (int i = 0; i < n; ++i) {
-    const GiNaC::ex V = algebra.expression(e.link_potential[i]);
-    shares += V;
-  }
+  for (const Node& share : e.link_potential) shares += algebra.expression(share);
   bool constant_difference = true;
   for (int i = 0; i < n; ++i)
     constant_difference = constant_difference &&
@@ -166,15 +164,74 @@ std::vector<Step> closedSteps(Equations& e) {
 // ---- straight-line programs ---------------------------------------------------------------------
 
 /// Are these nodes 0 at random rational points?
-bool vanish(const Graph& graph, const std::vector<Node>& nodes, const scene::Mechanism& mechanism,
-            int dof, int points) {
-  const Program program = compile(graph, nodes);
+bool vanish(const Equations& e, const std::vector<Node>& nodes, const scene::Mechanism& mechanism,
+            int points) {
+  const Program program = compile(e.graph, nodes);
   for (int seed = 1; seed <= points; ++seed) {
     ProgramRun<Rational> run(program, ExactNumbers(mechanism, seed));
-    for (const Rational& residual : run(exactState(dof, seed)))
+    for (const Rational& residual : run(exactState(e.dof(), seed, e.positions())))
       if (residual != 0) return false;
   }
   return true;
+}
+
+/** Which rates are no derivatives, and what they do instead: one step a joint. Checked is what (3') of
+    equations.hpp rests on, that directions commute up to the constants b_ijk, for every entry of R and
+    every coordinate of p. */
+std::vector<Step> quasiSteps(Equations& e, int points,
+                             const std::function<bool(const std::vector<Node>&)>& check) {
+  Graph& graph = e.graph;
+  std::vector<Step> steps;
+  for (const QuasiJoint& joint : e.quasi) {
+    const int rates = joint.floats ? 6 : 3;
+    const auto range = [](const std::string& letter, int first, int count) {
+      return numbered(letter, first) + " to " + numbered(letter, first + count - 1);
+    };
+    const std::string R = "R" + std::to_string(joint.slot + 1);
+    std::string sentence =
+        R + "_ij are the entries of the rotation of the quaternion (w, x, y, z) = " +
+        range("q", joint.slot, 4) + ", from axes of the link to axes of the joint; ";
+    if (joint.floats)
+      sentence += range("q", joint.slot - 3, 3) + " are the position p of the link's origin, and " +
+                  range("qd", joint.rate, 3) + " its velocity v in axes of the link: dp/dt = " + R + " v; ";
+    sentence += range("qd", joint.rate + rates - 3, 3) +
+                " are the angular velocity w in axes of the link: d" + R + "/dt = " + R +
+                " [w]x. No position has them as its derivative (quasi-velocities); X_i f is df/dt when "
+                "qd_i alone is 1. X_i X_j f - X_j X_i f = sum of b_ijk X_k f, where turns give "
+                "[X_wx, X_wy] = X_wz";
+    if (joint.floats) sentence += ", [X_wx, X_vy] = X_vz";
+    sentence += " and so on in a circle, so that c has the term sum of b_ijk qd_j p_k: Euler's w x p.";
+
+    // every coordinate f of the joint's position, and all pairs of directions
+    std::vector<Node> coordinates, residuals;
+    for (int k = 0; k < 9; ++k) coordinates.push_back(graph.input(Input::kRotation, 9 * joint.slot + k));
+    if (joint.floats)
+      for (int k = 0; k < 3; ++k)
+        coordinates.push_back(graph.input(Input::kPosition, joint.slot - 3 + k));
+    std::vector<std::vector<Node>> X_f(rates);  // X_i of every coordinate
+    for (int i = 0; i < rates; ++i)
+      X_f[i] = graph.directionalDerivative(coordinates, e.directions[joint.rate + i]);
+    for (std::size_t f = 0; f < coordinates.size(); ++f) {
+      std::vector<Node> slope(e.dof());
+      for (int i = 0; i < rates; ++i) slope[joint.rate + i] = X_f[i][f];
+      const std::vector<Node> b_X = structureTerms(e, slope);  // sum of b_ijk qd_j X_k f
+      for (int i = 0; i < rates; ++i) {
+        Node commutator;
+        for (int j = 0; j < rates; ++j) {
+          const Node forth = graph.directionalDerivative({X_f[j][f]}, e.directions[joint.rate + i])[0];
+          const Node back = graph.directionalDerivative({X_f[i][f]}, e.directions[joint.rate + j])[0];
+          commutator = graph.add(commutator, graph.multiply(graph.input(Input::kVelocity, joint.rate + j),
+                                                            graph.subtract(forth, back)));
+        }
+        residuals.push_back(graph.subtract(commutator, b_X[joint.rate + i]));
+      }
+    }
+    steps.push_back({"quasi-velocities of " + joint.joint, sentence, {},
+                     "sum of (X_i X_j f - X_j X_i f) qd_j = sum of b_ijk qd_j X_k f for all coordinates f "
+                     "at " + std::to_string(points) + " random rational points",
+                     check(residuals)});
+  }
+  return steps;
 }
 
 std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, int points) {
@@ -182,19 +239,15 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
   Graph& graph = e.graph;
   const std::string at = " at " + std::to_string(points) + " random rational points";
   const auto check = [&](const std::vector<Node>& residuals) {
-    return vanish(graph, residuals, mechanism, n, points);
+    return vanish(e, residuals, mechanism, points);
   };
   const auto velocity = [&](int i) { return graph.input(Input::kVelocity, i); };
 
   // what the checks compare with: momentum and c once more, from M
-  std::vector<Node> p_of_M, c_of_M, residual_p, residual_c, residual_g;
-  std::vector<Variable> q;
-  std::vector<std::pair<Variable, Node>> motion;
+  std::vector<Node> p_of_M, residual_p, residual_c, residual_g;
   Node T_of_M, V_of_links;
+  for (const Node& share : e.link_potential) V_of_links = graph.add(V_of_links, share);
   for (int i = 0; i < n; ++i) {
-    q.push_back({Input::kPosition, i});
-    motion.push_back({q[i], velocity(i)});
-    V_of_links = graph.add(V_of_links, e.link_potential[i]);
     Node p;
     for (int j = 0; j < n; ++j) p = graph.add(p, graph.multiply(e.M[i][j], velocity(j)));
     p_of_M.push_back(p);
@@ -202,13 +255,14 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
     T_of_M = graph.add(T_of_M, graph.multiply(p, velocity(i)));
   }
   T_of_M = graph.multiply(graph.constant(Rational(1, 2)), T_of_M);
-  const std::vector<Node> p_rate = graph.directionalDerivative(p_of_M, motion);
-  const std::vector<Node> T_slope = graph.gradient(T_of_M, q);
-  const std::vector<Node> V_slope = graph.gradient(V_of_links, q);
+  const std::vector<Node> p_rate = graph.directionalDerivative(p_of_M, motion(e));
+  const std::vector<Node> T_slope = positionGradient(e, T_of_M);
+  const std::vector<Node> V_slope = positionGradient(e, V_of_links);
+  const std::vector<Node> structure = structureTerms(e, p_of_M);
   for (int i = 0; i < n; ++i) {
-    residual_c.push_back(graph.subtract(graph.subtract(p_rate[i], T_slope[i]), e.c[i]));
+    const Node c = graph.add(graph.subtract(p_rate[i], T_slope[i]), structure[i]);
+    residual_c.push_back(graph.subtract(c, e.c[i]));
     residual_g.push_back(graph.subtract(V_slope[i], e.g[i]));
-    motion.push_back({{Input::kVelocity, i}, graph.input(Input::kAcceleration, i)});
   }
   Node power;  // of tau = M qdd + c + g
   for (int i = 0; i < n; ++i) {
@@ -218,9 +272,12 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
     power = graph.add(power, graph.multiply(tau, velocity(i)));
   }
   const Node energy_rate =
-      graph.directionalDerivative({graph.add(e.kinetic, e.potential)}, motion)[0];
+      graph.directionalDerivative({graph.add(e.kinetic, e.potential)}, motion(e, true))[0];
 
-  std::vector<Step> steps = {
+  const bool quasi = !e.quasi.empty();
+  std::vector<Step> steps = quasiSteps(e, points, check);
+  const std::size_t base = steps.size();
+  for (Step& step : std::vector<Step>{
       {"kinetic energy T",
        "Angular velocity omega and velocity v of each link's joint frame, in that frame, and from "
        "them half of mass times velocity squared.",
@@ -239,20 +296,23 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
        "M qd is the momentum of T as a sum over links" + at,
        check(residual_p)},
       {"Coriolis and centrifugal forces c",
-       "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
+       quasi ? "c_i = sum of (X_j p_i) qd_j - X_i T + sum of b_ijk qd_j p_k."
+             : "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
        {},
-       "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq" + at,
+       (quasi ? "the same from M alone, with p = M qd and T = qd' M qd/2"
+              : "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq") + at,
        check(residual_c)},
       {"gravity and springs g",
-       "g_i = dV/dq_i.",
+       quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
        {},
        "equals the derivative of the links' shares" + at,
        check(residual_g)},
       {"equations of motion",
-       "Lagrange's equations.",
+       quasi ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)." : "Lagrange's equations.",
        {},
        "power: qd' (M qdd + c + g) = d(T + V)/dt" + at,
-       check({graph.subtract(power, energy_rate)})}};
+       check({graph.subtract(power, energy_rate)})}})
+    steps.push_back(std::move(step));
 
   // the program's lines, each under the first step that needs it
   struct Result {
@@ -260,12 +320,12 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
     Node node;
     std::size_t step;
   };
-  std::vector<Result> results = {{"T", e.kinetic, 0}, {"V", e.potential, 1}};
-  for (int i = 0; i < n; ++i) results.push_back({numbered("p", i), e.p[i], 2});
+  std::vector<Result> results = {{"T", e.kinetic, base}, {"V", e.potential, base + 1}};
+  for (int i = 0; i < n; ++i) results.push_back({numbered("p", i), e.p[i], base + 2});
   for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j) results.push_back({numbered("M", i, j), e.M[i][j], 3});
-  for (int i = 0; i < n; ++i) results.push_back({numbered("c", i), e.c[i], 4});
-  for (int i = 0; i < n; ++i) results.push_back({numbered("g", i), e.g[i], 5});
+    for (int j = i; j < n; ++j) results.push_back({numbered("M", i, j), e.M[i][j], base + 3});
+  for (int i = 0; i < n; ++i) results.push_back({numbered("c", i), e.c[i], base + 4});
+  for (int i = 0; i < n; ++i) results.push_back({numbered("g", i), e.g[i], base + 5});
   std::vector<Node> nodes;
   for (const Result& r : results) nodes.push_back(r.node);
   const Program program = compile(graph, nodes);
@@ -329,7 +389,7 @@ Derivation derivation(const scene::Mechanism& mechanism, int points) {
   Equations equations = derive(mechanism, options);
   Derivation result;
   result.joints = equations.joints;
-  result.closed_form = equations.dof() <= kClosedFormJoints;
+  result.closed_form = equations.dof() <= kClosedFormJoints && equations.quasi.empty();
   result.steps =
       result.closed_form ? closedSteps(equations) : programSteps(equations, mechanism, points);
   return result;
@@ -370,6 +430,7 @@ std::vector<ShownEquation> shortClosedForm(const scene::Mechanism& mechanism, st
   Options options;
   options.regroup_inertias = false;
   const Equations e = derive(mechanism, options);
+  if (!e.quasi.empty()) return {};
   ClosedAlgebra algebra(e);
   std::vector<std::pair<std::string, Node>> wanted = {{"T", e.kinetic}, {"V", e.potential}};
   for (int i = 0; i < e.dof(); ++i)

@@ -21,7 +21,17 @@ struct Options {
   bool regroup_inertias = true;
 };
 
-/** T, V and what follows from them; n = number of moving joints, in the order of q.
+/// How one rate moves the state: the direction (dx/dt of each variable) that it alone gives.
+using Direction = std::vector<std::pair<Variable, Node>>;
+
+/// A joint whose rates are no derivatives of its positions.
+struct QuasiJoint {
+  std::string joint;
+  bool floats;     ///< three velocities before the three angular velocities
+  int rate, slot;  ///< first rate; first component of the quaternion
+};
+
+/** T, V and what follows from them; n = number of degrees of freedom, in the order of qd.
 
         p_i = dT/dqd_i                              momentum                                (1)
         M_ij = dp_i/dqd_j                           mass matrix                             (2)
@@ -30,15 +40,32 @@ struct Options {
         Q_i = d(power of the constant wrenches)/dqd_i                                       (5)
 
     so that  M qdd + c + g = tau + Q.  Equation (3) is  sum_jk Gamma_ijk qd_j qd_k  with the
-    Christoffel symbols of M; christoffelMatrix() gives them their matrix. */
+    Christoffel symbols of M; christoffelMatrix() gives them their matrix.
+
+    Rates of spherical and floating joints are quasi-velocities: no positions have them as derivatives.
+    What a rate does is then a direction X_i,
+
+        a turn of a body at w:  dR/dt = R [w]x      a shift at v:  dp/dt = R v
+        X_i f = df/dt when rate i alone is 1, the others 0
+
+    and d/dq_i above is X_i. Two such directions do not commute, X_i X_j f - X_j X_i f = sum_k b_ijk X_k f
+    with the constants of turns and shifts, [turn_x, turn_y] = turn_z, [turn_x, shift_y] = shift_z and
+    so on in a circle (shifts commute). Equation (3) gets one term more (Boltzmann, Hamel):
+
+        c_i = sum_j (X_j p_i) qd_j - X_i T + sum_jk b_ijk qd_j p_k                              (3')
+
+    which for a body that turns about a fixed point is Euler's  dp/dt + w x p. */
 struct Equations {
   Graph graph;
-  std::vector<std::string> joints;  ///< names of the joints that move
-  std::vector<bool> revolute;       ///< of the same joints: turns (rad) or slides (m)
+  std::vector<std::string> joints;  ///< names of the rates: that of the joint, or "joint.turn"
+  std::vector<bool> revolute;       ///< of the same rates: turns (rad) or slides (m)
   /// For each joint the next revolute joint inboard when both turn about the same direction, so
   /// that their angles add up; otherwise -1.
   std::vector<int> parallel_inboard;
-  std::vector<std::string> links;  ///< names of the links that these joints carry
+  std::vector<QuasiJoint> quasi;         ///< joints with quasi-velocities
+  std::vector<Direction> directions;     ///< X_i of each rate
+  std::vector<std::string> links;  ///< names of the links that joints carry; a joint that is treated
+                                   ///< as several in a row has a massless link after each but the last
 
   Node kinetic;    ///< T [J], from the velocities of the links
   Node potential;  ///< V [J], zero for masses at the world's origin and springs at rest
@@ -48,6 +75,7 @@ struct Equations {
   std::vector<std::vector<Node>> M;
 
   int dof() const { return static_cast<int>(joints.size()); }
+  int positions() const { return dof() + static_cast<int>(quasi.size()); }
 };
 
 /** Forms T and V of a mechanism with 3-D frames and velocities, and derives the rest. T is formed
@@ -56,11 +84,35 @@ struct Equations {
     is a check of the derivation. */
 Equations derive(const scene::Mechanism& mechanism, const Options& options = {});
 
+/// X_i f for all rates i.
+std::vector<Node> positionGradient(Equations& equations, Node f);
+/// The direction in which the state moves: sum of X_i qd_i; with qdd, the rates move too.
+Direction motion(Equations& equations, bool with_accelerations = false);
+/// sum_jk b_ijk qd_j p_k for all rates i, the last term of (3').
+std::vector<Node> structureTerms(Equations& equations, const std::vector<Node>& p);
+/** The closures of a mechanism and their derivatives, for Lagrange's equations with multipliers
+
+        M qdd + c + g = tau + Q + J' lambda,    J qdd + gamma = 0                           (6)
+
+    phi [m], J_ki = X_i phi_k [m x n] (dphi_k/dq_i, or along the rate where there are quasi-velocities),
+    gamma = (dJ/dt) qd [m]; their order is that of scene::Closure. */
+struct ClosureEquations {
+  std::vector<Node> phi, gamma;
+  std::vector<std::vector<Node>> J;
+};
+
+/// Adds the closures to the graph of `equations`, which derive() made of the same mechanism with the
+/// same options: phi from the places of the frames in the world, the rest by differentiating it.
+ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
+                                  Equations& equations);
+
 /** The Christoffel form of the Coriolis matrix [n x n], with  c = C qd  and  dM/dt - 2 C  skew:
-        C_ij = sum_k Gamma_ijk qd_k = (dM_ij/dt + dp_i/dq_j - dp_j/dq_i) / 2 */
+        C_ij = sum_k Gamma_ijk qd_k = (dM_ij/dt + dp_i/dq_j - dp_j/dq_i) / 2
+    and, with quasi-velocities, sum_k b_ijk p_k besides, which is skew. */
 std::vector<std::vector<Node>> christoffelMatrix(Equations& equations);
 
-/// Inverse dynamics without M: tau_i = dp_i/dt - dT/dq_i + dV/dq_i - Q_i, in O(n) operations.
+/// Inverse dynamics without M: tau_i = dp_i/dt - dT/dq_i + dV/dq_i - Q_i, in O(n) operations (and the
+/// last term of (3') where there are quasi-velocities).
 std::vector<Node> inverseDynamics(Equations& equations);
 
 /// M row by row, then c, then g: n (n + 2) outputs.

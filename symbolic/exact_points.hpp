@@ -2,6 +2,7 @@
 // Random rational points at which equations are checked exactly.
 #pragma once
 
+#include <algorithm>
 #include <random>
 #include <string>
 
@@ -69,13 +70,14 @@ class ExactNumbers {
   unsigned seed_;
 };
 
-/// A state with random rational components, angles on the circle.
-inline scene::State<Rational> exactState(int dof, unsigned seed) {
+/// A state with random rational components, angles on the circle; quaternions are any.
+inline scene::State<Rational> exactState(int dof, unsigned seed, int positions = 0) {
   std::mt19937 random(seed);
   scene::State<Rational> state;
-  for (int i = 0; i < dof; ++i) {
+  for (int i = 0; i < std::max(dof, positions); ++i) {
     const scene::CosSin<Rational> point = randomCirclePoint(random);
     state.x.push_back({randomRational(random), point.c, point.s});
+    if (i >= dof) continue;
     state.qd.push_back(randomRational(random));
     state.qdd.push_back(randomRational(random));
   }

@@ -395,6 +395,8 @@ class Printer {
           return "qdd" + k;
         case Input::kForce:
           return "tau" + k;
+        case Input::kRotation:
+          return rotation(f.joint);
       }
     }
     switch (f.input) {
@@ -410,8 +412,16 @@ class Printer {
         return dotted(k, 2);
       case Input::kForce:
         return printName("tau" + k, style_);
+      case Input::kRotation:
+        return printName(rotation(f.joint), style_);
     }
     return "";
+  }
+
+  /// "R4_23": row 2, column 3 of the rotation whose quaternion starts at q4.
+  static std::string rotation(int entry) {
+    return "R" + std::to_string(entry / 9 + 1) + "_" + std::to_string(entry % 9 / 3 + 1) +
+           std::to_string(entry % 3 + 1);
   }
 
   std::string dotted(const std::string& k, int dots) const {

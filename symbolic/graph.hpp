@@ -6,7 +6,9 @@
 // operations that use them, and nodes are numbered in the order in which they were first asked for,
 // so the same scene gives the same numbers in every run.
 //
-// Joint angles enter as two symbols each, c_k and s_k, with  d c_k = -s_k dq_k,  d s_k = c_k dq_k.
+// Joint angles enter as two symbols each, c_k and s_k, with  d c_k = -s_k dq_k,  d s_k = c_k dq_k;
+// quaternions as the nine entries of their rotation R. Here these are variables like any other: that
+// they move together, dR = R [w]x dt, is said where it is used (equations.hpp).
 #pragma once
 
 #include <cstdint>
@@ -50,12 +52,17 @@ struct Atom {
   std::string name;      ///< unique in its graph, in letters that a person reads
 };
 
-/// A component of the state; joints are counted from 0.
-enum class Input : std::uint8_t { kPosition, kCos, kSin, kVelocity, kAcceleration, kForce };
+/// A component of the state. Positions q_k are counted from 0 over the position slots, rates qd_k,
+/// qdd_k and forces over the degrees of freedom; kRotation counts as rotationEntry() says.
+enum class Input : std::uint8_t { kPosition, kCos, kSin, kVelocity, kAcceleration, kForce, kRotation };
 
-/// What the derivative is taken with respect to: q_k, qd_k or qdd_k.
+/// The number of R_ij (i, j from 0), R turning link axes to joint axes, of the quaternion that starts
+/// at this slot.
+constexpr int rotationEntry(int slot, int i, int j) { return 9 * slot + 3 * i + j; }
+
+/// What the derivative is taken with respect to: q_k, qd_k, qdd_k or R_ij.
 struct Variable {
-  Input input;  ///< kPosition (c_k and s_k follow it), kVelocity, kAcceleration or kForce
+  Input input;  ///< kPosition (c_k and s_k follow it), kVelocity, kAcceleration, kForce or kRotation
   int joint;
 };
 
@@ -147,7 +154,7 @@ class Graph {
   std::vector<Entry> entries_;
   std::unordered_map<Key, int, KeyHash> index_;
   std::vector<Rational> constants_;
-  std::map<Rational, int> constant_index_;
+  std::unordered_map<Rational, int> constant_index_;  ///< hashed: to order rationals is to multiply
   std::vector<Atom> atoms_;
   std::map<std::string, int> atom_index_;
   std::map<int, std::string> names_;

@@ -39,6 +39,7 @@ MassMoments operator+(const MassMoments& a, const MassMoments& b) {
 
 /// Coordinates after a rotation to coordinates before it: v_A = R_AB v_B.
 Vector3 turnedBack(const FrameStep& r, const Vector3& v) {
+  if (r.axis < 0) return v[0] * r.columns[0] + v[1] * r.columns[1] + v[2] * r.columns[2];
   const int x = (r.axis + 1) % 3, y = (r.axis + 2) % 3;
   Vector3 result = v;
   result[x] = r.c * v[x] - r.s * v[y];
@@ -48,6 +49,7 @@ Vector3 turnedBack(const FrameStep& r, const Vector3& v) {
 
 /// Coordinates before a rotation to coordinates after it: v_B = R_AB' v_A.
 Vector3 turned(const FrameStep& r, const Vector3& v) {
+  if (r.axis < 0) return {dot(r.columns[0], v), dot(r.columns[1], v), dot(r.columns[2], v)};
   const int x = (r.axis + 1) % 3, y = (r.axis + 2) % 3;
   Vector3 result = v;
   result[x] = r.c * v[x] + r.s * v[y];
@@ -58,6 +60,16 @@ Vector3 turned(const FrameStep& r, const Vector3& v) {
 /** R I R', for a turn about one axis. With  w = s (I_xx - I_yy) + 2 c I_xy  the turned block is
     [I_xx - s w, c w - I_xy; ., I_yy + s w]: four products in place of ten. */
 Symmetric turnedBack(const FrameStep& r, const Symmetric& m) {
+  if (r.axis < 0) {
+    const std::array<Vector3, 3> R_I = {turnedBack(r, column(m, 0)), turnedBack(r, column(m, 1)),
+                                        turnedBack(r, column(m, 2))};
+    Symmetric result = m;
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j)
+        result(i, j) =
+            R_I[0][i] * r.columns[0][j] + R_I[1][i] * r.columns[1][j] + R_I[2][i] * r.columns[2][j];
+    return result;
+  }
   const int x = (r.axis + 1) % 3, y = (r.axis + 2) % 3, z = r.axis;
   Graph* graph = r.c.graph;
   Symmetric result = m;
@@ -314,8 +326,7 @@ Lagrangian::Lagrangian(const scene::Mechanism& mechanism, const Options& options
       graph_(graph),
       values_(mechanism.parameterValues()) {
   const Value zero = constant(0);
-  const Symmetric no_inertia{zero, zero, zero, zero, zero, zero};
-  const MassMoments nothing{zero, {zero, zero, zero}, no_inertia};
+  const MassMoments nothing{zero, {zero, zero, zero}, {zero, zero, zero, zero, zero, zero}};
   world_ = nothing;
   // symbols in the order in which the scene declares them
   if (!options_.fold_parameters)
@@ -329,30 +340,7 @@ Lagrangian::Lagrangian(const scene::Mechanism& mechanism, const Options& options
     WorldOrBodyFrame frame{-1, {}};
     if (link.parent >= 0) frame = frames_[link.parent];
     append(&frame.offset, steps(link.joint.placement.beforeJoint()));
-    if (scene::degreesOfFreedom(link.joint.kind) > 0) {
-      Body body{link.name,
-                link.joint.name,
-                frame.body,
-                link.joint.kind == scene::JointKind::kRevolute,
-                2,
-                false,
-                frame.offset,
-                nothing,
-                zero,
-                number(link.joint.stiffness),
-                number(link.joint.rest)};
-      const Value gear = number(link.joint.gear_ratio);
-      body.rotor = gear * gear * number(link.joint.rotor_inertia);
-      const std::vector<FrameStep> to_axis = axisSteps(link.joint.axis, &body.axis, &body.reversed);
-      append(&body.before, to_axis);
-      frame = {bodyCount(), {}};
-      for (auto step = to_axis.rbegin(); step != to_axis.rend(); ++step) {
-        FrameStep back = *step;
-        back.s = -back.s;
-        frame.offset.push_back(back);
-      }
-      bodies_.push_back(body);
-    }
+    if (scene::degreesOfFreedom(link.joint.kind) > 0) addBodies(link, &frame);
     append(&frame.offset, steps(link.joint.placement.afterJoint()));
     const MassMoments moments = movedBack(frame.offset, linkMoments(link.inertia));
     MassMoments& carrier = frame.body < 0 ? world_ : bodies_[frame.body].moments;
@@ -362,12 +350,83 @@ Lagrangian::Lagrangian(const scene::Mechanism& mechanism, const Options& options
   if (options_.regroup_inertias) regroup();
 }
 
+/// The link that a joint carries, and the massless ones between the parts of the joint.
+void Lagrangian::addBodies(const scene::Link& link, WorldOrBodyFrame* frame) {
+  using scene::JointKind;
+  using Part = Body::Joint;
+  const scene::Joint& joint = link.joint;
+  std::vector<std::pair<Part, int>> parts;  // what it does, and along which axis of the joint frame
+  switch (joint.kind) {
+    case JointKind::kFixed: return;
+    case JointKind::kRevolute: parts = {{Part::kTurn, 2}}; break;
+    case JointKind::kPrismatic: parts = {{Part::kSlide, 2}}; break;
+    case JointKind::kHelical: parts = {{Part::kScrew, 2}}; break;
+    case JointKind::kCylindrical: parts = {{Part::kSlide, 2}, {Part::kTurn, 2}}; break;
+    case JointKind::kUniversal: parts = {{Part::kTurn, 0}, {Part::kTurn, 1}}; break;
+    case JointKind::kPlanar: parts = {{Part::kSlide, 0}, {Part::kSlide, 1}, {Part::kTurn, 2}}; break;
+    case JointKind::kSpherical: parts = {{Part::kBall, 2}}; break;
+    case JointKind::kFloating: parts = {{Part::kFree, 2}}; break;
+  }
+  const Value zero = constant(0);
+  const MassMoments nothing{zero, {zero, zero, zero}, {zero, zero, zero, zero, zero, zero}};
+  const std::vector<std::string>& rates = scene::rateNames(joint.kind);
+  const Value gear = number(joint.gear_ratio), rotor = gear * gear * number(joint.rotor_inertia);
+  std::vector<FrameStep> to_axis;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    Body body{link.name, joint.name, frame->body, parts[k].first, 0, 0, parts[k].second, false,
+              frame->offset, nothing, rotor, number(joint.stiffness), number(joint.rest),
+              number(joint.pitch)};
+    if (parts.size() > 1) body.joint_name += "." + rates[k];
+    if (k + 1 < parts.size()) body.name += "." + rates[k];
+    if (!bodies_.empty()) {
+      const Body& last = bodies_.back();
+      body.rate = last.rate + last.rates();
+      body.slot = last.slot + last.rates() + (last.hasOneRate() ? 0 : 1);
+    }
+    if (k == 0 && joint.kind == JointKind::kPlanar) {
+      to_axis = uprightSteps(joint.axis);  // which x and y are matters
+    } else if (k == 0 && scene::hasAxis(joint.kind)) {
+      to_axis = axisSteps(joint.axis, &body.axis, &body.reversed);
+    } else if (joint.kind == JointKind::kCylindrical) {
+      body.axis = bodies_.back().axis;
+      body.reversed = bodies_.back().reversed;
+    }
+    if (k == 0) body.before.insert(body.before.end(), to_axis.begin(), to_axis.end());
+    *frame = {bodyCount(), {}};
+    bodies_.push_back(body);
+  }
+  for (auto step = to_axis.rbegin(); step != to_axis.rend(); ++step) {
+    FrameStep back = *step;
+    back.s = -back.s;
+    frame->offset.push_back(back);
+  }
+}
+
+/// Rz(alpha) Ry(beta), which takes z to an axis, for coordinate axes too.
+std::vector<FrameStep> Lagrangian::uprightSteps(const scene::Vector& axis) {
+  int coordinate = 2;
+  bool reversed = false;
+  std::vector<FrameStep> steps = axisSteps(axis, &coordinate, &reversed);
+  const Value zero = constant(0);
+  const auto quarters = [&](int about, int count) {
+    const auto turn = scene::quarterTurns<int>(count);
+    if (count != 0)
+      steps.push_back({true, about, constant(turn.c), constant(turn.s), {zero, zero, zero}});
+  };
+  if (!steps.empty()) return steps;
+  if (coordinate == 0) quarters(2, reversed ? 2 : 0);
+  if (coordinate == 1) quarters(2, reversed ? -1 : 1);
+  quarters(1, coordinate != 2 ? 1 : reversed ? 2 : 0);
+  return steps;
+}
+
 void Lagrangian::regroup() {
   const Value zero = constant(0);
   for (int i = bodyCount() - 1; i >= 0; --i) {
     Body& body = bodies_[i];
     MassMoments inboard{zero, {zero, zero, zero}, {zero, zero, zero, zero, zero, zero}};
-    if (body.revolute) {
+    if (body.joint != Body::Joint::kTurn && body.joint != Body::Joint::kSlide) continue;
+    if (body.turns()) {
       // a mass distribution that looks the same from all sides of the axis, without inertia about
       // the axis itself, does not notice whether it turns with the joint
       const int x = (body.axis + 1) % 3, y = (body.axis + 2) % 3, z = body.axis;
@@ -388,35 +447,97 @@ void Lagrangian::regroup() {
   }
 }
 
-Value Lagrangian::rate(int body) {
-  const Value qd{graph_, graph_->input(Input::kVelocity, body)};
-  return bodies_[body].reversed ? -qd : qd;
+std::vector<Lagrangian::Axis> Lagrangian::axesOf(int i) {
+  const Body& body = bodies_[i];
+  std::vector<Axis> axes;
+  for (int k = 0; k < body.rates(); ++k) {
+    const Value qd{graph_, graph_->input(Input::kVelocity, body.rate + k)};
+    if (body.hasOneRate()) {
+      const bool shifts = body.joint == Body::Joint::kSlide || body.joint == Body::Joint::kScrew;
+      axes.push_back({body.axis, body.turns(), shifts, body.rate, body.reversed ? -qd : qd});
+    } else {
+      const bool shifts = k + 3 < body.rates();
+      axes.push_back({k % 3, !shifts, shifts, body.rate + k, qd});
+    }
+  }
+  return axes;
 }
 
-FrameStep Lagrangian::jointStep(int i) {
+std::vector<FrameStep> Lagrangian::jointSteps(int i) {
   const Body& body = bodies_[i];
-  const Value zero = constant(0);
-  FrameStep step{body.revolute, body.axis, constant(1), zero, {zero, zero, zero}};
-  if (body.revolute) {
-    step.c = {graph_, graph_->input(Input::kCos, i)};
-    step.s = {graph_, graph_->input(Input::kSin, i)};
-    if (body.reversed) step.s = -step.s;
-  } else {
-    const Value q{graph_, graph_->input(Input::kPosition, i)};
-    step.translation[body.axis] = body.reversed ? -q : q;
+  const Value zero = constant(0), one = constant(1);
+  const auto position = [&](int slot) { return Value{graph_, graph_->input(Input::kPosition, slot)}; };
+  std::vector<FrameStep> result;
+  if (!body.hasOneRate()) {
+    if (body.joint == Body::Joint::kFree)
+      result.push_back({false, 0, one, zero,
+                        {position(body.slot), position(body.slot + 1), position(body.slot + 2)}});
+    FrameStep turn{true, -1, one, zero, {zero, zero, zero}};
+    for (int row = 0; row < 3; ++row)
+      for (int j = 0; j < 3; ++j)
+        turn.columns[j][row] = {
+            graph_, graph_->input(Input::kRotation, rotationEntry(body.quaternion(), row, j))};
+    result.push_back(turn);
+    return result;
   }
-  return step;
+  if (body.turns()) {
+    FrameStep turn{true, body.axis, one, zero, {zero, zero, zero}};
+    turn.c = {graph_, graph_->input(Input::kCos, body.slot)};
+    turn.s = {graph_, graph_->input(Input::kSin, body.slot)};
+    if (body.reversed) turn.s = -turn.s;
+    result.push_back(turn);
+  }
+  if (body.joint != Body::Joint::kTurn) {
+    FrameStep shift{false, body.axis, one, zero, {zero, zero, zero}};
+    const Value q = position(body.slot), along = body.reversed ? -q : q;
+    shift.translation[body.axis] = body.joint == Body::Joint::kScrew ? body.pitch * along : along;
+    result.push_back(shift);
+  }
+  return result;
+}
+
+std::vector<Direction> Lagrangian::directions() {
+  const Node one = graph_->constant(1);
+  std::vector<Direction> all;
+  for (int i = 0; i < bodyCount(); ++i) {
+    const Body& body = bodies_[i];
+    if (body.hasOneRate()) {
+      all.push_back({{{Input::kPosition, body.slot}, one}});
+      continue;
+    }
+    const std::array<Vector3, 3> R = jointSteps(i).back().columns;
+    if (body.joint == Body::Joint::kFree) {  // dp/dt = R v
+      for (int k = 0; k < 3; ++k) {
+        all.emplace_back();
+        for (int row = 0; row < 3; ++row)
+          all.back().push_back({{Input::kPosition, body.slot + row}, R[k][row].node});
+      }
+    }
+    for (int k = 0; k < 3; ++k) {  // dR/dt = R [e_k]x: the next column moves to the one after it
+      const int next = (k + 1) % 3, last = (k + 2) % 3;
+      all.emplace_back();
+      for (int row = 0; row < 3; ++row) {
+        const auto entry = [&](int j) {
+          return Variable{Input::kRotation, rotationEntry(body.quaternion(), row, j)};
+        };
+        all.back().push_back({entry(next), R[last][row].node});
+        all.back().push_back({entry(last), (-R[next][row]).node});
+      }
+    }
+  }
+  return all;
 }
 
 int Lagrangian::parallelInboard(int body) {
-  if (!bodies_[body].revolute) return -1;
+  if (bodies_[body].joint != Body::Joint::kTurn) return -1;
   const Value zero = constant(0);
   Vector3 direction{zero, zero, zero};
   direction[bodies_[body].axis] = constant(bodies_[body].reversed ? -1 : 1);
   for (int k = body; bodies_[k].parent >= 0;) {
     direction = Placed(graph_, bodies_[k].before).turnedBack(direction);
     k = bodies_[k].parent;
-    if (!bodies_[k].revolute) continue;
+    if (bodies_[k].joint == Body::Joint::kSlide) continue;
+    if (bodies_[k].joint != Body::Joint::kTurn) return -1;
     const Node along = direction[bodies_[k].axis].node;
     return along == graph_->constant(bodies_[k].reversed ? -1 : 1) ? k : -1;
   }
@@ -437,14 +558,17 @@ std::vector<Lagrangian::Velocities> Lagrangian::velocities() {
     v.linear = placed.turned(v.linear + cross(v.angular, placed.p_AB));
     v.angular = placed.turned(v.angular);
     // and with the joint's own motion
-    const FrameStep joint = jointStep(i);
-    if (body.revolute) {
-      v.angular = turned(joint, v.angular);
-      v.linear = turned(joint, v.linear);
-      v.angular[body.axis] += rate(i);
-    } else {
-      v.linear = v.linear + cross(v.angular, joint.translation);
-      v.linear[body.axis] += rate(i);
+    for (const FrameStep& step : jointSteps(i)) {
+      if (step.is_rotation) {
+        v.angular = turned(step, v.angular);
+        v.linear = turned(step, v.linear);
+      } else {
+        v.linear = v.linear + cross(v.angular, step.translation);
+      }
+    }
+    for (const Axis& axis : axesOf(i)) {
+      if (axis.turns) v.angular[axis.coordinate] += axis.rate;
+      if (axis.shifts) v.linear[axis.coordinate] += axis.turns ? body.pitch * axis.rate : axis.rate;
     }
     const std::string number = std::to_string(i + 1);
     for (int k = 0; k < 3; ++k) {
@@ -469,7 +593,8 @@ std::vector<Value> Lagrangian::kineticByVelocities() {
       T += half * b.second(j, j) * (omega[j] * omega[j]);
       for (int k = j + 1; k < 3; ++k) T += b.second(j, k) * (omega[j] * omega[k]);
     }
-    T += half * bodies_[i].rotor * (rate(i) * rate(i));
+    const Value rate = axesOf(i)[0].rate;  // rotors go with joints of one rate
+    T += half * bodies_[i].rotor * (rate * rate);
     shares.push_back(T);
   }
   return shares;
@@ -486,27 +611,47 @@ Value Lagrangian::kineticByCompositeBodies() {
   for (int i = bodyCount() - 1; i >= 0; --i) {
     const Body& body = bodies_[i];
     const MassMoments& b = composite[i];
-    const Value qd = rate(i);
-    // momentum when the joint moves at unit rate
-    Vector3 s{zero, zero, zero};
-    s[body.axis] = constant(1);
-    const Vector3 unit_linear = body.revolute ? cross(s, b.first) : b.mass * s;
-    const Vector3 unit_angular = body.revolute ? column(b.second, body.axis) : cross(b.first, s);
-    const Value inertia = body.revolute ? unit_angular[body.axis] : b.mass;
-    const Value outboard = body.revolute ? angular[i][body.axis] : linear[i][body.axis];
-    T += half * (inertia + body.rotor) * (qd * qd) + qd * outboard;
+    const std::vector<Axis> axes = axesOf(i);
+    for (const Axis& axis : axes) {
+      const Value qd = axis.rate;
+      // momentum when the joint moves at unit rate
+      Vector3 s{zero, zero, zero};
+      s[axis.coordinate] = constant(1);
+      Vector3 unit_linear, unit_angular;
+      Value inertia, outboard;
+      if (!axis.shifts) {
+        unit_linear = cross(s, b.first);
+        unit_angular = column(b.second, axis.coordinate);
+        inertia = unit_angular[axis.coordinate];
+        outboard = angular[i][axis.coordinate];
+      } else if (!axis.turns) {
+        unit_linear = b.mass * s;
+        unit_angular = cross(b.first, s);
+        inertia = b.mass;
+        outboard = linear[i][axis.coordinate];
+      } else {
+        const Vector3 advance = body.pitch * s;
+        unit_linear = cross(s, b.first) + b.mass * advance;
+        unit_angular = column(b.second, axis.coordinate) + cross(b.first, advance);
+        inertia = unit_angular[axis.coordinate] + body.pitch * unit_linear[axis.coordinate];
+        outboard = angular[i][axis.coordinate] + body.pitch * linear[i][axis.coordinate];
+      }
+      T += half * (inertia + body.rotor) * (qd * qd) + qd * outboard;
+      if (body.parent < 0 && axes.size() == 1) break;
+      linear[i] = linear[i] + qd * unit_linear;
+      angular[i] = angular[i] + qd * unit_angular;
+    }
     if (body.parent < 0) continue;
-
-    linear[i] = linear[i] + qd * unit_linear;
-    angular[i] = angular[i] + qd * unit_angular;
     // to the parent's axes and origin
-    const FrameStep joint = jointStep(i);
+    const std::vector<FrameStep> joint = jointSteps(i);
     const Placed placed(graph_, body.before);
-    if (body.revolute) {
-      linear[i] = turnedBack(joint, linear[i]);
-      angular[i] = turnedBack(joint, angular[i]);
-    } else {
-      angular[i] = angular[i] + cross(joint.translation, linear[i]);
+    for (auto step = joint.rbegin(); step != joint.rend(); ++step) {
+      if (step->is_rotation) {
+        linear[i] = turnedBack(*step, linear[i]);
+        angular[i] = turnedBack(*step, angular[i]);
+      } else {
+        angular[i] = angular[i] + cross(step->translation, linear[i]);
+      }
     }
     linear[i] = placed.turnedBack(linear[i]);
     angular[i] = placed.turnedBack(angular[i]) + cross(placed.p_AB, linear[i]);
@@ -525,8 +670,9 @@ std::vector<Value> Lagrangian::potentialByBody() {
     MassMoments b = bodies_[i].moments;
     b.second = {zero, zero, zero, zero, zero, zero};
     for (int k = i; k >= 0; k = bodies_[k].parent)
-      b = movedBack(bodies_[k].before, movedBack(jointStep(k), b));
-    const Value stretch = Value{graph_, graph_->input(Input::kPosition, i)} - bodies_[i].rest;
+      b = movedBack(bodies_[k].before, movedBack(jointSteps(k), b));
+    const Value stretch =
+        Value{graph_, graph_->input(Input::kPosition, bodies_[i].slot)} - bodies_[i].rest;
     shares.push_back(-dot(gravity_, b.first) + half * bodies_[i].stiffness * (stretch * stretch));
   }
   return shares;
@@ -540,12 +686,12 @@ Value Lagrangian::potential() {
   Value V = constant(0);
   for (int i = bodyCount() - 1; i >= 0; --i) {
     const Body& body = bodies_[i];
-    const MassMoments b = movedBack(body.before, movedBack(jointStep(i), composite[i]));
+    const MassMoments b = movedBack(body.before, movedBack(jointSteps(i), composite[i]));
     if (body.parent < 0)
       first = first + b.first;
     else
       composite[body.parent] = composite[body.parent] + b;
-    const Value stretch = Value{graph_, graph_->input(Input::kPosition, i)} - body.rest;
+    const Value stretch = Value{graph_, graph_->input(Input::kPosition, body.slot)} - body.rest;
     V += half * body.stiffness * (stretch * stretch);
   }
   return V - dot(gravity_, first);
@@ -571,9 +717,11 @@ Value Lagrangian::wrenchPower() {
         const Placed at_zero(graph_, bodies_[k].before);
         force = at_zero.turned(force);
         moment = at_zero.turned(moment);
-        if (!bodies_[k].revolute) continue;
-        force = turned(jointStep(k), force);
-        moment = turned(jointStep(k), moment);
+        for (const FrameStep& step : jointSteps(k)) {
+          if (!step.is_rotation) continue;
+          force = turned(step, force);
+          moment = turned(step, moment);
+        }
       }
     }
     const Velocities& body = v[frame.body];
@@ -582,23 +730,157 @@ Value Lagrangian::wrenchPower() {
   return power;
 }
 
+// ---- closures -----------------------------------------------------------------------------------
+
+Lagrangian::PlacedFrame Lagrangian::inWorld(const scene::Attachment& at) {
+  const Value zero = constant(0), one = constant(1);
+  PlacedFrame frame{{zero, zero, zero},
+                    {{{one, zero, zero}, {zero, one, zero}, {zero, zero, one}}}};
+  const auto moveBack = [&frame](const FrameStep& step) {
+    if (!step.is_rotation) {
+      frame.origin = step.translation + frame.origin;
+      return;
+    }
+    frame.origin = turnedBack(step, frame.origin);
+    for (Vector3& axis : frame.axes) axis = turnedBack(step, axis);
+  };
+  const auto allBack = [&](const std::vector<FrameStep>& steps) {
+    for (auto step = steps.rbegin(); step != steps.rend(); ++step) moveBack(*step);
+  };
+  allBack(steps(at.steps()));
+  allBack(frames_[at.link].offset);
+  for (int k = frames_[at.link].body; k >= 0; k = bodies_[k].parent) {
+    allBack(jointSteps(k));
+    allBack(bodies_[k].before);
+  }
+  return frame;
+}
+
+std::vector<Value> Lagrangian::closureResiduals() {
+  std::vector<Value> phi;
+  for (const scene::Closure& closure : mechanism_.closures) {
+    const PlacedFrame a = inWorld(closure.a), b = inWorld(closure.b);
+    const Vector3 d = b.origin + constant(-1) * a.origin;
+    if (closure.kind == scene::ClosureKind::kDistance) {
+      const Value length = number(closure.length);
+      phi.push_back(constant(Rational(1, 2)) * (dot(d, d) - length * length));
+      continue;
+    }
+    const Value all[] = {dot(a.axes[0], d),         dot(a.axes[1], d),
+                         dot(a.axes[2], d),         dot(a.axes[0], b.axes[2]),
+                         dot(a.axes[1], b.axes[2]), dot(a.axes[0], b.axes[1])};
+    phi.insert(phi.end(), all, all + scene::equationCount(closure.kind));
+  }
+  return phi;
+}
+
 // ---- equations ----------------------------------------------------------------------------------
+
+namespace {
+
+Node combined(Graph& graph, const Direction& direction, const std::map<std::pair<Input, int>, Node>& slope) {
+  Node sum;
+  for (const auto& [variable, node] : direction)
+    sum = graph.add(sum, graph.multiply(slope.at({variable.input, variable.joint}), node));
+  return sum;
+}
+
+/// b_ijk of a joint's rates, turns and shifts, as (j, k, sign) for one i.
+struct Bracket {
+  int j, k, sign;
+};
+std::vector<Bracket> brackets(const QuasiJoint& joint, int i) {
+  std::vector<Bracket> out;
+  const int turns = joint.rate + (joint.floats ? 3 : 0);
+  for (const int shift : {1, 2}) {  // e_a x e_b = sign e_c
+    const int a = (i - joint.rate) % 3, b = (a + shift) % 3, c = (a + 3 - shift) % 3;
+    const int sign = shift == 1 ? 1 : -1;
+    if (i >= turns) {
+      out.push_back({turns + b, turns + c, sign});  // [turn, turn] = turn
+      if (joint.floats) out.push_back({joint.rate + b, joint.rate + c, sign});  // [turn, shift] = shift
+    } else {
+      out.push_back({turns + b, joint.rate + c, sign});  // [shift, turn] = shift
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Node> positionGradient(Equations& e, Node f) {
+  std::vector<Variable> variables;
+  std::map<std::pair<Input, int>, Node> slope;
+  for (const Direction& direction : e.directions)
+    for (const auto& [variable, node] : direction)
+      if (slope.emplace(std::pair(variable.input, variable.joint), Node{}).second)
+        variables.push_back(variable);
+  const std::vector<Node> slopes = e.graph.gradient(f, variables);
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    slope[{variables[i].input, variables[i].joint}] = slopes[i];
+  std::vector<Node> result;
+  for (const Direction& direction : e.directions) result.push_back(combined(e.graph, direction, slope));
+  return result;
+}
+
+Direction motion(Equations& e, bool with_accelerations) {
+  Graph& graph = e.graph;
+  std::vector<Variable> order;
+  std::map<std::pair<Input, int>, Node> speed;
+  for (int i = 0; i < e.dof(); ++i) {
+    const Node qd = graph.input(Input::kVelocity, i);
+    for (const auto& [variable, node] : e.directions[i]) {
+      const auto [it, is_new] = speed.emplace(std::pair(variable.input, variable.joint), Node{});
+      if (is_new) order.push_back(variable);
+      it->second = graph.add(it->second, graph.multiply(node, qd));
+    }
+  }
+  Direction result;
+  for (const Variable& variable : order)
+    result.push_back({variable, speed[{variable.input, variable.joint}]});
+  if (with_accelerations)
+    for (int i = 0; i < e.dof(); ++i)
+      result.push_back({{Input::kVelocity, i}, graph.input(Input::kAcceleration, i)});
+  return result;
+}
+
+std::vector<Node> structureTerms(Equations& e, const std::vector<Node>& p) {
+  Graph& graph = e.graph;
+  std::vector<Node> terms(p.size());
+  for (const QuasiJoint& joint : e.quasi) {
+    for (int i = joint.rate; i < joint.rate + (joint.floats ? 6 : 3); ++i) {
+      for (const Bracket& b : brackets(joint, i)) {
+        const Node term = graph.multiply(graph.input(Input::kVelocity, b.j), p[b.k]);
+        terms[i] = b.sign > 0 ? graph.add(terms[i], term) : graph.subtract(terms[i], term);
+      }
+    }
+  }
+  return terms;
+}
 
 Equations derive(const scene::Mechanism& mechanism, const Options& options) {
   Equations e;
   Graph& graph = e.graph;
   Lagrangian lagrangian(mechanism, options, &graph);
-  const int n = static_cast<int>(lagrangian.bodies().size());
-  std::vector<Variable> q, qd;
-  std::vector<std::pair<Variable, Node>> motion;
+  const std::vector<Body>& bodies = lagrangian.bodies();
+  std::vector<int> body_of_rate;
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+    const Body& body = bodies[b];
+    e.links.push_back(body.name);
+    if (!body.hasOneRate())
+      e.quasi.push_back({body.joint_name, body.joint == Body::Joint::kFree, body.rate, body.quaternion()});
+    for (int k = 0; k < body.rates(); ++k) {
+      body_of_rate.push_back(b);
+      e.revolute.push_back(body.hasOneRate() ? body.turns() : k + 3 >= body.rates());
+    }
+  }
+  e.joints = mechanism.rateLabels();
+  e.directions = lagrangian.directions();
+  const int n = e.dof();
+  std::vector<Variable> qd;
   for (int i = 0; i < n; ++i) {
-    e.joints.push_back(lagrangian.bodies()[i].joint_name);
-    e.links.push_back(lagrangian.bodies()[i].name);
-    e.revolute.push_back(lagrangian.bodies()[i].revolute);
-    e.parallel_inboard.push_back(lagrangian.parallelInboard(i));
-    q.push_back({Input::kPosition, i});
+    // angles add up where bodies, rates and positions are counted alike
+    e.parallel_inboard.push_back(e.quasi.empty() ? lagrangian.parallelInboard(i) : -1);
     qd.push_back({Input::kVelocity, i});
-    motion.push_back({q[i], graph.input(Input::kVelocity, i)});
   }
 
   for (const Value& share : lagrangian.kineticByVelocities()) {
@@ -609,11 +891,13 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
   e.potential = lagrangian.potential().node;
 
   e.p = graph.gradient(e.kinetic, qd);  // (1)
-  const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion);
-  const std::vector<Node> dT_dq = graph.gradient(e.kinetic, q);
-  for (int i = 0; i < n; ++i) e.c.push_back(graph.subtract(p_rate[i], dT_dq[i]));  // (3)
-  e.g = graph.gradient(e.potential, q);                                            // (4)
-  e.Q = graph.gradient(lagrangian.wrenchPower().node, qd);                         // (5)
+  const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion(e));
+  const std::vector<Node> dT_dq = positionGradient(e, e.kinetic);
+  const std::vector<Node> structure = structureTerms(e, e.p);
+  for (int i = 0; i < n; ++i)
+    e.c.push_back(graph.add(graph.subtract(p_rate[i], dT_dq[i]), structure[i]));  // (3), (3')
+  e.g = positionGradient(e, e.potential);                                         // (4)
+  e.Q = graph.gradient(lagrangian.wrenchPower().node, qd);                        // (5)
 
   // (2): column j is the momentum that a unit rate of joint j alone gives to itself and to the
   // joints inboard of it; the other joints follow from symmetry, or share no body with j
@@ -622,7 +906,8 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
   e.M.assign(n, std::vector<Node>(n));
   for (int j = 0; j < n; ++j) {
     std::vector<int> inboard;
-    for (int i = j; i >= 0; i = lagrangian.bodies()[i].parent) inboard.push_back(i);
+    for (int b = body_of_rate[j]; b >= 0; b = bodies[b].parent)
+      for (int k = 0; k < bodies[b].rates(); ++k) inboard.push_back(bodies[b].rate + k);
     std::vector<Node> p;
     for (int i : inboard) p.push_back(p_composite[i]);
     const std::vector<Node> columns = graph.directionalDerivative(p, {{qd[j], graph.constant(1)}});
@@ -632,40 +917,54 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
   return e;
 }
 
+ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
+                                  Equations& e) {
+  Graph& graph = e.graph;
+  ClosureEquations closures;
+  for (const Value& phi : Lagrangian(mechanism, options, &graph).closureResiduals())
+    closures.phi.push_back(phi.node);
+  std::vector<Node> phi_rate;
+  for (const Node phi : closures.phi) {
+    closures.J.push_back(positionGradient(e, phi));
+    Node rate;
+    for (int i = 0; i < e.dof(); ++i)
+      rate = graph.add(rate, graph.multiply(closures.J.back()[i], graph.input(Input::kVelocity, i)));
+    phi_rate.push_back(rate);
+  }
+  closures.gamma = graph.directionalDerivative(phi_rate, motion(e));
+  return closures;
+}
+
 std::vector<std::vector<Node>> christoffelMatrix(Equations& e) {
   const int n = e.dof();
   Graph& graph = e.graph;
-  std::vector<std::pair<Variable, Node>> motion;
-  for (int i = 0; i < n; ++i)
-    motion.push_back({{Input::kPosition, i}, graph.input(Input::kVelocity, i)});
-  std::vector<std::vector<Node>> A;  // A[j][i] = dp_i/dq_j
-  for (int j = 0; j < n; ++j)
-    A.push_back(graph.directionalDerivative(e.p, {{{Input::kPosition, j}, graph.constant(1)}}));
+  const Direction moving = motion(e);
+  std::vector<std::vector<Node>> A;  // A[j][i] = X_j p_i
+  for (int j = 0; j < n; ++j) A.push_back(graph.directionalDerivative(e.p, e.directions[j]));
   std::vector<std::vector<Node>> C(n, std::vector<Node>(n));
   const Node half = graph.constant(Rational(1, 2));
   for (int i = 0; i < n; ++i) {
-    const std::vector<Node> M_rate = graph.directionalDerivative(e.M[i], motion);
+    const std::vector<Node> M_rate = graph.directionalDerivative(e.M[i], moving);
     for (int j = 0; j < n; ++j)
       C[i][j] = graph.multiply(half, graph.add(M_rate[j], graph.subtract(A[j][i], A[i][j])));
   }
+  for (const QuasiJoint& joint : e.quasi)
+    for (int i = joint.rate; i < joint.rate + (joint.floats ? 6 : 3); ++i)
+      for (const Bracket& b : brackets(joint, i))
+        C[i][b.j] = b.sign > 0 ? graph.add(C[i][b.j], e.p[b.k]) : graph.subtract(C[i][b.j], e.p[b.k]);
   return C;
 }
 
 std::vector<Node> inverseDynamics(Equations& e) {
   Graph& graph = e.graph;
-  std::vector<Variable> q;
-  std::vector<std::pair<Variable, Node>> motion;
-  for (int i = 0; i < e.dof(); ++i) {
-    q.push_back({Input::kPosition, i});
-    motion.push_back({q[i], graph.input(Input::kVelocity, i)});
-    motion.push_back({{Input::kVelocity, i}, graph.input(Input::kAcceleration, i)});
-  }
-  const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion);
+  const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion(e, true));
+  const std::vector<Node> structure = structureTerms(e, e.p);
   const std::vector<Node> lagrangian_slope =
-      graph.gradient(graph.subtract(e.kinetic, e.potential), q);
+      positionGradient(e, graph.subtract(e.kinetic, e.potential));
   std::vector<Node> tau;
   for (int i = 0; i < e.dof(); ++i)
-    tau.push_back(graph.subtract(graph.subtract(p_rate[i], lagrangian_slope[i]), e.Q[i]));
+    tau.push_back(graph.add(
+        graph.subtract(graph.subtract(p_rate[i], lagrangian_slope[i]), e.Q[i]), structure[i]));
   return tau;
 }
 

@@ -22,12 +22,13 @@ struct Symmetric {
   const Value& operator()(int i, int j) const { return const_cast<Symmetric&>(*this)(i, j); }
 };
 
-/// One elementary motion of a frame, as scene::Step, with nodes for its numbers.
+/// One elementary motion of a frame, as scene::Step, with nodes for its numbers; or any turn.
 struct FrameStep {
   bool is_rotation;
-  int axis;    ///< rotation: 0, 1, 2 for x, y, z
+  int axis;    ///< rotation: 0, 1, 2 for x, y, z; -1: the turn that `columns` are
   Value c, s;  ///< rotation: cosine and sine of its angle
   Vector3 translation;
+  std::array<Vector3, 3> columns{};  ///< axis -1: R, from coordinates after it to those before it
 };
 
 /// The moments of a body's mass about the origin of a frame, in that frame's axes: m [kg],
@@ -42,15 +43,24 @@ struct MassMoments {
     frame after the joint's motion, turned (by a constant) so that the joint's axis is a coordinate
     axis: everything constant lies between one joint's motion and the next. */
 struct Body {
+  /// Cylindrical, universal and planar joints are turns and slides in a row.
+  enum class Joint { kTurn, kSlide, kScrew, kBall, kFree };
+
   std::string name, joint_name;
   int parent;  ///< body, -1: the world
-  bool revolute;
+  Joint joint;
+  int rate, slot;                 ///< the joint's first rate and position
   int axis;                       ///< of the joint in the body's frame: 0, 1, 2
   bool reversed;                  ///< the joint's direction is minus that axis
   std::vector<FrameStep> before;  ///< parent body's frame to this body's frame at q = 0
   MassMoments moments;
   Value rotor;  ///< gear_ratio^2 rotor_inertia
-  Value stiffness, rest;
+  Value stiffness, rest, pitch;
+
+  bool turns() const { return joint != Joint::kSlide; }
+  bool hasOneRate() const { return joint != Joint::kBall && joint != Joint::kFree; }
+  int rates() const { return hasOneRate() ? 1 : joint == Joint::kBall ? 3 : 6; }
+  int quaternion() const { return joint == Joint::kFree ? slot + 3 : slot; }
 };
 
 /// Forms the energies of a mechanism in a graph.
@@ -59,6 +69,9 @@ class Lagrangian {
   Lagrangian(const scene::Mechanism& mechanism, const Options& options, Graph* graph);
 
   const std::vector<Body>& bodies() const { return bodies_; }
+
+  /// X_i of each rate.
+  std::vector<Direction> directions();
 
   /// The next revolute joint inboard, if it turns about the same direction as this one; else -1.
   int parallelInboard(int body);
@@ -75,6 +88,9 @@ class Lagrangian {
   Value potential();
   /// sum of f' v_at + m' w over the constant wrenches [W].
   Value wrenchPower();
+  /** phi of all closures, one after the other (scene::Closure has the equations): both frames are
+      placed in the world, and their origins and axes compared. */
+  std::vector<Value> closureResiduals();
 
  private:
   struct WorldOrBodyFrame {
@@ -95,9 +111,24 @@ class Lagrangian {
   MassMoments linkMoments(const scene::MassProperties& inertia);
   void regroup();
 
-  Value rate(int body);
-  /// The joint's own motion: a turn by q, or a shift by q.
-  FrameStep jointStep(int body);
+  struct PlacedFrame {
+    Vector3 origin;
+    std::array<Vector3, 3> axes;
+  };
+  PlacedFrame inWorld(const scene::Attachment& at);
+  /// One thing that a joint does: a turn about a coordinate axis of its body, a shift along it, or
+  /// both, with this rate.
+  struct Axis {
+    int coordinate;
+    bool turns, shifts;
+    int rate_index;
+    Value rate;
+  };
+  void addBodies(const scene::Link& link, WorldOrBodyFrame* frame);
+  std::vector<FrameStep> uprightSteps(const scene::Vector& axis);
+  std::vector<Axis> axesOf(int body);
+  /// The joint's own motion: a turn by q, a shift by q, or both.
+  std::vector<FrameStep> jointSteps(int body);
   std::vector<Velocities> velocities();
   int bodyCount() const { return static_cast<int>(bodies_.size()); }
 

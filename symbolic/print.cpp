@@ -10,6 +10,21 @@ namespace dynwitness::symbolic {
 
 namespace {
 
+/// R_ij of the quaternion (w, x, y, z) that starts at a slot, for a formula in C or Python.
+std::string rotationCode(int entry) {
+  const auto q = [&](int k) { return "q[" + std::to_string(entry / 9 + k) + "]"; };
+  const auto square = [&](int k) { return q(k) + "*" + q(k); };
+  const std::string n = "(" + square(0) + " + " + square(1) + " + " + square(2) + " + " + square(3) + ")";
+  const int i = entry % 9 / 3, j = entry % 3, k = 3 - i - j;
+  if (i == j) {
+    std::string sum = square(0);
+    for (int m = 0; m < 3; ++m) sum += (m == i ? " + " : " - ") + square(m + 1);
+    return "(" + sum + ")/" + n;
+  }
+  const bool plus = (j + 1) % 3 == i;  // R_yx, R_zy, R_xz
+  return "2*(" + q(i + 1) + "*" + q(j + 1) + (plus ? " + " : " - ") + q(0) + "*" + q(k + 1) + ")/" + n;
+}
+
 bool isCode(Style style) {
   return style == Style::kC || style == Style::kPython;
 }
@@ -209,6 +224,9 @@ std::vector<std::string> bodyLines(const Equations& equations, const scene::Mech
         break;
       case Input::kForce:
         let(name, "tau" + index);
+        break;
+      case Input::kRotation:
+        let(name, rotationCode(load.joint));
         break;
     }
   }

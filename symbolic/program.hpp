@@ -2,6 +2,8 @@
 // Straight-line programs: some nodes of a graph, ready to be evaluated on any scalar.
 #pragma once
 
+#include <array>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -61,6 +63,8 @@ class ProgramRun {
     std::size_t slot = 0;
     for (const Rational& r : program.constants) slots_[slot++] = number(scene::Number(r));
     for (const Atom& a : program.atoms) slots_[slot++] = atomValue(a, number);
+    for (const Program::Load& load : program.loads)
+      if (load.input == Input::kRotation) rotations_.emplace(load.joint / 9, std::array<T, 9>());
     for (const Program::Instruction& i : program.prologue) execute(i);
   }
 
@@ -68,6 +72,7 @@ class ProgramRun {
       @param state    x, qd, qdd and tau as far as the program reads them
       @param outputs  room for program.outputs.size() values */
   void operator()(const scene::State<T>& state, T* outputs) {
+    for (auto& [first, R] : rotations_) R = rotation(&state.x[first]);
     for (const Program::Load& load : program_->loads) {
       T& slot = slots_[load.slot];
       switch (load.input) {
@@ -88,6 +93,9 @@ class ProgramRun {
           break;
         case Input::kForce:
           slot = state.tau[load.joint];
+          break;
+        case Input::kRotation:
+          slot = rotations_[load.joint / 9][load.joint % 9];
           break;
       }
     }
@@ -128,6 +136,18 @@ class ProgramRun {
     throw std::logic_error("ProgramRun: unknown kind of atom");
   }
 
+  /** R of a quaternion (w, x, y, z), row by row:
+          R_ii = (w^2 + x_i^2 - x_j^2 - x_k^2) / n,   R_ij = 2 (x_i x_j -+ w x_k) / n,   n = q'q */
+  static std::array<T, 9> rotation(const scene::JointPosition<T>* q) {
+    const T &w = q[0].q, &x = q[1].q, &y = q[2].q, &z = q[3].q;
+    const T ww = w * w, xx = x * x, yy = y * y, zz = z * z;
+    const T inverse_n = T(1) / (ww + xx + yy + zz);
+    const auto twice = [&](const T& a) { return (a + a) * inverse_n; };
+    return {(ww + xx - yy - zz) * inverse_n, twice(x * y - w * z), twice(x * z + w * y),
+            twice(x * y + w * z), (ww - xx + yy - zz) * inverse_n, twice(y * z - w * x),
+            twice(x * z - w * y), twice(y * z + w * x), (ww - xx - yy + zz) * inverse_n};
+  }
+
   void execute(const Program::Instruction& i) {
     switch (i.code) {
       case Program::Code::kAdd:
@@ -150,6 +170,7 @@ class ProgramRun {
 
   const Program* program_;
   std::vector<T> slots_;
+  std::map<int, std::array<T, 9>> rotations_;  ///< by the first slot of the quaternion
 };
 
 }  // namespace dynwitness::symbolic

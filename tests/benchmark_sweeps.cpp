@@ -127,11 +127,12 @@ void kernelMany(benchmark::State& run, const char* scene, Formula formula) {
   Arm arm(scene);
   const kernel::Kernel kernel = kernelOf(arm.scene, formula);
   const std::size_t n = kernel.dof();
-  std::vector<double> q(n * kStates), qd(q), w(q), out(n * n * kStates);
+  std::vector<double> q(arm.states[0].x.size() * kStates), qd(n * kStates), w(qd),
+      out(n * n * kStates);
   for (int k = 0; k < kStates; ++k) {
     const scene::State<double>& s = arm.states[k];
+    for (std::size_t i = 0; i < s.x.size(); ++i) q[i * kStates + k] = s.x[i].q;
     for (std::size_t i = 0; i < n; ++i) {
-      q[i * kStates + k] = s.x[i].q;
       qd[i * kStates + k] = s.qd[i];
       w[i * kStates + k] = formula == Formula::kForwardDynamics ? s.tau[i] : s.qdd[i];
     }

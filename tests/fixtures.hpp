@@ -17,6 +17,7 @@
 #include <Eigen/Geometry>
 #include <boost/multiprecision/cpp_int.hpp>
 
+#include "crosscheck/arithmetic/eigen_scalar.hpp"
 #include "scene/mechanism.hpp"
 #include "scene/numbers.hpp"
 #include "scene/state.hpp"
@@ -64,21 +65,8 @@ class Q {
 
 namespace Eigen {
 template <>
-struct NumTraits<dynwitness::fixtures::Q> : GenericNumTraits<double> {
-  using Real = dynwitness::fixtures::Q;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = Real;
-  enum {
-    IsComplex = 0,
-    IsInteger = 0,
-    IsSigned = 1,
-    RequireInitialization = 1,
-    ReadCost = 8,
-    AddCost = 64,
-    MulCost = 64
-  };
-};
+struct NumTraits<dynwitness::fixtures::Q>
+    : dynwitness::crosscheck::EigenScalar<dynwitness::fixtures::Q, 8, 64, 64> {};
 }  // namespace Eigen
 
 namespace dynwitness::fixtures {

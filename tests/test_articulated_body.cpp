@@ -101,11 +101,12 @@ BOOST_AUTO_TEST_CASE(a_chain_of_100000_slides_accelerates_as_its_forces_ask) {
   for (int i = 0; i < n; ++i) {
     LinkModel<double> link;
     link.parent = i - 1;
-    link.dof = i;
+    link.dof = link.slot = i;
     link.kind = JointKind::kPrismatic;
     link.M = {1, {0, 0, 0}, Symmetric3<double>::zero()};
     model.links.push_back(link);
     model.link_of_dof.push_back(i);
+    model.positions = i + 1;
   }
   Workspace<double> ws(model);
   const std::vector<JointPosition<double>> x(n, JointPosition<double>{0.5, 1, 0});
@@ -127,12 +128,13 @@ BOOST_AUTO_TEST_CASE(a_hanging_chain_of_100000_hinges_rests) {
   for (int i = 0; i < n; ++i) {
     LinkModel<double> link;
     link.parent = i - 1;
-    link.dof = i;
+    link.dof = link.slot = i;
     link.kind = JointKind::kRevolute;
     if (i > 0) link.X_tree.p = {-1, 0, 0};
     link.M = RigidInertia<double>::aboutCenterOfMass(1, {-0.5, 0, 0}, {0.0, 0.25, 0.25, 0, 0, 0});
     model.links.push_back(link);
     model.link_of_dof.push_back(i);
+    model.positions = i + 1;
   }
   Workspace<double> ws(model);
   std::vector<JointPosition<double>> x(n, JointPosition<double>{0, 1, 0});

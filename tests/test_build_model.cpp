@@ -37,7 +37,7 @@ scene::Mechanism oneLink() {
 Transform<Q> worldToLink(const Model<Q>& model, const std::vector<JointPosition<Q>>& x, int i) {
   Transform<Q> X = Transform<Q>::identity();
   for (; i >= 0; i = model.links[static_cast<std::size_t>(i)].parent)
-    X = X * linkTransform(model.links[static_cast<std::size_t>(i)], x);
+    X = X * AnyJoints::transform(model.links[static_cast<std::size_t>(i)], x);
   return X;
 }
 

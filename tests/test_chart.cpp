@@ -13,11 +13,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <regex>
 #include <sstream>
 
-#include "crosscheck/chart.hpp"
+#include "crosscheck/chart/chart.hpp"
+#include "crosscheck/chart/drawing.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/report/plot.hpp"
+#include "scene/error.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::crosscheck;
@@ -86,7 +90,9 @@ WitnessKind plantedKind(double seconds) {
 std::vector<std::string> scenesWithClosedForm() {
   std::vector<std::string> names;
   for (const auto& file : scene::bundledScenes())
-    if (scene::readScene(file).mechanism.dof() <= 3) names.push_back(file.stem().string());
+    if (const scene::Mechanism m = scene::readScene(file).mechanism;
+        m.dof() <= 3 && m.positions() == m.dof())
+      names.push_back(file.stem().string());
   return names;
 }
 
@@ -247,7 +253,7 @@ BOOST_AUTO_TEST_SUITE(output)
 
 BOOST_AUTO_TEST_CASE(the_table_has_a_line_a_point_and_says_what_was_measured) {
   const Chart chart = speedAccuracy(scene::findScene("acrobot"), Quantity::kTau, {}, 5, 7);
-  std::istringstream csv(chartCsv(chart));
+  std::istringstream csv(chartCsv({chart}));
   std::string comments, header;
   std::vector<std::string> rows;
   for (std::string line; std::getline(csv, line);) {
@@ -259,16 +265,17 @@ BOOST_AUTO_TEST_CASE(the_table_has_a_line_a_point_and_says_what_was_measured) {
       rows.push_back(line);
   }
   BOOST_TEST(header ==
-             "method,scalar,error_worst,error_median,time_min_ns,time_median_ns,time_high_ns");
+             "quantity,method,scalar,error_worst,error_median,time_min_ns,time_median_ns,"
+             "time_high_ns");
   for (const char* part :
        {"scene: acrobot", "quantity: tau", "states: 5, seed 7", "2^-200", "machine: "})
     BOOST_TEST(comments.find(part) != std::string::npos, part);
   BOOST_REQUIRE(rows.size() == chart.points.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const ChartPoint& p = chart.points[i];
-    BOOST_TEST(rows[i].rfind(p.method + "," + p.scalar + ",", 0) == 0u);
-    BOOST_TEST(std::count(rows[i].begin(), rows[i].end(), ',') == 6);
-    const double error = std::stod(rows[i].substr(p.method.size() + p.scalar.size() + 2));
+    BOOST_TEST(rows[i].rfind("tau," + p.method + "," + p.scalar + ",", 0) == 0u);
+    BOOST_TEST(std::count(rows[i].begin(), rows[i].end(), ',') == 7);
+    const double error = std::stod(rows[i].substr(p.method.size() + p.scalar.size() + 6));
     BOOST_TEST(std::abs(error - p.error_worst) <= 1e-3 * p.error_worst);
   }
 }
@@ -283,11 +290,14 @@ BOOST_DATA_TEST_CASE(the_script_draws_both_pictures,
   }
   scene::Scene scene = scene::findScene(name);
   scene.title = "It's a 'test'";
-  const Chart chart = speedAccuracy(scene, quantityNamed(quantity), {plantedKind(0)}, 5);
+  Chart chart = speedAccuracy(scene, quantityNamed(quantity), {plantedKind(0)}, 5);
+  for (const WitnessKind& kind : witnessKinds())  // the key holds them all
+    if (kind.info.version != DYNWITNESS_VERSION)
+      chart.points.push_back({kind.info.name, "double", 1e-15, 1e-16, 100, 200, 300});
   const TemporaryFolder folder;
   fs::copy_file(fs::path(DYNWITNESS_SOURCE_DIR) / "crosscheck/report/style.gp",
                 folder.path / "style.gp");
-  folder.write("speed.csv", chartCsv(chart));
+  folder.write("speed.csv", chartCsv({chart}));
   folder.write("speed.gp", chartScript(chart, "speed", "style.gp"));
   const auto problem = runGnuplot(folder.path, "speed.gp", {"speed.svg", "speed_dark.svg"});
   BOOST_REQUIRE_MESSAGE(!problem, problem.value_or(""));
@@ -296,6 +306,38 @@ BOOST_DATA_TEST_CASE(the_script_draws_both_pictures,
   for (const char* part : {"lower left is better", "straight-line program",
                            "closed form as printed", "50 digits", "128-bit balls"})
     BOOST_TEST(svg.find(part) != std::string::npos, part);
+  for (const ChartPoint& p : chart.points) {
+    const std::string name_in_xml = p.method.substr(0, p.method.find('\''));
+    BOOST_TEST(svg.find(">" + name_in_xml) != std::string::npos, p.method);
+  }
+}
+
+// Colour-blind readers tell methods by their markers: style.gp defines each, and no two are alike.
+BOOST_DATA_TEST_CASE(every_method_of_a_chart_has_a_marker_of_its_own,
+                     data::make({"M", "tau", "qdd"}), quantity) {
+  std::map<std::string, std::string> markers;  // of line types
+  std::ifstream style(fs::path(DYNWITNESS_SOURCE_DIR) / "crosscheck/report/style.gp");
+  const std::regex defined(R"(set linetype (\d+) .*pointtype (\d+).*)");
+  std::smatch match;
+  for (std::string line; std::getline(style, line);)
+    if (std::regex_match(line, match, defined)) markers[match[1]] = match[2];
+
+  // drawn is drawn, measured or not: all engines that there are, whether this build has them or not
+  Chart chart = speedAccuracy(scene::findScene("acrobot"), quantityNamed(quantity), {}, 2);
+  for (const WitnessKind& kind : witnessKinds())
+    if (kind.info.version != DYNWITNESS_VERSION)
+      chart.points.push_back({kind.info.name, "double", 1e-15, 1e-16, 100, 200, 300});
+  chart.points.push_back({"somebody else's", "double", 1e-15, 1e-16, 100, 200, 300});
+  const std::string script = chartScript(chart, "speed", "style.gp");
+  const std::regex drawn(R"(xyerrorbars linetype (\d+) [^\n]* title '([^\n]*)')");
+  std::map<std::string, std::string> seen;  // method of each marker
+  for (std::sregex_iterator it(script.begin(), script.end(), drawn), end; it != end; ++it) {
+    const std::string type = (*it)[1], method = (*it)[2];
+    BOOST_REQUIRE_MESSAGE(markers.count(type) == 1, "linetype " << type << " of " << method);
+    const auto [twin, fresh] = seen.insert({markers[type], method});
+    BOOST_TEST(fresh, method << " looks like " << twin->second);
+  }
+  BOOST_TEST(seen.size() >= 8u);
 }
 
 BOOST_AUTO_TEST_SUITE_END()
@@ -314,7 +356,7 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_is_reported) {
   scene::Scene scene = scene::findScene("double_pendulum");
   scene.mechanism.links[2].inertia = {};
   BOOST_CHECK_EXCEPTION(
-      speedAccuracy(scene, Quantity::kQdd, {}, 5), std::runtime_error, [](const std::exception& e) {
+      speedAccuracy(scene, Quantity::kQdd, {}, 5), scene::InputError, [](const std::exception& e) {
         return std::string(e.what()).find("M is singular: joint 'elbow'") != std::string::npos;
       });
 }

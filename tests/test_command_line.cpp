@@ -4,6 +4,7 @@
 #define BOOST_TEST_MODULE command_line
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -54,9 +55,9 @@ class Program {
     return {std::istreambuf_iterator<char>(in), {}};
   }
   bool exists(const std::string& file) const { return fs::exists(folder_ / file); }
-  std::size_t fileCount() const {
+  std::size_t fileCount(const std::string& folder = "") const {
     return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+        std::distance(fs::directory_iterator(folder_ / folder), fs::directory_iterator()));
   }
 
  private:
@@ -87,6 +88,14 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   refuses(program, "drift acrobot --method rk5", "runge_kutta4");
   refuses(program, "drift acrobot --step 0", "allowed: positive");
   refuses(program, "drift prismatic_revolute_mix", "energy is not constant");
+  refuses(program, "drift bricard", "dynwitness simulate");
+  refuses(program, "simulate bricard --stabilisation hope", "projection");
+  refuses(program, "simulate bricard --method rk5", "runge_kutta_dopri5");
+  refuses(program, "simulate four_bars_0", "four_bars_N with N from 1 to 200");
+  refuses(program, "chart", "scene");
+  refuses(program, "chart acrobot --quantity tau,c", "qdd");
+  refuses(program, "chart acrobot --states 0", "--states");
+  refuses(program, "chart acrobot --witness simbdy", "simbody");
   BOOST_TEST(program.fileCount() == 0u);  // and nothing was written
 }
 
@@ -103,6 +112,7 @@ BOOST_AUTO_TEST_CASE(a_scene_in_which_nothing_moves_is_refused) {
   program.write("rock.toml", "title = \"x\"\nsource = \"x\"\n[[link]]\nname = \"rock\"\nmass = 1\n");
   refuses(program, "crosscheck rock.toml", "rock.toml: no joint moves");
   refuses(program, "drift rock.toml", "rock.toml: no joint moves");
+  refuses(program, "chart rock.toml", "rock.toml: no joint moves");
 }
 
 BOOST_AUTO_TEST_CASE(a_bad_states_file_is_refused_with_its_line) {
@@ -138,6 +148,34 @@ BOOST_AUTO_TEST_CASE(an_unwritable_report_folder_is_refused_before_any_work) {
   program.write("file", "");
   refuses(program, "crosscheck acrobot --report file/report", "file");
   refuses(program, "crosscheck acrobot --report /proc/report", "/proc");
+  // 100000 states would take minutes
+  refuses(program, "chart humanoid --states 100000 -o file/charts", "file");
+  refuses(program, "chart humanoid --states 100000 -o /proc/charts", "/proc");
+}
+
+BOOST_AUTO_TEST_CASE(an_unwritable_file_is_refused_before_any_work) {
+  const Program program;
+  program.write("file", "");
+  for (const std::string words : {"crosscheck --json ", "derive acrobot -o ",
+                                  "evaluate acrobot --states none.csv --quantity M -o ",
+                                  "drift acrobot --csv ", "drift acrobot --plot "}) {
+    refuses(program, words + "none/out", "none/out: cannot be written: there is no folder none");
+    refuses(program, words + "file/out", "there is no folder file");
+    refuses(program, words + "/proc/out", "/proc/out: cannot be written");
+    refuses(program, words + "/dev/null",
+            "/dev/null: cannot be written: expected the name of a file");
+    refuses(program, words + ".", "expected the name of a file");
+  }
+  BOOST_TEST(program.fileCount() == 1u);
+}
+
+// What is asked for first, the report's folder, need not exist for a file in it.
+BOOST_AUTO_TEST_CASE(a_file_may_lie_in_the_folder_of_the_report) {
+  const Program program;
+  const std::string words =
+      "crosscheck acrobot --no-drift --states 1 --report new --json new/a.json";
+  BOOST_TEST(program.run(words).status == 0);
+  BOOST_TEST(program.read("new/a.json") == program.read("new/report.json"));
 }
 
 BOOST_AUTO_TEST_SUITE_END()
@@ -188,6 +226,26 @@ BOOST_AUTO_TEST_CASE(a_motion_without_integration_error_agrees) {
   BOOST_TEST_CONTEXT(outcome.out) BOOST_TEST(outcome.status == 0);
 }
 
+// Two sliders along one line, nothing between them: M = [2 2; 2 2]. Nobody is wrong about that.
+BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_is_no_disagreement) {
+  const Program program;
+  program.write(
+      "sliders.toml",
+      "title = \"x\"\nsource = \"x\"\n[[link]]\nname = \"base\"\n"
+      "[[link]]\nname = \"shuttle\"\nparent = \"base\"\njoint = { kind = \"prismatic\" }\n"
+      "[[link]]\nname = \"weight\"\nparent = \"shuttle\"\nmass = 2\n"
+      "joint = { kind = \"prismatic\" }\n");
+  const Outcome outcome = program.run(
+      "crosscheck sliders.toml --states 5 --witness "
+      "lagrange,newton_euler,composite_body,articulated_body");
+  BOOST_TEST_CONTEXT(outcome.out) {
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.out.find("not answerable: energy drift") != std::string::npos);
+    BOOST_TEST(outcome.out.find("not answerable: symmetric mass matrix") == std::string::npos);
+  }
+  refuses(program, "drift sliders.toml", "sliders.toml: qdd has no value at the start state");
+}
+
 // The user's own scene may be called like a bundled one: the published table is not about it.
 BOOST_AUTO_TEST_CASE(a_scene_with_a_bundled_name_is_not_held_to_the_table) {
   const Program program;
@@ -197,6 +255,23 @@ BOOST_AUTO_TEST_CASE(a_scene_with_a_bundled_name_is_not_held_to_the_table) {
                 "[link.joint]\nkind = \"revolute\"\naxis = [0, 1, 0]\n[start]\nq = [1]\n");
   const Outcome outcome = program.run("crosscheck ./simple_pendulum.toml --states 5");
   BOOST_TEST_CONTEXT(outcome.out) BOOST_TEST(outcome.status == 0);
+}
+
+// The parameters are named in the scene, so random ones are other inputs of larger formulas.
+BOOST_AUTO_TEST_CASE(exact_checks_take_the_parameters_as_asked_and_say_so) {
+  const Program program;
+  const std::string words = "crosscheck double_pendulum --no-drift --states 2 --report ";
+  BOOST_TEST(program.run(words + "written").status == 0);
+  BOOST_TEST(program.run(words + "random --parameters random").status == 0);
+  const std::string written = program.read("written/report.json"),
+                    random = program.read("random/report.json");
+  BOOST_TEST(written.find("\"parameters\": \"as written\"") != std::string::npos);
+  BOOST_TEST(written.find("\"parameters\": \"random\"") == std::string::npos);
+  BOOST_TEST(random.find("\"parameters\": \"random\"") != std::string::npos);
+  BOOST_TEST(random.find("\"parameters\": \"as written\"") == std::string::npos);
+  BOOST_TEST(random.find("--parameters random") != std::string::npos);  // the command of the report
+  refuses(program, "crosscheck acrobot --parameters none", "as-written");
+  refuses(program, "crosscheck --random 1 --parameters random", "--parameters");
 }
 
 BOOST_AUTO_TEST_CASE(another_seed_draws_other_states) {
@@ -211,10 +286,76 @@ BOOST_AUTO_TEST_CASE(help_names_every_subcommand_and_succeeds) {
   const Program program;
   const Outcome outcome = program.run("--help");
   BOOST_TEST(outcome.status == 0);
-  for (const char* word : {"crosscheck", "derive", "evaluate", "drift", "scenes", "version"}) {
+  for (const char* word :
+       {"crosscheck", "derive", "evaluate", "drift", "simulate", "chart", "scenes", "version"}) {
     BOOST_TEST(outcome.out.find(word) != std::string::npos);
     BOOST_TEST(program.run(std::string(word) + " --help").status == 0);
   }
+}
+
+BOOST_AUTO_TEST_CASE(simulate_says_drift_cost_and_whether_the_published_motion_agrees) {
+  const Program program;
+  const Outcome outcome = program.run(
+      "simulate andrews_squeezer --duration 0.03 --tolerance 1e-11 --outputs 3 --csv m.csv");
+  BOOST_TEST_CONTEXT(outcome.out) {
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.out.find("6 equations of rank 6, 1 freedoms") != std::string::npos);
+    BOOST_TEST(outcome.out.find("7 values, agree") != std::string::npos);
+  }
+  const std::string csv = program.read("m.csv");
+  BOOST_TEST(csv.find("time_s,q1,") == 0u);
+  BOOST_TEST(std::count(csv.begin(), csv.end(), '\n') == 5);  // header, start and three outputs
+  // a tolerance that cannot reach the printed digits is found out
+  const Outcome coarse =
+      program.run("simulate andrews_squeezer --duration 0.03 --tolerance 1e-4");
+  BOOST_TEST_CONTEXT(coarse.out) {
+    BOOST_TEST(coarse.status == 1);
+    BOOST_TEST(coarse.out.find("DISAGREE") != std::string::npos);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(chart_prints_a_table_and_draws_each_quantity) {
+  const Program program;
+  const std::string words = "chart cart_pole --states 20 --seed 3 --witness simbody --quantity ";
+  const Outcome outcome = program.run(words + "qdd,M,qdd -o 'new/my charts'", "2>/dev/null");
+  BOOST_TEST_CONTEXT(outcome.out) {
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.out.find("# states: 20, seed 3\n") != std::string::npos);
+    const std::string header = "\nquantity,method,scalar,error_worst,";
+    BOOST_TEST(outcome.out.find(header) != std::string::npos);
+    BOOST_TEST(outcome.out.find(header) == outcome.out.rfind(header));
+    for (const char* row : {"\nM,composite-body sweep,50 digits,", "\nM,simbody,double,",
+                            "\nqdd,articulated-body sweep,float,"})
+      BOOST_TEST(outcome.out.find(row) != std::string::npos, row);
+    // each once, and no other engine or quantity
+    BOOST_TEST(outcome.out.find("\nqdd,simbody,") == outcome.out.rfind("\nqdd,simbody,"));
+    for (const char* row : {"\nqdd,kdl,", "\ntau,"})
+      BOOST_TEST(outcome.out.find(row) == std::string::npos, row);
+  }
+  const std::string folder = "new/my charts/cart_pole_";
+  for (const char* picture : {"M.svg", "M_dark.svg", "qdd.svg", "qdd_dark.svg"})
+    BOOST_TEST(program.read(folder + picture).find("</svg>") != std::string::npos, picture);
+  for (const char* file : {"M.gp", "M.csv", "qdd.gp", "qdd.csv"})
+    BOOST_TEST(program.exists(folder + file), file);
+  BOOST_TEST(program.exists("new/my charts/dynwitness_style.gp"));
+  BOOST_TEST(program.fileCount("new") == 1u);            // no unfinished folder is left
+  BOOST_TEST(program.fileCount("new/my charts") == 9u);
+
+  // a second chart leaves the first, and everybody's files, alone
+  program.write("new/my charts/mine.txt", "mine");
+  BOOST_TEST(program.run(words + "tau -o 'new/my charts'").status == 0);
+  BOOST_TEST(program.fileCount("new/my charts") == 14u);
+  BOOST_TEST(program.read("new/my charts/mine.txt") == "mine");
+}
+
+BOOST_AUTO_TEST_CASE(a_report_has_charts_unless_they_are_left_out) {
+  const Program program;
+  const std::string words = "crosscheck acrobot --states 5 --no-drift --witness newton_euler,lagrange";
+  BOOST_TEST(program.run(words + " --report with").status == 0);
+  BOOST_TEST(program.run(words + " --no-charts --report without").status == 0);
+  BOOST_TEST(program.exists("with/scenes/acrobot/speed.svg"));
+  BOOST_TEST(!program.exists("without/scenes/acrobot/speed.csv"));
+  BOOST_TEST(program.read("without/report.json").find("--no-charts") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(drift_prints_a_table_and_draws_a_chart) {
@@ -228,3 +369,17 @@ BOOST_AUTO_TEST_CASE(drift_prints_a_table_and_draws_a_chart) {
 }
 
 BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_CASE(audit_prints_an_equation_and_refuses_one_that_is_not_there) {
+  const Program program;
+  const Outcome outcome = program.run("audit --equation 32,eq1 --json a.json --report pages");
+  BOOST_TEST(outcome.status == 0, outcome.out);
+  BOOST_TEST(outcome.out.find("eq32, section 7.1") != std::string::npos, outcome.out);
+  BOOST_TEST(outcome.out.find("WRONG") != std::string::npos, outcome.out);
+  BOOST_TEST(outcome.out.find("2 equations and 0 other statements") != std::string::npos, outcome.out);
+  BOOST_TEST(program.exists("a.json"));
+  BOOST_TEST(program.exists("pages/index.html"));
+  refuses(program, "audit --equation 99", "no entry 'eq99'");
+  refuses(program, "audit --only some", "some");
+  refuses(program, "audit --json no/such/folder/a.json", "a.json");
+}

@@ -5,6 +5,7 @@
 #define BOOST_TEST_MODULE independence
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -68,6 +69,40 @@ const std::vector<Rule> kRules = {{"scene", {"scene"}},
                                   {"symbolic", {"scene", "symbolic"}},
                                   {"recursive", {"scene", "recursive"}}};
 
+std::string textOf(const fs::path& file) {
+  std::ifstream source(file);
+  std::ostringstream text;
+  text << source.rdbuf();
+  return text.str();
+}
+
+/// Code without comments and without what stands in quotes.
+std::string codeOf(const std::string& text) {
+  static const std::regex no_code(
+      R"re(//[^\n]*|/\*[^*]*\*+([^/*][^*]*\*+)*/|"([^"\\\n]|\\.)*"|'([^'\\\n]|\\.)')re");
+  return std::regex_replace(text, no_code, " ");
+}
+
+/// Numbers written with a negative power of ten or two.
+std::set<std::string> smallNumbersIn(const std::string& code) {
+  static const std::regex small(R"re(\b(0x[0-9a-fA-F.]+p-|[0-9][0-9.]*[eE]-)[0-9]+)re");
+  std::set<std::string> found;
+  for (auto it = std::sregex_iterator(code.begin(), code.end(), small);
+       it != std::sregex_iterator(); ++it)
+    found.insert(it->str());
+  return found;
+}
+
+/// The sources of the crosscheck, by their path in the project.
+std::map<std::string, std::string> crosscheckSources() {
+  std::map<std::string, std::string> sources;
+  const fs::path root(DYNWITNESS_SOURCE_DIR);
+  for (const auto& entry : fs::recursive_directory_iterator(root / "crosscheck"))
+    if (entry.is_regular_file() && entry.path().extension() != ".png")
+      sources[entry.path().lexically_relative(root).generic_string()] = textOf(entry.path());
+  return sources;
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(include_lines_are_recognised_in_every_spelling) {
@@ -104,4 +139,42 @@ BOOST_AUTO_TEST_CASE(the_two_sides_use_different_libraries) {
   for (const Include& include : includesOf("recursive"))
     BOOST_TEST((include.included.rfind("ginac", 0) == std::string::npos),
                "recursive/" << include.file << " includes " << include.included);
+}
+
+BOOST_AUTO_TEST_CASE(small_numbers_are_found_in_code_only) {
+  const std::string source =
+      "if (x < 1e-9) return;  // not 1e-8\n/* nor * 1e-7 */ print(\"1e-6 \\\" 1e-5\"); y = "
+      "0x1p-53, z = 2.5E-3;\n";
+  BOOST_TEST(
+      (smallNumbersIn(codeOf(source)) == std::set<std::string>{"1e-9", "0x1p-53", "2.5E-3"}));
+}
+
+// A limit comes from an error bound or from a printed digit; a word for one that does not is not
+// needed.
+BOOST_AUTO_TEST_CASE(no_source_of_the_crosscheck_speaks_of_a_tolerance) {
+  static const std::regex word("tolerance", std::regex::icase);
+  const auto sources = crosscheckSources();
+  BOOST_TEST(sources.size() > 50u);  // the folder was read at all
+  for (const auto& [file, text] : sources) BOOST_TEST(!std::regex_search(text, word), file);
+}
+
+// Small numbers in code are where limits chosen by hand would be: these are all, and what they are.
+BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
+  const std::map<std::string, std::set<std::string>> known = {
+      {"crosscheck/chart/chart.cpp", {"1e-9"}},                // seconds in a nanosecond
+      {"crosscheck/chart/drawing.cpp", {"1e-9"}},              // the same
+      {"crosscheck/cli/crosscheck_command.cpp", {"1e-300"}},  // least --error-probability
+      {"crosscheck/crosscheck.hpp", {"1e-30"}},               // default of --error-probability
+      {"crosscheck/exact.hpp", {"1e-30"}},                    // the same
+      {"crosscheck/states.cpp", {"0x1p-53"}},                 // 53 random bits to [0, 1)
+      {"crosscheck/witnesses/dart.cpp", {"1e-100"}},          // a time step that drops out
+      {"crosscheck/witnesses/mujoco.cpp", {"1e-12"}},         // MuJoCo's own eigEPS
+  };
+  for (const auto& [file, text] : crosscheckSources()) {
+    if (fs::path(file).extension() != ".cpp" && fs::path(file).extension() != ".hpp") continue;
+    const auto it = known.find(file);
+    for (const std::string& number : smallNumbersIn(codeOf(text)))
+      BOOST_TEST((it != known.end() && it->second.count(number) == 1),
+                 file << ": " << number << ": derive it, or say here what it is");
+  }
 }

@@ -28,6 +28,8 @@ long allocations = 0;
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/composite_body.hpp"
+#include "recursive/constrained_dynamics.hpp"
+#include "recursive/constraints.hpp"
 #include "recursive/energy.hpp"
 #include "recursive/newton_euler.hpp"
 #include "scene/scene.hpp"
@@ -128,6 +130,30 @@ BOOST_DATA_TEST_CASE(the_mass_matrix_allocates_nothing, data::make(kScenes), sce
   Bench b(scene);
   BOOST_TEST(allocationsIn([&] { massMatrix(b.model, b.x, b.ws, b.M); }) == 0);
   BOOST_TEST(b.M(0, 0) > 0);
+}
+
+BOOST_DATA_TEST_CASE(constraint_equations_allocate_nothing,
+                     data::make(std::vector<std::string>{"andrews_squeezer", "bricard"}), scene) {
+  Bench b(scene);
+  Constraints<double> constraints =
+      buildConstraints(b.mechanism, scene::RealNumbers<double>(b.mechanism), b.model);
+  BOOST_TEST(allocationsIn([&] { constraintEquations(b.model, b.x, b.qd, b.ws, constraints); }) == 0);
+  BOOST_TEST(constraints.J.cwiseAbs().maxCoeff() > 0);  // it did run
+}
+
+BOOST_DATA_TEST_CASE(constrained_forward_dynamics_allocates_nothing, data::make(kScenes), scene) {
+  Bench b(scene);
+  LinkConstraint<double> held;  // the last link's frame, against moving along and turning about x
+  held.link = static_cast<int>(b.model.links.size()) - 1;
+  held.A = Eigen::Matrix<double, 6, 2>::Zero();
+  held.A(0, 0) = held.A(3, 1) = 1;
+  held.b = Eigen::Vector2d::Zero();
+  const std::vector<LinkConstraint<double>> constraints = {held};
+  ConstraintWorkspace<double> cws(b.model, 2);
+  BOOST_TEST(allocationsIn([&] {
+               constrainedForwardDynamics(b.model, b.x, b.qd, b.in, constraints, b.ws, cws, b.out);
+             }) == 0);
+  BOOST_TEST(cws.nu(0) != 0);
 }
 
 BOOST_DATA_TEST_CASE(energies_and_momentum_allocate_nothing, data::make(kScenes), scene) {

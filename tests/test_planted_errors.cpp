@@ -117,7 +117,7 @@ std::vector<CheckResult> inDouble(const scene::Scene& scene, Change change) {
 }
 template <typename Algorithm, typename Change>
 std::vector<CheckResult> inField(const scene::Scene& scene, Change change) {
-  std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsGiven);
+  std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten);
   for (ExactWitness& witness : witnesses)
     if (witness.name == Algorithm::kName) witness = sweepWitness<Algorithm>(scene, change);
   return compareExactly(scene, witnesses, {});

@@ -38,7 +38,7 @@ PrimeField power(PrimeField x, std::uint64_t n) {
 }
 
 FieldNumbers numbers(const scene::Mechanism& mechanism = {},
-                     Parameters parameters = Parameters::kAsGiven) {
+                     Parameters parameters = Parameters::kAsWritten) {
   return FieldNumbers(mechanism, FieldSource("test", 1, 0), parameters);
 }
 scene::CosSin<PrimeField> angle(const char* text) { return numbers().angle(Number::parse(text)); }

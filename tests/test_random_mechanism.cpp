@@ -39,7 +39,7 @@ BOOST_AUTO_TEST_CASE(everything_that_a_scene_can_have_occurs) {
   std::set<std::string> seen;
   for (int index = 0; index < 150; ++index) {
     const scene::Mechanism mechanism = randomScene(1, index, 12).mechanism;
-    dofs.insert(mechanism.dof());
+    dofs.insert(static_cast<int>(mechanism.movingLinks().size()));
     seen.insert(mechanism.has_gravity ? "gravity" : "no gravity");
     for (const scene::Wrench& w : mechanism.wrenches)
       seen.insert(w.axes == scene::Wrench::Axes::kWorld ? "world load" : "link load");
@@ -58,6 +58,7 @@ BOOST_AUTO_TEST_CASE(everything_that_a_scene_can_have_occurs) {
   }
   for (const char* wanted :
        {"gravity", "no gravity", "world load", "link load", "fixed", "revolute", "prismatic",
+        "helical", "cylindrical", "universal", "planar", "spherical", "floating",
         "placement 0", "placement 1", "placement 2", "branch", "rotor", "spring", "massless",
         "turned inertia", "about origin"})
     BOOST_TEST(seen.count(wanted) == 1u, wanted << " never occurs");
@@ -84,7 +85,8 @@ BOOST_AUTO_TEST_CASE(all_residuals_of_random_mechanisms_are_zero) {
   BOOST_TEST(calls == 25);
   BOOST_TEST(campaign.mechanisms == 25);
   BOOST_TEST(campaign.joints >= 25);
-  BOOST_TEST(campaign.checks == 25 * 24);
+  BOOST_TEST(campaign.checks > 25 * 24);  // some trees have no other root
+  BOOST_TEST(campaign.checks <= 25 * 25);
   BOOST_TEST(campaign.not_answerable == 0);
   BOOST_TEST(campaign.error_probability <= 1e-30);
   BOOST_TEST(campaign.error_probability > 0);
@@ -100,7 +102,7 @@ BOOST_AUTO_TEST_CASE(an_error_of_one_part_in_a_million_million_million_fails_in_
       model.links.back().M.mass *= T(1) + T(1) / T(1000000000) / T(1000000000);
       model.links.back().rotor += T(1) / T(1000000000) / T(1000000000);
     };
-    std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsGiven);
+    std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten);
     witnesses[2] = sweepWitness<CompositeBody>(scene, change);
     RandomCampaign::Failure failure{scene, {}, {}};
     const auto checks = compareExactly(scene, witnesses, {});

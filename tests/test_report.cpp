@@ -274,6 +274,46 @@ BOOST_FIXTURE_TEST_CASE(result_without_scenes_is_still_a_report, TemporaryFolder
   BOOST_TEST(contains(read(path / "report/index.html"), "0 scenes"));
 }
 
+/// One a scene of the sample, with these times [ns].
+std::vector<Chart> charts(double time) {
+  Chart chart;
+  chart.scene = kAwkward;
+  chart.title = kAwkward;
+  chart.quantity = "tau";
+  chart.states = 100;
+  chart.machine = kAwkward;
+  chart.left_out = {kAwkward};
+  chart.points = {{"Newton-Euler sweep", "float", 1e-6, 1e-7, time, 2 * time, 3 * time},
+                  {"Newton-Euler sweep", "double", 1e-15, 1e-16, time, 2 * time, 3 * time},
+                  {"simbody", "double", 0, 0, 5 * time, 6 * time, 7 * time}};
+  return {chart, chart, chart};
+}
+
+BOOST_FIXTURE_TEST_CASE(charts_are_drawn_and_their_times_stay_out_of_page_and_json,
+                        TemporaryFolder) {
+  writeReport(sample(), environment(), path / "one", charts(1e3));
+  writeReport(sample(), environment(), path / "two", charts(7e6));
+  const auto one = contents(path / "one"), two = contents(path / "two");
+  BOOST_TEST(countOf(one.at("index.html"), "<h3>Speed against accuracy</h3>") == 3);
+  for (const char* file : {"index.html", "report.json", "junit.xml", "contents.txt"})
+    BOOST_TEST(one.at(file) == two.at(file), file);
+  BOOST_TEST(one.at("scenes/pendulum/speed.csv") != two.at("scenes/pendulum/speed.csv"));
+  BOOST_TEST(one.count("scenes/pendulum/speed.gp") == 1);
+  if (haveGnuplot())
+    for (const char* file : {"scenes/pendulum/speed.svg", "scenes/___up____down_/speed_dark.svg"})
+      BOOST_TEST(one.count(file) == 1, file);
+}
+
+BOOST_FIXTURE_TEST_CASE(charts_of_other_scenes_are_refused, TemporaryFolder) {
+  std::vector<Chart> two = charts(1);
+  two.pop_back();
+  BOOST_CHECK_EXCEPTION(writeReport(sample(), environment(), path / "report", two),
+                        std::invalid_argument, [](const std::exception& e) {
+                          return contains(e.what(), "charts: expected none or 3, got 2");
+                        });
+  BOOST_TEST(!fs::exists(path / "report"));
+}
+
 BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(page)

@@ -34,7 +34,7 @@ class Point {
   Point(const scene::Scene& scene, std::uint64_t index)
       : modulus_(drawPrime(scene.name, 7, index)),
         source_(scene.name, 7, index),
-        numbers_(scene.mechanism, source_, Parameters::kAsGiven),
+        numbers_(scene.mechanism, source_, Parameters::kAsWritten),
         state_(indeterminateState(scene.mechanism, source_)),
         setup_(recursive::buildModel(scene.mechanism, numbers_)) {}
 
@@ -128,7 +128,7 @@ BOOST_AUTO_TEST_CASE(moved_origins_taken_masses_and_units_change_no_function) {
   const scene::Scene scene = withGeneralInertias("puma_560");
   symbolic::Graph graph;
   const Traced::Recording recording(graph);
-  const scene::State<Traced> state = tracedState(scene.mechanism.dof());
+  const scene::State<Traced> state = tracedState(scene.mechanism);
   LeanModel model =
       leanModel(recursive::buildModel(scene.mechanism, TracedNumbers(scene.mechanism)));
   const auto number = [&](int n, int d) { return Traced(graph.constant(scene::Rational(n, d))); };

@@ -52,7 +52,36 @@ std::string oneLink(const std::string& body, const std::string& joint = "kind = 
          joint + "\n";
 }
 
+/// A closure (or what is said) at lines 10 and on; `ends` are its a and b.
+std::string closure(const std::string& first, const std::string& ends) {
+  return kUpper + "\n[[closure]]\n" + first + "\n" + ends + "\n";
+}
+const std::string kEnds = "a = { link = \"base\" }\nb = { link = \"upper\" }";
+
 const Bad kToml[] = {
+    {"unknown kind of closure", closure("kind = \"glue\"", kEnds),
+     "bad.toml:12: closure \"1\": kind is \"glue\", allowed: distance, planar_point, point, hinge, "
+     "weld"},
+    {"closure without a kind", closure("", kEnds), "bad.toml:11: closure \"1\": has no kind"},
+    {"closure with one end", closure("kind = \"point\"", "a = { link = \"base\" }"),
+     "bad.toml:11: closure \"1\": has no b, allowed: { link = \"name\""},
+    {"closure on a link that is none",
+     closure("kind = \"point\"", "a = { link = \"base\" }\nb = { link = \"nobody\" }"),
+     "bad.toml:14: closure \"1\": b: \"nobody\" is not a link of this scene"},
+    {"closure of a link with itself",
+     closure("kind = \"point\"", "a = { link = \"upper\" }\nb = { link = \"upper\" }"),
+     "bad.toml:11: closure \"1\": no joint moves between links \"upper\" and \"upper\""},
+    {"distance without length", closure("kind = \"distance\"", kEnds),
+     "bad.toml:11: closure \"1\": has no length, allowed: a length above zero"},
+    {"distance of zero", closure("kind = \"distance\"\nlength = 0", kEnds),
+     "bad.toml:11: closure \"1\": length is 0, allowed: above zero"},
+    {"length of a hinge", closure("kind = \"hinge\"\nlength = 1", kEnds),
+     "bad.toml:13: closure \"1\": a hinge has no length"},
+    {"spring that pushes", kUpper + "\n[[spring]]\n" + kEnds + "\nstiffness = -1\n",
+     "bad.toml:11: spring \"1\": stiffness is -1, allowed: zero or more"},
+    {"spring with axes",
+     kUpper + "\n[[spring]]\na = { link = \"base\", rpy = [0, 0, 1] }\nb = { link = \"upper\" }\n",
+     "bad.toml:12: spring \"1\": a: unknown key \"rpy\", allowed: link, xyz"},
     {"syntax error", "title = \"x\"\ngravity = [0, 0\nq", "bad.toml:3: not TOML: "},
     {"overflowing number", "gravity = [0, 0, 1e999]", "bad.toml:1: not TOML: "},
     {"not UTF-8", "title = \"\xff\"", "bad.toml:1: not TOML: "},
@@ -62,7 +91,7 @@ const Bad kToml[] = {
      "bad.toml:6: link \"a\": unknown key \"mas\", allowed: name, parent, mass, com, inertia, "
      "joint"},
     {"unknown key of a joint", oneLink("", "kind = \"revolute\"\nangle = 1"),
-     "bad.toml:10: joint \"upper\": unknown key \"angle\", allowed: name, kind, axis"},
+     "bad.toml:10: joint \"upper\" (revolute): unknown key \"angle\", allowed: name, kind, xyz"},
     {"axis of a fixed joint", oneLink("", "kind = \"fixed\"\naxis = [0, 0, 1]"),
      "bad.toml:10: joint \"upper\" (fixed): unknown key \"axis\", allowed: name, kind, xyz"},
     {"unknown key of an inertia", oneLink("inertia = { ixx = 1 }"),
@@ -73,8 +102,8 @@ const Bad kToml[] = {
      "bad.toml:12: wrench: unknown key \"torque\", allowed: link, force, moment"},
     {"unknown key of the start", kUpper + "[start]\nqdd = [1]",
      "bad.toml:11: start: unknown key \"qdd\", allowed: q, qd"},
-    {"unknown joint kind", oneLink("", "kind = \"helical\""),
-     "bad.toml:9: joint \"upper\": kind is \"helical\", allowed: fixed, revolute, prismatic"},
+    {"unknown joint kind", oneLink("", "kind = \"screw\""),
+     "bad.toml:9: joint \"upper\": kind is \"screw\", allowed: fixed, revolute, prismatic"},
     {"no joint kind", oneLink("", ""),
      "bad.toml:8: joint \"upper\": has no kind, allowed: fixed, revolute, prismatic"},
     {"unknown parent",
@@ -356,12 +385,12 @@ const Bad kUrdf[] = {
     {"robot without a name", "<robot><link name=\"a\"/></robot>",
      "bad.urdf:1: <robot>: has no name"},
     {"no link", "<robot name=\"r\"/>", "bad.urdf: no root: there is no link"},
-    {"floating joint", robot("type=\"floating\">\n"),
-     "bad.urdf:4: <joint>: joint \"j\" is of type \"floating\", allowed: fixed, revolute, "
+    {"screw joint", robot("type=\"screw\">\n"),
+     "bad.urdf:4: <joint>: joint \"j\" is of type \"screw\", allowed: fixed, revolute, "
      "continuous, "
      "prismatic"},
-    {"planar joint", robot("type=\"planar\">\n"),
-     "bad.urdf:4: <joint>: joint \"j\" is of type \"planar\""},
+    {"spherical joint", robot("type=\"spherical\">\n"),
+     "bad.urdf:4: <joint>: joint \"j\" is of type \"spherical\""},
     {"joint without a type", robot(">\n"), "bad.urdf:4: <joint>: has no type"},
     {"joint without parent",
      kRobot + kHand + "<joint name=\"j\" type=\"fixed\">\n<child link=\"hand\"/></joint></robot>",

@@ -404,6 +404,39 @@ qd = [0, -1.5]
   BOOST_TEST(writeSceneToml(readSceneToml(written, "pendulum.toml")) == expected);
 }
 
+// reading, writing and reading again keeps closures and springs; names that only count are left out
+BOOST_AUTO_TEST_CASE(closures_and_springs_are_written_as_they_were_read) {
+  const std::string tail = R"([[closure]]
+kind = "distance"
+a = { link = "base" }
+b = { link = "lower", xyz = [1, 0, 0] }
+length = "2*z"
+
+[[closure]]
+kind = "hinge"
+name = "elbow"
+a = { link = "base", xyz = [0, "a", 0], rpy = [0, "pi/2", 0] }
+b = { link = "lower" }
+
+[[spring]]
+a = { link = "upper", xyz = [0, 0, 0.25] }
+b = { link = "base" }
+stiffness = 50
+rest = "z/3"
+damping = 2
+
+)";
+  const std::string text = writeSceneToml(readSceneToml(kDoublePendulum, "pendulum.toml"));
+  const std::string whole = text.substr(0, text.find("[start]")) + tail + text.substr(text.find("[start]"));
+  const Scene scene = readSceneToml(whole, "pendulum.toml");
+  BOOST_TEST(writeSceneToml(scene) == whole);
+  BOOST_TEST_REQUIRE(scene.mechanism.closures.size() == 2u);
+  BOOST_TEST((scene.mechanism.closures[0].kind == ClosureKind::kDistance));
+  BOOST_TEST(scene.mechanism.closures[1].name == "elbow");
+  BOOST_TEST(scene.mechanism.closures[1].b.link == 2);
+  BOOST_TEST(scene.mechanism.springs.at(0).damping.text() == "2");
+}
+
 BOOST_AUTO_TEST_CASE(numbers_and_names_that_toml_cannot_spell_come_back) {
   Scene scene = readSceneToml(kDoublePendulum, "pendulum.toml");
   Mechanism& m = scene.mechanism;
@@ -576,9 +609,8 @@ BOOST_AUTO_TEST_CASE(scenes_are_found_by_name_by_path_and_by_content) {
   BOOST_TEST(findScene((folder.path() / "robot").string()).title == "arm");
   BOOST_CHECK_EXCEPTION(findScene("triple"), InputError, [](const InputError& error) {
     return std::string(error.what()) ==
-           "no scene and no file is called \"triple\", allowed: arm, double_pendulum, or the path "
-           "of "
-           "a file";
+           "no scene and no file is called \"triple\", allowed: arm, double_pendulum, "
+           "four_bars_N with N from 1 to 200, or the path of a file";
   });
   ::unsetenv("DYNWITNESS_DATA");
 }

@@ -120,7 +120,7 @@ std::vector<std::string> sceneNames() {
 /// What mechanics demands of every mechanism.
 void checkIdentities(const scene::Mechanism& m, unsigned seed) {
   const int n = m.dof();
-  const auto state = exactState(n, seed);
+  const auto state = exactState(n, seed, m.positions());
   const Values v(m, {}, state);
   Rational twice_T = 0;
   for (int i = 0; i < n; ++i) {
@@ -145,12 +145,8 @@ void checkIdentities(const scene::Mechanism& m, unsigned seed) {
 
   // dT/dt + dV/dt = power of M qdd + c + g
   Equations e = derive(m);
-  std::vector<std::pair<Variable, Node>> motion;
-  for (int i = 0; i < n; ++i) {
-    motion.push_back({{Input::kPosition, i}, e.graph.input(Input::kVelocity, i)});
-    motion.push_back({{Input::kVelocity, i}, e.graph.input(Input::kAcceleration, i)});
-  }
-  const Node rate = e.graph.directionalDerivative({e.graph.add(e.kinetic, e.potential)}, motion)[0];
+  const Node rate =
+      e.graph.directionalDerivative({e.graph.add(e.kinetic, e.potential)}, motion(e, true))[0];
   Rational power = 0;
   for (int i = 0; i < n; ++i) power += (v.tau[i] + v.Q[i]) * state.qd[i];
   BOOST_TEST(evaluate(e, m, rate, state) == power);
@@ -159,15 +155,12 @@ void checkIdentities(const scene::Mechanism& m, unsigned seed) {
 void checkChristoffelMatrix(const scene::Mechanism& m, unsigned seed) {
   Equations e = derive(m);
   const int n = e.dof();
-  const auto state = exactState(n, seed);
+  const auto state = exactState(n, seed, m.positions());
   const auto C_nodes = christoffelMatrix(e);
-  std::vector<std::pair<Variable, Node>> motion;
-  for (int i = 0; i < n; ++i)
-    motion.push_back({{Input::kPosition, i}, e.graph.input(Input::kVelocity, i)});
   std::vector<std::vector<Rational>> C, M_rate;
   for (int i = 0; i < n; ++i) {
     C.push_back(evaluate(e, m, C_nodes[i], state));
-    M_rate.push_back(evaluate(e, m, e.graph.directionalDerivative(e.M[i], motion), state));
+    M_rate.push_back(evaluate(e, m, e.graph.directionalDerivative(e.M[i], motion(e)), state));
   }
   for (int i = 0; i < n; ++i) {
     Rational c = 0;

@@ -67,13 +67,17 @@ struct DoubleState {
   scene::State<double> state;
 };
 
-DoubleState randomState(int n, unsigned seed) {
+DoubleState randomState(int n, unsigned seed, int positions = 0) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> between(-3, 3);
   DoubleState s;
   for (int i = 0; i < n; ++i) {
     s.q.push_back(between(random));
     s.qd.push_back(between(random));
+    s.state.x.push_back(scene::jointPosition(s.q.back()));
+  }
+  for (int i = n; i < positions; ++i) {
+    s.q.push_back(between(random));
     s.state.x.push_back(scene::jointPosition(s.q.back()));
   }
   s.state.qd = s.qd;
@@ -231,7 +235,7 @@ BOOST_DATA_TEST_CASE(c_computes_what_the_program_computes,
   const auto function = reinterpret_cast<Function>(dlsym(library, "eom"));
   const auto parameters = static_cast<const double*>(dlsym(library, "eom_parameters"));
   for (unsigned seed = 0; seed < 5; ++seed) {
-    const DoubleState s = randomState(n, seed);
+    const DoubleState s = randomState(n, seed, m.positions());
     std::vector<double> result(n * (n + 2));
     function(s.q.data(), s.qd.data(), parameters, result.data(), result.data() + n * n,
              result.data() + n * (n + 1));
@@ -245,7 +249,7 @@ BOOST_DATA_TEST_CASE(python_computes_what_the_program_computes, data::make(scene
   const Equations e = derive(m);
   const int n = e.dof();
   const Folder folder;
-  const DoubleState s = randomState(n, 3);
+  const DoubleState s = randomState(n, 3, m.positions());
   const auto list = [](const std::vector<double>& v) {
     std::ostringstream text;
     text.precision(17);

@@ -8,6 +8,7 @@
 #include <arb.h>
 #include <Eigen/Core>
 
+#include "crosscheck/arithmetic/eigen_scalar.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -134,19 +135,6 @@ scene::State<Ball> ballState(const scene::State<double>& state);
 
 namespace Eigen {
 template <>
-struct NumTraits<dynwitness::crosscheck::Ball> : GenericNumTraits<double> {
-  using Real = dynwitness::crosscheck::Ball;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = Real;
-  enum {
-    IsComplex = 0,
-    IsInteger = 0,
-    IsSigned = 1,
-    RequireInitialization = 1,
-    ReadCost = 8,
-    AddCost = 40,
-    MulCost = 60
-  };
-};
+struct NumTraits<dynwitness::crosscheck::Ball>
+    : dynwitness::crosscheck::EigenScalar<dynwitness::crosscheck::Ball, 8, 40, 60> {};
 }  // namespace Eigen

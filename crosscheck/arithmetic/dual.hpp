@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "crosscheck/arithmetic/eigen_scalar.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -74,12 +75,6 @@ class DualNumbers {
 
 namespace Eigen {
 template <typename T>
-struct NumTraits<dynwitness::crosscheck::Dual<T>> : GenericNumTraits<double> {
-  using Real = dynwitness::crosscheck::Dual<T>;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = Real;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 2,
-         AddCost = 4, MulCost = 12 };
-};
+struct NumTraits<dynwitness::crosscheck::Dual<T>>
+    : dynwitness::crosscheck::EigenScalar<dynwitness::crosscheck::Dual<T>, 2, 4, 12> {};
 }  // namespace Eigen

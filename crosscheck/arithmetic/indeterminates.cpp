@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/arithmetic/indeterminates.hpp"
 
-namespace dynwitness::crosscheck::detail {
+namespace dynwitness::crosscheck {
+
+const char* name(Parameters parameters) {
+  return parameters == Parameters::kRandom ? "random" : "as written";
+}
+
+namespace detail {
 namespace {
 
 scene::Integer floorOf(const scene::Rational& x) {
@@ -37,4 +43,5 @@ bool rationalRoot(const scene::Rational& square, scene::Rational* root) {
   return *root * *root == square;
 }
 
-}  // namespace dynwitness::crosscheck::detail
+}  // namespace detail
+}  // namespace dynwitness::crosscheck

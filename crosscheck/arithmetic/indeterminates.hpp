@@ -14,7 +14,9 @@ namespace dynwitness::crosscheck {
 
 /// Whether the parameters of a scene are the numbers that it gives, or indeterminates: then the
 /// verdict covers every robot with that structure.
-enum class Parameters { kAsGiven, kRandom };
+enum class Parameters { kAsWritten, kRandom };
+/// "as written", "random"
+const char* name(Parameters parameters);
 
 namespace detail {
 
@@ -50,7 +52,7 @@ class IndeterminateNumbers {
   using Point = scene::CosSin<Scalar>;
 
   IndeterminateNumbers(const scene::Mechanism& mechanism, Source source,
-                       Parameters parameters = Parameters::kAsGiven)
+                       Parameters parameters = Parameters::kAsWritten)
       : values_(mechanism.parameterValues()), source_(std::move(source)), parameters_(parameters) {}
 
   Scalar operator()(const scene::Number& number) const {
@@ -127,7 +129,7 @@ class IndeterminateNumbers {
   };
 
   bool isKnown(const scene::Number& number) const {
-    return parameters_ == Parameters::kAsGiven || number.parameters().empty();
+    return parameters_ == Parameters::kAsWritten || number.parameters().empty();
   }
   /// exactValue(), quickly for plain numbers.
   scene::Exact exactly(const scene::Number& number) const {
@@ -155,16 +157,21 @@ class IndeterminateNumbers {
   mutable std::map<std::string, Point> points_;  ///< angles that were asked for, by their text
 };
 
-/// A state of indeterminates: joint positions as points of the circle beside an element for q, and
-/// elements for velocities, accelerations and forces.
+/// A state of indeterminates: joint positions as points of the circle beside an element for q (which is
+/// all that a component of a quaternion has), and elements for velocities, accelerations and forces.
 template <typename Source>
 scene::State<typename Source::Scalar> indeterminateState(const scene::Mechanism& mechanism,
                                                          const Source& source) {
   scene::State<typename Source::Scalar> state;
+  const std::vector<scene::SlotKind> slots = mechanism.slots();
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const std::string joint = " of joint " + std::to_string(i);
+    scene::CosSin<typename Source::Scalar> point{};
+    if (slots[i] != scene::SlotKind::kQuaternion) point = source.circlePoint("position" + joint);
+    state.x.push_back({source.element("q" + joint), point.c, point.s});
+  }
   for (int i = 0; i < mechanism.dof(); ++i) {
     const std::string joint = " of joint " + std::to_string(i);
-    const auto point = source.circlePoint("position" + joint);
-    state.x.push_back({source.element("q" + joint), point.c, point.s});
     state.qd.push_back(source.element("qd" + joint));
     state.qdd.push_back(source.element("qdd" + joint));
     state.tau.push_back(source.element("tau" + joint));

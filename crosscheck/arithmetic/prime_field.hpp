@@ -10,6 +10,7 @@
 
 #include <flint/nmod_vec.h>
 
+#include "crosscheck/arithmetic/eigen_scalar.hpp"
 #include "crosscheck/arithmetic/indeterminates.hpp"
 
 namespace dynwitness::crosscheck {
@@ -118,12 +119,6 @@ inline constexpr double kSmallestPrime = 0x1p62;
 
 namespace Eigen {
 template <>
-struct NumTraits<dynwitness::crosscheck::PrimeField> : GenericNumTraits<double> {
-  using Real = dynwitness::crosscheck::PrimeField;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = Real;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 1,
-         AddCost = 2, MulCost = 6 };
-};
+struct NumTraits<dynwitness::crosscheck::PrimeField>
+    : dynwitness::crosscheck::EigenScalar<dynwitness::crosscheck::PrimeField, 1, 2, 6> {};
 }  // namespace Eigen

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "crosscheck/arithmetic/eigen_scalar.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -117,12 +118,6 @@ scene::JointPosition<RunningError> runningErrorPosition(double q);
 
 namespace Eigen {
 template <>
-struct NumTraits<dynwitness::crosscheck::RunningError> : GenericNumTraits<double> {
-  using Real = dynwitness::crosscheck::RunningError;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = Real;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 2,
-         AddCost = 4, MulCost = 8 };
-};
+struct NumTraits<dynwitness::crosscheck::RunningError>
+    : dynwitness::crosscheck::EigenScalar<dynwitness::crosscheck::RunningError, 2, 4, 8> {};
 }  // namespace Eigen

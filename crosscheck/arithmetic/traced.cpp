@@ -97,12 +97,13 @@ scene::AxisTurn<Traced> TracedNumbers::axisTurn(const scene::Vector& axis) const
   return turn;
 }
 
-scene::State<Traced> tracedState(int dof) {
+scene::State<Traced> tracedState(const scene::Mechanism& mechanism) {
   symbolic::Graph& graph = Traced::graph();
   const auto input = [&](Input kind, int joint) { return Traced(graph.input(kind, joint)); };
   scene::State<Traced> state;
-  for (int i = 0; i < dof; ++i) {
+  for (int i = 0; i < mechanism.positions(); ++i)
     state.x.push_back({input(Input::kPosition, i), input(Input::kCos, i), input(Input::kSin, i)});
+  for (int i = 0; i < mechanism.dof(); ++i) {
     state.qd.push_back(input(Input::kVelocity, i));
     state.qdd.push_back(input(Input::kAcceleration, i));
     state.tau.push_back(input(Input::kForce, i));

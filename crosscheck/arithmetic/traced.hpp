@@ -77,9 +77,8 @@ class TracedNumbers {
   scene::ParameterValues values_;
 };
 
-/// The state's components as inputs of the graph, and tau as "acceleration": a program reads the one
-/// or the other.
-scene::State<Traced> tracedState(int dof);
+/// The state's components as inputs of the graph. A quaternion's four slots have no cosine and sine.
+scene::State<Traced> tracedState(const scene::Mechanism& mechanism);
 
 }  // namespace dynwitness::crosscheck
 

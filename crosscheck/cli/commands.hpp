@@ -15,6 +15,9 @@ Run addCrosscheck(CLI::App& app);
 Run addDerive(CLI::App& app);
 Run addEvaluate(CLI::App& app);
 Run addDrift(CLI::App& app);
+Run addSimulate(CLI::App& app);
+Run addChart(CLI::App& app);
+Run addAudit(CLI::App& app);
 Run addScenes(CLI::App& app);
 Run addVersion(CLI::App& app);
 

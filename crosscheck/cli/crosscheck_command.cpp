@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/chart/chart.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
@@ -18,12 +19,19 @@ namespace {
 
 using namespace crosscheck;
 
+constexpr const char *kAsWritten = "as-written", *kRandom = "random";
+
 struct Arguments {
   std::vector<std::string> scenes;
   std::string report = "report", json;
   Options options;
+  std::string parameters = kAsWritten;
   int random = 0, joints = 12;  ///< random mechanisms instead of scenes
+  bool charts = true;
 };
+
+/// Slow methods would make a report wait; `dynwitness chart` takes more.
+constexpr int kMostChartStates = 100;
 
 /// The scenes asked for, or all that are bundled with those of the tables.
 std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
@@ -44,7 +52,9 @@ std::string reproduce(const Arguments& arguments) {
   for (const std::string& name : arguments.options.witnesses) command += " --witness " + name;
   if (arguments.options.error_probability != Options().error_probability)
     command += fmt::format(" --error-probability {}", arguments.options.error_probability);
+  if (arguments.parameters != kAsWritten) command += " --parameters " + arguments.parameters;
   if (!arguments.options.drift) command += " --no-drift";
+  if (!arguments.charts) command += " --no-charts";
   return command;
 }
 
@@ -122,6 +132,11 @@ int run(const Arguments& arguments) {
   const std::vector<scene::Scene> scenes = scenesOf(arguments);
   for (const scene::Scene& scene : scenes) requireMotion(scene);
   requireWritable(arguments.report);
+  // the report's own folder may have to be made first, which is done by then
+  if (const std::filesystem::path json = arguments.json;
+      std::filesystem::weakly_canonical(json.parent_path()) !=
+      std::filesystem::weakly_canonical(arguments.report))
+    requireWritableFile(json);
 
   CrosscheckResult result;
   result.seed = arguments.options.seed;
@@ -134,15 +149,20 @@ int run(const Arguments& arguments) {
       libraries.push_back({kind.info.name, kind.info.present ? kind.info.version : "absent"});
   }
   result.witnesses.push_back({"table", DYNWITNESS_VERSION, "published numbers in data/reference"});
+  std::vector<Chart> charts;
   {
     Progress progress(static_cast<int>(scenes.size()) + 1);
     for (const scene::Scene& scene : scenes) {
       progress.stage(scene.name);
       result.scenes.push_back(crosscheckScene(scene, kinds, arguments.options));
+      if (arguments.charts)
+        charts.push_back(speedAccuracy(scene, Quantity::kTau, kinds,
+                                       std::min(arguments.options.states, kMostChartStates),
+                                       arguments.options.seed));
     }
     progress.stage("report");
     const Environment environment = thisEnvironment(libraries);
-    writeReport(result, environment, arguments.report);
+    writeReport(result, environment, arguments.report, charts);
     if (!arguments.json.empty())
       writeWholeFile(arguments.json, reportJson(result, environment));
   }
@@ -162,7 +182,10 @@ Run addCrosscheck(CLI::App& app) {
   command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
   command->add_option("--report", arguments->report, "Folder of the report")->capture_default_str();
   command->add_option("--json", arguments->json, "Write report.json to this file as well");
-  command->add_option("--witness", arguments->options.witnesses, "Ask these witnesses only")
+  command
+      ->add_option("--witness", arguments->options.witnesses,
+                   "Compare these witnesses only; laws of mechanics are tested on our sweeps "
+                   "whoever is named")
       ->delimiter(',');
   command->add_option("--states", arguments->options.states, "Seeded states a check")
       ->capture_default_str()
@@ -175,16 +198,30 @@ Run addCrosscheck(CLI::App& app) {
                    "Chance at most that an exact check passes a wrong formula")
       ->capture_default_str()
       ->check(CLI::Range(1e-300, 0.5));
-  command->add_option("--random", arguments->random,
-                      "Check this many random mechanisms exactly, instead of scenes; no report")
-      ->excludes("--json", "--witness", "--states")
+  command
+      ->add_option(
+          "--parameters", arguments->parameters,
+          "Parameters in exact checks: the scene's values, or random elements of the field, so "
+          "that the verdict covers every robot with that structure")
+      ->capture_default_str()
+      ->check(CLI::IsMember({kAsWritten, kRandom}));
+  command
+      ->add_option("--random", arguments->random,
+                   "Check this many random mechanisms exactly, instead of scenes; no report")
+      ->excludes("--json", "--witness", "--states", "--parameters")
       ->check(CLI::Range(1, 100000000));
   command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
       ->capture_default_str()
       ->needs("--random")
       ->check(CLI::Range(1, 1000));
   command->add_flag("!--no-drift", arguments->options.drift, "Leave out the 10 s simulations");
-  return [arguments] { return run(*arguments); };
+  command->add_flag("!--no-charts", arguments->charts,
+                    "Leave out the charts of speed against accuracy, the only part that a clock "
+                    "measures");
+  return [arguments] {
+    if (arguments->parameters == kRandom) arguments->options.parameters = Parameters::kRandom;
+    return run(*arguments);
+  };
 }
 
 }  // namespace dynwitness::cli

@@ -74,6 +74,7 @@ symbolic::Derivation only(symbolic::Derivation derivation, const std::string& qu
 }
 
 int run(const Arguments& arguments) {
+  crosscheck::requireWritableFile(arguments.output);
   const scene::Scene scene = scene::findScene(arguments.scene);
   std::string text;
   bool holds = true;

@@ -45,10 +45,11 @@ std::string usualWitness(Quantity quantity) {
 }
 
 int run(const Arguments& arguments) {
+  requireWritableFile(arguments.output);
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
   const int n = scene.mechanism.dof();
-  const std::vector<scene::State<double>> states = readStates(arguments.states, n);
+  const std::vector<scene::State<double>> states = readStates(arguments.states, scene.mechanism);
 
   struct Column {
     Quantity quantity;
@@ -58,6 +59,11 @@ int run(const Arguments& arguments) {
   std::string header;
   for (const std::string& text : arguments.quantities) {
     const Quantity quantity = quantityNamed(text);
+    if (!scene.mechanism.isOpenTree() && (quantity == Quantity::kTau || quantity == Quantity::kQdd))
+      throw scene::InputError({scene.file.string(), 0},
+                              "has closures, or springs between points: " + text +
+                                  " is not that of its tree, allowed: M, c, g, kinetic, potential, "
+                                  "momentum of the tree");
     const std::string who = arguments.witness.empty() ? usualWitness(quantity) : arguments.witness;
     std::unique_ptr<Witness> witness = selectWitnesses({who}).front().make(scene);
     if (!witness->answers(quantity))
@@ -92,7 +98,7 @@ Run addEvaluate(CLI::App& app) {
   command->add_option("scene", arguments->scene, "Scene")->required();
   command
       ->add_option("--states", arguments->states,
-                   "CSV file: q1..qn, qd1..qdn, and qdd1..qddn or tau1..taun")
+                   "CSV file: q1..q(positions), qd1..qdn, and qdd1..qddn or tau1..taun")
       ->required();
   command
       ->add_option("--quantity", arguments->quantities,

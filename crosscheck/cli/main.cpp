@@ -28,6 +28,8 @@ int main(int argc, char** argv) {
   std::vector<std::pair<const char*, cli::Run>> commands = {
       {"crosscheck", cli::addCrosscheck(app)}, {"derive", cli::addDerive(app)},
       {"evaluate", cli::addEvaluate(app)},     {"drift", cli::addDrift(app)},
+      {"chart", cli::addChart(app)},           {"audit", cli::addAudit(app)},
+      {"simulate", cli::addSimulate(app)},
       {"scenes", cli::addScenes(app)},         {"version", cli::addVersion(app)}};
   try {
     app.parse(argc, argv);

@@ -27,6 +27,7 @@ Run addScenes(CLI::App& app) {
       const scene::Scene scene = scene::readScene(file);
       fmt::print("{:<24} {:>2} dof  {}\n", scene.name, scene.mechanism.dof(), scene.title);
     }
+    fmt::print("{:<24}         N = 1 to 200 four-bar windows (IFToMM A02)\n", "four_bars_N");
     return 0;
   };
 }
@@ -76,6 +77,7 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
 }
 
 int runDrift(const DriftArguments& arguments) {
+  for (const std::string& file : {arguments.csv, arguments.plot}) requireWritableFile(file);
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
   Progress progress(static_cast<int>(arguments.methods.size()));
@@ -85,6 +87,7 @@ int runDrift(const DriftArguments& arguments) {
     DriftOptions options = arguments.options;
     options.method = method;
     drifts.push_back(measureDrift(scene, options));
+    if (drifts.back().paths.empty()) throw scene::InputError({scene.file.string()}, kNoMotion);
   }
   std::string csv = fmt::format(
       "# {}: largest |E - E0| along {} s from the start state, over the largest kinetic energy\n"

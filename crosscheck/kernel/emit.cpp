@@ -157,8 +157,13 @@ class Emitter {
     }
     out += unused() + "}\n";
 
-    int joints = 0;
-    for (const Program::Load& load : program_.loads) joints = std::max(joints, load.joint + 1);
+    std::map<std::string, int> entries = {{"q", 0}, {"u", 0}, {"w", 0}};
+    int most = 1;
+    for (const Program::Load& load : program_.loads) {
+      int& count = entries[source(load)];
+      count = std::max(count, load.joint + 1);
+      most = std::max(most, count);
+    }
     // what does not fill a block is computed in a block of its own, its last state repeated
     out += fmt::format(R"(
 void {0}_many(const double* q, const double* u, const double* w, double* out, long count) {{
@@ -168,8 +173,9 @@ void {0}_many(const double* q, const double* u, const double* w, double* out, lo
   if (k == count) return;
   double rest[3][{1}], result[{2}];
   const double* in[3] = {{q, u, w}};
+  const int entries[3] = {{{4}, {5}, {6}}};
   for (int a = 0; a < 3; ++a)
-    for (int j = 0; j < {1} / LANES && in[a]; ++j)
+    for (int j = 0; j < entries[a]; ++j)
       for (long i = 0; i < LANES; ++i)
         rest[a][j * LANES + i] = in[a][j * count + (k + i < count ? k + i : count - 1)];
   {0}_block(rest[0], rest[1], rest[2], result, LANES);
@@ -177,8 +183,8 @@ void {0}_many(const double* q, const double* u, const double* w, double* out, lo
     for (long i = 0; k + i < count; ++i) out[j * count + k + i] = result[j * LANES + i];
 }}
 )",
-                       name_, std::max(1, joints) * lanes_, program_.outputs.size() * lanes_,
-                       program_.outputs.size());
+                       name_, most * lanes_, program_.outputs.size() * lanes_,
+                       program_.outputs.size(), entries["q"], entries["u"], entries["w"]);
     return out;
   }
 
@@ -188,7 +194,10 @@ void {0}_many(const double* q, const double* u, const double* w, double* out, lo
   }
   static const char* source(const Program::Load& load) {
     switch (load.input) {
-      case Input::kPosition: return "q";
+      case Input::kPosition:
+      case Input::kCos:
+      case Input::kSin: return "q";
+      case Input::kRotation: throw std::logic_error("emitKernel: no kernel reads a rotation matrix");
       case Input::kVelocity: return "u";
       default: return "w";
     }

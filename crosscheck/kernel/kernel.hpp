@@ -23,12 +23,13 @@ struct KernelOptions {
 /** The smallest programs of a mechanism (smallestRoad), emitted as C, compiled by the system's compiler
     and loaded. Compiled code is kept (cacheFolder()), so that the second time costs the tracing alone.
 
-    All functions may be called from several threads at once; they allocate nothing. Vectors have one
-    entry a degree of freedom, in the order of q; SI units. Of `many` states, component i of state k is
-    at [i * count + k]. */
+    All functions may be called from several threads at once; they allocate nothing. q has one
+    entry a position slot, the others one a degree of freedom; SI units. Of `many` states, component i
+    of state k is at [i * count + k]. */
 class Kernel {
  public:
-  /// @throws CannotCompile (compiled.hpp) where there is no compiler or no cache folder
+  /// @throws CannotCompile (compiled.hpp) where there is no compiler or no cache folder, and what
+  ///         smallestRoad() throws
   explicit Kernel(const scene::Mechanism& mechanism, const KernelOptions& options = {});
 
   int dof() const { return dof_; }

@@ -76,14 +76,14 @@ class Passage {
       : link_(link), by_matrix_(turning == Turning::kByMatrix && link.turns) {
     p_ = link.p;
     if (link.turns) {
-      x_ = state.x[link.dof];
+      x_ = state.x[link.slot];
       if (by_matrix_) {
         R_ = link.R;
         R_.row(0) = link.R.row(0) * x_.c + link.R.row(1) * x_.s;
         R_.row(1) = link.R.row(1) * x_.c - link.R.row(0) * x_.s;
       }
     } else {
-      p_ += link.R.row(2).transpose() * state.x[link.dof].q;
+      p_ += link.R.row(2).transpose() * state.x[link.slot].q;
     }
   }
   const Vector3& p() const { return p_; }  ///< origin of the link in the parent
@@ -127,6 +127,7 @@ LeanModel leanModel(const recursive::Model<Traced>& model) {
     LeanLink out;
     out.parent = link.parent;
     out.dof = link.dof;
+    out.slot = link.slot;
     out.turns = link.kind == scene::JointKind::kRevolute;
     out.R = link.X_tree.R;
     out.p = link.X_tree.p;
@@ -264,7 +265,7 @@ std::vector<Traced> inverseDynamics(const LeanModel& model, const scene::State<T
     Traced& out = tau[link.dof];
     out = link.turns ? moment[i].z() : f[i].z();
     if (terms.accelerations) out += link.rotor * state.qdd[link.dof];
-    if (terms.springs) out += link.stiffness * (state.x[link.dof].q - link.rest);
+    if (terms.springs) out += link.stiffness * (state.x[link.slot].q - link.rest);
     if (link.parent < 0) continue;
     const Vector3 force = passage[i].inward(f[i]);                                 // (3)
     f[link.parent] += force;
@@ -332,7 +333,7 @@ std::vector<Traced> gravity(const LeanModel& model, const scene::State<Traced>& 
     a[i] = passage[i].outward(link.parent < 0 ? Vector3(-model.gravity) : a[link.parent]);
     const Moments& b = composite[i];
     g[link.dof] = link.turns ? b.h.x() * a[i].y() - b.h.y() * a[i].x() : b.mass * a[i].z();
-    g[link.dof] += link.stiffness * (state.x[link.dof].q - link.rest);
+    g[link.dof] += link.stiffness * (state.x[link.slot].q - link.rest);
   }
   return g;
 }

@@ -22,7 +22,7 @@ using Symmetric3 = recursive::Symmetric3<Traced>;
     moment S = integral of r r' dm [kg m^2], about the origin of its frame. S says the same as the
     rotational inertia, I = trace(S) 1 - S, but a rod along z enters one entry of it. */
 struct LeanLink {
-  int parent = -1, dof = -1;
+  int parent = -1, dof = -1, slot = -1;  ///< as in LinkModel
   bool turns = true;  ///< about z; else it slides along z
   Matrix3 R;          ///< parent axes to the axes of the unmoved joint
   Vector3 p;          ///< origin of the unmoved joint in the parent [m]

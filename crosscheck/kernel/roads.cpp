@@ -2,7 +2,7 @@
 #include "crosscheck/kernel/roads.hpp"
 
 #include <algorithm>
-#include <functional>
+#include <stdexcept>
 
 #include "crosscheck/kernel/factor.hpp"
 #include "crosscheck/kernel/lean_sweeps.hpp"
@@ -191,11 +191,13 @@ std::vector<Node> lagrange(symbolic::Equations& equations, Formula formula,
 /// Calls use(name, make) for each road, where make() writes its program.
 template <typename Use>
 void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& use) {
+  if (!mechanism.isOpenTree())
+    throw std::runtime_error("kernels are made for open trees, without closures or springs between points");
   symbolic::Graph graph;
   const Traced::Recording recording(graph);
   const recursive::Model<Traced> model =
       recursive::buildModel(mechanism, TracedNumbers(mechanism));
-  const scene::State<Traced> state = tracedState(model.dof());
+  const scene::State<Traced> state = tracedState(mechanism);
   const auto traced = [&](const recursive::Model<Traced>& traced_model) {
     return factored(graph, nodes(tracedSweep(traced_model, formula, state)));
   };

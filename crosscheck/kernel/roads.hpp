@@ -42,7 +42,8 @@ struct Road {
       traced on base   the same on the base parameters
       Lagrange         the derivation of symbolic/
     A road that cannot take the mechanism is left out; "traced sweep" takes all. For the parameters of
-    the scene as they are: their zeros are structural, and what depends on them alone is folded. */
+    the scene as they are: their zeros are structural, and what depends on them alone is folded.
+    @throws std::runtime_error when the mechanism has closures or springs between points */
 std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula);
 
 /// The road of the fewest operations. Of the traced sweeps, which every bundled scene shows to be larger

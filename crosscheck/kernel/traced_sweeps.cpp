@@ -47,11 +47,13 @@ recursive::Model<Traced> recursiveModel(const LeanModel& lean) {
   recursive::Model<Traced> model;
   model.gravity = lean.gravity;
   model.link_of_dof.resize(lean.links.size());
+  model.positions = static_cast<int>(lean.links.size());
   for (std::size_t i = 0; i < lean.links.size(); ++i) {
     const LeanLink& link = lean.links[i];
     recursive::LinkModel<Traced> out;
     out.parent = link.parent;
     out.dof = link.dof;
+    out.slot = link.slot;
     out.kind = link.turns ? scene::JointKind::kRevolute : scene::JointKind::kPrismatic;
     out.X_tree = {link.R, link.p};
     const Symmetric3& S = link.S;

@@ -131,29 +131,49 @@ void writeWholeFile(const fs::path& file, std::string_view text) {
   }
 }
 
-void requireWritable(const fs::path& given) {
-  if (given.empty()) refuse("report folder", "expected a folder, got an empty name");
-  const fs::path folder = tidy(given);
+void requireWritableFile(const fs::path& file) {
+  if (file.empty()) return;
   try {
-    const fs::path existing = nearestExisting(folder);
-    if (!fs::is_directory(existing))
-      refuse(given,
-             fmt::format("cannot be the report's folder: {} is not a folder", existing.string()));
-    // asking the system to do it is the only answer that holds for root and read-only disks too
-    std::error_code error;
-    fs::remove(makeUnique(existing, ".dynwitness-try"), error);
-    if (fs::exists(folder)) {
-      const std::set<fs::path> ours = ownFiles(folder);
-      for (const char* file : {"index.html", "report.json", "junit.xml", "digits.md", kContents})
-        requireOurs(folder, file, ours);
-      if (fs::exists(folder / "scenes") && !fs::is_directory(folder / "scenes"))
-        refuse(folder / "scenes", "is in the way: the report has a folder of this name");
-    }
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (!fs::is_directory(folder))
+      refuse(file, fmt::format("cannot be written: there is no folder {}", folder.string()));
+    // a file is replaced by renaming another to its name, which would do away with a device
+    if (!file.has_filename() || (fs::exists(file) && !fs::is_regular_file(file)))
+      refuse(file, "cannot be written: expected the name of a file, new or to be replaced");
+    fs::remove(makeUnique(folder, ".dynwitness-try"));
   } catch (const scene::InputError&) {
     throw;
   } catch (const std::exception& e) {
-    refuse(given, fmt::format("cannot write a report here ({})", e.what()));
+    refuse(file, fmt::format("cannot be written ({})", e.what()));
   }
+}
+
+void requireWritableFolder(const fs::path& given) {
+  if (given.empty()) refuse("output folder", "expected a folder, got an empty name");
+  try {
+    const fs::path existing = nearestExisting(tidy(given));
+    if (!fs::is_directory(existing))
+      refuse(given, fmt::format("cannot be a folder to write to: {} is not a folder",
+                                existing.string()));
+    // asking the system to do it is the only answer that holds for root and read-only disks too
+    std::error_code error;
+    fs::remove(makeUnique(existing, ".dynwitness-try"), error);
+  } catch (const scene::InputError&) {
+    throw;
+  } catch (const std::exception& e) {
+    refuse(given, fmt::format("cannot be written to ({})", e.what()));
+  }
+}
+
+void requireWritable(const fs::path& given) {
+  requireWritableFolder(given);
+  const fs::path folder = tidy(given);
+  if (!fs::exists(folder)) return;
+  const std::set<fs::path> ours = ownFiles(folder);
+  for (const char* file : {"index.html", "report.json", "junit.xml", "digits.md", kContents})
+    requireOurs(folder, file, ours);
+  if (fs::exists(folder / "scenes") && !fs::is_directory(folder / "scenes"))
+    refuse(folder / "scenes", "is in the way: the report has a folder of this name");
 }
 
 UnfinishedFolder::UnfinishedFolder(const fs::path& folder) : folder_(tidy(folder)) {

@@ -13,6 +13,20 @@ namespace dynwitness::crosscheck {
 /// @throws std::runtime_error  naming the file and the system's reason; nothing is left behind
 void writeWholeFile(const std::filesystem::path& file, std::string_view text);
 
+/** Looks whether writeWholeFile() can write this file, without leaving anything there: for calling
+    before a long computation. An empty path is none, and passes.
+
+    @throws scene::InputError  its folder does not exist or cannot be written to, or something that
+   is no file (a folder, a device) has this name */
+void requireWritableFile(const std::filesystem::path& file);
+
+/** Looks whether files can be written to `folder`, without leaving anything there: for calling
+    before a long computation.
+
+    @throws scene::InputError  the folder (or where it would be made) cannot be written to, or is a
+                               file */
+void requireWritableFolder(const std::filesystem::path& folder);
+
 /** Looks whether a report can be written to `folder`, without leaving anything there: for calling
     before a long computation.
 

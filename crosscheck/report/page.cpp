@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/report/assets.hpp"
+#include "crosscheck/report/page_parts.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/report/tree_svg.hpp"
 
@@ -48,15 +48,8 @@ const char* cssClass(Verdict verdict) {
   return "none";
 }
 
-std::string icon(const char* css_class) {
-  return fmt::format(R"(<svg class="icon" aria-hidden="true"><use href="#icon-{}"/></svg>)",
-                     css_class);
-}
-
-/// Sign and word: never a colour alone.
 std::string badge(Verdict verdict, const std::string& word) {
-  return fmt::format(R"(<span class="badge {0}">{1}{2}</span>)", cssClass(verdict),
-                     icon(cssClass(verdict)), esc(word));
+  return crosscheck::badge(cssClass(verdict), word);
 }
 
 /// A quantity in words, as the headings of the check tables say it; names we do not know stay.
@@ -244,27 +237,8 @@ Rows digest(const Rows& rows) {
 
 void putHead(std::string* page, const CrosscheckResult& result, const Environment& environment) {
   const char* sign = result.verdict() == Verdict::kDisagree ? "✗" : "✓";
-  put(page,
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<meta name=\"generator\" content=\"dynwitness {}\">\n"
-      "<title>{} {}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n{}{}</style>\n</head>\n",
-      esc(environment.version), sign, esc(result.headline()), kStyleCss, treeStyle());
-  // the three signs, drawn once
-  put(page,
-      "<body>\n<a class=\"skip\" href=\"#scenes\">Skip to the scenes</a>\n"
-      "<svg class=\"symbols\" aria-hidden=\"true\" focusable=\"false\">"
-      "<symbol id=\"icon-agree\" viewBox=\"0 0 24 24\"><circle cx=\"12\" cy=\"12\" r=\"12\" "
-      "fill=\"currentColor\"/><path d=\"M6.5 12.5l3.6 3.6 7.4-8\" fill=\"none\" "
-      "stroke=\"var(--card)\" stroke-width=\"2.6\" stroke-linecap=\"round\" "
-      "stroke-linejoin=\"round\"/></symbol>"
-      "<symbol id=\"icon-disagree\" viewBox=\"0 0 24 24\"><path d=\"M7.5 1h9L23 7.5v9L16.500 "
-      "23h-9L1 16.500v-9z\" fill=\"currentColor\"/><path d=\"M8 8l8 8m0-8l-8 8\" fill=\"none\" "
-      "stroke=\"var(--card)\" stroke-width=\"2.6\" stroke-linecap=\"round\"/></symbol>"
-      "<symbol id=\"icon-none\" viewBox=\"0 0 24 24\"><circle cx=\"12\" cy=\"12\" r=\"10.800\" "
-      "fill=\"none\" stroke=\"currentColor\" stroke-width=\"2.2\"/><path d=\"M7.500 12h9\" "
-      "stroke=\"currentColor\" stroke-width=\"2.4\" stroke-linecap=\"round\"/></symbol></svg>\n");
+  *page += pageHead(sign + (" " + result.headline()), environment.version, treeStyle(), "scenes",
+                    "Skip to the scenes");
 }
 
 void putVerdict(std::string* page, const CrosscheckResult& result, const Environment& environment) {
@@ -620,7 +594,7 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
     sentence +=
         fmt::format(" At the finest step, {} s, it is {}.", finest.step, readable(finest.worst));
   }
-  put(page, "<figure class=\"drift\">\n");
+  put(page, "<figure class=\"charts\">\n");
   if (!files.drift_light.empty()) {
     openScroll(page, "Charts of the energy drift");
     put(page,
@@ -641,6 +615,30 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
   if (!files.drift_script.empty())
     put(page, "; <a href=\"{}\">gnuplot script</a>", files.drift_script);
   put(page, ".</figcaption>\n</figure>\n");
+}
+
+/// No number of the chart is on the page: times differ from run to run, and the page does not.
+void putChart(std::string* page, const SceneFiles& files) {
+  if (files.chart_csv.empty()) return;
+  put(page, "<h3>Speed against accuracy</h3>\n<figure class=\"charts\">\n");
+  if (!files.chart_light.empty()) {
+    openScroll(page, "Charts of speed against accuracy");
+    put(page,
+        "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
+        "<img src=\"{}\" width=\"1000\" height=\"480\" alt=\"Two charts, time of one evaluation "
+        "against worst relative error. Left: the sweep in five arithmetics. Right: every method in "
+        "double. The numbers are in the data file.\"></picture>\n</div>\n",
+        files.chart_dark, files.chart_light);
+  } else {
+    put(page, "<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
+        esc(files.no_chart_reason));
+  }
+  put(page,
+      "<figcaption>tau, inverse dynamics: each method's time and its worst error against the "
+      "certified truth; lower left is better. Times are of this machine and of this run, and "
+      "nothing here is judged by them. Data: <a href=\"{}\">all methods</a>; <a href=\"{}\">gnuplot "
+      "script</a>.</figcaption>\n</figure>\n",
+      files.chart_csv, files.chart_script);
 }
 
 void putScene(std::string* page, const SceneResult& scene, const SceneFiles& files) {
@@ -675,6 +673,7 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
   putChecks(page, scene);
   putDigits(page, scene);
   putDrift(page, scene, files);
+  putChart(page, files);
   put(page, "<p class=\"top\"><a href=\"#scenes\">All scenes</a></p>\n</section>\n");
 }
 

@@ -17,6 +17,8 @@ struct SceneFiles {
   std::string drift_csv, drift_worst_csv, drift_script;  ///< empty: no drift was computed
   std::string drift_light, drift_dark;                   ///< svg; empty: left out, see below
   std::string no_plot_reason;                            ///< why there is data and no picture
+  // the same of speed against accuracy
+  std::string chart_csv, chart_script, chart_light, chart_dark, no_chart_reason;
 };
 
 /** One HTML page: verdict, disagreements, table of scenes, a section for each scene, and the footer

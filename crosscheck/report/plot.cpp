@@ -85,16 +85,6 @@ Outcome runProgram(std::vector<std::string> arguments, const fs::path& folder) {
   return outcome;
 }
 
-/// A gnuplot string: single quotes take everything literally but a single quote.
-std::string gnuplotString(std::string_view text) {
-  std::string q = "'";
-  for (const char c : oneLine(text)) {
-    q += c;
-    if (c == '\'') q += c;
-  }
-  return q + "'";
-}
-
 std::string heading(const SceneResult& scene) {
   const Drift& drift = *scene.drift;
   return fmt::format(

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/report/report.hpp"
 
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "crosscheck/chart/drawing.hpp"
 #include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/digits_table.hpp"
 #include "crosscheck/report/json.hpp"
@@ -35,10 +40,28 @@ void writeDrift(const SceneResult& scene, const std::string& folder, const Unfin
   files->drift_dark = folder + "/drift_dark.svg";
 }
 
+void writeChart(const Chart& chart, const std::string& folder, const UnfinishedFolder& out,
+                SceneFiles* files) {
+  files->chart_csv = folder + "/speed.csv";
+  out.write(files->chart_csv, chartCsv({chart}));
+  files->chart_script = folder + "/speed.gp";
+  out.write(files->chart_script, chartScript(chart, "speed", "../style.gp"));
+  const auto problem = runGnuplot(out.path() / folder, "speed.gp", {"speed.svg", "speed_dark.svg"});
+  if (problem) {
+    files->no_chart_reason = *problem;
+    return;
+  }
+  files->chart_light = folder + "/speed.svg";
+  files->chart_dark = folder + "/speed_dark.svg";
+}
+
 }  // namespace
 
 void writeReport(const CrosscheckResult& result, const Environment& environment,
-                 const std::filesystem::path& folder) {
+                 const std::filesystem::path& folder, const std::vector<Chart>& charts) {
+  if (!charts.empty() && charts.size() != result.scenes.size())
+    throw std::invalid_argument(fmt::format("writeReport: charts: expected none or {}, got {}",
+                                            result.scenes.size(), charts.size()));
   requireWritable(folder);
   UnfinishedFolder out(folder);
   out.write("scenes/style.gp", kStyleGnuplot);
@@ -53,6 +76,7 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
       out.write(files[i].tree, svg);
     }
     if (scene.drift) writeDrift(scene, scene_folder, out, &files[i]);
+    if (!charts.empty()) writeChart(charts[i], scene_folder, out, &files[i]);
   }
   out.write("report.json", reportJson(result, environment));
   out.write("junit.xml", reportJUnit(result, environment));

@@ -24,6 +24,13 @@ set linetype 4 linecolor rgb purple linewidth 2 dashtype (2,3)   pointtype 11 po
 set linetype 5 linecolor rgb amber  linewidth 2 dashtype (12,3,2,3) pointtype 13 pointsize 0.9
 set linetype 6 linecolor rgb sky    linewidth 2 dashtype (6,3,2,3)  pointtype 6 pointsize 0.8
 set linetype cycle 6
+# outside engines: hollow markers, and none has the shape of ours in the same colour
+set linetype 11 linecolor rgb sky    linewidth 2 dashtype 1 pointtype 14 pointsize 1.0   # simbody
+set linetype 12 linecolor rgb orange linewidth 2 dashtype 1 pointtype 8  pointsize 1.0   # mujoco_principal
+set linetype 13 linecolor rgb green  linewidth 2 dashtype 1 pointtype 12 pointsize 1.1   # dart
+set linetype 14 linecolor rgb purple linewidth 2 dashtype 1 pointtype 6  pointsize 1.0   # kdl
+set linetype 15 linecolor rgb amber  linewidth 2 dashtype 1 pointtype 4  pointsize 0.9   # mujoco
+set linetype 16 linecolor rgb ink    linewidth 2 dashtype 1 pointtype 3  pointsize 0.9   # any other
 set linetype 20 linecolor rgb soft linewidth 1.3 dashtype (4,4)   # guides
 
 set border 3 linecolor rgb soft

@@ -91,6 +91,15 @@ std::string oneLine(std::string_view text) {
   return line;
 }
 
+std::string gnuplotString(std::string_view text) {
+  std::string q = "'";
+  for (const char c : oneLine(text)) {
+    q += c;
+    if (c == '\'') q += c;
+  }
+  return q + "'";
+}
+
 std::string readable(double value) {
   if (std::isnan(value)) return "not a number";
   if (std::isinf(value)) return value > 0 ? "infinite" : "-infinite";
@@ -122,20 +131,24 @@ int codePoints(std::string_view text) {
   }));
 }
 
+std::string safeName(std::string_view text) {
+  std::string name;
+  for (const char c : text) {
+    const bool keep = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                      c == '_' || c == '-';
+    name += keep ? c : '_';
+  }
+  // '-' in front would read as an option of a command, 100 is well below every file system's limit
+  if (name.empty() || name.front() == '-') name = "scene" + name;
+  name.resize(std::min<std::size_t>(name.size(), 100));
+  return name;
+}
+
 std::vector<std::string> safeNames(const std::vector<SceneResult>& scenes) {
   std::vector<std::string> names;
   std::set<std::string> taken;
   for (const SceneResult& scene : scenes) {
-    std::string name;
-    for (const char c : scene.name) {
-      const bool keep = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                        (c >= '0' && c <= '9') || c == '_' || c == '-';
-      name += keep ? c : '_';
-    }
-    // '-' in front would read as an option of a command, 100 is well below every file system's
-    // limit
-    if (name.empty() || name.front() == '-') name = "scene" + name;
-    name.resize(std::min<std::size_t>(name.size(), 100));
+    const std::string name = safeName(scene.name);
     std::string unique = name;
     for (int k = 2; !taken.insert(unique).second; ++k) unique = fmt::format("{}_{}", name, k);
     names.push_back(unique);

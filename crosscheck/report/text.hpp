@@ -19,6 +19,9 @@ std::string escapeMarkup(std::string_view text);
 /// cleanText on one line: for gnuplot titles and CSV comments.
 std::string oneLine(std::string_view text);
 
+/// oneLine as a gnuplot string: in single quotes, which take everything literally but themselves.
+std::string gnuplotString(std::string_view text);
+
 /// Two digits that can be read at a glance: "0", "0.31", "7.4", "120", "3.1e+03", "infinite".
 std::string readable(double value);
 
@@ -28,8 +31,10 @@ std::string shareOfLimit(double ratio);
 /// Number of characters that a reader sees, near enough for layout: UTF-8 code points.
 int codePoints(std::string_view text);
 
-/// Names that are safe as a folder and as an anchor, and different from each other:
-/// [A-Za-z0-9_-] is kept, the rest becomes '_', repeated names get "_2", "_3", ...
+/// A name that is safe as a file and as an anchor: [A-Za-z0-9_-] is kept, the rest becomes '_'.
+std::string safeName(std::string_view name);
+
+/// safeName of each scene, different from each other: repeated names get "_2", "_3", ...
 std::vector<std::string> safeNames(const std::vector<SceneResult>& scenes);
 
 /// "same c: lagrange and simbody" or "symmetric M: composite_body"

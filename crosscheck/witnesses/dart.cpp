@@ -61,6 +61,7 @@ class Hushed {
 };
 
 SkeletonPtr loaded(const scene::Scene& scene) {
+  requirePlainJoints(scene.mechanism);
   using dart::utils::DartLoader;
   const Hushed hushed;
   // DART's defaults are a root that floats, and 1 kg for a link without <inertial>

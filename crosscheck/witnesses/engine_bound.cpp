@@ -15,9 +15,15 @@ void blur(Eigen::MatrixBase<Derived>& m, double times) {
   for (RunningError& x : m.reshaped()) x = RunningError(x.value(), x.bound() + error);
 }
 
+constexpr double kQuaternionTurn = 20;  ///< [u], of an orientation that a quaternion gives
+
+bool hasQuaternion(const recursive::LinkModel<RunningError>& link) {
+  return recursive::axisCount(link.kind) >= 3;
+}
+
 recursive::Model<RunningError> inOtherAxes(recursive::Model<RunningError> model) {
   for (recursive::LinkModel<RunningError>& link : model.links) {
-    blur(link.X_tree.R, 9);
+    blur(link.X_tree.R, hasQuaternion(link) ? 9 + kQuaternionTurn : 9);
     blur(link.X_tree.p, 6);
     blur(link.M.h, 3);
     recursive::Matrix3<RunningError> I = link.M.I.matrix();
@@ -49,7 +55,22 @@ EngineBound::EngineBound(const scene::Mechanism& mechanism, ForwardDynamicsBy me
 EngineBound::~EngineBound() = default;
 
 Eigen::MatrixXd EngineBound::operator()(Quantity quantity, const scene::State<double>& state) {
-  const scene::State<RunningError> bounded = runningErrorState(state);
+  return (*this)(quantity, runningErrorState(state));
+}
+
+Eigen::MatrixXd EngineBound::operator()(Quantity quantity,
+                                        const scene::State<RunningError>& state) {
+  scene::State<RunningError> bounded = state;
+  bool turned = false;  // are there rates in axes that the engine does not have?
+  for (const recursive::LinkModel<RunningError>& link : impl_->setup.model.links) {
+    if (!hasQuaternion(link)) continue;
+    turned = true;
+    for (std::vector<RunningError>* rates : {&bounded.qd, &bounded.qdd, &bounded.tau})
+      for (int k = 0; k < recursive::axisCount(link.kind) && !rates->empty(); k += 3) {
+        Eigen::Map<recursive::Vector3<RunningError>> three(&(*rates)[link.dof + k]);
+        blur(three, kQuaternionTurn + 3);
+      }
+  }
   MatrixX<RunningError> computed;
   if (quantity != Quantity::kQdd)
     computed = NewtonEuler::answer(impl_->setup, quantity, bounded);
@@ -57,10 +78,14 @@ Eigen::MatrixXd EngineBound::operator()(Quantity quantity, const scene::State<do
     computed = ArticulatedBody::answer(impl_->setup, quantity, bounded);
   else
     computed = CompositeBody::answer(impl_->setup, quantity, bounded);
-  double largest = 0;
-  for (Eigen::Index j = 0; j < computed.cols(); ++j)
-    for (Eigen::Index i = 0; i < computed.rows(); ++i)
+  double largest = 0, size = 0;
+  for (Eigen::Index j = 0; j < computed.cols(); ++j) {
+    for (Eigen::Index i = 0; i < computed.rows(); ++i) {
       largest = std::max(largest, computed(i, j).bound());
+      size = std::max(size, std::abs(computed(i, j).value()));
+    }
+  }
+  if (turned) largest = 2 * largest + (kQuaternionTurn + 3) * RunningError::kUnitRoundoff * size;
   return Eigen::MatrixXd::Constant(computed.rows(), computed.cols(), largest);
 }
 

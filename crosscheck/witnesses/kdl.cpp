@@ -80,6 +80,7 @@ class KdlWitness : public Witness {
  public:
   explicit KdlWitness(const scene::Scene& scene)
       : bound_(scene.mechanism, ForwardDynamicsBy::kMassMatrix) {
+    requirePlainJoints(scene.mechanism);
     const scene::Mechanism& mechanism = scene.mechanism;
     const RealNumbers<double> number(mechanism);
     bool is_chain = true;

@@ -59,9 +59,8 @@ class KernelWitness : public Witness {
                          Eigen::Map<const RowMajor>(bounded.data(), rows, columns));
   }
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
-    const std::size_t n = state.x.size();
-    std::vector<double> q(n);
-    for (std::size_t i = 0; i < n; ++i) q[i] = state.x[i].q;
+    std::vector<double> q;
+    for (const scene::JointPosition<double>& x : state.x) q.push_back(x.q);
     const std::vector<double>& w = quantity == Quantity::kQdd ? state.tau : state.qdd;
     const std::vector<double> out =
         lanes_ ? inAllLanes(quantity, q, state.qd, w) : inOne(quantity, q, state.qd, w);
@@ -73,7 +72,7 @@ class KernelWitness : public Witness {
  private:
   std::vector<double> inOne(Quantity quantity, const std::vector<double>& q,
                             const std::vector<double>& qd, const std::vector<double>& w) const {
-    std::vector<double> out(quantity == Quantity::kM ? q.size() * q.size() : q.size());
+    std::vector<double> out(quantity == Quantity::kM ? qd.size() * qd.size() : qd.size());
     run(quantity, q.data(), qd.data(), w.data(), out.data(), 0);
     return out;
   }
@@ -82,15 +81,16 @@ class KernelWitness : public Witness {
   /// the first, that is the answer, for the comparisons to find.
   std::vector<double> inAllLanes(Quantity quantity, const std::vector<double>& q,
                                  const std::vector<double>& qd, const std::vector<double>& w) const {
-    const std::size_t n = q.size(), outputs = quantity == Quantity::kM ? n * n : n;
+    const std::size_t n = qd.size(), outputs = quantity == Quantity::kM ? n * n : n;
     const std::size_t lanes = kernel_->lanes(), count = 2 * lanes + 1;  // two whole blocks and a rest
     std::vector<double> first(outputs);
     for (std::size_t lane = 0; lane < count; ++lane) {
       const auto spread = [&](const std::vector<double>& x) {
-        std::vector<double> all(n * count);
-        for (std::size_t i = 0; i < n; ++i)
+        std::vector<double> all(x.size() * count);
+        for (std::size_t i = 0; i < x.size(); ++i)
           for (std::size_t k = 0; k < count; ++k)
-            all[i * count + k] = k == lane ? x[i] : x[(i + k) % n] * (1.0 + static_cast<double>(k) / 8);
+            all[i * count + k] =
+                k == lane ? x[i] : x[(i + k) % x.size()] * (1.0 + static_cast<double>(k) / 8);
         return all;
       };
       const std::vector<double> all_q = spread(q), all_qd = spread(qd), all_w = spread(w);

@@ -85,11 +85,17 @@ Body bodyOf(const scene::MassProperties& m, const RealNumbers<double>& number) {
   return body;
 }
 
-/// What MuJoCo's compiler refuses in a link: no mass, no extent (a point, a rod), or moments of a
-/// plane body that break the triangle inequality by a rounding.
+/// MuJoCo's own rule for principal axes (eigEPS of mju_eig3): Jacobi turns stop when the cosine of
+/// the next one exceeds 1 - kTurnStop, that is with up to sqrt(2 kTurnStop) rad still to turn.
+constexpr double kTurnStop = 1e-12;
+
+/// What MuJoCo's compiler may refuse in a link: no mass, no extent (a point, a rod), or moments of
+/// a plane body that its turns leave short of the triangle inequality. Each of the three moments is
+/// then off by no more than what is left off the diagonal (Weyl).
 bool isRefused(const Body& body) {
   const Vector3d& I = body.moments;  // rising
-  return body.mass < mjMINVAL || I[0] < mjMINVAL || I[0] + I[1] < I[2] * (1 + 1e-9);
+  return body.mass < mjMINVAL || I[0] < mjMINVAL ||
+         I[0] + I[1] < I[2] * (1 + 3 * std::sqrt(2 * kTurnStop));
 }
 
 scene::Number exactly(double x) {
@@ -180,6 +186,7 @@ class MujocoWitness : public Witness {
       : name_(nameOf(inertias)),
         bound_(scene.mechanism, ForwardDynamicsBy::kMassMatrix),
         sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
+    requirePlainJoints(scene.mechanism);
     installHandlers();
     const scene::Mechanism& mechanism = scene.mechanism;
     const RealNumbers<double> number(mechanism);
@@ -346,11 +353,12 @@ class MujocoWitness : public Witness {
       const Eigen::Map<const Vector3d> moments(model_->body_inertia + 3 * id);
       const Matrix3d D = R.transpose() * bodies[i].I * R;
       const double dropped = std::max({std::abs(D(0, 1)), std::abs(D(0, 2)), std::abs(D(1, 2))});
-      // cos > 1 - eps leaves a turn of sqrt(2 eps); an entry below eps is not turned at all
-      constexpr double kEps = 1e-12;
-      const double explained = std::max(
-          kEps, std::sqrt(2 * kEps) * (moments.maxCoeff() - moments.minCoeff()) * (1 + 1e-6));
-      if (dropped > explained) continue;
+      // What is left to turn moves a difference of moments off the diagonal; an entry below
+      // kTurnStop is not turned at all. D itself is rounded: entries of R made of a quaternion by
+      // 10 u, so R by 3 * 10 u (Frobenius) on each side, and two products by 9 u each.
+      const double left = std::sqrt(2 * kTurnStop) * (moments.maxCoeff() - moments.minCoeff());
+      const double rounded = (2 * 30 + 2 * 9) * RunningError::kUnitRoundoff * moments.maxCoeff();
+      if (dropped > std::max(kTurnStop, left) + rounded) continue;
       const Matrix3d I = R * moments.asDiagonal() * R.transpose();
       compiled.links[i].inertia = inertiaAs(mechanism.links[i].inertia, I, Vector3d::Zero());
     }

@@ -27,6 +27,18 @@ class RefusedWitness : public Witness {
   std::string name_, reason_;
 };
 
+/// @throws std::runtime_error, which becomes the witness's answer, when a joint is of a kind that the
+/// witness does not build.
+inline void requirePlainJoints(const scene::Mechanism& mechanism) {
+  for (const scene::Link& link : mechanism.links) {
+    const scene::JointKind kind = link.joint.kind;
+    if (kind != scene::JointKind::kFixed && kind != scene::JointKind::kRevolute &&
+        kind != scene::JointKind::kPrismatic)
+      throw std::runtime_error("joint '" + link.joint.name + "' is " + scene::name(kind) +
+                               ", this witness builds fixed, revolute and prismatic joints");
+  }
+}
+
 /// A kind whose witnesses are W(scene, arguments...), or what W's constructor threw.
 template <typename W, typename... Arguments>
 WitnessKind engineKind(WitnessInfo info, Arguments... arguments) {

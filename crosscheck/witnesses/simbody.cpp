@@ -72,9 +72,120 @@ bool hasRotors(const scene::Mechanism& mechanism) {
   });
 }
 
+/** The axes in which Simbody's mobilizer moves, seen from the joint frame: a Pin, Screw and Cylinder
+    about z, a Slider along x, a Planar in x and y about z; the others in the joint frame itself. */
+SimTK::Transform axisFrame(const scene::Joint& joint, const RealNumbers<double>& number) {
+  if (!scene::hasAxis(joint.kind)) return {};
+  const SimTK::UnitVec3 axis(vec3(joint.axis, number));
+  if (joint.kind == JointKind::kPlanar) {  // Rz(alpha) Ry(beta) takes z to the axis
+    const double rho = std::hypot(axis[0], axis[1]);
+    return SimTK::Transform(SimTK::Rotation(
+        SimTK::BodyRotationSequence, rho == 0 ? 0 : std::atan2(axis[1], axis[0]), SimTK::ZAxis,
+        std::atan2(rho, axis[2]), SimTK::YAxis));
+  }
+  return SimTK::Transform(SimTK::Rotation(axis, joint.kind == JointKind::kPrismatic
+                                                    ? SimTK::CoordinateAxis(SimTK::XAxis)
+                                                    : SimTK::CoordinateAxis(SimTK::ZAxis)));
+}
+
+SimTK::MobilizedBody mobilizer(JointKind kind, double pitch, SimTK::MobilizedBody& parent,
+                               const SimTK::Transform& X_PF, const SimTK::Body::Rigid& body,
+                               const SimTK::Transform& X_BM) {
+  using SimTK::MobilizedBody;
+  switch (kind) {
+    case JointKind::kFixed: return MobilizedBody::Weld(parent, X_PF, body, X_BM);
+    case JointKind::kRevolute: return MobilizedBody::Pin(parent, X_PF, body, X_BM);
+    case JointKind::kPrismatic: return MobilizedBody::Slider(parent, X_PF, body, X_BM);
+    case JointKind::kHelical: return MobilizedBody::Screw(parent, X_PF, body, X_BM, pitch);
+    case JointKind::kCylindrical: return MobilizedBody::Cylinder(parent, X_PF, body, X_BM);
+    case JointKind::kUniversal: return MobilizedBody::Universal(parent, X_PF, body, X_BM);
+    case JointKind::kPlanar: return MobilizedBody::Planar(parent, X_PF, body, X_BM);
+    case JointKind::kSpherical: return MobilizedBody::Ball(parent, X_PF, body, X_BM);
+    case JointKind::kFloating: return MobilizedBody::Free(parent, X_PF, body, X_BM);
+  }
+  throw std::logic_error("simbody: unknown joint kind");
+}
+
+/** A joint of the scene, and how Simbody's generalised speeds u follow from its rates qd.
+
+        u = E qd,   du/dt = E qdd + b,   generalised forces of qd = E' (those of u)
+
+    E permutes the rates of Cylinder (turn, slide) and Planar (turn, x, y). A Ball's u is the angular
+    velocity, a Free's the angular velocity and then the velocity of the origin, both in the axes of
+    the unmoved joint frame; the scene's are in those of the moved one. With R the orientation,
+    d(R w)/dt = R (dw/dt + w x w) = R dw/dt, but d(R v)/dt = R (dv/dt + w x v): b has R (w x v). */
+struct Joint {
+  SimTK::MobilizedBody body;
+  JointKind kind;
+  int slot, dof;  ///< its first position and rate in the scene's order
+
+  int rates() const { return scene::degreesOfFreedom(kind); }
+  bool turnsRates() const { return !scene::ratesArePositionDerivatives(kind); }
+
+  /// Where Simbody has the scene's coordinate k.
+  int place(int k) const {
+    if (kind == JointKind::kCylindrical) return 1 - k;
+    if (kind == JointKind::kPlanar) return (k + 1) % 3;
+    if (kind == JointKind::kFloating) return k < 3 ? 3 + k : k - 3;  // angular part first
+    return k;
+  }
+
+  void setPosition(SimTK::State& state, const std::vector<scene::JointPosition<double>>& x) const {
+    if (!turnsRates()) {
+      for (int k = 0; k < rates(); ++k) body.setOneQ(state, place(k), x[slot + k].q);
+      return;
+    }
+    int first = slot;
+    if (kind == JointKind::kFloating) {  // quaternion first
+      for (int k = 0; k < 3; ++k) body.setOneQ(state, 4 + k, x[slot + k].q);
+      first += 3;
+    }
+    const SimTK::Quaternion unit(SimTK::Vec4(x[first].q, x[first + 1].q, x[first + 2].q, x[first + 3].q));
+    for (int k = 0; k < 4; ++k) body.setOneQ(state, k, unit[k]);
+  }
+
+  /// R of the unit quaternion that Simbody was given.
+  SimTK::Rotation orientation(const SimTK::State& state) const {
+    return SimTK::Rotation(SimTK::Quaternion(SimTK::Vec4(body.getOneQ(state, 0), body.getOneQ(state, 1),
+                                                         body.getOneQ(state, 2), body.getOneQ(state, 3))));
+  }
+
+  /// E x, to where the joint's speeds are in `u`.
+  template <typename Rates>
+  void expand(const SimTK::State& state, const Rates& x, SimTK::Vector* u) const {
+    const int first = body.getFirstUIndex(state);
+    for (int k = 0; k < rates(); ++k) (*u)[first + place(k)] = x[dof + k];
+    if (!turnsRates()) return;
+    const SimTK::Rotation R = orientation(state);
+    for (int part = 0; part < rates(); part += 3) turn(R, u, first + part);
+  }
+  /// E' f, to where the joint's forces are in `out`.
+  void reduce(const SimTK::State& state, SimTK::Vector f, Eigen::VectorXd* out) const {
+    const int first = body.getFirstUIndex(state);
+    if (turnsRates()) {
+      const SimTK::Rotation R = orientation(state);
+      for (int part = 0; part < rates(); part += 3) turn(~R, &f, first + part);
+    }
+    for (int k = 0; k < rates(); ++k) (*out)(dof + k) = f[first + place(k)];
+  }
+  /// b, for the speeds that the state has; its other entries are zero.
+  SimTK::Vec3 bias(const SimTK::State& state) const {
+    const SimTK::Vec3 w(body.getOneU(state, 0), body.getOneU(state, 1), body.getOneU(state, 2));
+    const SimTK::Vec3 v(body.getOneU(state, 3), body.getOneU(state, 4), body.getOneU(state, 5));
+    return w % v;  // R (w x v) = (R w) x (R v)
+  }
+
+ private:
+  static void turn(const SimTK::Mat33& R, SimTK::Vector* u, int at) {
+    const SimTK::Vec3 turned = R * SimTK::Vec3((*u)[at], (*u)[at + 1], (*u)[at + 2]);
+    for (int k = 0; k < 3; ++k) (*u)[at + k] = turned[k];
+  }
+};
+
 class SimbodyWitness : public Witness {
  public:
-  explicit SimbodyWitness(const scene::Scene& scene)
+  /// @param closed  with the scene's closures and springs between points: for qdd only
+  explicit SimbodyWitness(const scene::Scene& scene, bool closed = false)
       : has_rotors_(hasRotors(scene.mechanism)),
         bound_(scene.mechanism,
                has_rotors_ ? ForwardDynamicsBy::kMassMatrix : ForwardDynamicsBy::kSweep),
@@ -89,6 +200,12 @@ class SimbodyWitness : public Witness {
     for (const scene::Wrench& w : mechanism.wrenches)
       wrenches_.push_back({w.link, w.axes == scene::Wrench::Axes::kWorld, vec3(w.force, number),
                            vec3(w.moment, number), vec3(w.at, number)});
+    if (closed) {
+      if (has_rotors_)
+        throw std::invalid_argument("simbody: rotors and closures together are not answered");
+      for (const scene::Closure& closure : mechanism.closures) addClosure(closure, number);
+      for (const scene::Spring& spring : mechanism.springs) addSpring(spring, number);
+    }
     state_ = system_.realizeTopology();
     system_.realizeModel(state_);
   }
@@ -142,19 +259,14 @@ class SimbodyWitness : public Witness {
               .getMobilizedBodyIndex());
       return;
     }
-    // a pin turns about z, a slider moves along x
-    const bool slides = joint.kind == JointKind::kPrismatic;
-    const SimTK::Transform X_axis(SimTK::Rotation(SimTK::UnitVec3(vec3(joint.axis, number)),
-                                                  slides ? SimTK::CoordinateAxis(SimTK::XAxis)
-                                                         : SimTK::CoordinateAxis(SimTK::ZAxis)));
+    const SimTK::Transform X_axis = axisFrame(joint, number);
     const SimTK::Transform X_PF = X_before * X_axis, X_BM = ~X_after * X_axis;
-    SimTK::MobilizedBody moved;
-    if (slides)
-      moved = SimTK::MobilizedBody::Slider(parent, X_PF, body, X_BM);
-    else
-      moved = SimTK::MobilizedBody::Pin(parent, X_PF, body, X_BM);
+    const SimTK::MobilizedBody moved =
+        mobilizer(joint.kind, number(joint.pitch), parent, X_PF, body, X_BM);
     links_.push_back(moved.getMobilizedBodyIndex());
-    joints_.push_back(moved);
+    joints_.push_back({moved, joint.kind, slots_, dof_});
+    slots_ += static_cast<int>(scene::positionSlots(joint.kind).size());
+    dof_ += scene::degreesOfFreedom(joint.kind);
     const double stiffness = number(joint.stiffness);
     if (stiffness != 0)
       SimTK::Force::MobilityLinearSpring(forces_, moved, SimTK::MobilizerQIndex(0), stiffness,
@@ -162,6 +274,42 @@ class SimbodyWitness : public Witness {
     rotors_.emplace_back();
     const double rotor = number(joint.rotor_inertia), gear = number(joint.gear_ratio);
     if (rotor != 0) addRotor(rotor, gear);
+  }
+
+  void addClosure(const scene::Closure& closure, const RealNumbers<double>& number) {
+    using namespace SimTK;  // NOLINT(google-build-using-namespace): its constraints, five of them
+    MobilizedBody& a = matter_.updMobilizedBody(links_[closure.a.link]);
+    MobilizedBody& b = matter_.updMobilizedBody(links_[closure.b.link]);
+    const SimTK::Transform X_A = composed(closure.a.steps(), number),
+                           X_B = composed(closure.b.steps(), number);
+    switch (closure.kind) {
+      case scene::ClosureKind::kDistance:
+        Constraint::Rod(a, X_A.p(), b, X_B.p(), number(closure.length));
+        break;
+      case scene::ClosureKind::kPlanarPoint:
+        Constraint::PointOnLine(a, X_A.z(), X_A.p(), b, X_B.p());
+        break;
+      case scene::ClosureKind::kPoint:
+        Constraint::Ball(a, X_A.p(), b, X_B.p());
+        break;
+      case scene::ClosureKind::kHinge:
+        Constraint::Ball(a, X_A.p(), b, X_B.p());
+        Constraint::ConstantAngle(a, X_A.x(), b, X_B.z(), Pi / 2);
+        Constraint::ConstantAngle(a, X_A.y(), b, X_B.z(), Pi / 2);
+        break;
+      case scene::ClosureKind::kWeld:
+        Constraint::Weld(a, X_A, b, X_B);
+        break;
+    }
+  }
+
+  void addSpring(const scene::Spring& spring, const RealNumbers<double>& number) {
+    const SimTK::MobilizedBody& a = matter_.getMobilizedBody(links_[spring.a.link]);
+    const SimTK::MobilizedBody& b = matter_.getMobilizedBody(links_[spring.b.link]);
+    const SimTK::Vec3 at_a = vec3(spring.a.xyz, number), at_b = vec3(spring.b.xyz, number);
+    SimTK::Force::TwoPointLinearSpring(forces_, a, at_a, b, at_b, number(spring.stiffness),
+                                       number(spring.rest));
+    SimTK::Force::TwoPointLinearDamper(forces_, a, at_a, b, at_b, number(spring.damping));
   }
 
   void addRotor(double inertia, double gear) {
@@ -177,14 +325,11 @@ class SimbodyWitness : public Witness {
 
   void setMotion(const scene::State<double>& state, bool moving) {
     for (std::size_t i = 0; i < joints_.size(); ++i) {
-      const double q = state.x[i].q, u = moving ? state.qd[i] : 0;
-      joints_[i].setOneQ(state_, 0, q);
-      joints_[i].setOneU(state_, 0, u);
-      if (hasRotor(i)) {
-        rotors_[i].body.setOneQ(state_, 0, rotors_[i].gear_ratio * q);
-        rotors_[i].body.setOneU(state_, 0, rotors_[i].gear_ratio * u);
-      }
+      joints_[i].setPosition(state_, state.x);
+      if (hasRotor(i))
+        rotors_[i].body.setOneQ(state_, 0, rotors_[i].gear_ratio * state.x[joints_[i].slot].q);
     }
+    state_.updU() = expanded(moving ? state.qd : std::vector<double>(dof_, 0.0));
   }
 
   void applyLoads() {
@@ -203,19 +348,31 @@ class SimbodyWitness : public Witness {
   /// Mobility space is (joints, rotors); a joint's generalised force is its own plus n times its
   /// rotor's.
   Eigen::VectorXd reduced(const SimTK::Vector& mobility_forces) const {
-    Eigen::VectorXd out(joints_.size());
+    Eigen::VectorXd out(dof_);
     for (std::size_t i = 0; i < joints_.size(); ++i) {
-      out(i) = mobility_forces[uIndex(joints_[i])];
+      joints_[i].reduce(state_, mobility_forces, &out);
       if (hasRotor(i))
-        out(i) += rotors_[i].gear_ratio * mobility_forces[uIndex(rotors_[i].body)];
+        out(joints_[i].dof) += rotors_[i].gear_ratio * mobility_forces[uIndex(rotors_[i].body)];
     }
     return out;
   }
-  SimTK::Vector expanded(const std::vector<double>& joint_rates) const {
+  template <typename Rates>
+  SimTK::Vector expanded(const Rates& joint_rates) const {
     SimTK::Vector out(state_.getNU(), 0.0);
-    for (std::size_t i = 0; i < joint_rates.size(); ++i) {
-      out[uIndex(joints_[i])] = joint_rates[i];
-      if (hasRotor(i)) out[uIndex(rotors_[i].body)] = rotors_[i].gear_ratio * joint_rates[i];
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      joints_[i].expand(state_, joint_rates, &out);
+      if (hasRotor(i))
+        out[uIndex(rotors_[i].body)] = rotors_[i].gear_ratio * joint_rates[joints_[i].dof];
+    }
+    return out;
+  }
+  /// du/dt at accelerations qdd (none: zero) and the speeds of the state.
+  SimTK::Vector speedRates(const std::vector<double>& qdd) const {
+    SimTK::Vector out = expanded(qdd.empty() ? std::vector<double>(dof_, 0.0) : qdd);
+    for (const Joint& joint : joints_) {
+      if (joint.kind != JointKind::kFloating) continue;
+      const SimTK::Vec3 b = joint.bias(state_);
+      for (int k = 0; k < 3; ++k) out[uIndex(joint.body) + 3 + k] += b[k];
     }
     return out;
   }
@@ -223,7 +380,7 @@ class SimbodyWitness : public Witness {
 
   Eigen::MatrixXd massMatrix() {
     system_.realize(state_, SimTK::Stage::Position);
-    const int n = static_cast<int>(joints_.size());
+    const int n = dof_;
     Eigen::MatrixXd M(n, n);
     SimTK::Matrix full;
     matter_.calcM(state_, full);
@@ -246,7 +403,7 @@ class SimbodyWitness : public Witness {
     }
     SimTK::Vector out;
     matter_.calcResidualForceIgnoringConstraints(state_, mobility_forces, body_forces,
-                                                 expanded(qdd), out);
+                                                 speedRates(qdd), out);
     return reduced(out);
   }
 
@@ -256,12 +413,16 @@ class SimbodyWitness : public Witness {
       return massMatrix().ldlt().solve(
           Eigen::Map<const Eigen::VectorXd>(tau.data(), tau.size()) - bias);
     }
-    for (std::size_t i = 0; i < joints_.size(); ++i)
-      loads_.setOneMobilityForce(state_, joints_[i], SimTK::MobilizerUIndex(0), tau[i]);
+    // forces of u = E qd: tau = E' f, and E is a rotation or a permutation
+    const SimTK::Vector f = expanded(tau);
+    for (const Joint& joint : joints_)
+      for (int k = 0; k < joint.rates(); ++k)
+        loads_.setOneMobilityForce(state_, joint.body, SimTK::MobilizerUIndex(k),
+                                   f[uIndex(joint.body) + k]);
     system_.realize(state_, SimTK::Stage::Acceleration);
-    Eigen::VectorXd out(joints_.size());
-    for (std::size_t i = 0; i < joints_.size(); ++i) out(i) = joints_[i].getOneUDot(state_, 0);
-    return out;
+    SimTK::Vector u_rate = state_.getUDot();
+    u_rate -= speedRates({});
+    return reduced(u_rate);  // E' = E^-1
   }
 
   Eigen::VectorXd momentum() {
@@ -286,8 +447,9 @@ class SimbodyWitness : public Witness {
   SimTK::GeneralForceSubsystem forces_;
   SimTK::Force::DiscreteForces loads_;
   std::vector<SimTK::MobilizedBodyIndex> links_;  ///< one a scene link
-  std::vector<SimTK::MobilizedBody> joints_;      ///< one a degree of freedom
-  std::vector<Rotor> rotors_;                     ///< one a degree of freedom, empty without rotor
+  std::vector<Joint> joints_;                     ///< one a joint that moves
+  std::vector<Rotor> rotors_;                     ///< one a joint, empty without rotor
+  int slots_ = 0, dof_ = 0;
   std::vector<AppliedWrench> wrenches_;
   SimTK::State state_;
 };
@@ -296,7 +458,10 @@ constexpr const char* kConventions =
     "reads: the scene, placed with Simbody's own Rotation and Transform, inertias turned and shifted "
     "by its Inertia; fixed joints are welds\n"
     "spatial vectors: angular part first, ground axes, about the body's origin\n"
-    "joint axis: a Pin turns about z, a Slider moves along x of its frame\n"
+    "joint axis: a Pin, Screw or Cylinder about z, a Slider along x, a Planar in x and y, a Universal "
+    "about x and the new y of its frame\n"
+    "speeds: those of Ball and Free are turned from the scene's moved joint frame to the unmoved one; a "
+    "Free's dv/dt has w x v besides\n"
     "inertia: given about the centre of mass, kept about the body's origin\n"
     "bias: c is the residual force of inverse dynamics without applied forces and accelerations; g "
     "is that of the applied forces at rest\n"
@@ -314,6 +479,11 @@ std::string simbodyVersion() {
 }
 
 }  // namespace
+
+Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
+                                           const scene::State<double>& state) {
+  return SimbodyWitness(scene, true).value(Quantity::kQdd, state);
+}
 
 WitnessKind simbodyKind() {
   WitnessInfo info;

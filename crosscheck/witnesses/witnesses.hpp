@@ -14,6 +14,12 @@ WitnessKind kernelKind();           ///< the scene's own compiled program, one s
 WitnessKind kernelLanesKind();      ///< the same on several states at once
 WitnessKind simbodyKind();          ///< Simbody, which reads the scene with its own transforms
 
+/** qdd [n] of the closed mechanism by Simbody's own constraints (Rod, PointOnLine, Ball, ConstantAngle,
+    Weld) and springs, at a state with phi = 0 and J qd = 0 and with its tau.
+    @throws std::invalid_argument  the scene has rotors */
+Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
+                                           const scene::State<double>& state);
+
 // optional: present where crosscheck/cmake/engines.cmake found the engine
 WitnessKind mujocoKind();           ///< MuJoCo, which reads the URDF itself
 WitnessKind mujocoPrincipalKind();  ///< the same, given inertias in their principal axes

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speed against accuracy: every method that computes the same quantity, on one picture.
+// Speed against accuracy: every method that computes the same quantity, measured in one run.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +31,11 @@ struct Chart {
   std::vector<std::string> left_out;  ///< methods that do not apply, each with the reason
 };
 
+/// How it is measured: the truth is certified to 2^-bits, to judge 50 digits too; one time is taken
+/// for each batch of states, in rounds over all methods.
+inline constexpr long kChartTruthBits = 200;
+inline constexpr int kChartBatches = 20, kChartRounds = 5;
+
 /** Lets every method compute the same quantity at the same states in the same run.
 
     All start from q, qd and qdd (or tau) as numbers, so cosines and sines are in the time, and
@@ -42,22 +47,14 @@ struct Chart {
     interpreted here; compiled ones are faster. Rounds over all methods are repeated, so that a
     change of the machine's pace meets all of them.
 
-    The truth is certified to 2^-200, to judge 50 digits too.
-
-    @param quantity  M, tau or qdd
+    @param quantity  one of chartedQuantities()
     @throws std::invalid_argument  on another quantity
-    @throws std::runtime_error     where there is no truth: M is singular at one of the states */
+    @throws scene::InputError      where there is no truth: M is singular at one of the states */
 Chart speedAccuracy(const scene::Scene& scene, Quantity quantity,
                     const std::vector<WitnessKind>& kinds, int states = 1000,
                     std::uint64_t seed = 1);
 
-/// One line a point:
-/// `method,scalar,error_worst,error_median,time_min_ns,time_median_ns,time_high_ns`, under `#`
-/// lines that say what was measured and on which machine.
-std::string chartCsv(const Chart& chart);
-
-/** Draws NAME.svg and NAME_dark.svg from NAME.csv beside it.
-    @param style  the path of style.gp, as seen from the script's folder */
-std::string chartScript(const Chart& chart, const std::string& name, const std::string& style);
+/// M, tau and qdd: what the sweeps of a chart compute.
+const std::vector<Quantity>& chartedQuantities();
 
 }  // namespace dynwitness::crosscheck

@@ -1,0 +1,607 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sections 15 and 16: Hamilton's principle, Lagrange's equations, and what they share with
+// Newton's.
+#include <algorithm>
+
+#include "crosscheck/audit/lifted.hpp"
+#include "recursive/energy.hpp"
+
+namespace dynwitness::audit {
+namespace {
+
+// ---- paths and actions as polynomials in time ---------------------------------------------------
+
+/// A polynomial in time; its coefficients may be duals.
+template <typename T>
+struct Poly {
+  std::vector<T> c;  ///< c[0] + c[1] t + ...
+
+  Poly(const T& constant = T(0)) : c{constant} {}  // NOLINT(google-explicit-constructor)
+  explicit Poly(int constant) : c{T(constant)} {}
+  explicit Poly(std::vector<T> coefficients) : c(std::move(coefficients)) {}
+  static Poly time() { return Poly(std::vector<T>{T(0), T(1)}); }
+
+  friend Poly operator+(const Poly& a, const Poly& b) { return combined(a, b, T(1)); }
+  friend Poly operator-(const Poly& a, const Poly& b) { return combined(a, b, T(-1)); }
+  friend Poly operator*(const Poly& a, const Poly& b) {
+    std::vector<T> c(a.c.size() + b.c.size() - 1, T(0));
+    for (std::size_t i = 0; i < a.c.size(); ++i)
+      for (std::size_t j = 0; j < b.c.size(); ++j) c[i + j] += a.c[i] * b.c[j];
+    return Poly(c);
+  }
+  Poly operator-() const { return Poly() - *this; }
+  Poly& operator+=(const Poly& b) { return *this = *this + b; }
+
+  Poly derivative() const {
+    std::vector<T> d(1, T(0));
+    for (std::size_t i = 1; i < c.size(); ++i) {
+      d.resize(i, T(0));
+      d[i - 1] = c[i] * T(static_cast<int>(i));
+    }
+    return Poly(d);
+  }
+  T at(const T& t) const {
+    T value = T(0);
+    for (std::size_t i = c.size(); i-- > 0;) value = value * t + c[i];
+    return value;
+  }
+  T integral(const T& from, const T& to) const {
+    std::vector<T> primitive(1, T(0));
+    for (std::size_t i = 0; i < c.size(); ++i)
+      primitive.push_back(c[i] / T(static_cast<int>(i + 1)));
+    return Poly(primitive).at(to) - Poly(primitive).at(from);
+  }
+
+ private:
+  static Poly combined(const Poly& a, const Poly& b, const T& factor) {
+    std::vector<T> c(std::max(a.c.size(), b.c.size()), T(0));
+    for (std::size_t i = 0; i < a.c.size(); ++i) c[i] += a.c[i];
+    for (std::size_t i = 0; i < b.c.size(); ++i) c[i] += b.c[i] * factor;
+    return Poly(c);
+  }
+};
+
+/// Polynomials whose coefficients are duals, from polynomials.
+template <typename T>
+Poly<Dual<T>> lift(const Poly<T>& p) {
+  std::vector<Dual<T>> c;
+  for (const T& x : p.c) c.push_back(Dual<T>(x));
+  return Poly<Dual<T>>(c);
+}
+
+template <typename At>
+Poly<ScalarOf<At>> anyPoly(At& at, int degree) {
+  std::vector<ScalarOf<At>> c;
+  for (int i = 0; i <= degree; ++i) c.push_back(at.number());
+  return Poly<ScalarOf<At>>(c);
+}
+/// Any polynomial that vanishes at both instants.
+template <typename At, typename T>
+Poly<T> anyVariation(At& at, const T& t1, const T& t2) {
+  const Poly<T> t = Poly<T>::time();
+  return (t - Poly<T>(t1)) * (t - Poly<T>(t2)) * anyPoly(at, 1);
+}
+
+/// A Lagrangian of two coordinates whose kinetic energy depends on the place and that has every
+/// kind of term: what the derivation of the equations must cope with.
+template <typename T>
+struct Lagrangian {
+  T a, b, c, d, e;
+
+  template <typename S>
+  S operator()(const std::vector<S>& q, const std::vector<S>& v) const {
+    const auto k = [](const T& x) { return S(x); };
+    return k(a) * v[0] * v[0] + (k(b) + q[0] * q[0]) * v[1] * v[1] + k(c) * q[1] * v[0] * v[1] +
+           k(d) * q[0] * v[1] - k(e) * q[0] * q[1] * q[1];
+  }
+};
+template <typename At>
+Lagrangian<ScalarOf<At>> anyLagrangian(At& at) {
+  const auto a = at.number(), b = at.number(), c = at.number(), d = at.number();
+  return {a, b, c, d, at.number()};
+}
+
+/// dL/dq_i or dL/dqd_i along a path, as a function of time.
+template <typename T>
+Poly<T> partial(const Lagrangian<T>& L, const std::vector<Poly<T>>& q, int i, bool of_rate) {
+  using D = Dual<Poly<T>>;
+  std::vector<D> x, v;
+  for (int j = 0; j < 2; ++j) {
+    const Poly<T> seed(T(i == j ? 1 : 0));
+    x.push_back(of_rate ? D(q[j]) : D(q[j], seed));
+    v.push_back(of_rate ? D(q[j].derivative(), seed) : D(q[j].derivative()));
+  }
+  const auto lagrangian =
+      Lagrangian<Poly<T>>{Poly<T>(L.a), Poly<T>(L.b), Poly<T>(L.c), Poly<T>(L.d), Poly<T>(L.e)};
+  return lagrangian(x, v).derivative;
+}
+
+template <typename T>
+Poly<T> along(const Lagrangian<T>& L, const std::vector<Poly<T>>& q) {
+  const Lagrangian<Poly<T>> lagrangian = {Poly<T>(L.a), Poly<T>(L.b), Poly<T>(L.c), Poly<T>(L.d),
+                                          Poly<T>(L.e)};
+  return lagrangian(q, std::vector<Poly<T>>{q[0].derivative(), q[1].derivative()});
+}
+
+/// dPhi/deps_i at a point eps, Phi(eps) the action of q + (eps_1 r_1, eps_2 r_2).
+template <typename T>
+T actionSlope(const Lagrangian<T>& L, const std::vector<Poly<T>>& q, const std::vector<Poly<T>>& r,
+              const std::vector<T>& eps, int i, const T& t1, const T& t2) {
+  using D = Dual<T>;
+  std::vector<Poly<D>> varied;
+  for (int j = 0; j < 2; ++j)
+    varied.push_back(lift(q[j]) + Poly<D>(D(eps[j], T(i == j ? 1 : 0))) * lift(r[j]));
+  const Lagrangian<D> lagrangian = {D(L.a), D(L.b), D(L.c), D(L.d), D(L.e)};
+  return along(lagrangian, varied).integral(D(t1), D(t2)).derivative;
+}
+
+/// Everything that a statement about a variation needs.
+template <typename T>
+struct Varied {
+  Lagrangian<T> L;
+  T t1, t2;
+  std::vector<Poly<T>> q, r;
+};
+template <typename At>
+Varied<ScalarOf<At>> anyVaried(At& at) {
+  using T = ScalarOf<At>;
+  const Lagrangian<T> L = anyLagrangian(at);
+  const T t1 = at.number(), t2 = at.number();
+  const Poly<T> q1 = anyPoly(at, 2), q2 = anyPoly(at, 2);
+  const Poly<T> r1 = anyVariation(at, t1, t2), r2 = anyVariation(at, t1, t2);
+  return {L, t1, t2, {q1, q2}, {r1, r2}};
+}
+
+// ---- Lagrange's equations at one instant --------------------------------------------------------
+
+/// d/dt dL/dqd_i - dL/dq_i of any L(q, qd), by nested duals: inner for the partial derivative,
+/// outer for time. Function: called with vectors of Dual<Dual<T>>.
+template <typename T, typename Function>
+VectorX<T> eulerLagrange(const Function& L, const std::vector<T>& q, const std::vector<T>& qd,
+                         const std::vector<T>& qdd) {
+  using DD = Dual<Dual<T>>;  // .value: now, .derivative: rate; of each .derivative: the partial
+  const int n = static_cast<int>(q.size());
+  VectorX<T> out(n);
+  for (int i = 0; i < n; ++i) {
+    for (const bool of_rate : {true, false}) {
+      std::vector<DD> x, v;
+      for (int j = 0; j < n; ++j) {
+        const T seed = T(i == j ? 1 : 0);
+        x.push_back(DD(Dual<T>(q[j], of_rate ? T(0) : seed), Dual<T>(qd[j])));
+        v.push_back(DD(Dual<T>(qd[j], of_rate ? seed : T(0)), Dual<T>(qdd[j])));
+      }
+      const DD value = L(x, v);
+      if (of_rate)
+        out(i) = value.derivative.derivative;
+      else
+        out(i) -= value.value.derivative;
+    }
+  }
+  return out;
+}
+
+/// T + sign V of a robot by the sweeps of recursive/energy.hpp, in q, qd.
+template <typename T>
+VectorX<T> robotEulerLagrange(const Robot<T>& robot, int sign) {
+  using DD = Dual<Dual<T>>;
+  const recursive::Model<DD> model = lifted<DD>(robot.model());
+  recursive::Workspace<DD> ws(model);
+  std::vector<T> q;
+  for (const auto& x : robot.x) q.push_back(x.q);
+  const auto L = [&](const std::vector<DD>& q, const std::vector<DD>& qd) {
+    std::vector<scene::JointPosition<DD>> x;
+    for (int i = 0; i < robot.n(); ++i) {
+      // cos and sin of a dual angle at a point of the circle: (c, s) moved by both its small parts
+      const Dual<T>& now = q[i].value;
+      const T &c = robot.x[i].c, &s = robot.x[i].s;
+      const Dual<T> c_now(c, -s * now.derivative), s_now(s, c * now.derivative);
+      x.push_back({q[i], {c_now, -s_now * q[i].derivative}, {s_now, c_now * q[i].derivative}});
+    }
+    return recursive::kineticEnergy(model, x, qd, ws) +
+           recursive::potentialEnergy(model, x, ws) * DD(sign);
+  };
+  return eulerLagrange<T>(L, q, robot.qd, robot.qdd);
+}
+
+/// m v^2 / 2 - k q^2 / 2 and what W adds to it, against m qdd + k q - Q.
+template <typename At, typename Work, typename ForceOfRate>
+void compareWork(At& at, const Work& work, const ForceOfRate& force_of_rate) {
+  using T = ScalarOf<At>;
+  using DD = Dual<Dual<T>>;
+  const T m = at.number(), k = at.number(), q = at.number(), qd = at.number(), qdd = at.number();
+  const auto L = [&](const std::vector<DD>& x, const std::vector<DD>& v) {
+    const auto c = [](const T& value) { return DD(Dual<T>(value)); };
+    return (c(m) * v[0] * v[0] - c(k) * x[0] * x[0]) / c(T(2)) + work(x[0], v[0]);
+  };
+  at.equal("force balance", eulerLagrange<T>(L, {q}, {qd}, {qdd})(0),
+           T(m * qdd + k * q - force_of_rate(qd)));
+}
+
+/// The first variation of a polynomial path that is made physical by a force F(t), at eps = 0 or
+/// with the other eps anywhere.
+template <typename At>
+void compareFirstVariation(At& at, bool all_zero) {
+  using T = ScalarOf<At>;
+  const auto v = anyVaried(at);
+  std::vector<Poly<T>> F;  // L + F' q is stationary at q:  F = d/dt dL/dqd - dL/dq
+  for (int i = 0; i < 2; ++i)
+    F.push_back(partial(v.L, v.q, i, true).derivative() - partial(v.L, v.q, i, false));
+  T sum = T(0);
+  for (int i = 0; i < 2; ++i) {
+    std::vector<T> eps = {T(0), T(0)};
+    if (!all_zero) eps[1 - i] = at.number();
+    const T slope =
+        actionSlope<T>(v.L, v.q, v.r, eps, i, v.t1, v.t2) + (F[i] * v.r[i]).integral(v.t1, v.t2);
+    sum += at.number() * slope;
+  }
+  at.zero("first variation", sum);
+}
+
+/// A body that turns about a fixed point: moment in its own axes against d/dt dT/dw (+ w x dT/dw).
+template <typename At>
+void compareRotation(At& at, bool with_gyroscopic_term) {
+  using T = ScalarOf<At>;
+  Path<T> path = anyPath(at);
+  path.p = still<T, 3, 1>(Vector3<T>::Zero());
+  const auto body = anyBody(at);
+  const Matrix3<T> Rt = path.axes().transpose(), I = body.inertiaAbout(Vector3<T>::Zero());
+  // w in body axes, and its rate: that of the components, in which R' (w x w) = 0 drops out
+  const Vector3<T> w = Rt * path.omega(), wd = Rt * path.alpha();
+  Vector3<T> moment = I * wd;
+  if (with_gyroscopic_term) moment += w.cross(Vector3<T>(I * w));
+  at.equal("moment", moment, Vector3<T>(Rt * body.force(path, Vector3<T>::Zero()).moment));
+}
+
+// ---- second variations of an oscillator ---------------------------------------------------------
+
+/// An oscillator over a duration that is `low` to `high` times sqrt(m / k); half a period is pi.
+struct Oscillator {
+  Oscillator(RealPoint& at, double low, double high) : m(at.number(0.5, 2)), k(at.number(0.5, 2)) {
+    duration = sqrt(m / k) * at.number(low, high);
+  }
+  /// What the action of q + r has more than that of any motion q:  integral of (m rd^2 - k r^2) /
+  /// 2, exactly, for r = t (duration - t) times a polynomial.
+  Ball excess(const Poly<Ball>& shape) const {
+    const Poly<Ball> t = Poly<Ball>::time();
+    const Poly<Ball> r = t * (Poly<Ball>(duration) - t) * shape, rd = r.derivative();
+    return (Poly<Ball>(m) * rd * rd - Poly<Ball>(k) * r * r).integral(Ball(0), duration) / Ball(2);
+  }
+  /// 1, and duration - 2 t: one bump and two.
+  Ball slow() const { return excess(Poly<Ball>(Ball(1))); }
+  Ball fast() const {
+    return excess(Poly<Ball>(duration) - Poly<Ball>(Ball(2)) * Poly<Ball>::time());
+  }
+  Ball m, k, duration;
+};
+
+std::vector<Claim> hamilton() {
+  std::vector<Claim> claims;
+  const Trial saddle = certified([](RealPoint& at) {
+    const Oscillator oscillator(at, 3.3, 6);
+    at.positive("- (slow) (fast)", -(oscillator.slow() * oscillator.fast()));
+  });
+  const Trial stationary = exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    // a free fall: I(q + r) - I(q) has no part linear in r
+    const T m = at.number(), g = at.number(), t1 = at.number(), t2 = at.number();
+    const Poly<T> q(std::vector<T>{at.number(), at.number(), -g / T(2)});
+    const Poly<T> r = anyVariation(at, t1, t2);
+    const auto action = [&](const Poly<T>& path) {
+      const Poly<T> v = path.derivative();
+      return (Poly<T>(m / T(2)) * v * v - Poly<T>(m * g) * path).integral(t1, t2);
+    };
+    const Poly<T> rd = r.derivative();
+    at.equal("I(q + r) - I(q)", T(action(q + r) - action(q)),
+             T((Poly<T>(m / T(2)) * rd * rd).integral(t1, t2)));
+  });
+  claims.push_back(
+      Claim("eq64", "15", "Hamilton's principle")
+          .printed("the action of the motion is a local minimum or maximum: all variations change "
+                   "it with the "
+                   "same sign (an oscillator over more than half a period)",
+                   certified([](RealPoint& at) {
+                     const Oscillator oscillator(at, 3.3, 6);
+                     at.positive("(slow) (fast)", oscillator.slow() * oscillator.fast());
+                   }))
+          .condition(
+              "the time between the end points is short: less than half a period of an oscillator",
+              certified([](RealPoint& at) {
+                const Oscillator oscillator(at, 0.5, 3.14);
+                at.positive("slow", oscillator.slow());
+                at.positive("fast", oscillator.fast());
+                Poly<Ball> any(std::vector<Ball>{at.number(-1, 1), at.number(-1, 1),
+                                                 at.number(-1, 1), at.number(-1, 1)});
+                at.positive("any", oscillator.excess(any));
+              }))
+          .corrected("the action is stationary: `I(q + r) - I(q)` has no part of first order in r; "
+                     "over more "
+                     "than half a period a slow variation lowers it and a fast one raises it",
+                     both(stationary, saddle))
+          .why("Beyond half a period (a conjugate point) the motion is a saddle of the action. A "
+               "maximum it "
+               "never is: fast wiggles cost kinetic energy without end. Lagrange's equations say "
+               "stationary and nothing more, so with that word both are equivalent.")
+          .in("crosscheck/audit/lagrange.cpp"));
+  claims.push_back(
+      Claim("least_action", "15", "The physical path and its neighbours")
+          .printed("the action of the motion is smaller than that of every path near by: `I(q + r) "
+                   "> I(q)`",
+                   certified([](RealPoint& at) {
+                     at.positive("I(q + r) - I(q)", Oscillator(at, 3.3, 6).slow());
+                   }))
+          .condition("over less than half a period of an oscillator", certified([](RealPoint& at) {
+                       at.positive("I(q + r) - I(q)", Oscillator(at, 0.5, 3.14).slow());
+                     }))
+          .corrected("over more than half a period there is a path near by whose action is smaller",
+                     certified([](RealPoint& at) {
+                       at.positive("I(q) - I(q + r)", -Oscillator(at, 3.3, 6).slow());
+                     }))
+          .why("The bump r = t (t2 - t) makes it smaller: over a long time, the potential energy "
+               "that a slow "
+               "detour gains outweighs the kinetic energy that it costs.")
+          .in("crosscheck/audit/lagrange.cpp"));
+  claims.push_back(Claim("eq65", "15", "The Lagrangian")
+                       .printed("`L = T - V` gives the equations of motion", exact([](auto& at) {
+                                  const auto robot = anyRobot(at, {kTurn, kSlide});
+                                  at.equal("forces", robotEulerLagrange(robot, -1),
+                                           robot.forces(robot.qdd));
+                                }))
+                       .why("T and V by sweeps, differentiated by nested dual numbers, against "
+                            "virtual work on point "
+                            "masses. T + V, the energy, would turn the sign of gravity.")
+                       .in("recursive/energy.hpp"));
+  claims.push_back(
+      Claim("eq66", "15", "Forces without potential in the Lagrangian")
+          .printed(
+              "`L = T - V + W` with W the work of the forces, for friction `Q = -b qd`: `W = Q q`",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                const T b = at.number();
+                compareWork(
+                    at,
+                    [&](const auto& q, const auto& qd) {
+                      using S = std::decay_t<decltype(q)>;
+                      return -(S(Dual<T>(b)) * qd * q);
+                    },
+                    [&](const T& qd) { return -b * qd; });
+              }))
+          .condition("the forces are given functions of time, or constant, so that W = Q q",
+                     exact([](auto& at) {
+                       using T = ScalarOf<decltype(at)>;
+                       const T Q = at.number(), rate_of_Q = at.number();
+                       compareWork(
+                           at,
+                           [&](const auto& q, const auto&) {
+                             using S = std::decay_t<decltype(q)>;
+                             return S(Dual<T>(Q), Dual<T>(rate_of_Q)) * q;
+                           },
+                           [&](const T&) { return Q; });
+                     }))
+          .corrected("`d/dt dL/dqd - dL/dq = Q` with `L = T - V`; for the integral: the variation "
+                     "of the action "
+                     "plus the integral of the virtual work `Q r` vanishes",
+                     exact([](auto& at) {
+                       using T = ScalarOf<decltype(at)>;
+                       // any polynomial path q; Q(t) is what it takes: m qdd + k q
+                       const T m = at.number(), k = at.number(), t1 = at.number(), t2 = at.number();
+                       const Poly<T> q = anyPoly(at, 3), r = anyVariation(at, t1, t2);
+                       const Poly<T> Q = Poly<T>(m) * q.derivative().derivative() + Poly<T>(k) * q;
+                       const T slope =
+                           (Poly<T>(m) * q.derivative() * r.derivative() - Poly<T>(k) * q * r)
+                               .integral(t1, t2);
+                       at.zero("variation and virtual work", T(slope + (Q * r).integral(t1, t2)));
+                     }))
+          .why("The term -b qd q is the rate of -b q^2 / 2, so it drops out of the equations and "
+               "the friction "
+               "with it. Work depends on the path; what enters is virtual work, Q times the "
+               "variation, not the "
+               "variation of a function W.")
+          .in("recursive/newton_euler.hpp"));
+  return claims;
+}
+
+std::vector<Claim> variations() {
+  std::vector<Claim> claims;
+  claims.push_back(
+      Claim("eq67", "15.1", "The action as a functional of the path")
+          .printed(
+              "`I = integral of L(q, qd, t) dt`; for free motion from (t1, q1) to (t2, q2) it is "
+              "`m (q2 - q1)^2 / (2 (t2 - t1))`",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                const T m = at.number(), t1 = at.number(), t2 = at.number();
+                const Poly<T> q = anyPoly(at, 1), v = q.derivative();
+                const T distance = q.at(t2) - q.at(t1);
+                at.equal("I", (Poly<T>(m / T(2)) * v * v).integral(t1, t2),
+                         T(m * distance * distance / (T(2) * (t2 - t1))));
+              }))
+          .why("A number for a whole path. Its value for free motion tells how it depends on the "
+               "end points.")
+          .in("crosscheck/audit/lagrange.cpp"));
+  claims.push_back(
+      Claim("eq68", "15.1", "A varied path")
+          .printed("`Phi(eps) = integral of L(q + eps' r, qd + eps' rd, t) dt`, with the "
+                   "derivative (70) by eps_1",
+                   exact([](auto& at) {
+                     using T = ScalarOf<decltype(at)>;
+                     const auto v = anyVaried(at);
+                     // eps' r is one number, added to every coordinate: d/deps_1 moves both along
+                     // r_1
+                     const T slope =
+                         actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 0, v.t1, v.t2) +
+                         actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 1, v.t1, v.t2);
+                     at.equal("dPhi/deps_1", slope,
+                              (partial(v.L, v.q, 0, false) * v.r[0] +
+                               partial(v.L, v.q, 0, true) * v.r[0].derivative())
+                                  .integral(v.t1, v.t2));
+                   }))
+          .corrected("`q_i + eps_i r_i`, component by component", exact([](auto& at) {
+                       using T = ScalarOf<decltype(at)>;
+                       const auto v = anyVaried(at);
+                       at.equal("dPhi/deps_1",
+                                actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, 0, v.t1, v.t2),
+                                (partial(v.L, v.q, 0, false) * v.r[0] +
+                                 partial(v.L, v.q, 0, true) * v.r[0].derivative())
+                                    .integral(v.t1, v.t2));
+                     }))
+          .why("eps' r is a scalar product, one number, and cannot be added to a vector. (70) is "
+               "what comes of "
+               "varying each coordinate by its own eps_i r_i.")
+          .in("crosscheck/audit/lagrange.cpp"));
+  claims.push_back(
+      Claim("eq69", "15.1", "First variation")
+          .printed("`0 = eps_1 dPhi/deps_1 + ...`, each derivative taken at its own `eps_i = 0`, "
+                   "the other eps "
+                   "being anything (a path that makes Phi stationary)",
+                   exact([](auto& at) { compareFirstVariation(at, false); }))
+          .corrected("all derivatives at `eps = 0`",
+                     exact([](auto& at) { compareFirstVariation(at, true); }))
+          .why("Away from eps = 0 the second coordinate is no longer on the physical path, and the "
+               "derivative by eps_1 feels that through the coupling in L.")
+          .in("crosscheck/audit/lagrange.cpp"));
+  claims.push_back(
+      Claim("eq70", "15.1", "First variation under the integral")
+          .printed(
+              "`sum eps_i dPhi/deps_i = integral of sum eps_i (dL/dq_i r_i + dL/dqd_i rd_i) dt`",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                const auto v = anyVaried(at);
+                T left = T(0);
+                Poly<T> right;
+                for (int i = 0; i < 2; ++i) {
+                  const T eps = at.number();
+                  left += eps * actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, i, v.t1, v.t2);
+                  right += Poly<T>(eps) * (partial(v.L, v.q, i, false) * v.r[i] +
+                                           partial(v.L, v.q, i, true) * v.r[i].derivative());
+                }
+                at.equal("first variation", left, right.integral(v.t1, v.t2));
+              }))
+          .why("The chain rule under the integral: the action is a sum over instants, and so is "
+               "its slope.")
+          .in("crosscheck/audit/lagrange.cpp"));
+  claims.push_back(
+      Claim("eq71", "15.1", "Integration by parts")
+          .printed("`integral of eps_i (dL/dq_i r_i + dL/dqd_i rd_i) = [eps_i r_i dL/dqd_i] + "
+                   "integral of eps_i "
+                   "r_i (dL/dq_i - d/dt dL/dqd_i)`",
+                   exact([](auto& at) {
+                     using T = ScalarOf<decltype(at)>;
+                     const auto v = anyVaried(at);
+                     const Poly<T> r = anyPoly(at, 2);  // need not vanish at the ends here
+                     const Poly<T> p = partial(v.L, v.q, 0, true), f = partial(v.L, v.q, 0, false);
+                     at.equal("first variation", (f * r + p * r.derivative()).integral(v.t1, v.t2),
+                              T((r * p).at(v.t2) - (r * p).at(v.t1) +
+                                (r * (f - p.derivative())).integral(v.t1, v.t2)));
+                   }))
+          .why("The rate of the variation is traded for the rate of the momentum dL/dqd; the price "
+               "is paid at the ends, where (72) lets the variation vanish.")
+          .in("crosscheck/audit/lagrange.cpp"));
+  claims.push_back(Claim("eq72", "15.1", "Lagrange's equations")
+                       .printed("`d/dt dL/dqd_i - dL/dq_i = 0` where no forces but those of V act",
+                                exact([](auto& at) {
+                                  using T = ScalarOf<decltype(at)>;
+                                  auto robot = anyRobot(at, {kTurn, kTurn});
+                                  robot.tau = robot.zeros();
+                                  robot.qdd = robot.accelerations();  // by virtual work
+                                  at.zero("d/dt dL/dqd - dL/dq",
+                                          VectorX<T>(robotEulerLagrange(robot, -1)));
+                                }))
+                       .why("Of a free fall of point masses on joints. With joint torques, tau "
+                            "stands on the right.")
+                       .in("recursive/energy.hpp"));
+  return claims;
+}
+
+std::vector<Claim> comparison() {
+  std::vector<Claim> claims;
+  claims.push_back(
+      Claim("invariance", "16", "Lagrange's equations under another representation")
+          .printed("they keep their form under any change of representation, angular velocities "
+                   "for rates of "
+                   "coordinates included: `d/dt dT/dw = moment`",
+                   exact([](auto& at) { compareRotation(at, false); }))
+          .condition("a change of coordinates, q = f(x): `E_x = (df/dx)' E_q`", exact([](auto& at) {
+                       using T = ScalarOf<decltype(at)>;
+                       const Lagrangian<T> L = anyLagrangian(at);
+                       const T a = at.number(), b = at.number(), c = at.number();
+                       const auto f = [&](const auto& x) {  // any quadratic change of coordinates
+                         using S = typename std::decay_t<decltype(x)>::value_type;
+                         const auto k = [](const T& y) { return S(y); };
+                         return std::vector<S>{x[0] + k(a) * x[1] * x[1],
+                                               x[1] + k(b) * x[0] * x[1] + k(c) * x[0]};
+                       };
+                       const std::vector<T> x = {at.number(), at.number()},
+                                            xd = {at.number(), at.number()},
+                                            xdd = {at.number(), at.number()};
+                       std::vector<Jet<T>> moving;
+                       for (int i = 0; i < 2; ++i) moving.push_back(jet<T>(x[i], xd[i], xdd[i]));
+                       const std::vector<Jet<T>> q = f(moving);
+                       MatrixX<T> slope(2, 2);
+                       for (int j = 0; j < 2; ++j) {
+                         std::vector<Dual<T>> seeded = {{x[0], T(j == 0 ? 1 : 0)},
+                                                        {x[1], T(j == 1 ? 1 : 0)}};
+                         const auto moved = f(seeded);
+                         for (int i = 0; i < 2; ++i) slope(i, j) = moved[i].derivative;
+                       }
+                       using DD = Dual<Dual<T>>;
+                       const auto lifted_L = [&](const std::vector<DD>& q,
+                                                 const std::vector<DD>& v) {
+                         const auto k = [](const T& y) { return DD(Dual<T>(y)); };
+                         return Lagrangian<DD>{k(L.a), k(L.b), k(L.c), k(L.d), k(L.e)}(q, v);
+                       };
+                       const auto in_x = [&](const std::vector<DD>& y, const std::vector<DD>& yd) {
+                         // f(y) and its rate along yd, by duals over these scalars
+                         std::vector<Dual<DD>> path = {{y[0], yd[0]}, {y[1], yd[1]}};
+                         const auto k = [](const T& z) { return Dual<DD>(DD(Dual<T>(z))); };
+                         const std::vector<Dual<DD>> image = {
+                             path[0] + k(a) * path[1] * path[1],
+                             path[1] + k(b) * path[0] * path[1] + k(c) * path[0]};
+                         return lifted_L({image[0].value, image[1].value},
+                                         {image[0].derivative, image[1].derivative});
+                       };
+                       const auto part = [&](auto which) {
+                         return std::vector<T>{which(q[0]), which(q[1])};
+                       };
+                       const VectorX<T> E_q = eulerLagrange<T>(
+                           lifted_L, part([](const Jet<T>& y) { return y.value.value; }),
+                           part([](const Jet<T>& y) { return y.value.derivative; }),
+                           part([](const Jet<T>& y) { return y.derivative.derivative; }));
+                       at.equal("E_x", eulerLagrange<T>(in_x, x, xd, xdd),
+                                VectorX<T>(slope.transpose() * E_q));
+                     }))
+          .corrected("in angular velocities a term of their own appears: `d/dt dT/dw + w x dT/dw = "
+                     "moment`",
+                     exact([](auto& at) { compareRotation(at, true); }))
+          .why("w is not the rate of any three coordinates, so Lagrange's derivation, which varies "
+               "coordinates, does not apply to it (Euler-Poincare's does).")
+          .in("recursive/spatial.hpp"));
+  claims.push_back(
+      Claim("cartesian_local", "16", "End-effector coordinates as generalised coordinates")
+          .printed("six end-effector coordinates are only local: where two axes coincide, `J M^-1 "
+                   "J'`, the "
+                   "inverse of their mass matrix, is singular",
+                   exact([](auto& at) {
+                     using T = ScalarOf<decltype(at)>;
+                     auto robot = anyRobot(at, {kTurn, kTurn, kTurn});
+                     robot.R[2] = Matrix3<T>::Identity();
+                     robot.r[2] = Vector3<T>::Zero();
+                     const MatrixX<T> J = at.template matrix<3, 6>() * robot.jacobian(2);
+                     at.zero("det J M^-1 J'",
+                             determinant<T>(MatrixX<T>(J * inverseDense<T>(robot.massMatrix()) *
+                                                       J.transpose())));
+                   }))
+          .why("Three joints and three task coordinates here, for brevity: the same holds for six.")
+          .in("recursive/operational_space.hpp"));
+  return claims;
+}
+
+}  // namespace
+
+std::vector<Claim> lagrange() {
+  std::vector<Claim> claims = hamilton();
+  for (auto group : {variations, comparison})
+    for (Claim& claim : group()) claims.push_back(std::move(claim));
+  return claims;
+}
+
+}  // namespace dynwitness::audit

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/chart/chart.hpp"
+
+#include <time.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "crosscheck/chart/methods.hpp"
+#include "crosscheck/report/environment.hpp"
+#include "crosscheck/states.hpp"
+#include "crosscheck/truth.hpp"
+#include "scene/error.hpp"
+#include "symbolic/closed_form.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+constexpr double kEnoughSeconds = 1;  // of one method: slow ones get fewer rounds
+
+using Methods = std::vector<std::unique_ptr<Method>>;
+
+void addSweeps(Sweep sweep, const scene::Mechanism& mechanism, const States& states,
+               Methods* methods) {
+  for (const auto& inScalar :
+       {sweepInFloat, sweepInDouble, sweepInLongDouble, sweepInBalls, sweepIn50Digits})
+    methods->push_back(inScalar(sweep, mechanism, states));
+}
+
+Methods methodsFor(const scene::Scene& scene, Quantity quantity,
+                   const std::vector<WitnessKind>& kinds, const States& states, Chart* chart) {
+  const scene::Mechanism& mechanism = scene.mechanism;
+  Methods methods;
+  if (mechanism.positions() != mechanism.dof())
+    chart->left_out.push_back(
+        fmt::format("{}: not for spherical and floating joints", MethodName::kClosedForm));
+  else if (mechanism.dof() <= symbolic::kClosedFormJoints)
+    methods.push_back(closedFormMethod(quantity, mechanism, states));
+  else
+    chart->left_out.push_back(fmt::format("{}: more than {} joints", MethodName::kClosedForm,
+                                          symbolic::kClosedFormJoints));
+  methods.push_back(programMethod(quantity, mechanism, states));
+  if (quantity == Quantity::kTau) addSweeps(Sweep::kNewtonEuler, mechanism, states, &methods);
+  if (quantity == Quantity::kM) addSweeps(Sweep::kCompositeBody, mechanism, states, &methods);
+  if (quantity == Quantity::kQdd) {
+    methods.push_back(sweepInDouble(Sweep::kCompositeBodySolved, mechanism, states));
+    addSweeps(Sweep::kArticulatedBody, mechanism, states, &methods);
+  }
+  for (const WitnessKind& kind : kinds) {
+    if (kind.info.version == DYNWITNESS_VERSION) continue;  // ours: above, without their bounds
+    if (!kind.info.present) {
+      chart->left_out.push_back(kind.info.name + ": absent from this build");
+      continue;
+    }
+    std::unique_ptr<Witness> witness = makeWitness(kind, scene);
+    if (witness->answers(quantity))
+      methods.push_back(engineMethod(std::move(witness), quantity, states));
+    else
+      chart->left_out.push_back(
+          fmt::format("{}: does not answer {}", kind.info.name, crosscheck::name(quantity)));
+  }
+  return methods;
+}
+
+// --------------------------------------------------------------------------------- measurement
+
+/// Largest distance of an entry to the truth / largest entry of the truth, rounded up.
+double relativeError(const MatrixOf<Ball>& answer, const MatrixOf<Ball>& truth) {
+  const BallPrecision precision(kChartTruthBits);
+  double size = 0, error = 0;
+  for (Eigen::Index k = 0; k < truth.size(); ++k) {
+    const Ball distance = answer.data()[k] - truth.data()[k];
+    if (!distance.isFinite()) return std::numeric_limits<double>::infinity();
+    size = std::max(size, truth.data()[k].atLeast());
+    error = std::max(error, distance.atMost());
+  }
+  return error == 0 ? 0 : error / size;
+}
+
+/// CPU time of this thread [s]: other programs on the machine do not count.
+double cpuSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// The value below which this share of a sorted list lies.
+double quantile(const std::vector<double>& sorted, double share) {
+  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5)];
+}
+
+/// Times of one evaluation [ns], one a batch of states.
+void timeOneRound(Method& method, int states, std::vector<double>* times) {
+  const int batches = std::min(kChartBatches, states);
+  for (int b = 0; b < batches; ++b) {
+    const int first = states * b / batches, last = states * (b + 1) / batches;
+    const double start = cpuSeconds();
+    for (int k = first; k < last; ++k) method.run(k);
+    times->push_back(1e9 * (cpuSeconds() - start) / (last - first));
+  }
+}
+
+}  // namespace
+
+const std::vector<Quantity>& chartedQuantities() {
+  static const std::vector<Quantity> all = {Quantity::kM, Quantity::kTau, Quantity::kQdd};
+  return all;
+}
+
+Chart speedAccuracy(const scene::Scene& scene, Quantity quantity,
+                    const std::vector<WitnessKind>& kinds, int states, std::uint64_t seed) {
+  const std::vector<Quantity>& known = chartedQuantities();
+  if (std::find(known.begin(), known.end(), quantity) == known.end())
+    throw std::invalid_argument(
+        fmt::format("speedAccuracy: quantity: expected M, tau or qdd, got {}", name(quantity)));
+  Chart chart{scene.name, scene.title, name(quantity), states, seed, thisEnvironment().cpu, {}, {}};
+  States drawn;
+  std::vector<MatrixOf<Ball>> truths;
+  Truth truth(scene.mechanism, kChartTruthBits);
+  for (int k = 0; k < states; ++k) {
+    drawn.push_back(drawState(scene.mechanism, scene.name, seed, k));
+    Certified certified = truth(quantity, drawn.back());
+    if (!certified.exists())
+      throw scene::InputError(
+          {scene.file.string()},
+          fmt::format("no exact {} to measure errors by: state {} of seed {}: {}", name(quantity),
+                      k, seed, certified.reason));
+    truths.push_back(std::move(certified.value));
+  }
+
+  Methods methods;
+  for (auto& method : methodsFor(scene, quantity, kinds, drawn, &chart)) {
+    std::vector<double> errors;
+    try {
+      for (int k = 0; k < states; ++k) {  // this pass also warms up what the timing needs
+        method->run(k);
+        errors.push_back(relativeError(method->answer(), truths[k]));
+      }
+    } catch (const std::exception& error) {  // an engine that cannot hold the scene
+      chart.left_out.push_back(fmt::format("{}: {}", method->name, error.what()));
+      continue;
+    }
+    std::sort(errors.begin(), errors.end());
+    chart.points.push_back({method->name, method->scalar, errors.back(), quantile(errors, 0.5)});
+    methods.push_back(std::move(method));
+  }
+
+  std::vector<std::vector<double>> times(methods.size());
+  std::vector<double> spent(methods.size(), 0.0);
+  for (int round = 0; round < kChartRounds; ++round) {
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+      if (spent[i] > kEnoughSeconds) continue;
+      const double start = cpuSeconds();
+      timeOneRound(*methods[i], states, &times[i]);
+      spent[i] += cpuSeconds() - start;
+    }
+  }
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    std::sort(times[i].begin(), times[i].end());
+    chart.points[i].time_min_ns = times[i].front();
+    chart.points[i].time_median_ns = quantile(times[i], 0.5);
+    chart.points[i].time_high_ns = quantile(times[i], 0.9);
+  }
+  return chart;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/chart/digits50.hpp"
+#include "crosscheck/chart/sweep_method.hpp"
+
+namespace dynwitness::crosscheck {
+
+std::unique_ptr<Method> sweepIn50Digits(Sweep sweep, const scene::Mechanism& mechanism,
+                                        const States& states) {
+  return std::make_unique<SweepMethod<scene::RealNumbers<Digits50>>>(sweep, "50 digits", mechanism,
+                                                                     states);
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/chart/sweep_method.hpp"
+
+namespace dynwitness::crosscheck {
+
+std::unique_ptr<Method> sweepInDouble(Sweep sweep, const scene::Mechanism& mechanism,
+                                      const States& states) {
+  return std::make_unique<SweepMethod<scene::RealNumbers<double>>>(sweep, "double", mechanism,
+                                                                   states);
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Motion of closed mechanisms: how far it leaves the constraints and the energy, and what it costs.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "scene/scene.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** How the constraints are kept, phi'' = 0 having been made part of the equations (index 1):
+      kNone        nothing more: phi drifts away with t^2
+      kBaumgarte   phi'' + 2 w phi' + w^2 phi = 0 in its place
+      kProjection  after each step q and qd are moved back to phi = 0, J qd = 0, by the shortest way
+                   in M's norm */
+enum class Stabilisation { kNone, kBaumgarte, kProjection };
+
+struct SimulateOptions {
+  double duration = 10;  ///< [s]
+  int outputs = 100;     ///< equal intervals at whose ends the state is kept
+  std::vector<double> more_times;  ///< and at these, as far as they lie within the duration [s]
+  std::string method = "runge_kutta_fehlberg78";
+  double tolerance = 1e-10; ///< of one step: |error| <= tolerance (1 + |y|), y in [rad, m, 1/s ..]
+  Stabilisation stabilisation = Stabilisation::kProjection;
+  double baumgarte_rate = 20;  ///< w [1/s]
+};
+
+/// Adaptive integrators of Boost.odeint.
+std::vector<std::string> simulateMethods();
+
+struct Simulation {
+  struct Point {
+    double time;
+    std::vector<double> q, qd;
+    double phi, phi_rate;  ///< largest |phi|, |J qd| at this time
+    double energy_error;   ///< |E - E0 - work of loads and dampers| [J]
+  };
+  std::vector<Point> points;  ///< the first at t = 0
+  int constraints = 0, rank_lowest = 0, rank_highest = 0;
+  double start_residual = 0;  ///< largest |phi| and |J qd| of the scene's start, before projection
+  double worst_phi = 0, worst_phi_rate = 0, worst_energy = 0;  ///< over all steps
+  double most_kinetic = 0;    ///< [J]
+  long steps = 0, rejected = 0, evaluations = 0;
+  double cpu_s = 0;
+};
+
+/** Simulates the scene with its closures, springs and loads, from its start state, without joint forces.
+    The start is first moved onto phi = 0 and J qd = 0.
+    @throws scene::InputError  an unknown method, options out of range, or a start that no small
+            correction brings onto the constraints
+    @throws std::runtime_error the integrator cannot go on (its step fell below 1e-12 s) */
+Simulation simulate(const scene::Scene& scene, const SimulateOptions& options);
+
+/// Accelerations and multipliers at a state of the closed mechanism, without joint forces.
+struct ConstrainedState {
+  std::vector<double> qdd, lambda;
+  std::vector<bool> determined;
+  int rank = 0;
+};
+ConstrainedState constrainedAccelerations(const scene::Scene& scene, const std::vector<double>& q,
+                                          const std::vector<double>& qd);
+
+/// A point of a link in world axes [m], for each state of a simulation.
+std::vector<std::array<double, 3>> pathOf(const scene::Scene& scene, const Simulation& simulation,
+                                          const scene::Attachment& point);
+
+}  // namespace dynwitness::crosscheck
