@@ -184,13 +184,19 @@ struct KernelPrograms {
     for (const auto& [quantity, formula] :
          {std::pair(Quantity::kM, Formula::kMassMatrix),
           std::pair(Quantity::kTau, Formula::kInverseDynamics),
-          std::pair(Quantity::kQdd, Formula::kForwardDynamics)})
-      programs.emplace(quantity, kernel::smallestRoad(mechanism, formula).program);
+          std::pair(Quantity::kQdd, Formula::kForwardDynamics)}) {
+      try {
+        programs.emplace(quantity, kernel::smallestRoad(mechanism, formula).program);
+      } catch (const std::domain_error& error) {
+        failures.emplace(quantity, error.what());
+      }
+    }
   }
   static bool answers(Quantity quantity) {
     return quantity == Quantity::kM || quantity == Quantity::kTau || quantity == Quantity::kQdd;
   }
   std::map<Quantity, symbolic::Program> programs;
+  std::map<Quantity, std::string> failures;  ///< why there is none
   int dof;
 };
 
@@ -205,6 +211,8 @@ class KernelAnswers {
       runs_.emplace(quantity, symbolic::ProgramRun<T>(program, number));
   }
   MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
+    if (const auto it = programs_->failures.find(quantity); it != programs_->failures.end())
+      throw DivisionByZero(it->second);
     const std::vector<T> out = runs_.at(quantity)(state);
     return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
         out.data(), programs_->dof, quantity == Quantity::kM ? programs_->dof : 1);

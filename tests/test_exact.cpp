@@ -300,7 +300,7 @@ BOOST_AUTO_TEST_CASE(a_smaller_error_probability_takes_more_points) {
   for (const double target : {1e-10, 1e-30, 1e-60, 1e-200}) {
     ExactOptions options;
     options.error_probability = target;
-    const CheckResult tau = exactChecks(scene, options)[5];
+    const CheckResult tau = exactChecks(scene, options)[8];
     BOOST_TEST(tau.quantity == "tau");
     BOOST_TEST(tau.exact->error_probability <= target);
     BOOST_TEST(tau.exact->points > before);
@@ -337,7 +337,9 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_forward_dynamics_unanswered) 
     const bool singular = check.quantity == "qdd";
     BOOST_TEST((check.verdict == (singular ? Verdict::kNotAnswerable : Verdict::kAgree)));
     BOOST_TEST(check.exact.has_value() == !singular);
-    if (singular) BOOST_TEST(check.reason.rfind("no value at 8 points: division by zero", 0) == 0u);
+    // where there is a kernel to be compared, its program could not be written in the first place
+    const std::string points = check.right == "kernel" ? "" : "no value at 8 points: ";
+    if (singular) BOOST_TEST(check.reason.rfind(points + "division by zero", 0) == 0u, check.reason);
   }
 }
 

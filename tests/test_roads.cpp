@@ -108,7 +108,8 @@ symbolic::Program::Operations operations(const scene::Scene& scene, Formula form
 
 const std::vector<std::string> kScenes = {"double_pendulum", "cart_pole",      "furuta_pendulum",
                                           "scara",           "elastic_pendulum", "stanford_arm",
-                                          "puma_560",        "franka_panda",   "prismatic_revolute_mix"};
+                                          "puma_560",        "franka_panda",   "prismatic_revolute_mix",
+                                          "heavy_top",       "lead_screw",     "satellite_arm"};
 
 }  // namespace
 
@@ -185,6 +186,17 @@ BOOST_AUTO_TEST_CASE(each_instruction_matters_and_the_field_sees_it) {
       BOOST_TEST((point.program(wrong) != right), name(formula) << ", instruction " << i);
     }
   }
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(bad_input)
+
+BOOST_AUTO_TEST_CASE(closures_and_springs_between_points_are_refused) {
+  BOOST_CHECK_EXCEPTION(smallestRoad(scene::findScene("bricard").mechanism, Formula::kMassMatrix),
+                        std::runtime_error, [](const std::exception& e) {
+                          return std::string(e.what()).find("open trees") != std::string::npos;
+                        });
 }
 
 BOOST_AUTO_TEST_SUITE_END()

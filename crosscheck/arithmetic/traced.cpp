@@ -3,6 +3,7 @@
 
 #include <array>
 #include <stdexcept>
+#include <string>
 
 #include "crosscheck/arithmetic/indeterminates.hpp"
 

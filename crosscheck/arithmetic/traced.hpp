@@ -3,8 +3,7 @@
 // becomes a straight-line program.
 #pragma once
 
-#include <map>
-#include <string>
+#include <stdexcept>
 
 #include <Eigen/Core>
 
@@ -43,7 +42,9 @@ class Traced {
   friend Traced operator-(Traced a, Traced b) { return Traced(graph().subtract(a.node_, b.node_)); }
   friend Traced operator*(Traced a, Traced b) { return Traced(graph().multiply(a.node_, b.node_)); }
   /// Multiplies by 1 / b: whoever divides by the same number again does not divide again.
+  /// @throws std::domain_error when b is 0 whatever the state is
   friend Traced operator/(Traced a, Traced b) {
+    if (b == Traced()) throw std::domain_error("division by zero: a divisor is 0 in every state");
     return Traced(graph().multiply(a.node_, graph().inverse(b.node_)));
   }
   Traced operator-() const { return Traced(graph().negate(node_)); }

@@ -43,7 +43,7 @@ static inline V polynomial(V z, double a, double b, double c, double d, double e
 }}
 
 static inline void sineCosine(V x, V* sine, V* cosine) {{
-  const V shifted = x * 0x1.45f306dc9c883p-1 + 0x1.8p+52; /* 2/pi; the last bits count quarters */
+  const V shifted = x * 0.6366197723675814 + 0x1.8p+52; /* 2/pi; the last bits count quarters */
   const V k = shifted - 0x1.8p+52;
   const I quarter = (I)shifted;
   const V t = x - k * {p1};

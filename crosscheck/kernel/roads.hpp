@@ -43,7 +43,8 @@ struct Road {
       Lagrange         the derivation of symbolic/
     A road that cannot take the mechanism is left out; "traced sweep" takes all. For the parameters of
     the scene as they are: their zeros are structural, and what depends on them alone is folded.
-    @throws std::runtime_error when the mechanism has closures or springs between points */
+    @throws std::runtime_error when the mechanism has closures or springs between points
+    @throws std::domain_error  of forward dynamics when M is singular in every state */
 std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula);
 
 /// The road of the fewest operations. Of the traced sweeps, which every bundled scene shows to be larger
