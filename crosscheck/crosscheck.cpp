@@ -65,6 +65,7 @@ void append(std::vector<CheckResult>& all, std::vector<CheckResult> more) {
 DigitsFound askWitnesses(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
                          const Options& options, std::vector<CheckResult>& checks) {
   Hearing hearing(scene, kinds, options);
+  append(checks, hearing.dismissRefused());
   DigitsCount count(scene, options);
   for (const Quantity quantity : kAllQuantities) {
     PairComparison pairs(quantity, hearing.answering(quantity), options);

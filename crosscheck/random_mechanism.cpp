@@ -98,9 +98,11 @@ class Drawing {
   }
 
   /// The mass properties of two to five point masses. The last one, of 1 kg, is where it makes the
-  /// centre of mass a short decimal; so all numbers are decimals.
-  scene::MassProperties body() {
-    const int count = chance(85) ? 4 + below(2) : 2 + below(2);
+  /// centre of mass a short decimal; so all numbers are decimals. Two are a rod, without inertia
+  /// about its own line: where a joint turns freely every way, M would be singular.
+  scene::MassProperties body(bool may_be_a_rod = true) {
+    const bool general = chance(85) || !may_be_a_rod;
+    const int count = general ? 4 + below(2) : 2 + below(2);
     Rational mass = 1;
     std::array<Rational, 3> last{0, 0, 0}, com;
     std::vector<std::pair<Rational, std::array<Rational, 3>>> points;  // from the centre of mass
@@ -175,7 +177,8 @@ class Drawing {
       joint.rest = joint.kind != JointKind::kPrismatic ? angle() : decimal(-50, 50);
     }
     // without a mass of its own, or a rotor, a joint could move nothing that another one does not
-    if (chance(90) || !(fixed || has_rotor)) out.inertia = body();
+    if (chance(90) || !(fixed || has_rotor)) out.inertia = body(
+        joint.kind != JointKind::kSpherical && joint.kind != JointKind::kFloating);
     return out;
   }
 

@@ -79,8 +79,8 @@ std::string CrosscheckResult::headline() const {
                                  scenes.size() == 1 ? "" : "s", checkCount());
   line += checkCount() == 0    ? std::string("nothing could be answered")
           : disagreeing == 0 ? std::string("all agree") : fmt::format("{} disagree", disagreeing);
-  if (unanswered > 0) line += fmt::format(", {} not answerable", unanswered);
   if (exactCount() > 0) line += fmt::format(", {} exactly", exactCount());
+  if (unanswered > 0) line += fmt::format(", {} not answerable", unanswered);
   const auto [scene, check] = worst();
   if (check != nullptr)
     line += fmt::format("; worst {:.3g} ulp of {:.3g} allowed: {}, {} ({}{}{})", check->worst,

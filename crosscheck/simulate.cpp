@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/generation.hpp>
@@ -233,7 +234,7 @@ std::vector<double> outputTimes(const SimulateOptions& options) {
 
 template <typename Stepper>
 void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Simulation* out) {
-  auto stepper = odeint::make_controlled(options.tolerance, options.tolerance, Stepper());
+  auto stepper = odeint::make_controlled(options.step_error, options.step_error, Stepper());
   const double E_0 = motion.balance(y);
   const auto take = [&](const State& state, double time) {
     const Simulation::Point point = pointAt(motion, state, time, E_0);
@@ -323,7 +324,7 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
   require(options.duration > 0 && std::isfinite(options.duration), "duration", options.duration,
           "positive");
   require(options.outputs > 0, "number of outputs", options.outputs, "one or more");
-  require(options.tolerance > 0 && options.tolerance < 1, "tolerance", options.tolerance,
+  require(options.step_error > 0 && options.step_error < 1, "step_error", options.step_error,
           "between 0 and 1");
   require(options.baumgarte_rate >= 0 && std::isfinite(options.baumgarte_rate), "Baumgarte's rate",
           options.baumgarte_rate, "zero or more");
@@ -336,8 +337,9 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
   motion.choose(y);
   motion.project(&y);
   motion.choose(y);
-  // Newton's method ends at rounding, some 1e-16 of the mechanism's size, or it did not arrive
-  constexpr double kOnConstraints = 1e-10;
+  // Newton's method squares what is left with each step: from below the root of eps [m, rad, 1/s] the
+  // next one ends at rounding; where it stays above, it did not arrive
+  const double kOnConstraints = std::sqrt(std::numeric_limits<double>::epsilon());
   if (!(motion.phi() <= kOnConstraints) || !(motion.phiRateSize() <= kOnConstraints))
     throw scene::InputError(
         {scene.file.string(), 0},

@@ -22,7 +22,7 @@ struct SimulateOptions {
   int outputs = 100;     ///< equal intervals at whose ends the state is kept
   std::vector<double> more_times;  ///< and at these, as far as they lie within the duration [s]
   std::string method = "runge_kutta_fehlberg78";
-  double tolerance = 1e-10; ///< of one step: |error| <= tolerance (1 + |y|), y in [rad, m, 1/s ..]
+  double step_error = 1e-10;  ///< asked of each step: |error| <= step_error (1 + |y|), y in [rad, m, 1/s ..]
   Stabilisation stabilisation = Stabilisation::kProjection;
   double baumgarte_rate = 20;  ///< w [1/s]
 };

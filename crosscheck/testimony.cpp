@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/states.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -11,6 +12,28 @@ Hearing::Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kind
                  const Options& options)
     : scene_(scene), options_(options) {
   for (const WitnessKind& kind : kinds) witnesses_.push_back(makeWitness(kind, scene));
+}
+
+std::vector<CheckResult> Hearing::dismissRefused() {
+  std::vector<CheckResult> refusals;
+  std::vector<std::unique_ptr<Witness>> others;
+  for (auto& witness : witnesses_) {
+    const auto* refused = dynamic_cast<const RefusedWitness*>(witness.get());
+    if (refused == nullptr) {
+      others.push_back(std::move(witness));
+      continue;
+    }
+    CheckResult check;
+    check.check = "witness";
+    check.statement = fmt::format("{} can hold the scene", refused->name());
+    check.left = refused->name();
+    check.seed = options_.seed;
+    check.verdict = Verdict::kNotAnswerable;
+    check.reason = refused->reason();
+    refusals.push_back(check);
+  }
+  witnesses_ = std::move(others);
+  return refusals;
 }
 
 std::vector<std::string> Hearing::answering(Quantity quantity) const {

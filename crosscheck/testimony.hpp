@@ -26,6 +26,9 @@ class Hearing {
  public:
   Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kinds, const Options& options);
 
+  /// Takes the witnesses out that cannot hold the scene: one check each, not answerable, says why.
+  std::vector<CheckResult> dismissRefused();
+
   /// Names of the witnesses that answer the quantity, in the order of their testimonies.
   std::vector<std::string> answering(Quantity quantity) const;
 

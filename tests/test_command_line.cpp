@@ -296,7 +296,7 @@ BOOST_AUTO_TEST_CASE(help_names_every_subcommand_and_succeeds) {
 BOOST_AUTO_TEST_CASE(simulate_says_drift_cost_and_whether_the_published_motion_agrees) {
   const Program program;
   const Outcome outcome = program.run(
-      "simulate andrews_squeezer --duration 0.03 --tolerance 1e-11 --outputs 3 --csv m.csv");
+      "simulate andrews_squeezer --duration 0.03 --step-error 1e-11 --outputs 3 --csv m.csv");
   BOOST_TEST_CONTEXT(outcome.out) {
     BOOST_TEST(outcome.status == 0);
     BOOST_TEST(outcome.out.find("6 equations of rank 6, 1 freedoms") != std::string::npos);
@@ -305,9 +305,9 @@ BOOST_AUTO_TEST_CASE(simulate_says_drift_cost_and_whether_the_published_motion_a
   const std::string csv = program.read("m.csv");
   BOOST_TEST(csv.find("time_s,q1,") == 0u);
   BOOST_TEST(std::count(csv.begin(), csv.end(), '\n') == 5);  // header, start and three outputs
-  // a tolerance that cannot reach the printed digits is found out
+  // a step error that cannot reach the printed digits is found out
   const Outcome coarse =
-      program.run("simulate andrews_squeezer --duration 0.03 --tolerance 1e-4");
+      program.run("simulate andrews_squeezer --duration 0.03 --step-error 1e-4");
   BOOST_TEST_CONTEXT(coarse.out) {
     BOOST_TEST(coarse.status == 1);
     BOOST_TEST(coarse.out.find("DISAGREE") != std::string::npos);

@@ -214,6 +214,20 @@ BOOST_DATA_TEST_CASE(a_joint_is_the_chain_of_its_motions, data::make(kChains), s
   BOOST_TEST((tau == expected));
 }
 
+// The file says that it is written from humanoid.toml: put back on its foot, it is that scene.
+BOOST_AUTO_TEST_CASE(the_floating_humanoid_is_the_humanoid_but_for_its_foot) {
+  const scene::Scene standing = scene::findScene("humanoid");
+  scene::Scene put_back = scene::findScene("humanoid_floating");
+  std::vector<scene::Link>& links = put_back.mechanism.links;
+  links.erase(links.begin());
+  for (scene::Link& link : links) --link.parent;
+  links[0].joint = standing.mechanism.links[0].joint;
+  put_back.title = standing.title;
+  put_back.start_q = standing.start_q;
+  put_back.start_qd = standing.start_qd;
+  BOOST_TEST(scene::writeSceneToml(put_back) == scene::writeSceneToml(standing));
+}
+
 BOOST_AUTO_TEST_CASE(half_the_angle_in_the_quaternion_is_the_angle_of_the_turn) {
   const double angle = 0.7, h = angle / 2;
   std::vector<scene::JointPosition<double>> x;

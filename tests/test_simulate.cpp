@@ -38,7 +38,7 @@ Simulation run(const std::string& name, double duration, double tolerance, int o
                Stabilisation stabilisation = Stabilisation::kProjection) {
   SimulateOptions options;
   options.duration = duration;
-  options.tolerance = tolerance;
+  options.step_error = tolerance;
   options.outputs = outputs;
   options.stabilisation = stabilisation;
   const scene::Scene scene = scene::findScene(name);
@@ -249,7 +249,7 @@ BOOST_DATA_TEST_CASE(a_smaller_tolerance_makes_a_smaller_error,
   const auto error = [&](double tolerance) {
     SimulateOptions options;
     options.method = method;
-    options.tolerance = tolerance;
+    options.step_error = tolerance;
     options.outputs = 1;
     options.duration = 5;
     const double q = simulate(scene::findScene("four_bars_1"), options).points.back().q[0];
@@ -289,8 +289,8 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_simulated_is_refused) {
   options.duration = -1;
   requireRefused(scene, options, "duration is -1, allowed: positive");
   options = {};
-  options.tolerance = 0;
-  requireRefused(scene, options, "tolerance is 0");
+  options.step_error = 0;
+  requireRefused(scene, options, "step_error is 0");
   options = {};
   options.baumgarte_rate = -2;
   requireRefused(scene, options, "rate is -2");

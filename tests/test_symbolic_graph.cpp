@@ -212,6 +212,8 @@ BOOST_DATA_TEST_CASE(derivatives_equal_those_of_dual_numbers, boost::unit_test::
                      seed) {
   struct Dual {
     Rational e, f;
+    Dual() = default;
+    Dual(Rational value, Rational derivative = 0) : e(value), f(derivative) {}
     Dual operator+(const Dual& o) const { return {e + o.e, f + o.f}; }
     Dual operator-(const Dual& o) const { return {e - o.e, f - o.f}; }
     Dual operator*(const Dual& o) const { return {e * o.e, e * o.f + f * o.e}; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness crosscheck: the main job.
 #include <algorithm>
+#include <map>
 #include <memory>
 
 #include <fmt/format.h>
@@ -83,11 +84,20 @@ void printTable(const CrosscheckResult& result) {
   for (const SceneResult& scene : result.scenes) {
     for (const Finding& finding : scene.findings)
       if (finding.kind == Finding::Kind::kDisagreement) fmt::print("\nfinding: {}", finding.text);
-    for (const CheckResult& check : scene.checks)
-      if (check.verdict != Verdict::kAgree)
-        fmt::print("\n{}: {}: {} {} ({}{}{}): {} (seed {})", scene.name, name(check.verdict),
-                   check.check, check.quantity, check.left, check.right.empty() ? "" : " and ",
-                   check.right, check.reason, check.seed);
+    std::map<std::string, std::string> refused_by;  // names, by reason
+    for (const CheckResult& check : scene.checks) {
+      if (check.verdict == Verdict::kAgree) continue;
+      if (check.quantity.empty() && check.verdict == Verdict::kNotAnswerable) {
+        std::string& names = refused_by[check.reason];
+        names += (names.empty() ? "" : ", ") + check.left;
+        continue;
+      }
+      fmt::print("\n{}: {}: {} {} ({}{}{}): {} (seed {})", scene.name, name(check.verdict), check.check,
+                 check.quantity, check.left, check.right.empty() ? "" : " and ", check.right,
+                 check.reason, check.seed);
+    }
+    for (const auto& [reason, names] : refused_by)
+      fmt::print("\n{}: refused by {}: {}", scene.name, names, reason);
   }
   for (const CrosscheckResult::KnownLoss& loss : result.knownLosses())
     fmt::print("\nknown loss of {}, {} scene{}; worst in {}\n  cause: {}\n  remedy: {}\n",

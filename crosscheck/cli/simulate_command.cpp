@@ -50,8 +50,8 @@ int run(Arguments arguments) {
     for (const MotionTable::Row& row : table.rows) arguments.options.more_times.push_back(row.time);
   const Simulation result = simulate(scene, arguments.options);
 
-  fmt::print("{}: {} s with {}, tolerance {}\n", scene.name, arguments.options.duration,
-             arguments.options.method, arguments.options.tolerance);
+  fmt::print("{}: {} s with {}, error of a step {}\n", scene.name, arguments.options.duration,
+             arguments.options.method, arguments.options.step_error);
   if (result.constraints > 0) {
     fmt::print("constraints  {} equations of rank {}{}, {} freedoms; kept by {}\n",
                result.constraints, result.rank_highest,
@@ -98,7 +98,7 @@ Run addSimulate(CLI::App& app) {
   for (const std::string& method : simulateMethods()) methods += (methods.empty() ? "" : ", ") + method;
   command->add_option("--method", arguments->options.method, "Integrator: " + methods)
       ->capture_default_str();
-  command->add_option("--tolerance", arguments->options.tolerance, "Error of a step, relative and absolute")
+  command->add_option("--step-error", arguments->options.step_error, "Error of a step, relative and absolute")
       ->capture_default_str();
   std::vector<std::string> names;
   for (const auto& [name, value] : kStabilisations) names.emplace_back(name);

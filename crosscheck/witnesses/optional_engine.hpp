@@ -18,6 +18,7 @@ class RefusedWitness : public Witness {
       : name_(std::move(name)), reason_(std::move(reason)) {}
 
   const std::string& name() const override { return name_; }
+  const std::string& reason() const { return reason_; }
   bool answers(Quantity) const override { return true; }
   Answer answer(Quantity, const scene::State<double>&) override {
     throw std::runtime_error(reason_);
