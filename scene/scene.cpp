@@ -123,6 +123,11 @@ Scene findScene(const std::string& name_or_path) {
   }
   std::error_code error;
   if (fs::exists(name_or_path, error)) return readScene(name_or_path);
+  // the small scenes of published tables are crosschecked by name as well
+  for (const auto& entry : fs::directory_iterator(dataFolder() / "reference", error))
+    if (entry.path().extension() == ".toml" &&
+        normalized(entry.path().stem().string()) == normalized(name_or_path))
+      return readScene(entry.path());
   int windows = 0;
   if (isFourBars(normalized(name_or_path), &windows)) return fourBars(windows);
   throw InputError({}, "no scene and no file is called \"" + name_or_path + "\", allowed: " +

@@ -57,7 +57,8 @@ std::filesystem::path dataFolder();
     In each of its flat poses every window may fold either way: the rank of J falls by `windows`. */
 Scene fourBars(int windows);
 
-/// The scene of this name in the folder of bundled scenes, the file of this path, or four_bars_N.
+/// The scene of this name in the folder of bundled scenes, the file of this path, a scene of the published
+/// tables in data/reference, or four_bars_N.
 /// @throws InputError listing the names that exist when it is neither.
 Scene findScene(const std::string& name_or_path);
 /// The bundled scenes, in alphabetical order, as paths.

@@ -295,6 +295,19 @@ Formula leafFormula(const Program& program, int slot, Style style) {
   throw std::invalid_argument("leafFormula: slot: expected a number or a component of the state");
 }
 
+/// What a reader of the code must know beyond the names of joints: lines, each with this in front.
+std::string notes(const scene::Mechanism& mechanism, const std::string& indent) {
+  std::string text;
+  if (mechanism.positions() != mechanism.dof())
+    text += indent + "q: " + std::to_string(mechanism.positions()) + " positions, qd: " +
+            std::to_string(mechanism.dof()) + " rates. A spherical joint has a quaternion (w, x, y, z) of any\n" +
+            indent + "length but 0 in q, a floating one x, y, z [m] and then a quaternion; their rates are the\n" +
+            indent + "body's own, in its axes: (wx, wy, wz), or (vx, vy, vz, wx, wy, wz)\n";
+  if (!mechanism.isOpenTree())
+    text += indent + "these are the equations of the tree alone, without its closures and springs between points\n";
+  return text;
+}
+
 std::string emitC(const Equations& equations, const scene::Mechanism& mechanism,
                   const std::string& name) {
   const Program program = compile(equations.graph, massCoriolisGravity(equations));
@@ -303,8 +316,7 @@ std::string emitC(const Equations& equations, const scene::Mechanism& mechanism,
   std::string text =
       "/* M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n"
       "   joints: " +
-      jointList(equations) +
-      "\n"
+      jointList(equations) + "\n" + notes(mechanism, "   ") +
       "   " +
       std::to_string(count.multiplications) + " multiplications, " +
       std::to_string(count.additions) +
@@ -342,8 +354,7 @@ std::string emitPython(const Equations& equations, const scene::Mechanism& mecha
   std::string text =
       "\"\"\"M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n\n"
       "joints: " +
-      jointList(equations) +
-      "\n"
+      jointList(equations) + "\n" + notes(mechanism, "") +
       "parameters: " +
       (mechanism.parameters.empty() ? "none" : parameterList(mechanism, Style::kPython, true)) +
       "\n\"\"\"\n"

@@ -42,7 +42,7 @@ void print(const Entry& entry) {
              entry.holds == Holds::kTrue    ? "holds"
              : entry.holds == Holds::kFalse ? "WRONG"
                                             : "holds under a condition");
-  printBlock("printed", entry.printed);
+  printBlock(entry.kind == "open item" ? "left open" : "printed", entry.printed);
   printBlock("", "residual " + entry.residual_printed.residual);
   if (entry.residual_condition) {
     printBlock("holds if", entry.condition);

@@ -97,7 +97,7 @@ void printTable(const CrosscheckResult& result) {
                  check.reason, check.seed);
     }
     for (const auto& [reason, names] : refused_by)
-      fmt::print("\n{}: refused by {}: {}", scene.name, names, reason);
+      fmt::print("\n{}: not answerable by {}: {}", scene.name, names, reason);
   }
   for (const CrosscheckResult::KnownLoss& loss : result.knownLosses())
     fmt::print("\nknown loss of {}, {} scene{}; worst in {}\n  cause: {}\n  remedy: {}\n",

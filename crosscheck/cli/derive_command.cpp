@@ -76,6 +76,11 @@ symbolic::Derivation only(symbolic::Derivation derivation, const std::string& qu
 int run(const Arguments& arguments) {
   crosscheck::requireWritableFile(arguments.output);
   const scene::Scene scene = scene::findScene(arguments.scene);
+  if (!scene.mechanism.isOpenTree())
+    fmt::print(stderr,
+               "{}: the equations are those of the tree alone, without closures and springs between "
+               "points\n",
+               scene.name);
   std::string text;
   bool holds = true;
   if (arguments.operations) {
