@@ -16,6 +16,7 @@ using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
         (1)  I_C of p  +=  X' I_C X              everything outboard of a joint as one rigid body
         (2)  F = I_C Z,  M_ii = Z' F + d         the force that moves it when joint i alone moves
         (3)  M_ij = Z_j' F  for the joints j inboard of i, F carried inward
+    A gyroscopic rotor, spun up by the joint, needs the moment h z of its parent: F has it from there on.
 
     M must be n x n on entry and is written whole.
     @throws std::invalid_argument  x or M has another size
@@ -43,6 +44,7 @@ void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, W
         M(d, d) = Joints::force(link, k, F) + link.rotor;                               // (2)
         for (int l = 0, e = link.dof; l < k; ++l, ++e)
           M(d, e) = M(e, d) = Joints::force(link, l, F);
+        if (model.gyroscopic) F = F + spinAxis(link);
         for (int b = i, j = link.parent; j >= 0; b = j, j = model.links[j].parent) {
           F = ws.X_up[b].inverseTimes(F);
           const LinkModel<T>& inboard = model.links[j];

@@ -11,6 +11,7 @@
 //                     products do to the answer, found by our sweeps;
 //   mujoco_principal  gets them with the axes turned before, which is the remedy: its compiler then
 //                     has nothing to turn.
+#include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -184,9 +185,11 @@ class MujocoWitness : public Witness {
  public:
   MujocoWitness(const scene::Scene& scene, Inertias inertias)
       : name_(nameOf(inertias)),
+        friction_(scene.mechanism),
         bound_(scene.mechanism, ForwardDynamicsBy::kMassMatrix),
         sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
     requirePlainJoints(scene.mechanism);
+    requirePlainRotors(scene.mechanism);
     installHandlers();
     const scene::Mechanism& mechanism = scene.mechanism;
     const RealNumbers<double> number(mechanism);
@@ -209,7 +212,7 @@ class MujocoWitness : public Witness {
   }
 
   const std::string& name() const override { return name_; }
-  bool answers(Quantity) const override { return true; }
+  bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), kQuaternion * bound_(quantity, state)};
@@ -309,6 +312,7 @@ class MujocoWitness : public Witness {
       }
       case Quantity::kPotential:
       case Quantity::kMomentum:
+      case Quantity::kReactions:
         return 0;
     }
     throw std::logic_error("mujoco: unknown quantity");
@@ -415,6 +419,11 @@ class MujocoWitness : public Witness {
   }
 
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) {
+    return friction_.around(quantity, state, [&](const scene::State<double>& without) {
+      return frictionless(quantity, without);
+    });
+  }
+  Eigen::MatrixXd frictionless(Quantity quantity, const scene::State<double>& state) {
     mjModel* m = model_.get();
     mjData* d = data_.get();
     setMotion(state, quantity != Quantity::kg);
@@ -442,6 +451,8 @@ class MujocoWitness : public Witness {
         return scalar(double(d->energy[0]));
       case Quantity::kMomentum:
         return momentum();
+      case Quantity::kReactions:
+        break;
     }
     throw std::logic_error("mujoco: unknown quantity");
   }
@@ -477,6 +488,7 @@ class MujocoWitness : public Witness {
   }
 
   std::string name_;
+  JointFriction friction_;
   EngineBound bound_;
   Setup<double> sweep_;                                      ///< for axisError()
   std::unique_ptr<Setup<RunningError>> written_, compiled_;  ///< of `mujoco` only
