@@ -38,6 +38,23 @@ T kineticEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
   return twice / T(2);
 }
 
+/// What friction takes [W]: sum of viscous qd^2 + coulomb |qd|, never negative.
+template <typename T>
+T frictionPower(const Model<T>& model, const std::vector<T>& qd) {
+  using scene::directionOf;
+  requireSize(model, "frictionPower", "qd", qd.size());
+  T power = T(0);
+  for (const LinkModel<T>& link : model.links) {
+    if (link.dof < 0) continue;
+    const T& rate = qd[link.dof];
+    const int direction = directionOf(rate);
+    power += link.viscous * rate * rate;
+    if (direction > 0) power += link.positive * rate;
+    if (direction < 0) power -= link.negative * rate;
+  }
+  return power;
+}
+
 /** Potential energy V = -gravity' sum m p_c + sum k (q - rest)^2 / 2 [J], zero at the world's origin.
     The first moments of mass are carried inward, so no link needs its place in the world. */
 template <typename T>

@@ -72,6 +72,7 @@ struct Equations {
   std::vector<Node> link_kinetic;    ///< share of each moving link in T (its rotor's included)
   std::vector<Node> link_potential;  ///< share of each moving link in V (its spring's included)
   std::vector<Node> p, c, g, Q;
+  std::vector<Node> friction;  ///< dR/dqd, which Q contains with a minus sign
   std::vector<std::vector<Node>> M;
 
   int dof() const { return static_cast<int>(joints.size()); }

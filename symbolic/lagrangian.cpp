@@ -910,8 +910,8 @@ void formForces(Lagrangian& lagrangian, Equations& e) {
   std::vector<Variable> qd;
   for (int i = 0; i < e.dof(); ++i) qd.push_back({Input::kVelocity, i});
   e.Q = e.graph.gradient(lagrangian.wrenchPower().node, qd);  // (5)
-  const std::vector<Node> friction = e.graph.gradient(lagrangian.dissipation().node, qd);
-  for (int i = 0; i < e.dof(); ++i) e.Q[i] = e.graph.subtract(e.Q[i], friction[i]);
+  e.friction = e.graph.gradient(lagrangian.dissipation().node, qd);
+  for (int i = 0; i < e.dof(); ++i) e.Q[i] = e.graph.subtract(e.Q[i], e.friction[i]);
 }
 
 Equations derive(const scene::Mechanism& mechanism, const Options& options) {
