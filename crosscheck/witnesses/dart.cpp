@@ -290,6 +290,7 @@ constexpr const char* kConventions =
     "springs: those of an implicit integrator, -stiffness (q + h qd - rest), and h^2 stiffness "
     "added "
     "to M in forward dynamics; the time step h is 1e-100 s here\n"
+    "friction: its own is off; viscous and Coulomb friction are added here\n"
     "rotors: DART has none; each is a body pinned to the world that turns gear_ratio times as "
     "fast\n"
     "loads: addExtForce and addExtTorque, at a point in link axes\n"

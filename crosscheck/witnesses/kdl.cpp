@@ -326,6 +326,7 @@ constexpr const char* kConventions =
     "bias: c comes from inverse dynamics without gravity and acceleration\n"
     "gravity: the solvers take the acceleration of a falling body, as in the scene\n"
     "springs: Joint has a stiffness that no solver reads; stiffness (q - rest) is added here\n"
+    "friction: its own is off; viscous and Coulomb friction are added here\n"
     "rotors: Joint's inertia = gear_ratio^2 rotor_inertia, read by the solvers of M and of tau\n"
     "loads: wrenches on segments, in the axes of the segment\n"
     "branches: M column by column from inverse dynamics, and M qdd = tau - bias solved here, since "

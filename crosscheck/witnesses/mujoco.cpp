@@ -514,6 +514,7 @@ std::string conventions(Inertias inertias) {
       "bias: qfrc_bias = c + gravity; c is asked with gravity switched off\n"
       "springs: qfrc_passive = -stiffness (q - rest), with the sign of a force; not in qfrc_bias\n"
       "gravity: mjOption.gravity is the acceleration of a falling body, as in the scene\n"
+      "friction: its own is off; viscous and Coulomb friction are added here\n"
       "rotors: dof_armature = gear_ratio^2 rotor_inertia, on the diagonal of M\n"
       "loads: mj_applyFT at the point, world axes; inverse dynamics leaves them out, they are "
       "subtracted here\n"
