@@ -202,7 +202,7 @@ BOOST_AUTO_TEST_CASE(the_same_scene_and_seed_give_the_same_bytes) {
   const Program program;
   const std::string words = "crosscheck furuta_pendulum cart_pole --states 20 --report ";
   const std::string fixed_date = "SOURCE_DATE_EPOCH=0 ";
-  for (const char* folder : {"a", "b"})
+  for (const char* folder : {"a --processes 1", "b --processes 2"})
     BOOST_TEST(program.run("version > /dev/null; " + fixed_date + DYNWITNESS_PROGRAM + " " + words +
                            folder).status == 0);
   for (const char* file : {"report.json", "junit.xml", "digits.md", "index.html"}) {
