@@ -109,6 +109,7 @@ std::string DigitsTally::joints(Eigen::Index row, Eigen::Index column) const {
     case Quantity::kKinetic:
     case Quantity::kPotential:
     case Quantity::kMomentum:
+    case Quantity::kReactions:
       break;
   }
   return "";
@@ -222,9 +223,8 @@ struct DigitsCount::Impl {
       : scene(s),
         seed(o.seed),
         truth(s.mechanism),
-        in_float(recursive::buildModel(s.mechanism, scene::RealNumbers<float>(s.mechanism))),
-        in_long_double(
-            recursive::buildModel(s.mechanism, scene::RealNumbers<long double>(s.mechanism))) {
+        in_float(s.mechanism, scene::RealNumbers<float>(s.mechanism)),
+        in_long_double(s.mechanism, scene::RealNumbers<long double>(s.mechanism)) {
     joint_names = s.mechanism.rateLabels();
   }
 

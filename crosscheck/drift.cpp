@@ -20,7 +20,7 @@ namespace dynwitness::crosscheck {
 namespace {
 
 namespace odeint = boost::numeric::odeint;
-using Vector = std::vector<double>;  // (q, qd)
+using Vector = std::vector<double>;  // (q, qd, what friction has taken [J])
 
 constexpr int kChartPoints = 400;        // a path is thinned to about this many for the chart
 constexpr double kFirstStep = 0.01;      // [s]
@@ -40,17 +40,22 @@ class Motion {
     recursive::positionRates(model_, x_, qd_, q_rate_);
     std::copy(q_rate_.begin(), q_rate_.end(), rate.begin());
     std::copy(qdd_.begin(), qdd_.end(), rate.begin() + model_.positions);
+    rate.back() = recursive::frictionPower(model_, qd_);
   }
   double kinetic(const Vector& y) {
     split(y);
     return recursive::kineticEnergy(model_, x_, qd_, ws_);
   }
-  double energy(const Vector& y) { return kinetic(y) + recursive::potentialEnergy(model_, x_, ws_); }
+  /// T + V, and with friction what it has taken: the sum must not change.
+  double energy(const Vector& y) {
+    const double E = kinetic(y) + recursive::potentialEnergy(model_, x_, ws_);
+    return model_.friction ? E + y.back() : E;
+  }
 
  private:
   void split(const Vector& y) {
     for (int i = 0; i < model_.positions; ++i) x_[i] = scene::jointPosition(y[i]);
-    std::copy(y.begin() + model_.positions, y.end(), qd_.begin());
+    std::copy_n(y.begin() + model_.positions, model_.dof(), qd_.begin());
   }
   recursive::Model<double> model_;
   recursive::Workspace<double> ws_;
@@ -156,7 +161,7 @@ std::vector<std::pair<std::string, int>> driftMethods() {
 }
 
 bool conservesEnergy(const scene::Mechanism& mechanism) {
-  return mechanism.wrenches.empty() && mechanism.isOpenTree();
+  return mechanism.wrenches.empty() && mechanism.isOpenTree() && !mechanism.hasCoulombFriction();
 }
 
 Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
@@ -165,6 +170,10 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
     throw scene::InputError({scene.file.string(), 0},
                             "has closures, or springs between points, allowed: a tree of links; "
                             "'dynwitness simulate' moves this scene");
+  if (scene.mechanism.hasCoulombFriction())
+    throw scene::InputError({scene.file.string(), 0},
+                            "has Coulomb friction, which jumps where a joint turns back: no integrator has "
+                            "its order there, drift cannot be measured; allowed: viscous friction");
   if (!conservesEnergy(scene.mechanism))
     throw scene::InputError({scene.file.string(), 0},
                             "has a wrench: its energy is not constant, drift cannot be measured");
@@ -182,6 +191,7 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   Vector start;
   for (const scene::Number& q : scene.start_q) start.push_back(number(q));
   for (const scene::Number& qd : scene.start_qd) start.push_back(number(qd));
+  start.push_back(0);
 
   Drift drift;
   drift.method = method.name;

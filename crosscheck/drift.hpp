@@ -20,15 +20,18 @@ struct DriftOptions {
 std::vector<std::pair<std::string, int>> driftMethods();
 
 /** Simulates the scene from its start state with the articulated-body sweep, no joint forces, and
-    follows E = T + V. Scenes with loads are refused: their energy is not constant.
+    follows E = T + V; with viscous friction, what it has taken, the integral of its power, is added.
+    Scenes with loads are refused, for their energy is not constant, and those with Coulomb friction, whose
+    jumps cost every integrator its order.
     @return without paths where M is singular at the start state, so that no motion follows
-    @throws scene::InputError for an unknown method, a step that is not positive, or loads */
+    @throws scene::InputError for an unknown method, a step that is not positive, loads or Coulomb friction */
 Drift measureDrift(const scene::Scene& scene, const DriftOptions& options);
 
 /// Why a Drift has no paths.
 inline constexpr const char* kNoMotion = "qdd has no value at the start state: M is singular there";
 
-/// True when E = T + V of the tree must stay constant: no loads, closures, or springs between points.
+/// True when E = T + V of the tree (and what viscous friction has taken) must stay constant: no loads,
+/// Coulomb friction, closures, or springs between points.
 bool conservesEnergy(const scene::Mechanism& mechanism);
 
 /** The verdict on a drift: with a correct qdd an integrator of order p loses energy as step^p, so the

@@ -422,8 +422,9 @@ std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters p
   sweep(NewtonEuler());
   sweep(CompositeBody());
   sweep(ArticulatedBody());
-  // a kernel is made for the numbers of its scene
-  if (parameters == Parameters::kAsWritten && scene.mechanism.isOpenTree() && isAsked("kernel"))
+  // a kernel is made for the numbers of its scene, and has no signs
+  if (parameters == Parameters::kAsWritten && scene.mechanism.isOpenTree() &&
+      !scene.mechanism.hasCoulombFriction() && isAsked("kernel"))
     witnesses.push_back(kernelWitness(scene));
   return witnesses;
 }

@@ -48,10 +48,10 @@ ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
   const auto on = [mechanism = scene.mechanism, change](const auto& number) {
     using Numbers = std::decay_t<decltype(number)>;
     using T = typename Numbers::Scalar;
-    recursive::Model<T> model = recursive::buildModel(mechanism, number);
-    change(model, number);
-    return [setup = Setup<T>(std::move(model))](Quantity quantity,
-                                                const scene::State<T>& state) mutable {
+    Setup<T> setup(mechanism, number);
+    change(setup.model, number);
+    for (Setup<T>& kept : setup.with_fixed_joints) change(kept.model, number);
+    return [setup](Quantity quantity, const scene::State<T>& state) mutable {
       return MatrixOf<T>(Algorithm::answer(setup, quantity, state));
     };
   };

@@ -14,6 +14,7 @@
 #include "recursive/energy.hpp"
 #include "recursive/newton_euler.hpp"
 #include "recursive/projection.hpp"
+#include "recursive/reactions.hpp"
 #include "recursive/reroot.hpp"
 
 namespace dynwitness::crosscheck {
@@ -31,7 +32,7 @@ struct IdentityInfo {
 inline constexpr IdentityInfo kIdentities[] = {
     {"symmetric mass matrix", "M = M'", "M", "newton_euler", ""},
     {"kinetic energy is quadratic", "T = qd' M qd / 2", "kinetic", "newton_euler", "composite_body"},
-    {"power balance", "d(T + V)/dt = qd' (tau + Q)", "power", "newton_euler", ""},
+    {"power balance", "d(T + V)/dt = qd' (tau + Q) - (friction's power)", "power", "newton_euler", ""},
     {"forward dynamics undoes inverse dynamics", "FD(ID(qdd)) = qdd", "qdd", "articulated_body",
      "newton_euler"},
     {"Coriolis matrix gives c", "C qd = c", "c", "composite_body", "newton_euler"},
@@ -49,6 +50,11 @@ inline constexpr IdentityInfo kIdentities[] = {
      "on a floating base, another link as root: the same qdd, and the same twist and acceleration of every "
      "link",
      "qdd", "articulated_body", ""},
+    {"reactions along joint axes",
+     "Z'f = M qdd + C qd + dV/dq - Q - (what rotor and spring take)", "tau", "newton_euler",
+     "composite_body"},
+    {"reactions at the base", "sum of f = d(momentum)/dt - weight - loads", "reactions", "newton_euler",
+     ""},
 };
 inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0]);
 
@@ -109,9 +115,11 @@ class Identities {
     for (int i = 0; i < n; ++i) qd_moving.push_back({state.qd[i], state.qdd[i]});
     const D energy = recursive::kineticEnergy(moving_, x_moving, qd_moving, ws_moving_) +
                      recursive::potentialEnergy(moving_, x_moving, ws_moving_);
-    const MatrixX tau_and_loads =
-        inverse(state, state.qd, state.qdd, recursive::Terms::potential());
-    out.push_back({one(energy.derivative), qd.transpose() * tau_and_loads});
+    recursive::Terms without_loads = recursive::Terms::all();
+    without_loads.loads = false;
+    const MatrixX tau_and_loads = inverse(state, state.qd, state.qdd, without_loads);
+    out.push_back({one(energy.derivative + recursive::frictionPower(model_, state.qd)),
+                   qd.transpose() * tau_and_loads});
 
     const MatrixX tau = inverse(state, state.qd, state.qdd, recursive::Terms::all());
     append(out, 1, [&] {
@@ -157,6 +165,10 @@ class Identities {
 
     append(out, 4, [&] { return projections(state); });
     append(out, 1, [&] { return Laws{otherRoot(state)}; });
+
+    const MatrixX loads = inverse(state, zeros, zeros, onlyLoads());  // -Q
+    out.push_back(alongAxes(state, M * columnOf(state.qdd) + C * qd + gradient + loads));
+    out.push_back(atBase(state));
     return out;
   }
 
@@ -235,6 +247,91 @@ class Identities {
       if (model_.links[i].dof >= 0) moving.push_back(static_cast<int>(i));
     return moving;
   }
+  static recursive::Terms onlyLoads() {
+    recursive::Terms terms = recursive::Terms::none();
+    terms.loads = true;
+    return terms;
+  }
+  MatrixX reactions(const scene::State<T>& state, recursive::Terms terms) {
+    std::vector<T> tau(kept_.dof(), T(0)), out(6 * (kept_.joints.size() - 1), T(0));
+    recursive::inverseDynamics(kept_, state.x, state.qd, state.qdd, ws_kept_, tau, terms);
+    recursive::jointReactions(kept_, ws_kept_, out);
+    return columnOf(out);
+  }
+  /// The reactions projected on the axes of the joints, and what is left of this tau for the links.
+  TwoSides<T> alongAxes(const scene::State<T>& state, MatrixX tau) {
+    const MatrixX f = reactions(state, recursive::Terms::all());
+    TwoSides<T> sides = {MatrixX::Constant(model_.dof(), 1, T(0)), std::move(tau)};
+    for (std::size_t i = 1; i < kept_.joints.size(); ++i) {
+      // a chain of parts: the wrench passes through all of them
+      recursive::Vector6<T> six = f.block(6 * (static_cast<Eigen::Index>(i) - 1), 0, 6, 1);
+      const recursive::ScenePlace<T>& joint = kept_.joints[i];
+      recursive::Force<T> through =
+          joint.X.inverseTimes(recursive::Force<T>{six.template head<3>(), six.template tail<3>()});
+      for (int j = joint.link, end = inboardLink(i); j != end; j = kept_.links[j].parent) {
+        const recursive::LinkModel<T>& part = kept_.links[j];
+        for (int k = 0; k < recursive::axisCount(part.kind); ++k)
+          sides.left(part.dof + k, 0) = recursive::AnyJoints::force(part, k, through);
+        if (part.dof >= 0) {
+          T taken = part.rotor * state.qdd[part.dof] +
+                    part.stiffness * (state.x[part.slot].q - part.rest);
+          if (part.parent >= 0)
+            taken += dot(ws_kept_.X_up[j] * ws_kept_.a[part.parent], recursive::spinAxis(part));
+          sides.right(part.dof, 0) -= taken;
+        }
+        through = ws_kept_.X_up[j].inverseTimes(through);
+      }
+    }
+    return sides;
+  }
+  /// The link of kept_ that the parent of scene link i is; -1: the world.
+  int inboardLink(std::size_t i) const {
+    int j = kept_.joints[i].link;
+    // the links of a chain belong to one joint: those that no scene link is carried by
+    do j = kept_.links[j].parent;
+    while (j >= 0 && std::none_of(kept_.joints.begin(), kept_.joints.end(),
+                                  [j](const auto& joint) { return joint.link == j; }));
+    return j;
+  }
+  /// Six numbers in world axes about the world's origin.
+  TwoSides<T> atBase(const scene::State<T>& state) {
+    using D = Dual<T>;
+    const MatrixX f = reactions(state, recursive::Terms::all());
+    recursive::Force<T> sum = recursive::Force<T>::zero();
+    for (std::size_t i = 1; i < kept_.joints.size(); ++i) {
+      if (inboardLink(i) >= 0) continue;
+      recursive::Vector6<T> six = f.block(6 * (static_cast<Eigen::Index>(i) - 1), 0, 6, 1);
+      recursive::Force<T> at_world =
+          kept_.joints[i].X.inverseTimes(recursive::Force<T>{six.template head<3>(), six.template tail<3>()});
+      for (int j = kept_.joints[i].link; j >= 0; j = kept_.links[j].parent)
+        at_world = ws_kept_.X_up[j].inverseTimes(at_world);
+      sum = sum + at_world;
+    }
+    // the rate of change of the momentum of the links, by dual numbers
+    std::vector<D> qd_moving;
+    for (int i = 0; i < model_.dof(); ++i) qd_moving.push_back({state.qd[i], state.qdd[i]});
+    const recursive::Force<D> momentum =
+        recursive::momentum(moving_, movingAt(state.x, state.qd), qd_moving, ws_moving_);
+    // weight and loads: link by link, where they are
+    recursive::Force<T> applied = recursive::Force<T>::zero();
+    std::vector<recursive::Transform<T>> X_W;  // world to link
+    for (std::size_t i = 0; i < kept_.links.size(); ++i) {
+      const recursive::LinkModel<T>& link = kept_.links[i];
+      X_W.push_back(link.parent < 0 ? ws_kept_.X_up[i] : ws_kept_.X_up[i] * X_W[link.parent]);
+      const recursive::RigidInertia<T> M = X_W.back().inverseTimes(link.M);
+      applied = applied + recursive::Force<T>{kept_.gravity * M.mass, M.h.cross(kept_.gravity)} +
+                X_W.back().inverseTimes(link.load);
+    }
+    for (const recursive::WorldLoad<T>& load : kept_.world_loads) {
+      const recursive::Transform<T>& X = X_W[load.link];
+      const recursive::Vector3<T> at = X.p + X.R.transpose() * load.at;
+      applied = applied + recursive::Force<T>{load.force, load.moment + at.cross(load.force)};
+    }
+    MatrixX rate(6, 1);
+    for (int k = 0; k < 6; ++k) rate(k, 0) = momentum.vector()(k).derivative;
+    return {sum.vector(), rate - MatrixX(applied.vector())};
+  }
+
   /** The mechanism on a base that floats (its own, or what rests in the world is let go), and once more
       with its last possible link as the root. A base let go gets an inertia, a pose and a twist: any
       will do. */

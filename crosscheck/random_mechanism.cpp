@@ -179,6 +179,11 @@ class Drawing {
       joint.stiffness = decimal(0, 5000);
       joint.rest = joint.kind != JointKind::kPrismatic ? angle() : decimal(-50, 50);
     }
+    joint.gyroscopic = has_rotor && chance(30);
+    if (has_one_q && chance(20)) {
+      joint.friction.viscous = decimal(0, 300);
+      if (chance(50)) joint.friction.positive = joint.friction.negative = decimal(0, 300);
+    }
     // without a mass of its own, or a rotor, a joint could move nothing that another one does not
     if (chance(90) || !(fixed || has_rotor)) out.inertia = body(
         joint.kind != JointKind::kSpherical && joint.kind != JointKind::kFloating);

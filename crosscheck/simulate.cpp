@@ -56,7 +56,7 @@ class ClosedMotion {
     recursive::positionRates(model_, x_, qd_, q_rate_);
     std::copy(q_rate_.begin(), q_rate_.end(), rate.begin());
     for (int i = 0; i < dof(); ++i) rate[positions() + i] = result.qdd(i);
-    rate.back() = loadPower() - spring_.dissipation;
+    rate.back() = loadPower() - spring_.dissipation - recursive::frictionPower(model_, qd_);
   }
 
   /** Which equations stand for all, decided at this state and kept until the next call. Redundant

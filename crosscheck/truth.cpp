@@ -76,7 +76,7 @@ struct Truth::Impl {
   /// The model with its numbers enclosed at the precision of the moment.
   Setup<Ball>& setup() {
     std::unique_ptr<Setup<Ball>>& slot = setups[BallPrecision::bits()];
-    if (!slot) slot = std::make_unique<Setup<Ball>>(recursive::buildModel(mechanism, numbers));
+    if (!slot) slot = std::make_unique<Setup<Ball>>(mechanism, numbers);
     return *slot;
   }
 

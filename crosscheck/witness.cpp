@@ -18,6 +18,7 @@ const char* name(Quantity quantity) {
     case Quantity::kKinetic: return "kinetic";
     case Quantity::kPotential: return "potential";
     case Quantity::kMomentum: return "momentum";
+    case Quantity::kReactions: return "reactions";
   }
   return "?";
 }

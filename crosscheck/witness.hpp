@@ -15,14 +15,16 @@
 
 namespace dynwitness::crosscheck {
 
-/// What can be asked. Shapes: M n x n; c, g, tau, qdd n x 1; energies 1 x 1; momentum 6 x 1.
-enum class Quantity { kM, kc, kg, kTau, kQdd, kKinetic, kPotential, kMomentum };
+/// What can be asked. Shapes: M n x n; c, g, tau, qdd n x 1; energies 1 x 1; momentum 6 x 1;
+/// reactions 6 (links - 1) x 1.
+enum class Quantity { kM, kc, kg, kTau, kQdd, kKinetic, kPotential, kMomentum, kReactions };
 
 inline constexpr Quantity kAllQuantities[] = {
     Quantity::kM,   Quantity::kc,       Quantity::kg,         Quantity::kTau,
-    Quantity::kQdd, Quantity::kKinetic, Quantity::kPotential, Quantity::kMomentum};
+    Quantity::kQdd, Quantity::kKinetic, Quantity::kPotential, Quantity::kMomentum,
+    Quantity::kReactions};
 
-/// "M", "c", "g", "tau", "qdd", "kinetic", "potential", "momentum"
+/// "M", "c", "g", "tau", "qdd", "kinetic", "potential", "momentum", "reactions"
 const char* name(Quantity quantity);
 /// The quantity of that name. @throws scene::InputError listing the names that exist.
 Quantity quantityNamed(const std::string& text);
@@ -43,8 +45,19 @@ class Witness {
   virtual const std::string& name() const = 0;
   virtual bool answers(Quantity quantity) const = 0;
   /** The quantity at a state:  M(q);  c(q, qd), velocity products only;  g = dV/dq;
-      tau = M qdd + c + g - Q;  qdd from M qdd + c + g = tau + Q, with Q the scene's loads;
-      momentum of all links in world axes about the world's origin, linear part first. */
+      tau = M qdd + c + g + friction(qd) - Q;  qdd from M qdd + c + g + friction(qd) = tau + Q, with Q the
+      scene's loads;
+      momentum of all links in world axes about the world's origin, linear part first;
+      reactions at q, qd, qdd: for every joint of the scene, fixed ones too, in the order of the links
+      (all but the root), the wrench that the parent exerts on the link through the joint [N, N m],
+      linear part first, about the origin of the moved joint frame and in its axes. It is all that
+      passes: what the bearings hold and what drive, spring and friction do about the axis. The inertia
+      d = n^2 J of a rotor takes its part of tau before the link; the moment by which a gyroscopic
+      rotor is carried passes through its parent's joint. So along a joint's axis the wrench has
+
+          Z'f = tau - d qdd - n J z'(dw/dt) - stiffness (q - rest) - friction(qd)
+
+      with the third term for a gyroscopic rotor only, w being its parent's angular velocity. */
   virtual Answer answer(Quantity quantity, const scene::State<double>& state) = 0;
   /// answer().value, without the work for its bound where that can be left out: for timing.
   virtual Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) {

@@ -116,10 +116,11 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
         detail::composed<T>(link.joint.placement.beforeJoint(), number) * X_parent;
     const Transform<T> X_after = detail::composed<T>(link.joint.placement.afterJoint(), number);
     const bool lumped = is_root || (link.joint.kind == JointKind::kFixed &&
-                                    (fixed_joints == FixedJoints::kLumped || parent < 0));
+                                    fixed_joints == FixedJoints::kLumped);
     if (lumped) {
       carrier[i] = parent;
       X_carrier[i] = X_after * X_before;
+      model.joints.push_back({-1, Transform<T>::identity()});
     } else {
       // the model's frame has z along the axis: joint axes turned by Rz(alpha) Ry(beta)
       const scene::AxisTurn<T> turn = number.axisTurn(link.joint.axis);
@@ -139,6 +140,12 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
           out.dof = model.dof();
           out.slot = model.positions;
           out.rotor = gear * gear * number(link.joint.rotor_inertia);
+          if (link.joint.gyroscopic) out.spin = gear * number(link.joint.rotor_inertia);
+          out.viscous = number(link.joint.friction.viscous);
+          out.positive = number(link.joint.friction.positive);
+          out.negative = number(link.joint.friction.negative);
+          model.gyroscopic = model.gyroscopic || link.joint.gyroscopic;
+          model.friction = model.friction || !link.joint.friction.isNone();
           out.stiffness = number(link.joint.stiffness);
           out.rest = number(link.joint.rest);
           out.pitch = number(link.joint.pitch);
@@ -154,6 +161,7 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
         X_back = part.axis == 2 ? X_z.inverse() : X_z.inverse() * X_tree;
       }
       X_carrier[i] = X_after * X_back;
+      model.joints.push_back({carrier[i], X_back});
     }
     RigidInertia<T>& M = carrier[i] < 0 ? model.base : model.links[carrier[i]].M;
     M = M + X_carrier[i].inverseTimes(detail::rigidInertia<T>(link.inertia, number));

@@ -16,6 +16,7 @@ using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
         (1)  I_C of p  +=  X' I_C X              everything outboard of a joint as one rigid body
         (2)  F = I_C Z,  M_ii = Z' F + d         the force that moves it when joint i alone moves
         (3)  M_ij = Z_j' F  for the joints j inboard of i, F carried inward
+    A gyroscopic rotor, spun up by the joint, needs the moment h z of its parent: F has it from there on.
 
     M must be n x n on entry and is written whole.
     @throws std::invalid_argument  x or M has another size
@@ -43,6 +44,7 @@ void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, W
         M(d, d) = Joints::force(link, k, F) + link.rotor;                               // (2)
         for (int l = 0, e = link.dof; l < k; ++l, ++e)
           M(d, e) = M(e, d) = Joints::force(link, l, F);
+        if (model.gyroscopic) F = F + spinAxis(link);
         for (int b = i, j = link.parent; j >= 0; b = j, j = model.links[j].parent) {
           F = ws.X_up[b].inverseTimes(F);
           const LinkModel<T>& inboard = model.links[j];
@@ -73,6 +75,42 @@ Matrix6<T> bodyCoriolis(const RigidInertia<T>& M, const Motion<T>& v) {
   return twice * (T(1) / T(2));
 }
 
+/// (3) of coriolisMatrix(); ws.X_up and ws.v are set.
+template <typename T>
+void addSpinCoriolis(const Model<T>& model, const std::vector<T>& qd, const Workspace<T>& ws,
+                     MatrixX<T>& C) {
+  const Vector3<T> z(T(0), T(0), T(1));
+  for (std::size_t b = 0; b < model.links.size(); ++b) {
+    const LinkModel<T>& link = model.links[b];
+    if (link.dof < 0 || link.parent < 0 || axisCount(link.kind) != 1) continue;
+    const Vector3<T> w_p = ws.X_up[b].R * ws.v[link.parent].angular;
+    struct Inboard {
+      int rate;
+      Vector3<T> J;
+      T a_rate;
+    };
+    std::vector<Inboard> inboard;  // in the axes of this joint
+    Matrix3<T> R = ws.X_up[b].R;
+    for (int j = link.parent; j >= 0; j = model.links[j].parent) {
+      for (int k = 0; k < axisCount(model.links[j].kind); ++k) {
+        const Vector3<T> J = R * jointAxis(model.links[j], k).template tail<3>();
+        // J turns with link j, z with the parent
+        const Vector3<T> w_j = R * ws.v[j].angular;
+        inboard.push_back({model.links[j].dof + k, J, w_p.cross(z).dot(J) + z.dot(w_j.cross(J))});
+      }
+      R = R * ws.X_up[j].R;
+    }
+    const int i = link.dof;
+    const T half = link.spin / T(2);
+    for (const Inboard& x : inboard) {
+      const T K_qd = z.dot(x.J.cross(w_p));
+      C(i, x.rate) += link.spin * x.a_rate - half * K_qd;
+      C(x.rate, i) += half * K_qd;
+      for (const Inboard& y : inboard) C(x.rate, y.rate) += half * qd[i] * z.dot(x.J.cross(y.J));
+    }
+  }
+}
+
 }  // namespace detail
 
 /** Coriolis matrix C(q, qd), n x n, with c = C qd and dM/dt - 2 C skew-symmetric: the matrix that
@@ -80,6 +118,10 @@ Matrix6<T> bodyCoriolis(const RigidInertia<T>& M, const Motion<T>& v) {
     body-level Coriolis matrix of each link, composed outboard like the inertia, and dZ = v x Z:
         (1)  F_1 = I_C dZ_j + B_C Z_j,   F_2 = I_C Z_j,   F_3 = B_C' Z_j
         (2)  C_ij = Z_i' F_1,   C_ji = dZ_i' F_2 + Z_i' F_3      for i inboard of j (or j itself)
+    A gyroscopic rotor of joint i, h qd_i z.w_p in T, with a_j = z.J_j its coupling to the rates inboard,
+    J_j what rate j gives to w_p, and K_jk = z.(J_j x J_k) the rate at which a_j changes with k less that
+    at which a_k changes with j:
+        (3)  C += h e_i (da/dt)' + h/2 (K qd_i - e_i (K qd)' + (K qd) e_i')
     Dense 6 x 6 products, O(n depth): for checks, not for speed.
     @see S. Echeandia and P. Wensing, Numerical Methods to Compute the Coriolis Matrix and Christoffel
          Symbols for Rigid-Body Systems, J. Comput. Nonlinear Dynam. 16 (2021) */
@@ -128,6 +170,7 @@ MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition
       B_C[link.parent] += X_up[b].transpose() * B_C[b] * X_up[b];
     }
   }
+  if (model.gyroscopic) detail::addSpinCoriolis(model, qd, ws, C);
   return C;
 }
 

@@ -22,7 +22,7 @@ void linkVelocities(const Model<T>& model, const std::vector<JointPosition<T>>& 
   }
 }
 
-/// Kinetic energy T = sum v' M v / 2 + sum d qd^2 / 2 [J], rotors included.
+/// Kinetic energy T = sum v' M v / 2 + sum d qd^2 / 2 + sum h qd z'w_p [J], rotors included.
 template <typename T>
 T kineticEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                 const std::vector<T>& qd, Workspace<T>& ws) {
@@ -32,8 +32,27 @@ T kineticEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
     const LinkModel<T>& link = model.links[i];
     twice += dot(ws.v[i], link.M * ws.v[i]);
     if (link.dof >= 0) twice += link.rotor * qd[link.dof] * qd[link.dof];
+    if (model.gyroscopic && link.dof >= 0 && link.parent >= 0)
+      twice += T(2) * qd[link.dof] * dot(ws.X_up[i] * ws.v[link.parent], spinAxis(link));
   }
   return twice / T(2);
+}
+
+/// What friction takes [W]: sum of viscous qd^2 + coulomb |qd|, never negative.
+template <typename T>
+T frictionPower(const Model<T>& model, const std::vector<T>& qd) {
+  using scene::directionOf;
+  requireSize(model, "frictionPower", "qd", qd.size());
+  T power = T(0);
+  for (const LinkModel<T>& link : model.links) {
+    if (link.dof < 0) continue;
+    const T& rate = qd[link.dof];
+    const int direction = directionOf(rate);
+    power += link.viscous * rate * rate;
+    if (direction > 0) power += link.positive * rate;
+    if (direction < 0) power -= link.negative * rate;
+  }
+  return power;
 }
 
 /** Potential energy V = -gravity' sum m p_c + sum k (q - rest)^2 / 2 [J], zero at the world's origin.
@@ -63,8 +82,8 @@ T potentialEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
   return twice_springs / T(2) - model.gravity.dot(h_world);
 }
 
-/// Momentum of all links together, in world axes about the world's origin [N s, N m s]. Rotors, whose
-/// axes the model d = n^2 J does not know, are not in it.
+/// Momentum of all links together, in world axes about the world's origin [N s, N m s], with the spin of
+/// gyroscopic rotors on links. Other rotors, whose axes the model d = n^2 J does not know, are not in it.
 template <typename T>
 Force<T> momentum(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                   const std::vector<T>& qd, Workspace<T>& ws) {
@@ -72,8 +91,11 @@ Force<T> momentum(const Model<T>& model, const std::vector<JointPosition<T>>& x,
   for (std::size_t i = 0; i < model.links.size(); ++i) ws.f[i] = model.links[i].M * ws.v[i];
   Force<T> total = Force<T>::zero();
   for (int i = static_cast<int>(model.links.size()) - 1; i >= 0; --i) {
-    Force<T>& inboard = model.links[i].parent < 0 ? total : ws.f[model.links[i].parent];
-    inboard = inboard + ws.X_up[i].inverseTimes(ws.f[i]);
+    const LinkModel<T>& link = model.links[i];
+    Force<T>& inboard = link.parent < 0 ? total : ws.f[link.parent];
+    Force<T> f = ws.f[i];
+    if (model.gyroscopic && link.dof >= 0 && link.parent >= 0) f = f + spinAxis(link) * qd[link.dof];
+    inboard = inboard + ws.X_up[i].inverseTimes(f);
   }
   return total;
 }

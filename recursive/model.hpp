@@ -33,6 +33,8 @@ struct LinkModel {
   Transform<T> X_tree = Transform<T>::identity();  ///< parent link frame to unmoved joint frame
   RigidInertia<T> M = RigidInertia<T>::zero();
   T rotor = T(0);                                ///< d = gear_ratio^2 rotor_inertia [kg m^2], [kg]
+  T spin = T(0);  ///< h = gear_ratio rotor_inertia of a gyroscopic rotor, which the parent carries
+  T viscous = T(0), positive = T(0), negative = T(0);  ///< friction (scene::Friction)
   T stiffness = T(0), rest = T(0);               ///< [N m/rad], [rad] or [N/m], [m]
   T pitch = T(0);                                ///< of a screw [m/rad]
   Force<T> load = Force<T>::zero();  ///< constant wrench in link axes, about the origin [N, N m]
@@ -56,9 +58,13 @@ template <typename T>
 struct Model {
   std::vector<LinkModel<T>> links;
   std::vector<ScenePlace<T>> places;  ///< one a link of the scene
+  /// One a link of the scene: the link of the model that its joint moves, and that link's frame to the
+  /// moved joint frame. -1: no joint of the model (the root; a fixed joint that was lumped).
+  std::vector<ScenePlace<T>> joints;
   std::vector<int> link_of_dof;
   int positions = 0;         ///< how many slots q has: dof(), and one a quaternion
   bool plain_joints = true;  ///< all are fixed, revolute or prismatic
+  bool gyroscopic = false, friction = false;  ///< any of spin, any friction
   /// What rests in the world: it enters the potential energy only.
   RigidInertia<T> base = RigidInertia<T>::zero();
   Vector3<T> gravity = Vector3<T>::Zero();  ///< [m/s^2], world axes
@@ -69,11 +75,37 @@ struct Model {
 
 /// Which terms a sweep includes besides M qdd and the velocity products.
 struct Terms {
-  bool gravity = true, springs = true, loads = true;
+  bool gravity = true, springs = true, loads = true, friction = true;
   static constexpr Terms all() { return {}; }
-  static constexpr Terms none() { return {false, false, false}; }
-  static constexpr Terms potential() { return {true, true, false}; }
+  static constexpr Terms none() { return {false, false, false, false}; }
+  static constexpr Terms potential() { return {true, true, false, false}; }
 };
+
+/// What friction takes of a joint's force at this rate [N m], [N]: viscous qd + Coulomb's part, which is 0
+/// at rest.
+template <typename T>
+T frictionForce(const LinkModel<T>& link, const T& qd) {
+  using scene::directionOf;
+  const int direction = directionOf(qd);
+  T force = link.viscous * qd;
+  if (direction > 0) force += link.positive;
+  if (direction < 0) force -= link.negative;
+  return force;
+}
+
+/// (0, h z): what a gyroscopic rotor does to its parent by spinning up, and, as a product with a motion of
+/// the parent in the link's coordinates, h z'w, what it feels of that motion.
+template <typename T>
+Force<T> spinAxis(const LinkModel<T>& link) {
+  return {Vector3<T>::Constant(T(0)), Vector3<T>(T(0), T(0), link.spin)};
+}
+/// The rate of change of that rotor's momentum h qd z as it is carried around by its parent, whose motion
+/// in the link's coordinates is v_p:  h qdd z + w_p x h qd z.
+template <typename T>
+Force<T> spinForce(const LinkModel<T>& link, const T& qd, const T& qdd, const Motion<T>& v_p) {
+  const Force<T> axis = spinAxis(link);
+  return {axis.force, axis.moment * qdd + v_p.angular.cross(axis.moment) * qd};
+}
 
 /// A caller's vector must have one entry a degree of freedom.
 /// @throws std::invalid_argument  "inverseDynamics: qd: expected 3 joint values, got 2"

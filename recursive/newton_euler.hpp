@@ -8,7 +8,7 @@
 
 namespace dynwitness::recursive {
 
-/** Inverse dynamics, tau = M(q) qdd + c(q, qd) + g(q) - Q, by an outward sweep of motion and an
+/** Inverse dynamics, tau = M(q) qdd + c(q, qd) + g(q) + friction - Q, by an outward sweep of motion and an
     inward sweep of force (recursive Newton-Euler), in O(n).
 
     With p the parent of link i, Z the joint's axes, X the transformation from p to i, everything in
@@ -16,13 +16,19 @@ namespace dynwitness::recursive {
         (1)  v_i = X v_p + Z qd_i
         (2)  a_i = X a_p + Z qdd_i + v_i x Z qd_i          a_0 = -gravity
         (3)  f_i = M_i a_i + v_i x* (M_i v_i) - loads + sum over children of X' f_child
-        (4)  tau_i = Z' f_i + d_i qdd_i + k_i (q_i - rest_i)
+        (4)  tau_i = Z' f_i + d_i qdd_i + k_i (q_i - rest_i) + friction_i(qd_i)
     a is spatial acceleration; d = n^2 J the rotor's inertia at the joint, k the joint's spring.
+    ws.f[i] is f_i afterwards: the whole wrench through the joint.
+
+    A gyroscopic rotor turns about the joint's axis z on the parent, with h = n J: its momentum h qd z,
+    seen from the parent, is carried around by the parent, and it feels the parent's rotation w_p:
+        (5)  f_p also has the moment  h qdd_i z + w_p x h qd_i z
+        (6)  tau_i also has  h z' (dw_p/dt)
 
     @tparam T     tested with double, long double, float, running error bounds, dual numbers
     @param  x, qd, qdd   position, velocity [rad/s, m/s], acceleration [rad/s^2, m/s^2], length n
     @param  tau   joint forces, length n [N m, N], positive along the joint's +z
-    @param  terms gravity, springs and loads can be left out: c alone is qdd = 0 and Terms::none()
+    @param  terms gravity, springs, loads and friction can be left out: c alone is qdd = 0 and Terms::none()
     @throws std::invalid_argument  a vector is not of length n
     @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), table 5.1, p. 96 */
 template <typename T>
@@ -60,8 +66,16 @@ void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
         tau[d] = Joints::force(link, k, ws.f[i]) + link.rotor * qdd[d];               // (4)
       if (terms.springs && link.dof >= 0)
         tau[link.dof] += link.stiffness * (x[link.slot].q - link.rest);
-      if (link.parent >= 0)
-        ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(ws.f[i]);  // (3), children
+      if (model.friction && terms.friction && link.dof >= 0)
+        tau[link.dof] += frictionForce(link, qd[link.dof]);
+      if (link.parent < 0) continue;
+      Force<T> f = ws.f[i];
+      if (model.gyroscopic && link.dof >= 0) {
+        const Motion<T> v_p = ws.X_up[i] * ws.v[link.parent], a_p = ws.X_up[i] * ws.a[link.parent];
+        f = f + spinForce(link, qd[link.dof], qdd[link.dof], v_p);                    // (5)
+        tau[link.dof] += dot(a_p, spinAxis(link));                                    // (6)
+      }
+      ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(f);         // (3), children
     }
   });
 }

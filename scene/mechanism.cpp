@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/mechanism.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace dynwitness::scene {
@@ -197,6 +198,19 @@ std::vector<Number> Mechanism::restPosition() const {
     }
   }
   return q;
+}
+
+bool Mechanism::hasFriction() const {
+  return std::any_of(links.begin(), links.end(),
+                     [](const Link& link) { return !link.joint.friction.isNone(); });
+}
+bool Mechanism::hasCoulombFriction() const {
+  return std::any_of(links.begin(), links.end(),
+                     [](const Link& link) { return link.joint.friction.isCoulomb(); });
+}
+bool Mechanism::hasGyroscopicRotors() const {
+  return std::any_of(links.begin(), links.end(),
+                     [](const Link& link) { return link.joint.gyroscopic; });
 }
 
 std::vector<int> Mechanism::movingLinks() const {

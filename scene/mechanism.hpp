@@ -84,11 +84,29 @@ struct Placement {
   std::vector<Step> afterJoint() const;
 };
 
+/** Friction of a joint with one q: it takes  viscous qd + coulomb sign(qd)  of the joint's force, where
+    coulomb is `positive` while qd > 0 and `negative` while qd < 0 (both magnitudes, zero or more).
+    At qd = 0 it is 0, by convention: what holds a joint at rest is no function of its state. */
+struct Friction {
+  Number viscous{0};                ///< [N m s/rad], [N s/m]
+  Number positive{0}, negative{0};  ///< [N m], [N]
+
+  bool isCoulomb() const { return !positive.isLiteralZero() || !negative.isLiteralZero(); }
+  bool isNone() const { return viscous.isLiteralZero() && !isCoulomb(); }
+};
+
 /** A joint: the link moves about or along `axis`, given in the joint frame and of any non-zero length
     (revolute, prismatic, helical, cylindrical; the normal of a planar joint, whose x and y are those
     of the joint frame turned by AxisTurn). The others move in the joint frame as it stands. A rotor of
     inertia J [kg m^2], geared n times faster than the joint, adds n^2 J to the joint's own inertia; a
-    spring adds  stiffness (q - rest)^2 / 2  to V. Both go with joints that have one q. */
+    spring adds  stiffness (q - rest)^2 / 2  to V. They and friction go with joints that have one q.
+
+    That is all of a rotor whose spin nobody else feels. A `gyroscopic` one is a symmetric body on the
+    parent link, which turns at n qd about the joint's axis as the parent sees it. The parent's mass
+    properties include it as it stands, locked to the parent; with w the parent's angular velocity
+    and z the axis, its spin then adds to T
+
+        J (z'w + n qd)^2 / 2 - J (z'w)^2 / 2  =  n^2 J qd^2 / 2 + n J qd z'w                        */
 struct Joint {
   std::string name;
   JointKind kind = JointKind::kFixed;
@@ -96,6 +114,8 @@ struct Joint {
   Vector axis{Number(0), Number(0), Number(1)};
   Number pitch{0};  ///< helical: advance a radian [m/rad]
   Number rotor_inertia{0}, gear_ratio{1};
+  bool gyroscopic = false;
+  Friction friction;
   Number stiffness{0}, rest{0};
 };
 
@@ -193,6 +213,9 @@ struct Mechanism {
   int positions() const;  ///< how many position slots q there are: dof(), and one a quaternion
   /// True when the tree alone is the whole mechanism: no closures, no springs between points.
   bool isOpenTree() const { return closures.empty() && springs.empty(); }
+  bool hasFriction() const;
+  bool hasCoulombFriction() const;
+  bool hasGyroscopicRotors() const;
   /// Indices of the links whose joints move, in the order of q.
   std::vector<int> movingLinks() const;
   /// What each position slot says, in the order of q.

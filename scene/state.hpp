@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cmath>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace dynwitness::scene {
@@ -26,6 +28,25 @@ JointPosition<T> jointPosition(const T& q) {
   using std::cos;
   using std::sin;
   return {q, cos(q), sin(q)};
+}
+
+namespace detail {
+template <typename T, typename = void>
+struct HasOrder : std::false_type {};
+template <typename T>
+struct HasOrder<T, std::void_t<decltype(bool(std::declval<const T&>() < std::declval<const T&>()))>>
+    : std::true_type {};
+}  // namespace detail
+
+/** Which way a joint moves: the sign of its rate, 0 at rest. Elements of a field (and other scalars
+    without an order) have no sign: there it is given as 1, so that what is computed is the case in
+    which every joint moves forward. */
+template <typename T>
+int directionOf(const T& rate) {
+  if constexpr (detail::HasOrder<T>::value)
+    return rate > T(0) ? 1 : rate < T(0) ? -1 : 0;
+  else
+    return 1;
 }
 
 /// One state, SI units, in the order of the joints: Mechanism::positions() slots x, and

@@ -82,6 +82,7 @@ class TomlReader {
   JointKind readJointKind(const toml::table& table, const std::string& what) const;
   void checkJointKeys(const toml::table& table, const std::string& what, JointKind kind) const;
   Placement readPlacement(const toml::table& table, const std::string& what) const;
+  Friction readFriction(const toml::table& table, const std::string& what) const;
   void readInertia(const toml::table& table, const std::string& what,
                    MassProperties* inertia) const;
   /// A link of this scene by name, as an index.
@@ -327,7 +328,8 @@ void TomlReader::checkJointKeys(const toml::table& table, const std::string& wha
     case JointKind::kHelical: allow({"pitch"}); [[fallthrough]];
     case JointKind::kRevolute:
     case JointKind::kPrismatic:
-      allow({"axis", "dh", "mdh", "rotor_inertia", "gear_ratio", "stiffness", "rest"});
+      allow({"axis", "dh", "mdh", "rotor_inertia", "gear_ratio", "gyroscopic", "stiffness", "rest",
+             "friction"});
       break;
     case JointKind::kCylindrical: allow({"axis", "dh", "mdh"}); break;
     case JointKind::kPlanar: allow({"axis"}); break;
@@ -336,7 +338,8 @@ void TomlReader::checkJointKeys(const toml::table& table, const std::string& wha
     case JointKind::kFloating: break;
   }
   if (degreesOfFreedom(kind) > 1) {
-    for (const char* key : {"rotor_inertia", "gear_ratio", "stiffness", "rest"}) {
+    for (const char* key :
+         {"rotor_inertia", "gear_ratio", "gyroscopic", "stiffness", "rest", "friction"}) {
       if (const toml::node* node = table.get(key))
         throw InputError(where(*node), of_kind + ": has " + key +
                                            ", allowed: only with revolute, prismatic and helical "
@@ -362,7 +365,30 @@ Joint TomlReader::readJoint(const toml::table& table, const std::string& link) c
   joint.gear_ratio = optionalNumber(table, what, "gear_ratio", 1);
   joint.stiffness = optionalNumber(table, what, "stiffness");
   joint.rest = optionalNumber(table, what, "rest");
+  if (const toml::node* gyroscopic = table.get("gyroscopic")) {
+    if (!gyroscopic->is_boolean()) wrongType(*gyroscopic, what + ": gyroscopic", "true, false");
+    joint.gyroscopic = gyroscopic->as_boolean()->get();
+  }
+  if (const toml::node* friction = table.get("friction"))
+    joint.friction = readFriction(asTable(*friction, what + ": friction"), what + ": friction");
   return joint;
+}
+
+Friction TomlReader::readFriction(const toml::table& table, const std::string& what) const {
+  checkKeys(table, what, {"viscous", "coulomb"});
+  Friction friction;
+  friction.viscous = optionalNumber(table, what, "viscous");
+  const toml::node* coulomb = table.get("coulomb");
+  if (coulomb == nullptr) return friction;
+  if (!coulomb->is_table()) {
+    friction.positive = friction.negative = number(*coulomb, what + ": coulomb");
+    return friction;
+  }
+  const toml::table& sides = *coulomb->as_table();
+  checkKeys(sides, what + ": coulomb", {"positive", "negative"});
+  friction.positive = optionalNumber(sides, what + ": coulomb", "positive");
+  friction.negative = optionalNumber(sides, what + ": coulomb", "negative");
+  return friction;
 }
 
 Placement TomlReader::readPlacement(const toml::table& table, const std::string& what) const {

@@ -209,6 +209,10 @@ JointKind readJointKind(const Element& element, const std::string& joint) {
                "\", allowed: fixed, revolute, continuous, prismatic, planar, floating");
 }
 
+bool hasOnePosition(JointKind kind) { return positionSlots(kind).size() == 1; }
+
+/** `damping` is viscous friction, `friction` Coulomb's: URDF calls it static, and means the force that
+    has to be overcome. */
 Joint readJoint(const Element& element) {
   Joint joint;
   joint.name = element.attribute("name");
@@ -224,6 +228,12 @@ Joint readJoint(const Element& element) {
   if (const std::optional<Element> axis = element.child("axis")) {
     joint.axis = axis->optionalVector("xyz");
   }
+  if (hasOnePosition(joint.kind)) {
+    if (const std::optional<Element> dynamics = element.child("dynamics")) {
+      joint.friction.viscous = dynamics->optionalNumber("damping");
+      joint.friction.positive = joint.friction.negative = dynamics->optionalNumber("friction");
+    }
+  }
   return joint;
 }
 
@@ -231,7 +241,8 @@ Joint readJoint(const Element& element) {
 std::string notModelled(const Element& element) {
   std::string said;
   const auto add = [&said](const std::string& what) { said += (said.empty() ? "" : ", ") + what; };
-  if (const std::optional<Element> dynamics = element.child("dynamics")) {
+  const std::optional<Element> dynamics = element.child("dynamics");
+  if (dynamics && !hasOnePosition(readJointKind(element, element.attribute("name")))) {
     for (const char* key : {"damping", "friction"}) {
       const Number n = dynamics->optionalNumber(key);
       if (!exactValue(n, {}).isZero()) add(std::string(key) + " " + n.text());

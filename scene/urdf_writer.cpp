@@ -145,6 +145,17 @@ std::string linkElement(const std::string& name, const MassProperties& inertia,
   return fmt::format("  <link name=\"{}\">{}</link>\n", escaped(name), inertial(inertia, number));
 }
 
+/// Friction, as far as URDF has words for it: viscous, and Coulomb's when it is the same both ways.
+std::string dynamics(const Joint& joint, const Numbers& number) {
+  const Friction& friction = joint.friction;
+  std::string words;
+  if (number(friction.viscous) != 0)
+    words += fmt::format(" damping=\"{}\"", text(number(friction.viscous)));
+  if (number(friction.positive) != 0 && number(friction.positive) == number(friction.negative))
+    words += fmt::format(" friction=\"{}\"", text(number(friction.positive)));
+  return words.empty() ? "" : "<dynamics" + words + "/>";
+}
+
 /// What URDF calls a moving joint.
 const char* urdfType(const Link& link) {
   switch (link.joint.kind) {
@@ -178,6 +189,7 @@ std::string linkAndJoint(const Mechanism& mechanism, const Link& link, const Num
   if (joint.kind == JointKind::kPrismatic)  // URDF has no slide without ends
     axis += R"(<limit lower="-1e9" upper="1e9" effort="1e9" velocity="1e9"/>)";
   if (joint.kind == JointKind::kFloating) axis.clear();
+  axis += dynamics(joint, number);
   const Origin after = composed(after_joint, number);
   if (after.text().empty())
     return element + jointElement(joint.name, type, parent, link.name, before, axis);
@@ -189,16 +201,18 @@ std::string linkAndJoint(const Mechanism& mechanism, const Link& link, const Num
 
 /// What the scene has and URDF has no words for.
 std::string leftOut(const Mechanism& mechanism, const Numbers& number) {
-  bool rotors = false, springs = false;
+  bool rotors = false, springs = false, one_sided = false;
   for (const Link& link : mechanism.links) {
     rotors = rotors || number(link.joint.rotor_inertia) != 0;
     springs = springs || number(link.joint.stiffness) != 0;
+    one_sided = one_sided || number(link.joint.friction.positive) != number(link.joint.friction.negative);
   }
   std::string what = mechanism.has_gravity
                          ? "gravity (" + text(vector(mechanism.gravity, number)) + ")"
                          : "that there is no gravity";
   if (rotors) what += ", rotors";
   if (springs) what += ", springs";
+  if (one_sided) what += ", Coulomb friction that is not the same both ways";
   if (!mechanism.wrenches.empty()) what += ", loads";
   if (!mechanism.isOpenTree()) what += ", closures and springs between points";
   return what;

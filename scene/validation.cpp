@@ -155,6 +155,7 @@ class Validator {
       bodies_.push_back(body(link));
       if (link.parent >= 0) requireJoint(link);
     }
+    requireCarriers();
     requireStart();
     requireInertiaOutboard();
     for (const Closure& closure : mechanism_.closures) {
@@ -188,6 +189,7 @@ class Validator {
   void requireTree() const;
   void requireValues() const;
   void requireJoint(const Link& link);
+  void requireCarriers();
   void requireStart() const;
   void requireInertiaOutboard();
   void requireEnds(const std::string& what, int a, int b, const SourceLocation& where) const;
@@ -261,7 +263,8 @@ void Validator::requireValues() const {
     for (const Vector& v : {i.com, i.rpy, p.xyz, p.rpy, j.axis}) require(v, link.where);
     require(
         std::initializer_list<Number>{i.mass, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz, p.a, p.alpha, p.d,
-                                      p.theta, j.pitch, j.rotor_inertia, j.gear_ratio, j.stiffness, j.rest},
+                                      p.theta, j.pitch, j.rotor_inertia, j.gear_ratio, j.stiffness, j.rest,
+                                      j.friction.viscous, j.friction.positive, j.friction.negative},
         link.where);
   }
 }
@@ -304,8 +307,7 @@ Rational Validator::slack(const Rational& scale) const {
 
 /** Some distribution of mass has this inertia about its centre: I >= 0 and J = tr(I)/2 1 - I >= 0.
     J is the triangle inequality: its eigenvalues are half of two moments less the third. */
-void Validator::requireRealizable(const Link& link, const RationalMatrix& inertia,
-                                  const Rational& allowance) {
+bool isRealizable(const RationalMatrix& inertia, const Rational& allowance, bool* is_positive) {
   const Rational trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
   RationalMatrix I = inertia, J = inertia;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -313,8 +315,14 @@ void Validator::requireRealizable(const Link& link, const RationalMatrix& inerti
     J[i][i] += trace / 2 + allowance;
     I[i][i] += allowance;
   }
-  const bool is_positive = isPositiveSemidefinite(I);
-  if (is_positive && isPositiveSemidefinite(J)) return;
+  *is_positive = isPositiveSemidefinite(I);
+  return *is_positive && isPositiveSemidefinite(J);
+}
+
+void Validator::requireRealizable(const Link& link, const RationalMatrix& inertia,
+                                  const Rational& allowance) {
+  bool is_positive = false;
+  if (isRealizable(inertia, allowance, &is_positive)) return;
   Eigen::Matrix3d rounded;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
@@ -388,9 +396,9 @@ void Validator::requireJoint(const Link& link) {
                         " and stands in a Denavit-Hartenberg row, allowed: xyz and rpy");
   }
   if (degreesOfFreedom(joint.kind) > 1 &&
-      (value(joint.rotor_inertia) != 0 || value(joint.stiffness) != 0)) {
+      (value(joint.rotor_inertia) != 0 || value(joint.stiffness) != 0 || !joint.friction.isNone())) {
     failJoint(link, std::string("is ") + name(joint.kind) +
-                        " and has a rotor or a spring, allowed: only with joints of one position");
+                        " and has a rotor, a spring or friction, allowed: only with joints of one position");
   }
   if (value(joint.rotor_inertia) < 0) {
     failJoint(link,
@@ -401,6 +409,51 @@ void Validator::requireJoint(const Link& link) {
   }
   if (value(joint.stiffness) < 0) {
     failJoint(link, "stiffness is " + shown(joint.stiffness) + ", allowed: zero or more");
+  }
+  if (joint.gyroscopic && !(value(joint.rotor_inertia) > 0)) {
+    failJoint(link, "gyroscopic without a rotor, allowed: with a rotor_inertia above zero");
+  }
+  const std::pair<const char*, const Number*> frictions[] = {
+      {"viscous", &joint.friction.viscous},
+      {"coulomb", &joint.friction.positive},
+      {"coulomb.negative", &joint.friction.negative}};
+  for (const auto& [key, number] : frictions) {
+    if (value(*number) < 0) {
+      failJoint(link, std::string("friction: ") + key + " is " + shown(*number) +
+                          ", allowed: zero or more (what takes energy away)");
+    }
+  }
+}
+
+/** A link that moves contains the gyroscopic rotors of the joints on it: what is left of its inertia
+    without them is that of a body. A rotor of inertia J about z is at least a disc, J/2 (1 + z z'). */
+void Validator::requireCarriers() {
+  std::vector<bool> rests = {true};
+  for (std::size_t i = 1; i < mechanism_.links.size(); ++i) {
+    const Link& link = mechanism_.links[i];
+    rests.push_back(rests[link.parent] && link.joint.kind == JointKind::kFixed);
+  }
+  for (std::size_t i = 0; i < mechanism_.links.size(); ++i) {
+    RationalMatrix left = bodies_[i].inertia;
+    Rational size = left[0][0] + left[1][1] + left[2][2];
+    is_exact_ = bodies_[i].is_exact;
+    std::string joints;
+    for (const Link& child : mechanism_.links) {
+      if (rests[i] || child.parent != static_cast<int>(i) || !child.joint.gyroscopic) continue;
+      joints += (joints.empty() ? "" : ", ") + ('"' + child.joint.name + '"');
+      const RationalVector z = frame(child.joint.placement.beforeJoint()).R * vector(child.joint.axis);
+      const Rational half = value(child.joint.rotor_inertia) / 2;
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t k = 0; k < 3; ++k)
+          left[j][k] -= half * ((j == k ? Rational(1) : Rational(0)) + z[j] * z[k] / dot(z, z));
+      size += half;
+    }
+    bool is_positive = false;
+    if (joints.empty() || isRealizable(left, slack(size), &is_positive)) continue;
+    failLink(mechanism_.links[i],
+             "carries the gyroscopic rotor of joint " + joints +
+                 ", and without it, a disc of that rotor_inertia at the least, its inertia about the "
+                 "centre of mass is no body's, allowed: an inertia that contains the rotor as it stands");
   }
 }
 

@@ -168,8 +168,21 @@ void writeJoint(const Link& link, Lines* lines) {
   writePlacement(joint.placement, lines);
   lines->scalar("rotor_inertia", joint.rotor_inertia);
   lines->scalar("gear_ratio", joint.gear_ratio, 1);
+  if (joint.gyroscopic) lines->value("gyroscopic", "true");
   lines->scalar("stiffness", joint.stiffness);
   lines->scalar("rest", joint.rest);
+  const Friction& friction = joint.friction;
+  if (friction.isNone()) return;
+  std::string table = inlineTable("", {{"viscous", &friction.viscous}});
+  if (friction.isCoulomb()) {
+    const std::string positive = number(friction.positive), negative = number(friction.negative);
+    table = inlineTable("coulomb = " + (positive == negative
+                                            ? positive
+                                            : inlineTable("", {{"positive", &friction.positive},
+                                                               {"negative", &friction.negative}})),
+                        {{"viscous", &friction.viscous}});
+  }
+  lines->value("friction", table);
 }
 
 }  // namespace

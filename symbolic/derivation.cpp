@@ -136,15 +136,21 @@ std::vector<Step> closedSteps(Equations& e) {
   for (int i = 0; i < n; ++i)
     if (!e.graph.isZero(e.Q[i]))
       steps.push_back({numbered("Q_", i),
-                       "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i.",
+                       e.graph.isZero(e.friction[i])
+                           ? "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i."
+                           : "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i "
+                             "- dR/dqd_i, R = sum of viscous qd^2/2 + coulomb |qd|.",
                        {equation(numbered("Q", i), algebra.expression(e.Q[i]))},
-                       "depends on the position alone",
+                       e.graph.isZero(e.friction[i]) ? "depends on the position alone"
+                                                     : "without dR/dqd_i depends on the position alone",
                        [&] {
                          bool at_rest = true;
                          for (int j = 0; j < n; ++j)
                            at_rest =
-                               at_rest && isZero(algebra.derivative(algebra.expression(e.Q[i]),
-                                                                    {Input::kVelocity, j}));
+                               at_rest &&
+                               isZero(algebra.derivative(
+                                   algebra.expression(e.Q[i]) + algebra.expression(e.friction[i]),
+                                   {Input::kVelocity, j}));
                          return at_rest;
                        }()});
   for (int i = 0; i < n; ++i) {

@@ -37,9 +37,9 @@ struct QuasiJoint {
         M_ij = dp_i/dqd_j                           mass matrix                             (2)
         c_i = sum_j (dp_i/dq_j) qd_j - dT/dq_i      Coriolis and centrifugal forces         (3)
         g_i = dV/dq_i                               gravity and springs                     (4)
-        Q_i = d(power of the constant wrenches)/dqd_i                                       (5)
+        Q_i = d(power of the constant wrenches)/dqd_i - dR/dqd_i                            (5)
 
-    so that  M qdd + c + g = tau + Q.  Equation (3) is  sum_jk Gamma_ijk qd_j qd_k  with the
+    with Rayleigh's function R of friction (Lagrangian::dissipation), so that  M qdd + c + g = tau + Q.  Equation (3) is  sum_jk Gamma_ijk qd_j qd_k  with the
     Christoffel symbols of M; christoffelMatrix() gives them their matrix.
 
     Rates of spherical and floating joints are quasi-velocities: no positions have them as derivatives.
@@ -72,6 +72,7 @@ struct Equations {
   std::vector<Node> link_kinetic;    ///< share of each moving link in T (its rotor's included)
   std::vector<Node> link_potential;  ///< share of each moving link in V (its spring's included)
   std::vector<Node> p, c, g, Q;
+  std::vector<Node> friction;  ///< dR/dqd, which Q contains with a minus sign
   std::vector<std::vector<Node>> M;
 
   int dof() const { return static_cast<int>(joints.size()); }

@@ -395,6 +395,8 @@ class Printer {
           return "qdd" + k;
         case Input::kForce:
           return "tau" + k;
+        case Input::kDirection:
+          return "sign_qd" + k;
         case Input::kRotation:
           return rotation(f.joint);
       }
@@ -412,6 +414,8 @@ class Printer {
         return dotted(k, 2);
       case Input::kForce:
         return printName("tau" + k, style_);
+      case Input::kDirection:
+        return function("sign", Formula::ofInput(Input::kVelocity, f.joint), 1);
       case Input::kRotation:
         return printName(rotation(f.joint), style_);
     }

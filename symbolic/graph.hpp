@@ -53,8 +53,10 @@ struct Atom {
 };
 
 /// A component of the state. Positions q_k are counted from 0 over the position slots, rates qd_k,
-/// qdd_k and forces over the degrees of freedom; kRotation counts as rotationEntry() says.
-enum class Input : std::uint8_t { kPosition, kCos, kSin, kVelocity, kAcceleration, kForce, kRotation };
+/// qdd_k, forces and directions (the sign of qd_k, a constant of its own) over the degrees of freedom;
+/// kRotation counts as rotationEntry() says.
+enum class Input : std::uint8_t { kPosition, kCos, kSin, kVelocity, kAcceleration, kForce, kRotation,
+                                 kDirection };
 
 /// The number of R_ij (i, j from 0), R turning link axes to joint axes, of the quaternion that starts
 /// at this slot.

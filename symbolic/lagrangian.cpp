@@ -371,10 +371,11 @@ void Lagrangian::addBodies(const scene::Link& link, WorldOrBodyFrame* frame) {
   const MassMoments nothing{zero, {zero, zero, zero}, {zero, zero, zero, zero, zero, zero}};
   const std::vector<std::string>& rates = scene::rateNames(joint.kind);
   const Value gear = number(joint.gear_ratio), rotor = gear * gear * number(joint.rotor_inertia);
+  const Value spin = joint.gyroscopic ? gear * number(joint.rotor_inertia) : zero;
   std::vector<FrameStep> to_axis;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     Body body{link.name, joint.name, frame->body, parts[k].first, 0, 0, parts[k].second, false,
-              frame->offset, nothing, rotor, number(joint.stiffness), number(joint.rest),
+              frame->offset, nothing, rotor, spin, number(joint.stiffness), number(joint.rest),
               number(joint.pitch)};
     if (parts.size() > 1) body.joint_name += "." + rates[k];
     if (k + 1 < parts.size()) body.name += "." + rates[k];
@@ -551,12 +552,13 @@ std::vector<Lagrangian::Velocities> Lagrangian::velocities() {
   std::vector<Velocities> all;
   for (int i = 0; i < bodyCount(); ++i) {
     const Body& body = bodies_[i];
-    Velocities v{{zero, zero, zero}, {zero, zero, zero}};
+    Velocities v{{zero, zero, zero}, {zero, zero, zero}, zero};
     if (body.parent >= 0) v = all[body.parent];
     // as part of the parent, in the axes of the joint
     const Placed placed(graph_, body.before);
     v.linear = placed.turned(v.linear + cross(v.angular, placed.p_AB));
     v.angular = placed.turned(v.angular);
+    v.inboard = v.angular[body.axis];  // the joint's own motion leaves its axis where it is
     // and with the joint's own motion
     for (const FrameStep& step : jointSteps(i)) {
       if (step.is_rotation) {
@@ -594,7 +596,7 @@ std::vector<Value> Lagrangian::kineticByVelocities() {
       for (int k = j + 1; k < 3; ++k) T += b.second(j, k) * (omega[j] * omega[k]);
     }
     const Value rate = axesOf(i)[0].rate;  // rotors go with joints of one rate
-    T += half * bodies_[i].rotor * (rate * rate);
+    T += half * bodies_[i].rotor * (rate * rate) + bodies_[i].spin * rate * v[i].inboard;
     shares.push_back(T);
   }
   return shares;
@@ -640,6 +642,7 @@ Value Lagrangian::kineticByCompositeBodies() {
       if (body.parent < 0 && axes.size() == 1) break;
       linear[i] = linear[i] + qd * unit_linear;
       angular[i] = angular[i] + qd * unit_angular;
+      if (axes.size() == 1) angular[i][axis.coordinate] += body.spin * qd;  // the rotor inboard spins too
     }
     if (body.parent < 0) continue;
     // to the parent's axes and origin
@@ -728,6 +731,23 @@ Value Lagrangian::wrenchPower() {
     power += dot(force, body.linear + cross(body.angular, at)) + dot(moment, body.angular);
   }
   return power;
+}
+
+Value Lagrangian::dissipation() {
+  const Value half = constant(Rational(1, 2));
+  Value R = constant(0);
+  for (std::size_t i = 0; i < mechanism_.links.size(); ++i) {
+    const scene::Friction& friction = mechanism_.links[i].joint.friction;
+    if (friction.isNone()) continue;
+    const int rate = bodies_[frames_[i].body].rate;
+    const Value qd{graph_, graph_->input(Input::kVelocity, rate)};
+    const Value sign{graph_, graph_->input(Input::kDirection, rate)};
+    const Value positive = number(friction.positive), negative = number(friction.negative);
+    R += half * number(friction.viscous) * (qd * qd);
+    // positive at sign 1, -negative at sign -1, 0 at 0
+    R += half * ((positive + negative) * sign + (positive - negative) * (sign * sign)) * qd;
+  }
+  return R;
 }
 
 // ---- closures -----------------------------------------------------------------------------------
@@ -857,27 +877,21 @@ std::vector<Node> structureTerms(Equations& e, const std::vector<Node>& p) {
   return terms;
 }
 
-Equations derive(const scene::Mechanism& mechanism, const Options& options) {
-  Equations e;
+void formEnergies(const scene::Mechanism& mechanism, Lagrangian& lagrangian, Equations& e) {
   Graph& graph = e.graph;
-  Lagrangian lagrangian(mechanism, options, &graph);
   const std::vector<Body>& bodies = lagrangian.bodies();
-  std::vector<int> body_of_rate;
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
     const Body& body = bodies[b];
     e.links.push_back(body.name);
     if (!body.hasOneRate())
       e.quasi.push_back({body.joint_name, body.joint == Body::Joint::kFree, body.rate, body.quaternion()});
-    for (int k = 0; k < body.rates(); ++k) {
-      body_of_rate.push_back(b);
+    for (int k = 0; k < body.rates(); ++k)
       e.revolute.push_back(body.hasOneRate() ? body.turns() : k + 3 >= body.rates());
-    }
   }
   e.joints = mechanism.rateLabels();
   e.directions = lagrangian.directions();
-  const int n = e.dof();
   std::vector<Variable> qd;
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < e.dof(); ++i) {
     // angles add up where bodies, rates and positions are counted alike
     e.parallel_inboard.push_back(e.quasi.empty() ? lagrangian.parallelInboard(i) : -1);
     qd.push_back({Input::kVelocity, i});
@@ -889,15 +903,37 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
   }
   for (const Value& share : lagrangian.potentialByBody()) e.link_potential.push_back(share.node);
   e.potential = lagrangian.potential().node;
-
   e.p = graph.gradient(e.kinetic, qd);  // (1)
+}
+
+void formForces(Lagrangian& lagrangian, Equations& e) {
+  std::vector<Variable> qd;
+  for (int i = 0; i < e.dof(); ++i) qd.push_back({Input::kVelocity, i});
+  e.Q = e.graph.gradient(lagrangian.wrenchPower().node, qd);  // (5)
+  e.friction = e.graph.gradient(lagrangian.dissipation().node, qd);
+  for (int i = 0; i < e.dof(); ++i) e.Q[i] = e.graph.subtract(e.Q[i], e.friction[i]);
+}
+
+Equations derive(const scene::Mechanism& mechanism, const Options& options) {
+  Equations e;
+  Graph& graph = e.graph;
+  Lagrangian lagrangian(mechanism, options, &graph);
+  formEnergies(mechanism, lagrangian, e);
+  const std::vector<Body>& bodies = lagrangian.bodies();
+  const int n = e.dof();
+  std::vector<int> body_of_rate;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    body_of_rate.insert(body_of_rate.end(), bodies[b].rates(), static_cast<int>(b));
+  std::vector<Variable> qd;
+  for (int i = 0; i < n; ++i) qd.push_back({Input::kVelocity, i});
+
   const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion(e));
   const std::vector<Node> dT_dq = positionGradient(e, e.kinetic);
   const std::vector<Node> structure = structureTerms(e, e.p);
   for (int i = 0; i < n; ++i)
     e.c.push_back(graph.add(graph.subtract(p_rate[i], dT_dq[i]), structure[i]));  // (3), (3')
   e.g = positionGradient(e, e.potential);                                         // (4)
-  e.Q = graph.gradient(lagrangian.wrenchPower().node, qd);                        // (5)
+  formForces(lagrangian, e);
 
   // (2): column j is the momentum that a unit rate of joint j alone gives to itself and to the
   // joints inboard of it; the other joints follow from symmetry, or share no body with j

@@ -55,6 +55,7 @@ struct Body {
   std::vector<FrameStep> before;  ///< parent body's frame to this body's frame at q = 0
   MassMoments moments;
   Value rotor;  ///< gear_ratio^2 rotor_inertia
+  Value spin;   ///< gear_ratio rotor_inertia of a gyroscopic rotor, otherwise 0
   Value stiffness, rest, pitch;
 
   bool turns() const { return joint != Joint::kSlide; }
@@ -76,7 +77,8 @@ class Lagrangian {
   /// The next revolute joint inboard, if it turns about the same direction as this one; else -1.
   int parallelInboard(int body);
 
-  /// Shares of the bodies in T = sum (m v'v / 2 + (v x w)' first + w' second w / 2) + rotor qd^2/2.
+  /// Shares of the bodies in T = sum (m v'v / 2 + (v x w)' first + w' second w / 2) + rotor qd^2/2
+  /// + spin qd (angular velocity of the parent about the axis).
   std::vector<Value> kineticByVelocities();
   /** T once more, as a sum over joints instead of links: with h the momentum that the bodies
       outboard of joint i would have if body i rested, and I_i their composite moments of mass,
@@ -88,6 +90,9 @@ class Lagrangian {
   Value potential();
   /// sum of f' v_at + m' w over the constant wrenches [W].
   Value wrenchPower();
+  /** Rayleigh's function of the joints' friction [W]: its derivative by qd is what friction takes of tau.
+          R = sum (viscous qd^2 / 2 + coulomb(sign qd) qd),   the sign being a constant of its own */
+  Value dissipation();
   /** phi of all closures, one after the other (scene::Closure has the equations): both frames are
       placed in the world, and their origins and axes compared. */
   std::vector<Value> closureResiduals();
@@ -99,6 +104,7 @@ class Lagrangian {
   };
   struct Velocities {
     Vector3 angular, linear;
+    Value inboard;  ///< angular velocity of the parent about the axis of a joint of one rate
   };
 
   Value constant(const Rational& r) { return {graph_, graph_->constant(r)}; }
@@ -145,5 +151,9 @@ class Lagrangian {
   MassMoments world_;                     ///< what is fixed to the world
   Vector3 gravity_;
 };
+
+/// The parts of derive(): T, V and p, with what says how rates move positions; Q.
+void formEnergies(const scene::Mechanism& mechanism, Lagrangian& lagrangian, Equations& e);
+void formForces(Lagrangian& lagrangian, Equations& e);
 
 }  // namespace dynwitness::symbolic

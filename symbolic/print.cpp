@@ -225,6 +225,9 @@ std::vector<std::string> bodyLines(const Equations& equations, const scene::Mech
       case Input::kForce:
         let(name, "tau" + index);
         break;
+      case Input::kDirection:
+        let(name, "(qd" + index + " > 0) - (qd" + index + " < 0)");
+        break;
       case Input::kRotation:
         let(name, rotationCode(load.joint));
         break;

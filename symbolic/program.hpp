@@ -72,6 +72,7 @@ class ProgramRun {
       @param state    x, qd, qdd and tau as far as the program reads them
       @param outputs  room for program.outputs.size() values */
   void operator()(const scene::State<T>& state, T* outputs) {
+    using scene::directionOf;
     for (auto& [first, R] : rotations_) R = rotation(&state.x[first]);
     for (const Program::Load& load : program_->loads) {
       T& slot = slots_[load.slot];
@@ -93,6 +94,9 @@ class ProgramRun {
           break;
         case Input::kForce:
           slot = state.tau[load.joint];
+          break;
+        case Input::kDirection:
+          slot = T(directionOf(state.qd[load.joint]));
           break;
         case Input::kRotation:
           slot = rotations_[load.joint / 9][load.joint % 9];

@@ -175,7 +175,7 @@ BOOST_AUTO_TEST_CASE(each_engine_shows_its_conventions_as_labelled_lines) {
       labels += line.substr(0, colon) + ";";
     }
     for (const char* label : {"reads;", "spatial vectors;", "inertia;", "bias;", "gravity;",
-                              "springs;", "rotors;", "loads;", "known loss;"})
+                              "springs;", "friction;", "rotors;", "loads;", "known loss;"})
       BOOST_TEST(labels.find(label) != std::string::npos,
                  engine.info.name << " says nothing of " << label);
   }

@@ -64,6 +64,8 @@ scene::Scene throughUrdf(const scene::Scene& original) {
     written.gear_ratio = joint.gear_ratio;
     written.stiffness = joint.stiffness;
     written.rest = joint.rest;
+    written.gyroscopic = joint.gyroscopic;
+    written.friction = joint.friction;  // URDF has words for the symmetric kind only
   }
   for (scene::Wrench wrench : from.wrenches) {
     wrench.link = indexOf(to, from.links[wrench.link].name);
@@ -78,6 +80,8 @@ void requireSameDynamics(const scene::Scene& left, const scene::Scene& right) {
     const scene::State<double> state = drawState(left.mechanism, left.name, 1, k);
     for (const Quantity quantity : kAllQuantities) {
       if (!a->answers(quantity)) continue;
+      // a Denavit-Hartenberg joint is two in URDF, which have their reactions each
+      if (quantity == Quantity::kReactions) continue;
       const Answer in_a = a->answer(quantity, state), in_b = b->answer(quantity, state);
       // 17 digits are not all digits: up to half a unit of the 17th of the largest number is lost
       // in each, a tenth of a rounding to double

@@ -470,7 +470,8 @@ class FormulaWitness : public crosscheck::Witness {
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override {
-    if (name_ == "newton_euler") return quantity != Quantity::kQdd;
+    if (name_ == "newton_euler")
+      return quantity != Quantity::kQdd && quantity != Quantity::kReactions;
     return quantity == Quantity::kQdd || (name_ == "composite_body" && quantity == Quantity::kM);
   }
   crosscheck::Answer answer(Quantity quantity, const scene::State<double>& state) override {
@@ -512,6 +513,8 @@ class FormulaWitness : public crosscheck::Witness {
         return crosscheck::scalar(formulas_.potential(state.x));
       case Quantity::kMomentum:
         return formulas_.momentum(state.x, state.qd);
+      case Quantity::kReactions:
+        break;
     }
     return {};
   }

@@ -3,6 +3,7 @@
 // in.
 #pragma once
 
+#include <stdexcept>
 #include <string>
 
 #include <arb.h>
@@ -97,6 +98,7 @@ class Ball {
   bool isFinite() const { return arb_is_finite(x_); }
   bool isExact() const { return arb_is_exact(x_); }  ///< radius 0
   bool isZero() const { return arb_is_zero(x_); }    ///< exactly 0
+  bool isPositive() const { return arb_is_positive(x_); }  ///< every number in it
   bool containsZero() const { return arb_contains_zero(x_); }
   bool contains(const scene::Rational& value) const;
   /// Whether radius < 2^-bits |x| for every x in the ball.
@@ -113,6 +115,14 @@ class Ball {
  private:
   arb_t x_;
 };
+
+/// The sign of a rate (scene::directionOf).
+/// @throws std::domain_error  the ball holds 0 and other numbers
+inline int directionOf(const Ball& rate) {
+  if (rate.isZero()) return 0;
+  if (rate.containsZero()) throw std::domain_error("directionOf: the sign of a rate is not known");
+  return rate.isPositive() ? 1 : -1;
+}
 
 /// Gives a scene's exact numbers to Ball, enclosed at the precision of the moment.
 class BallNumbers {

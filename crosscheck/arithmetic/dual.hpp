@@ -6,6 +6,7 @@
 
 #include "crosscheck/arithmetic/eigen_scalar.hpp"
 #include "scene/numbers.hpp"
+#include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -42,6 +43,13 @@ struct Dual {
   }
   friend bool operator!=(const Dual& a, const Dual& b) { return !(a == b); }
 };
+
+/// That of the value: between its jumps a sign does not change.
+template <typename T>
+int directionOf(const Dual<T>& rate) {
+  using scene::directionOf;
+  return directionOf(rate.value);
+}
 
 /// A joint position moving with velocity qd: d cos q = -sin q qd, d sin q = cos q qd.
 template <typename T>

@@ -65,6 +65,8 @@ class PrintedFormula {
             return s.qdd[joint_];
           case symbolic::Input::kForce:
             return s.tau[joint_];
+          case symbolic::Input::kDirection:
+            return scene::directionOf(s.qd[joint_]);
           case symbolic::Input::kCos:
             return std::cos(s.x[joint_].q);
           case symbolic::Input::kSin:

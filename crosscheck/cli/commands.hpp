@@ -16,6 +16,7 @@ Run addDerive(CLI::App& app);
 Run addEvaluate(CLI::App& app);
 Run addDrift(CLI::App& app);
 Run addSimulate(CLI::App& app);
+Run addRotors(CLI::App& app);
 Run addChart(CLI::App& app);
 Run addAudit(CLI::App& app);
 Run addScenes(CLI::App& app);

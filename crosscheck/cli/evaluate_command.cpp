@@ -20,8 +20,9 @@ struct Arguments {
 };
 
 /// M11, M12, ... row by row (M1_1 from ten joints on, where M111 would be two things); c1, c2, ...;
-/// a single number has its own name.
-std::vector<std::string> columnNames(Quantity quantity, int n) {
+/// a single number has its own name; reactions are those of the joint: elbow.fx, ..., elbow.mz.
+std::vector<std::string> columnNames(Quantity quantity, const scene::Mechanism& mechanism) {
+  int n = mechanism.dof();
   std::vector<std::string> names;
   switch (quantity) {
     case Quantity::kM:
@@ -31,6 +32,11 @@ std::vector<std::string> columnNames(Quantity quantity, int n) {
     case Quantity::kKinetic:
     case Quantity::kPotential: return {name(quantity)};
     case Quantity::kMomentum: n = 6; break;
+    case Quantity::kReactions:
+      for (const scene::Link& link : mechanism.links)
+        for (const char* component : {"fx", "fy", "fz", "mx", "my", "mz"})
+          if (link.parent >= 0) names.push_back(link.joint.name + "." + component);
+      return names;
     default: break;
   }
   for (int i = 1; i <= n; ++i) names.push_back(fmt::format("{}{}", name(quantity), i));
@@ -48,7 +54,6 @@ int run(const Arguments& arguments) {
   requireWritableFile(arguments.output);
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
-  const int n = scene.mechanism.dof();
   const std::vector<scene::State<double>> states = readStates(arguments.states, scene.mechanism);
 
   struct Column {
@@ -59,7 +64,8 @@ int run(const Arguments& arguments) {
   std::string header;
   for (const std::string& text : arguments.quantities) {
     const Quantity quantity = quantityNamed(text);
-    if (!scene.mechanism.isOpenTree() && (quantity == Quantity::kTau || quantity == Quantity::kQdd))
+    if (!scene.mechanism.isOpenTree() && (quantity == Quantity::kTau || quantity == Quantity::kQdd ||
+                                          quantity == Quantity::kReactions))
       throw scene::InputError({scene.file.string(), 0},
                               "has closures, or springs between points: " + text +
                                   " is not that of its tree, allowed: M, c, g, kinetic, potential, "
@@ -69,7 +75,7 @@ int run(const Arguments& arguments) {
     if (!witness->answers(quantity))
       throw scene::InputError({}, fmt::format("witness '{}' does not answer {}", who, text));
     columns.push_back({quantity, std::move(witness)});
-    for (const std::string& column : columnNames(quantity, n))
+    for (const std::string& column : columnNames(quantity, scene.mechanism))
       header += (header.empty() ? "" : ",") + column;
   }
 
@@ -102,7 +108,7 @@ Run addEvaluate(CLI::App& app) {
       ->required();
   command
       ->add_option("--quantity", arguments->quantities,
-                   "M, c, g, tau, qdd, kinetic, potential, momentum; several with commas")
+                   "M, c, g, tau, qdd, kinetic, potential, momentum, reactions; several with commas")
       ->required()
       ->delimiter(',');
   command->add_option("--witness", arguments->witness, "Who answers; without: the usual sweep");

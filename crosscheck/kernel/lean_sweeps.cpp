@@ -112,7 +112,7 @@ class Passage {
 }  // namespace
 
 bool isLean(const recursive::Model<Traced>& model) {
-  if (!model.world_loads.empty()) return false;
+  if (!model.world_loads.empty() || model.gyroscopic || model.friction) return false;
   for (const recursive::LinkModel<Traced>& link : model.links)
     if (link.kind != scene::JointKind::kRevolute && link.kind != scene::JointKind::kPrismatic)
       return false;

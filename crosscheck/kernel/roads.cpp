@@ -195,6 +195,8 @@ template <typename Use>
 void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& use) {
   if (!mechanism.isOpenTree())
     throw std::runtime_error("kernels are made for open trees, without closures or springs between points");
+  if (mechanism.hasCoulombFriction())
+    throw std::domain_error("kernels compute with + - * / alone, and have no sign for Coulomb friction");
   symbolic::Graph graph;
   const Traced::Recording recording(graph);
   const recursive::Model<Traced> model =

@@ -8,6 +8,7 @@
 //
 // Debian's DART was compiled for plain x86-64: this file must not be compiled with -march=native,
 // which would change the alignment of Eigen's types in DART's classes.
+#include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -74,8 +75,10 @@ SkeletonPtr loaded(const scene::Scene& scene) {
 
 class DartWitness : public Witness {
  public:
-  explicit DartWitness(const scene::Scene& scene) : skeleton_(loaded(scene)) {
+  explicit DartWitness(const scene::Scene& scene)
+      : friction_(scene.mechanism), skeleton_(loaded(scene)) {
     const scene::Mechanism& mechanism = scene.mechanism;
+    requirePlainRotors(mechanism);
     const RealNumbers<double> number(mechanism);
     skeleton_->setTimeStep(1e-100);
     skeleton_->setGravity(mechanism.has_gravity ? vector(mechanism.gravity, number)
@@ -90,7 +93,7 @@ class DartWitness : public Witness {
   }
 
   const std::string& name() const override { return name_; }
-  bool answers(Quantity) const override { return true; }
+  bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     return {value(quantity, state), (*bound_)(quantity, state)};
@@ -235,6 +238,11 @@ class DartWitness : public Witness {
   }
 
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) {
+    return friction_.around(quantity, state, [&](const scene::State<double>& without) {
+      return frictionless(quantity, without);
+    });
+  }
+  Eigen::MatrixXd frictionless(Quantity quantity, const scene::State<double>& state) {
     const std::vector<double> zeros(joints_.size(), 0.0);
     setState(state, quantity != Quantity::kg);
     if (quantity == Quantity::kTau || quantity == Quantity::kQdd) applyLoads();
@@ -255,11 +263,14 @@ class DartWitness : public Witness {
         return Eigen::MatrixXd::Constant(1, 1, potential());
       case Quantity::kMomentum:
         return momentum();
+      case Quantity::kReactions:
+        break;
     }
     throw std::logic_error("dart: unknown quantity");
   }
 
   std::string name_ = kName;
+  JointFriction friction_;
   SkeletonPtr skeleton_;
   bool has_rotors_ = false;
   std::vector<BodyNode*> links_;  ///< one a scene link; null: the world
@@ -279,6 +290,7 @@ constexpr const char* kConventions =
     "springs: those of an implicit integrator, -stiffness (q + h qd - rest), and h^2 stiffness "
     "added "
     "to M in forward dynamics; the time step h is 1e-100 s here\n"
+    "friction: its own is off; viscous and Coulomb friction are added here\n"
     "rotors: DART has none; each is a body pinned to the world that turns gear_ratio times as "
     "fast\n"
     "loads: addExtForce and addExtTorque, at a point in link axes\n"

@@ -21,6 +21,17 @@ bool hasQuaternion(const recursive::LinkModel<RunningError>& link) {
   return recursive::axisCount(link.kind) >= 3;
 }
 
+/// The number of joints between the world and the link farthest from it.
+int depth(const recursive::Model<RunningError>& model) {
+  int deepest = 0;
+  std::vector<int> of_link;
+  for (const recursive::LinkModel<RunningError>& link : model.links) {
+    of_link.push_back(link.parent < 0 ? 1 : of_link[link.parent] + 1);
+    deepest = std::max(deepest, of_link.back());
+  }
+  return deepest;
+}
+
 recursive::Model<RunningError> inOtherAxes(recursive::Model<RunningError> model) {
   for (recursive::LinkModel<RunningError>& link : model.links) {
     blur(link.X_tree.R, hasQuaternion(link) ? 9 + kQuaternionTurn : 9);
@@ -85,6 +96,8 @@ Eigen::MatrixXd EngineBound::operator()(Quantity quantity,
       size = std::max(size, std::abs(computed(i, j).value()));
     }
   }
+  if (quantity == Quantity::kReactions)
+    largest = 2 * largest + (9 * depth(impl_->setup.model) + 3) * RunningError::kUnitRoundoff * size;
   if (turned) largest = 2 * largest + (kQuaternionTurn + 3) * RunningError::kUnitRoundoff * size;
   return Eigen::MatrixXd::Constant(computed.rows(), computed.cols(), largest);
 }

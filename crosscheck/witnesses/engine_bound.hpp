@@ -27,6 +27,10 @@ enum class ForwardDynamicsBy { kSweep, kMassMatrix };
     are turned into the engine's axes, and its answers back, by an R of that kind: 23 u |x| more on
     either side, and what is turned can be 2 times as uncertain.
 
+    Reactions are turned as a whole from world axes to those of the joint, by an orientation that is as
+    uncertain as all joints on the way make it: (9 depth + 3) u |x| more, and what is turned can be 2
+    times as uncertain.
+
     Measured at 2 000 states of each of the 23 bundled scenes, seed 7: Simbody uses at most 90 % of the
     sum of its bound and ours. */
 class EngineBound {

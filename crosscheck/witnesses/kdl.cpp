@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orocos KDL as a witness. The tree is built from KDL's own joints, frames and inertias; rows of
 // Denavit-Hartenberg parameters go through KDL's own functions for them.
+#include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -79,8 +80,9 @@ KDL::RigidBodyInertia inertiaOf(const scene::MassProperties& m, const RealNumber
 class KdlWitness : public Witness {
  public:
   explicit KdlWitness(const scene::Scene& scene)
-      : bound_(scene.mechanism, ForwardDynamicsBy::kMassMatrix) {
+      : friction_(scene.mechanism), bound_(scene.mechanism, ForwardDynamicsBy::kMassMatrix) {
     requirePlainJoints(scene.mechanism);
+    requirePlainRotors(scene.mechanism);
     const scene::Mechanism& mechanism = scene.mechanism;
     const RealNumbers<double> number(mechanism);
     bool is_chain = true;
@@ -103,7 +105,7 @@ class KdlWitness : public Witness {
   }
 
   const std::string& name() const override { return name_; }
-  bool answers(Quantity) const override { return true; }
+  bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     if (quantity == Quantity::kKinetic) return kinetic(state);
@@ -273,6 +275,11 @@ class KdlWitness : public Witness {
   }
 
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) {
+    return friction_.around(quantity, state, [&](const scene::State<double>& without) {
+      return frictionless(quantity, without);
+    });
+  }
+  Eigen::MatrixXd frictionless(Quantity quantity, const scene::State<double>& state) {
     const KDL::JntArray q = positions(state), qd = array(state.qd), zero(q.rows());
     switch (quantity) {
       case Quantity::kM:
@@ -290,12 +297,14 @@ class KdlWitness : public Witness {
       case Quantity::kMomentum:
         return momentum(q, qd);
       case Quantity::kKinetic:
+      case Quantity::kReactions:
         break;
     }
     throw std::logic_error("kdl: unknown quantity");
   }
 
   std::string name_ = kName;
+  JointFriction friction_;
   EngineBound bound_;
   KDL::Tree tree_{kWorld};
   KDL::Chain chain_;  ///< the tree, where it does not branch
@@ -317,6 +326,7 @@ constexpr const char* kConventions =
     "bias: c comes from inverse dynamics without gravity and acceleration\n"
     "gravity: the solvers take the acceleration of a falling body, as in the scene\n"
     "springs: Joint has a stiffness that no solver reads; stiffness (q - rest) is added here\n"
+    "friction: its own is off; viscous and Coulomb friction are added here\n"
     "rotors: Joint's inertia = gear_ratio^2 rotor_inertia, read by the solvers of M and of tau\n"
     "loads: wrenches on segments, in the axes of the segment\n"
     "branches: M column by column from inverse dynamics, and M qdd = tau - bias solved here, since "

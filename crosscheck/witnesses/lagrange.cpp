@@ -5,6 +5,7 @@
 
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "symbolic/equations.hpp"
+#include "symbolic/reactions.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -25,6 +26,8 @@ DerivedPrograms::DerivedPrograms(const scene::Mechanism& mechanism, bool fold_pa
   keep(Quantity::kTau, tau);
   keep(Quantity::kKinetic, {equations.kinetic});
   keep(Quantity::kPotential, {equations.potential});
+  const symbolic::Reactions cut = symbolic::reactions(mechanism, options);
+  programs_[static_cast<int>(Quantity::kReactions)] = symbolic::compile(cut.graph, cut.lambda);
 }
 
 namespace {

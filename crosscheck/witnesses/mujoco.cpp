@@ -11,6 +11,7 @@
 //                     products do to the answer, found by our sweeps;
 //   mujoco_principal  gets them with the axes turned before, which is the remedy: its compiler then
 //                     has nothing to turn.
+#include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -186,9 +187,11 @@ class MujocoWitness : public Witness {
  public:
   MujocoWitness(const scene::Scene& scene, Inertias inertias)
       : name_(nameOf(inertias)),
+        friction_(scene.mechanism),
         bound_(scene.mechanism, ForwardDynamicsBy::kMassMatrix),
         sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
     requirePlainJoints(scene.mechanism);
+    requirePlainRotors(scene.mechanism);
     installHandlers();
     const scene::Mechanism& mechanism = scene.mechanism;
     const RealNumbers<double> number(mechanism);
@@ -211,7 +214,7 @@ class MujocoWitness : public Witness {
   }
 
   const std::string& name() const override { return name_; }
-  bool answers(Quantity) const override { return true; }
+  bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), kQuaternion * bound_(quantity, state)};
@@ -311,6 +314,7 @@ class MujocoWitness : public Witness {
       }
       case Quantity::kPotential:
       case Quantity::kMomentum:
+      case Quantity::kReactions:
         return 0;
     }
     throw std::logic_error("mujoco: unknown quantity");
@@ -417,6 +421,11 @@ class MujocoWitness : public Witness {
   }
 
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) {
+    return friction_.around(quantity, state, [&](const scene::State<double>& without) {
+      return frictionless(quantity, without);
+    });
+  }
+  Eigen::MatrixXd frictionless(Quantity quantity, const scene::State<double>& state) {
     mjModel* m = model_.get();
     mjData* d = data_.get();
     setMotion(state, quantity != Quantity::kg);
@@ -444,6 +453,8 @@ class MujocoWitness : public Witness {
         return scalar(double(d->energy[0]));
       case Quantity::kMomentum:
         return momentum();
+      case Quantity::kReactions:
+        break;
     }
     throw std::logic_error("mujoco: unknown quantity");
   }
@@ -479,6 +490,7 @@ class MujocoWitness : public Witness {
   }
 
   std::string name_;
+  JointFriction friction_;
   EngineBound bound_;
   Setup<double> sweep_;                                      ///< for axisError()
   std::unique_ptr<Setup<RunningError>> written_, compiled_;  ///< of `mujoco` only
@@ -504,6 +516,7 @@ std::string conventions(Inertias inertias) {
       "bias: qfrc_bias = c + gravity; c is asked with gravity switched off\n"
       "springs: qfrc_passive = -stiffness (q - rest), with the sign of a force; not in qfrc_bias\n"
       "gravity: mjOption.gravity is the acceleration of a falling body, as in the scene\n"
+      "friction: its own is off; viscous and Coulomb friction are added here\n"
       "rotors: dof_armature = gear_ratio^2 rotor_inertia, on the diagonal of M\n"
       "loads: mj_applyFT at the point, world axes; inverse dynamics leaves them out, they are "
       "subtracted here\n"

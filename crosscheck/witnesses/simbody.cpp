@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 
 #include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "scene/numbers.hpp"
 
@@ -56,13 +57,54 @@ SimTK::MassProperties massProperties(const MassProperties& m, const RealNumbers<
   return {mass, com, I};
 }
 
-/** A geared rotor is a body of its own, pinned to the ground and turning n times as fast as the joint:
+/** A geared rotor is a body of its own, pinned to the ground (a gyroscopic one: to the parent link) and turning n times as fast as the joint:
     the same kinetic energy n^2 J qd^2 / 2, arrived at through another body. Forces on it reach the
     joint by virtual work. (A constraint in place of the virtual work was tried: its multipliers take
     the rotor off a tree that accelerates freely, and lost four digits of qdd on the PUMA 560.) */
 struct Rotor {
   SimTK::MobilizedBody body;
   double gear_ratio;
+  bool carried;  ///< by the parent link
+};
+
+/// Whether a link rests in the world.
+bool rests(const scene::Mechanism& mechanism, int link) {
+  for (; link > 0; link = mechanism.links[link].parent)
+    if (mechanism.links[link].joint.kind != JointKind::kFixed) return false;
+  return true;
+}
+
+/// The frame on the parent whose z axis a joint's rotor turns about.
+SimTK::Rotation rotorAxes(const scene::Joint& joint, const RealNumbers<double>& number) {
+  return composed(joint.placement.beforeJoint(), number).R() *
+         SimTK::Rotation(SimTK::UnitVec3(vec3(joint.axis, number)), SimTK::ZAxis);
+}
+
+/// The thinnest rotor with this inertia about its axis: a disc.
+SimTK::Inertia disc(double J) { return {J / 2, J / 2, J}; }
+
+/** What is left of a link when the gyroscopic rotors that it carries are bodies of their own: each a disc
+    at the link's centre of mass, with an equal share of half its mass. Where on the link a rotor sits, and
+    what it weighs, is part of the link's own figures; only its spin is not. */
+struct Carrier {
+  SimTK::MassProperties left;
+  double rotor_mass = 0;  ///< of each rotor
+
+  Carrier(const scene::Mechanism& mechanism, int link, const RealNumbers<double>& number)
+      : left(massProperties(mechanism.links[link].inertia, number)) {
+    int count = 0;
+    SimTK::Inertia central = left.calcCentralInertia();
+    for (const scene::Link& child : mechanism.links) {
+      if (child.parent != link || !child.joint.gyroscopic || rests(mechanism, link)) continue;
+      ++count;
+      central -= disc(number(child.joint.rotor_inertia)).reexpress(~rotorAxes(child.joint, number));
+    }
+    if (count == 0) return;
+    const double mass = left.getMass() / 2;
+    rotor_mass = (left.getMass() - mass) / count;
+    const SimTK::Vec3 com = left.getMassCenter();
+    left = SimTK::MassProperties(mass, com, central.shiftFromMassCenter(-com, mass));
+  }
 };
 
 bool hasRotors(const scene::Mechanism& mechanism) {
@@ -184,9 +226,14 @@ struct Joint {
 
 class SimbodyWitness : public Witness {
  public:
-  /// @param closed  with the scene's closures and springs between points: for qdd only
-  explicit SimbodyWitness(const scene::Scene& scene, bool closed = false)
-      : has_rotors_(hasRotors(scene.mechanism)),
+  /// kTree: the tree alone, for all questions; kClosed: with the scene's closures and springs between
+  /// points, for qdd; kPrescribed: the tree with its accelerations prescribed, for reactions.
+  enum class Build { kTree, kClosed, kPrescribed };
+  explicit SimbodyWitness(const scene::Scene& scene, Build build = Build::kTree)
+      : scene_(scene),
+        build_(build),
+        friction_(scene.mechanism, JointFriction::Parts::kCoulomb),
+        has_rotors_(hasRotors(scene.mechanism)),
         bound_(scene.mechanism,
                has_rotors_ ? ForwardDynamicsBy::kMassMatrix : ForwardDynamicsBy::kSweep),
         matter_(system_),
@@ -196,15 +243,20 @@ class SimbodyWitness : public Witness {
     const RealNumbers<double> number(mechanism);
     if (mechanism.has_gravity)
       SimTK::Force::Gravity(forces_, matter_, vec3(mechanism.gravity, number));
-    for (const scene::Link& link : mechanism.links) addLink(link, number);
+    for (std::size_t i = 0; i < mechanism.links.size(); ++i) addLink(mechanism, i, number);
     for (const scene::Wrench& w : mechanism.wrenches)
       wrenches_.push_back({w.link, w.axes == scene::Wrench::Axes::kWorld, vec3(w.force, number),
                            vec3(w.moment, number), vec3(w.at, number)});
-    if (closed) {
+    if (build == Build::kClosed) {
       if (has_rotors_)
         throw std::invalid_argument("simbody: rotors and closures together are not answered");
       for (const scene::Closure& closure : mechanism.closures) addClosure(closure, number);
       for (const scene::Spring& spring : mechanism.springs) addSpring(spring, number);
+    }
+    if (build == Build::kPrescribed) {
+      for (Joint& joint : joints_) Prescribed(joint.body, &prescribed_);
+      for (Rotor& rotor : rotors_)
+        if (!rotor.body.isEmptyHandle()) Prescribed(rotor.body, &prescribed_);
     }
     state_ = system_.realizeTopology();
     system_.realizeModel(state_);
@@ -217,8 +269,53 @@ class SimbodyWitness : public Witness {
     return {value(quantity, state), bound_(quantity, state)};
   }
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
+    if (quantity == Quantity::kReactions && build_ != Build::kPrescribed) {
+      if (!of_reactions_)
+        of_reactions_ = std::make_unique<SimbodyWitness>(scene_, Build::kPrescribed);
+      return of_reactions_->value(quantity, state);
+    }
+    return friction_.around(quantity, state, [&](const scene::State<double>& without_coulomb) {
+      return ofSimbody(quantity, without_coulomb);
+    });
+  }
+
+ private:
+  struct AppliedWrench {
+    int link;
+    bool world_axes;
+    SimTK::Vec3 force, moment, at;
+  };
+
+  /// A mobilizer that accelerates as it is told: *u_rate holds du/dt of the whole system.
+  class Prescribed : public SimTK::Motion::Custom {
+   public:
+    Prescribed(SimTK::MobilizedBody& body, const SimTK::Vector* u_rate)
+        : Custom(body, new Motion(body, u_rate)) {}
+
+   private:
+    class Motion : public Implementation {
+     public:
+      Motion(const SimTK::MobilizedBody& body, const SimTK::Vector* u_rate)
+          : body_(body), u_rate_(u_rate) {}
+      SimTK::Motion::Level getLevel(const SimTK::State&) const override {
+        return SimTK::Motion::Acceleration;
+      }
+      void calcPrescribedAcceleration(const SimTK::State& state, int nu,
+                                      SimTK::Real* u_rate) const override {
+        const int first = body_.getFirstUIndex(state);
+        for (int k = 0; k < nu; ++k) u_rate[k] = (*u_rate_)[first + k];
+      }
+
+     private:
+      SimTK::MobilizedBody body_;
+      const SimTK::Vector* u_rate_;
+    };
+  };
+
+  Eigen::MatrixXd ofSimbody(Quantity quantity, const scene::State<double>& state) {
     // c and g are asked without the loads, tau and qdd with them
-    const bool loaded = quantity == Quantity::kTau || quantity == Quantity::kQdd;
+    const bool loaded = quantity == Quantity::kTau || quantity == Quantity::kQdd ||
+                        quantity == Quantity::kReactions;
     loads_.clearAllForces(state_);
     setMotion(state, quantity != Quantity::kg);
     if (loaded) applyLoads();
@@ -235,27 +332,22 @@ class SimbodyWitness : public Witness {
         system_.realize(state_, SimTK::Stage::Dynamics);
         return Eigen::MatrixXd::Constant(1, 1, system_.calcPotentialEnergy(state_));
       case Quantity::kMomentum: return momentum();
+      case Quantity::kReactions: return reactions(state.qdd);
     }
     throw std::logic_error("simbody: not answered");
   }
 
- private:
-  struct AppliedWrench {
-    int link;
-    bool world_axes;
-    SimTK::Vec3 force, moment, at;
-  };
-
-  void addLink(const scene::Link& link, const RealNumbers<double>& number) {
+  void addLink(const scene::Mechanism& mechanism, std::size_t index, const RealNumbers<double>& number) {
+    const scene::Link& link = mechanism.links[index];
     const scene::Joint& joint = link.joint;
     SimTK::MobilizedBody& parent =
         link.parent < 0 ? matter_.updGround() : matter_.updMobilizedBody(links_[link.parent]);
-    const SimTK::Body::Rigid body(massProperties(link.inertia, number));
+    const SimTK::Body::Rigid body(Carrier(mechanism, static_cast<int>(index), number).left);
     const SimTK::Transform X_before = composed(joint.placement.beforeJoint(), number);
     const SimTK::Transform X_after = composed(joint.placement.afterJoint(), number);
     if (joint.kind == JointKind::kFixed) {
       links_.push_back(
-          SimTK::MobilizedBody::Weld(parent, X_before * X_after, body, SimTK::Transform())
+          SimTK::MobilizedBody::Weld(parent, X_before, body, ~X_after)
               .getMobilizedBodyIndex());
       return;
     }
@@ -271,9 +363,22 @@ class SimbodyWitness : public Witness {
     if (stiffness != 0)
       SimTK::Force::MobilityLinearSpring(forces_, moved, SimTK::MobilizerQIndex(0), stiffness,
                                          number(joint.rest));
+    const double viscous = number(joint.friction.viscous);
+    if (viscous != 0)
+      SimTK::Force::MobilityLinearDamper(forces_, moved, SimTK::MobilizerUIndex(0), viscous);
     rotors_.emplace_back();
     const double rotor = number(joint.rotor_inertia), gear = number(joint.gear_ratio);
-    if (rotor != 0) addRotor(rotor, gear);
+    if (rotor == 0) return;
+    if (joint.gyroscopic && !rests(mechanism, link.parent)) {
+      const Carrier carrier(mechanism, link.parent, number);
+      const SimTK::MobilizedBody::Pin spinning(
+          parent, SimTK::Transform(rotorAxes(joint, number), carrier.left.getMassCenter()),
+          SimTK::Body::Rigid(SimTK::MassProperties(carrier.rotor_mass, SimTK::Vec3(0), disc(rotor))),
+          SimTK::Transform());
+      rotors_.back() = {spinning, gear, true};
+    } else {
+      addRotor(rotor, gear);
+    }
   }
 
   void addClosure(const scene::Closure& closure, const RealNumbers<double>& number) {
@@ -318,7 +423,7 @@ class SimbodyWitness : public Witness {
     const SimTK::Body::Rigid body(
         SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::Inertia(inertia, inertia, inertia)));
     const SimTK::MobilizedBody::Pin rotor(matter_.updGround(), body);
-    rotors_.back() = {rotor, gear};
+    rotors_.back() = {rotor, gear, false};
   }
 
   bool hasRotor(std::size_t i) const { return !rotors_[i].body.isEmptyHandle(); }
@@ -425,10 +530,36 @@ class SimbodyWitness : public Witness {
     return reduced(u_rate);  // E' = E^-1
   }
 
+  /// Simbody's forces on each body at its M frame, which is the moved joint frame up to a turn, in
+  /// ground axes, moment first.
+  Eigen::VectorXd reactions(const std::vector<double>& qdd) {
+    prescribed_ = speedRates(qdd);
+    system_.realize(state_, SimTK::Stage::Acceleration);
+    SimTK::Vector_<SimTK::SpatialVec> at_M;
+    matter_.calcMobilizerReactionForces(state_, at_M);
+    const RealNumbers<double> number(scene_.mechanism);
+    Eigen::VectorXd out(6 * (links_.size() - 1));
+    for (std::size_t i = 1; i < links_.size(); ++i) {
+      const SimTK::Rotation R_BJ =
+          ~composed(scene_.mechanism.links[i].joint.placement.afterJoint(), number).R();
+      const SimTK::Rotation R_GJ = matter_.getMobilizedBody(links_[i]).getBodyRotation(state_) * R_BJ;
+      const SimTK::Vec3 force = ~R_GJ * at_M[links_[i]][1], moment = ~R_GJ * at_M[links_[i]][0];
+      for (int k = 0; k < 3; ++k) {
+        out(6 * (i - 1) + k) = force[k];
+        out(6 * (i - 1) + 3 + k) = moment[k];
+      }
+    }
+    return out;
+  }
+
   Eigen::VectorXd momentum() {
     system_.realize(state_, SimTK::Stage::Velocity);
     SimTK::Vec3 linear(0), angular(0);
-    for (const SimTK::MobilizedBodyIndex& link : links_) {
+    std::vector<SimTK::MobilizedBodyIndex> bodies = links_;
+    for (const Rotor& rotor : rotors_)
+      if (!rotor.body.isEmptyHandle() && rotor.carried)
+        bodies.push_back(rotor.body.getMobilizedBodyIndex());
+    for (const SimTK::MobilizedBodyIndex& link : bodies) {
       SimTK::MobilizedBody& body = matter_.updMobilizedBody(link);
       const SimTK::SpatialVec h = body.calcBodyMomentumAboutBodyOriginInGround(state_);
       linear += h[1];
@@ -440,6 +571,11 @@ class SimbodyWitness : public Witness {
   }
 
   std::string name_ = "simbody";
+  scene::Scene scene_;
+  Build build_;
+  JointFriction friction_;
+  std::unique_ptr<SimbodyWitness> of_reactions_;  ///< made when it is asked for the first time
+  SimTK::Vector prescribed_;                      ///< du/dt, kPrescribed
   bool has_rotors_;
   EngineBound bound_;
   SimTK::MultibodySystem system_;
@@ -467,8 +603,11 @@ constexpr const char* kConventions =
     "is that of the applied forces at rest\n"
     "gravity: Force::Gravity takes the acceleration of a falling body, as in the scene\n"
     "springs: MobilityLinearSpring, an applied force\n"
+    "friction: viscous by MobilityLinearDamper, an applied force; Coulomb's is added here\n"
+    "reactions: calcMobilizerReactionForces of a second system whose accelerations are prescribed\n"
     "rotors: each is a body pinned to the ground that turns gear_ratio times as fast; then M and "
-    "bias are Simbody's, and M qdd = tau - bias is solved here\n"
+    "bias are Simbody's, and M qdd = tau - bias is solved here; a gyroscopic one is pinned to the "
+    "parent, and its disc taken off the parent's inertia\n"
     "loads: body forces about the body's origin, ground axes\n"
     "known loss: none";
 
@@ -482,7 +621,7 @@ std::string simbodyVersion() {
 
 Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
                                            const scene::State<double>& state) {
-  return SimbodyWitness(scene, true).value(Quantity::kQdd, state);
+  return SimbodyWitness(scene, SimbodyWitness::Build::kClosed).value(Quantity::kQdd, state);
 }
 
 WitnessKind simbodyKind() {

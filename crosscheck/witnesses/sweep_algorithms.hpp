@@ -2,6 +2,7 @@
 // Which sweep answers which quantity, on any scalar.
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "recursive/energy.hpp"
 #include "recursive/factorization.hpp"
 #include "recursive/newton_euler.hpp"
+#include "recursive/reactions.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -22,6 +24,16 @@ using recursive::Terms;
 template <typename T>
 struct Setup {
   explicit Setup(recursive::Model<T> m) : model(std::move(m)), ws(model) {}
+  /// With what reactions() asks for.
+  template <typename Numbers>
+  Setup(const scene::Mechanism& mechanism, const Numbers& number)
+      : Setup(recursive::buildModel(mechanism, number)) {
+    const bool lumped = std::any_of(model.joints.begin() + 1, model.joints.end(),
+                                    [](const auto& joint) { return joint.link < 0; });
+    if (lumped)
+      with_fixed_joints.emplace_back(
+          recursive::buildModel(mechanism, number, recursive::FixedJoints::kKept));
+  }
 
   /// tau for the given velocities, accelerations and terms.
   MatrixX<T> inverse(const scene::State<T>& state, const std::vector<T>& qd,
@@ -30,10 +42,20 @@ struct Setup {
     recursive::inverseDynamics(model, state.x, qd, qdd, ws, tau, terms);
     return column(tau);
   }
+  /// The wrenches through all joints of the scene, at state.qdd.
+  MatrixX<T> reactions(const scene::State<T>& state) {
+    Setup& kept = with_fixed_joints.empty() ? *this : with_fixed_joints.front();
+    kept.inverse(state, state.qd, state.qdd, Terms::all());
+    std::vector<T> out(6 * (model.joints.size() - 1), T(0));
+    recursive::jointReactions(kept.model, kept.ws, out);
+    return column(out);
+  }
   std::vector<T> zeros() const { return std::vector<T>(model.dof(), T(0)); }
 
   recursive::Model<T> model;
   recursive::Workspace<T> ws;
+  /// Where fixed joints are lumped in `model`: one with all of them, otherwise none.
+  std::vector<Setup> with_fixed_joints;
 };
 
 struct NewtonEuler {
@@ -62,6 +84,7 @@ struct NewtonEuler {
       case Quantity::kPotential: return scalar(recursive::potentialEnergy(s.model, state.x, s.ws));
       case Quantity::kMomentum:
         return recursive::momentum(s.model, state.x, state.qd, s.ws).vector();
+      case Quantity::kReactions: return s.reactions(state);
       case Quantity::kQdd: break;
     }
     throw std::logic_error("newton_euler: not answered");

@@ -11,9 +11,8 @@ template <typename Algorithm>
 class SweepWitness : public Witness {
  public:
   explicit SweepWitness(const scene::Scene& scene)
-      : in_double_(recursive::buildModel(scene.mechanism,
-                                         scene::RealNumbers<double>(scene.mechanism))),
-        with_bounds_(recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism))) {}
+      : in_double_(scene.mechanism, scene::RealNumbers<double>(scene.mechanism)),
+        with_bounds_(scene.mechanism, RunningErrorNumbers(scene.mechanism)) {}
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return Algorithm::answers(quantity); }

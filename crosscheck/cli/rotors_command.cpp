@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness rotors: what the model d = n^2 J of a rotor leaves out.
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/report/files.hpp"
+#include "crosscheck/rotor_models.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+using namespace crosscheck;
+
+struct Arguments {
+  std::string scene, json;
+  int states = Options().states;
+  std::uint64_t seed = Options().seed;
+};
+
+std::string jsonOf(const scene::Scene& scene, const RotorModels& models) {
+  nlohmann::json out = {{"dynwitness", DYNWITNESS_VERSION}, {"scene", scene.name},
+                        {"states", models.states},          {"seed", models.seed}};
+  for (const RotorModels::Joint& joint : models.joints)
+    out["joints"].push_back({{"name", joint.name},
+                             {"has_rotor", joint.has_rotor},
+                             {"largest_tau_difference", joint.largest},
+                             {"at_state", joint.worst_state},
+                             {"largest_tau", joint.largest_tau},
+                             {"share_of_largest_tau", joint.share()},
+                             {"with_ten_times_the_gear_ratio", joint.at_ten_times}});
+  return out.dump(2) + "\n";
+}
+
+int run(const Arguments& arguments) {
+  requireWritableFile(arguments.json);
+  const scene::Scene scene = scene::findScene(arguments.scene);
+  requireMotion(scene);
+  const RotorModels models = compareRotorModels(scene, arguments.states, arguments.seed);
+  fmt::print("{}: tau with gyroscopic rotors less tau with n^2 J alone, {} states of seed {}\n"
+             "(N m, N for slides; the last column: 10 times the gear ratio, n^2 J as it is)\n\n"
+             "{:<24} {:>12} {:>8} {:>12} {:>10} {:>12}\n",
+             scene.name, models.states, models.seed, "joint", "largest", "at state", "largest tau",
+             "share", "10 n");
+  for (const RotorModels::Joint& joint : models.joints)
+    fmt::print("{:<24} {:>12.4g} {:>8} {:>12.4g} {:>9.3g}% {:>12.4g}{}\n", joint.name, joint.largest,
+               joint.worst_state, joint.largest_tau, 100 * joint.share(), joint.at_ten_times,
+               joint.has_rotor ? "" : "  no rotor");
+  fmt::print("\nNo difference where the link that carries a rotor does not turn; at a given n^2 J it "
+             "falls as 1/n.\n");
+  if (!arguments.json.empty()) writeWholeFile(arguments.json, jsonOf(scene, models));
+  return 0;
+}
+
+}  // namespace
+
+Run addRotors(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "rotors", "How much the gyroscopic coupling of rotors is, which d = n^2 J leaves out");
+  command->add_option("scene", arguments->scene, "Scene with rotors")->required();
+  command->add_option("--states", arguments->states, "Random states")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--seed", arguments->seed, "Seed of the states")->capture_default_str();
+  command->add_option("--json", arguments->json, "The table for programs, as a file");
+  command->footer("Examples:\n  dynwitness rotors puma_560\n"
+                  "  dynwitness rotors gyroscopic_wrist --states 1000 --json rotors.json");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli

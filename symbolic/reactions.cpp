@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "symbolic/reactions.hpp"
+
+#include <stdexcept>
+
+#include "symbolic/lagrangian.hpp"
+
+namespace dynwitness::symbolic {
+namespace {
+
+/// The mechanism with every link let go, and where its state is found in that of the whole.
+struct Freed {
+  scene::Mechanism mechanism;
+  /// Of each rate and each position of the freed mechanism: its place in the given one, or -1 where
+  /// it is one of a cut.
+  std::vector<int> rate, slot;
+};
+
+Freed freed(const scene::Mechanism& mechanism) {
+  Freed out;
+  out.mechanism = mechanism;
+  out.mechanism.links.clear();
+  std::vector<int> place;  // of each link, among the freed ones
+  int rates = 0, slots = 0;
+  const auto append = [&](scene::Link link, bool is_cut) {
+    const auto kind = link.joint.kind;
+    for (int k = 0; k < scene::degreesOfFreedom(kind); ++k) out.rate.push_back(is_cut ? -1 : rates++);
+    for (std::size_t k = 0; k < scene::positionSlots(kind).size(); ++k)
+      out.slot.push_back(is_cut ? -1 : slots++);
+    out.mechanism.links.push_back(std::move(link));
+  };
+  for (const scene::Link& link : mechanism.links) {
+    scene::Link let_go = link;
+    if (link.parent >= 0) {
+      // the moved joint frame, without mass, on the joint as it is; and the link on that
+      scene::Link frame;
+      frame.name = link.name + ".joint";
+      frame.parent = place[link.parent];
+      frame.joint = link.joint;
+      let_go.joint = scene::Joint();
+      let_go.joint.name = link.joint.name + ".cut";
+      let_go.joint.kind = scene::JointKind::kFloating;
+      if (link.joint.placement.convention == scene::Placement::Convention::kDh) {
+        // what of the row comes after the joint's motion stays with the link
+        let_go.joint.placement = link.joint.placement;
+        frame.joint.placement = scene::Placement();
+      }
+      let_go.parent = static_cast<int>(out.mechanism.links.size());
+      append(frame, false);
+    }
+    append(let_go, link.parent >= 0);
+    place.push_back(static_cast<int>(out.mechanism.links.size()) - 1);
+  }
+  for (scene::Wrench& wrench : out.mechanism.wrenches) wrench.link = place[wrench.link];
+  out.mechanism.closures.clear();  // those of the tree are asked for
+  out.mechanism.springs.clear();
+  return out;
+}
+
+/// Nodes of the freed mechanism where its cuts are closed and rest, in a graph of their own.
+class Closed {
+ public:
+  Closed(const Graph& from, const Freed& freed, Graph* to)
+      : from_(from), freed_(freed), to_(to), image_(from.size()), known_(from.size(), 0) {}
+
+  Node operator()(Node n) {
+    // operands come before what uses them; the recursion of a deep graph would be too deep
+    std::vector<Node> waiting = {n};
+    while (!waiting.empty()) {
+      const Node m = waiting.back();
+      std::vector<Node> missing;
+      if (!known_[m.index]) {
+        const int operands = from_.operandCount(m);
+        if (operands > 0 && !known_[from_.left(m).index]) missing.push_back(from_.left(m));
+        if (operands > 1 && !known_[from_.right(m).index]) missing.push_back(from_.right(m));
+      }
+      if (missing.empty()) {
+        if (!known_[m.index]) image_[m.index] = made(m);
+        known_[m.index] = 1;
+        waiting.pop_back();
+      }
+      waiting.insert(waiting.end(), missing.begin(), missing.end());
+    }
+    return image_[n.index];
+  }
+
+ private:
+  Node at(Node n) const { return image_[n.index]; }
+
+  Node made(Node n) {
+    switch (from_.op(n)) {
+      case Op::kConstant: return to_->constant(from_.value(n));
+      case Op::kAtom: return to_->atom(from_.atom(n));
+      case Op::kInput: return input(from_.inputKind(n), from_.joint(n));
+      case Op::kAdd: return to_->add(at(from_.left(n)), at(from_.right(n)));
+      case Op::kSubtract: return to_->subtract(at(from_.left(n)), at(from_.right(n)));
+      case Op::kMultiply: return to_->multiply(at(from_.left(n)), at(from_.right(n)));
+      case Op::kNegate: return to_->negate(at(from_.left(n)));
+      case Op::kInverse: return to_->inverse(at(from_.left(n)));
+      case Op::kTurn: {
+        const int slot = freed_.slot[from_.joint(n)];  // a cut has no angle
+        return to_->turn(slot, at(from_.left(n)), at(from_.right(n)));
+      }
+    }
+    throw std::logic_error("reactions: unknown operation");
+  }
+
+  Node input(Input kind, int index) {
+    switch (kind) {
+      case Input::kPosition:
+      case Input::kCos:
+      case Input::kSin: {
+        const int slot = freed_.slot[index];
+        return slot < 0 ? Node{} : to_->input(kind, slot);
+      }
+      case Input::kRotation: {
+        const int slot = freed_.slot[index / 9], entry = index % 9;
+        if (slot >= 0) return to_->input(kind, 9 * slot + entry);
+        return to_->constant(entry % 4 == 0 ? 1 : 0);
+      }
+      case Input::kVelocity:
+      case Input::kAcceleration:
+      case Input::kForce:
+      case Input::kDirection: {
+        const int rate = freed_.rate[index];
+        return rate < 0 ? Node{} : to_->input(kind, rate);
+      }
+    }
+    throw std::logic_error("reactions: unknown input");
+  }
+
+  const Graph& from_;
+  const Freed& freed_;
+  Graph* to_;
+  std::vector<Node> image_;
+  std::vector<char> known_;
+};
+
+}  // namespace
+
+Reactions reactions(const scene::Mechanism& mechanism, const Options& options) {
+  const Freed cut = freed(mechanism);
+  Equations e;
+  Lagrangian lagrangian(cut.mechanism, options, &e.graph);
+  formEnergies(cut.mechanism, lagrangian, e);
+  formForces(lagrangian, e);
+  const std::vector<Node> all = inverseDynamics(e);
+  Reactions out;
+  Closed closed(e.graph, cut, &out.graph);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (cut.rate[i] < 0) out.lambda.push_back(closed(all[i]));
+  return out;
+}
+
+}  // namespace dynwitness::symbolic
