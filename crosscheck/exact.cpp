@@ -13,6 +13,7 @@
 #include "crosscheck/identities.hpp"
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/tally.hpp"
+#include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
 #include "recursive/constraints.hpp"
 #include "symbolic/equations.hpp"
@@ -422,6 +423,7 @@ std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters p
   sweep(NewtonEuler());
   sweep(CompositeBody());
   sweep(ArticulatedBody());
+  if (isAsked("fast")) witnesses.push_back(fastWitness(scene));
   // a kernel is made for the numbers of its scene, and has no signs
   if (parameters == Parameters::kAsWritten && scene.mechanism.isOpenTree() &&
       !scene.mechanism.hasCoulombFriction() && isAsked("kernel"))

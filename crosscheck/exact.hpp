@@ -61,7 +61,7 @@ ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
 /// The programs that the scene's kernel is compiled from (smallestRoad), for the parameters as written.
 ExactWitness kernelWitness(const scene::Scene& scene);
 
-/// lagrange (derived here, once), newton_euler, composite_body, articulated_body and, where the
+/// lagrange (derived here, once), newton_euler, composite_body, articulated_body, fast and, where the
 /// parameters are as written and there is one, kernel; or those of them that `names` names.
 std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
                                          const std::vector<std::string>& names = {});

@@ -21,7 +21,7 @@ foreach(library scene recursive symbolic)
   install(TARGETS dynwitness_${library} EXPORT dynwitnessTargets
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${library} DESTINATION ${headers}
-          FILES_MATCHING PATTERN "*.hpp" PATTERN "LICENSE")
+          FILES_MATCHING PATTERN "*.hpp" PATTERN "*.inc" PATTERN "LICENSE")
 endforeach()
 
 install(TARGETS dynwitness_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

@@ -12,15 +12,7 @@ namespace {
 using symbolic::Input;
 using symbolic::Program;
 
-/* What every kernel starts with. Taylor's series leaves r^19/19!, below 2^-62 of sin r, and r^20/20!.
-   Reduction: k is at most 2^10 and the first two parts of pi/2 have 43 bits, so their products with k
-   are exact; x - k P1 is exact (Sterbenz); the rounding of t - k P2 is recovered exactly (Knuth's two
-   sum) and carried as `low`. Then, u = 2^-53, z = r^2 <= 0.62:
-     sin = r + (r z p + low (1 - z/2)): one rounding, and at most 8 u of the bracket, which is below
-           0.103 r; together below 2 u sin
-     cos = w + (((1 - w) - z/2) + (z^2 p - r low)), w = 1 - z/2: one rounding, z's own rounding
-           (0.31 u), and 8 u of z^2 p < 0.016; together below 0.97 u, and cos r >= 0.707
-   so both are within 2 u of their value, which is what running_error.hpp takes for the C library. */
+/// What every kernel starts with; then recursive/fast/sine_cosine.inc as it is.
 constexpr const char* kPrelude = R"(#include <math.h>
 
 typedef double V __attribute__((vector_size({bytes})));
@@ -28,52 +20,6 @@ typedef long long I __attribute__((vector_size({bytes})));
 typedef double Memory __attribute__((vector_size({bytes}), aligned(8), may_alias));
 enum {{ LANES = {lanes} }};
 
-/* one where all lanes of x are small enough to be reduced; not-a-number is not */
-static inline I small(V x) {{ return (x <= {limit}) & (x >= -{limit}); }}
-static inline int all(I lanes) {{
-  long long every = -1;
-  for (int i = 0; i < LANES; ++i) every &= lanes[i];
-  return every != 0;
-}}
-
-static inline V polynomial(V z, double a, double b, double c, double d, double e, double f,
-                           double g, double h) {{
-  const V z2 = z * z, z4 = z2 * z2;
-  return ((a + b * z) + z2 * (c + d * z)) + z4 * ((e + f * z) + z2 * (g + h * z));
-}}
-
-static inline void sineCosine(V x, V* sine, V* cosine) {{
-  const V shifted = x * 0.6366197723675814 + 0x1.8p+52; /* 2/pi; the last bits count quarters */
-  const V k = shifted - 0x1.8p+52;
-  const I quarter = (I)shifted;
-  const V t = x - k * {p1};
-  const V w = k * {p2};
-  const V r = t - w;
-  const V moved = r - t;
-  const V low = ((t - (r - moved)) - (w + moved)) - k * {p3};
-  const V z = r * r, half = z * 0.5;
-  const V s = r + (r * z * polynomial(z, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880,
-                                      -1.0 / 39916800, 1.0 / 6227020800, -1.0 / 1307674368000,
-                                      1.0 / 355687428096000) +
-                   low * (1.0 - half));
-  const V near = 1.0 - half;
-  const V c = near + (((1.0 - near) - half) +
-                      (z * z * polynomial(z, 1.0 / 24, -1.0 / 720, 1.0 / 40320, -1.0 / 3628800,
-                                          1.0 / 479001600, -1.0 / 87178291200,
-                                          1.0 / 20922789888000, -1.0 / 6402373705728000) -
-                       r * low));
-  const I odd = -(quarter & 1);
-  *sine = (V)(((odd & (I)c) | (~odd & (I)s)) ^ ((quarter & 2) << 62));
-  *cosine = (V)(((odd & (I)s) | (~odd & (I)c)) ^ (((quarter + 1) & 2) << 62));
-}}
-
-static void libraryOf(const V* x, V* sine, V* cosine, int count) {{
-  for (int j = 0; j < count; ++j)
-    for (int i = 0; i < LANES; ++i) {{
-      sine[j][i] = sin(x[j][i]);
-      cosine[j][i] = cos(x[j][i]);
-    }}
-}}
 )";
 
 std::string number(double x) {
@@ -252,9 +198,7 @@ std::string emitKernel(const Program& program, const symbolic::ProgramRun<double
     throw std::invalid_argument(fmt::format("emitKernel: lanes: expected 2, 4 or 8, got {}", lanes));
   const Emitter emitter(program, run, name, lanes);
   using fmt::arg;
-  return fmt::format(kPrelude, arg("bytes", lanes * 8), arg("lanes", lanes),
-                     arg("limit", kLargestAngle), arg("p1", "0x1.921fb54442cp+0"),
-                     arg("p2", "0x1.18469898cc4p-44"), arg("p3", "0x1.1701b839a252p-88")) +
+  return fmt::format(kPrelude, arg("bytes", lanes * 8), arg("lanes", lanes)) + kSineCosine +
          emitter.one() + emitter.many();
 }
 

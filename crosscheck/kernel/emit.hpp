@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "crosscheck/kernel/roads.hpp"
+#include "recursive/fast/sine_cosine.hpp"
 #include "symbolic/program.hpp"
 
 namespace dynwitness::crosscheck::kernel {
@@ -29,7 +30,9 @@ namespace dynwitness::crosscheck::kernel {
 std::string emitKernel(const symbolic::Program& program,
                        const symbolic::ProgramRun<double>& run, const std::string& name, int lanes);
 
-/// The largest angle [rad] that the reduction takes: 2^10 quarter turns.
-inline constexpr double kLargestAngle = 1600;
+using recursive::fast::kLargestAngle;
+
+/// The text of recursive/fast/sine_cosine.inc, which the build puts here.
+extern const char* const kSineCosine;
 
 }  // namespace dynwitness::crosscheck::kernel

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The fast sweeps as a witness: answers in double with their own sines and cosines, bounds by the same
+// sweeps on RunningError.
+#include "crosscheck/witnesses/fast_sweeps.hpp"
+
+#include "crosscheck/witnesses/witnesses.hpp"
+#include "recursive/build_model.hpp"
+#include "recursive/fast/dynamics.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+constexpr const char* kName = "fast";
+
+class FastWitness : public Witness {
+ public:
+  explicit FastWitness(const scene::Scene& scene)
+      : in_double_(recursive::buildModel(scene.mechanism,
+                                         scene::RealNumbers<double>(scene.mechanism))),
+        with_bounds_(recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism))) {}
+
+  const std::string& name() const override { return name_; }
+  bool answers(Quantity quantity) const override { return FastSweeps<double>::answers(quantity); }
+  Answer answer(Quantity quantity, const scene::State<double>& state) override {
+    return boundedAnswer(value(quantity, state), with_bounds_(quantity, runningErrorState(state)));
+  }
+  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
+    q_.clear();
+    for (const scene::JointPosition<double>& x : state.x) q_.push_back(x.q);
+    const int n = in_double_.plan().dof;
+    Eigen::MatrixXd out(n, quantity == Quantity::kM ? n : 1);
+    if (quantity == Quantity::kM) in_double_.massMatrix(q_.data(), out.data());
+    else if (quantity == Quantity::kTau)
+      in_double_.inverseDynamics(q_.data(), state.qd.data(), state.qdd.data(), out.data());
+    else
+      in_double_.forwardDynamics(q_.data(), state.qd.data(), state.tau.data(), out.data());
+    return out;
+  }
+
+ private:
+  std::string name_ = kName;
+  recursive::fast::Dynamics in_double_;
+  FastSweeps<RunningError> with_bounds_;
+  std::vector<double> q_;
+};
+
+}  // namespace
+
+WitnessKind fastKind() {
+  return {{kName, DYNWITNESS_VERSION, "the sweeps of recursive/fast/, for any mechanism, made for speed"},
+          [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
+            return std::make_unique<FastWitness>(scene);
+          }};
+}
+
+ExactWitness fastWitness(const scene::Scene& scene) {
+  const auto on = [mechanism = scene.mechanism](const auto& number) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    return [sweeps = FastSweeps<T>(recursive::buildModel(mechanism, number))](
+               Quantity quantity, const scene::State<T>& state) mutable {
+      return sweeps(quantity, state);
+    };
+  };
+  return {kName, FastSweeps<double>::answers, on, on};
+}
+
+}  // namespace dynwitness::crosscheck

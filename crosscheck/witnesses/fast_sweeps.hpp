@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The fast sweeps of recursive/fast/ on any scalar, as a witness asks them.
+#pragma once
+
+#include <stdexcept>
+
+#include "crosscheck/exact.hpp"
+#include "crosscheck/witnesses/bounded_answer.hpp"
+#include "recursive/fast/forward_dynamics.hpp"
+#include "recursive/fast/inverse_dynamics.hpp"
+#include "recursive/fast/mass_matrix.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// Zero without doubt: what a plan may leave out.
+inline bool isExactlyZero(const RunningError& x) { return x.value() == 0 && x.bound() == 0; }
+
+template <typename T>
+class FastSweeps {
+ public:
+  explicit FastSweeps(const recursive::Model<T>& model)
+      : plan(model), id_(plan), m_(plan), fd_(plan) {}
+
+  static bool answers(Quantity quantity) {
+    return quantity == Quantity::kM || quantity == Quantity::kTau || quantity == Quantity::kQdd;
+  }
+  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& s) {
+    namespace fast = recursive::fast;
+    const int n = plan.dof;
+    MatrixOf<T> out = MatrixOf<T>::Constant(n, quantity == Quantity::kM ? n : 1, T(0));
+    if (quantity == Quantity::kM) fast::massMatrix(plan, s.x.data(), m_, out.data());
+    else if (quantity == Quantity::kTau)
+      fast::inverseDynamics(plan, s.x.data(), s.qd.data(), s.qdd.data(), id_, out.data());
+    else if (quantity == Quantity::kQdd)
+      fast::forwardDynamics(plan, s.x.data(), s.qd.data(), s.tau.data(), fd_, out.data());
+    else throw std::logic_error("fast: not answered");
+    return out;
+  }
+
+  recursive::fast::Plan<T> plan;  ///< tests plant their errors here
+
+ private:
+  recursive::fast::InverseDynamicsWorkspace<T> id_;
+  recursive::fast::MassMatrixWorkspace<T> m_;
+  recursive::fast::ForwardDynamicsWorkspace<T> fd_;
+};
+
+/// The witness `fast` over the prime field, and in degrees.
+ExactWitness fastWitness(const scene::Scene& scene);
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inverse dynamics by Newton-Euler sweeps over a plan.
+#pragma once
+
+#include "recursive/fast/plan.hpp"
+
+namespace dynwitness::recursive::fast {
+
+/// What the sweep writes on, sized once for a plan.
+template <typename T>
+struct InverseDynamicsWorkspace {
+  explicit InverseDynamicsWorkspace(const Plan<T>& plan)
+      : records(plan.links.size() + 1),
+        axes(plan.world_loads.empty() ? 0 : plan.links.size() + 1),
+        others(plan) {}
+  struct Record {
+    T c, s;           ///< of the joint's angle
+    Vec<T> w, wd, a;  ///< angular velocity and acceleration; acceleration of the origin's body point
+    Mat<T> U;         ///< a point r of the link accelerates by a + U r
+    Vec<T> f, n;      ///< force through the joint and moment about it
+  };
+  std::vector<Record> records;     ///< the first is the world
+  std::vector<Mat<T>> axes;        ///< columns: world axes in link axes
+  OtherJoints<T> others;
+};
+
+namespace detail {
+
+/// Takes a load in world axes off the forces of link records.
+template <typename T, typename Record>
+void subtractWorldLoads(const Plan<T>& plan, const JointPosition<T>* x, OtherJoints<T>& others,
+                        std::vector<Mat<T>>& axes, std::vector<Record>& records) {
+  if (plan.world_loads.empty()) return;
+  axes[0] = {T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)};
+  for (std::size_t i = 0; i < plan.links.size(); ++i) {
+    const Link<T>& link = plan.links[i];
+    withStep(link.step, [&](auto step) {
+      constexpr Step kStep = decltype(step)::value;
+      const auto way = wayThrough<kStep>(plan, link, x, others);
+      const Mat<T>& from = axes[link.parent];
+      const Vec<T> e0 = way.outward({from.xx, from.yx, from.zx}), e1 = way.outward({from.xy, from.yy, from.zy}),
+                   e2 = way.outward({from.xz, from.yz, from.zz});
+      axes[i + 1] = {e0.x, e1.x, e2.x, e0.y, e1.y, e2.y, e0.z, e1.z, e2.z};
+    });
+  }
+  for (const PlannedLoad<T>& load : plan.world_loads) {
+    const Vec<T> force = times(axes[load.link + 1], load.force);
+    Record& record = records[load.link + 1];
+    record.f = record.f - force;
+    record.n = record.n - times(axes[load.link + 1], load.moment) - cross(load.at, force);
+  }
+}
+
+}  // namespace detail
+
+/** tau = M(q) qdd + c(q, qd) + g(q) - Q, as recursive::inverseDynamics, loads and springs included.
+    It carries the acceleration a of the body's point at the origin and U = [w']x + [w]x [w]x:
+        (1)  w = R w_p + z qd,  w' = R w'_p + w x z qd + z qdd,  a = R (a_p + U_p p),  a_0 = -gravity
+        (2)  f = m a + U h,     n = I w' + w x I w + h x a       the link's own
+        (3)  f_p += R' f,       n_p += R' n + p x R' f,          tau = n_z + d qdd + k (q - rest)
+    and (f_z in place of n_z, 2 w x z qd + z qdd added to a, where the joint slides).
+
+    The arrays are those of recursive::inverseDynamics, and are trusted to be as long as there. */
+template <typename T>
+void inverseDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* qdd,
+                     InverseDynamicsWorkspace<T>& ws, T* tau) {
+  using Record = typename InverseDynamicsWorkspace<T>::Record;
+  const int n = static_cast<int>(plan.links.size());
+  Record* const records = ws.records.data();
+  records[0].w = records[0].wd = Vec<T>::zero();
+  records[0].a = Vec<T>::zero() - plan.gravity;
+  records[0].U = {T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0)};
+
+  // outward: how each link moves, and what it alone needs
+  for (int i = 0; i < n; ++i) {
+    const Link<T>& link = plan.links[i];
+    const Record& parent = records[link.parent];
+    Record& r = records[i + 1];
+    withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
+      constexpr Step kStep = decltype(step)::value;
+      const auto way = wayThrough<kStep>(plan, link, x, ws.others);
+      r.c = way.c;
+      r.s = way.s;
+      Vec<T> w = way.outward(parent.w), wd = way.outward(parent.wd);
+      Vec<T> a = parent.a;
+      if (link.is_apart) a = a + times(parent.U, jointPlace<kStep>(link, x, ws.others));
+      a = way.outward(a);                                                             // (1)
+      if constexpr (isTurn(kStep)) {
+        const T rate = qd[link.dof];
+        wd = {wd.x + w.y * rate, wd.y - w.x * rate, wd.z + qdd[link.dof]};
+        w.z = w.z + rate;
+      } else if constexpr (isSlide(kStep)) {
+        const T twice = qd[link.dof] + qd[link.dof];
+        a = {a.x + w.y * twice, a.y - w.x * twice, a.z + qdd[link.dof]};
+      } else {
+        Vec<T> v_J, w_J, a_J, wd_J;
+        otherMotion(link, qd, v_J, w_J);
+        otherMotion(link, qdd, a_J, wd_J);
+        const Vec<T> w_before = w;
+        w = w + w_J;
+        a = a + a_J + cross(w + w_before, v_J);
+        wd = wd + wd_J + cross(w, w_J);
+      }
+      const T xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
+      const T xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
+      const Mat<T> U = {-yy - zz,  xy - wd.z, xz + wd.y, xy + wd.z, -xx - zz,
+                        yz - wd.x, xz - wd.y, yz + wd.x, -xx - yy};
+      const Vec<T>& h = link.h;
+      const Symmetric3<T>& I = link.I;
+      r.w = w;
+      r.wd = wd;
+      r.a = a;
+      r.U = U;
+      r.f = times(U, h) + a * link.mass;                                              // (2)
+      // I w' + w x I w, with the products of w taken together
+      r.n = Vec<T>{I.xx * wd.x + link.D.x * yz + I.yz * (yy - zz) - I.xy * U.zx + I.xz * U.yx,
+                   I.yy * wd.y + link.D.y * xz + I.xz * (zz - xx) - I.yz * U.xy + I.xy * U.zy,
+                   I.zz * wd.z + link.D.z * xy + I.xy * (xx - yy) - I.xz * U.yz + I.yz * U.xz} +
+            cross(h, a);
+      if (link.is_loaded) {
+        r.f = r.f - link.force;
+        r.n = r.n - link.moment;
+      }
+    });
+  }
+  detail::subtractWorldLoads(plan, x, ws.others, ws.axes, ws.records);
+
+  // inward: what passes through each joint
+  for (int i = n - 1; i >= 0; --i) {
+    const Link<T>& link = plan.links[i];
+    const Record& r = records[i + 1];
+    withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
+      constexpr Step kStep = decltype(step)::value;
+      if constexpr (isTurn(kStep) || isSlide(kStep)) {
+        tau[link.dof] = (isTurn(kStep) ? r.n.z : r.f.z) + link.rotor * qdd[link.dof];
+      } else {
+        for (int k = 0, d = link.dof; k < link.axes; ++k, ++d)
+          tau[d] = alongAxis(link, k, r.f, r.n) + link.rotor * qdd[d];
+      }
+      if (link.is_sprung)
+        tau[link.dof] = tau[link.dof] + link.stiffness * (x[link.slot].q - link.rest);
+      if (link.parent == 0) return;
+      Record& parent = records[link.parent];
+      const auto way = wayBack<kStep>(plan, link, r.c, r.s, ws.others);
+      Vec<T> f = r.f, moment = r.n;
+      way.inward(f);
+      way.inward(moment);
+      parent.f = parent.f + f;                                                        // (3)
+      parent.n = parent.n + moment;
+      if (link.is_apart) parent.n = parent.n + cross(jointPlace<kStep>(link, x, ws.others), f);
+    });
+  }
+}
+
+}  // namespace dynwitness::recursive::fast
