@@ -14,6 +14,7 @@
 #include "recursive/energy.hpp"
 #include "recursive/newton_euler.hpp"
 #include "recursive/projection.hpp"
+#include "recursive/regressor.hpp"
 #include "recursive/reroot.hpp"
 
 namespace dynwitness::crosscheck {
@@ -49,6 +50,8 @@ inline constexpr IdentityInfo kIdentities[] = {
      "on a floating base, another link as root: the same qdd, and the same twist and acceleration of every "
      "link",
      "qdd", "articulated_body", ""},
+    {"linear in the inertial parameters", "Y pi = tau without springs and loads", "tau", "regressor",
+     "newton_euler"},
 };
 inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0]);
 
@@ -79,7 +82,9 @@ class Identities {
         moving_(recursive::buildModel(mechanism, DualNumbers<Numbers>(numbers))),
         ws_(model_),
         ws_kept_(kept_),
-        ws_moving_(moving_) {}
+        ws_moving_(moving_),
+        parameters_(scene::inertialParameters(mechanism)),
+        pi_(recursive::inertialValues(mechanism, parameters_, numbers)) {}
 
   /// Both sides of each identity at a state (its tau is not used), in the order of kIdentities.
   Laws evaluate(const scene::State<T>& state) {
@@ -157,6 +162,10 @@ class Identities {
 
     append(out, 4, [&] { return projections(state); });
     append(out, 1, [&] { return Laws{otherRoot(state)}; });
+
+    MatrixX Y(n, parameters_.size());
+    recursive::regressor(model_, parameters_, state.x, state.qd, state.qdd, ws_, Y);
+    out.push_back({Y * columnOf(pi_), inverse(state, state.qd, state.qdd, {true, false, false})});
     return out;
   }
 
@@ -303,6 +312,8 @@ class Identities {
   recursive::Model<Dual<T>> moving_;
   recursive::Workspace<T> ws_, ws_kept_;
   recursive::Workspace<Dual<T>> ws_moving_;
+  std::vector<scene::InertialParameter> parameters_;
+  std::vector<T> pi_;
 };
 
 }  // namespace dynwitness::crosscheck

@@ -18,6 +18,7 @@ Run addDrift(CLI::App& app);
 Run addSimulate(CLI::App& app);
 Run addChart(CLI::App& app);
 Run addAudit(CLI::App& app);
+Run addParameters(CLI::App& app);
 Run addScenes(CLI::App& app);
 Run addVersion(CLI::App& app);
 
