@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crosscheck/arithmetic/dual.hpp"
+#include "crosscheck/gauss_value.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/composite_body.hpp"
@@ -52,6 +53,9 @@ inline constexpr IdentityInfo kIdentities[] = {
      "qdd", "articulated_body", ""},
     {"linear in the inertial parameters", "Y pi = tau without springs and loads", "tau", "regressor",
      "newton_euler"},
+    {"value function of Gauss' principle",
+     "a' M_A a / 2 + a' f_A = least Gauss function of the subtree, all its joints at once", "M_A",
+     "articulated_body", "dense minimum"},
 };
 inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0]);
 
@@ -166,6 +170,12 @@ class Identities {
     MatrixX Y(n, parameters_.size());
     recursive::regressor(model_, parameters_, state.x, state.qd, state.qdd, ws_, Y);
     out.push_back({Y * columnOf(pi_), inverse(state, state.qd, state.qdd, {true, false, false})});
+
+    append(out, 1, [&] {
+      std::vector<T> qdd(n, T(0));
+      recursive::forwardDynamics(model_, state.x, state.qd, state.qdd, ws_, qdd);  // any forces will do
+      return Laws{{sweptGauss(model_, ws_), leastGauss(model_, state.x, state.qdd, ws_)}};
+    });
     return out;
   }
 
