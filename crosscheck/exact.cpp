@@ -11,7 +11,9 @@
 #include <fmt/format.h>
 
 #include "crosscheck/identities.hpp"
+#include "crosscheck/inquiry.hpp"
 #include "crosscheck/kernel/roads.hpp"
+#include "crosscheck/parameters/regressor_checks.hpp"
 #include "crosscheck/tally.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
@@ -28,15 +30,7 @@ namespace {
 constexpr int kPatience = 8;
 
 template <typename T>
-using SidesOfAll = std::vector<TwoSides<T>>;
-
-/// Some checks that are asked together.
-struct Inquiry {
-  std::vector<CheckResult> checks;  ///< what is asked, in words
-  std::function<SidesOfAll<PrimeField>(const FieldNumbers&, const scene::State<PrimeField>&)> in_field;
-  std::function<SidesOfAll<DegreeBound>(const DegreeNumbers&, const scene::State<DegreeBound>&)>
-      in_degrees;
-};
+using SidesOfAll = Inquiry::SidesOfAll<T>;
 
 // ---- deciding -----------------------------------------------------------------------------------
 
@@ -134,6 +128,8 @@ class Trial {
   bool done_ = false;
 };
 
+}  // namespace
+
 std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquiry,
                                 const ExactOptions& options) {
   std::vector<Trial> trials;
@@ -164,6 +160,8 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
   for (const Trial& trial : trials) results.push_back(trial.result());
   return results;
 }
+
+namespace {
 
 // ---- witnesses ----------------------------------------------------------------------------------
 
@@ -455,6 +453,7 @@ std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptio
                   identities(scene.mechanism)),
              options);
   for (const CheckResult& check : checkClosuresExactly(scene, options)) checks.push_back(check);
+  for (const CheckResult& check : checkRegressorExactly(scene, options)) checks.push_back(check);
   return checks;
 }
 

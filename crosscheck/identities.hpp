@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crosscheck/arithmetic/dual.hpp"
+#include "crosscheck/gauss_value.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/composite_body.hpp"
@@ -15,6 +16,7 @@
 #include "recursive/newton_euler.hpp"
 #include "recursive/projection.hpp"
 #include "recursive/reactions.hpp"
+#include "recursive/regressor.hpp"
 #include "recursive/reroot.hpp"
 
 namespace dynwitness::crosscheck {
@@ -55,6 +57,11 @@ inline constexpr IdentityInfo kIdentities[] = {
      "composite_body"},
     {"reactions at the base", "sum of f = d(momentum)/dt - weight - loads", "reactions", "newton_euler",
      ""},
+    {"linear in the inertial parameters", "Y pi = tau without springs and loads", "tau", "regressor",
+     "newton_euler"},
+    {"value function of Gauss' principle",
+     "a' M_A a / 2 + a' f_A = least Gauss function of the subtree, all its joints at once", "M_A",
+     "articulated_body", "dense minimum"},
 };
 inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0]);
 
@@ -85,7 +92,9 @@ class Identities {
         moving_(recursive::buildModel(mechanism, DualNumbers<Numbers>(numbers))),
         ws_(model_),
         ws_kept_(kept_),
-        ws_moving_(moving_) {}
+        ws_moving_(moving_),
+        parameters_(scene::inertialParameters(mechanism)),
+        pi_(recursive::inertialValues(mechanism, parameters_, numbers)) {}
 
   /// Both sides of each identity at a state (its tau is not used), in the order of kIdentities.
   Laws evaluate(const scene::State<T>& state) {
@@ -169,6 +178,15 @@ class Identities {
     const MatrixX loads = inverse(state, zeros, zeros, onlyLoads());  // -Q
     out.push_back(alongAxes(state, M * columnOf(state.qdd) + C * qd + gradient + loads));
     out.push_back(atBase(state));
+    MatrixX Y(n, parameters_.size());
+    recursive::regressor(model_, parameters_, state.x, state.qd, state.qdd, ws_, Y);
+    out.push_back({Y * columnOf(pi_), inverse(state, state.qd, state.qdd, {true, false, false})});
+
+    append(out, 1, [&] {
+      std::vector<T> qdd(n, T(0));
+      recursive::forwardDynamics(model_, state.x, state.qd, state.qdd, ws_, qdd);  // any forces will do
+      return Laws{{sweptGauss(model_, ws_), leastGauss(model_, state.x, state.qdd, ws_)}};
+    });
     return out;
   }
 
@@ -400,6 +418,8 @@ class Identities {
   recursive::Model<Dual<T>> moving_;
   recursive::Workspace<T> ws_, ws_kept_;
   recursive::Workspace<Dual<T>> ws_moving_;
+  std::vector<scene::InertialParameter> parameters_;
+  std::vector<T> pi_;
 };
 
 }  // namespace dynwitness::crosscheck

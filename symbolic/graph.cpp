@@ -346,7 +346,10 @@ std::vector<Node> Graph::directionalDerivative(
   return result;
 }
 
-std::vector<Node> Graph::gradient(Node n, const std::vector<Variable>& variables) {
+std::vector<Node> Graph::gradient(Node n, const std::vector<Variable>& variables,
+                                  const std::vector<Node>& atoms) {
+  std::map<Node, std::size_t> wanted_atoms;
+  for (std::size_t i = 0; i < atoms.size(); ++i) wanted_atoms[atoms[i]] = variables.size() + i;
   std::map<std::pair<Input, int>, std::size_t> wanted;
   for (std::size_t i = 0; i < variables.size(); ++i)
     wanted[{variables[i].input, variables[i].joint}] = i;
@@ -364,6 +367,7 @@ std::vector<Node> Graph::gradient(Node n, const std::vector<Variable>& variables
   for (int i : order) {
     const Node m{i};
     const int operands = operandCount(m);
+    if (op(m) == Op::kAtom) active[i] = wanted_atoms.count(m) > 0;
     if (op(m) == Op::kInput) active[i] = variableOf(m) >= 0;
     if (op(m) == Op::kTurn) active[i] = find(Input::kPosition, joint(m)) >= 0;
     if (operands > 0 && active[left(m).index]) active[i] = 1;
@@ -371,7 +375,7 @@ std::vector<Node> Graph::gradient(Node n, const std::vector<Variable>& variables
   }
 
   std::vector<std::vector<Node>> parts(n.index + 1);  // terms of each node's adjoint
-  std::vector<std::vector<Node>> results(variables.size());
+  std::vector<std::vector<Node>> results(variables.size() + atoms.size());
   const auto send = [&](Node to, Node amount) {
     if (active[to.index] && !isZero(amount)) parts[to.index].push_back(amount);
   };
@@ -384,7 +388,9 @@ std::vector<Node> Graph::gradient(Node n, const std::vector<Variable>& variables
     const Node a = left(m), b = right(m);
     switch (op(m)) {
       case Op::kConstant:
+        break;
       case Op::kAtom:
+        results[wanted_atoms.at(m)].push_back(lambda);
         break;
       case Op::kInverse:
         send(a, negate(multiply(multiply(m, m), lambda)));

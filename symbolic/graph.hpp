@@ -116,8 +116,11 @@ class Graph {
   std::vector<Node> directionalDerivative(const std::vector<Node>& nodes,
                                           const std::vector<std::pair<Variable, Node>>& direction);
   /** All derivatives  dn/dx_i  of one node, by reverse mode: the result costs a small multiple of
-      n itself, however many variables there are. */
-  std::vector<Node> gradient(Node n, const std::vector<Variable>& variables);
+      n itself, however many variables there are.
+      @param atoms  numbers of the scene to differentiate by as well
+      @return one a variable, then one an atom */
+  std::vector<Node> gradient(Node n, const std::vector<Variable>& variables,
+                             const std::vector<Node>& atoms = {});
 
  private:
   struct Entry {

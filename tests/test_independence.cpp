@@ -169,6 +169,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same
       {"crosscheck/simulate.hpp", {"1e-10"}},                 // default of --step-error
       {"crosscheck/simulate.cpp", {"1e-12"}},                 // a step [s] at which integration is given up
+      {"crosscheck/parameters/parameters.hpp", {"1e-30", "1e-9"}},  // chances of error, defaults
       {"crosscheck/states.cpp", {"0x1p-53"}},                 // 53 random bits to [0, 1)
       {"crosscheck/witnesses/dart.cpp", {"1e-100"}},          // a time step that drops out
       {"crosscheck/witnesses/mujoco.cpp", {"1e-12"}},         // MuJoCo's own eigEPS

@@ -19,6 +19,7 @@ Run addSimulate(CLI::App& app);
 Run addRotors(CLI::App& app);
 Run addChart(CLI::App& app);
 Run addAudit(CLI::App& app);
+Run addParameters(CLI::App& app);
 Run addScenes(CLI::App& app);
 Run addVersion(CLI::App& app);
 

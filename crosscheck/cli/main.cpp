@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
       {"evaluate", cli::addEvaluate(app)},     {"drift", cli::addDrift(app)},
       {"chart", cli::addChart(app)},           {"audit", cli::addAudit(app)},
       {"simulate", cli::addSimulate(app)},     {"rotors", cli::addRotors(app)},
+      {"parameters", cli::addParameters(app)},
       {"scenes", cli::addScenes(app)},         {"version", cli::addVersion(app)}};
   try {
     app.parse(argc, argv);

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/parameters/base_parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "crosscheck/arithmetic/prime_field.hpp"
+#include "crosscheck/degree.hpp"
+#include "crosscheck/parameters/certified_solve.hpp"
+#include "recursive/composite_body.hpp"
+#include "recursive/regressor.hpp"
+#include "symbolic/program.hpp"
+#include "symbolic/regressor.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using scene::Integer;
+using scene::Rational;
+
+// ---- linear algebra over the field --------------------------------------------------------------
+
+/// Rows of a matrix as they come, in reduced echelon form, columns being tried in an order.
+class Echelon {
+ public:
+  explicit Echelon(const std::vector<int>& order) : order_(order), place_(order.size()) {
+    for (std::size_t k = 0; k < order.size(); ++k) place_[order[k]] = static_cast<int>(k);
+  }
+
+  /// @return whether the row does not depend on those before
+  bool add(const std::vector<PrimeField>& given) {
+    std::vector<PrimeField> row;
+    for (const int j : order_) row.push_back(given[j]);
+    for (const auto& [pivot, other] : rows_) subtract(row, row[pivot], other);
+    const auto lead = std::find_if(row.begin(), row.end(), [](PrimeField x) { return !x.isZero(); });
+    if (lead == row.end()) return false;
+    const PrimeField scale = lead->inverse();
+    for (PrimeField& x : row) x *= scale;
+    const int pivot = static_cast<int>(lead - row.begin());
+    for (auto& [p, other] : rows_) subtract(other, other[pivot], row);
+    const auto place = std::find_if(rows_.begin(), rows_.end(), [&](const auto& r) {
+      return order_[r.first] > order_[pivot];
+    });
+    rows_.insert(place, {pivot, std::move(row)});
+    return true;
+  }
+  int rank() const { return static_cast<int>(rows_.size()); }
+  /// The first column tried of each row, rising; the rows are 1 there and 0 at each other's.
+  std::vector<int> pivots() const {
+    std::vector<int> out;
+    for (const auto& [pivot, row] : rows_) out.push_back(order_[pivot]);
+    return out;
+  }
+  PrimeField operator()(int row, int column) const { return rows_[row].second[place_[column]]; }
+  int columns() const { return static_cast<int>(order_.size()); }
+
+ private:
+  static void subtract(std::vector<PrimeField>& row, PrimeField factor,
+                       const std::vector<PrimeField>& other) {
+    if (factor.isZero()) return;
+    for (std::size_t j = 0; j < row.size(); ++j) row[j] -= factor * other[j];
+  }
+  std::vector<int> order_, place_;  ///< place_[order_[k]] = k; rows are in that order
+  std::vector<std::pair<int, std::vector<PrimeField>>> rows_;
+};
+
+/** The order in which columns are tried: links from the base outward, of each its inertia, then its first
+    moment, then its mass, and rotors last. So what a joint's motion cannot tell apart (a point mass on
+    its axis, a rod along it or across it) is what is counted to the link inboard, and K is small. */
+std::vector<int> eliminationOrder(const std::vector<scene::InertialParameter>& parameters) {
+  using Kind = scene::InertialParameter::Kind;
+  std::vector<int> order(parameters.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto rank = [&](int j) {
+    const Kind kind = parameters[j].kind;
+    if (kind == Kind::kRotor) return std::pair(std::numeric_limits<int>::max(), 0);
+    return std::pair(parameters[j].link, kind == Kind::kMass ? 2 : kind <= Kind::kHz ? 1 : 0);
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
+  return order;
+}
+
+/// State k of a trial; the numbers of the scene are the same for all of them.
+FieldSource sourceOf(const scene::Scene& scene, std::uint64_t seed, int trial, int k) {
+  return {scene.name + ", state " + std::to_string(k), seed, static_cast<std::uint64_t>(trial)};
+}
+
+/// Y stacked over random states, until one adds nothing: then none does.
+struct Stack {
+  Echelon echelon;
+  int states;
+};
+Stack stackRegressor(const scene::Scene& scene, const std::vector<scene::InertialParameter>& parameters,
+                     std::uint64_t seed, int trial) {
+  const FieldNumbers number(scene.mechanism,
+                            FieldSource(scene.name, seed, static_cast<std::uint64_t>(trial)));
+  const auto model = recursive::buildModel(scene.mechanism, number);
+  recursive::Workspace<PrimeField> ws(model);
+  recursive::MatrixX<PrimeField> Y(model.dof(), parameters.size());
+  Stack out{Echelon(eliminationOrder(parameters)), 0};
+  for (bool grows = true; grows; ++out.states) {
+    const auto state =
+        indeterminateState(scene.mechanism, sourceOf(scene, seed, trial, out.states));
+    recursive::regressor(model, parameters, state.x, state.qd, state.qdd, ws, Y);
+    grows = false;
+    for (Eigen::Index i = 0; i < Y.rows(); ++i) {
+      std::vector<PrimeField> row;
+      for (Eigen::Index j = 0; j < Y.cols(); ++j) row.push_back(Y(i, j));
+      grows = out.echelon.add(row) || grows;
+    }
+  }
+  return out;
+}
+
+/** Chance that one trial finds too small a rank. After each state, some minor of at most p rows of the
+    stack is not zero as a formula and may vanish at the point: p + 1 states at most. Its size is
+    that of p factors, each no larger than the sum of all entries of Y, and p! terms. */
+double chanceOfTooSmallRank(const scene::Scene& scene,
+                            const std::vector<scene::InertialParameter>& parameters) {
+  const DegreeBound::Divisors divisors;
+  const DegreeSource source;
+  const DegreeNumbers number(scene.mechanism, source);
+  const auto state = indeterminateState(scene.mechanism, source);
+  const auto model = recursive::buildModel(scene.mechanism, number);
+  recursive::Workspace<DegreeBound> ws(model);
+  recursive::MatrixX<DegreeBound> Y(model.dof(), parameters.size());
+  recursive::regressor(model, parameters, state.x, state.qd, state.qdd, ws, Y);
+  DegreeBound entry = 0, minor = 1;
+  for (Eigen::Index i = 0; i < Y.rows(); ++i)
+    for (Eigen::Index j = 0; j < Y.cols(); ++j) entry += Y(i, j);
+  double terms = 0;  // log2 p!
+  for (std::size_t k = 1; k <= parameters.size(); ++k) {
+    minor *= entry;
+    terms += std::log2(static_cast<double>(k));
+  }
+  for (int k = 0; k < terms; ++k) minor += minor;
+  return (static_cast<double>(parameters.size()) + 1) * errorProbability(minor, divisors);
+}
+
+// ---- from residues to rationals -----------------------------------------------------------------
+
+/// An integer known modulo a product of primes.
+struct Residue {
+  Integer value = 0, modulus = 1;
+
+  /// Takes the residue modulo one prime more (Chinese remainders).
+  void add(std::uint64_t residue, std::uint64_t prime) {
+    const PrimeField::Modulus field(prime);
+    const auto mod = [](const Integer& x) {
+      return PrimeField::fromResidue((x % PrimeField::modulus()).convert_to<std::uint64_t>());
+    };
+    const PrimeField step =
+        (PrimeField::fromResidue(residue) - mod(value)) * mod(modulus).inverse();
+    value += modulus * step.residue();
+    modulus *= prime;
+  }
+  /// The fraction n/d of this residue with n^2 and d^2 below modulus/2, if there is one: a remainder
+  /// of Euclid's algorithm.
+  std::optional<Rational> fraction() const {
+    Integer r_0 = modulus, r_1 = value, t_0 = 0, t_1 = 1;
+    while (2 * r_1 * r_1 >= modulus) {
+      const Integer quotient = r_0 / r_1;
+      Integer next = r_0 - quotient * r_1;
+      r_0 = r_1, r_1 = next;
+      next = t_0 - quotient * t_1;
+      t_0 = t_1, t_1 = next;
+    }
+    if (t_1 == 0 || 2 * t_1 * t_1 >= modulus) return {};
+    return t_1 < 0 ? Rational(-r_1, -t_1) : Rational(r_1, t_1);
+  }
+};
+
+}  // namespace
+
+int BaseParameters::countWithoutRotors() const {
+  return static_cast<int>(std::count_if(independent.begin(), independent.end(), [&](int j) {
+    return parameters[j].kind != scene::InertialParameter::Kind::kRotor;
+  }));
+}
+
+BaseParameters baseParameters(const scene::Scene& scene, std::uint64_t seed,
+                              double error_probability) {
+  BaseParameters out;
+  out.parameters = scene::inertialParameters(scene.mechanism);
+  const int p = static_cast<int>(out.parameters.size());
+  const double chance = chanceOfTooSmallRank(scene, out.parameters);
+  if (!(chance < 1))
+    throw std::runtime_error(scene.name + ": too large for a rank over primes below 2^63");
+  const int trials = pointsNeeded(chance, error_probability);
+
+  // enough trials for the rank, then as many as the rationals take, and one to hold them to
+  constexpr int kMostTrials = 12;
+  std::vector<Coefficient> found;
+  std::vector<Residue> residues;
+  bool lifted = false;
+  for (int trial = 0; trial < trials || (!lifted && trial < kMostTrials); ++trial) {
+    const PrimeField::Modulus field(drawPrime(scene.name, seed, trial));
+    const std::uint64_t prime = PrimeField::modulus();
+    const Stack stack = stackRegressor(scene, out.parameters, seed, trial);
+    const Echelon& echelon = stack.echelon;
+    if (trial > 0 && echelon.pivots() != out.independent)
+      throw std::runtime_error(scene.name + ": independent columns differ between two primes");
+    out.points += stack.states;
+    out.states = stack.states - 1;  // the last added nothing
+    out.independent = echelon.pivots();
+    std::vector<Coefficient> entries;
+    for (int row = 0; row < echelon.rank(); ++row)
+      for (int j = 0; j < p; ++j)
+        if (j != out.independent[row] && !echelon(row, j).isZero()) entries.push_back({row, j, {}});
+    if (trial > 0 && entries.size() != found.size())
+      throw std::runtime_error(scene.name + ": coefficients are zero modulo one prime only");
+    lifted = trial > 0;
+    residues.resize(entries.size());
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+      const PrimeField here = echelon(entries[k].base, entries[k].parameter);
+      if (trial > 0) {
+        // what the primes before say, held to this one
+        entries[k].exact = residues[k].fraction();
+        if (entries[k].exact && PrimeField::fromRational(*entries[k].exact) != here)
+          entries[k].exact.reset();
+        lifted = lifted && entries[k].exact;
+      }
+      residues[k].add(here.residue(), prime);
+    }
+    found = std::move(entries);
+  }
+  out.K = std::move(found);
+  out.error_probability = std::pow(chance, trials);
+  encloseCoefficients(scene, seed, out);
+
+  out.status.assign(p, BaseParameters::Status::kNoEffect);
+  for (const int j : out.independent) out.status[j] = BaseParameters::Status::kAlone;
+  for (const Coefficient& c : out.K)
+    out.status[c.parameter] = out.status[out.independent[c.base]] =
+        BaseParameters::Status::kInCombination;
+  return out;
+}
+
+int energyRank(const scene::Scene& scene, const BaseParameters& base, std::uint64_t seed) {
+  symbolic::InertialSymbols symbols = symbolic::inertialSymbols(scene.mechanism);
+  const std::vector<symbolic::Node> energy = symbolic::energyRegressor(symbols);
+  const symbolic::Program program = symbolic::compile(symbols.equations.graph, energy);
+  const int trial = 0;
+  const PrimeField::Modulus field(drawPrime(scene.name, seed, trial));
+  const FieldNumbers number(symbols.mechanism, FieldSource(scene.name, seed, trial));
+  symbolic::ProgramRun<PrimeField> run(program, number);
+  const auto row = [&](int k) {
+    return run(indeterminateState(scene.mechanism, sourceOf(scene, seed, trial, k)));
+  };
+  // K of this field
+  const Echelon echelon = stackRegressor(scene, base.parameters, seed, trial).echelon;
+  const int p = echelon.columns();
+  const std::vector<PrimeField> reference = row(0);
+  Echelon rank(eliminationOrder(base.parameters));
+  for (int k = 1; k <= p + 1; ++k) {
+    std::vector<PrimeField> change = row(k);
+    for (int j = 0; j < p; ++j) change[j] -= reference[j];
+    // of the energy, each dependent column must be the sum that it is of the forces
+    std::vector<PrimeField> rest = change;
+    for (int r = 0; r < echelon.rank(); ++r) {
+      const PrimeField factor = change[base.independent[r]];
+      for (int j = 0; j < p; ++j) rest[j] -= factor * echelon(r, j);
+    }
+    if (std::any_of(rest.begin(), rest.end(), [](PrimeField x) { return !x.isZero(); })) return -1;
+    rank.add(change);
+  }
+  return rank.rank();
+}
+
+std::optional<int> mayedaCount(const scene::Mechanism& mechanism) {
+  const scene::RealNumbers<double> number(mechanism);
+  const auto model = recursive::buildModel(mechanism, number);
+  int parallel = 0;
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    const auto& link = model.links[i];
+    if (link.kind != scene::JointKind::kRevolute || link.parent != static_cast<int>(i) - 1) return {};
+    const double cosine = i == 0 ? 1 : link.X_tree.R(2, 2);  // between this axis and the last
+    if (cosine != 0 && std::abs(cosine) != 1) return {};
+    if (cosine != 0 && parallel == static_cast<int>(i)) ++parallel;
+  }
+  if (model.links.empty()) return {};
+  const Eigen::Vector3d g = model.links[0].X_tree.R * model.gravity;
+  const bool turned_by_gravity = g.x() != 0 || g.y() != 0;
+  return 7 * model.dof() - 4 * parallel - (turned_by_gravity ? 0 : 2);
+}
+
+std::string text(const Coefficient& coefficient) {
+  if (!coefficient.exact) return fmt::format("{:.6g}", coefficient.value);
+  const Rational& r = *coefficient.exact;
+  if (denominator(r) == 1) return r.str();
+  // a short decimal if it is one
+  Rational scaled = r;
+  for (int places = 1; places <= 8; ++places)
+    if (denominator(Rational(scaled *= 10)) == 1)
+      return fmt::format("{:.{}f}", coefficient.value, places);
+  const std::string fraction = r.str();
+  return fraction.size() <= 9 ? fraction : fmt::format("{:.6g}", coefficient.value);
+}
+
+std::string combination(const BaseParameters& base, int row, const scene::Mechanism& mechanism) {
+  std::string out = scene::label(base.parameters[base.independent[row]], mechanism);
+  for (const Coefficient& c : base.K) {
+    if (c.base != row) continue;
+    std::string factor = text(c);
+    const bool negative = factor[0] == '-';
+    if (negative) factor.erase(0, 1);
+    out += (negative ? " - " : " + ") + (factor == "1" ? "" : factor + " ") +
+           scene::label(base.parameters[c.parameter], mechanism);
+  }
+  return out;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/parameters/parameters.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <Eigen/SVD>
+
+#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/states.hpp"
+#include "recursive/regressor.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+/// Nothing where the smallest singular value drowns in the rounding of the largest.
+std::optional<double> conditionOf(const Eigen::MatrixXd& W) {
+  if (W.rows() < W.cols() || W.cols() == 0) return {};
+  const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXd>(W).singularValues();
+  const double condition = s(0) / s(s.size() - 1);
+  if (!(condition * std::numeric_limits<double>::epsilon() * static_cast<double>(W.rows()) < 1))
+    return {};
+  return condition;
+}
+
+UncertaintyResult propagate(const ParametersResult& result, const std::vector<scene::State<double>>& states,
+                            const std::vector<Eigen::MatrixXd>& Y) {
+  const scene::Mechanism& mechanism = result.scene.mechanism;
+  const ParametersOptions& options = result.options;
+  UncertaintyResult out;
+  out.given = readUncertainty(options.uncertainty);
+  const Eigen::MatrixXd F = parameterFactor(mechanism, result.base.parameters, out.given);
+  const Eigen::VectorXd pi =
+      Eigen::Map<const Eigen::VectorXd>(result.values.data(), static_cast<Eigen::Index>(result.values.size()));
+  const int n = mechanism.dof();
+  out.by_inertia = out.by_geometry = out.tau = Eigen::VectorXd::Zero(n);
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    out.tau += (Y[k] * pi).cwiseAbs2();
+    out.by_inertia += (Y[k] * F).rowwise().squaredNorm();
+    if (out.given.ofGeometry())
+      out.by_geometry += placementEffect(mechanism, states[k], out.given).rowwise().squaredNorm();
+  }
+  for (Eigen::VectorXd* v : {&out.by_inertia, &out.by_geometry, &out.tau})
+    *v = (*v / static_cast<double>(states.size())).cwiseSqrt();
+
+  // the same by drawing, at the first state
+  const auto compare = [&](const Eigen::MatrixXd& effect, const Eigen::MatrixXd& sampled) {
+    return compareCovariance(effect * effect.transpose(), sampled, options.samples, options.chance);
+  };
+  if (out.given.ofInertia())
+    out.inertia = compare(Y[0] * F, sampledByInertia(mechanism, states[0], F, options.samples, options.seed));
+  if (!out.given.ofGeometry()) return out;
+  for (const double scale : {0.01, 0.1, 1.0, 3.0, 10.0, 30.0, 100.0}) {
+    Uncertainty scaled = out.given;
+    scaled.xyz *= scale;
+    scaled.rpy *= scale;
+    out.geometry.push_back({scale, compare(placementEffect(mechanism, states[0], scaled),
+                                           sampledByGeometry(mechanism, states[0], scaled,
+                                                             options.samples, options.seed))});
+  }
+  return out;
+}
+
+}  // namespace
+
+double ParametersResult::baseValue(int row) const {
+  double sum = values[base.independent[row]];
+  for (const Coefficient& c : base.K)
+    if (c.base == row) sum += c.value * values[c.parameter];
+  return sum;
+}
+
+bool ParametersResult::agrees() const {
+  if (energy_rank != base.count() || (closed_form && *closed_form != base.countWithoutRotors()))
+    return false;
+  if (!uncertainty) return true;
+  return (!uncertainty->inertia || uncertainty->inertia->agrees()) &&
+         (uncertainty->geometry.empty() || uncertainty->geometry.front().check.agrees());
+}
+
+ParametersResult examineParameters(const scene::Scene& scene, const ParametersOptions& options) {
+  requireMotion(scene);
+  if (!options.uncertainty.empty()) readUncertainty(options.uncertainty);  // before the work
+  const scene::Mechanism& mechanism = scene.mechanism;
+  ParametersResult out;
+  out.scene = scene;
+  out.options = options;
+  out.base = baseParameters(scene, options.seed, options.error_probability);
+  out.values = recursive::inertialValues(mechanism, out.base.parameters,
+                                         scene::RealNumbers<double>(mechanism));
+  out.energy_rank = energyRank(scene, out.base, options.seed);
+  out.closed_form = mayedaCount(mechanism);
+
+  std::vector<scene::State<double>> states;
+  std::vector<Eigen::MatrixXd> Y;
+  Eigen::MatrixXd W(options.states * mechanism.dof(), out.base.count());
+  for (int k = 0; k < options.states; ++k) {
+    states.push_back(drawState(mechanism, scene.name, options.seed, k));
+    Y.push_back(regressorAt(mechanism, out.base.parameters, states[k]));
+    for (int c = 0; c < out.base.count(); ++c)
+      W.col(c).segment(k * mechanism.dof(), mechanism.dof()) = Y[k].col(out.base.independent[c]);
+  }
+  out.condition = conditionOf(W);
+  out.scaled_condition = conditionOf(W.colwise().normalized());
+  if (!options.uncertainty.empty()) out.uncertainty = propagate(out, states, Y);
+  return out;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The regressor of the sweeps against that of the derivation, over the prime field.
+#pragma once
+
+#include <vector>
+
+#include "crosscheck/exact.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** Y of recursive/regressor.hpp, by spatial algebra, against dtau/dpi of symbolic/regressor.hpp, by
+    differentiating the equations that follow from T and V: w' Y with w the joint forces of the point.
+    They are elements of their own, so that equality is that of every entry of Y. */
+std::vector<CheckResult> checkRegressorExactly(const scene::Scene& scene, const ExactOptions& options);
+
+}  // namespace dynwitness::crosscheck
