@@ -766,6 +766,10 @@ std::vector<Value> Lagrangian::closureResiduals() {
       phi.push_back(constant(Rational(1, 2)) * (dot(d, d) - length * length));
       continue;
     }
+    if (closure.kind == scene::ClosureKind::kPlane) {
+      phi.push_back(dot(a.axes[2], d));
+      continue;
+    }
     const Value all[] = {dot(a.axes[0], d),         dot(a.axes[1], d),
                          dot(a.axes[2], d),         dot(a.axes[0], b.axes[2]),
                          dot(a.axes[1], b.axes[2]), dot(a.axes[0], b.axes[1])};
