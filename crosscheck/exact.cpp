@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/identities.hpp"
+#include "crosscheck/exact_inquiry.hpp"
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/tally.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
@@ -25,17 +25,6 @@ namespace {
 /// formula vanishes at a point with the chance r of errorProbability(), at all of these with r^8.
 /// Giving up costs an answer; it never gives a wrong one.
 constexpr int kPatience = 8;
-
-template <typename T>
-using SidesOfAll = std::vector<TwoSides<T>>;
-
-/// Some checks that are asked together.
-struct Inquiry {
-  std::vector<CheckResult> checks;  ///< what is asked, in words
-  std::function<SidesOfAll<PrimeField>(const FieldNumbers&, const scene::State<PrimeField>&)> in_field;
-  std::function<SidesOfAll<DegreeBound>(const DegreeNumbers&, const scene::State<DegreeBound>&)>
-      in_degrees;
-};
 
 // ---- deciding -----------------------------------------------------------------------------------
 
@@ -133,6 +122,8 @@ class Trial {
   bool done_ = false;
 };
 
+}  // namespace
+
 std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquiry,
                                 const ExactOptions& options) {
   std::vector<Trial> trials;
@@ -163,6 +154,8 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
   for (const Trial& trial : trials) results.push_back(trial.result());
   return results;
 }
+
+namespace {
 
 // ---- witnesses ----------------------------------------------------------------------------------
 
@@ -452,6 +445,7 @@ std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptio
                   identities(scene.mechanism)),
              options);
   for (const CheckResult& check : checkClosuresExactly(scene, options)) checks.push_back(check);
+  for (const CheckResult& check : checkConstrainedExactly(scene, options)) checks.push_back(check);
   return checks;
 }
 
