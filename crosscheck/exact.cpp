@@ -29,9 +29,6 @@ namespace {
 /// Giving up costs an answer; it never gives a wrong one.
 constexpr int kPatience = 8;
 
-template <typename T>
-using SidesOfAll = Inquiry::SidesOfAll<T>;
-
 // ---- deciding -----------------------------------------------------------------------------------
 
 /// One check on its way to a verdict.
@@ -454,6 +451,7 @@ std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptio
              options);
   for (const CheckResult& check : checkClosuresExactly(scene, options)) checks.push_back(check);
   for (const CheckResult& check : checkRegressorExactly(scene, options)) checks.push_back(check);
+  for (const CheckResult& check : checkConstrainedExactly(scene, options)) checks.push_back(check);
   return checks;
 }
 

@@ -91,6 +91,10 @@ std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
 std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
                                               const ExactOptions& options);
 
+/// What of the constrained motion the scene has to show: closures, driven joints, acceleration constraints.
+/// No checks where it has none of them.
+std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene, const ExactOptions& options);
+
 /// "residual zero at 2 points modulo 63-bit primes; chance that different formulas pass at most 3e-34"
 std::string describeExact(const CheckResult::Exact& exact);
 

@@ -10,12 +10,12 @@
 
 namespace dynwitness::crosscheck {
 
+template <typename T>
+using SidesOfAll = std::vector<TwoSides<T>>;
+
 /// Some checks that are asked together: both sides of each, in the field for their values and in
 /// DegreeBound for the size of their formulas. Where a side cannot be had, `failure` says why.
 struct Inquiry {
-  template <typename T>
-  using SidesOfAll = std::vector<TwoSides<T>>;
-
   std::vector<CheckResult> checks;  ///< what is asked, in words
   std::function<SidesOfAll<PrimeField>(const FieldNumbers&, const scene::State<PrimeField>&)> in_field;
   std::function<SidesOfAll<DegreeBound>(const DegreeNumbers&, const scene::State<DegreeBound>&)>

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -25,12 +28,24 @@ scene::Number number(const json& value) {
 MotionTable::Column readColumn(const json& given, const scene::Mechanism& mechanism,
                                const fs::path& file) {
   MotionTable::Column column;
-  if (given.is_string()) {
-    const std::string name = given.get<std::string>();
-    for (int i = 0; i < mechanism.positions(); ++i)
-      if (name == fmt::format("q{}", i + 1)) column.joint = i;
-    if (column.joint < 0)
-      fail(file, fmt::format("column '{}', allowed: q1 to q{}", name, mechanism.positions()));
+  using Of = MotionTable::Column::Of;
+  if (given.is_string() || given.contains("of")) {
+    const std::string name = given.is_string() ? given.get<std::string>() : given.at("of").get<std::string>();
+    int multipliers = 0;
+    for (const scene::Closure& closure : mechanism.closures)
+      multipliers += scene::equationCount(closure.kind);
+    const std::tuple<const char*, Of, int> kinds[] = {{"q", Of::kPosition, mechanism.positions()},
+                                                      {"qd", Of::kRate, mechanism.dof()},
+                                                      {"lambda", Of::kMultiplier, multipliers}};
+    std::string allowed;
+    for (const auto& [letter, of, count] : kinds) {
+      for (int i = 0; i < count; ++i)
+        if (name == fmt::format("{}{}", letter, i + 1)) column.of = of, column.index = i;
+      if (count > 0) allowed += fmt::format("{}{}1 to {}{}", allowed.empty() ? "" : ", ", letter, letter, count);
+    }
+    if (column.index < 0) fail(file, fmt::format("column '{}', allowed: {}", name, allowed));
+    if (!given.is_string() && given.contains("scale"))
+      column.scale = scene::RealNumbers<double>(mechanism)(number(given.at("scale")));
     return column;
   }
   const std::string link = given.at("link").get<std::string>();
@@ -52,6 +67,7 @@ MotionTable readTable(const json& given, const scene::Mechanism& mechanism, cons
   table.source = given.at("source").get<std::string>();
   table.absolute = given.value("absolute", 0.0);
   table.relative = given.value("relative", 0.0);
+  table.step_error = given.value("step_error", 0.0);
   if (!(table.absolute + table.relative > 0)) fail(file, "no limit, allowed: absolute or relative");
   for (const json& column : given.at("columns"))
     table.columns.push_back(readColumn(column, mechanism, file));
@@ -102,7 +118,7 @@ MotionVerdict compareMotion(const scene::Scene& scene, const Simulation& simulat
   std::vector<std::vector<std::array<double, 3>>> paths;  // one a column; empty for coordinates
   for (const MotionTable::Column& column : table.columns) {
     paths.emplace_back();
-    if (column.joint < 0) paths.back() = pathOf(scene, simulation, column.point);
+    if (column.of == MotionTable::Column::Of::kPoint) paths.back() = pathOf(scene, simulation, column.point);
   }
   MotionVerdict verdict;
   for (std::size_t k = 0; k < simulation.points.size(); ++k) {
@@ -112,7 +128,16 @@ MotionVerdict compareMotion(const scene::Scene& scene, const Simulation& simulat
     if (row == table.rows.end()) continue;
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
       const MotionTable::Column& column = table.columns[i];
-      const double value = column.joint >= 0 ? point.q[column.joint] : paths[i][k][column.axis];
+      const auto ours = [&]() -> double {
+        switch (column.of) {
+          case MotionTable::Column::Of::kPosition: return point.q[column.index];
+          case MotionTable::Column::Of::kRate: return point.qd[column.index];
+          case MotionTable::Column::Of::kMultiplier: return point.lambda[column.index];
+          case MotionTable::Column::Of::kPoint: break;
+        }
+        return paths[i][k][column.axis];
+      };
+      const double value = column.scale * ours();
       const double error = std::abs(value - row->values[i]);
       const double ratio = error / (table.absolute + table.relative * std::abs(row->values[i]));
       ++verdict.values;

@@ -12,9 +12,12 @@ namespace dynwitness::crosscheck {
 /// One file; its layout is in data/reference/README.md.
 struct MotionTable {
   struct Column {
-    int joint = -1;          ///< a coordinate q (index from 0), or
+    enum class Of { kPosition, kRate, kMultiplier, kPoint };
+    Of of = Of::kPoint;
+    int index = -1;          ///< of q, qd or lambda (from 0), or
     scene::Attachment point; ///< a point of a link,
     int axis = 0;            ///< its x, y or z in the world
+    double scale = 1;        ///< printed value = scale times ours
   };
   struct Row {
     double time;
@@ -23,6 +26,7 @@ struct MotionTable {
   std::string title, source;
   std::vector<Column> columns;
   std::vector<Row> rows;
+  double step_error = 0;              ///< that it takes to meet the limit; 0: any will do
   double absolute = 0, relative = 0;  ///< limit of a value: absolute + relative |value|
 };
 

@@ -12,198 +12,22 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <fmt/format.h>
 
-#include "recursive/constrained_solver.hpp"
-#include "recursive/energy.hpp"
-#include "recursive/newton_euler.hpp"
-#include "recursive/point_springs.hpp"
+#include "crosscheck/closed_motion.hpp"
+#include "crosscheck/implicit.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
 namespace odeint = boost::numeric::odeint;
-using State = std::vector<double>;  // (q, qd, work of loads and dampers)
-using Vector = Eigen::VectorXd;
+using State = ClosedMotion::State;
 
 constexpr double kSmallestStep = 1e-12;  // [s]
 constexpr long kMostSteps = 1000000;
-
-/// A closed mechanism as an ordinary differential equation with invariants.
-class ClosedMotion {
- public:
-  ClosedMotion(const scene::Scene& scene, Stabilisation stabilisation, double rate)
-      : number_(scene.mechanism),
-        model_(recursive::buildModel(scene.mechanism, number_)),
-        ws_(model_),
-        constraints_(recursive::buildConstraints(scene.mechanism, number_, model_)),
-        springs_(recursive::buildPointSprings(scene.mechanism, number_, model_)),
-        baumgarte_(stabilisation == Stabilisation::kBaumgarte ? rate : 0),
-        x_(model_.positions), qd_(dof()), q_rate_(model_.positions), zero_(dof(), 0.0), tau_(dof()), bias_(dof()), M_(dof(), dof()) {}
-
-  int dof() const { return model_.dof(); }
-  int positions() const { return model_.positions; }
-  int rows() const { return constraints_.rows(); }
-  State start(const scene::Scene& scene) const {
-    State y;
-    for (const scene::Number& q : scene.start_q) y.push_back(number_(q));
-    for (const scene::Number& qd : scene.start_qd) y.push_back(number_(qd));
-    y.push_back(0);
-    return y;
-  }
-
-  void operator()(const State& y, State& rate, double) {
-    ++evaluations;
-    const auto& result = accelerations(y);
-    recursive::positionRates(model_, x_, qd_, q_rate_);
-    std::copy(q_rate_.begin(), q_rate_.end(), rate.begin());
-    for (int i = 0; i < dof(); ++i) rate[positions() + i] = result.qdd(i);
-    rate.back() = loadPower() - spring_.dissipation - recursive::frictionPower(model_, qd_);
-  }
-
-  /** Which equations stand for all, decided at this state and kept until the next call. Redundant
-      equations depend on each other only where phi = 0, and the trial states inside a step of an integrator
-      do not lie there: deciding again at each of them would make the accelerations jump. */
-  void choose(const State& y) {
-    equations(y);
-    recursive::massMatrix(model_, x_, ws_, M_);
-    solver_.factorize(M_, constraints_.J);
-    chosen_ = solver_.independentRows();
-  }
-
-  /// M qdd = tau_springs - bias + J' lambda,   J qdd = -gamma - 2 w J qd - w^2 phi
-  recursive::ConstrainedSolver<double>::Result accelerations(const State& y) {
-    equations(y);
-    return accelerationsHere(false);
-  }
-  /// The same with all rows, redundant ones too: for the multipliers.
-  recursive::ConstrainedSolver<double>::Result accelerationsOfAll(const State& y) {
-    equations(y);
-    return accelerationsHere(true);
-  }
-
- private:
-  recursive::ConstrainedSolver<double>::Result accelerationsHere(bool all) {
-    std::fill(tau_.begin(), tau_.end(), 0.0);
-    spring_ = recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_);
-    recursive::inverseDynamics(model_, x_, qd_, zero_, ws_, bias_);
-    Vector f(dof());
-    for (int i = 0; i < dof(); ++i) f(i) = tau_[i] - bias_[i];
-    const Vector b = -constraints_.gamma - 2 * baumgarte_ * phiRate() -
-                     baumgarte_ * baumgarte_ * constraints_.phi;
-    if (all) {
-      recursive::massMatrix(model_, x_, ws_, M_);
-      solver_.factorize(M_, constraints_.J);
-      return solver_.solve(f, b);
-    }
-    factorize();
-    return solver_.solve(f, chosen(b));
-  }
-
- public:
-
-  double phi() const { return largest(constraints_.phi); }
-  double phiRateSize() const { return largest(phiRate()); }
-  int rank() const { return static_cast<int>(solver_.rank()); }
-
-  /// phi and J at this state.
-  void equations(const State& y) {
-    for (int i = 0; i < positions(); ++i) x_[i] = scene::jointPosition(y[i]);
-    std::copy_n(y.begin() + positions(), dof(), qd_.begin());
-    recursive::constraintEquations(model_, x_, qd_, ws_, constraints_);
-  }
-
-  /** Newton's method for phi(q) = 0, each step the shortest in M's norm, then the same for J qd = 0.
-      It ends when phi no longer halves: then rounding is what is left. */
-  void project(State* y) {
-    if (rows() == 0) return;
-    equations(*y);
-    constexpr int kMostSteps = 25;
-    for (int k = 0; k < kMostSteps; ++k) {
-      const double before = phi();
-      if (before == 0) break;
-      factorize();
-      const Vector dq = solver_.shortest(-chosen(constraints_.phi));
-      State moved = *y;
-      recursive::positionRates(model_, x_, std::vector<double>(dq.data(), dq.data() + dof()), q_rate_);
-      for (int i = 0; i < positions(); ++i) moved[i] += q_rate_[i];
-      equations(moved);
-      if (!(phi() < before)) break;
-      *y = moved;
-      if (phi() > before / 2) break;
-    }
-    equations(*y);
-    factorize();
-    const Vector dqd = solver_.shortest(-chosen(phiRate()));
-    for (int i = 0; i < dof(); ++i) (*y)[positions() + i] += dqd(i);
-  }
-
-  /// E - work of loads and dampers [J]; the part that must not change.
-  double balance(const State& y) {
-    equations(y);
-    std::fill(tau_.begin(), tau_.end(), 0.0);
-    const double springs =
-        recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_).energy;
-    kinetic_ = recursive::kineticEnergy(model_, x_, qd_, ws_);
-    return kinetic_ + recursive::potentialEnergy(model_, x_, ws_) + springs - y.back();
-  }
-  double kinetic() const { return kinetic_; }
-
-  /// A point of a link of the scene in world axes.
-  std::array<double, 3> place(const State& y, const scene::Attachment& point) {
-    equations(y);
-    const auto& in_model = model_.places[point.link];
-    const recursive::Transform<double> X =
-        in_model.link < 0 ? in_model.X : in_model.X * constraints_.X_W[in_model.link];
-    const recursive::Vector3<double> p =
-        X.p + X.R.transpose() * recursive::detail::vector<double>(point.xyz, number_);
-    return {p.x(), p.y(), p.z()};
-  }
-
-  long evaluations = 0;
-
- private:
-  static double largest(const Vector& v) { return v.size() == 0 ? 0 : v.cwiseAbs().maxCoeff(); }
-  Vector phiRate() const {
-    return constraints_.J * Eigen::Map<const Vector>(qd_.data(), dof());
-  }
-  Vector chosen(const Vector& all) const {
-    Vector out(chosen_.size());
-    for (std::size_t i = 0; i < chosen_.size(); ++i) out(i) = all(chosen_[i]);
-    return out;
-  }
-  /// With the chosen rows alone, whatever their rank is here.
-  void factorize() {
-    recursive::massMatrix(model_, x_, ws_, M_);
-    J_chosen_.resize(chosen_.size(), dof());
-    for (std::size_t i = 0; i < chosen_.size(); ++i) J_chosen_.row(i) = constraints_.J.row(chosen_[i]);
-    solver_.factorize(M_, J_chosen_, 0);
-  }
-  /// Of the wrenches, at the velocities of the last equations().
-  double loadPower() {
-    for (auto& f : ws_.f) f = recursive::Force<double>::zero();
-    recursive::subtractLoads(model_, ws_, ws_.f);
-    double power = 0;
-    for (std::size_t i = 0; i < model_.links.size(); ++i) power -= dot(ws_.v[i], ws_.f[i]);
-    return power;
-  }
-
-  scene::RealNumbers<double> number_;
-  recursive::Model<double> model_;
-  recursive::Workspace<double> ws_;
-  recursive::Constraints<double> constraints_;
-  std::vector<recursive::PointSpring<double>> springs_;
-  double baumgarte_;
-  recursive::ConstrainedSolver<double> solver_;
-  recursive::SpringState<double> spring_;
-  std::vector<scene::JointPosition<double>> x_;
-  std::vector<double> qd_, q_rate_, zero_, tau_, bias_;
-  recursive::MatrixX<double> M_, J_chosen_;
-  std::vector<int> chosen_;
-  double kinetic_ = 0;
-};
+constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();  // of quotients of times
 
 Simulation::Point pointAt(ClosedMotion& motion, const State& y, double time, double start_balance) {
   Simulation::Point point;
-  const double error = std::abs(motion.balance(y) - start_balance);
+  const double error = std::abs(motion.balance(y, time) - start_balance);
   point.time = time;
   point.q.assign(y.begin(), y.begin() + motion.positions());
   point.qd.assign(y.begin() + motion.positions(), y.end() - 1);
@@ -232,34 +56,72 @@ std::vector<double> outputTimes(const SimulateOptions& options) {
   return times;
 }
 
+/// Watches a simulation: what is kept of it, and how far it was off.
+class Watch {
+ public:
+  Watch(ClosedMotion& motion, const State& y, const SimulateOptions& options, Simulation* out)
+      : motion_(motion), options_(options), out_(out), E_0_(motion.balance(y, 0)) {
+    look(y, 0, true);
+    begin_ = std::clock();
+    paused_ = 0;
+  }
+  /// After a step. Its time is not the integrator's. @param keep  whether the state is an output
+  void look(const State& y, double time, bool keep, const Eigen::VectorXd* lambda = nullptr) {
+    const std::clock_t pause = std::clock();
+    Simulation::Point point = pointAt(motion_, y, time, E_0_);
+    const auto worse = [](double* worst, double value) {  // NaN counts as the worst
+      if (!(value <= *worst)) *worst = value;
+    };
+    worse(&out_->worst_phi, point.phi);
+    worse(&out_->worst_phi_rate, point.phi_rate);
+    worse(&out_->worst_energy, point.energy_error);
+    worse(&out_->most_kinetic, motion_.kinetic());
+    if (keep) {
+      const auto solution = motion_.accelerationsOfAll(y, time);
+      const Eigen::VectorXd& l = lambda ? *lambda : solution.lambda;
+      point.lambda.assign(l.data(), l.data() + l.size());
+      point.determined = solution.determined;
+      out_->points.push_back(std::move(point));
+    }
+    paused_ += std::clock() - pause;
+  }
+  double seconds() const {
+    return static_cast<double>(std::clock() - begin_ - paused_) / CLOCKS_PER_SEC;
+  }
+  void stepped(double time) {
+    ++out_->steps;
+    if (out_->steps > kMostSteps)
+      throw std::runtime_error(fmt::format("simulate: {} steps and only {} of {} s done", kMostSteps,
+                                           time, options_.duration));
+  }
+  void settled() {
+    out_->rank_lowest = std::min(out_->rank_lowest, motion_.rank());
+    out_->rank_highest = std::max(out_->rank_highest, motion_.rank());
+  }
+
+ private:
+  ClosedMotion& motion_;
+  const SimulateOptions& options_;
+  Simulation* out_;
+  double E_0_;
+  std::clock_t begin_ = 0, paused_ = 0;
+};
+
+bool isFinite(const State& y) {
+  return std::all_of(y.begin(), y.end(), [](double v) { return std::isfinite(v); });
+}
+
 template <typename Stepper>
 void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Simulation* out) {
   auto stepper = odeint::make_controlled(options.step_error, options.step_error, Stepper());
-  const double E_0 = motion.balance(y);
-  const auto take = [&](const State& state, double time) {
-    const Simulation::Point point = pointAt(motion, state, time, E_0);
-    const auto keep = [](double* worst, double value) {  // NaN counts as the worst
-      if (!(value <= *worst)) *worst = value;
-    };
-    keep(&out->worst_phi, point.phi);
-    keep(&out->worst_phi_rate, point.phi_rate);
-    keep(&out->worst_energy, point.energy_error);
-    keep(&out->most_kinetic, motion.kinetic());
-    return point;
-  };
-  out->points.push_back(take(y, 0));
-  const std::clock_t begin = std::clock();
-  std::clock_t watching = 0;  // not the integrator's
+  Watch watch(motion, y, options, out);
   double time = 0, step = options.duration / options.outputs / 100;
   for (const double end : outputTimes(options)) {
     while (time < end) {
       // the last step before an output is cut to it, and does not teach the next one its size
       const bool cut = time + step >= end;
       double dt = cut ? end - time : step, t = time;
-      const bool accepted =
-          stepper.try_step(std::ref(motion), y, t, dt) == odeint::success &&
-          std::all_of(y.begin(), y.end(), [](double v) { return std::isfinite(v); });
-      if (!accepted) {
+      if (stepper.try_step(std::ref(motion), y, t, dt) != odeint::success || !isFinite(y)) {
         ++out->rejected;
         step = dt;
         if (!(step > kSmallestStep))
@@ -267,35 +129,61 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
                                                kSmallestStep, time));
         continue;
       }
-      ++out->steps;
+      watch.stepped(time);
       time = cut ? end : t;
       if (!cut || dt < step) step = dt;
-      if (out->steps > kMostSteps)
-        throw std::runtime_error(fmt::format("simulate: {} steps and only {} of {} s done",
-                                             kMostSteps, time, options.duration));
+      motion.impose(time, &y);
       if (options.stabilisation == Stabilisation::kProjection && motion.rows() > 0) {
-        motion.project(&y);
-        motion.choose(y);
+        motion.project(&y, time);
+        motion.choose(y, time);
         forgetDerivative(stepper, typename Stepper::stepper_category());
-        out->rank_lowest = std::min(out->rank_lowest, motion.rank());
-        out->rank_highest = std::max(out->rank_highest, motion.rank());
+        watch.settled();
       }
-      const std::clock_t pause = std::clock();
-      const Simulation::Point point = take(y, time);
-      if (cut) out->points.push_back(point);
-      watching += std::clock() - pause;
+      watch.look(y, time, cut);
     }
   }
-  out->cpu_s = static_cast<double>(std::clock() - begin - watching) / CLOCKS_PER_SEC;
+  out->cpu_s = watch.seconds();
+}
+
+/// Radau IIA with steps as long as asked: equal ones between outputs.
+template <int Stages>
+void integrateImplicitly(ClosedMotion& motion, State y, const SimulateOptions& options, Simulation* out) {
+  RadauIIA radau(motion, Stages, options.formulation);
+  radau.start(y, 0);
+  Watch watch(motion, y, options, out);
+  double time = 0;
+  for (const double end : outputTimes(options)) {
+    const double from = time;
+    const auto count = static_cast<long>(std::ceil((end - from) / options.step * (1 - kRounding)));
+    for (long k = 1; k <= count; ++k) {
+      const double next = k == count ? end : from + (end - from) * static_cast<double>(k) / count;
+      radau.step(&y, time, next);
+      if (!isFinite(y))
+        throw std::runtime_error(fmt::format("simulate: not finite at t = {} s", next));
+      watch.stepped(time);
+      time = next;
+      if (options.stabilisation == Stabilisation::kProjection && motion.rows() > 0) {
+        motion.project(&y, time);
+        motion.choose(y, time);
+        watch.settled();
+      }
+      watch.look(y, time, k == count, &radau.multipliers());
+    }
+  }
+  out->cpu_s = watch.seconds();
 }
 
 struct Method {
   const char* name;
+  bool implicit;
   void (*integrate)(ClosedMotion&, State, const SimulateOptions&, Simulation*);
 };
 const Method kMethods[] = {
-    {"runge_kutta_fehlberg78", integrate<odeint::runge_kutta_fehlberg78<State>>},
-    {"runge_kutta_dopri5", integrate<odeint::runge_kutta_dopri5<State>>},
+    {"runge_kutta_fehlberg78", false, integrate<odeint::runge_kutta_fehlberg78<State>>},
+    {"runge_kutta_dopri5", false, integrate<odeint::runge_kutta_dopri5<State>>},
+    {"radau_iia_5", true, integrateImplicitly<3>},
+    {"radau_iia_3", true, integrateImplicitly<2>},
+    {"implicit_euler", true, integrateImplicitly<1>},
 };
 
 const Method& methodNamed(const std::string& name) {
@@ -328,15 +216,27 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
           "between 0 and 1");
   require(options.baumgarte_rate >= 0 && std::isfinite(options.baumgarte_rate), "Baumgarte's rate",
           options.baumgarte_rate, "zero or more");
-  ClosedMotion motion(scene, options.stabilisation, options.baumgarte_rate);
+  if (options.formulation != Formulation::kIndex1 && !method.implicit)
+    throw scene::InputError({}, fmt::format("method '{}' with index 2 or 3, allowed: radau_iia_5, radau_iia_3, "
+                                            "implicit_euler; {} solves index 1 only",
+                                            options.method, options.method));
+  if (options.formulation != Formulation::kIndex1 && options.stabilisation != Stabilisation::kNone)
+    throw scene::InputError({}, "stabilisation with index 2 or 3, allowed: none, for these keep what they "
+                                "solve for; index 1 alone is stabilised");
+  if (method.implicit)
+    require(options.step > 0 && std::isfinite(options.step), "step", options.step, "positive");
+  ClosedMotion motion(scene, options.stabilisation == Stabilisation::kBaumgarte ? options.baumgarte_rate : 0);
+  if (motion.freedoms() == 0)
+    throw scene::InputError({scene.file.string(), 0},
+                            "all joints are driven, allowed: at least one that is free to move");
   State y = motion.start(scene);
-  motion.equations(y);
+  motion.equations(y, 0);
   Simulation out;
   out.constraints = motion.rows();
   out.start_residual = std::max(motion.phi(), motion.phiRateSize());
-  motion.choose(y);
-  motion.project(&y);
-  motion.choose(y);
+  motion.choose(y, 0);
+  motion.project(&y, 0);
+  motion.choose(y, 0);
   // Newton's method squares what is left with each step: from below the root of eps [m, rad, 1/s] the
   // next one ends at rounding; where it stays above, it did not arrive
   const double kOnConstraints = std::sqrt(std::numeric_limits<double>::epsilon());
@@ -354,8 +254,8 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
 }
 
 ConstrainedState constrainedAccelerations(const scene::Scene& scene, const std::vector<double>& q,
-                                          const std::vector<double>& qd) {
-  ClosedMotion motion(scene, Stabilisation::kNone, 0);
+                                          const std::vector<double>& qd, double time) {
+  ClosedMotion motion(scene, 0);
   State y = q;
   y.insert(y.end(), qd.begin(), qd.end());
   y.push_back(0);
@@ -363,24 +263,22 @@ ConstrainedState constrainedAccelerations(const scene::Scene& scene, const std::
     throw std::invalid_argument(
         fmt::format("constrainedAccelerations: q, qd: expected {} and {} joint values, got {} and {}",
                     motion.positions(), motion.dof(), q.size(), qd.size()));
-  const auto result = motion.accelerationsOfAll(y);
-  ConstrainedState out;
-  out.qdd.assign(result.qdd.data(), result.qdd.data() + result.qdd.size());
-  out.lambda.assign(result.lambda.data(), result.lambda.data() + result.lambda.size());
-  out.determined = result.determined;
-  out.rank = motion.rank();
-  return out;
+  const auto result = motion.accelerationsOfAll(y, time);
+  const auto values = [](const Eigen::VectorXd& v) {
+    return std::vector<double>(v.data(), v.data() + v.size());
+  };
+  return {values(result.qdd), values(result.lambda), values(result.drive), result.determined, motion.rank()};
 }
 
 std::vector<std::array<double, 3>> pathOf(const scene::Scene& scene, const Simulation& simulation,
                                           const scene::Attachment& point) {
-  ClosedMotion motion(scene, Stabilisation::kNone, 0);
+  ClosedMotion motion(scene, 0);
   std::vector<std::array<double, 3>> path;
   for (const Simulation::Point& state : simulation.points) {
     State y = state.q;
     y.insert(y.end(), state.qd.begin(), state.qd.end());
     y.push_back(0);
-    path.push_back(motion.place(y, point));
+    path.push_back(motion.place(y, state.time, point));
   }
   return path;
 }

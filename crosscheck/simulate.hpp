@@ -17,6 +17,15 @@ namespace dynwitness::crosscheck {
                    in M's norm */
 enum class Stabilisation { kNone, kBaumgarte, kProjection };
 
+/** Which form of the constraints is solved for, together with M qdd = .. + J' lambda:
+      kIndex1   phi'' = 0:  multipliers and accelerations follow at once; phi and phi' drift
+      kIndex2   phi' = 0;   phi drifts linearly
+      kIndex3   phi = 0;    phi' = 0 holds as well as the integrator's rates do
+      kGgl      phi = 0 and phi' = 0, with q' = qd - J' mu: index 2 (Gear, Leimkuhler and Gupta); mu is
+                as small as the error
+    All but the first need an implicit method. */
+enum class Formulation { kIndex1, kIndex2, kIndex3, kGgl };
+
 struct SimulateOptions {
   double duration = 10;  ///< [s]
   int outputs = 100;     ///< equal intervals at whose ends the state is kept
@@ -25,9 +34,11 @@ struct SimulateOptions {
   double step_error = 1e-10;  ///< asked of each step: |error| <= step_error (1 + |y|), y in [rad, m, 1/s ..]
   Stabilisation stabilisation = Stabilisation::kProjection;
   double baumgarte_rate = 20;  ///< w [1/s]
+  Formulation formulation = Formulation::kIndex1;
+  double step = 0.001;  ///< of implicit methods, whose steps are equal [s]
 };
 
-/// Adaptive integrators of Boost.odeint.
+/// Adaptive explicit integrators of Boost.odeint, and Radau IIA (implicit.hpp).
 std::vector<std::string> simulateMethods();
 
 struct Simulation {
@@ -35,7 +46,9 @@ struct Simulation {
     double time;
     std::vector<double> q, qd;
     double phi, phi_rate;  ///< largest |phi|, |J qd| at this time
-    double energy_error;   ///< |E - E0 - work of loads and dampers| [J]
+    double energy_error;   ///< |E - E0 - work of loads, dampers and drives| [J]
+    std::vector<double> lambda;      ///< of all equations; of implicit methods what they solved for
+    std::vector<bool> determined;    ///< by multiplier: mechanics of rigid bodies says what it is
   };
   std::vector<Point> points;  ///< the first at t = 0
   int constraints = 0, rank_lowest = 0, rank_highest = 0;
@@ -46,21 +59,23 @@ struct Simulation {
   double cpu_s = 0;
 };
 
-/** Simulates the scene with its closures, springs and loads, from its start state, without joint forces.
+/** Simulates the scene with its closures, springs, loads and driven joints, from its start state, without
+    other joint forces.
     The start is first moved onto phi = 0 and J qd = 0.
     @throws scene::InputError  an unknown method, options out of range, or a start that no small
             correction brings onto the constraints
     @throws std::runtime_error the integrator cannot go on (its step fell below 1e-12 s) */
 Simulation simulate(const scene::Scene& scene, const SimulateOptions& options);
 
-/// Accelerations and multipliers at a state of the closed mechanism, without joint forces.
+/// Accelerations and multipliers at a state of the closed mechanism, without other joint forces.
 struct ConstrainedState {
   std::vector<double> qdd, lambda;
+  std::vector<double> drive;  ///< forces of driven joints, zero elsewhere
   std::vector<bool> determined;
   int rank = 0;
 };
 ConstrainedState constrainedAccelerations(const scene::Scene& scene, const std::vector<double>& q,
-                                          const std::vector<double>& qd);
+                                          const std::vector<double>& qd, double time = 0);
 
 /// A point of a link in world axes [m], for each state of a simulation.
 std::vector<std::array<double, 3>> pathOf(const scene::Scene& scene, const Simulation& simulation,

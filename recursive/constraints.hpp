@@ -70,6 +70,7 @@ template <typename T, typename Row>
 void closureRates(scene::ClosureKind kind, const Motion<T>& x, const Transform<T>& X_BA, Row&& row) {
   const Vector3<T> point = x.linear + x.angular.cross(X_BA.p);
   if (kind == scene::ClosureKind::kDistance) return row(0, X_BA.p.dot(point));
+  if (kind == scene::ClosureKind::kPlane) return row(0, point.z());
   row(0, point.x());
   row(1, point.y());
   if (kind == scene::ClosureKind::kPlanarPoint) return;
@@ -133,6 +134,10 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
     if (closure.kind == scene::ClosureKind::kDistance) {
       phi[0] = (p.dot(p) - closure.length * closure.length) / T(2);
       centrifugal[0] = p.dot(r) + r_rate.dot(r_rate);
+    }
+    if (closure.kind == scene::ClosureKind::kPlane) {
+      phi[0] = p.z();
+      centrifugal[0] = r.z();
     }
     detail::closureRates(closure.kind, V_rate, X_BA, [&](int k, const T& rate) {
       out.phi(closure.row + k) = phi[k];

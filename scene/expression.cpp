@@ -18,6 +18,8 @@ constexpr int kMaxDecimalExponent = 400;   // of 1e-3; double ends at 308 and -3
 constexpr std::size_t kMaxDigits = 1000;   // of one decimal
 constexpr unsigned kMaxValueBits = 20000;  // of numerator or denominator of an exact value
 
+constexpr const char* kFunctions[] = {"sin", "cos", "asin", "sqrt", "exp"};
+
 using boost::multiprecision::abs;
 using boost::multiprecision::denominator;
 using boost::multiprecision::msb;
@@ -149,7 +151,7 @@ bool isParameterName(std::string_view name) {
 struct Expression::Node {
   Kind kind = Kind::kNumber;
   Rational number;   // kNumber
-  std::string text;  // kNumber: as it was spelled; kParameter: its name
+  std::string text;  // kNumber: as it was spelled; kParameter, kCall: its name
   Expression left{nullptr}, right{nullptr};
   int exponent = 0;  // kPower
   int height = 0;    // operations on the longest way down to a leaf
@@ -161,6 +163,7 @@ struct ExpressionParser {
 
   std::string_view text;
   SourceLocation where;
+  bool of_time = false;  // whether "t" and functions are allowed
   std::size_t at = 0;
   int nesting = 0;
 
@@ -304,6 +307,20 @@ struct ExpressionParser {
     std::string word(text.substr(start, at - start));
     if (word == "pi") return leaf(Kind::kPi, 0, {});
     if (isReserved(word)) fail("\"" + word + "\" is not a finite number");
+    if (of_time && word == "t") return leaf(Kind::kTime, 0, {});
+    skipSpaces();
+    if (at < text.size() && text[at] == '(') {
+      if (!of_time) {
+        fail("a function, \"" + word + "\", allowed: in the motion of a joint, which is a function of t");
+      }
+      const auto is_word = [&word](const char* function) { return word == function; };
+      if (std::none_of(std::begin(kFunctions), std::end(kFunctions), is_word)) {
+        fail("no function \"" + word + "\", allowed: sin, cos, asin, sqrt, exp");
+      }
+      Expression call = operation(Kind::kCall, atom());
+      std::const_pointer_cast<Expression::Node>(call.node_)->text = word;
+      return checked(call);
+    }
     return leaf(Kind::kParameter, 0, std::move(word));
   }
 
@@ -379,6 +396,10 @@ Expression Expression::parse(std::string_view text, const SourceLocation& where)
   ExpressionParser parser{text, where};
   return parser.whole();
 }
+Expression Expression::parseOfTime(std::string_view text, const SourceLocation& where) {
+  ExpressionParser parser{text, where, true};
+  return parser.whole();
+}
 
 Expression::Kind Expression::kind() const {
   return node_->kind;
@@ -387,6 +408,9 @@ const Rational& Expression::number() const {
   return node_->number;
 }
 const std::string& Expression::parameter() const {
+  return node_->text;
+}
+const std::string& Expression::function() const {
   return node_->text;
 }
 const Expression& Expression::left() const {
@@ -439,6 +463,10 @@ std::string Expression::text() const {
       return node_->text;
     case Kind::kPi:
       return "pi";
+    case Kind::kTime:
+      return "t";
+    case Kind::kCall:
+      return function() + "(" + left().text() + ")";
     case Kind::kNegate:
       return "-" + operand(left(), 3);
     case Kind::kAdd:
@@ -532,6 +560,9 @@ struct ExactEvaluation {
         for (int i = 0; i < std::abs(e.exponent()); ++i) result = multiply(result, base);
         return e.exponent() < 0 ? divide({1, 0}, result) : result;
       }
+      case Kind::kTime:
+      case Kind::kCall:
+        fail("a function of time, allowed: an expression in the parameters");
     }
     throw std::logic_error("exactValue: unknown expression kind");
   }

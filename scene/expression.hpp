@@ -44,10 +44,14 @@ struct Exact {
               unary   = ["-" | "+"] power
               power   = atom ["^" integer]            (so -x^2 is -(x^2))
               atom    = decimal | name | "pi" | "(" sum ")"
-    Decimals ("0.4318", ".5", "1e-3") are exact rationals: 0.4318 is 4318/10000. */
+    Decimals ("0.4318", ".5", "1e-3") are exact rationals: 0.4318 is 4318/10000.
+
+    A function of time has two atoms more: the time "t", and sin, cos, asin, sqrt and exp of a sum in
+    parentheses (scene/motion.hpp). No such expression has an exact value. */
 class Expression {
  public:
-  enum class Kind { kNumber, kParameter, kPi, kNegate, kAdd, kSubtract, kMultiply, kDivide, kPower };
+  enum class Kind { kNumber, kParameter, kPi, kNegate, kAdd, kSubtract, kMultiply, kDivide, kPower,
+                    kTime, kCall };
 
   Expression();  ///< the number 0
   Expression(Rational value);  // NOLINT(google-explicit-constructor): numbers are expressions
@@ -55,11 +59,14 @@ class Expression {
 
   /// Reads an expression. @throws InputError naming `where`, the text read and what is allowed.
   static Expression parse(std::string_view text, const SourceLocation& where = {});
+  /// The same for a function of time.
+  static Expression parseOfTime(std::string_view text, const SourceLocation& where = {});
 
   Kind kind() const;
   const Rational& number() const;       ///< kNumber: its value
   const std::string& parameter() const; ///< kParameter: its name
-  const Expression& left() const;       ///< first operand (the only one of kNegate and kPower)
+  const std::string& function() const;  ///< kCall: its name; left() is the argument
+  const Expression& left() const;       ///< first operand (the only one of kNegate, kPower, kCall)
   const Expression& right() const;      ///< second operand of a binary operation
   int exponent() const;                 ///< kPower: the exponent, may be negative
 
@@ -115,8 +122,10 @@ T evaluateIn(const Expression& e, const Algebra& algebra) {
       for (int i = 0; i < (n < 0 ? -n : n); ++i) result = result * base;
       return n < 0 ? T(algebra.number(Rational(1)) / result) : result;
     }
+    case Expression::Kind::kTime:
+    case Expression::Kind::kCall: break;
   }
-  throw std::logic_error("evaluateIn: unknown expression kind");
+  throw std::logic_error("evaluateIn: not an expression in the parameters alone");
 }
 
 }  // namespace dynwitness::scene

@@ -51,6 +51,8 @@ const char* name(ClosureKind kind) {
   switch (kind) {
     case ClosureKind::kDistance:
       return "distance";
+    case ClosureKind::kPlane:
+      return "plane";
     case ClosureKind::kPlanarPoint:
       return "planar_point";
     case ClosureKind::kPoint:
@@ -66,6 +68,7 @@ const char* name(ClosureKind kind) {
 int equationCount(ClosureKind kind) {
   switch (kind) {
     case ClosureKind::kDistance:
+    case ClosureKind::kPlane:
       return 1;
     case ClosureKind::kPlanarPoint:
       return 2;
@@ -159,6 +162,21 @@ std::vector<Step> Placement::afterJoint() const {
     rotate(Step::Kind::kRotateX, alpha, &steps);
   }
   return steps;
+}
+
+std::vector<const Expression*> Mechanism::motions() const {
+  std::vector<const Expression*> all;
+  for (const Link& link : links) {
+    const int n = degreesOfFreedom(link.joint.kind);
+    for (int k = 0; k < n; ++k)
+      all.push_back(link.joint.motion.empty() ? nullptr : &link.joint.motion[static_cast<std::size_t>(k)]);
+  }
+  return all;
+}
+
+bool Mechanism::isDriven() const {
+  return std::any_of(links.begin(), links.end(),
+                     [](const Link& link) { return !link.joint.motion.empty(); });
 }
 
 int Mechanism::dof() const {

@@ -106,7 +106,10 @@ struct Friction {
     properties include it as it stands, locked to the parent; with w the parent's angular velocity
     and z the axis, its spin then adds to T
 
-        J (z'w + n qd)^2 / 2 - J (z'w)^2 / 2  =  n^2 J qd^2 / 2 + n J qd z'w                        */
+        J (z'w + n qd)^2 / 2 - J (z'w)^2 / 2  =  n^2 J qd^2 / 2 + n J qd z'w
+
+    A driven joint follows its motion, q(t), one function of time a position; whatever force that takes is
+    there. M, c, g and the forward dynamics of the tree do not know it; simulation and hybrid dynamics do. */
 struct Joint {
   std::string name;
   JointKind kind = JointKind::kFixed;
@@ -117,6 +120,7 @@ struct Joint {
   bool gyroscopic = false;
   Friction friction;
   Number stiffness{0}, rest{0};
+  std::vector<Expression> motion;  ///< of t [rad], [m]; none: the joint is free
 };
 
 /** Mass [kg], centre of mass [m] in the link frame, and the rotational inertia [kg m^2]
@@ -161,13 +165,14 @@ struct Attachment {
 /// Which relative motions of frame b on frame a a closure takes away.
 enum class ClosureKind {
   kDistance,     ///< the origins keep their distance, as if a massless rod joined them
+  kPlane,        ///< b's origin stays in a's xy plane: z
   kPlanarPoint,  ///< b's origin stays on a's z axis: x, y. For mechanisms that move in that plane
   kPoint,        ///< b's origin stays at a's: x, y, z
   kHinge,        ///< a point, and b's z axis stays parallel to a's: a turn about z is left
   kWeld,         ///< a hinge, and b's y axis stays at right angles to a's x axis: nothing is left
 };
 const char* name(ClosureKind kind);
-/// 1, 2, 3, 5, 6
+/// 1, 1, 2, 3, 5, 6
 int equationCount(ClosureKind kind);
 
 /** A loop closure: two frames of two links, held together. With d the origin of b seen from a, in
@@ -175,7 +180,7 @@ int equationCount(ClosureKind kind);
 
         d_x, d_y;   d_z;   x_a . z_b, y_a . z_b;   x_a . y_b
 
-    as far as the kind goes; of a distance  (d . d - length^2) / 2. */
+    as far as the kind goes; of a distance  (d . d - length^2) / 2, of a plane  d_z. */
 struct Closure {
   std::string name;
   ClosureKind kind = ClosureKind::kPoint;
@@ -190,6 +195,23 @@ struct Spring {
   std::string name;
   Attachment a, b;  ///< rpy is not used
   Number stiffness{0}, rest{0}, damping{0};  ///< [N/m], [m], [N s/m]
+  SourceLocation where;
+};
+
+/** What is asked of the acceleration of a link, one number: with xdd that of the point `at` (link frame),
+    wd the link's angular acceleration, both against the world,
+
+        direction . xdd + rotation . wd + compliance nu = value          [m/s^2], [rad/s^2]
+
+    nu [N], [N m] is the force along the direction, or the moment, that holds it; compliance > 0 [1/kg],
+    [1/(kg m^2)] lets it give way. The same table is the task of an operational-space controller. */
+struct AccelerationConstraint {
+  enum class Axes { kLink, kWorld };
+  std::string name;
+  int link = 0;
+  Vector at, direction, rotation;
+  Axes axes = Axes::kWorld;  ///< of direction and rotation
+  Number value{0}, compliance{0};
   SourceLocation where;
 };
 
@@ -208,6 +230,7 @@ struct Mechanism {
   std::vector<Wrench> wrenches;
   std::vector<Closure> closures;
   std::vector<Spring> springs;  ///< between two points; those of joints stand with the joint
+  std::vector<AccelerationConstraint> acceleration_constraints;
 
   int dof() const;        ///< how many rates qd there are
   int positions() const;  ///< how many position slots q there are: dof(), and one a quaternion
@@ -218,6 +241,9 @@ struct Mechanism {
   bool hasGyroscopicRotors() const;
   /// Indices of the links whose joints move, in the order of q.
   std::vector<int> movingLinks() const;
+  /// By degree of freedom: the driven ones' functions of t, nullptr for the free.
+  std::vector<const Expression*> motions() const;
+  bool isDriven() const;  ///< whether any joint is
   /// What each position slot says, in the order of q.
   std::vector<SlotKind> slots() const;
   /// Names of the degrees of freedom, in the order of qd: that of the joint, or "joint.turn".

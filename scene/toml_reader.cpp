@@ -66,7 +66,7 @@ class TomlReader {
                              const std::string& key, const std::string& allowed) const;
 
   std::string literal(const toml::node& node) const;
-  Number expression(const toml::node& node, const std::string& what) const;
+  Number expression(const toml::node& node, const std::string& what, bool of_time = false) const;
   Number number(const toml::node& node, const std::string& what) const;
   Number optionalNumber(const toml::table& table, const std::string& what, const std::string& key,
                         Number otherwise = 0) const;
@@ -92,6 +92,8 @@ class TomlReader {
                             const std::string& key, bool has_axes) const;
   Closure readClosure(const toml::table& table, std::size_t index) const;
   Spring readSpring(const toml::table& table, std::size_t index) const;
+  std::vector<Expression> readMotion(const toml::node& node, const std::string& what, int count) const;
+  AccelerationConstraint readAccelerationConstraint(const toml::table& table, std::size_t index) const;
   void readStart(const toml::node& node);
 
   std::string file_;
@@ -173,10 +175,10 @@ std::string TomlReader::literal(const toml::node& node) const {
 }
 
 /// An expression whose parameters are not looked up yet.
-Number TomlReader::expression(const toml::node& node, const std::string& what) const {
+Number TomlReader::expression(const toml::node& node, const std::string& what, bool of_time) const {
   const auto read = [&](const std::string& text) {
     try {
-      return Expression::parse(text);
+      return of_time ? Expression::parseOfTime(text) : Expression::parse(text);
     } catch (const InputError& error) {
       throw InputError(where(node), what + ": " + error.what());
     }
@@ -337,6 +339,7 @@ void TomlReader::checkJointKeys(const toml::table& table, const std::string& wha
     case JointKind::kSpherical:
     case JointKind::kFloating: break;
   }
+  if (degreesOfFreedom(kind) > 0 && ratesArePositionDerivatives(kind)) allow({"motion"});
   if (degreesOfFreedom(kind) > 1) {
     for (const char* key :
          {"rotor_inertia", "gear_ratio", "gyroscopic", "stiffness", "rest", "friction"}) {
@@ -371,6 +374,8 @@ Joint TomlReader::readJoint(const toml::table& table, const std::string& link) c
   }
   if (const toml::node* friction = table.get("friction"))
     joint.friction = readFriction(asTable(*friction, what + ": friction"), what + ": friction");
+  if (const toml::node* motion = table.get("motion"))
+    joint.motion = readMotion(*motion, what + ": motion", degreesOfFreedom(joint.kind));
   return joint;
 }
 
@@ -494,12 +499,12 @@ Closure TomlReader::readClosure(const toml::table& table, std::size_t index) con
   closure.name = name_node ? string(*name_node, "closure: name") : std::to_string(index + 1);
   const std::string what = "closure \"" + closure.name + '"';
   checkKeys(table, what, {"name", "kind", "a", "b", "length"});
-  const std::string allowed = "distance, planar_point, point, hinge, weld";
+  const std::string allowed = "distance, plane, planar_point, point, hinge, weld";
   const toml::node& node = required(table, what, "kind", allowed);
   const std::string kind = string(node, what + ": kind");
   bool known = false;
-  for (const ClosureKind k : {ClosureKind::kDistance, ClosureKind::kPlanarPoint, ClosureKind::kPoint,
-                              ClosureKind::kHinge, ClosureKind::kWeld}) {
+  for (const ClosureKind k : {ClosureKind::kDistance, ClosureKind::kPlane, ClosureKind::kPlanarPoint,
+                              ClosureKind::kPoint, ClosureKind::kHinge, ClosureKind::kWeld}) {
     if (kind != dynwitness::scene::name(k)) continue;
     closure.kind = k;
     known = true;
@@ -532,6 +537,56 @@ Spring TomlReader::readSpring(const toml::table& table, std::size_t index) const
   return spring;
 }
 
+/// One function of time, or one a position of the joint.
+std::vector<Expression> TomlReader::readMotion(const toml::node& node, const std::string& what,
+                                               int count) const {
+  std::vector<const toml::node*> given = {&node};
+  if (const toml::array* array = node.as_array()) {
+    given.clear();
+    for (const toml::node& element : *array) given.push_back(&element);
+  }
+  if (static_cast<int>(given.size()) != count) {
+    throw InputError(where(node), what + ": " + std::to_string(given.size()) +
+                                      " functions of t, allowed: one a position of the joint, " +
+                                      std::to_string(count));
+  }
+  std::vector<Expression> motion;
+  for (const toml::node* element : given) {
+    motion.push_back(expression(*element, what, true));
+    for (const std::string& name : motion.back().parameters()) {
+      if (values_.count(name) > 0) continue;
+      throw InputError(where(*element), what + ": parameter \"" + name +
+                                            "\" is not defined, allowed: t, pi and the parameters");
+    }
+  }
+  return motion;
+}
+
+AccelerationConstraint TomlReader::readAccelerationConstraint(const toml::table& table,
+                                                              std::size_t index) const {
+  AccelerationConstraint held;
+  held.where = where(table);
+  const toml::node* name_node = table.get("name");
+  held.name = name_node ? string(*name_node, "acceleration_constraint: name") : std::to_string(index + 1);
+  const std::string what = "acceleration_constraint \"" + held.name + '"';
+  checkKeys(table, what, {"name", "link", "at", "direction", "rotation", "axes", "value", "compliance"});
+  held.link = linkNamed(required(table, what, "link", "the name of a link"), what);
+  held.at = optionalVector(table, what, "at");
+  held.direction = optionalVector(table, what, "direction");
+  held.rotation = optionalVector(table, what, "rotation");
+  held.value = optionalNumber(table, what, "value");
+  held.compliance = optionalNumber(table, what, "compliance");
+  if (const toml::node* axes = table.get("axes")) {
+    const std::string which = string(*axes, what + ": axes");
+    if (which != "link" && which != "world") {
+      throw InputError(where(*axes),
+                       what + ": axes is \"" + which + "\", allowed: \"link\", \"world\"");
+    }
+    held.axes = which == "link" ? AccelerationConstraint::Axes::kLink : AccelerationConstraint::Axes::kWorld;
+  }
+  return held;
+}
+
 void TomlReader::readStart(const toml::node& node) {
   const toml::table& table = asTable(node, "start");
   checkKeys(table, "start", {"q", "qd"});
@@ -543,7 +598,7 @@ void TomlReader::readStart(const toml::node& node) {
 
 Scene TomlReader::read(const toml::table& top) {
   checkKeys(top, "scene", {"title", "source", "gravity", "parameters", "link", "wrench", "closure",
-                          "spring", "start"});
+                          "spring", "acceleration_constraint", "start"});
   scene_.title = optionalString(top, "title");
   scene_.source = optionalString(top, "source");
   if (const toml::node* parameters = top.get("parameters")) readParameters(*parameters);
@@ -563,6 +618,10 @@ Scene TomlReader::read(const toml::table& top) {
   }
   for (const toml::table* table : tables(top, "spring")) {
     mechanism.springs.push_back(readSpring(*table, mechanism.springs.size()));
+  }
+  for (const toml::table* table : tables(top, "acceleration_constraint")) {
+    mechanism.acceleration_constraints.push_back(
+        readAccelerationConstraint(*table, mechanism.acceleration_constraints.size()));
   }
   scene_.start_q = mechanism.restPosition();
   scene_.start_qd.resize(static_cast<std::size_t>(mechanism.dof()));

@@ -15,6 +15,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "scene/arrange.hpp"
+#include "scene/motion.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::scene {
@@ -629,6 +630,7 @@ void Validator::requireSpring(const Spring& spring) const {
 
 void validate(const Scene& scene) {
   Validator(scene).run();
+  validateMotions(scene);
 }
 
 }  // namespace dynwitness::scene

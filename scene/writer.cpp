@@ -171,6 +171,7 @@ void writeJoint(const Link& link, Lines* lines) {
   if (joint.gyroscopic) lines->value("gyroscopic", "true");
   lines->scalar("stiffness", joint.stiffness);
   lines->scalar("rest", joint.rest);
+  if (!joint.motion.empty()) lines->value("motion", array(joint.motion));
   const Friction& friction = joint.friction;
   if (friction.isNone()) return;
   std::string table = inlineTable("", {{"viscous", &friction.viscous}});
@@ -228,6 +229,18 @@ std::string writeSceneToml(const Scene& scene) {
     lines.scalar("stiffness", spring.stiffness);
     lines.scalar("rest", spring.rest);
     lines.scalar("damping", spring.damping);
+  }
+  for (std::size_t i = 0; i < mechanism.acceleration_constraints.size(); ++i) {
+    const AccelerationConstraint& held = mechanism.acceleration_constraints[i];
+    lines.raw("\n[[acceleration_constraint]]");
+    if (held.name != std::to_string(i + 1)) lines.value("name", quoted(held.name));
+    lines.value("link", quoted(mechanism.links[static_cast<std::size_t>(held.link)].name));
+    lines.list("at", held.at);
+    lines.list("direction", held.direction);
+    lines.list("rotation", held.rotation);
+    if (held.axes == AccelerationConstraint::Axes::kLink) lines.value("axes", "\"link\"");
+    lines.scalar("value", held.value);
+    lines.scalar("compliance", held.compliance);
   }
   const std::string q = array(scene.start_q);
   const bool at_rest = q == array(mechanism.restPosition());

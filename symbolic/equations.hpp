@@ -107,6 +107,11 @@ struct ClosureEquations {
 ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
                                   Equations& equations);
 
+/// The same for the places of frames in the world: twelve functions a frame, the components of its origin
+/// and of its x, y and z axis.
+ClosureEquations frameEquations(const scene::Mechanism& mechanism, const Options& options,
+                                const std::vector<scene::Attachment>& frames, Equations& equations);
+
 /** The Christoffel form of the Coriolis matrix [n x n], with  c = C qd  and  dM/dt - 2 C  skew:
         C_ij = sum_k Gamma_ijk qd_k = (dM_ij/dt + dp_i/dq_j - dp_j/dq_i) / 2
     and, with quasi-velocities, sum_k b_ijk p_k besides, which is skew. */

@@ -776,6 +776,14 @@ Lagrangian::PlacedFrame Lagrangian::inWorld(const scene::Attachment& at) {
   return frame;
 }
 
+std::vector<Value> Lagrangian::placeAndAxes(const scene::Attachment& at) {
+  const PlacedFrame frame = inWorld(at);
+  std::vector<Value> all;
+  for (const Vector3& v : {frame.origin, frame.axes[0], frame.axes[1], frame.axes[2]})
+    for (const int k : {0, 1, 2}) all.push_back(v[k]);
+  return all;
+}
+
 std::vector<Value> Lagrangian::closureResiduals() {
   std::vector<Value> phi;
   for (const scene::Closure& closure : mechanism_.closures) {
@@ -784,6 +792,10 @@ std::vector<Value> Lagrangian::closureResiduals() {
     if (closure.kind == scene::ClosureKind::kDistance) {
       const Value length = number(closure.length);
       phi.push_back(constant(Rational(1, 2)) * (dot(d, d) - length * length));
+      continue;
+    }
+    if (closure.kind == scene::ClosureKind::kPlane) {
+      phi.push_back(dot(a.axes[2], d));
       continue;
     }
     const Value all[] = {dot(a.axes[0], d),         dot(a.axes[1], d),
@@ -953,12 +965,13 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
   return e;
 }
 
-ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
-                                  Equations& e) {
+namespace {
+
+/// Functions of the position with their derivatives along the motion.
+ClosureEquations differentiated(const std::vector<Value>& functions, Equations& e) {
   Graph& graph = e.graph;
   ClosureEquations closures;
-  for (const Value& phi : Lagrangian(mechanism, options, &graph).closureResiduals())
-    closures.phi.push_back(phi.node);
+  for (const Value& phi : functions) closures.phi.push_back(phi.node);
   std::vector<Node> phi_rate;
   for (const Node phi : closures.phi) {
     closures.J.push_back(positionGradient(e, phi));
@@ -969,6 +982,22 @@ ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Optio
   }
   closures.gamma = graph.directionalDerivative(phi_rate, motion(e));
   return closures;
+}
+
+}  // namespace
+
+ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
+                                  Equations& e) {
+  return differentiated(Lagrangian(mechanism, options, &e.graph).closureResiduals(), e);
+}
+
+ClosureEquations frameEquations(const scene::Mechanism& mechanism, const Options& options,
+                                const std::vector<scene::Attachment>& frames, Equations& e) {
+  Lagrangian lagrangian(mechanism, options, &e.graph);
+  std::vector<Value> places;
+  for (const scene::Attachment& frame : frames)
+    for (const Value& component : lagrangian.placeAndAxes(frame)) places.push_back(component);
+  return differentiated(places, e);
 }
 
 std::vector<std::vector<Node>> christoffelMatrix(Equations& e) {

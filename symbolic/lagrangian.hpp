@@ -96,6 +96,8 @@ class Lagrangian {
   /** phi of all closures, one after the other (scene::Closure has the equations): both frames are
       placed in the world, and their origins and axes compared. */
   std::vector<Value> closureResiduals();
+  /// Origin and x, y, z axis of a frame in the world, twelve numbers.
+  std::vector<Value> placeAndAxes(const scene::Attachment& at);
 
  private:
   struct WorldOrBodyFrame {

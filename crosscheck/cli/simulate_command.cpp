@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness simulate: the motion of a scene with its closures, springs and loads.
+#include <algorithm>
 #include <memory>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/crosscheck.hpp"
+#include "crosscheck/formulations.hpp"
 #include "crosscheck/motion_tables.hpp"
 #include "crosscheck/report/files.hpp"
 
@@ -15,43 +18,132 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, csv, stabilisation = "projection";
+  std::string scene, csv, json, stabilisation, formulation = "index1", method;
+  double step_error = 0;  ///< 0: not given
+  bool compare = false;
   SimulateOptions options;
 };
 
-const std::pair<const char*, Stabilisation> kStabilisations[] = {
-    {"none", Stabilisation::kNone},
-    {"baumgarte", Stabilisation::kBaumgarte},
-    {"projection", Stabilisation::kProjection}};
+constexpr Stabilisation kStabilisations[] = {Stabilisation::kNone, Stabilisation::kBaumgarte,
+                                             Stabilisation::kProjection};
+constexpr Formulation kFormulations[] = {Formulation::kIndex1, Formulation::kIndex2,
+                                         Formulation::kIndex3, Formulation::kGgl};
 
-/// One row an output: time, q, qd, and how far constraints and energy are off.
+/// What was not given follows from what was, and from what the published motions take.
+SimulateOptions completed(const Arguments& arguments, const std::vector<MotionTable>& tables) {
+  SimulateOptions options = arguments.options;
+  for (const Formulation formulation : kFormulations)
+    if (arguments.formulation == name(formulation)) options.formulation = formulation;
+  const bool is_first = options.formulation == Formulation::kIndex1;
+  if (!arguments.method.empty()) options.method = arguments.method;
+  else if (!is_first) options.method = "radau_iia_5";
+  if (!is_first) options.stabilisation = Stabilisation::kNone;
+  for (const Stabilisation stabilisation : kStabilisations)
+    if (arguments.stabilisation == name(stabilisation)) options.stabilisation = stabilisation;
+  for (const MotionTable& table : tables) {
+    if (table.step_error > 0) options.step_error = std::min(options.step_error, table.step_error);
+    for (const MotionTable::Row& row : table.rows) options.more_times.push_back(row.time);
+  }
+  if (arguments.step_error != 0) options.step_error = arguments.step_error;
+  return options;
+}
+
+/// "radau_iia_5, steps of 0.001 s" or "runge_kutta_dopri5, error of a step 1e-10"
+std::string describe(const SimulateOptions& options) {
+  const bool is_explicit = options.method.rfind("runge_kutta", 0) == 0;
+  return is_explicit ? fmt::format("{}, error of a step {:.3g}", options.method, options.step_error)
+                     : fmt::format("{}, steps of {} s", options.method, options.step);
+}
+
+int compareAll(const scene::Scene& scene, const SimulateOptions& options,
+               const std::vector<MotionTable>& tables, const std::string& json_file) {
+  const FormulationComparison comparison = compareFormulations(scene, options);
+  fmt::print("{}: {} s; explicit methods at an error of {:.3g} a step, implicit ones at steps of {} s\n"
+             "errors against index 1 with projection, {}\n\n",
+             scene.name, options.duration, options.step_error, options.step,
+             describe(comparison.reference));
+  fmt::print("{:<7} {:<10} {:<22} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}{}\n", "form",
+             "kept by", "method", "steps", "evaluat.", "time s", "phi", "J qd", "energy J", "q", "qd",
+             "lambda", tables.empty() ? "" : "  published");
+  nlohmann::json rows = nlohmann::json::array();
+  for (const FormulationRun& run : comparison.runs) {
+    nlohmann::json row = {{"formulation", name(run.formulation)},
+                          {"stabilisation", name(run.stabilisation)},
+                          {"method", run.method}};
+    fmt::print("{:<7} {:<10} {:<22} ", name(run.formulation), name(run.stabilisation), run.method);
+    if (!run.failure.empty()) {
+      fmt::print("{}\n", run.failure);
+      row["failure"] = run.failure;
+      rows.push_back(row);
+      continue;
+    }
+    const Simulation& r = run.result;
+    const std::string lambda = run.lambda_error ? fmt::format("{:.1e}", *run.lambda_error) : "-";
+    fmt::print("{:>7} {:>9} {:>8.2g} {:>8.1e} {:>8.1e} {:>8.1e} {:>8.1e} {:>8.1e} {:>8}", r.steps,
+               r.evaluations, r.cpu_s, r.worst_phi, r.worst_phi_rate, r.worst_energy, run.q_error,
+               run.qd_error, lambda);
+    row["steps"] = r.steps;
+    row["rejected"] = r.rejected;
+    row["evaluations"] = r.evaluations;
+    row["cpu_s"] = r.cpu_s;
+    row["phi"] = r.worst_phi;
+    row["phi_rate"] = r.worst_phi_rate;
+    row["energy_error_J"] = r.worst_energy;
+    row["q_error"] = run.q_error;
+    row["qd_error"] = run.qd_error;
+    if (run.lambda_error) row["lambda_error"] = *run.lambda_error;
+    for (const MotionTable& table : tables) {
+      const MotionVerdict verdict = compareMotion(scene, r, table);
+      if (verdict.values == 0) continue;
+      fmt::print("  {:.1e}", verdict.worst);
+      row["published"].push_back({{"title", table.title}, {"worst", verdict.worst}, {"ratio", verdict.ratio}});
+    }
+    fmt::print("\n");
+    rows.push_back(row);
+  }
+  if (comparison.most_lambda > 0) fmt::print("\nlargest multiplier {:.3g}\n", comparison.most_lambda);
+  if (!json_file.empty()) {
+    const nlohmann::json all = {{"dynwitness", DYNWITNESS_VERSION},
+                                {"scene", scene.name},
+                                {"duration_s", options.duration},
+                                {"step_error", options.step_error},
+                                {"step_s", options.step},
+                                {"reference", describe(comparison.reference)},
+                                {"largest_multiplier", comparison.most_lambda},
+                                {"runs", rows}};
+    writeWholeFile(json_file, all.dump(2) + "\n");
+  }
+  return 0;
+}
+
+/// One row an output: time, q, qd, multipliers, and how far constraints and energy are off.
 std::string csvOf(const Simulation& simulation) {
   const Simulation::Point& first = simulation.points.front();
   std::string csv = "time_s";
   for (std::size_t i = 1; i <= first.q.size(); ++i) csv += fmt::format(",q{}", i);
   for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",qd{}", i);
+  for (std::size_t i = 1; i <= first.lambda.size(); ++i) csv += fmt::format(",lambda{}", i);
   csv += ",phi,phi_rate,energy_error_J\n";
   for (const Simulation::Point& point : simulation.points) {
     csv += fmt::format("{:.17g}", point.time);
-    for (const auto* values : {&point.q, &point.qd})
+    for (const auto* values : {&point.q, &point.qd, &point.lambda})
       for (const double v : *values) csv += fmt::format(",{:.17g}", v);
     csv += fmt::format(",{:.3g},{:.3g},{:.3g}\n", point.phi, point.phi_rate, point.energy_error);
   }
   return csv;
 }
 
-int run(Arguments arguments) {
+int run(const Arguments& arguments) {
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
-  for (const auto& [name, value] : kStabilisations)
-    if (arguments.stabilisation == name) arguments.options.stabilisation = value;
   const std::vector<MotionTable> tables = motionTables(scene);
-  for (const MotionTable& table : tables)
-    for (const MotionTable::Row& row : table.rows) arguments.options.more_times.push_back(row.time);
-  const Simulation result = simulate(scene, arguments.options);
+  const SimulateOptions options = completed(arguments, tables);
+  if (arguments.compare) return compareAll(scene, options, tables, arguments.json);
+  if (!arguments.json.empty())
+    throw scene::InputError({}, "--json without --compare, allowed: --csv for the motion itself");
+  const Simulation result = simulate(scene, options);
 
-  fmt::print("{}: {} s with {}, error of a step {}\n", scene.name, arguments.options.duration,
-             arguments.options.method, arguments.options.step_error);
+  fmt::print("{}: {} s with {}\n", scene.name, options.duration, describe(options));
   if (result.constraints > 0) {
     fmt::print("constraints  {} equations of rank {}{}, {} freedoms; kept by {}\n",
                result.constraints, result.rank_highest,
@@ -59,8 +151,15 @@ int run(Arguments arguments) {
                    ? ""
                    : fmt::format(", {} in singular poses", result.rank_lowest),
                scene.mechanism.dof() - result.rank_highest,
-               arguments.options.stabilisation == Stabilisation::kNone ? "nothing"
-                                                                       : arguments.stabilisation);
+               options.formulation != Formulation::kIndex1       ? name(options.formulation)
+               : options.stabilisation == Stabilisation::kNone ? "nothing"
+                                                               : name(options.stabilisation));
+    const Simulation::Point& last = result.points.back();
+    std::string lambda;
+    for (std::size_t i = 0; i < last.lambda.size() && last.lambda.size() <= 12; ++i)
+      lambda += fmt::format("{}{:.10g}{}", i == 0 ? "" : ", ", last.lambda[i],
+                            last.determined[i] ? "" : " (not determined)");
+    if (!lambda.empty()) fmt::print("multipliers  {} at t = {} s\n", lambda, last.time);
     fmt::print("drift        |phi| {:.2g}, |J qd| {:.2g}; at the start {:.2g}\n", result.worst_phi,
                result.worst_phi_rate, result.start_residual);
   }
@@ -73,7 +172,7 @@ int run(Arguments arguments) {
     const MotionVerdict verdict = compareMotion(scene, result, table);
     if (verdict.values == 0) {
       fmt::print("published    {}: none of its times within {} s\n", table.title,
-                 arguments.options.duration);
+                 options.duration);
       continue;
     }
     agree = agree && verdict.ratio <= 1;
@@ -91,28 +190,40 @@ Run addSimulate(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "simulate", "Move a scene with its closures, springs and loads; drift, cost, published motions");
+  command->footer("dynwitness simulate car_axis --duration 3\n"
+                  "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
+                  "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare");
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--duration", arguments->options.duration, "Simulated time [s]")
       ->capture_default_str();
   std::string methods;
   for (const std::string& method : simulateMethods()) methods += (methods.empty() ? "" : ", ") + method;
-  command->add_option("--method", arguments->options.method, "Integrator: " + methods)
-      ->capture_default_str();
-  command->add_option("--step-error", arguments->options.step_error, "Error of a step, relative and absolute")
-      ->capture_default_str();
-  std::vector<std::string> names;
-  for (const auto& [name, value] : kStabilisations) names.emplace_back(name);
-  command->add_option("--stabilisation", arguments->stabilisation,
-                      "How closures are kept: none (phi'' = 0 alone), baumgarte, or projection after "
-                      "each step")
+  command->add_option("--formulation", arguments->formulation,
+                      "Which form of the closures is solved: index1 (phi'' = 0), index2 (phi' = 0), index3 "
+                      "(phi = 0), ggl (the last two, Gear, Leimkuhler and Gupta)")
       ->capture_default_str()
-      ->check(CLI::IsMember(names));
+      ->check(CLI::IsMember({"index1", "index2", "index3", "ggl"}));
+  command->add_option("--method", arguments->method,
+                      "Integrator: " + methods +
+                          " [runge_kutta_fehlberg78; radau_iia_5 where the formulation is not index1]");
+  command->add_option("--step-error", arguments->step_error,
+                      "Error of a step of explicit methods, relative and absolute [1e-10, or what a published "
+                      "motion of the scene takes]");
+  command->add_option("--step", arguments->options.step, "Step of implicit methods [s]")
+      ->capture_default_str();
+  command->add_option("--stabilisation", arguments->stabilisation,
+                      "How index 1 keeps closures: none, baumgarte, or projection after each step "
+                      "[projection; none for the others]")
+      ->check(CLI::IsMember({"none", "baumgarte", "projection"}));
   command->add_option("--baumgarte-rate", arguments->options.baumgarte_rate,
                       "w [1/s] in phi'' + 2 w phi' + w^2 phi = 0")
       ->capture_default_str();
+  command->add_flag("--compare", arguments->compare,
+                    "All formulations in one table: cost, drift, energy, errors of q, qd and multipliers");
+  command->add_option("--json", arguments->json, "File: the table of --compare");
   command->add_option("--outputs", arguments->options.outputs, "Rows of the CSV file")
       ->capture_default_str();
-  command->add_option("--csv", arguments->csv, "File: time, q, qd, drift");
+  command->add_option("--csv", arguments->csv, "File: time, q, qd, multipliers, drift");
   return [arguments] { return run(*arguments); };
 }
 

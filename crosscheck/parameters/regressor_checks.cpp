@@ -50,9 +50,9 @@ std::vector<CheckResult> checkRegressorExactly(const scene::Scene& scene, const 
   const auto ask = [&scene, derived](const auto& number, const auto& state) {
     using T = typename std::decay_t<decltype(number)>::Scalar;
     try {
-      return Inquiry::SidesOfAll<T>{sides(scene.mechanism, *derived, number, state)};
+      return SidesOfAll<T>{sides(scene.mechanism, *derived, number, state)};
     } catch (const DivisionByZero& error) {
-      return Inquiry::SidesOfAll<T>{{{}, {}, error.what()}};
+      return SidesOfAll<T>{{{}, {}, error.what()}};
     }
   };
   inquiry.in_field = ask;

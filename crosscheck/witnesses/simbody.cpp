@@ -391,6 +391,9 @@ class SimbodyWitness : public Witness {
       case scene::ClosureKind::kDistance:
         Constraint::Rod(a, X_A.p(), b, X_B.p(), number(closure.length));
         break;
+      case scene::ClosureKind::kPlane:
+        Constraint::PointInPlane(a, X_A.z(), dot(X_A.z(), X_A.p()), b, X_B.p());
+        break;
       case scene::ClosureKind::kPlanarPoint:
         Constraint::PointOnLine(a, X_A.z(), X_A.p(), b, X_B.p());
         break;
