@@ -29,14 +29,6 @@ constexpr int kPatience = 8;
 template <typename T>
 using SidesOfAll = std::vector<TwoSides<T>>;
 
-/// Some checks that are asked together.
-struct Inquiry {
-  std::vector<CheckResult> checks;  ///< what is asked, in words
-  std::function<SidesOfAll<PrimeField>(const FieldNumbers&, const scene::State<PrimeField>&)> in_field;
-  std::function<SidesOfAll<DegreeBound>(const DegreeNumbers&, const scene::State<DegreeBound>&)>
-      in_degrees;
-};
-
 // ---- deciding -----------------------------------------------------------------------------------
 
 /// One check on its way to a verdict.
@@ -133,8 +125,10 @@ class Trial {
   bool done_ = false;
 };
 
-std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquiry,
-                                const ExactOptions& options) {
+}  // namespace
+
+std::vector<CheckResult> decideExactly(const scene::Scene& scene, const ExactInquiry& inquiry,
+                                       const ExactOptions& options) {
   std::vector<Trial> trials;
   for (const CheckResult& check : inquiry.checks) trials.emplace_back(check, options);
   {
@@ -163,6 +157,8 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
   for (const Trial& trial : trials) results.push_back(trial.result());
   return results;
 }
+
+namespace {
 
 // ---- witnesses ----------------------------------------------------------------------------------
 
@@ -283,9 +279,9 @@ SidesOfAll<T> ask(const std::vector<Pair>& pairs,
   return all;
 }
 
-Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
+ExactInquiry comparisons(const std::vector<ExactWitness>& witnesses) {
   const std::vector<Pair> pairs = pairsOf(witnesses);
-  Inquiry inquiry;
+  ExactInquiry inquiry;
   for (const Pair& pair : pairs) {
     CheckResult check;
     check.check = "same";
@@ -310,8 +306,8 @@ Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
 
 // ---- identities ---------------------------------------------------------------------------------
 
-Inquiry identities(const scene::Mechanism& mechanism) {
-  Inquiry inquiry;
+ExactInquiry identities(const scene::Mechanism& mechanism) {
+  ExactInquiry inquiry;
   for (const IdentityInfo& info : kIdentities) {
     CheckResult check;
     check.check = info.name;
@@ -333,14 +329,14 @@ Inquiry identities(const scene::Mechanism& mechanism) {
 // ---- closures -----------------------------------------------------------------------------------
 
 /// phi, J and gamma, derived from phi and from the sweeps.
-Inquiry closures(const scene::Mechanism& mechanism, Parameters parameters) {
+ExactInquiry closures(const scene::Mechanism& mechanism, Parameters parameters) {
   constexpr int kParts = 3;
   constexpr const char* kNames[kParts] = {"phi", "J", "gamma"};
   constexpr const char* kStatements[kParts] = {
       "closures: phi by lagrange = phi by the sweeps",
       "closures: J = dphi/dq by lagrange = J by the sweeps",
       "closures: (dJ/dt) qd by lagrange = by the sweeps"};
-  Inquiry inquiry;
+  ExactInquiry inquiry;
   for (int k = 0; k < kParts; ++k) {
     CheckResult check;
     check.check = "closures";
@@ -390,8 +386,8 @@ Inquiry closures(const scene::Mechanism& mechanism, Parameters parameters) {
 }
 
 /// The checks of both, asked at the same points.
-Inquiry both(const Inquiry& a, const Inquiry& b) {
-  Inquiry inquiry{a.checks, {}, {}};
+ExactInquiry both(const ExactInquiry& a, const ExactInquiry& b) {
+  ExactInquiry inquiry{a.checks, {}, {}};
   inquiry.checks.insert(inquiry.checks.end(), b.checks.begin(), b.checks.end());
   const auto joined = [](auto left, auto right) {
     return [=](const auto& number, const auto& state) {
@@ -422,6 +418,8 @@ std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters p
   sweep(NewtonEuler());
   sweep(CompositeBody());
   sweep(ArticulatedBody());
+  if (isAsked(RecursiveLagrange<PrimeField>::kName))
+    witnesses.push_back(recursiveLagrangeWitness(scene, [](auto&, const auto&) {}));
   // a kernel is made for the numbers of its scene
   if (parameters == Parameters::kAsWritten && scene.mechanism.isOpenTree() && isAsked("kernel"))
     witnesses.push_back(kernelWitness(scene));
@@ -431,23 +429,23 @@ std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters p
 std::vector<CheckResult> compareExactly(const scene::Scene& scene,
                                         const std::vector<ExactWitness>& witnesses,
                                         const ExactOptions& options) {
-  return decide(scene, comparisons(witnesses), options);
+  return decideExactly(scene, comparisons(witnesses), options);
 }
 
 std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
                                                 const ExactOptions& options) {
-  return decide(scene, identities(scene.mechanism), options);
+  return decideExactly(scene, identities(scene.mechanism), options);
 }
 
 std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
                                               const ExactOptions& options) {
   if (scene.mechanism.closures.empty()) return {};
-  return decide(scene, closures(scene.mechanism, options.parameters), options);
+  return decideExactly(scene, closures(scene.mechanism, options.parameters), options);
 }
 
 std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options) {
   std::vector<CheckResult> checks =
-      decide(scene,
+      decideExactly(scene,
              both(comparisons(exactWitnesses(scene, options.parameters, options.witnesses)),
                   identities(scene.mechanism)),
              options);

@@ -10,7 +10,9 @@
 
 #include "crosscheck/arithmetic/prime_field.hpp"
 #include "crosscheck/degree.hpp"
+#include "crosscheck/two_sides.hpp"
 #include "crosscheck/witness.hpp"
+#include "crosscheck/witnesses/recursive_lagrange.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
@@ -58,13 +60,42 @@ ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
   return {Algorithm::kName, Algorithm::answers, on, on};
 }
 
+/// Lagrange's equations link by link, with the same `change` on its HomogeneousModel.
+template <typename Change>
+ExactWitness recursiveLagrangeWitness(const scene::Scene& scene, Change change) {
+  const auto on = [mechanism = scene.mechanism, change](const auto& number) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    RecursiveLagrange<T> witness(mechanism, number);
+    change(witness.model, number);
+    return witness;
+  };
+  return {RecursiveLagrange<PrimeField>::kName, RecursiveLagrange<PrimeField>::answers, on, on};
+}
+
 /// The programs that the scene's kernel is compiled from (smallestRoad), for the parameters as written.
 ExactWitness kernelWitness(const scene::Scene& scene);
 
-/// lagrange (derived here, once), newton_euler, composite_body, articulated_body and, where the
+/// lagrange (derived here, once), newton_euler, composite_body, articulated_body, recursive_lagrange and,
+/// where the
 /// parameters are as written and there is one, kernel; or those of them that `names` names.
 std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
                                          const std::vector<std::string>& names = {});
+
+/// Some checks that are asked together, each two sides in any arithmetic.
+struct ExactInquiry {
+  template <typename Numbers>
+  using Ask = std::function<std::vector<TwoSides<typename Numbers::Scalar>>(
+      const Numbers&, const scene::State<typename Numbers::Scalar>&)>;
+
+  std::vector<CheckResult> checks;  ///< what is asked, in words
+  Ask<FieldNumbers> in_field;       ///< both sides of each check at a point
+  Ask<DegreeNumbers> in_degrees;    ///< the same, for the size of the formulas
+};
+
+/** Whether both sides of each check are the same formulas, as exactChecks() describes it. For laws that
+    are no comparison of witnesses. */
+std::vector<CheckResult> decideExactly(const scene::Scene& scene, const ExactInquiry& inquiry,
+                                       const ExactOptions& options);
 
 /** Runs the comparisons of witnesses and the identities of identities.hpp over the field.
 

@@ -10,6 +10,7 @@ WitnessKind lagrangeKind();         ///< symbolic/: derived from T and V, run as
 WitnessKind newtonEulerKind();      ///< recursive/: outward motion, inward force
 WitnessKind compositeBodyKind();    ///< recursive/: M by composite bodies, M qdd = tau - c - g
 WitnessKind articulatedBodyKind();  ///< recursive/: articulated inertias
+WitnessKind recursiveLagrangeKind();  ///< Lagrange's equations link by link, 4 x 4 matrices
 WitnessKind kernelKind();           ///< the scene's own compiled program, one state at a time
 WitnessKind kernelLanesKind();      ///< the same on several states at once
 WitnessKind simbodyKind();          ///< Simbody, which reads the scene with its own transforms
