@@ -11,6 +11,7 @@
 #include "crosscheck/arithmetic/prime_field.hpp"
 #include "crosscheck/degree.hpp"
 #include "crosscheck/witness.hpp"
+#include "crosscheck/witnesses/recursive_lagrange.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
@@ -58,10 +59,23 @@ ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
   return {Algorithm::kName, Algorithm::answers, on, on};
 }
 
+/// Lagrange's equations link by link, with the same `change` on its HomogeneousModel.
+template <typename Change>
+ExactWitness recursiveLagrangeWitness(const scene::Scene& scene, Change change) {
+  const auto on = [mechanism = scene.mechanism, change](const auto& number) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    RecursiveLagrange<T> witness(mechanism, number);
+    change(witness.model, number);
+    return witness;
+  };
+  return {RecursiveLagrange<PrimeField>::kName, RecursiveLagrange<PrimeField>::answers, on, on};
+}
+
 /// The programs that the scene's kernel is compiled from (smallestRoad), for the parameters as written.
 ExactWitness kernelWitness(const scene::Scene& scene);
 
-/// lagrange (derived here, once), newton_euler, composite_body, articulated_body, fast and, where the
+/// lagrange (derived here, once), newton_euler, composite_body, articulated_body, recursive_lagrange, fast
+/// and, where the
 /// parameters are as written and there is one, kernel; or those of them that `names` names.
 std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
                                          const std::vector<std::string>& names = {});

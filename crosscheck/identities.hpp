@@ -9,6 +9,7 @@
 
 #include "crosscheck/arithmetic/dual.hpp"
 #include "crosscheck/gauss_value.hpp"
+#include "crosscheck/two_sides.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/composite_body.hpp"
@@ -64,13 +65,6 @@ inline constexpr IdentityInfo kIdentities[] = {
      "articulated_body", "dense minimum"},
 };
 inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0]);
-
-/// What must be equal, or why there is nothing to compare: then both sides are empty.
-template <typename T>
-struct TwoSides {
-  recursive::MatrixX<T> left, right;
-  std::string failure = {};
-};
 
 /** All identities of one mechanism, in the arithmetic of Numbers. Nothing here is specific to
     rounding: on RunningError the two sides must agree within their bounds, over a field exactly.

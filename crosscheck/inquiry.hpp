@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "crosscheck/exact.hpp"
-#include "crosscheck/identities.hpp"
+#include "crosscheck/two_sides.hpp"
 
 namespace dynwitness::crosscheck {
 

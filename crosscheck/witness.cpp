@@ -43,8 +43,9 @@ std::unique_ptr<Witness> makeWitness(const WitnessKind& kind, const scene::Scene
 std::vector<WitnessKind> witnessKinds() {
   // MuJoCo twice: as it reads the file, and with the remedy for the digits that it loses then
   return {lagrangeKind(),        newtonEulerKind(), compositeBodyKind(), articulatedBodyKind(),
-          fastKind(),            kernelKind(),      kernelLanesKind(),     simbodyKind(),
-          mujocoKind(),          mujocoPrincipalKind(), dartKind(),        kdlKind()};
+          recursiveLagrangeKind(), fastKind(),      kernelKind(),        kernelLanesKind(),
+          simbodyKind(),         mujocoKind(),      mujocoPrincipalKind(), dartKind(),
+          kdlKind()};
 }
 
 }  // namespace dynwitness::crosscheck

@@ -11,6 +11,7 @@ WitnessKind newtonEulerKind();      ///< recursive/: outward motion, inward forc
 WitnessKind compositeBodyKind();    ///< recursive/: M by composite bodies, M qdd = tau - c - g
 WitnessKind articulatedBodyKind();  ///< recursive/: articulated inertias
 WitnessKind fastKind();             ///< recursive/fast/: the same three algorithms, made for speed
+WitnessKind recursiveLagrangeKind();  ///< Lagrange's equations link by link, 4 x 4 matrices
 WitnessKind kernelKind();           ///< the scene's own compiled program, one state at a time
 WitnessKind kernelLanesKind();      ///< the same on several states at once
 WitnessKind simbodyKind();          ///< Simbody, which reads the scene with its own transforms
