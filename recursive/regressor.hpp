@@ -43,7 +43,7 @@ Force<T> forceColumn(const Motion<T>& v, const Motion<T>& a, int k) {
   return {a.angular.cross(e) + v.angular.cross(v.angular.cross(e)), e.cross(b)};
 }
 
-/** The regressor Y(q, qd, qdd) [n x p]: the joint forces of inverse dynamics without springs and loads
+/** The regressor Y(q, qd, qdd) [n x p]: the joint forces of inverse dynamics without springs, friction and loads
     are  tau = Y pi,  with pi the inertial parameters, in the order of `parameters`.
 
     Motions go outward as in inverseDynamics(). Each link of the scene then brings the ten forces of its
@@ -59,6 +59,7 @@ Force<T> forceColumn(const Motion<T>& v, const Motion<T>& a, int k) {
     @param  parameters  scene::inertialParameters() of the mechanism that the model was built of
     @param  Y   n x p; row units N m (N) per unit of the column's parameter
     @throws std::invalid_argument  a vector or Y is not of its size
+    @throws std::domain_error      a rotor is gyroscopic
     @see C. Atkeson, C. An, J. Hollerbach, Estimation of inertial parameters of manipulator loads and
          links, Int. J. Robotics Research 5(3), 1986 */
 template <typename T, typename Matrix>
@@ -70,6 +71,8 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
   requireSize(model, "regressor", "qdd", qdd.size());
   if (Y.rows() != model.dof() || Y.cols() != static_cast<Eigen::Index>(parameters.size()))
     throw std::invalid_argument("regressor: Y: expected one row a joint and one column a parameter");
+  if (model.gyroscopic)
+    throw std::domain_error("gyroscopic rotors are not among the inertial parameters of the regressor");
   Motion<T> a_0 = Motion<T>::zero();
   a_0.linear = -model.gravity;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/scene.hpp"
+#include "scene/families.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -130,9 +131,12 @@ Scene findScene(const std::string& name_or_path) {
       return readScene(entry.path());
   int windows = 0;
   if (isFourBars(normalized(name_or_path), &windows)) return fourBars(windows);
+  if (Scene family; findFamily(normalized(name_or_path), &family)) return family;
   throw InputError({}, "no scene and no file is called \"" + name_or_path + "\", allowed: " +
                            (names.empty() ? "" : names + ", four_bars_N with N from 1 to " +
-                                                     std::to_string(kMostWindows) + ", or ") +
+                                                     std::to_string(kMostWindows) +
+                                                     ", chain_N or tree_N with N from 1 to " +
+                                                     std::to_string(kMostFamilyLinks) + ", or ") +
                            "the path of a file");
 }
 

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
-#include <optional>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -210,6 +209,7 @@ class Validator {
   SourceLocation file_;
   ParameterValues values_;
   std::vector<Body> bodies_;
+  std::vector<int> first_child_, next_child_;  ///< of each link; -1: none
   bool is_exact_ = true;  ///< no rounding in the decision that is being made
 };
 
@@ -481,21 +481,25 @@ bool Validator::movesInertia(std::size_t leaf) {
   is_exact_ = true;
 
   // the link and what is fixed to it as one body, in the joint frame
-  std::vector<std::optional<Frame>> in_joint(links.size());  // link frames, seen from the joint's
-  in_joint[leaf] = frame(joint.placement.afterJoint());
+  struct Placed {
+    std::size_t link;
+    Frame in_joint;  // the link's frame, seen from the joint's
+  };
+  std::vector<Placed> to_visit = {{leaf, frame(joint.placement.afterJoint())}};
   Rational mass = 0, size = 0;  // size: what rounding in the moments of inertia is relative to
   RationalVector h{0, 0, 0};
   RationalMatrix I{{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}};
-  for (std::size_t i = leaf; i < links.size(); ++i) {
-    const Placement& placement = links[i].joint.placement;
-    if (i != leaf) {
-      const std::optional<Frame>& parent = in_joint[static_cast<std::size_t>(links[i].parent)];
-      if (!parent) continue;
-      in_joint[i] = *parent * frame(placement.beforeJoint()) * frame(placement.afterJoint());
+  while (!to_visit.empty()) {
+    const auto [i, in_joint] = to_visit.back();
+    to_visit.pop_back();
+    for (int child = first_child_[i]; child >= 0; child = next_child_[static_cast<std::size_t>(child)]) {
+      const Placement& placement = links[static_cast<std::size_t>(child)].joint.placement;
+      to_visit.push_back({static_cast<std::size_t>(child),
+                          in_joint * frame(placement.beforeJoint()) * frame(placement.afterJoint())});
     }
     const Body& b = bodies_[i];
     is_exact_ = is_exact_ && b.is_exact;
-    const Frame com = *in_joint[i] * Frame{identity(), b.com};
+    const Frame com = in_joint * Frame{identity(), b.com};
     const RationalMatrix turned = com.R * b.inertia * transpose(com.R);
     const Rational p2 = dot(com.p, com.p);
     mass += b.mass;
@@ -565,6 +569,13 @@ std::vector<Twist> Validator::motionsOf(const Joint& joint) {
 void Validator::requireInertiaOutboard() {
   const std::vector<Link>& links = mechanism_.links;
   std::vector<bool> carries_mass(links.size(), false), carries_joint(links.size(), false);
+  first_child_.assign(links.size(), -1);
+  next_child_.assign(links.size(), -1);
+  for (std::size_t i = 1; i < links.size(); ++i) {
+    int& first = first_child_[static_cast<std::size_t>(links[i].parent)];
+    next_child_[i] = first;
+    first = static_cast<int>(i);
+  }
   for (std::size_t i = links.size(); i-- > 1;) {
     const Link& link = links[i];
     const auto parent = static_cast<std::size_t>(link.parent);

@@ -10,6 +10,7 @@
 
 #include "benchmark_derivation.hpp"
 #include "benchmark_mujoco.hpp"
+#include "fast_by_compiler.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/kernel/compiled.hpp"
 #include "crosscheck/kernel/kernel.hpp"
@@ -20,6 +21,7 @@ namespace {
 
 using namespace dynwitness;
 using namespace dynwitness::crosscheck;
+using kernel::Formula;
 
 constexpr int kStates = 1000;
 constexpr std::uint64_t kSeed = 1;
@@ -82,6 +84,31 @@ void forwardDynamics(benchmark::State& run, const char* scene) {
   }
 }
 
+/// Positions alone, as the general sweeps for speed and the kernels take them.
+std::vector<std::vector<double>> positionsOf(const Arm& arm) {
+  std::vector<std::vector<double>> q(kStates);
+  for (int k = 0; k < kStates; ++k)
+    for (const scene::JointPosition<double>& x : arm.states[k].x) q[k].push_back(x.q);
+  return q;
+}
+
+void fast(benchmark::State& run, const char* scene, const benchmarks::FastBy* by, Formula formula) {
+  Arm arm(scene);
+  const std::vector<std::vector<double>> q = positionsOf(arm);
+  void* const sweeps = by->make(&arm.setup.model);
+  for (auto _ : run) {
+    const scene::State<double>& s = arm.next();
+    const double *x = q[arm.index].data(), *qd = s.qd.data();
+    if (formula == Formula::kMassMatrix) by->massMatrix(sweeps, x, arm.M.data());
+    else if (formula == Formula::kForwardDynamics)
+      by->forwardDynamics(sweeps, x, qd, s.tau.data(), arm.out.data());
+    else by->inverseDynamics(sweeps, x, qd, s.qdd.data(), arm.out.data());
+    benchmark::DoNotOptimize(arm.out.data());
+    benchmark::ClobberMemory();
+  }
+  by->release(sweeps);
+}
+
 void engine(benchmark::State& run, const char* scene, const WitnessKind& kind, Quantity quantity) {
   Arm arm(scene);
   const std::unique_ptr<Witness> witness = kind.make(arm.scene);
@@ -89,8 +116,6 @@ void engine(benchmark::State& run, const char* scene, const WitnessKind& kind, Q
 }
 
 // ---- kernels ------------------------------------------------------------------------------------
-
-using kernel::Formula;
 
 /// The formula alone, so that one that takes the compiler long does not hold up the others.
 kernel::Kernel kernelOf(const scene::Scene& scene, Formula formula) {
@@ -111,9 +136,7 @@ void call(const kernel::Kernel& kernel, Formula formula, const double* q, const 
 void kernelOne(benchmark::State& run, const char* scene, Formula formula) {
   Arm arm(scene);
   const kernel::Kernel kernel = kernelOf(arm.scene, formula);
-  std::vector<std::vector<double>> q(kStates);
-  for (int k = 0; k < kStates; ++k)
-    for (const scene::JointPosition<double>& x : arm.states[k].x) q[k].push_back(x.q);
+  const std::vector<std::vector<double>> q = positionsOf(arm);
   std::vector<double> out(static_cast<std::size_t>(kernel.dof()) * kernel.dof());
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
@@ -169,6 +192,7 @@ void mujocoRaw(benchmark::State& run, const char* scene, Formula formula) {
 
 constexpr const char* kEngine = "mujoco_raw";
 constexpr const char* kLanes = "kernel_lanes";
+constexpr const char* kSecond = "fast_second";
 
 /// How many times faster than MuJoCo, called raw, something is to be.
 struct Goal {
@@ -176,9 +200,12 @@ struct Goal {
   double times;
 };
 constexpr Goal kGoals[] = {
-    {"franka_panda", "ID", "recursive", 5.8}, {"franka_panda", "M", "recursive", 5.4},
-    {"franka_panda", "FD", "recursive", 3.4}, {"humanoid", "ID", "recursive", 4.8},
-    {"humanoid", "M", "recursive", 4.4},      {"humanoid", "FD", "recursive", 3.5},
+    {"franka_panda", "ID", "fast", 5.8},      {"franka_panda", "ID", kSecond, 5.8},
+    {"franka_panda", "M", "fast", 5.4},       {"franka_panda", "M", kSecond, 5.4},
+    {"franka_panda", "FD", "fast", 3.4},      {"franka_panda", "FD", kSecond, 3.4},
+    {"humanoid", "ID", "fast", 4.8},          {"humanoid", "ID", kSecond, 4.8},
+    {"humanoid", "M", "fast", 4.4},           {"humanoid", "M", kSecond, 4.4},
+    {"humanoid", "FD", "fast", 3.5},          {"humanoid", "FD", kSecond, 3.5},
     {"franka_panda", "ID", "kernel", 12},     {"franka_panda", "M", "kernel", 12},
     {"franka_panda", "FD", "kernel", 8},      {"franka_panda", "ID", kLanes, 50},
     {"franka_panda", "FD", kLanes, 25}};
@@ -261,6 +288,12 @@ int main(int argc, char** argv) {
       const std::string label = name + "/" + kernel::name(formula) + "/";
 #ifdef DYNWITNESS_HAS_MUJOCO
       benchmark::RegisterBenchmark((label + kEngine).c_str(), mujocoRaw, scene, formula);
+#endif
+      benchmark::RegisterBenchmark((label + "fast").c_str(), fast, scene, &benchmarks::kFastByOwn,
+                                   formula);
+#ifdef DYNWITNESS_SECOND_COMPILER
+      benchmark::RegisterBenchmark((label + kSecond).c_str(), fast, scene,
+                                   &benchmarks::kFastBySecond, formula);
 #endif
       if (!with_kernels) continue;
       benchmark::RegisterBenchmark((label + "kernel").c_str(), kernelOne, scene, formula);

@@ -31,6 +31,7 @@ long allocations = 0;
 #include "recursive/constrained_dynamics.hpp"
 #include "recursive/constraints.hpp"
 #include "recursive/energy.hpp"
+#include "recursive/fast/dynamics.hpp"
 #include "recursive/newton_euler.hpp"
 #include "scene/scene.hpp"
 
@@ -130,6 +131,18 @@ BOOST_DATA_TEST_CASE(the_mass_matrix_allocates_nothing, data::make(kScenes), sce
   Bench b(scene);
   BOOST_TEST(allocationsIn([&] { massMatrix(b.model, b.x, b.ws, b.M); }) == 0);
   BOOST_TEST(b.M(0, 0) > 0);
+}
+
+BOOST_DATA_TEST_CASE(the_fast_sweeps_allocate_nothing, data::make(kScenes), scene) {
+  Bench b(scene);
+  fast::Dynamics dynamics(b.model);
+  const std::vector<double> q(b.x.size(), 0.3);
+  BOOST_TEST(allocationsIn([&] {
+    dynamics.inverseDynamics(q.data(), b.qd.data(), b.in.data(), b.out.data());
+    dynamics.massMatrix(q.data(), b.M.data());
+    dynamics.forwardDynamics(q.data(), b.qd.data(), b.in.data(), b.out.data());
+  }) == 0);
+  BOOST_TEST(b.out[0] != 0);
 }
 
 BOOST_DATA_TEST_CASE(constraint_equations_allocate_nothing,

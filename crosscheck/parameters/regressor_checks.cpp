@@ -51,7 +51,7 @@ std::vector<CheckResult> checkRegressorExactly(const scene::Scene& scene, const 
     using T = typename std::decay_t<decltype(number)>::Scalar;
     try {
       return SidesOfAll<T>{sides(scene.mechanism, *derived, number, state)};
-    } catch (const DivisionByZero& error) {
+    } catch (const std::domain_error& error) {
       return SidesOfAll<T>{{{}, {}, error.what()}};
     }
   };

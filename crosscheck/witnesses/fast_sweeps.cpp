@@ -10,8 +10,6 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-constexpr const char* kName = "fast";
-
 class FastWitness : public Witness {
  public:
   explicit FastWitness(const scene::Scene& scene)
@@ -38,7 +36,7 @@ class FastWitness : public Witness {
   }
 
  private:
-  std::string name_ = kName;
+  std::string name_ = kFastName;
   recursive::fast::Dynamics in_double_;
   FastSweeps<RunningError> with_bounds_;
   std::vector<double> q_;
@@ -47,21 +45,10 @@ class FastWitness : public Witness {
 }  // namespace
 
 WitnessKind fastKind() {
-  return {{kName, DYNWITNESS_VERSION, "the sweeps of recursive/fast/, for any mechanism, made for speed"},
+  return {{kFastName, DYNWITNESS_VERSION, "the sweeps of recursive/fast/, for any mechanism, made for speed"},
           [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
             return std::make_unique<FastWitness>(scene);
           }};
-}
-
-ExactWitness fastWitness(const scene::Scene& scene) {
-  const auto on = [mechanism = scene.mechanism](const auto& number) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
-    return [sweeps = FastSweeps<T>(recursive::buildModel(mechanism, number))](
-               Quantity quantity, const scene::State<T>& state) mutable {
-      return sweeps(quantity, state);
-    };
-  };
-  return {kName, FastSweeps<double>::answers, on, on};
 }
 
 }  // namespace dynwitness::crosscheck

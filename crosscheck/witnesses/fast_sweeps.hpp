@@ -15,6 +15,8 @@ namespace dynwitness::crosscheck {
 /// Zero without doubt: what a plan may leave out.
 inline bool isExactlyZero(const RunningError& x) { return x.value() == 0 && x.bound() == 0; }
 
+inline constexpr const char* kFastName = "fast";
+
 template <typename T>
 class FastSweeps {
  public:

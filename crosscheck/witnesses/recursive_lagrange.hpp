@@ -21,7 +21,7 @@ using Vector4 = Eigen::Matrix<T, 4, 1>;
 
 /// Which terms are asked for besides M qdd and the velocity products.
 struct LagrangeTerms {
-  bool gravity, springs, loads;
+  bool gravity, springs, loads;  ///< loads: friction too
 };
 
 /** A mechanism as homogeneous matrices, read from the scene by itself.
@@ -54,6 +54,7 @@ class HomogeneousModel {
     Matrix4<T> before = Matrix4<T>::Identity();  ///< parent's frame to the unmoved joint frame
     Eigen::Matrix<T, 3, 1> k;                    ///< axis, in the joint frame
     T pitch = T(0), stiffness = T(0), rest = T(0);
+    T viscous = T(0), positive = T(0), negative = T(0);  ///< friction
     std::vector<Axis> axes;
     Matrix4<T> J = Matrix4<T>::Constant(T(0));
   };
@@ -225,6 +226,9 @@ HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const N
       body.pitch = number(link.joint.pitch);
       body.stiffness = number(link.joint.stiffness);
       body.rest = number(link.joint.rest);
+      body.viscous = number(link.joint.friction.viscous);
+      body.positive = number(link.joint.friction.positive);
+      body.negative = number(link.joint.friction.negative);
       const T gear = number(link.joint.gear_ratio);
       const T rotor = gear * gear * number(link.joint.rotor_inertia);
       const auto axis = [&](const Vector3& w, const Vector3& v) {
@@ -373,6 +377,12 @@ std::vector<T> HomogeneousModel<T>::inverse(const std::vector<scene::JointPositi
       tau[body.dof + k] += body.axes[k].rotor * qdd[body.dof + k];
     if (terms.springs && body.axes.size() == 1)
       tau[body.dof] += body.stiffness * (x[body.slot].q - body.rest);
+    if (terms.loads && body.axes.size() == 1) {
+      const int direction = directionOf(qd[body.dof]);
+      tau[body.dof] += body.viscous * qd[body.dof];
+      if (direction > 0) tau[body.dof] += body.positive;
+      if (direction < 0) tau[body.dof] -= body.negative;
+    }
   }
   return tau;
 }
@@ -471,7 +481,7 @@ std::vector<T> HomogeneousModel<T>::weightedWithFirst(const std::vector<Matrix4<
 template <typename T>
 struct RecursiveLagrange {
   static constexpr const char* kName = "recursive_lagrange";
-  static bool answers(Quantity) { return true; }
+  static bool answers(Quantity quantity) { return quantity != Quantity::kReactions; }
 
   template <typename Numbers>
   RecursiveLagrange(const scene::Mechanism& mechanism, const Numbers& number)

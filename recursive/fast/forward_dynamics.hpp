@@ -125,35 +125,12 @@ void columnOf(const Link<T>& link, int k, const Articulated<T>& M, Vec<T>& f, Ve
   }
 }
 
-/// Z_k' (a, wd), with the column's own order of axes.
-template <typename T>
-void addAlongAxis(const Link<T>& link, int k, const T& rate, Vec<T>& a, Vec<T>& wd) {
-  const auto add = [&](Vec<T>& v, int i) { (i == 0 ? v.x : i == 1 ? v.y : v.z) += rate; };
-  switch (link.kind) {
-    case JointKind::kHelical:
-      a.z = a.z + link.pitch * rate;
-      wd.z = wd.z + rate;
-      break;
-    case JointKind::kFloating: k < 3 ? add(a, k) : add(wd, k - 3); break;
-    default: add(wd, k);
-  }
-}
-
 }  // namespace detail
 
-/** qdd of M(q) qdd + c(q, qd) + g(q) = tau + Q, as recursive::forwardDynamics, in O(n). M is not formed.
+namespace detail {
 
-    As there, but that accelerations are those of body points, which needs no linear velocities: with
-    W = [w]x [w]x, p the joint seen from the parent, and c the joint's own velocity products,
-        (1)  w = R w_p + z qd,   gamma = W_p p,   f = W h,   n = w x I w
-        (2)  U = M_A Z,   D = d + Z' U,   u = tau - k (q - rest) - Z' f_A
-        (3)  M_a = M_A - U U' / D,   f_a = f_A + M_a c + U u / D,  turned back by R, then + M_a gamma,
-             then shifted by p: added to the parent's
-        (4)  a = R (a_p + w'_p x p + gamma) + c,   qdd = (u - U' a) / D,   a += Z qdd
-    Where Z is the z axis of a turning joint, M_a's row z is d/D times M_A's: that cancels nothing.
-    The arrays are those of recursive::forwardDynamics, and are trusted to be as long as there. */
 template <typename T>
-void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* tau,
+DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* tau,
                      ForwardDynamicsWorkspace<T>& ws, T* qdd) {
   using Record = typename ForwardDynamicsWorkspace<T>::Record;
   using Joint = typename ForwardDynamicsWorkspace<T>::Joint;
@@ -189,7 +166,7 @@ void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd
         w = w + w_J;
         r.c_wd = cross(w, w_J);
       }
-      const Symmetric3<T> W = detail::squaredCross(w);
+      const Symmetric3<T> W = squaredCross(w);
       const Symmetric3<T>& I = link.I;
       r.w = w;
       r.W = W;
@@ -203,7 +180,7 @@ void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd
       }
     });
   }
-  detail::subtractWorldLoads(plan, x, ws.others, ws.axes, ws.records);
+  subtractWorldLoads(plan, x, ws.others, ws.axes, ws.records);
 
   // inward: what each link feels of its subtree
   Articulated<T> M;  // of the link at hand; between two, what the link before hands inward
@@ -232,7 +209,7 @@ void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd
         M.f = M.f + r.f;
         M.n = M.n + r.n;
       }
-      if (link.branch >= 0) detail::add(M, ws.branches[link.branch]);
+      if (link.branch >= 0) add(M, ws.branches[link.branch]);
     }
     withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
       constexpr Step kStep = decltype(step)::value;
@@ -264,7 +241,7 @@ void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd
         j.u = tau[link.dof] - M.f.z;
         if (link.is_sprung) j.u = j.u - link.stiffness * (x[link.slot].q - link.rest);
         if (link.parent == 0) return;
-        detail::subtractOuter(j.U_f, j.U_n, j.inverse_D, M);                           // (3)
+        subtractOuter(j.U_f, j.U_n, j.inverse_D, M);                           // (3)
         // row z: d/D of what it was
         const T left = link.rotor * j.inverse_D;
         M.A.xz = j.U_f.x * left, M.A.yz = j.U_f.y * left, M.A.zz = j.U_f.z * left;
@@ -275,11 +252,11 @@ void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd
       } else {
         for (int k = 0, d = link.dof; k < link.axes; ++k, ++d) {
           Joint& j = ws.joints[d];
-          detail::columnOf(link, k, M, j.U_f, j.U_n);                                  // (2)
+          columnOf(link, k, M, j.U_f, j.U_n);                                  // (2)
           j.inverse_D = T(1) / (link.rotor + alongAxis(link, k, j.U_f, j.U_n));
           j.u = tau[d] - alongAxis(link, k, M.f, M.n);
           if (link.is_sprung) j.u = j.u - link.stiffness * (x[link.slot].q - link.rest);
-          detail::subtractOuter(j.U_f, j.U_n, j.inverse_D, M);                         // (3)
+          subtractOuter(j.U_f, j.U_n, j.inverse_D, M);                         // (3)
           const T e = j.u * j.inverse_D;
           M.f = M.f + j.U_f * e;
           M.n = M.n + j.U_n * e;
@@ -297,13 +274,13 @@ void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd
       if (link.is_apart) {
         M.f = M.f + times(M.A, r.gamma);
         M.n = M.n + transposedTimes(M.B, r.gamma);
-        detail::shiftBack(jointPlace<kStep>(link, x, ws.others), M);
+        shiftBack(jointPlace<kStep>(link, x, ws.others), M);
       }
     });
     if (link.parent == i || link.parent == 0) continue;  // the parent is next, or the world
     Articulated<T>& sum = ws.branches[plan.links[link.parent - 1].branch];
     if (link.is_last_child) sum = M;
-    else detail::add(sum, M);
+    else add(sum, M);
   }
 
   // outward: accelerations
@@ -338,13 +315,39 @@ void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd
         wd = wd + r.c_wd;
         for (int k = link.axes - 1, d = link.dof + k; k >= 0; --k, --d) {
           qdd[d] = acceleration(ws.joints[d]);
-          detail::addAlongAxis(link, k, qdd[d], a, wd);
+          addAlongAxis(link, k, qdd[d], a, wd);
         }
       }
       r.a = a;
       r.wd = wd;
     });
   }
+}
+
+DYNWITNESS_FOR_AVX2 inline void forwardDynamicsForAvx2(const Plan<double>& plan, const JointPosition<double>* x, const double* qd, const double* tau,
+                     ForwardDynamicsWorkspace<double>& ws, double* qdd) {
+  forwardDynamicsBody(plan, x, qd, tau, ws, qdd);
+}
+
+}  // namespace detail
+
+/** qdd of M(q) qdd + c(q, qd) + g(q) = tau + Q, as recursive::forwardDynamics, in O(n). M is not formed.
+
+    As there, but that accelerations are those of body points, which needs no linear velocities: with
+    W = [w]x [w]x, p the joint seen from the parent, and c the joint's own velocity products,
+        (1)  w = R w_p + z qd,   gamma = W_p p,   f = W h,   n = w x I w
+        (2)  U = M_A Z,   D = d + Z' U,   u = tau - k (q - rest) - Z' f_A
+        (3)  M_a = M_A - U U' / D,   f_a = f_A + M_a c + U u / D,  turned back by R, then + M_a gamma,
+             then shifted by p: added to the parent's
+        (4)  a = R (a_p + w'_p x p + gamma) + c,   qdd = (u - U' a) / D,   a += Z qdd
+    Where Z is the z axis of a turning joint, M_a's row z is d/D times M_A's: that cancels nothing.
+    The arrays are those of recursive::forwardDynamics, and are trusted to be as long as there. */
+template <typename T>
+void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* tau,
+                     ForwardDynamicsWorkspace<T>& ws, T* qdd) {
+  if constexpr (std::is_same_v<T, double>)
+    if (kHasAvx2) return detail::forwardDynamicsForAvx2(plan, x, qd, tau, ws, qdd);
+  detail::forwardDynamicsBody(plan, x, qd, tau, ws, qdd);
 }
 
 }  // namespace dynwitness::recursive::fast

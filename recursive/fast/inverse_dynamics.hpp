@@ -53,16 +53,10 @@ void subtractWorldLoads(const Plan<T>& plan, const JointPosition<T>* x, OtherJoi
 
 }  // namespace detail
 
-/** tau = M(q) qdd + c(q, qd) + g(q) - Q, as recursive::inverseDynamics, loads and springs included.
-    It carries the acceleration a of the body's point at the origin and U = [w']x + [w]x [w]x:
-        (1)  w = R w_p + z qd,  w' = R w'_p + w x z qd + z qdd,  a = R (a_p + U_p p),  a_0 = -gravity
-        (2)  f = m a + U h,     n = I w' + w x I w + h x a       the link's own
-        (3)  f_p += R' f,       n_p += R' n + p x R' f,          tau = n_z + d qdd + k (q - rest)
-    and (f_z in place of n_z, 2 w x z qd + z qdd added to a, where the joint slides).
+namespace detail {
 
-    The arrays are those of recursive::inverseDynamics, and are trusted to be as long as there. */
 template <typename T>
-void inverseDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* qdd,
+DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* qdd,
                      InverseDynamicsWorkspace<T>& ws, T* tau) {
   using Record = typename InverseDynamicsWorkspace<T>::Record;
   const int n = static_cast<int>(plan.links.size());
@@ -123,7 +117,7 @@ void inverseDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd
       }
     });
   }
-  detail::subtractWorldLoads(plan, x, ws.others, ws.axes, ws.records);
+  subtractWorldLoads(plan, x, ws.others, ws.axes, ws.records);
 
   // inward: what passes through each joint
   for (int i = n - 1; i >= 0; --i) {
@@ -150,6 +144,29 @@ void inverseDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd
       if (link.is_apart) parent.n = parent.n + cross(jointPlace<kStep>(link, x, ws.others), f);
     });
   }
+}
+
+DYNWITNESS_FOR_AVX2 inline void inverseDynamicsForAvx2(const Plan<double>& plan, const JointPosition<double>* x, const double* qd, const double* qdd,
+                     InverseDynamicsWorkspace<double>& ws, double* tau) {
+  inverseDynamicsBody(plan, x, qd, qdd, ws, tau);
+}
+
+}  // namespace detail
+
+/** tau = M(q) qdd + c(q, qd) + g(q) - Q, as recursive::inverseDynamics, loads and springs included.
+    It carries the acceleration a of the body's point at the origin and U = [w']x + [w]x [w]x:
+        (1)  w = R w_p + z qd,  w' = R w'_p + w x z qd + z qdd,  a = R (a_p + U_p p),  a_0 = -gravity
+        (2)  f = m a + U h,     n = I w' + w x I w + h x a       the link's own
+        (3)  f_p += R' f,       n_p += R' n + p x R' f,          tau = n_z + d qdd + k (q - rest)
+    and (f_z in place of n_z, 2 w x z qd + z qdd added to a, where the joint slides).
+
+    The arrays are those of recursive::inverseDynamics, and are trusted to be as long as there. */
+template <typename T>
+void inverseDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* qdd,
+                     InverseDynamicsWorkspace<T>& ws, T* tau) {
+  if constexpr (std::is_same_v<T, double>)
+    if (kHasAvx2) return detail::inverseDynamicsForAvx2(plan, x, qd, qdd, ws, tau);
+  detail::inverseDynamicsBody(plan, x, qd, qdd, ws, tau);
 }
 
 }  // namespace dynwitness::recursive::fast

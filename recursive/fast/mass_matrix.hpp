@@ -6,14 +6,15 @@
 
 namespace dynwitness::recursive::fast {
 
-/// Four numbers side by side: the columns of M that are carried inward together.
+/// As many numbers as a block has columns, side by side, on any scalar.
 template <typename T>
 struct Lanes {
-  static constexpr int kCount = 4;
-  T v[kCount];
+  T v[kBlock];
 
-  T get(int i) const { return v[i]; }
-  void set(int i, const T& x) { v[i] = x; }
+  static Lanes load(const T* from) { return {{from[0], from[1], from[2], from[3]}}; }
+  void store(T* to) const {
+    for (int i = 0; i < kBlock; ++i) to[i] = v[i];
+  }
   Lanes operator+(const Lanes& b) const {
     return {{v[0] + b.v[0], v[1] + b.v[1], v[2] + b.v[2], v[3] + b.v[3]}};
   }
@@ -26,38 +27,67 @@ struct Lanes {
   }
 };
 
-/// The same in vector registers, two numbers each: every machine of the x86-64 and AArch64 kind has them.
-template <>
-struct Lanes<double> {
+/// The same for double in vector registers of two, which every x86-64 and AArch64 processor has ...
+struct TwoPairs {
   typedef double Pair __attribute__((vector_size(16)));
-  static constexpr int kCount = 4;
+  typedef double Memory __attribute__((vector_size(16), aligned(8), may_alias));
   Pair low, high;
 
-  double get(int i) const { return i < 2 ? low[i] : high[i - 2]; }
-  void set(int i, double x) { reinterpret_cast<double*>(this)[i] = x; }
-  Lanes operator+(const Lanes& b) const { return {low + b.low, high + b.high}; }
-  Lanes operator-(const Lanes& b) const { return {low - b.low, high - b.high}; }
-  Lanes operator-() const { return {-low, -high}; }
-  friend Lanes operator*(double s, const Lanes& b) { return {s * b.low, s * b.high}; }
+  static DYNWITNESS_INLINE TwoPairs load(const double* from) {
+    return {*reinterpret_cast<const Memory*>(from), *reinterpret_cast<const Memory*>(from + 2)};
+  }
+  DYNWITNESS_INLINE void store(double* to) const {
+    *reinterpret_cast<Memory*>(to) = low;
+    *reinterpret_cast<Memory*>(to + 2) = high;
+  }
+  DYNWITNESS_INLINE TwoPairs operator+(const TwoPairs& b) const { return {low + b.low, high + b.high}; }
+  DYNWITNESS_INLINE TwoPairs operator-(const TwoPairs& b) const { return {low - b.low, high - b.high}; }
+  DYNWITNESS_INLINE TwoPairs operator-() const { return {-low, -high}; }
+  friend DYNWITNESS_INLINE TwoPairs operator*(double s, const TwoPairs& b) { return {s * b.low, s * b.high}; }
 };
 
+/// ... and of four.
+struct Quad {
+  typedef double Four __attribute__((vector_size(32)));
+  typedef double Memory __attribute__((vector_size(32), aligned(8), may_alias));
+  Four v;
+
+  static DYNWITNESS_INLINE Quad load(const double* from) {
+    return {*reinterpret_cast<const Memory*>(from)};
+  }
+  DYNWITNESS_INLINE void store(double* to) const { *reinterpret_cast<Memory*>(to) = v; }
+  DYNWITNESS_INLINE Quad operator+(const Quad& b) const { return {v + b.v}; }
+  DYNWITNESS_INLINE Quad operator-(const Quad& b) const { return {v - b.v}; }
+  DYNWITNESS_INLINE Quad operator-() const { return {-v}; }
+  friend DYNWITNESS_INLINE Quad operator*(double s, const Quad& b) { return {s * b.v}; }
+};
+
+/// What the sweep writes on, sized once for a plan.
 template <typename T>
 struct MassMatrixWorkspace {
   explicit MassMatrixWorkspace(const Plan<T>& plan)
-      : turns(plan.links.size()),
+      : frames(plan.links.size() + 1),
         branches(plan.branches),
-        columns(plan.dof_of_column.size() / Lanes<T>::kCount),
-        others(plan) {}
+        columns(plan.dof_of_column.size() / kBlock),
+        others(plan) {
+    for (Frame& frame : frames) frame = {};
+    for (Columns& block : columns) block = {};
+    frames[0].x[0] = frames[0].y[1] = frames[0].z[2] = T(1);
+  }
+  struct Frame {
+    T c, s;                                        ///< of the joint's angle
+    T x[kBlock], y[kBlock], z[kBlock], p[kBlock];  ///< axes, and the way from the parent, in the world's
+  };
   struct Composite {
     T mass;
     Vec<T> h;
     Symmetric3<T> I;
   };
-  /// Force and moment that hold up accelerations of joints outboard, about the origin of the link at hand.
+  /// In world axes: forces of accelerations of joints outboard, and moments about the link at hand.
   struct Columns {
-    Lanes<T> f_x, f_y, f_z, n_x, n_y, n_z;
+    T f_x[kBlock], f_y[kBlock], f_z[kBlock], n_x[kBlock], n_y[kBlock], n_z[kBlock];
   };
-  std::vector<CosSin<T>> turns;
+  std::vector<Frame> frames;  ///< the first is the world
   std::vector<Composite> branches;
   std::vector<Columns> columns;
   OtherJoints<T> others;
@@ -65,29 +95,30 @@ struct MassMatrixWorkspace {
 
 namespace detail {
 
-// a vector of lanes passes a joint as a vector of numbers does
-template <typename T>
-DYNWITNESS_INLINE void turnLanes(const T& c, const T& s, Lanes<T>& a, Lanes<T>& b) {
-  const Lanes<T> new_a = c * a - s * b;
-  b = s * a + c * b;
-  a = new_a;
-}
-template <Step kStep, typename T>
-DYNWITNESS_INLINE void inwardLanes(const Way<kStep, T>& way, Lanes<T>& x, Lanes<T>& y, Lanes<T>& z) {
-  if constexpr (kStep != Step::kOther) turnLanes(way.c, way.s, x, y);
+/// The axes of a frame, each a vector of lanes, from the parent's through a joint.
+template <Step kStep, typename T, typename Pack>
+DYNWITNESS_INLINE void axesThrough(const Way<kStep, T>& way, Pack& x, Pack& y, Pack& z) {
   if constexpr (kStep == Step::kTurnQuarter) {
-    const Lanes<T> new_y = -(way.link.s * z);
-    z = way.link.s * y;
+    const Pack new_y = way.link.s * z;
+    z = -(way.link.s * y);
     y = new_y;
   }
-  if constexpr (kStep == Step::kTurnTwist || kStep == Step::kSlideTwist)
-    turnLanes(way.link.c, way.link.s, y, z);
+  if constexpr (kStep == Step::kTurnTwist || kStep == Step::kSlideTwist) {
+    const Pack new_y = way.link.c * y + way.link.s * z;
+    z = way.link.c * z - way.link.s * y;
+    y = new_y;
+  }
   if constexpr (Way<kStep, T>::kHasMatrix) {
     const Mat<T>& R = *way.R;
-    const Lanes<T> new_x = R.xx * x + R.yx * y + R.zx * z, new_y = R.xy * x + R.yy * y + R.zy * z;
-    z = R.xz * x + R.yz * y + R.zz * z;
+    const Pack new_x = R.xx * x + R.xy * y + R.xz * z, new_y = R.yx * x + R.yy * y + R.yz * z;
+    z = R.zx * x + R.zy * y + R.zz * z;
     x = new_x;
     y = new_y;
+  }
+  if constexpr (kStep != Step::kOther) {
+    const Pack new_x = way.c * x + way.s * y;
+    y = way.c * y - way.s * x;
+    x = new_x;
   }
 }
 
@@ -104,32 +135,83 @@ DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, const T& mass, Composite& x) {
 
 }  // namespace detail
 
-/** M(q), n x n, both halves, a symmetric matrix row by row or column by column; as recursive::massMatrix.
-        (1)  I_C of p  +=  R' I_C R shifted by p            everything outboard of a joint as one body
-        (2)  F = I_C Z,  M_ii = Z' F + d                    the column that moves joint i alone
-        (3)  all columns outboard of a joint are carried through it together, four a block; M_ij = Z_j' F
-    @param M  n n numbers, written whole */
-template <typename T>
-void massMatrix(const Plan<T>& plan, const JointPosition<T>* x, MassMatrixWorkspace<T>& ws, T* M) {
+namespace detail {
+
+template <typename Pack, typename T>
+DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T>* x,
+                                      MassMatrixWorkspace<T>& ws, T* M) {
+  using Frame = typename MassMatrixWorkspace<T>::Frame;
   using Composite = typename MassMatrixWorkspace<T>::Composite;
   using Columns = typename MassMatrixWorkspace<T>::Columns;
-  constexpr int kCount = Lanes<T>::kCount;
-  const int n = static_cast<int>(plan.links.size()), dof = plan.dof;
-  if (!plan.is_chain) std::fill(M, M + static_cast<std::size_t>(dof) * dof, T(0));
-  const auto write = [&](int d, int from, int begin, int end, const Lanes<T>& row) DYNWITNESS_INLINE_LAMBDA {
-    const int first = std::max(begin, from), last = std::min(end, from + kCount);
-    for (int k = first; k < last; ++k) {
-      const int e = plan.dof_of_column[k];
-      if (e < 0) continue;  // between two branches
-      const T value = row.get(k - from);
-      M[static_cast<std::size_t>(d) * dof + e] = value;
-      M[static_cast<std::size_t>(e) * dof + d] = value;
+  const int n = static_cast<int>(plan.links.size());
+  const std::size_t dof = plan.dof;
+  Frame* const frames = ws.frames.data();
+  const auto along = [](const T* e, const T* x, const T* y, const T* z) DYNWITNESS_INLINE_LAMBDA {
+    return e[0] * Pack::load(x) + e[1] * Pack::load(y) + e[2] * Pack::load(z);
+  };
+
+  // outward: the links' axes
+  for (int i = 0; i < n; ++i) {
+    const Link<T>& link = plan.links[i];
+    const Frame& parent = frames[link.parent];
+    Frame& frame = frames[i + 1];
+    withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
+      constexpr Step kStep = decltype(step)::value;
+      const auto way = wayThrough<kStep>(plan, link, x, ws.others);
+      frame.c = way.c;
+      frame.s = way.s;
+      Pack e_x = Pack::load(parent.x), e_y = Pack::load(parent.y), e_z = Pack::load(parent.z);
+      if (link.is_apart) {
+        const Vec<T> p = jointPlace<kStep>(link, x, ws.others);
+        (p.x * e_x + p.y * e_y + p.z * e_z).store(frame.p);
+      }
+      axesThrough(way, e_x, e_y, e_z);
+      e_x.store(frame.x);
+      e_y.store(frame.y);
+      e_z.store(frame.z);
+    });
+  }
+
+  if (!plan.is_chain) std::fill(M, M + dof * dof, T(0));  // branches do not feel each other
+  // one row for the columns of a block, up to the end of the branch; columns before the joint's own
+  // are written again when their turn comes
+  const auto write = [&](int d, int b, int end, const Pack& row) DYNWITNESS_INLINE_LAMBDA {
+    const ColumnBlock& block = plan.blocks[b];
+    T* const across = M + d * dof;
+    T values[kBlock];
+    row.store(values);
+    const int lanes = std::min(block.count, end - b * kBlock);
+    if (block.first_dof < 0) {
+      for (int k = 0; k < lanes; ++k) {
+        const std::size_t to = plan.dof_of_column[b * kBlock + k];
+        across[to] = M[to * dof + d] = values[k];
+      }
+      return;
+    }
+    T* const down = M + block.first_dof * dof + d;
+    if (lanes == kBlock) {
+      row.store(across + block.first_dof);
+      for (int k = 0; k < kBlock; ++k) down[k * dof] = values[k];
+    } else {
+      for (int k = 0; k < lanes; ++k) across[block.first_dof + k] = down[k * dof] = values[k];
+    }
+  };
+  // the same for a joint of several axes, or a screw
+  const auto writeOther = [&](const Link<T>& at, const Frame& frame, const Columns& F, int b, int end) {
+    for (int l = 0; l < at.axes; ++l) {
+      const bool slides = at.kind == JointKind::kFloating && l < 3;
+      const int axis = at.axes == 1 ? 2 : l % 3;
+      const T* const e = axis == 0 ? frame.x : axis == 1 ? frame.y : frame.z;
+      Pack row = slides ? along(e, F.f_x, F.f_y, F.f_z) : along(e, F.n_x, F.n_y, F.n_z);
+      if (at.kind == JointKind::kHelical) row = row + at.pitch * along(e, F.f_x, F.f_y, F.f_z);
+      write(at.dof + l, b, end, row);
     }
   };
 
   Composite I_C;  // of the link at hand; between two, what the link before hands inward
   for (int i = n - 1; i >= 0; --i) {
     const Link<T>& link = plan.links[i];
+    const Frame& frame = frames[i + 1];
     if (link.end == i + 1) {
       I_C = {link.mass, link.h, link.I};
     } else {
@@ -141,32 +223,33 @@ void massMatrix(const Plan<T>& plan, const JointPosition<T>* x, MassMatrixWorksp
       const Composite& sum = ws.branches[link.branch];
       I_C = {I_C.mass + sum.mass, I_C.h + sum.h, I_C.I + sum.I};
     }
-    withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
-      constexpr Step kStep = decltype(step)::value;
-      const auto way = wayThrough<kStep>(plan, link, x, ws.others);
-      const auto setColumn = [&](int column, const Vec<T>& f, const Vec<T>& m) DYNWITNESS_INLINE_LAMBDA {
-        Columns& block = ws.columns[column / kCount];
-        const int lane = column % kCount;
-        block.f_x.set(lane, f.x), block.f_y.set(lane, f.y), block.f_z.set(lane, f.z);
-        block.n_x.set(lane, m.x), block.n_y.set(lane, m.y), block.n_z.set(lane, m.z);
-      };
+    const Link<T>& parent = plan.links[link.parent == 0 ? i : link.parent - 1];
+    const Frame& inboard = frames[link.parent];
+    {
       const Vec<T>& h = I_C.h;
       const Symmetric3<T>& I = I_C.I;
-      if constexpr (isTurn(kStep)) {
-        setColumn(link.column, {-h.y, h.x, T(0)}, {I.xz, I.yz, I.zz});                 // (2)
-        M[static_cast<std::size_t>(link.dof) * dof + link.dof] = I.zz + link.rotor;
-      } else if constexpr (isSlide(kStep)) {
-        setColumn(link.column, {T(0), T(0), I_C.mass}, {h.y, -h.x, T(0)});
-        M[static_cast<std::size_t>(link.dof) * dof + link.dof] = I_C.mass + link.rotor;
+      const Pack e_x = Pack::load(frame.x), e_y = Pack::load(frame.y), e_z = Pack::load(frame.z);
+      const auto setColumn = [&](int column, const Pack& f, const Pack& m) DYNWITNESS_INLINE_LAMBDA {
+        Columns& block = ws.columns[static_cast<unsigned>(column) / kBlock];
+        const unsigned lane = static_cast<unsigned>(column) % kBlock;
+        T force[kBlock], moment[kBlock];
+        f.store(force);
+        m.store(moment);
+        block.f_x[lane] = force[0], block.f_y[lane] = force[1], block.f_z[lane] = force[2];
+        block.n_x[lane] = moment[0], block.n_y[lane] = moment[1], block.n_z[lane] = moment[2];
+      };
+      if (isTurn(link.step)) {                                                         // (2)
+        setColumn(link.column, h.x * e_y - h.y * e_x, I.xz * e_x + I.yz * e_y + I.zz * e_z);
+        M[link.dof * dof + link.dof] = I.zz + link.rotor;
+      } else if (isSlide(link.step)) {
+        setColumn(link.column, I_C.mass * e_z, h.y * e_x - h.x * e_y);
+        M[link.dof * dof + link.dof] = I_C.mass + link.rotor;
       } else {
         for (int k = 0; k < link.axes; ++k) {
           Vec<T> v = Vec<T>::zero(), w = Vec<T>::zero();
-          const T one[6] = {T(k == 0), T(k == 1), T(k == 2), T(k == 3), T(k == 4), T(k == 5)};
-          Link<T> unit = link;
-          unit.dof = 0;
-          otherMotion(unit, one, v, w);
+          addAlongAxis(link, k, T(1), v, w);
           const Vec<T> f = v * I_C.mass + cross(w, h), m = cross(h, v) + times(I, w);
-          setColumn(link.column + k, f, m);
+          setColumn(link.column + k, f.x * e_x + f.y * e_y + f.z * e_z, m.x * e_x + m.y * e_y + m.z * e_z);
           for (int l = 0; l <= k; ++l) {
             const T value = alongAxis(link, l, f, m);
             const std::size_t d = link.dof + k, e = link.dof + l;
@@ -174,41 +257,62 @@ void massMatrix(const Plan<T>& plan, const JointPosition<T>* x, MassMatrixWorksp
           }
         }
       }
-      if (link.parent == 0) return;
-      const Vec<T> p = jointPlace<kStep>(link, x, ws.others);
-      const Link<T>& parent = plan.links[link.parent - 1];
-      for (int b = link.column / kCount; b * kCount < link.end_column; ++b) {           // (3)
-        Columns& F = ws.columns[b];
-        detail::inwardLanes(way, F.f_x, F.f_y, F.f_z);
-        detail::inwardLanes(way, F.n_x, F.n_y, F.n_z);
-        if (link.is_apart) {
-          F.n_x = F.n_x + (p.y * F.f_z - p.z * F.f_y);
-          F.n_y = F.n_y + (p.z * F.f_x - p.x * F.f_z);
-          F.n_z = F.n_z + (p.x * F.f_y - p.y * F.f_x);
-        }
-        const int from = b * kCount;
-        if (isTurn(parent.step)) {
-          write(parent.dof, from, link.column, link.end_column, F.n_z);
-        } else if (isSlide(parent.step)) {
-          write(parent.dof, from, link.column, link.end_column, F.f_z);
-        } else {
-          const Lanes<T> entries[6] = {F.f_x, F.f_y, F.f_z, F.n_x, F.n_y, F.n_z};
-          for (int l = 0; l < parent.axes; ++l) {
-            Lanes<T> row = F.n_z;
-            if (parent.kind == JointKind::kHelical) row = row + parent.pitch * F.f_z;
-            else row = entries[parent.axes == 6 ? l : l + 3];
-            write(parent.dof + l, from, link.column, link.end_column, row);
-          }
-        }
+    }
+    if (link.parent == 0) continue;
+    for (int b = static_cast<unsigned>(link.column) / kBlock; b * kBlock < link.end_column; ++b) {             // (3)
+      Columns& F = ws.columns[b];
+      Pack n_x = Pack::load(F.n_x), n_y = Pack::load(F.n_y), n_z = Pack::load(F.n_z);
+      if (link.is_apart) {
+        const T* const p = frame.p;
+        const Pack f_x = Pack::load(F.f_x), f_y = Pack::load(F.f_y), f_z = Pack::load(F.f_z);
+        n_x = n_x + (p[1] * f_z - p[2] * f_y);
+        n_y = n_y + (p[2] * f_x - p[0] * f_z);
+        n_z = n_z + (p[0] * f_y - p[1] * f_x);
+        n_x.store(F.n_x), n_y.store(F.n_y), n_z.store(F.n_z);
       }
+      if (isTurn(parent.step)) {
+        const T* const e = inboard.z;
+        write(parent.dof, b, link.end_column, e[0] * n_x + e[1] * n_y + e[2] * n_z);
+      } else if (isSlide(parent.step)) {
+        write(parent.dof, b, link.end_column, along(inboard.z, F.f_x, F.f_y, F.f_z));
+      } else {
+        writeOther(parent, inboard, F, b, link.end_column);
+      }
+    }
+    withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
+      constexpr Step kStep = decltype(step)::value;
+      const auto way = wayBack<kStep>(plan, link, frame.c, frame.s, ws.others);
       way.inward(I_C.h);                                                              // (1)
       way.inward(I_C.I);
-      if (link.is_apart) detail::shiftBack(p, I_C.mass, I_C);
+      if (link.is_apart) shiftBack(jointPlace<kStep>(link, x, ws.others), I_C.mass, I_C);
     });
-    if (link.parent == i || link.parent == 0) continue;
-    Composite& sum = ws.branches[plan.links[link.parent - 1].branch];
+    if (link.parent == i) continue;
+    Composite& sum = ws.branches[parent.branch];
     if (link.is_last_child) sum = I_C;
     else sum = {sum.mass + I_C.mass, sum.h + I_C.h, sum.I + I_C.I};
+  }
+}
+
+DYNWITNESS_FOR_AVX2 inline void massMatrixForAvx2(const Plan<double>& plan, const JointPosition<double>* x,
+                                                  MassMatrixWorkspace<double>& ws, double* M) {
+  massMatrixBody<Quad>(plan, x, ws, M);
+}
+
+}  // namespace detail
+
+/** M(q), n x n, both halves, a symmetric matrix row by row or column by column; as recursive::massMatrix.
+        (1)  I_C of p  +=  R' I_C R shifted by p            everything outboard of a joint as one body
+        (2)  F = I_C Z,  M_ii = Z' F + d                    the column that moves joint i alone
+        (3)  all columns outboard of a joint are carried inward together, four a block; M_ij = Z_j' F
+    Columns keep to the world's axes, so that a joint turns none of them: n += p x f is all.
+    @param M  n n numbers, written whole */
+template <typename T>
+void massMatrix(const Plan<T>& plan, const JointPosition<T>* x, MassMatrixWorkspace<T>& ws, T* M) {
+  if constexpr (std::is_same_v<T, double>) {
+    if (kHasAvx2) return detail::massMatrixForAvx2(plan, x, ws, M);
+    detail::massMatrixBody<TwoPairs>(plan, x, ws, M);
+  } else {
+    detail::massMatrixBody<Lanes<T>>(plan, x, ws, M);
   }
 }
 

@@ -15,12 +15,17 @@
 
 #include <algorithm>
 #include <type_traits>
+#include <stdexcept>
 #include <vector>
 
+#include "recursive/fast/dispatch.hpp"
 #include "recursive/fast/vector.hpp"
 #include "recursive/model.hpp"
 
 namespace dynwitness::recursive::fast {
+
+/// How many columns of M are carried inward together.
+inline constexpr int kBlock = 4;
 
 /// What the code of a sweep is specialised for: what the joint does, and the fixed turn before it.
 enum class Step { kTurnStraight, kTurnQuarter, kTurnTwist, kTurnMatrix, kSlideTwist, kSlideMatrix, kOther };
@@ -66,14 +71,21 @@ struct PlannedLoad {
   Vec<T> force, moment, at;
 };
 
+struct ColumnBlock {
+  int first_dof;  ///< of consecutive ones; -1: they are not
+  int count;      ///< columns in use
+};
+
 /// Built once from a model, then constant.
 template <typename T>
 struct Plan {
+  /// @throws std::invalid_argument  the model has friction or gyroscopic rotors
   explicit Plan(const Model<T>& model);
 
   std::vector<Link<T>> links;
   std::vector<Mat<T>> matrices;
   std::vector<int> dof_of_column;  ///< -1: nothing there
+  std::vector<ColumnBlock> blocks;
   std::vector<PlannedLoad<T>> world_loads;
   Vec<T> gravity;
   int dof, positions, branches = 0;
@@ -231,12 +243,13 @@ void Plan<T>::fill(const Model<T>& model) {
 template <typename T>
 Plan<T>::Plan(const Model<T>& model)
     : gravity(Vec<T>::from(model.gravity)), dof(model.dof()), positions(model.positions) {
+  if (model.gyroscopic || model.friction)
+    throw std::invalid_argument("fast sweeps know neither joint friction nor gyroscopic rotors");
   order(model);
   fill(model);
   link_of_.clear();
   link_of_.shrink_to_fit();
   // columns, four a block: a branch begins a block, so that no block holds columns of two branches
-  constexpr int kBlock = 4;
   int column = 0;
   for (int k = 0; k < static_cast<int>(links.size()); ++k) {
     if (links[k].parent != k) column = (column + kBlock - 1) / kBlock * kBlock;
@@ -244,9 +257,16 @@ Plan<T>::Plan(const Model<T>& model)
     column += links[k].axes;
   }
   dof_of_column.assign((column + kBlock - 1) / kBlock * kBlock, -1);
+  std::vector<int>& dofs = dof_of_column;
   for (Link<T>& link : links) {
     for (int a = 0; a < link.axes; ++a) dof_of_column[link.column + a] = link.dof + a;
     link.end_column = links[link.end - 1].column + links[link.end - 1].axes;
+  }
+  for (std::size_t b = 0; b < dofs.size(); b += kBlock) {
+    ColumnBlock block{dofs[b], 1};
+    for (; block.count < kBlock && dofs[b + block.count] >= 0; ++block.count)
+      if (dofs[b + block.count] != dofs[b] + block.count) block.first_dof = -1;
+    blocks.push_back(block);
   }
 }
 
@@ -374,6 +394,20 @@ T alongAxis(const Link<T>& link, int k, const Vec<T>& f, const Vec<T>& n) {
     case JointKind::kSpherical: return entry(n, k);
     case JointKind::kFloating: return k < 3 ? entry(f, k) : entry(n, k - 3);
     default: return n.z;
+  }
+}
+
+/// (a, wd) += Z_k rate
+template <typename T>
+void addAlongAxis(const Link<T>& link, int k, const T& rate, Vec<T>& a, Vec<T>& wd) {
+  const auto add = [&](Vec<T>& v, int i) { (i == 0 ? v.x : i == 1 ? v.y : v.z) += rate; };
+  switch (link.kind) {
+    case JointKind::kHelical:
+      a.z = a.z + link.pitch * rate;
+      wd.z = wd.z + rate;
+      break;
+    case JointKind::kFloating: k < 3 ? add(a, k) : add(wd, k - 3); break;
+    default: add(wd, k);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "recursive/fast/dispatch.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::recursive::fast {
@@ -39,7 +40,6 @@ enum { LANES = 4 };
 #pragma GCC pop_options
 #endif
 
-inline const bool kHasFourLanes = (__builtin_cpu_init(), __builtin_cpu_supports("avx2"));
 #endif
 
 }  // namespace detail
@@ -52,7 +52,7 @@ inline constexpr double kLargestAngle = detail::two::LARGEST_ANGLE;
     @param q, x  `count` positions [rad, m]; lanes that are not angles do not mind */
 inline void jointPositions(const double* q, int count, scene::JointPosition<double>* x) {
 #ifdef __x86_64__
-  if (detail::kHasFourLanes) return detail::four::positions(q, count, x);
+  if (kHasAvx2) return detail::four::positions(q, count, x);
 #endif
   detail::two::positions(q, count, x);
 }
