@@ -91,6 +91,37 @@ BOOST_DATA_TEST_CASE(derivatives_by_placement_are_differences, data::make(kScene
   BOOST_TEST(not_zero > 0);
 }
 
+// Misplacing a joint of the model is writing other numbers into the scene.
+BOOST_AUTO_TEST_CASE(a_misplaced_joint_is_one_that_the_scene_misplaces) {
+  using scene::Number;
+  const char* const name = "planar_3r";  // joints about z of their frames, which are not turned
+  scene::Mechanism mechanism = scene::findScene(name).mechanism;
+  const PrimeField::Modulus modulus(drawPrime(name, 3, 0));
+  const FieldSource source(name, 3, 0);
+  const FieldNumbers number(mechanism, source);
+  const auto state = indeterminateState(mechanism, source);
+  const Number roll = Number::parse("0.1"), pitch = Number::parse("0.2"), yaw = Number::parse("-0.3");
+
+  auto model = recursive::buildModel(mechanism, number, recursive::FixedJoints::kKept);
+  const int last = placedJoints(mechanism, model).back();
+  displace<F>(model.links[last], {F(2), F(-3), F(5)}, number.angle(roll), number.angle(pitch),
+              number.angle(yaw));
+  scene::Placement& placement = mechanism.links.back().joint.placement;
+  BOOST_REQUIRE((placement.convention == scene::Placement::Convention::kXyzRpy));
+  const int shift[] = {2, -3, 5};
+  const std::string before[] = {placement.xyz[0].text(), placement.xyz[1].text(), placement.xyz[2].text()};
+  for (int k = 0; k < 3; ++k)
+    placement.xyz[k] = Number::parse("(" + before[k] + ") + (" + std::to_string(shift[k]) + ")");
+  placement.rpy = {roll, pitch, yaw};
+  const auto rewritten = recursive::buildModel(mechanism, number, recursive::FixedJoints::kKept);
+
+  recursive::Workspace<F> ws(model);
+  std::vector<F> left(model.dof(), F(0)), right = left;
+  recursive::inverseDynamics(model, state.x, state.qd, state.qdd, ws, left);
+  recursive::inverseDynamics(rewritten, state.x, state.qd, state.qdd, ws, right);
+  BOOST_TEST((left == right));
+}
+
 // Y Sigma Y' is the covariance of draws of pi, each through the whole sweep, within what chi-square
 // quantiles leave; and it is not when a link's share is left out.
 BOOST_DATA_TEST_CASE(draws_of_inertia_have_the_computed_covariance, data::make(kRoughScenes), name) {
