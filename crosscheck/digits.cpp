@@ -131,7 +131,7 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
   const double ulp = std::numeric_limits<double>::epsilon() * (size > 0 ? size : 1.0);
 
   double farthest = -1, fewest_single = max_digits_;
-  std::string farthest_entry;
+  Eigen::Index farthest_i = 0, farthest_j = 0;
   for (Eigen::Index j = 0; j < answer.cols(); ++j) {
     for (Eigen::Index i = 0; i < answer.rows(); ++i) {
       const Ball& exact = truth.value(i, j);
@@ -139,7 +139,8 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
       const double at_most = distance.isFinite() ? distance.atMost() : kInfinite;
       if (at_most > farthest) {
         farthest = at_most;
-        farthest_entry = entry(i, j, shape);
+        farthest_i = i;
+        farthest_j = j;
       }
       if (!exact.containsZero())
         fewest_single = std::min(fewest_single, digitsOf(at_most, exact.atLeast()));
@@ -147,17 +148,17 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
       // what is proven: the distance to the nearest point of the enclosure
       const double at_least = distance.isFinite() ? distance.atLeast() : kInfinite;
       const double bound = bounds->bound(i, j);
-      const std::string where = entry(i, j, shape) + joints(i, j);
+      const auto where = [&] { return entry(i, j, shape) + joints(i, j); };
       if (!std::isfinite(bound)) {
         undecided_ = fmt::format(
-            "no error bound for {} at state {}: a divisor is zero within rounding", where, state);
+            "no error bound for {} at state {}: a divisor is zero within rounding", where(), state);
         continue;
       }
       if (bounds->known_loss.size() > 0) {
         const double rounding = bound - bounds->known_loss(i, j);
         if (at_least > rounding && at_least <= bound && size > 0 && at_least / size > largest_loss_) {
           largest_loss_ = at_least / size;
-          loss_at_ = fmt::format("{} at state {}", where, state);
+          loss_at_ = fmt::format("{} at state {}", where(), state);
           digits_without_loss_ = digitsOf(rounding, size);
         }
       }
@@ -171,7 +172,7 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
       if (at_least > bound)
         disagreement_ = fmt::format(
             "{} is {:.3g} ulp from the truth at state {}, {:.3g} times its bound of {:.3g} ulp",
-            where, check_.worst, state, ratio, check_.limit);
+            where(), check_.worst, state, ratio, check_.limit);
     }
   }
   if (size == 0) return;  // nothing to count digits of
@@ -179,7 +180,7 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
   if (!result_.worst || kept < *result_.worst) {
     result_.worst = kept;
     result_.worst_state = state;
-    result_.worst_entry = farthest_entry;
+    result_.worst_entry = entry(farthest_i, farthest_j, shape);
   }
   result_.worst_single = std::min(result_.worst_single.value_or(fewest_single), fewest_single);
   by_state_.push_back(kept);

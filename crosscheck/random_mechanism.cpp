@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "crosscheck/archive.hpp"
 #include "crosscheck/crosscheck.hpp"
+#include "crosscheck/processes.hpp"
 #include "crosscheck/states.hpp"
 
 namespace dynwitness::crosscheck {
@@ -210,31 +213,62 @@ scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints
   }
 }
 
-RandomCampaign crosscheckRandom(int count, int max_joints, const ExactOptions& options,
-                                const std::function<void(int)>& progress) {
-  RandomCampaign campaign;
-  for (int index = 0; index < count; ++index) {
-    RandomCampaign::Failure failure{randomScene(options.seed, index, max_joints), {}, {}};
-    const std::vector<CheckResult> checks = exactChecks(failure.scene, options);
-    for (const CheckResult& check : checks) {
-      // where joints of several axes are in the way there is no other root, and nothing to ask
-      if (check.verdict == Verdict::kNotAnswerable && check.check == "independence of the chosen root")
-        continue;
-      if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);
-      if (check.verdict == Verdict::kNotAnswerable) {
-        ++campaign.not_answerable;
-        continue;
-      }
-      ++campaign.checks;
-      campaign.error_probability =
-          std::max(campaign.error_probability, check.exact->error_probability);
+namespace {
+
+void checkOne(int index, int max_joints, const ExactOptions& options, RandomCampaign& campaign) {
+  RandomCampaign::Failure failure{randomScene(options.seed, index, max_joints), {}, {}};
+  const std::vector<CheckResult> checks = exactChecks(failure.scene, options);
+  for (const CheckResult& check : checks) {
+    // where joints of several axes are in the way there is no other root, and nothing to ask
+    if (check.verdict == Verdict::kNotAnswerable && check.check == "independence of the chosen root")
+      continue;
+    if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);
+    if (check.verdict == Verdict::kNotAnswerable) {
+      ++campaign.not_answerable;
+      continue;
     }
-    ++campaign.mechanisms;
-    campaign.joints += failure.scene.mechanism.dof();
-    failure.findings = findOutliers(failure.scene.name, checks);
-    if (!failure.checks.empty()) campaign.failures.push_back(std::move(failure));
-    if (progress) progress(campaign.mechanisms);
+    ++campaign.checks;
+    campaign.error_probability = std::max(campaign.error_probability, check.exact->error_probability);
   }
+  ++campaign.mechanisms;
+  campaign.joints += failure.scene.mechanism.dof();
+  failure.findings = findOutliers(failure.scene.name, checks);
+  if (!failure.checks.empty()) campaign.failures.push_back(std::move(failure));
+}
+
+void append(RandomCampaign& all, RandomCampaign more) {
+  all.mechanisms += more.mechanisms;
+  all.joints += more.joints;
+  all.checks += more.checks;
+  all.not_answerable += more.not_answerable;
+  all.error_probability = std::max(all.error_probability, more.error_probability);
+  std::move(more.failures.begin(), more.failures.end(), std::back_inserter(all.failures));
+}
+
+}  // namespace
+
+RandomCampaign crosscheckRandom(int count, int max_joints, const ExactOptions& options, int processes,
+                                const std::function<void(int)>& progress) {
+  ExactOptions asked = options;
+  if (asked.witnesses.empty())
+    asked.witnesses = {"lagrange", NewtonEuler::kName, CompositeBody::kName, ArticulatedBody::kName};
+  constexpr int kBlock = 5;  // mechanisms a task
+  int done = 0;
+  const auto size = [=](int block) { return std::min(kBlock, count - block * kBlock); };
+  const std::vector<std::string> parts = inProcesses(
+      processes, (count + kBlock - 1) / kBlock,
+      [&](int block) {
+        RandomCampaign part;
+        for (int i = 0; i < size(block); ++i)
+          checkOne(block * kBlock + i, max_joints, asked, part);
+        return archived(part);
+      },
+      [&](int block) {
+        done += size(block);
+        if (progress) progress(done);
+      });
+  RandomCampaign campaign;
+  for (const std::string& part : parts) append(campaign, randomCampaignOf(part));
   return campaign;
 }
 

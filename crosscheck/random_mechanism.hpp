@@ -38,10 +38,13 @@ struct RandomCampaign {
   std::vector<Failure> failures;
 };
 
-/** Checks `count` random mechanisms exactly, each with exactChecks() at the options' seed.
-    @param progress  called after each mechanism with the number of those done; may be empty */
+/** Checks `count` random mechanisms exactly, each with exactChecks() at the options' seed. Witnesses are
+    those that the options name; when they name none, all but kernels, whose making takes ten times as
+    long as all other checks together.
+    @param processes  how many of this processor's cores to use
+    @param progress   called as mechanisms are done, with the number of those done; may be empty */
 RandomCampaign crosscheckRandom(int count, int max_joints, const ExactOptions& options,
-                                const std::function<void(int)>& progress = {});
+                                int processes = 1, const std::function<void(int)>& progress = {});
 
 /// For people: what failed, and the command and the scene file that show it again.
 std::string describeFailure(const RandomCampaign::Failure& failure);

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "benchmark_derivation.hpp"
 #include "benchmark_mujoco.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/kernel/compiled.hpp"
@@ -189,6 +190,7 @@ class Table : public benchmark::ConsoleReporter {
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) {
       if (run.error_occurred || run.run_type != Run::RT_Iteration) continue;
+      if (benchmarks::keepDerivation(run)) continue;
       double ns = run.GetAdjustedCPUTime();
       const std::string name = run.run_name.function_name;
       if (name.size() > std::string(kLanes).size() &&
@@ -277,6 +279,7 @@ int main(int argc, char** argv) {
       add("FD", Quantity::kQdd);
     }
   }
+  benchmarks::registerDerivations();
   // results are kept unless the caller says where
   std::string file = std::string("--benchmark_out=") + DYNWITNESS_BENCHMARKS_FILE;
   std::vector<char*> arguments = {argv[0], file.data()};
@@ -288,4 +291,5 @@ int main(int argc, char** argv) {
   Table table;
   benchmark::RunSpecifiedBenchmarks(&table);
   table.print();
+  benchmarks::printDerivations();
 }

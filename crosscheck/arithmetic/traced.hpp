@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "crosscheck/arithmetic/eigen_scalar.hpp"
 #include "scene/numbers.hpp"
 #include "scene/state.hpp"
 #include "symbolic/graph.hpp"
@@ -85,12 +86,6 @@ scene::State<Traced> tracedState(const scene::Mechanism& mechanism);
 
 namespace Eigen {
 template <>
-struct NumTraits<dynwitness::crosscheck::Traced> : GenericNumTraits<double> {
-  using Real = dynwitness::crosscheck::Traced;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = Real;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 1,
-         AddCost = 4, MulCost = 4 };
-};
+struct NumTraits<dynwitness::crosscheck::Traced>
+    : dynwitness::crosscheck::EigenScalar<dynwitness::crosscheck::Traced, 1, 4, 4> {};
 }  // namespace Eigen

@@ -95,12 +95,20 @@ bool Audit::isSound() const {
 }
 
 std::string Audit::headline() const {
-  const auto equations = std::count_if(entries.begin(), entries.end(),
-                                       [](const Entry& entry) { return entry.isEquation(); });
-  return fmt::format(
-      "{} equations and {} other statements: {} hold, {} hold under a condition, {} are wrong",
-      equations, static_cast<long>(entries.size()) - equations, count(Holds::kTrue),
-      count(Holds::kUnderCondition), count(Holds::kFalse));
+  // "74 equations: 51 hold, 10 under a condition, 13 wrong"
+  const auto counted = [&](bool equations, const char* one, const char* many) {
+    int all = 0, of[3] = {};
+    for (const Entry& entry : entries) {
+      if (entry.isEquation() != equations) continue;
+      ++all;
+      ++of[static_cast<int>(entry.holds)];
+    }
+    const auto n = [&](Holds holds) { return of[static_cast<int>(holds)]; };
+    return fmt::format("{} {}: {} hold, {} under a condition, {} wrong", all, all == 1 ? one : many,
+                       n(Holds::kTrue), n(Holds::kUnderCondition), n(Holds::kFalse));
+  };
+  return counted(true, "equation", "equations") + "; " +
+         counted(false, "sentence or open item", "sentences and open items");
 }
 
 Audit runAudit(std::uint64_t seed, const std::function<bool(const Claim&)>& select) {

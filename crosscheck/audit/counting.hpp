@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "crosscheck/arithmetic/eigen_scalar.hpp"
 #include "recursive/spatial.hpp"
 
 namespace dynwitness::audit {
@@ -62,21 +63,8 @@ inline Operations projectionCost(bool with_rotor);
 
 namespace Eigen {
 template <>
-struct NumTraits<dynwitness::audit::Counted> : GenericNumTraits<double> {
-  using Real = dynwitness::audit::Counted;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = Real;
-  enum {
-    IsComplex = 0,
-    IsInteger = 0,
-    IsSigned = 1,
-    RequireInitialization = 1,
-    ReadCost = 1,
-    AddCost = 1,
-    MulCost = 1
-  };
-};
+struct NumTraits<dynwitness::audit::Counted>
+    : dynwitness::crosscheck::EigenScalar<dynwitness::audit::Counted, 1, 1, 1> {};
 }  // namespace Eigen
 
 namespace dynwitness::audit {

@@ -6,10 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/archive.hpp"
 #include "crosscheck/chart/chart.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
+#include "crosscheck/processes.hpp"
 #include "crosscheck/random_mechanism.hpp"
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/report.hpp"
@@ -28,6 +30,7 @@ struct Arguments {
   Options options;
   std::string parameters = kAsWritten;
   int random = 0, joints = 12;  ///< random mechanisms instead of scenes
+  int processes = availableProcessors();
   bool charts = true;
 };
 
@@ -113,15 +116,19 @@ int runRandom(const Arguments& arguments) {
   ExactOptions options;
   options.seed = arguments.options.seed;
   options.error_probability = arguments.options.error_probability;
+  for (const WitnessKind& kind : selectWitnesses(arguments.options.witnesses))
+    if (!arguments.options.witnesses.empty()) options.witnesses.push_back(kind.info.name);
   RandomCampaign campaign;
   {
     constexpr int kStages = 20;
     Progress progress(kStages);
     int stage = 0;
-    campaign = crosscheckRandom(arguments.random, arguments.joints, options, [&](int done) {
-      for (; stage < kStages && done * kStages >= (stage + 1) * arguments.random; ++stage)
+    const auto show = [&](int done) {
+      for (; stage < kStages && 1L * done * kStages >= (stage + 1L) * arguments.random; ++stage)
         progress.stage(fmt::format("{} mechanisms", done));
-    });
+    };
+    campaign =
+        crosscheckRandom(arguments.random, arguments.joints, options, arguments.processes, show);
   }
   fmt::print("{} random mechanisms, {} joints, {} exact checks, {}{}; chance that a wrong formula passes "
              "one at most {:.1g} (seed {})\n",
@@ -161,15 +168,18 @@ int run(const Arguments& arguments) {
   result.witnesses.push_back({"table", DYNWITNESS_VERSION, "published numbers in data/reference"});
   std::vector<Chart> charts;
   {
-    Progress progress(static_cast<int>(scenes.size()) + 1);
-    for (const scene::Scene& scene : scenes) {
-      progress.stage(scene.name);
-      result.scenes.push_back(crosscheckScene(scene, kinds, arguments.options));
-      if (arguments.charts)
-        charts.push_back(speedAccuracy(scene, Quantity::kTau, kinds,
-                                       std::min(arguments.options.states, kMostChartStates),
-                                       arguments.options.seed));
-    }
+    const int count = static_cast<int>(scenes.size());
+    Progress progress(count + (arguments.charts ? 2 : 1));
+    const std::vector<std::string> answers = inProcesses(
+        arguments.processes, count,
+        [&](int i) { return archived(crosscheckScene(scenes[i], kinds, arguments.options)); },
+        [&](int i) { progress.stage(scenes[i].name); });
+    for (const std::string& answer : answers) result.scenes.push_back(sceneResultOf(answer));
+    if (arguments.charts) progress.stage("charts");  // timed alone on the machine, one by one
+    for (int i = 0; i < count && arguments.charts; ++i)
+      charts.push_back(speedAccuracy(scenes[i], Quantity::kTau, kinds,
+                                     std::min(arguments.options.states, kMostChartStates),
+                                     arguments.options.seed));
     progress.stage("report");
     const Environment environment = thisEnvironment(libraries);
     writeReport(result, environment, arguments.report, charts);
@@ -217,13 +227,17 @@ Run addCrosscheck(CLI::App& app) {
       ->check(CLI::IsMember({kAsWritten, kRandom}));
   command
       ->add_option("--random", arguments->random,
-                   "Check this many random mechanisms exactly, instead of scenes; no report")
-      ->excludes("--json", "--witness", "--states", "--parameters")
+                   "Check this many random mechanisms exactly, instead of scenes; no report. Kernels "
+                   "take part when --witness names them")
+      ->excludes("--json", "--states", "--parameters")
       ->check(CLI::Range(1, 100000000));
   command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
       ->capture_default_str()
       ->needs("--random")
       ->check(CLI::Range(1, 1000));
+  command->add_option("--processes", arguments->processes, "How many processes share the work")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
   command->add_flag("!--no-drift", arguments->options.drift, "Leave out the 10 s simulations");
   command->add_flag("!--no-charts", arguments->charts,
                     "Leave out the charts of speed against accuracy, the only part that a clock "

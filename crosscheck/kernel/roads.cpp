@@ -2,12 +2,14 @@
 #include "crosscheck/kernel/roads.hpp"
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 
 #include "crosscheck/kernel/factor.hpp"
 #include "crosscheck/kernel/lean_sweeps.hpp"
 #include "crosscheck/kernel/traced_sweeps.hpp"
 #include "recursive/build_model.hpp"
+#include "scene/scene.hpp"
 #include "symbolic/equations.hpp"
 
 namespace dynwitness::crosscheck::kernel {
@@ -244,11 +246,21 @@ std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula) {
 }
 
 Road smallestRoad(const scene::Mechanism& mechanism, Formula formula) {
+  // A crosscheck of a scene comes here for its two kernels, its exact checks and its tables.
+  static std::string last;
+  static std::map<Formula, Road> known;
+  scene::Scene asked;
+  asked.mechanism = mechanism;
+  if (const std::string text = scene::writeSceneToml(asked); text != last) {
+    known.clear();
+    last = text;
+  }
+  if (const auto it = known.find(formula); it != known.end()) return it->second;
   std::vector<Road> all;
   forEachRoad(mechanism, formula, [&](const std::string& road, const auto& make) {
     if (road.rfind("traced", 0) != 0 || all.empty()) all.push_back({road, make()});
   });
-  return *std::min_element(all.begin(), all.end(), [](const Road& a, const Road& b) {
+  return known[formula] = *std::min_element(all.begin(), all.end(), [](const Road& a, const Road& b) {
     return a.operations() < b.operations();
   });
 }

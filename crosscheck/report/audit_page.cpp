@@ -115,8 +115,8 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
   std::string page = pageHead("Audit: " + audit.headline(), environment.version, "", "entries",
                               "Skip to the entries");
   const std::string headline = audit.headline();
-  const std::size_t cut = headline.find(": ");
-  const char* css = audit.isSound() ? "agree" : "disagree";
+  const std::size_t cut = headline.find("; ");
+  const char* css = audit.isSound() ? "none" : "disagree";  // what is wrong is the chapter
   put(&page,
       "<main>\n<header id=\"top\">\n<p class=\"eyebrow\"><strong>dynwitness</strong> audit of "
       "H. Bruyninckx, Dynamics of robots (2005)</p>\n<div class=\"verdict "

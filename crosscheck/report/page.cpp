@@ -189,7 +189,7 @@ void putCheckRow(std::string* page, const CheckResult& check) {
       "</th><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"unit\">{}</td>"
       "<td class=\"share\">{}</td><td class=\"nowrap\">{}</td><td "
       "class=\"n\">{}</td><td class=\"nowrap\">{}</td><td>{}</td></tr>\n",
-      witnesses(check), esc(readable(check.worst)), esc(readable(check.limit)), esc(check.unit),
+      witnesses(check), esc(readable(check.worst)), esc(limitText(check)), esc(check.unit),
       share(check), worstAt(check), drawn(check) ? std::to_string(check.seed) : "–",
       exactly(check), badge(check.verdict, name(check.verdict)));
 }
@@ -318,7 +318,7 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
         files[all[k].scene].anchor, esc(sceneTitle(result.scenes[all[k].scene])),
         esc(check.statement.empty() ? check.check : check.statement),
         esc(quantityWords(check.quantity)), witnesses(check), esc(readable(check.worst)),
-        esc(readable(check.limit)), esc(check.unit), esc(shareOfLimit(check.ratio)),
+        esc(limitText(check)), esc(check.unit), esc(shareOfLimit(check.ratio)),
         worstAt(check));
   }
   put(page, "</tbody>\n</table>\n</div>\n</section>\n");
@@ -374,10 +374,9 @@ void putSceneTable(std::string* page, const CrosscheckResult& result,
         counts.not_answerable == 0 ? "–" : std::to_string(counts.not_answerable));
     if (counts.worst != nullptr)
       put(page,
-          "<td class=\"share\">{}<span class=\"sub\">{} of {} {}</span></td><td class=\"which\">{} "
+          "<td class=\"share\">{}<span class=\"sub\">{}</span></td><td class=\"which\">{} "
           "<span class=\"soft\">{}</span><span class=\"sub\">{}</span></td></tr>\n",
-          share(*counts.worst), esc(readable(counts.worst->worst)),
-          esc(readable(counts.worst->limit)), esc(counts.worst->unit), esc(counts.worst->quantity),
+          share(*counts.worst), esc(worstOfLimit(*counts.worst)), esc(counts.worst->quantity),
           esc(counts.worst->check), witnesses(*counts.worst));
     else
       put(page, "<td>–</td><td>–</td></tr>\n");

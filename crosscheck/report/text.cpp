@@ -112,6 +112,27 @@ std::string readable(double value) {
   return fmt::format("{:.0f}", value);
 }
 
+namespace {
+
+/// The unit without " (at least)", by which a check says that its limit is one from below; else "".
+std::string unitFromBelow(const CheckResult& check) {
+  static const std::string kAtLeast = " (at least)";
+  const std::size_t at = check.unit.rfind(kAtLeast);
+  return at == std::string::npos ? "" : check.unit.substr(0, at);
+}
+
+}  // namespace
+
+std::string limitText(const CheckResult& check) {
+  return (unitFromBelow(check).empty() ? "" : "≥ ") + readable(check.limit);
+}
+
+std::string worstOfLimit(const CheckResult& check) {
+  if (const std::string unit = unitFromBelow(check); !unit.empty())
+    return fmt::format("{} {}, at least {}", unit, readable(check.worst), readable(check.limit));
+  return fmt::format("{} of {} {}", readable(check.worst), readable(check.limit), check.unit);
+}
+
 std::string shareOfLimit(double ratio) {
   if (std::isnan(ratio)) return "not a number";
   if (ratio > 1) {

@@ -160,7 +160,9 @@ Owned<mjModel> loaded(std::string urdf) {
   // nothing may be fused, bounded, balanced or inferred: the model is to be what the file says
   urdf.insert(urdf.rfind("</robot>"),
               "<mujoco><compiler fusestatic=\"false\" inertiafromgeom=\"false\" "
-              "balanceinertia=\"false\" boundmass=\"0\" boundinertia=\"0\"/></mujoco>");
+              "balanceinertia=\"false\" boundmass=\"0\" boundinertia=\"0\"/>"
+              // no limits and no contacts: MuJoCo clears the room for them at every state
+              "<size njmax=\"1\" nconmax=\"1\"/></mujoco>");
   constexpr const char* kFile = "scene.urdf";
   const Owned<mjVFS> files(new mjVFS);
   mj_defaultVFS(files.get());
