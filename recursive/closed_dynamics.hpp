@@ -25,6 +25,7 @@ struct ClosedMotionResult {
   std::vector<T> qdd;
   VectorX<T> lambda;             ///< in the order of the closure equations
   std::vector<char> determined;  ///< by multiplier
+  int rank = 0;                  ///< of all equations
   std::vector<LoopGroup<T>> groups;
 };
 
@@ -256,6 +257,7 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::ve
         solvers[g].factorize(sum.N);
       }
       solvers[g].solve(sum.lambda);
+      out.rank += solvers[g].rank();
       int column = 0;
       for (const int c : group.closures)
         for (int row = 0; row < scene::equationCount(constraints.closures[c].kind); ++row, ++column) {

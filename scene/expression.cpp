@@ -311,7 +311,7 @@ struct ExpressionParser {
     skipSpaces();
     if (at < text.size() && text[at] == '(') {
       if (!of_time) {
-        fail("a function, \"" + word + "\", allowed: in the motion of a joint, which is a function of t");
+        unexpected("functions in the motion of a joint alone, and after " + word + " an operator + - * / ^ or the end");
       }
       const auto is_word = [&word](const char* function) { return word == function; };
       if (std::none_of(std::begin(kFunctions), std::end(kFunctions), is_word)) {

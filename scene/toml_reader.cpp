@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -95,6 +96,7 @@ class TomlReader {
   std::vector<Expression> readMotion(const toml::node& node, const std::string& what, int count) const;
   AccelerationConstraint readAccelerationConstraint(const toml::table& table, std::size_t index) const;
   void readStart(const toml::node& node);
+  void readLike(const toml::node& node, const toml::table& top);
 
   std::string file_;
   std::vector<std::string> lines_;
@@ -596,20 +598,53 @@ void TomlReader::readStart(const toml::node& node) {
   if (const toml::node* qd = table.get("qd")) scene_.start_qd = numbers(*qd, "start: qd", dof);
 }
 
+/// The scene of another file of the same folder, to which this one adds.
+void TomlReader::readLike(const toml::node& node, const toml::table& top) {
+  checkKeys(top, "a scene that is like another",
+            {"title", "source", "like", "wrench", "closure", "spring", "acceleration_constraint", "start"});
+  const std::string name = string(node, "like");
+  const std::filesystem::path other = std::filesystem::path(file_).parent_path() / (name + ".toml");
+  if (name.empty() || name.find('/') != std::string::npos || !std::filesystem::is_regular_file(other)) {
+    throw InputError(where(node), "like is \"" + name + "\", allowed: the name of a TOML scene in this file's "
+                                                     "folder, without .toml");
+  }
+  std::ifstream in(other);
+  std::ostringstream text;
+  text << in.rdbuf();
+  toml::table of_other;
+  try {
+    of_other = toml::parse(text.str(), other.string());
+  } catch (const toml::parse_error& error) {
+    throw InputError({other.string(), static_cast<int>(error.source().begin.line)},
+                     "not TOML: " + std::string(error.description()));
+  }
+  if (of_other.get("like")) {
+    throw InputError(where(node), "like is \"" + name + "\", which is like a third scene itself, allowed: one "
+                                                     "that stands alone");
+  }
+  TomlReader reader(text.str(), other.string());
+  scene_ = reader.read(of_other);
+  values_ = scene_.mechanism.parameterValues();
+}
+
 Scene TomlReader::read(const toml::table& top) {
-  checkKeys(top, "scene", {"title", "source", "gravity", "parameters", "link", "wrench", "closure",
-                          "spring", "acceleration_constraint", "start"});
-  scene_.title = optionalString(top, "title");
-  scene_.source = optionalString(top, "source");
+  if (const toml::node* like = top.get("like")) readLike(*like, top);
+  else
+    checkKeys(top, "scene", {"title", "source", "gravity", "parameters", "link", "wrench", "closure",
+                          "spring", "acceleration_constraint", "start", "like"});
+  if (const std::string title = optionalString(top, "title"); !title.empty()) scene_.title = title;
+  if (const std::string source = optionalString(top, "source"); !source.empty()) scene_.source = source;
   if (const toml::node* parameters = top.get("parameters")) readParameters(*parameters);
   Mechanism& mechanism = scene_.mechanism;
   if (const toml::node* gravity = top.get("gravity")) {
     mechanism.has_gravity = true;
     mechanism.gravity = vector(*gravity, "gravity");
   }
-  std::vector<NamedLink> links;
-  for (const toml::table* table : tables(top, "link")) links.push_back(readLink(*table));
-  mechanism.links = arrange(links, file_);
+  if (!top.get("like")) {
+    std::vector<NamedLink> links;
+    for (const toml::table* table : tables(top, "link")) links.push_back(readLink(*table));
+    mechanism.links = arrange(links, file_);
+  }
   for (const toml::table* table : tables(top, "wrench")) {
     mechanism.wrenches.push_back(readWrench(*table));
   }
@@ -623,8 +658,10 @@ Scene TomlReader::read(const toml::table& top) {
     mechanism.acceleration_constraints.push_back(
         readAccelerationConstraint(*table, mechanism.acceleration_constraints.size()));
   }
-  scene_.start_q = mechanism.restPosition();
-  scene_.start_qd.resize(static_cast<std::size_t>(mechanism.dof()));
+  if (!top.get("like") || top.get("start")) {
+    scene_.start_q = mechanism.restPosition();
+    scene_.start_qd.assign(static_cast<std::size_t>(mechanism.dof()), Number());
+  }
   if (const toml::node* start = top.get("start")) readStart(*start);
   return std::move(scene_);
 }

@@ -116,7 +116,7 @@ BOOST_AUTO_TEST_CASE(what_is_no_motion_is_refused) {
   BOOST_TEST(says(errorOf("kind = \"revolute\", motion = \"sqrt(t)\""), "outside the domain of sqrt at t = 0"));
   BOOST_TEST(says(errorOf("kind = \"revolute\", motion = \"1/t\""), "not finite at t = 0"));
   BOOST_TEST(says(errorOf("kind = \"revolute\", xyz = [\"sin(1)\", 0, 0]"),
-                  "a function, \"sin\", allowed: in the motion of a joint"));
+                  "column 4: found \"(\", allowed: functions in the motion of a joint alone"));
   const std::string free = "kind = \"revolute\"";
   BOOST_TEST(says(errorOf(free, "[[acceleration_constraint]]\nlink = \"body\"\n"),
                   "direction and rotation are zero"));
@@ -125,6 +125,24 @@ BOOST_AUTO_TEST_CASE(what_is_no_motion_is_refused) {
   BOOST_TEST(says(errorOf(free, "[[acceleration_constraint]]\nlink = \"body\"\ndirection = [1, 0, 0]\ncompliance = "
                                 "-1\n"),
                   "compliance is -1, allowed: zero or more"));
+}
+
+BOOST_AUTO_TEST_CASE(a_scene_is_like_one_that_exists_and_stands_alone) {
+  const auto message = [](const std::string& text) -> std::string {
+    try {
+      scene::readSceneToml(text, scene::dataFolder() / "scenes" / "mine.toml");
+    } catch (const scene::InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  BOOST_TEST(message("like = \"double_pendulum\"\n") == "");
+  BOOST_TEST(message("like = \"nobody\"\n").find("mine.toml:1: like is \"nobody\", allowed: the name of a TOML "
+                                                "scene") != std::string::npos);
+  BOOST_TEST(message("like = \"humanoid_left_foot\"\n").find("which is like a third scene itself") !=
+             std::string::npos);
+  BOOST_TEST(message("like = \"double_pendulum\"\ngravity = [0, 0, 0]\n").find("unknown key \"gravity\"") !=
+             std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(driven_scenes_survive_being_written) {

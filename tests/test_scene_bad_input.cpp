@@ -60,7 +60,7 @@ const std::string kEnds = "a = { link = \"base\" }\nb = { link = \"upper\" }";
 
 const Bad kToml[] = {
     {"unknown kind of closure", closure("kind = \"glue\"", kEnds),
-     "bad.toml:12: closure \"1\": kind is \"glue\", allowed: distance, planar_point, point, hinge, "
+     "bad.toml:12: closure \"1\": kind is \"glue\", allowed: distance, plane, planar_point, point, hinge, "
      "weld"},
     {"closure without a kind", closure("", kEnds), "bad.toml:11: closure \"1\": has no kind"},
     {"closure with one end", closure("kind = \"point\"", "a = { link = \"base\" }"),

@@ -64,6 +64,7 @@ Entry evaluate(const Claim& claim, std::uint64_t seed) {
   entry.residual_printed = claim.printed_trial(name, seed);
   if (claim.corrected_trial) entry.residual_corrected = claim.corrected_trial(name, seed);
   if (claim.condition_trial) entry.residual_condition = claim.condition_trial(name, seed);
+  if (claim.table_of_numbers) entry.numbers = claim.table_of_numbers();
   if (entry.residual_printed.zero)
     entry.holds = Holds::kTrue;
   else if (entry.residual_condition && entry.residual_condition->zero)

@@ -22,6 +22,13 @@ struct Outcome {
 /// Computes both sides at random points, a pure function of (name, seed).
 using Trial = std::function<Outcome(const std::string& name, std::uint64_t seed)>;
 
+/// Numbers that answer a question, computed when the audit runs.
+struct Numbers {
+  std::string caption;
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+};
+
 /** One statement of the chapter and how to compute it.
 
     Formulas in the texts stand between backticks, in the notation of
@@ -58,6 +65,11 @@ class Claim {
     is_open = true;
     return *this;
   }
+  /// A table beside the verdict.
+  Claim& numbers(std::function<Numbers()> table) {
+    table_of_numbers = std::move(table);
+    return *this;
+  }
   /// One or two sentences for a student.
   Claim& why(std::string text) {
     why_text = std::move(text);
@@ -73,6 +85,7 @@ class Claim {
       implemented_in;
   bool is_open = false;
   Trial printed_trial, corrected_trial, condition_trial;
+  std::function<Numbers()> table_of_numbers;
 
  private:
   Claim& set(std::string* text, Trial* trial, std::string new_text, Trial new_trial) {
@@ -91,6 +104,7 @@ struct Entry {
   Holds holds = Holds::kFalse;
   Outcome residual_printed;
   std::optional<Outcome> residual_corrected, residual_condition;
+  std::optional<Numbers> numbers;
 
   bool isEquation() const { return kind == "equation"; }  ///< or "sentence", "open item"
   /// Our own part stands: what is called corrected or conditional was computed to be so, and
@@ -113,6 +127,9 @@ std::vector<Claim> constraints();         ///< 11 to 13
 std::vector<Claim> analytical();          ///< 14
 std::vector<Claim> lagrange();            ///< 15, 16
 std::vector<Claim> geometry();            ///< 16.1, 17
+
+/// Arms, poses and constraints with the eigenvalues of N_0: 11.1.
+Numbers definitenessNumbers();
 
 /// All of them, in the order of the chapter.
 std::vector<Claim> allClaims();

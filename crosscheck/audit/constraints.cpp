@@ -299,6 +299,7 @@ std::vector<Claim> definiteness() {
               "combination of "
               "doubled constraints) accelerates nothing; then nu is not unique, though qdd still "
               "is.")
+          .numbers(definitenessNumbers)
           .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(

@@ -52,6 +52,19 @@ void print(const Entry& entry) {
     printBlock("correct", entry.corrected);
     printBlock("", "residual " + entry.residual_corrected->residual);
   }
+  if (entry.numbers) {
+    printBlock("numbers", entry.numbers->caption);
+    std::vector<std::size_t> width(entry.numbers->head.size(), 0);
+    std::vector<std::vector<std::string>> rows = entry.numbers->rows;
+    rows.insert(rows.begin(), entry.numbers->head);
+    for (const auto& row : rows)
+      for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
+    for (const auto& row : rows) {
+      fmt::print("      ");
+      for (std::size_t i = 0; i < row.size(); ++i) fmt::print("  {:<{}}", row[i], width[i]);
+      fmt::print("\n");
+    }
+  }
   printBlock("why", entry.why);
   printBlock("see", entry.implemented_in);
 }

@@ -40,6 +40,10 @@ Json toJson(const audit::Entry& entry) {
   json["residual_corrected"] = toJson(entry.residual_corrected);
   json["condition"] = textOrNull(entry.condition);
   json["residual_condition"] = toJson(entry.residual_condition);
+  if (entry.numbers) {
+    json["numbers"] = {{"caption", cleanText(entry.numbers->caption)}, {"head", entry.numbers->head},
+                       {"rows", entry.numbers->rows}};
+  }
   json["why"] = cleanText(audit::plain(entry.why));
   json["implemented_in"] = entry.implemented_in;
   return json;

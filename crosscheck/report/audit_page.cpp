@@ -71,6 +71,18 @@ void putEntry(std::string* page, const Entry& entry) {
     putStatement(page, "Holds if", entry.condition, *entry.residual_condition);
   if (entry.residual_corrected)
     putStatement(page, "Correct", entry.corrected, *entry.residual_corrected);
+  if (entry.numbers) {
+    put(page, "<dt>Numbers</dt><dd><table>\n<caption>{}</caption>\n<thead><tr>",
+        escapeMarkup(entry.numbers->caption));
+    for (const std::string& cell : entry.numbers->head) put(page, "<th scope=\"col\">{}</th>", escapeMarkup(cell));
+    put(page, "</tr></thead>\n<tbody>\n");
+    for (const auto& row : entry.numbers->rows) {
+      put(page, "<tr>");
+      for (const std::string& cell : row) put(page, "<td>{}</td>", escapeMarkup(cell));
+      put(page, "</tr>\n");
+    }
+    put(page, "</tbody></table></dd>\n");
+  }
   put(page, "<dt>Why</dt><dd>{}</dd>\n<dt>Code</dt><dd><code>{}</code></dd>\n</dl>\n</article>\n",
       textWithMath(entry.why), escapeMarkup(entry.implemented_in));
 }
