@@ -83,7 +83,8 @@ class Identities {
   Identities(const scene::Mechanism& mechanism, const Numbers& numbers)
       : model_(recursive::buildModel(mechanism, numbers)),
         kept_(recursive::buildModel(mechanism, numbers, recursive::FixedJoints::kKept)),
-        moving_(recursive::buildModel(mechanism, DualNumbers<Numbers>(numbers))),
+        moving_(recursive::buildModel(mechanism, DualNumbers<Numbers>(numbers),
+                                      recursive::FixedJoints::kKept)),
         ws_(model_),
         ws_kept_(kept_),
         ws_moving_(moving_),

@@ -306,6 +306,8 @@ std::string notes(const scene::Mechanism& mechanism, const std::string& indent) 
             std::to_string(mechanism.dof()) + " rates. A spherical joint has a quaternion (w, x, y, z) of any\n" +
             indent + "length but 0 in q, a floating one x, y, z [m] and then a quaternion; their rates are the\n" +
             indent + "body's own, in its axes: (wx, wy, wz), or (vx, vy, vz, wx, wy, wz)\n";
+  if (mechanism.hasFriction())
+    text += indent + "friction is left out: viscous qd + coulomb sign(qd) of each joint belong to tau\n";
   if (!mechanism.isOpenTree())
     text += indent + "these are the equations of the tree alone, without its closures and springs between points\n";
   return text;

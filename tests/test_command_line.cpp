@@ -88,6 +88,7 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   refuses(program, "drift acrobot --method rk5", "runge_kutta4");
   refuses(program, "drift acrobot --step 0", "allowed: positive");
   refuses(program, "drift prismatic_revolute_mix", "energy is not constant");
+  refuses(program, "drift puma_560_friction", "has Coulomb friction");
   refuses(program, "drift bricard", "dynwitness simulate");
   refuses(program, "simulate bricard --stabilisation hope", "projection");
   refuses(program, "simulate bricard --method rk5", "runge_kutta_dopri5");
@@ -198,6 +199,36 @@ BOOST_AUTO_TEST_CASE(evaluate_writes_one_row_a_state_in_full_precision) {
   BOOST_TEST(tau == 3 + 9.81 * std::sin(0.5));
 }
 
+// By hand, hanging straight down: the rod pulls m (g + l qd^2) up, and pushes m l qdd along -x.
+BOOST_AUTO_TEST_CASE(evaluate_names_the_reactions_of_each_joint) {
+  const Program program;
+  program.write("s.csv", "q1,qd1,qdd1\n0,2,3\n");
+  const Outcome outcome =
+      program.run("evaluate simple_pendulum --quantity reactions --states s.csv", "2>/dev/null");
+  BOOST_TEST(outcome.status == 0);
+  double fx = 1, fy = 1, fz = 1, mx = 1, my = 1, mz = 1;
+  BOOST_TEST_CONTEXT(outcome.out)
+  BOOST_REQUIRE(std::sscanf(outcome.out.c_str(),
+                            "pivot.fx,pivot.fy,pivot.fz,pivot.mx,pivot.my,pivot.mz\n%lf,%lf,%lf,%lf,%lf,%lf",
+                            &fx, &fy, &fz, &mx, &my, &mz) == 6);
+  BOOST_TEST(fx == -3);
+  BOOST_TEST(fy == 0);
+  BOOST_TEST(fz == 9.81 + 4);
+  BOOST_TEST(mx == 0);
+  BOOST_TEST(my == 3);
+  BOOST_TEST(mz == 0);
+}
+
+BOOST_AUTO_TEST_CASE(rotors_shows_what_n_squared_J_leaves_out) {
+  const Program program;
+  const Outcome outcome = program.run("rotors gyroscopic_wrist --states 5 --json r.json");
+  BOOST_TEST(outcome.status == 0);
+  BOOST_TEST(outcome.out.find("largest tau") != std::string::npos);
+  BOOST_TEST(program.fileCount() == 1u);
+  refuses(program, "rotors acrobot", "has no rotor");
+  refuses(program, "rotors gyroscopic_wrist --states 0", "--states");
+}
+
 BOOST_AUTO_TEST_CASE(the_same_scene_and_seed_give_the_same_bytes) {
   const Program program;
   const std::string words = "crosscheck furuta_pendulum cart_pole --states 20 --report ";
@@ -287,7 +318,7 @@ BOOST_AUTO_TEST_CASE(help_names_every_subcommand_and_succeeds) {
   const Outcome outcome = program.run("--help");
   BOOST_TEST(outcome.status == 0);
   for (const char* word :
-       {"crosscheck", "derive", "evaluate", "drift", "simulate", "chart", "scenes", "version"}) {
+       {"crosscheck", "derive", "evaluate", "drift", "simulate", "chart", "rotors", "scenes", "version"}) {
     BOOST_TEST(outcome.out.find(word) != std::string::npos);
     BOOST_TEST(program.run(std::string(word) + " --help").status == 0);
   }

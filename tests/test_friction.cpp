@@ -8,6 +8,8 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include "crosscheck/arithmetic/ball.hpp"
+#include "crosscheck/arithmetic/dual.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/drift.hpp"
 #include "crosscheck/exact.hpp"

@@ -95,9 +95,9 @@ std::vector<Q> byMassPoints(const Tree& tree, const scene::State<Q>& state) {
     V3<Q> o = still[i].o;
     const scene::Placement& place = m.links[i].joint.placement;
     if (place.convention == scene::Placement::Convention::kDh) {
-      const M3<Q> R_after = detail::rotationZ(number.angle(place.theta)) *
-                            detail::rotationX(number.angle(place.alpha));
-      const V3<Q> p_after = detail::rotationZ(number.angle(place.theta)) *
+      const M3<Q> R_after = fixtures::detail::rotationZ(number.angle(place.theta)) *
+                            fixtures::detail::rotationX(number.angle(place.alpha));
+      const V3<Q> p_after = fixtures::detail::rotationZ(number.angle(place.theta)) *
                             V3<Q>(number(place.a), Q(0), number(place.d));
       R = (R * R_after.transpose()).eval();
       o -= R * p_after;
@@ -263,14 +263,14 @@ bool seen(const char* name) {
 
 BOOST_AUTO_TEST_CASE(mistakes_are_seen_and_nothing_else_is) {
   BOOST_TEST(!seen<Mistake::kNone>("franka_panda"));
-  BOOST_TEST(!seen<Mistake::kNone>("modern_robotics_3link_tip_force"));
+  BOOST_TEST(!seen<Mistake::kNone>("stanford_arm"));
   BOOST_TEST(seen<Mistake::kSign>("franka_panda"));
   BOOST_TEST(seen<Mistake::kTransposed>("stanford_arm"));
   BOOST_TEST(seen<Mistake::kMomentNotMoved>("franka_panda"));
   BOOST_TEST(seen<Mistake::kChildrenLost>("franka_panda"));
 }
 
-// The same in the identity of the whole: the multipliers have no part in it.
+// A scene with loads, which the bundled ones do not have.
 BOOST_AUTO_TEST_CASE(a_lost_load_is_seen) {
   for (int index = 0; index < 40; ++index) {
     const scene::Scene scene = randomScene(9, index, 4);

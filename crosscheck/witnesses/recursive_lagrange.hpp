@@ -378,6 +378,7 @@ std::vector<T> HomogeneousModel<T>::inverse(const std::vector<scene::JointPositi
     if (terms.springs && body.axes.size() == 1)
       tau[body.dof] += body.stiffness * (x[body.slot].q - body.rest);
     if (terms.loads && body.axes.size() == 1) {
+      using scene::directionOf;
       const int direction = directionOf(qd[body.dof]);
       tau[body.dof] += body.viscous * qd[body.dof];
       if (direction > 0) tau[body.dof] += body.positive;
