@@ -18,6 +18,10 @@ Run addDrift(CLI::App& app);
 Run addSimulate(CLI::App& app);
 Run addChart(CLI::App& app);
 Run addAudit(CLI::App& app);
+Run addGeometry(CLI::App& app);
+Run addAction(CLI::App& app);
+Run addImpulse(CLI::App& app);
+Run addImpedance(CLI::App& app);
 Run addScenes(CLI::App& app);
 Run addVersion(CLI::App& app);
 
