@@ -78,13 +78,7 @@ class PositiveDefinite {
 
 std::vector<CheckResult> checkIdentities(const scene::Scene& scene, const Options& options) {
   std::vector<Tally> tallies;
-  for (const IdentityInfo& info : kIdentities) {
-    CheckResult check;
-    check.check = info.name;
-    check.statement = info.statement;
-    check.quantity = info.quantity;
-    check.left = info.left;
-    check.right = info.right;
+  for (CheckResult& check : inWords(kIdentities)) {
     check.seed = options.seed;
     tallies.emplace_back(check);
   }

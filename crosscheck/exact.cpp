@@ -308,15 +308,7 @@ Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
 
 Inquiry identities(const scene::Mechanism& mechanism) {
   Inquiry inquiry;
-  for (const IdentityInfo& info : kIdentities) {
-    CheckResult check;
-    check.check = info.name;
-    check.statement = info.statement;
-    check.quantity = info.quantity;
-    check.left = info.left;
-    check.right = info.right;
-    inquiry.checks.push_back(check);
-  }
+  inquiry.checks = inWords(kIdentities);
   inquiry.in_field = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
     return Identities<FieldNumbers>(mechanism, number).evaluate(state);
   };

@@ -22,15 +22,6 @@
 
 namespace dynwitness::crosscheck {
 
-/// An identity in words: how it is called and whose computations it takes.
-struct IdentityInfo {
-  const char* name;
-  const char* statement;
-  const char* quantity;
-  const char* left;
-  const char* right;
-};
-
 /// In the order in which Identities::evaluate() returns them.
 inline constexpr IdentityInfo kIdentities[] = {
     {"symmetric mass matrix", "M = M'", "M", "newton_euler", ""},

@@ -30,9 +30,9 @@ std::vector<std::string> sceneNames() {
 }
 
 void requireAllZero(const std::vector<CheckResult>& checks, bool has_closures, bool has_kernel) {
-  // a kernel adds its comparisons of M, tau and qdd with three, two and three others
+  // a kernel adds its comparisons of M, tau and qdd with four, three and four others
   BOOST_TEST(checks.size() ==
-             12u + kIdentityCount + (has_closures ? 3u : 0u) + (has_kernel ? 8u : 0u));
+             28u + kIdentityCount + (has_closures ? 3u : 0u) + (has_kernel ? 11u : 0u));
   for (const CheckResult& check : checks) {
     BOOST_TEST_CONTEXT(check.check << " " << check.quantity << " " << check.left << " "
                                    << check.right << " " << check.reason) {

@@ -123,7 +123,7 @@ BOOST_AUTO_TEST_CASE(an_error_of_one_part_in_a_million_million_million_fails_in_
     for (const CheckResult& check : checks)
       if (check.verdict == Verdict::kDisagree) failure.checks.push_back(check);
     failure.findings = findOutliers(scene.name, checks);
-    BOOST_TEST_REQUIRE(failure.checks.size() == 6u);  // M and qdd, each with three others
+    BOOST_TEST_REQUIRE(failure.checks.size() == 8u);  // M and qdd, each with four others
     BOOST_TEST(std::all_of(failure.findings.begin(), failure.findings.end(), [](const Finding& f) {
       return f.witness == "composite_body";
     }));

@@ -153,13 +153,13 @@ std::vector<Claim> form() {
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, kMixed);
-                     const std::vector<MatrixX<T>> dM = massMatrixGradient(robot);
+                     const auto metric = metricOf(robot);
                      VectorX<T> c(3);
                      for (int i = 0; i < 3; ++i) {
                        c(i) = T(0);
                        for (int j = 0; j < 3; ++j)
                          for (int k = 0; k < 3; ++k)
-                           c(i) += christoffel(dM, i, j, k) * robot.qd[j] * robot.qd[k];
+                           c(i) += metric.christoffel(i, j, k) * robot.qd[j] * robot.qd[k];
                      }
                      at.equal("c", c, robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()));
                    }))
@@ -173,7 +173,8 @@ std::vector<Claim> form() {
               "any C with `C qd = c` will do for `dM/dt - 2 C` skew-symmetric", exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
                 const auto robot = anyRobot(at, {kTurn, kTurn});
-                const std::vector<MatrixX<T>> dM = massMatrixGradient(robot);
+                const auto metric = metricOf(robot);
+                const auto& dM = metric.gradient();
                 // C_ij = sum of (dM_ij/dq_k - 1/2 dM_jk/dq_i) qd_k, the terms as Lagrange gives
                 // them
                 MatrixX<T> S = MatrixX<T>::Constant(2, 2, T(0));
@@ -188,12 +189,12 @@ std::vector<Claim> form() {
               "`C_ij = sum C_ijk qd_k` with the Christoffel symbols has it", exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
                 const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                const std::vector<MatrixX<T>> dM = massMatrixGradient(robot);
+                const auto metric = metricOf(robot);
                 MatrixX<T> S = MatrixX<T>::Constant(3, 3, T(0));
                 for (int i = 0; i < 3; ++i)
                   for (int j = 0; j < 3; ++j)
                     for (int k = 0; k < 3; ++k)
-                      S(i, j) += (dM[k](i, j) - T(2) * christoffel(dM, i, j, k)) * robot.qd[k];
+                      S(i, j) += (metric.gradient()[k](i, j) - T(2) * metric.christoffel(i, j, k)) * robot.qd[k];
                 at.zero("S + S'", MatrixX<T>(S + S.transpose()));
               }))
           .why("C qd fixes C only up to matrices that annihilate qd. That qd' (dM/dt - 2 C) qd = 0 "

@@ -185,35 +185,12 @@ std::vector<Claim> impedances() {
 
 // ---- the metric M -------------------------------------------------------------------------------
 
-/// d2 M / dq_j dq_k
-template <typename T>
-MatrixX<T> secondGradient(const Robot<T>& robot, int j, int k) {
-  using DD = Dual<Dual<T>>;
-  const recursive::Model<DD> model = lifted<DD>(robot.model());
-  std::vector<scene::JointPosition<DD>> x;
-  for (int i = 0; i < robot.n(); ++i)
-    x.push_back(crosscheck::moving(crosscheck::moving(robot.x[i], T(i == j ? 1 : 0)),
-                                   Dual<T>(T(i == k ? 1 : 0))));
-  const MatrixX<DD> M = compositeMassMatrix<DD>(model, x);
-  MatrixX<T> out(robot.n(), robot.n());
-  for (int a = 0; a < robot.n(); ++a)
-    for (int b = 0; b < robot.n(); ++b) out(a, b) = M(a, b).derivative.derivative;
-  return out;
-}
-
 /// R_1212 of the metric M of two joints, from M and its derivatives alone.
 template <typename T>
 T riemann(const Robot<T>& robot) {
-  const std::vector<MatrixX<T>> dM = massMatrixGradient(robot);
-  const MatrixX<T> inverse = inverseDense<T>(compositeMassMatrix<T>(robot.model(), robot.x));
-  T R = -(secondGradient(robot, 1, 1)(0, 0) - T(2) * secondGradient(robot, 0, 1)(0, 1) +
-          secondGradient(robot, 0, 0)(1, 1)) /
-        T(2);
-  for (int k = 0; k < 2; ++k)
-    for (int l = 0; l < 2; ++l)
-      R += inverse(k, l) * (christoffel(dM, k, 0, 1) * christoffel(dM, l, 0, 1) -
-                            christoffel(dM, k, 0, 0) * christoffel(dM, l, 1, 1));
-  return R;
+  auto metric = metricOf(robot);
+  const VectorX<T> e_1 = metric.unit(0), e_2 = metric.unit(1);
+  return metric.riemann(e_1, e_2, e_1, e_2);
 }
 
 /// A planar arm of two turning joints about parallel axes, q_2 any angle.
@@ -234,21 +211,20 @@ std::vector<Claim> metric() {
                    "sum of m "
                    "(dx/dq_i)' (d2x/dq_j dq_k)` over all points, symmetric in j and k",
                    exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                     const std::vector<MatrixX<T>> dM = massMatrixGradient(robot);
+                     const auto metric = metricOf(robot);
                      for (const auto& [i, j, k] :
                           {std::tuple(0, 1, 2), std::tuple(1, 0, 2), std::tuple(2, 0, 1),
                            std::tuple(0, 2, 2), std::tuple(2, 0, 0)})
                        at.equal(
-                           "symbol", christoffel(dM, i, j, k),
+                           "symbol", metric.christoffel(i, j, k),
                            weighted(robot, firstPartials(robot, i), secondPartials(robot, j, k)));
                    }))
           .why("The robot moves on a surface in the flat space of all its points, each direction "
                "weighted by "
                "its mass. Left: from M alone, as one who lives on the surface sees it. Right: from "
                "outside.")
-          .in("crosscheck/audit/lifted.hpp"));
+          .in("crosscheck/kinetic_metric.hpp"));
   claims.push_back(
       Claim("metric_compatible", "17", "The connection keeps the metric")
           .open()
@@ -256,16 +232,16 @@ std::vector<Claim> metric() {
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                     const std::vector<MatrixX<T>> dM = massMatrixGradient(robot);
+                     const auto metric = metricOf(robot);
                      const auto C = [&](int i, int j, int k) {
                        return weighted(robot, firstPartials(robot, i), secondPartials(robot, j, k));
                      };
                      for (int k = 0; k < 3; ++k)
                        for (int i = 0; i < 2; ++i)
-                         at.equal("dM", dM[k](i, 2), T(C(i, 2, k) + C(2, i, k)));
+                         at.equal("dM", metric.gradient()[k](i, 2), T(C(i, 2, k) + C(2, i, k)));
                    }))
           .why("This is dM/dt - 2 C being skew-symmetric, in the language of geometry.")
-          .in("crosscheck/audit/lifted.hpp"));
+          .in("crosscheck/kinetic_metric.hpp"));
   claims.push_back(
       Claim("geodesic", "17", "Motion without forces")
           .open()
@@ -278,15 +254,15 @@ std::vector<Claim> metric() {
                 robot.gravity = Vector3<T>::Zero();
                 robot.tau = robot.zeros();
                 const VectorX<T> qdd = Robot<T>::column(robot.accelerations());
-                const std::vector<MatrixX<T>> dM = massMatrixGradient(robot);
+                const auto metric = metricOf(robot);
                 const MatrixX<T> M = compositeMassMatrix<T>(robot.model(), robot.x);
                 const VectorX<T> qd = Robot<T>::column(robot.qd);
                 VectorX<T> bend = VectorX<T>::Constant(2, T(0));
                 T rate = T(2) * qd.dot(VectorX<T>(M * qdd));
                 for (int j = 0; j < 2; ++j)
                   for (int k = 0; k < 2; ++k) {
-                    for (int i = 0; i < 2; ++i) bend(i) += christoffel(dM, i, j, k) * qd(j) * qd(k);
-                    for (int i = 0; i < 2; ++i) rate += dM[k](i, j) * qd(i) * qd(j) * qd(k);
+                    for (int i = 0; i < 2; ++i) bend(i) += metric.christoffel(i, j, k) * qd(j) * qd(k);
+                    for (int i = 0; i < 2; ++i) rate += metric.gradient()[k](i, j) * qd(i) * qd(j) * qd(k);
                   }
                 at.zero("qdd + Gamma qd qd", VectorX<T>(qdd + solveDense<T>(M, bend)));
                 at.zero("rate of 2 T", rate);
@@ -324,7 +300,7 @@ std::vector<Claim> metric() {
           .why("Gauss's remarkable theorem: bending seen from outside is felt inside. Two slides "
                "move on a "
                "plane, so nothing bends.")
-          .in("crosscheck/audit/geometry.cpp"));
+          .in("crosscheck/kinetic_metric.hpp"));
   claims.push_back(Claim("planar_curvature", "17", "Curvature of a planar arm with two joints")
                        .open()
                        .printed("Our answer: with `M = (a + 2 b cos q2, e + b cos q2; e + b cos "
@@ -356,7 +332,7 @@ std::vector<Claim> metric() {
                        .why("Where the curvature is negative, free motions that start side by side "
                             "run apart; where "
                             "it is positive they draw together.")
-                       .in("crosscheck/audit/geometry.cpp"));
+                       .in("crosscheck/kinetic_metric.hpp"));
   return claims;
 }
 

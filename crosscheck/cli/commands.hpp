@@ -20,6 +20,10 @@ Run addRotors(CLI::App& app);
 Run addChart(CLI::App& app);
 Run addAudit(CLI::App& app);
 Run addParameters(CLI::App& app);
+Run addGeometry(CLI::App& app);
+Run addAction(CLI::App& app);
+Run addImpulse(CLI::App& app);
+Run addImpedance(CLI::App& app);
 Run addScenes(CLI::App& app);
 Run addVersion(CLI::App& app);
 

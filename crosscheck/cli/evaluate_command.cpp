@@ -67,7 +67,6 @@ int run(const Arguments& arguments) {
   requireWritableFile(arguments.output);
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
-  const int n = scene.mechanism.dof();
   const ConstrainedQuantities constrained(scene);
   const std::vector<scene::State<double>> states =
       arguments.states.empty() ? std::vector<scene::State<double>>{constrained.start()}

@@ -30,7 +30,9 @@ int main(int argc, char** argv) {
       {"evaluate", cli::addEvaluate(app)},     {"drift", cli::addDrift(app)},
       {"chart", cli::addChart(app)},           {"audit", cli::addAudit(app)},
       {"simulate", cli::addSimulate(app)},     {"rotors", cli::addRotors(app)},
-      {"parameters", cli::addParameters(app)},
+      {"parameters", cli::addParameters(app)}, {"geometry", cli::addGeometry(app)},
+      {"action", cli::addAction(app)},         {"impulse", cli::addImpulse(app)},
+      {"impedance", cli::addImpedance(app)},
       {"scenes", cli::addScenes(app)},         {"version", cli::addVersion(app)}};
   try {
     app.parse(argc, argv);

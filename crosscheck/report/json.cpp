@@ -138,6 +138,8 @@ Json toJson(const Environment& environment) {
 
 }  // namespace
 
+std::string checkJson(const CheckResult& check) { return toJson(check).dump(); }
+
 std::string reportJson(const CrosscheckResult& result, const Environment& environment) {
   Json json{{"dynwitness", cleanText(environment.version)},
             {"headline", cleanText(result.headline())}};

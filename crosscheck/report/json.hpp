@@ -13,6 +13,9 @@ namespace dynwitness::crosscheck {
     the string "inf" or "nan", because JSON has no such numbers and null would hide it. */
 std::string reportJson(const CrosscheckResult& result, const Environment& environment);
 
+/// One check as JSON, as reportJson() writes it.
+std::string checkJson(const CheckResult& check);
+
 /** JUnit XML for CI systems: a test suite a scene, a test case a check; what is not answerable is
     skipped with its reason. */
 std::string reportJUnit(const CrosscheckResult& result, const Environment& environment);

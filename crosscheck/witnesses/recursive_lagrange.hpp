@@ -101,6 +101,8 @@ class HomogeneousModel {
   std::vector<T> weightedWithFirst(const std::vector<Matrix4<T>>& b);
   /// Where each body is: W of the last call.
   const std::vector<Matrix4<T>>& places() const { return W_; }
+  /// How each body moves: Wd of the last call of kinetic().
+  const std::vector<Matrix4<T>>& rates() const { return Wd_; }
 
   std::vector<Body> bodies;
   std::vector<int> body_of_link;          ///< by link of the scene
@@ -146,7 +148,7 @@ class HomogeneousModel {
     for (std::size_t k = 0; k < body.axes.size(); ++k) F += body.axes[k].E * rates[body.dof + k];
     return F;
   }
-  void rates(const std::vector<T>& qd);  ///< Wd of all bodies, after place()
+  void move(const std::vector<T>& qd);  ///< Wd of all bodies, after place()
   /// tau_k = tr(W E_k D), D carried inward.
   std::vector<T> inward(std::vector<Matrix4<T>> D) const;
   static T trace(const Matrix4<T>& a, const Matrix4<T>& b) {  // tr(a b')
@@ -321,7 +323,7 @@ void HomogeneousModel<T>::place(const std::vector<scene::JointPosition<T>>& x) {
 }
 
 template <typename T>
-void HomogeneousModel<T>::rates(const std::vector<T>& qd) {
+void HomogeneousModel<T>::move(const std::vector<T>& qd) {
   Wd_.clear();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Body& body = bodies[i];
@@ -348,7 +350,7 @@ std::vector<T> HomogeneousModel<T>::inverse(const std::vector<scene::JointPositi
                                             const std::vector<T>& qd, const std::vector<T>& qdd,
                                             LagrangeTerms terms) {
   place(x);
-  rates(qd);                                                                       // (1)
+  move(qd);                                                                       // (1)
   std::vector<Matrix4<T>> Wdd, D;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Body& body = bodies[i];
@@ -404,7 +406,7 @@ template <typename T>
 T HomogeneousModel<T>::kinetic(const std::vector<scene::JointPosition<T>>& x,
                                const std::vector<T>& qd) {
   place(x);
-  rates(qd);
+  move(qd);
   T twice = T(0);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     twice += trace(Wd_[i] * bodies[i].J, Wd_[i]);
@@ -435,7 +437,7 @@ template <typename T>
 MatrixOf<T> HomogeneousModel<T>::momentum(const std::vector<scene::JointPosition<T>>& x,
                                           const std::vector<T>& qd) {
   place(x);
-  rates(qd);
+  move(qd);
   Matrix4<T> S = Matrix4<T>::Constant(T(0));
   for (std::size_t i = 0; i < bodies.size(); ++i) S += Wd_[i] * bodies[i].J * W_[i].transpose();
   MatrixOf<T> out(6, 1);
@@ -447,9 +449,9 @@ template <typename T>
 std::vector<Matrix4<T>> HomogeneousModel<T>::secondPartials(
     const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& u, const std::vector<T>& v) {
   place(x);
-  rates(v);
+  move(v);
   const std::vector<Matrix4<T>> along_v = Wd_;
-  rates(u);
+  move(u);
   std::vector<Matrix4<T>> out;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Body& body = bodies[i];

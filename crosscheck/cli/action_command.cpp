@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness action: Hamilton's principle on a simulated motion.
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/findings.hpp"
+#include "crosscheck/hamilton.hpp"
+#include "crosscheck/report/files.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+using namespace crosscheck;
+
+struct Arguments {
+  std::string scene, json;
+  ActionOptions options;
+};
+
+Json toJson(const Action& action) {
+  Json json{{"duration_s", action.duration},
+            {"steps", action.steps},
+            {"action_J_s", action.action},
+            {"conservative", action.conservative}};
+  if (action.conservative) json["energy_drift_J"] = action.energy_drift;
+  json["paths"] = Json::array();
+  for (const Action::Path& path : action.paths)
+    json["paths"].push_back({{"name", path.name},
+                             {"amplitude", path.amplitude},
+                             {"first_variation_J_s", path.first},
+                             {"change_J_s", path.change}});
+  if (!action.conservative) {
+    json["first_variation_with_work_J_s"] = action.with_work;
+    return json;
+  }
+  json["conjugate_times"] = Json::array();
+  for (const Action::Conjugate& conjugate : action.conjugates)
+    json["conjugate_times"].push_back(
+        {{"time_s", conjugate.time}, {"multiplicity", conjugate.multiplicity},
+         {"error_s", std::isfinite(conjugate.error) ? Json(conjugate.error) : Json("inf")}});
+  if (action.negative >= 0) {
+    json["negative_directions"] = action.negative;
+    json["sines"] = action.modes;
+    json["lowest_eigenvalues"] = action.lowest;
+  }
+  return json;
+}
+
+int run(const Arguments& arguments) {
+  const scene::Scene scene = scene::findScene(arguments.scene);
+  requireWritableFile(arguments.json);
+  const Action action = measureAction(scene, arguments.options);
+  fmt::print("{}: {} s in {} steps of order 4\n", scene.name, action.duration, action.steps);
+  fmt::print("action       S = integral of T - V = {:.12g} J s\n", action.action);
+  fmt::print("paths near   first variation for amplitude 1, and S(q + eta) - S(q) for amplitude {}\n",
+             action.paths.front().amplitude);
+  for (const Action::Path& path : action.paths)
+    fmt::print("  {:<10} {:>10.2g} J s {:>+12.4g} J s\n", path.name, path.first, path.change);
+  if (action.conservative) {
+    fmt::print("energy       |E - E0| {:.2g} J\n", action.energy_drift);
+    if (action.conjugates.empty())
+      fmt::print("conjugate    no conjugate time in {} s: the action is least\n", action.duration);
+    for (const Action::Conjugate& conjugate : action.conjugates)
+      fmt::print("conjugate    t = {:.10g} s +- {:.2g} s\n", conjugate.time, conjugate.error);
+    if (action.negative >= 0)
+      fmt::print("second       {} negative of the eigenvalues in {} sines a joint; lowest {:.6g}\n",
+                 action.negative, action.modes, action.lowest.front());
+  } else {
+    // dS alone does not vanish, and neither does it with W beside T - V
+    const bool stays = action.with_work > action.with_work_coarse / 8;
+    fmt::print("with work    T - V + W in place of T - V: first variation {:.3g} J s, {}\n",
+               action.with_work,
+               stays ? "not stationary: work is no part of a Lagrangian"
+                     : "stationary too: these forces are constant along every joint");
+  }
+  const int status = printFindings(action.checks);
+  if (!arguments.json.empty())
+    writeWholeFile(arguments.json,
+                   findingsJson("action", scene, toJson(action), action.checks));
+  return status;
+}
+
+}  // namespace
+
+Run addAction(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "action", "Hamilton's principle: the action of a motion and of the paths near it, conjugate times");
+  command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
+  command->add_option("--duration", arguments->options.duration, "Time between the end points [s]")
+      ->capture_default_str();
+  command->add_option("--state", arguments->options.q, "Start q, e.g. 0.1,0.2 (default: the scene's)")
+      ->delimiter(',');
+  command->add_option("--velocity", arguments->options.qd, "Start qd (default: the scene's)")
+      ->delimiter(',');
+  command->add_option("--damping", arguments->options.damping,
+                      "Friction of every joint, force -damping qd [N m s/rad, N s/m]")
+      ->capture_default_str();
+  command->add_option("--paths", arguments->options.paths, "How many varied paths")
+      ->capture_default_str();
+  command->add_option("--seed", arguments->options.seed, "Seed of the varied paths")
+      ->capture_default_str();
+  command->add_option("--json", arguments->json, "Write the result to this file");
+  command->footer(
+      "Examples:\n"
+      "  dynwitness action simple_pendulum --duration 1    less than half a period: S is least\n"
+      "  dynwitness action simple_pendulum --duration 2    beyond the conjugate time: a saddle\n"
+      "  dynwitness action double_pendulum --damping 0.1   d'Alembert and Lagrange: dS + Q' eta = 0\n"
+      "Exit status 1: a check found a disagreement.");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/cli/findings.hpp"
+
+#include <fmt/format.h>
+
+#include "crosscheck/exact.hpp"
+#include "crosscheck/report/json.hpp"
+
+namespace dynwitness::cli {
+
+using crosscheck::CheckResult;
+using crosscheck::Verdict;
+
+namespace {
+
+std::string evidence(const CheckResult& check) {
+  if (check.verdict != Verdict::kAgree) return check.reason;
+  if (check.exact) return describeExact(*check.exact);
+  if (check.limit == 0) return fmt::format("{:g} {}", check.worst, check.unit);
+  return fmt::format("{:.3g} {}, limit {:.3g}", check.worst, check.unit, check.limit);
+}
+
+}  // namespace
+
+int printFindings(const std::vector<CheckResult>& checks) {
+  bool agree = true;
+  for (const CheckResult& check : checks) {
+    agree = agree && check.verdict != Verdict::kDisagree;
+    fmt::print("{:<15}{}: {}\n               {}\n", name(check.verdict), check.check,
+               check.statement, evidence(check));
+  }
+  return agree ? 0 : 1;
+}
+
+std::string findingsJson(const std::string& command, const scene::Scene& scene, const Json& result,
+                         const std::vector<CheckResult>& checks) {
+  Json json{{"dynwitness", DYNWITNESS_VERSION},
+            {"command", command},
+            {"scene", {{"name", scene.name}, {"dof", scene.mechanism.dof()}}},
+            {"result", result},
+            {"checks", Json::array()}};
+  bool agree = true;
+  for (const CheckResult& check : checks) {
+    json["checks"].push_back(Json::parse(crosscheck::checkJson(check)));
+    agree = agree && check.verdict != Verdict::kDisagree;
+  }
+  json["verdict"] = agree ? "agree" : "disagree";
+  return json.dump(2) + "\n";
+}
+
+}  // namespace dynwitness::cli
