@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The laws of the kinetic metric as two sides, over the field.
+#include "crosscheck/inquiry.hpp"
 #include "crosscheck/geometry.hpp"
 #include "crosscheck/kinetic_metric.hpp"
 #include "recursive/articulated_body.hpp"

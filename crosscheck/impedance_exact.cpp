@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The laws of impedances over the field.
+#include "crosscheck/inquiry.hpp"
 #include "crosscheck/impedance.hpp"
 #include "crosscheck/impedance_laws.hpp"
 

@@ -2,6 +2,7 @@
 // The laws of impulses over the field.
 #include <numeric>
 
+#include "crosscheck/inquiry.hpp"
 #include "crosscheck/impulse.hpp"
 #include "crosscheck/impulse_laws.hpp"
 
