@@ -32,6 +32,7 @@ long allocations = 0;
 #include "recursive/constraints.hpp"
 #include "recursive/energy.hpp"
 #include "recursive/newton_euler.hpp"
+#include "recursive/regressor.hpp"
 #include "scene/scene.hpp"
 
 // the whole program's; the nothrow, array and sized forms of the library end up in these. Not
@@ -130,6 +131,14 @@ BOOST_DATA_TEST_CASE(the_mass_matrix_allocates_nothing, data::make(kScenes), sce
   Bench b(scene);
   BOOST_TEST(allocationsIn([&] { massMatrix(b.model, b.x, b.ws, b.M); }) == 0);
   BOOST_TEST(b.M(0, 0) > 0);
+}
+
+BOOST_DATA_TEST_CASE(the_regressor_allocates_nothing, data::make(kScenes), scene) {
+  Bench b(scene);
+  const auto parameters = dynwitness::scene::inertialParameters(b.mechanism);
+  MatrixX<double> Y(b.model.dof(), parameters.size());
+  BOOST_TEST(allocationsIn([&] { regressor(b.model, parameters, b.x, b.qd, b.in, b.ws, Y); }) == 0);
+  BOOST_TEST(Y.cwiseAbs().maxCoeff() > 0);
 }
 
 BOOST_DATA_TEST_CASE(constraint_equations_allocate_nothing,
