@@ -97,6 +97,8 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   refuses(program, "chart acrobot --quantity tau,c", "qdd");
   refuses(program, "chart acrobot --states 0", "--states");
   refuses(program, "chart acrobot --witness simbdy", "simbody");
+  refuses(program, "parameters acrobot --uncertainty mas=1 --json p.json", "mass, inertia, rotor");
+  refuses(program, "parameters acrobot --states 0", "--states");
   BOOST_TEST(program.fileCount() == 0u);  // and nothing was written
 }
 

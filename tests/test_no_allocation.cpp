@@ -33,6 +33,7 @@ long allocations = 0;
 #include "recursive/energy.hpp"
 #include "recursive/fast/dynamics.hpp"
 #include "recursive/newton_euler.hpp"
+#include "recursive/regressor.hpp"
 #include "scene/scene.hpp"
 
 // the whole program's; the nothrow, array and sized forms of the library end up in these. Not
@@ -143,6 +144,14 @@ BOOST_DATA_TEST_CASE(the_fast_sweeps_allocate_nothing, data::make(kScenes), scen
     dynamics.forwardDynamics(q.data(), b.qd.data(), b.in.data(), b.out.data());
   }) == 0);
   BOOST_TEST(b.out[0] != 0);
+}
+
+BOOST_DATA_TEST_CASE(the_regressor_allocates_nothing, data::make(kScenes), scene) {
+  Bench b(scene);
+  const auto parameters = dynwitness::scene::inertialParameters(b.mechanism);
+  MatrixX<double> Y(b.model.dof(), parameters.size());
+  BOOST_TEST(allocationsIn([&] { regressor(b.model, parameters, b.x, b.qd, b.in, b.ws, Y); }) == 0);
+  BOOST_TEST(Y.cwiseAbs().maxCoeff() > 0);
 }
 
 BOOST_DATA_TEST_CASE(constraint_equations_allocate_nothing,

@@ -96,9 +96,8 @@ struct Stack {
   int states;
 };
 Stack stackRegressor(const scene::Scene& scene, const std::vector<scene::InertialParameter>& parameters,
-                     std::uint64_t seed, int trial) {
-  const FieldNumbers number(scene.mechanism,
-                            FieldSource(scene.name, seed, static_cast<std::uint64_t>(trial)));
+                     std::uint64_t seed, int trial, Parameters given = Parameters::kAsWritten) {
+  const FieldNumbers number(scene.mechanism, FieldSource(scene.name, seed, trial), given);
   const auto model = recursive::buildModel(scene.mechanism, number);
   recursive::Workspace<PrimeField> ws(model);
   recursive::MatrixX<PrimeField> Y(model.dof(), parameters.size());
@@ -175,6 +174,80 @@ struct Residue {
   }
 };
 
+// ---- in the scene's letters ---------------------------------------------------------------------
+
+/// What a coefficient may be, in letters, and its value in the field.
+struct Candidate {
+  std::string text;
+  PrimeField value;
+};
+
+/// "h + t" of "-h - t": without the sign in front, which a coefficient has of its own.
+std::string withoutSign(const std::string& text) {
+  if (text.empty() || text[0] != '-') return text;
+  std::string out = text.substr(1);
+  int depth = 0;
+  for (std::size_t k = 0; k + 2 < out.size(); ++k) {
+    depth += (out[k] == '(') - (out[k] == ')');
+    if (depth != 0 || out[k] != ' ' || out[k + 2] != ' ') continue;
+    if (out[k + 1] == '+' || out[k + 1] == '-') out[k + 1] = out[k + 1] == '+' ? '-' : '+';
+  }
+  return out;
+}
+
+/// Lengths of the scene that have letters in them, their squares, products and sums of two squares.
+std::vector<Candidate> candidatesOf(const scene::Mechanism& mechanism, const FieldNumbers& number) {
+  std::vector<Candidate> all, factors;  // factors in brackets where they need them
+  const auto add = [&](const scene::Number& length) {
+    if (length.parameters().empty()) return;
+    const std::string text = withoutSign(length.text());
+    const bool is_sum = text.find(' ') != std::string::npos;
+    const std::string bracketed =
+        text.find_first_of(" */^(") != std::string::npos ? "(" + text + ")" : text;
+    if (std::any_of(factors.begin(), factors.end(),
+                    [&](const Candidate& c) { return c.text == bracketed; }))
+      return;
+    const PrimeField value = number(scene::Number::parse(text));
+    all.push_back({is_sum ? bracketed : text, value});
+    factors.push_back({bracketed, value});
+  };
+  for (const scene::Link& link : mechanism.links) {
+    for (const scene::Number& x : link.joint.placement.xyz) add(x);
+    add(link.joint.placement.a);
+    add(link.joint.placement.d);
+  }
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const auto& [a, x] = factors[i];
+    all.push_back({a + "^2", x * x});
+    for (std::size_t j = i + 1; j < factors.size(); ++j) {
+      const auto& [b, y] = factors[j];
+      all.push_back({a + "*" + b, x * y});
+      all.push_back({"(" + a + "^2 + " + b + "^2)", x * x + y * y});
+    }
+  }
+  return all;
+}
+
+/** Names coefficients that are one of the candidates, or twice one, when the parameters of the scene are
+    random elements. A wrong name passes with a chance of 1/p each. */
+void nameCoefficients(const scene::Scene& scene, std::uint64_t seed, BaseParameters& base) {
+  const PrimeField::Modulus field(drawPrime(scene.name, seed, 0));
+  const FieldNumbers number(scene.mechanism, FieldSource(scene.name, seed, 0), Parameters::kRandom);
+  const std::vector<Candidate> candidates = candidatesOf(scene.mechanism, number);
+  if (candidates.empty()) return;
+  const Echelon echelon =
+      stackRegressor(scene, base.parameters, seed, 0, Parameters::kRandom).echelon;
+  if (echelon.pivots() != base.independent) return;  // the scene's own numbers are special
+  for (Coefficient& c : base.K) {
+    const PrimeField value = echelon(c.base, c.parameter);
+    for (const Candidate& candidate : candidates)
+      for (const auto& [factor, text] : {std::pair(1, ""), std::pair(2, "2 ")})
+        for (const auto& [sign, minus] : {std::pair(1, ""), std::pair(-1, "-")})
+          if (c.symbol.empty() && candidate.value * PrimeField(sign * factor) == value)
+            c.symbol = minus + (text + candidate.text);
+  }
+}
+
 }  // namespace
 
 int BaseParameters::countWithoutRotors() const {
@@ -232,6 +305,7 @@ BaseParameters baseParameters(const scene::Scene& scene, std::uint64_t seed,
   out.K = std::move(found);
   out.error_probability = std::pow(chance, trials);
   encloseCoefficients(scene, seed, out);
+  nameCoefficients(scene, seed, out);
 
   out.status.assign(p, BaseParameters::Status::kNoEffect);
   for (const int j : out.independent) out.status[j] = BaseParameters::Status::kAlone;
@@ -290,6 +364,7 @@ std::optional<int> mayedaCount(const scene::Mechanism& mechanism) {
 }
 
 std::string text(const Coefficient& coefficient) {
+  if (!coefficient.symbol.empty()) return coefficient.symbol;
   if (!coefficient.exact) return fmt::format("{:.6g}", coefficient.value);
   const Rational& r = *coefficient.exact;
   if (denominator(r) == 1) return r.str();
@@ -303,14 +378,34 @@ std::string text(const Coefficient& coefficient) {
 }
 
 std::string combination(const BaseParameters& base, int row, const scene::Mechanism& mechanism) {
-  std::string out = scene::label(base.parameters[base.independent[row]], mechanism);
+  struct Term {  // the same multiple of the same number of several links
+    std::string coefficient;
+    scene::InertialParameter::Kind kind;
+    std::vector<std::string> labels;
+  };
+  std::vector<Term> terms;
   for (const Coefficient& c : base.K) {
     if (c.base != row) continue;
-    std::string factor = text(c);
-    const bool negative = factor[0] == '-';
-    if (negative) factor.erase(0, 1);
-    out += (negative ? " - " : " + ") + (factor == "1" ? "" : factor + " ") +
-           scene::label(base.parameters[c.parameter], mechanism);
+    const std::string factor = text(c);
+    const auto kind = base.parameters[c.parameter].kind;
+    const auto same = std::find_if(terms.begin(), terms.end(), [&](const Term& term) {
+      return term.coefficient == factor && term.kind == kind;
+    });
+    Term& term = same == terms.end() ? terms.emplace_back(Term{factor, kind, {}}) : *same;
+    term.labels.push_back(scene::label(base.parameters[c.parameter], mechanism));
+  }
+  std::string out = scene::label(base.parameters[base.independent[row]], mechanism);
+  for (const auto& [coefficient, kind, labels] : terms) {
+    const bool negative = coefficient[0] == '-';
+    const std::string factor = negative ? coefficient.substr(1) : coefficient;
+    const std::string sign = negative ? " - " : " + ";
+    if (factor == "1") {
+      for (const std::string& label : labels) out += sign + label;
+      continue;
+    }
+    std::string sum;
+    for (const std::string& label : labels) sum += (sum.empty() ? "" : " + ") + label;
+    out += sign + factor + " " + (labels.size() > 1 ? "[" + sum + "]" : sum);
   }
   return out;
 }

@@ -17,6 +17,7 @@ struct Coefficient {
   int base;       ///< row of K: index into BaseParameters::independent
   int parameter;  ///< the dependent parameter that it multiplies
   std::optional<scene::Rational> exact;  ///< where the geometry is rational
+  std::string symbol = {};               ///< "l1^2", "-2 d": where it is that for all parameters of the scene
   double value = 0, error = 0;           ///< |value - coefficient| <= error, certified
 };
 
@@ -73,9 +74,9 @@ int energyRank(const scene::Scene& scene, const BaseParameters& base, std::uint6
          Robotics and Automation 6(3), 1990 */
 std::optional<int> mayedaCount(const scene::Mechanism& mechanism);
 
-/// "0.18645", "-1/3", "0.866025": exact where it can be and short.
+/// "l1^2", "0.18645", "-1/3", "0.866025": in the scene's letters or exact where it can be and short.
 std::string text(const Coefficient& coefficient);
-/// "Iyy(upper) + 0.25 m(lower)": the sum behind a base parameter.
+/// "Iyy(upper) + l1^2 [m(lower) + m(tool)]": the sum behind a base parameter.
 std::string combination(const BaseParameters& base, int row, const scene::Mechanism& mechanism);
 
 }  // namespace dynwitness::crosscheck

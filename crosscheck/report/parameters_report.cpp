@@ -44,16 +44,17 @@ std::vector<std::string> forceUnits(const scene::Mechanism& mechanism) {
 /// A sum in lines of 100 columns, broken before its signs, the later lines indented.
 std::string wrapped(const std::string& text, std::size_t indent) {
   std::string out;
-  std::size_t at = 0;
-  for (const std::size_t width = 100 - indent; text.size() - at > width;) {
-    const std::size_t plus = text.rfind(" + ", at + width), minus = text.rfind(" - ", at + width);
-    const auto inside = [&](std::size_t place) { return place == std::string::npos || place <= at ? 0 : place; };
-    const std::size_t end = std::max(inside(plus), inside(minus));
-    if (end == 0) break;
-    out += text.substr(at, end - at) + "\n" + std::string(indent, ' ');
-    at = end + 1;
+  std::size_t begun = 0, last = 0;  // the line, and the last place to break it
+  int depth = 0;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    depth += (text[k] == '(') - (text[k] == ')');
+    if (k - begun >= 100 - indent && last > begun) {
+      out += text.substr(begun, last - begun) + "\n" + std::string(indent, ' ');
+      begun = last + 1;
+    }
+    if (depth == 0 && (text.compare(k, 3, " + ") == 0 || text.compare(k, 3, " - ") == 0)) last = k;
   }
-  return out + text.substr(at);
+  return out + text.substr(begun);
 }
 
 std::string number(const std::optional<double>& x) { return x ? fmt::format("{:.3g}", *x) : "-"; }
@@ -213,13 +214,14 @@ std::string parametersJson(const ParametersResult& result, const std::string& ve
   for (int r = 0; r < base.count(); ++r) {
     const scene::InertialParameter& first = base.parameters[base.independent[r]];
     Json terms = Json::array();
-    terms.push_back({{"name", cleanText(label(first, mechanism))}, {"coefficient", 1.0}, {"error", 0.0}, {"exact", "1"}});
+    terms.push_back({{"name", cleanText(label(first, mechanism))}, {"coefficient", 1.0}, {"error", 0.0}, {"exact", "1"}, {"symbol", nullptr}});
     for (const Coefficient& c : base.K)
       if (c.base == r)
         terms.push_back({{"name", cleanText(label(base.parameters[c.parameter], mechanism))},
                          {"coefficient", c.value},
                          {"error", c.error},
-                         {"exact", c.exact ? Json(c.exact->str()) : Json()}});
+                         {"exact", c.exact ? Json(c.exact->str()) : Json()},
+                         {"symbol", c.symbol.empty() ? Json() : Json(cleanText(c.symbol))}});
     json["base_parameters"].push_back(
         {{"value", result.baseValue(r)}, {"unit", unit(first, mechanism)}, {"terms", terms}});
   }
