@@ -34,6 +34,9 @@ void describe(const scene::Scene& scene, SceneResult& result) {
   if (!scene.mechanism.isOpenTree())
     result.not_modelled.push_back("closures and springs between points, in comparisons of witnesses: "
                                   "these are about the tree that the joints make");
+  if (scene.mechanism.isDriven() || !scene.mechanism.acceleration_constraints.empty())
+    result.not_modelled.push_back("motions of driven joints and constraints on accelerations, in comparisons of "
+                                  "witnesses: all joints of these are free");
   for (const scene::Link& link : scene.mechanism.links) {
     result.link_names.push_back(link.name);
     result.joint_labels.push_back(jointLabel(link));

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Constrained and hybrid dynamics by sweeps against one dense system of Lagrange's equations.
+#include <algorithm>
 #include <memory>
 
 #include "crosscheck/inquiry.hpp"
 #include "recursive/acceleration_constraints.hpp"
 #include "recursive/closed_dynamics.hpp"
 #include "recursive/hybrid_dynamics.hpp"
+#include "recursive/least_constraint.hpp"
 #include "recursive/operational_space.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
@@ -245,6 +247,57 @@ Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DensePro
   return inquiry;
 }
 
+/// A constrained base by Gauss' problem of six unknowns.
+Inquiry baseProblem(const scene::Mechanism& mechanism, std::shared_ptr<const DenseProgram> dense) {
+  Inquiry inquiry;
+  inquiry.checks = {question("least constraint", "qdd",
+                             "qdd of a floating robot with a constrained base, Gauss' problem of six unknowns = one "
+                             "dense system"),
+                    question("least constraint", "nu", "forces on the base by Gauss' problem = one dense system")};
+  const auto ask = [dense, &mechanism](const auto& number, const auto& state) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    return answered<T>(2, [&](SidesOfAll<T>& all) {
+      const auto model = recursive::buildModel(mechanism, number);
+      recursive::Workspace<T> ws(model);
+      const auto held = recursive::accelerationConstraints(mechanism, number, model, state.x, state.qd, ws);
+      const Eigen::Index k = static_cast<Eigen::Index>(held.size());
+      recursive::LinkConstraint<T> base;
+      base.A.resize(6, k);
+      base.b.resize(k);
+      for (Eigen::Index i = 0; i < k; ++i) {
+        base.A.col(i) = held[i].A.col(0);
+        base.b(i) = held[i].b(0);
+      }
+      std::vector<T> qdd = state.qdd;
+      VectorOf<T> force;
+      recursive::baseConstrainedDynamics(model, state.x, state.qd, state.tau, base, ws, qdd, &force);
+      DenseEquations<T> e = denseEquations(*dense, mechanism, number, state);
+      e.J = e.J.bottomRows(k).eval();
+      e.b = e.b.tail(k).eval();
+      e.C = e.C.tail(k).eval();
+      const DenseSolution<T> x = solveDense(e, std::vector<char>(model.dof(), 0), state.tau, state.qdd);
+      all[0].left = x.qdd;
+      all[0].right = column(qdd);
+      all[1].left = x.nu;
+      all[1].right = force;
+    });
+  };
+  inquiry.in_field = ask;
+  inquiry.in_degrees = ask;
+  return inquiry;
+}
+
+/// Whether all acceleration constraints are hard and on the link that floats.
+bool holdsItsBase(const scene::Mechanism& mechanism) {
+  const auto& held = mechanism.acceleration_constraints;
+  return !held.empty() && !mechanism.isDriven() &&
+         std::all_of(held.begin(), held.end(), [&](const scene::AccelerationConstraint& one) {
+           const scene::Link& link = mechanism.links[static_cast<std::size_t>(one.link)];
+           return one.link == 1 && link.joint.kind == scene::JointKind::kFloating &&
+                  one.compliance.isLiteralZero();
+         });
+}
+
 }  // namespace
 
 std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene, const ExactOptions& options) {
@@ -256,6 +309,8 @@ std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene, cons
   if (!mechanism.closures.empty()) checks = decide(scene, loops(mechanism, dense), options);
   if (is_held)
     for (const CheckResult& check : decide(scene, hybrid(mechanism, dense), options)) checks.push_back(check);
+  if (holdsItsBase(mechanism))
+    for (const CheckResult& check : decide(scene, baseProblem(mechanism, dense), options)) checks.push_back(check);
   return checks;
 }
 

@@ -23,7 +23,7 @@ using State = ClosedMotion::State;
 
 constexpr double kSmallestStep = 1e-12;  // [s]
 constexpr long kMostSteps = 1000000;
-constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();  // of quotients of times
+constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();  // of differences of times, relative to these
 
 Simulation::Point pointAt(ClosedMotion& motion, const State& y, double time, double start_balance) {
   Simulation::Point point;
@@ -154,7 +154,7 @@ void integrateImplicitly(ClosedMotion& motion, State y, const SimulateOptions& o
   double time = 0;
   for (const double end : outputTimes(options)) {
     const double from = time;
-    const auto count = static_cast<long>(std::ceil((end - from) / options.step * (1 - kRounding)));
+    const auto count = static_cast<long>(std::ceil((end - from - kRounding * end) / options.step));
     for (long k = 1; k <= count; ++k) {
       const double next = k == count ? end : from + (end - from) * static_cast<double>(k) / count;
       radau.step(&y, time, next);

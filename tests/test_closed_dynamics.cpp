@@ -120,6 +120,11 @@ BOOST_DATA_TEST_CASE(of_bundled_driven_scenes,
   requireAgree(checkConstrainedExactly(scene::findScene(std::string(name)), {}), 4);
 }
 
+// a constrained base, by Gauss' problem too
+BOOST_AUTO_TEST_CASE(of_a_floating_robot_whose_base_is_held) {
+  requireAgree(checkConstrainedExactly(scene::findScene("satellite_held"), {}), 6);
+}
+
 // two links of two branches, or of one; each kind of closure with at most so many equations
 BOOST_DATA_TEST_CASE(of_random_loops, data::xrange(8u), seed) {
   scene::Scene scene = randomTree(seed, 6);

@@ -7,10 +7,12 @@
 
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
+#include <nlohmann/json.hpp>
 
 #include "crosscheck/audit/audit.hpp"
 #include "crosscheck/simulate.hpp"
@@ -107,6 +109,13 @@ BOOST_AUTO_TEST_CASE(the_program_answers_and_refuses) {
   BOOST_TEST(status == 2);
   std::tie(status, text) = program("simulate car_axis --duration 0.1 --formulation index3 --method runge_kutta_dopri5");
   BOOST_TEST(status == 2);
+  std::tie(status, text) = program("simulate pendulum_on_slides --duration 0.5 --step 0.01 --compare --json compare.json");
+  BOOST_TEST(status == 0, text);
+  for (const char* form : {"\nindex1 ", "\nindex2 ", "\nindex3 ", "\nggl "})
+    BOOST_TEST(text.find(form) != std::string::npos, form);
+  std::ifstream json("compare.json");
+  BOOST_TEST(nlohmann::json::parse(json).at("runs").size() == 8u);
+  std::remove("compare.json");
   std::tie(status, text) = program("simulate car_axis --duration 3");
   BOOST_TEST(status == 0);
   BOOST_TEST(text.find("10 values, agree") != std::string::npos, text);

@@ -138,6 +138,8 @@ int run(const Arguments& arguments) {
   requireMotion(scene);
   const std::vector<MotionTable> tables = motionTables(scene);
   const SimulateOptions options = completed(arguments, tables);
+  if (!scene.mechanism.acceleration_constraints.empty())
+    fmt::print(stderr, "{}: constraints on accelerations are for evaluate, and not simulated\n", scene.name);
   if (arguments.compare) return compareAll(scene, options, tables, arguments.json);
   if (!arguments.json.empty())
     throw scene::InputError({}, "--json without --compare, allowed: --csv for the motion itself");
