@@ -28,10 +28,10 @@ constexpr double kPi = boost::math::constants::pi<double>();
 constexpr int kFirstSteps = 64, kMostSteps = 8192;
 constexpr int kOrder = 4;           // of the steps and of Simpson's sums
 constexpr int kSines = 3;           // a joint, in a varied path
-constexpr int kFirstModes = 8;      // a joint, of the second variation
-constexpr int kMostUnknowns = 160;  // joints times modes
+constexpr int kModes = 8;           // sines a joint, among which a slow one is sought
 constexpr int kMostDof = 10;        // whose second variation is formed
 constexpr double kAmplitude = 0.01; // of varied paths [rad, m]
+constexpr double kSharp = 1000;     // steps are halved until conjugate times are known to duration / this
 
 /// The motion at one instant.
 struct Node {
@@ -51,6 +51,23 @@ struct Problem {
   int n() const { return model.dof(); }
 };
 
+/// A number as a constant of a nested dual. (Made of a double at once it would lose its fraction: Dual takes
+/// an int before it takes the double apart.)
+template <typename S>
+S constant(double value) {
+  if constexpr (std::is_same_v<S, double>)
+    return value;
+  else
+    return S(constant<decltype(S::value)>(value));
+}
+template <typename S>
+recursive::Model<S> nested(const recursive::Model<double>& model) {
+  if constexpr (std::is_same_v<S, double>)
+    return model;
+  else
+    return lifted<S>(nested<decltype(S::value)>(model));
+}
+
 // ---- T - V and Q near the motion ----------------------------------------------------------------
 
 /** Energies and forces at q + B(q) zeta, B taking rates to rates of slots: what a variation zeta with
@@ -59,8 +76,8 @@ template <typename S>
 class Near {
  public:
   explicit Near(const Problem& problem)
-      : problem_(problem), model_(lifted<S>(problem.model)), ws_(model_),
-        moving_(lifted<Dual<S>>(problem.model)) {}
+      : problem_(problem), model_(nested<S>(problem.model)), ws_(model_),
+        moving_(nested<Dual<S>>(problem.model)) {}
 
   /// Positions and rates of the varied path.
   void at(const Node& node, const std::vector<S>& zeta, const std::vector<S>& zeta_rate) {
@@ -69,8 +86,8 @@ class Near {
       std::vector<S> slots;
       qd_.clear();
       for (int i = 0; i < positions; ++i) {
-        slots.push_back(S(node.slots[i]) + zeta[i]);
-        qd_.push_back(S(node.qd[i]) + zeta_rate[i]);
+        slots.push_back(constant<S>(node.slots[i]) + zeta[i]);
+        qd_.push_back(constant<S>(node.qd[i]) + zeta_rate[i]);
       }
       x_ = slotPositions(slots);
       return;
@@ -78,7 +95,7 @@ class Near {
     using T = Dual<S>;  // along time
     std::vector<T> slots, zeta_moving, change(positions, T(S(0)));
     for (int i = 0; i < positions; ++i)
-      slots.push_back(T(S(node.slots[i]), S(node.slot_rates[i])));
+      slots.push_back(T(constant<S>(node.slots[i]), constant<S>(node.slot_rates[i])));
     for (int i = 0; i < problem_.n(); ++i) zeta_moving.push_back(T(zeta[i], zeta_rate[i]));
     recursive::positionRates(moving_, slotPositions(slots), zeta_moving, change);
     std::vector<S> now, rates;
@@ -107,7 +124,7 @@ class Near {
     const std::vector<S> rest(problem_.n(), S(0));
     std::vector<S> Q(problem_.n(), S(0));
     recursive::inverseDynamics(model_, x_, rest, rest, ws_, Q, {false, false, problem_.terms.loads});
-    for (int i = 0; i < problem_.n(); ++i) Q[i] = -Q[i] - S(problem_.damping) * qd_[i];
+    for (int i = 0; i < problem_.n(); ++i) Q[i] = -Q[i] - constant<S>(problem_.damping) * qd_[i];
     return Q;
   }
 
@@ -237,22 +254,53 @@ std::vector<Eigen::MatrixXd> hessians(const Problem& problem, const std::vector<
   return out;
 }
 
+/** Negative directions of the second variation on all variations that are straight between every
+    `2 stride`-th node and 0 at both ends. Block by block, M = L D L' of a block-tridiagonal matrix: as many
+    as the blocks of D have negative eigenvalues (Sylvester). A subspace can miss a direction of the true
+    second variation, never add one; the finer it is, the fewer it misses. */
+int negativeDirections(const Problem& problem, const std::vector<Node>& nodes,
+                       const std::vector<Eigen::MatrixXd>& H, int stride) {
+  const int n = problem.n(), last = static_cast<int>(nodes.size()) - 1;
+  const double width = 2 * stride * problem.duration / last;  // of an element, Simpson's three nodes
+  int negative = 0;
+  Eigen::MatrixXd carried = Eigen::MatrixXd::Zero(n, n);  // of the elements to the left
+  for (int k = 0; k < last; k += 2 * stride) {
+    Eigen::MatrixXd left = Eigen::MatrixXd::Zero(n, n), right = left, across = left;
+    for (int point = 0; point < 3; ++point) {
+      const Eigen::MatrixXd& h = H[k + point * stride];
+      const Eigen::MatrixXd qq = h.topLeftCorner(n, n), qv = h.topRightCorner(n, n),
+                            vv = h.bottomRightCorner(n, n);
+      const double weight = (point == 1 ? 4 : 1) * width / 6, up = point / 2.0, down = 1 - up,
+                   slope = 1 / width;
+      left += weight * (down * down * qq - down * slope * (qv + qv.transpose()) + slope * slope * vv);
+      right += weight * (up * up * qq + up * slope * (qv + qv.transpose()) + slope * slope * vv);
+      across += weight * (down * up * qq + down * slope * qv - up * slope * qv.transpose() -
+                          slope * slope * vv);
+    }
+    if (k > 0) {  // the node between this element and the last is free
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> D(carried + left);
+      negative += static_cast<int>((D.eigenvalues().array() < 0).count());
+      right -= across.transpose() * D.eigenvectors() *
+               D.eigenvalues().cwiseInverse().asDiagonal() * D.eigenvectors().transpose() * across;
+    }
+    carried = right;
+  }
+  return negative;
+}
+
 struct SecondVariation {
-  Eigen::VectorXd eigenvalues;   ///< over the kinetic part: 1 for a free particle
-  Sines slowest;                 ///< the variation of the smallest one
+  double lowest;   ///< eigenvalue, over the kinetic part: 1 for a free particle
+  Sines slowest;   ///< its variation, of amplitude 1
 };
 
-/// In `modes` sines a joint, on every `stride`-th node.
+/// Among `modes` sines a joint.
 SecondVariation secondVariation(const Problem& problem, const std::vector<Node>& nodes,
-                                const std::vector<Eigen::MatrixXd>& H, int modes, int stride) {
+                                const std::vector<Eigen::MatrixXd>& H, int modes) {
   const int n = problem.n(), size = n * modes;
   Eigen::MatrixXd second = Eigen::MatrixXd::Zero(size, size), kinetic = second;
   const int last = static_cast<int>(nodes.size()) - 1;
-  for (int k = 0; k <= last; k += stride) {
-    const int j = k / stride;
-    const double h = problem.duration / last * stride;
-    const double weight = (k == 0 || k == last ? 1 : j % 2 == 1 ? 4 : 2) * h / 3;
-    const double phase = kPi * nodes[k].time / problem.duration;
+  for (int k = 0; k <= last; ++k) {
+    const double weight = nodes[k].weight, phase = kPi * nodes[k].time / problem.duration;
     Eigen::VectorXd s(modes), c(modes);  // of unit rate in the mean square
     for (int m = 0; m < modes; ++m) {
       const double w = (m + 1) * kPi / problem.duration, scale = std::sqrt(2 / problem.duration) / w;
@@ -271,7 +319,7 @@ SecondVariation secondVariation(const Problem& problem, const std::vector<Node>&
   }
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(second, kinetic);
   SecondVariation out;
-  out.eigenvalues = solver.eigenvalues();
+  out.lowest = solver.eigenvalues()(0);
   out.slowest.a.assign(n, Values(modes));
   const Eigen::VectorXd v = solver.eigenvectors().col(0);
   double largest = 0;
@@ -347,7 +395,35 @@ struct JacobiFields {
   std::vector<Action::Conjugate> conjugates;
   double unsymmetric = 0, late = 0;            ///< largest |A'P - P'A|, |J - (q', qd')| of the later motion
   double size_symmetric = 0, size_late = 0;
+  double size_state = 0, growth = 1;  ///< largest |q|, |qd|; largest entry of a neighbour
 };
+
+/** How many singular values of A vanish together within two steps after `from`. Each passes 0 as |t - t*|;
+    the least of the smallest is sought by golden sections, and one that would reach 0 within duration /
+    kSharp of there counts. */
+Action::Conjugate manyMeet(Neighbours* neighbours, const std::vector<Moment<D>>& from, double start,
+                           double h) {
+  const auto values = [&](double later) {
+    neighbours->now = from;
+    neighbours->step(later);
+    return Eigen::VectorXd(
+        Eigen::JacobiSVD<Eigen::MatrixXd>(neighbours->places()).singularValues().reverse());
+  };
+  const double golden = (std::sqrt(5.0) - 1) / 2;
+  double low = 0, high = 2 * h;
+  while (high - low > h / kSharp) {
+    const double a = high - golden * (high - low), b = low + golden * (high - low);
+    (values(a)(0) < values(b)(0) ? high : low) = values(a)(0) < values(b)(0) ? b : a;
+  }
+  const double at = (low + high) / 2;
+  const Eigen::VectorXd least = values(at), before = values(0), after = values(2 * h);
+  Action::Conjugate out = {start + at, 0, 0};
+  for (Eigen::Index i = 0; i < least.size(); ++i) {
+    const double slope = std::max((before(i) - least(i)) / at, (after(i) - least(i)) / (2 * h - at));
+    if (slope > 0 && least(i) / slope < neighbours->problem.duration / kSharp) ++out.multiplicity;
+  }
+  return out;
+}
 
 JacobiFields jacobiFields(const Problem& problem, int steps) {
   JacobiFields out;
@@ -357,27 +433,33 @@ JacobiFields jacobiFields(const Problem& problem, int steps) {
   const auto determinant = [](const Eigen::MatrixXd& A, double t) {
     return (A / t).eval().determinant();
   };
-  double before = 0;
+  double before = 0, earlier = 0;      // determinants at the last two nodes
+  std::vector<Moment<D>> last_but_one;  // neighbours at the node before the last
   for (int k = 1; k <= steps; ++k) {
     const std::vector<Moment<D>> from = neighbours.now;
     neighbours.step(h);
-    const Eigen::MatrixXd A = neighbours.places();
-    const double time = h * k, det = determinant(A, time);
+    const std::vector<Moment<D>> to = neighbours.now;
+    const double time = h * k, det = determinant(neighbours.places(), time);
     if (k > 1 && before * det < 0) {  // between: halve the step until nothing is left of it
-      const std::vector<Moment<D>> to = neighbours.now;
       double low = 0, high = h;
-      while (true) {
-        const double middle = low + (high - low) / 2;
-        if (middle <= low || middle >= high || time - h + middle == time - h + low) break;
+      for (double middle = h / 2; middle > low && middle < high; middle = low + (high - low) / 2) {
         neighbours.now = from;
         neighbours.step(middle);
         const double at = determinant(neighbours.places(), time - h + middle);
         (before * at > 0 ? low : high) = middle;
       }
       out.conjugates.push_back({time - h + low, 0, 1});
-      neighbours.now = to;
+    } else if (k > 2 && std::abs(before) < std::min(std::abs(earlier), std::abs(det)) &&
+               earlier * before > 0) {
+      // it came near 0 and turned back: several neighbours may meet at once, which changes no sign
+      const Action::Conjugate meeting = manyMeet(&neighbours, last_but_one, time - 2 * h, h);
+      if (meeting.multiplicity >= 2) out.conjugates.push_back(meeting);
     }
+    neighbours.now = to;
+    last_but_one = from;
+    earlier = before;
     before = det;
+    const Eigen::MatrixXd A = neighbours.places();
 
     // neighbours stay Lagrangian: A'P = P'A
     if (problem.coordinates) {
@@ -391,6 +473,12 @@ JacobiFields jacobiFields(const Problem& problem, int steps) {
     Moment<double> y;
     for (const D& q : later.slots) y.slots.push_back(q.value);
     for (const D& qd : later.qd) y.qd.push_back(qd.value);
+    for (const Values* values : {&y.slots, &y.qd})
+      for (const double value : *values) out.size_state = std::max(out.size_state, std::abs(value));
+    for (int k = 0; k < problem.n(); ++k)
+      for (const auto* values : {&neighbours.now[k].slots, &neighbours.now[k].qd})
+        for (const D& value : *values)
+          out.growth = std::max(out.growth, std::abs(value.derivative));
     const Values slot_rates = plain.slotRates(y), qdd = plain.accelerations(y);
     const auto compare = [&](const D& found, double expected) {
       out.late = std::max(out.late, std::abs(found.derivative - expected));
@@ -508,32 +596,26 @@ void countDirections(const Problem& problem, const std::vector<Node>& nodes, Act
   const std::vector<Eigen::MatrixXd> H = hessians(problem, nodes);
   int expected = 0;
   for (const Action::Conjugate& conjugate : out->conjugates) expected += conjugate.multiplicity;
-  double doubt = 0;
-  // sines can miss a direction, never add one: more of them until none is missed
-  for (int modes = kFirstModes; out->negative < expected && modes * problem.n() <= kMostUnknowns;
-       modes *= 2) {
-    const SecondVariation fine = secondVariation(problem, nodes, H, modes, 1),
-                          coarse = secondVariation(problem, nodes, H, modes, 2);
-    out->modes = modes;
-    out->negative = static_cast<int>((fine.eigenvalues.array() < 0).count());
-    *slowest = fine.slowest;
-    out->lowest.assign(fine.eigenvalues.data(),
-                       fine.eigenvalues.data() + std::min<Eigen::Index>(4, fine.eigenvalues.size()));
-    Eigen::Index nearest = 0;
-    fine.eigenvalues.cwiseAbs().minCoeff(&nearest);
-    doubt = std::abs(fine.eigenvalues(nearest) - coarse.eigenvalues(nearest)) /
-            std::abs(fine.eigenvalues(nearest));
+  // lines from node to node can miss a direction, never add one: finer ones until none is missed
+  int coarse = negativeDirections(problem, nodes, H, 2);
+  out->negative = negativeDirections(problem, nodes, H, 1);
+  for (int steps = 2 * out->steps; out->negative < expected && steps <= kMostSteps; steps *= 2) {
+    const std::vector<Node> finer = motionOf(problem, steps);
+    coarse = out->negative;
+    out->negative = negativeDirections(problem, finer, hessians(problem, finer), 1);
   }
+  const SecondVariation sines = secondVariation(problem, nodes, H, kModes);
+  *slowest = sines.slowest;
+  out->lowest = sines.lowest;
   check.worst = std::abs(out->negative - expected);
   check.limit = 0;
-  if (!(doubt < 1)) {
+  if (out->negative != expected && out->negative != coarse) {
     check.verdict = Verdict::kNotAnswerable;
     check.reason = "the end is a conjugate time, as far as these steps can tell";
   } else if (out->negative != expected) {
     check.verdict = Verdict::kDisagree;
     check.ratio = std::numeric_limits<double>::infinity();
-    check.reason = fmt::format("{} negative eigenvalues in {} sines a joint, {} conjugate times",
-                               out->negative, out->modes, expected);
+    check.reason = fmt::format("{} negative eigenvalues, {} conjugate times", out->negative, expected);
   }
   out->checks.push_back(check);
 }
@@ -596,7 +678,9 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
       CheckResult late = describe("a motion and the same a little later are neighbours",
                                   "(qd, qdd) solves the variational equation", "J",
                                   "articulated_body");
-      judgeOrder(&late, fields_coarse.late, fields.late, fields.size_late, steps);
+      // each step rounds the state, and neighbours say how far that carries
+      judgeOrder(&late, fields_coarse.late, fields.late,
+                 fields.size_late + fields.size_state * fields.growth, steps);
       checks.push_back(late);
       if (problem.coordinates) {
         CheckResult symmetric = describe("neighbours of one place stay Lagrangian",
@@ -607,17 +691,20 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
         checks.push_back(symmetric);
       }
     }
-    if (std::all_of(checks.begin(), checks.end(),
-                    [](const CheckResult& c) { return c.verdict == Verdict::kAgree; }))
+    out.conjugates = fields.conjugates;
+    bool sharp = fields.conjugates.size() == fields_coarse.conjugates.size();
+    for (std::size_t k = 0; k < out.conjugates.size(); ++k) {
+      out.conjugates[k].error =
+          sharp ? std::abs(out.conjugates[k].time - fields_coarse.conjugates[k].time)
+                : std::numeric_limits<double>::infinity();
+      sharp = sharp && out.conjugates[k].error <= options.duration / kSharp;
+    }
+    if (sharp && std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) {
+          return c.verdict == Verdict::kAgree;
+        }))
       break;
   }
   out.checks = checks;
-  out.conjugates = fields.conjugates;
-  for (std::size_t k = 0; k < out.conjugates.size(); ++k)
-    out.conjugates[k].error =
-        k < fields_coarse.conjugates.size()
-            ? std::abs(out.conjugates[k].time - fields_coarse.conjugates[k].time)
-            : std::numeric_limits<double>::infinity();
 
   out.action = actionOf(problem, nodes, nullptr, 0);
   Sines slowest;
@@ -650,10 +737,10 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
                                       "S(q + slow) < S(q) < S(q + fast)", "S", "T - V");
   nearby.unit = "paths";
   nearby.limit = 0;
-  if (out.negative > 0) {
+  if (out.negative > 0 && out.lowest < 0) {
     add("slow", slowest, firstVariation(problem, nodes, slowest).with_forces);
     Sines fast;
-    fast.a.assign(n, Values(4 * out.modes, 0.0));
+    fast.a.assign(n, Values(4 * kModes, 0.0));
     fast.a[n - 1].back() = 1;
     add("fast", fast, firstVariation(problem, nodes, fast).with_forces);
   }

@@ -47,8 +47,7 @@ struct Action {
   };
   std::vector<Conjugate> conjugates;  ///< of the start, in (0, duration)
   int negative = -1;                  ///< negative directions of the second variation; -1: not counted
-  int modes = 0;                      ///< sines a joint that they were looked for among
-  std::vector<double> lowest;  ///< smallest eigenvalues of the second variation over the kinetic part
+  double lowest = 0;           ///< eigenvalue of the second variation over the kinetic part, in sines
   std::vector<CheckResult> checks;
 };
 
@@ -58,8 +57,8 @@ struct Action {
                                                       principle, d'Alembert's and Lagrange's where Q != 0
         (2)  q(t) + eps J(t) is again a motion: J solves the variational equation, here by the steps on
              duals. J(0) = 0, J'(0) = e_k for every k make a matrix A(t);  det A(t*) = 0: conjugate time
-        (3)  the second variation of S on variations with fixed ends, as a matrix in sines, has as many
-             negative eigenvalues as there are conjugate times in (0, duration) (Morse)
+        (3)  the second variation of S on variations with fixed ends has as many negative directions as
+             there are conjugate times in (0, duration) (Morse); on variations straight from node to node
     (3) knows T and V alone, (2) the articulated-body sweep alone.
 
     @throws scene::InputError  closures or springs between points, wrong sizes, duration not positive

@@ -104,6 +104,33 @@ BOOST_AUTO_TEST_CASE(a_hanging_double_pendulum_is_conjugate_after_half_periods_o
   BOOST_TEST(allAgree(action));
 }
 
+// Hanging from a universal joint, a point swings alike in all directions: two neighbours meet at once.
+BOOST_AUTO_TEST_CASE(two_neighbours_may_meet_at_once) {
+  const scene::Scene bob = scene::readSceneToml(R"(
+title = "x"
+source = "x"
+gravity = [0, 0, -10]
+[[link]]
+name = "base"
+[[link]]
+name = "bob"
+parent = "base"
+mass = 3
+com = [0, 0, -1]
+joint = { kind = "universal" }
+)", "bob.toml");
+  ActionOptions options;
+  options.duration = 2.5;
+  const Action action = measureAction(bob, options);
+  BOOST_REQUIRE(action.conjugates.size() == 2u);
+  for (int k = 0; k < 2; ++k) {  // by hand: half periods of w^2 = g / l
+    BOOST_TEST(std::abs(action.conjugates[k].time - (k + 1) * kPi / std::sqrt(10.0)) < 1e-3);
+    BOOST_TEST(action.conjugates[k].multiplicity == 2);
+  }
+  BOOST_TEST(action.negative == 4);
+  BOOST_TEST(allAgree(action));
+}
+
 // Balanced upside down, neighbours run away and never come back: the action is least for ever.
 BOOST_AUTO_TEST_CASE(an_inverted_pendulum_has_no_conjugate_time) {
   ActionOptions options;

@@ -93,6 +93,14 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   refuses(program, "simulate bricard --stabilisation hope", "projection");
   refuses(program, "simulate bricard --method rk5", "runge_kutta_dopri5");
   refuses(program, "simulate four_bars_0", "four_bars_N with N from 1 to 200");
+  refuses(program, "geometry heavy_top", "spherical");
+  refuses(program, "geometry acrobot --state 1", "q: 1 values, allowed: 2");
+  refuses(program, "action bricard", "a tree of links");
+  refuses(program, "action acrobot --duration 0", "allowed: positive");
+  refuses(program, "impulse acrobot --link nobody", "has no link 'nobody'");
+  refuses(program, "impulse acrobot --wall 0,0,1 --impulse 1,0,0", "--wall seeks the impulse itself");
+  refuses(program, "impulse acrobot --wall 0,0,0", "no direction");
+  refuses(program, "impedance acrobot --stiffness 1,2", "--stiffness: 2 values, allowed: 6");
   refuses(program, "chart", "scene");
   refuses(program, "chart acrobot --quantity tau,c", "qdd");
   refuses(program, "chart acrobot --states 0", "--states");
@@ -415,4 +423,24 @@ BOOST_AUTO_TEST_CASE(audit_prints_an_equation_and_refuses_one_that_is_not_there)
   refuses(program, "audit --equation 99", "no entry 'eq99'");
   refuses(program, "audit --only some", "some");
   refuses(program, "audit --json no/such/folder/a.json", "a.json");
+}
+
+// Each looks at one scene, says what its checks found and writes the same as JSON.
+BOOST_AUTO_TEST_CASE(geometry_action_impulse_and_impedance_say_what_they_checked) {
+  const Program program;
+  for (const char* words :
+       {"geometry double_pendulum --state 0,1.2", "geometry scara --duration 0.5",
+        "action simple_pendulum --duration 2", "action acrobot --damping 0.1",
+        "impulse puma_560 --velocity 1,0.5,0,0,0,0 --wall 0,0,1 --restitution 0.5",
+        "impulse andrews_squeezer --velocity 1,0,0,0,0,0,0",
+        "impedance puma_560 --stiffness 500,500,100,0,0,0 --stretch 0.1,0,0"}) {
+    const Outcome outcome = program.run(std::string(words) + " --json out.json");
+    BOOST_TEST_CONTEXT(words << "\n" << outcome.out) {
+      BOOST_TEST(outcome.status == 0);
+      const std::string json = program.read("out.json");
+      BOOST_TEST(json.find("\"verdict\": \"agree\"") != std::string::npos);
+      BOOST_TEST(json.find("\"disagree\"") == std::string::npos);
+      BOOST_TEST(json.find("\"command\": \"" + std::string(words).substr(0, 6)) != std::string::npos);
+    }
+  }
 }

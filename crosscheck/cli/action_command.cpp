@@ -43,8 +43,7 @@ Json toJson(const Action& action) {
          {"error_s", std::isfinite(conjugate.error) ? Json(conjugate.error) : Json("inf")}});
   if (action.negative >= 0) {
     json["negative_directions"] = action.negative;
-    json["sines"] = action.modes;
-    json["lowest_eigenvalues"] = action.lowest;
+    json["lowest_eigenvalue"] = action.lowest;
   }
   return json;
 }
@@ -66,8 +65,9 @@ int run(const Arguments& arguments) {
     for (const Action::Conjugate& conjugate : action.conjugates)
       fmt::print("conjugate    t = {:.10g} s +- {:.2g} s\n", conjugate.time, conjugate.error);
     if (action.negative >= 0)
-      fmt::print("second       {} negative of the eigenvalues in {} sines a joint; lowest {:.6g}\n",
-                 action.negative, action.modes, action.lowest.front());
+      fmt::print("second       variation: {} negative directions; lowest eigenvalue in sines {:.6g} of "
+                 "the kinetic part\n",
+                 action.negative, action.lowest);
   } else {
     // dS alone does not vanish, and neither does it with W beside T - V
     const bool stays = action.with_work > action.with_work_coarse / 8;
