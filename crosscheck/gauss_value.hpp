@@ -15,6 +15,7 @@ namespace dynwitness::crosscheck {
 
         G = sum over links j of  a_j' M_j a_j / 2 + a_j' (v_j x* M_j v_j - loads)
           + sum over joints of   d u^2 / 2 - (tau - k (q - rest)) u,       a_j = X a_p + c_j + Z u
+          + sum over gyroscopic rotors of  h u z'(X a_p) + (w_p x h qd z)'(X a_p)
 
     is least. Let link i move with acceleration a and everything outboard give way: the least G of its
     subtree is  a' M_A a / 2 + a' f_A + constant.  A sweep finds M_A and f_A joint by joint, the minimum of
@@ -29,7 +30,8 @@ namespace dynwitness::crosscheck {
 template <typename T>
 recursive::MatrixX<T> leastGauss(const recursive::Model<T>& model,
                                  const std::vector<scene::JointPosition<T>>& x,
-                                 const std::vector<T>& tau, recursive::Workspace<T>& ws) {
+                                 const std::vector<T>& qd, const std::vector<T>& tau,
+                                 recursive::Workspace<T>& ws) {
   using namespace recursive;
   using Matrix = MatrixX<T>;
   const int links = static_cast<int>(model.links.size());
@@ -67,6 +69,18 @@ recursive::MatrixX<T> leastGauss(const recursive::Model<T>& model,
           T drive = tau[link.dof + k];
           if (axisCount(link.kind) == 1) drive -= link.stiffness * (x[link.slot].q - link.rest);
           H(u, size) -= drive;
+        }
+        if (model.gyroscopic) {
+          // the spin h qd z on the parent: h u z'a_p, and what carrying it around takes
+          const Matrix carried = ws.X_up[j].motionMatrix() * A[link.parent];
+          const Vector6<T> axis = spinAxis(link).vector();
+          if (axisCount(link.kind) == 1) {
+            const int u = 6 + column[j];
+            H.row(u) += axis.transpose() * carried;
+            H.col(u) += carried.leftCols(size).transpose() * axis;
+            const Force<T> f = spinForce(link, qd[link.dof], T(0), ws.X_up[j] * ws.v[link.parent]);
+            H.col(size) += carried.leftCols(size).transpose() * f.vector();
+          }
         }
       }
       const Matrix6<T> M = ArticulatedInertia<T>::fromRigid(link.M).matrix();

@@ -164,19 +164,15 @@ class Identities {
     const MatrixX loads = inverse(state, zeros, zeros, onlyLoads());  // -Q
     out.push_back(alongAxes(state, M * columnOf(state.qdd) + C * qd + gradient + loads));
     out.push_back(atBase(state));
-    append(out, 1, [&] {
-      MatrixX Y(n, parameters_.size());
-      recursive::regressor(model_, parameters_, state.x, state.qd, state.qdd, ws_, Y);
-      return Laws{{Y * columnOf(pi_),
-                   inverse(state, state.qd, state.qdd, {true, false, false, false})}};
-    });
+    MatrixX Y(n, parameters_.size());
+    recursive::regressor(model_, parameters_, state.x, state.qd, state.qdd, ws_, Y);
+    out.push_back({Y * columnOf(pi_), inverse(state, state.qd, state.qdd, {true, false, false, false})});
 
     append(out, 1, [&] {
-      if (model_.gyroscopic) throw std::domain_error("Gauss' function is written without gyroscopic rotors");
       std::vector<T> qdd(n, T(0));
       // any forces will do
       recursive::forwardDynamics(model_, state.x, state.qd, state.qdd, ws_, qdd, {true, true, true, false});
-      return Laws{{sweptGauss(model_, ws_), leastGauss(model_, state.x, state.qdd, ws_)}};
+      return Laws{{sweptGauss(model_, ws_), leastGauss(model_, state.x, state.qd, state.qdd, ws_)}};
     });
     return out;
   }

@@ -216,6 +216,8 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::ve
       ws.U[d] = AnyJoints::column(link, k, M_a);
       ws.D[d] = link.rotor + AnyJoints::force(link, k, ws.U[d]);
       ws.u[d] = tau[d] - AnyJoints::force(link, k, f_a) - link.stiffness * (x[link.slot].q - link.rest);
+      if (model.friction) ws.u[d] -= frictionForce(link, qd[d]);
+      if (model.gyroscopic && link.parent >= 0) ws.U[d] = ws.U[d] + spinAxis(link);
       const T inverse_D = T(1) / ws.D[d];
       for (detail::LoopSums<T>* sum : through) {
         MatrixX<T>& E = sum->E[i];
@@ -237,6 +239,8 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::ve
         else sum->left(j) -= dot(ws.X_up[i] * a_0, E);
       }
     if (link.parent < 0) continue;
+    if (model.gyroscopic && link.dof >= 0)
+      f_a = f_a + spinForce(link, qd[link.dof], T(0), ws.X_up[i] * ws.v[link.parent]);
     ws.M_A[link.parent] = ws.M_A[link.parent] + ws.X_up[i].inverseTimes(M_a);
     ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(f_a + M_a * ws.c[i]);
   }

@@ -60,17 +60,22 @@ void hybridDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& 
         Motion<T> given = Motion<T>::zero();
         AnyJoints::addMotion(link, k, qdd[d], given);
         f_a = f_a + M_a * given;
+        if (model.gyroscopic && link.parent >= 0) f_a = f_a + spinAxis(link) * qdd[d];
         continue;
       }
       ws.U[d] = AnyJoints::column(link, k, M_a);
       ws.D[d] = link.rotor + AnyJoints::force(link, k, ws.U[d]);
       ws.u[d] = tau[d] - AnyJoints::force(link, k, f_a);
       if (terms.springs) ws.u[d] -= link.stiffness * (x[link.slot].q - link.rest);
+      if (model.friction && terms.friction) ws.u[d] -= frictionForce(link, qd[d]);
+      if (model.gyroscopic && link.parent >= 0) ws.U[d] = ws.U[d] + spinAxis(link);
       const T inverse_D = T(1) / ws.D[d];
       M_a = M_a.minusOuter(ws.U[d], inverse_D);
       f_a = f_a + ws.U[d] * (ws.u[d] * inverse_D);
     }
     if (link.parent >= 0) {
+      if (model.gyroscopic && link.dof >= 0)
+        f_a = f_a + spinForce(link, qd[link.dof], T(0), ws.X_up[i] * ws.v[link.parent]);
       ws.M_A[link.parent] = ws.M_A[link.parent] + ws.X_up[i].inverseTimes(M_a);
       ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(f_a + M_a * ws.c[i]);
     }

@@ -52,6 +52,7 @@ Force<T> forceColumn(const Motion<T>& v, const Motion<T>& a, int k) {
         (2)  a_i = X a_p + Z qdd_i + v_i x Z qd_i          a_0 = -gravity
         (3)  Y_d,k = Z_d' f,   f = A(v, a)_k at the link, X' f at the next link inboard, ...
         (4)  Y_d,rotor = qdd_d                             at the rotor's joint
+        (5)  of a gyroscopic one also z'(dw_p/dt) / n, and inboard Z'(0, qdd z + w_p x qd z) / n
     Cost: O(n p) where the tree is a chain. Nothing is allocated.
 
     @tparam T   tested with double, running error bounds, prime field, balls
@@ -59,7 +60,6 @@ Force<T> forceColumn(const Motion<T>& v, const Motion<T>& a, int k) {
     @param  parameters  scene::inertialParameters() of the mechanism that the model was built of
     @param  Y   n x p; row units N m (N) per unit of the column's parameter
     @throws std::invalid_argument  a vector or Y is not of its size
-    @throws std::domain_error      a rotor is gyroscopic
     @see C. Atkeson, C. An, J. Hollerbach, Estimation of inertial parameters of manipulator loads and
          links, Int. J. Robotics Research 5(3), 1986 */
 template <typename T, typename Matrix>
@@ -71,8 +71,6 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
   requireSize(model, "regressor", "qdd", qdd.size());
   if (Y.rows() != model.dof() || Y.cols() != static_cast<Eigen::Index>(parameters.size()))
     throw std::invalid_argument("regressor: Y: expected one row a joint and one column a parameter");
-  if (model.gyroscopic)
-    throw std::domain_error("gyroscopic rotors are not among the inertial parameters of the regressor");
   Motion<T> a_0 = Motion<T>::zero();
   a_0.linear = -model.gravity;
 
@@ -94,7 +92,18 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
     const ScenePlace<T>& place = model.places[parameter.link];
     int i = place.link;
     if (parameter.kind == scene::InertialParameter::Kind::kRotor) {
-      Y(model.links[i].dof, j) = qdd[model.links[i].dof];                             // (4)
+      const LinkModel<T>& link = model.links[i];
+      Y(link.dof, j) = qdd[link.dof];                                                 // (4)
+      if (!model.gyroscopic || link.parent < 0) continue;
+      const T per_rotor = link.spin / link.rotor;
+      const Motion<T> v_p = ws.X_up[i] * ws.v[link.parent], a_p = ws.X_up[i] * ws.a[link.parent];
+      Y(link.dof, j) += per_rotor * a_p.angular.z();                                  // (5)
+      const Vector3<T> z(T(0), T(0), per_rotor), none = Vector3<T>::Constant(T(0));
+      Force<T> f = {none, z * qdd[link.dof] + v_p.angular.cross(z) * qd[link.dof]};
+      for (f = ws.X_up[i].inverseTimes(f), i = link.parent; i >= 0;
+           f = ws.X_up[i].inverseTimes(f), i = model.links[i].parent)
+        for (int k = 0; k < AnyJoints::axes(model.links[i]); ++k)
+          Y(model.links[i].dof + k, j) = AnyJoints::force(model.links[i], k, f);
       continue;
     }
     Force<T> f = place.X.inverseTimes(
@@ -135,7 +144,10 @@ void setInertialValues(Model<T>& model, const std::vector<scene::InertialParamet
   for (std::size_t j = 0; j < parameters.size(); ++j) {
     const ScenePlace<T>& place = model.places[parameters[j].link];
     LinkModel<T>& link = model.links[place.link];
-    if (parameters[j].kind == scene::InertialParameter::Kind::kRotor) link.rotor = pi[j];
+    if (parameters[j].kind == scene::InertialParameter::Kind::kRotor) {
+      if (model.gyroscopic) link.spin *= pi[j] / link.rotor;
+      link.rotor = pi[j];
+    }
     if (parameters[j].kind != scene::InertialParameter::Kind::kMass) continue;
     const T* k = &pi[j];
     link.M = link.M + place.X.inverseTimes(RigidInertia<T>{

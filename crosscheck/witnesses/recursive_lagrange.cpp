@@ -2,7 +2,6 @@
 // Recursive Lagrange as a witness, in double and with running error bounds.
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 
-#include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 namespace dynwitness::crosscheck {
@@ -37,7 +36,6 @@ WitnessKind recursiveLagrangeKind() {
   return {{RecursiveLagrange<double>::kName, DYNWITNESS_VERSION,
            "Lagrange's equations link by link, in homogeneous 4 x 4 matrices (Hollerbach)"},
           [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            requirePlainRotors(scene.mechanism);
             return std::make_unique<RecursiveLagrangeWitness>(scene);
           }};
 }

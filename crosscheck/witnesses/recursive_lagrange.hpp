@@ -209,6 +209,11 @@ template <typename T>
 template <typename Numbers>
 HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const Numbers& number) {
   using Kind = scene::JointKind;
+  for (const scene::Link& link : mechanism.links)
+    if (link.joint.gyroscopic)
+      throw scene::InputError({}, "the rotor of joint '" + link.joint.name +
+                                      "' is gyroscopic, homogeneous matrices know a rotor as inertia n^2 J of "
+                                      "its own joint only");
   if (mechanism.has_gravity) gravity.template head<3>() = vector(mechanism.gravity, number);
   const Vector3 none = Vector3::Constant(T(0));
   int slot = 0;
