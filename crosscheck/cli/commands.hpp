@@ -17,6 +17,7 @@ Run addEvaluate(CLI::App& app);
 Run addDrift(CLI::App& app);
 Run addSimulate(CLI::App& app);
 Run addChart(CLI::App& app);
+Run addGrowth(CLI::App& app);
 Run addAudit(CLI::App& app);
 Run addScenes(CLI::App& app);
 Run addVersion(CLI::App& app);

@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
       {"crosscheck", cli::addCrosscheck(app)}, {"derive", cli::addDerive(app)},
       {"evaluate", cli::addEvaluate(app)},     {"drift", cli::addDrift(app)},
       {"chart", cli::addChart(app)},           {"audit", cli::addAudit(app)},
-      {"simulate", cli::addSimulate(app)},
+      {"simulate", cli::addSimulate(app)},     {"growth", cli::addGrowth(app)},
       {"scenes", cli::addScenes(app)},         {"version", cli::addVersion(app)}};
   try {
     app.parse(argc, argv);
