@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <mutex>
 #include <optional>
 
 #include "benchmark_derivation.hpp"
@@ -14,6 +15,7 @@
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/kernel/compiled.hpp"
 #include "crosscheck/kernel/kernel.hpp"
+#include "crosscheck/processes.hpp"
 #include "crosscheck/states.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
@@ -146,11 +148,15 @@ void kernelOne(benchmark::State& run, const char* scene, Formula formula) {
   }
 }
 
-/// All states in one call, component by component; the table divides by their number.
+/// All states in one call, component by component; the table divides by their number. In several
+/// threads each has its own states; kernels are made one at a time, since GiNaC knows no threads.
 void kernelMany(benchmark::State& run, const char* scene, Formula formula) {
+  static std::mutex making;
+  std::unique_lock<std::mutex> lock(making);
   Arm arm(scene);
   const kernel::Kernel kernel = kernelOf(arm.scene, formula);
   const std::size_t n = kernel.dof();
+  lock.unlock();
   std::vector<double> q(arm.states[0].x.size() * kStates), qd(n * kStates), w(qd),
       out(n * n * kStates);
   for (int k = 0; k < kStates; ++k) {
@@ -192,6 +198,7 @@ void mujocoRaw(benchmark::State& run, const char* scene, Formula formula) {
 
 constexpr const char* kEngine = "mujoco_raw";
 constexpr const char* kLanes = "kernel_lanes";
+constexpr const char* kAllCores = "kernel_all_cores";
 constexpr const char* kSecond = "fast_second";
 
 /// How many times faster than MuJoCo, called raw, something is to be.
@@ -218,11 +225,11 @@ class Table : public benchmark::ConsoleReporter {
     for (const Run& run : runs) {
       if (run.error_occurred || run.run_type != Run::RT_Iteration) continue;
       if (benchmarks::keepDerivation(run)) continue;
-      double ns = run.GetAdjustedCPUTime();
       const std::string name = run.run_name.function_name;
-      if (name.size() > std::string(kLanes).size() &&
-          name.compare(name.size() - std::string(kLanes).size(), std::string::npos, kLanes) == 0)
-        ns /= kStates;
+      const std::string way = name.substr(name.rfind('/') + 1);
+      // several threads: wall time over the calls of all
+      double ns = way == kAllCores ? run.GetAdjustedRealTime() : run.GetAdjustedCPUTime();
+      if (way == kLanes || way == kAllCores) ns /= kStates;
       const auto [it, is_new] = ns_.emplace(name, ns);
       if (!is_new) it->second = std::min(it->second, ns);
     }
@@ -298,6 +305,9 @@ int main(int argc, char** argv) {
       if (!with_kernels) continue;
       benchmark::RegisterBenchmark((label + "kernel").c_str(), kernelOne, scene, formula);
       benchmark::RegisterBenchmark((label + kLanes).c_str(), kernelMany, scene, formula);
+      benchmark::RegisterBenchmark((label + kAllCores).c_str(), kernelMany, scene, formula)
+          ->Threads(availableProcessors())
+          ->UseRealTime();
     }
     for (const WitnessKind& kind : witnessKinds()) {
       const bool ours = kind.info.version == DYNWITNESS_VERSION;

@@ -164,6 +164,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/chart/chart.cpp", {"1e-9"}},                // seconds in a nanosecond
       {"crosscheck/chart/drawing.cpp", {"1e-9"}},              // the same
       {"crosscheck/cli/crosscheck_command.cpp", {"1e-300"}},  // least --error-probability
+      {"crosscheck/growth/growth.cpp", {"1e-9"}},              // seconds in a nanosecond
       {"crosscheck/crosscheck.hpp", {"1e-30"}},               // default of --error-probability
       {"crosscheck/exact.hpp", {"1e-30"}},                    // the same
       {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same

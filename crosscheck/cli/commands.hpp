@@ -18,6 +18,7 @@ Run addDrift(CLI::App& app);
 Run addSimulate(CLI::App& app);
 Run addRotors(CLI::App& app);
 Run addChart(CLI::App& app);
+Run addGrowth(CLI::App& app);
 Run addAudit(CLI::App& app);
 Run addParameters(CLI::App& app);
 Run addGeometry(CLI::App& app);

@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
       {"simulate", cli::addSimulate(app)},     {"rotors", cli::addRotors(app)},
       {"parameters", cli::addParameters(app)}, {"geometry", cli::addGeometry(app)},
       {"action", cli::addAction(app)},         {"impulse", cli::addImpulse(app)},
-      {"impedance", cli::addImpedance(app)},
+      {"impedance", cli::addImpedance(app)},   {"growth", cli::addGrowth(app)},
       {"scenes", cli::addScenes(app)},         {"version", cli::addVersion(app)}};
   try {
     app.parse(argc, argv);
