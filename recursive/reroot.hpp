@@ -65,8 +65,8 @@ bool canBeRoot(const Model<T>& model, int link) {
 
         X_J(q) F:    the same kind of joint with the same q, rates, forces, spring, rotor and pitch
 
-    A gyroscopic rotor stays on its link, which is now the joint's child: its axis there is y = -z, and with w_p = w_i + y qd
-    (without the last where the joint slides)  h qd z.w_p  becomes  -h qd y.w_i - h qd^2.
+    A gyroscopic rotor stays on its link, which is now the joint's child: its axis there is y = -z, and with
+    w_p = w_i + y qd (without the last where the joint slides)  h qd z.w_p  becomes  -h qd y.w_i - h qd^2.
 
     Joints keep their rates and positions; the first six and seven are those of the link that floats.
     @throws std::invalid_argument  link 0 does not float, or a joint on the way has more than one axis */

@@ -39,7 +39,8 @@ struct QuasiJoint {
         g_i = dV/dq_i                               gravity and springs                     (4)
         Q_i = d(power of the constant wrenches)/dqd_i - dR/dqd_i                            (5)
 
-    with Rayleigh's function R of friction (Lagrangian::dissipation), so that  M qdd + c + g = tau + Q.  Equation (3) is  sum_jk Gamma_ijk qd_j qd_k  with the
+    with Rayleigh's function R of friction (Lagrangian::dissipation), so that  M qdd + c + g = tau + Q.
+    Equation (3) is  sum_jk Gamma_ijk qd_j qd_k  with the
     Christoffel symbols of M; christoffelMatrix() gives them their matrix.
 
     Rates of spherical and floating joints are quasi-velocities: no positions have them as derivatives.

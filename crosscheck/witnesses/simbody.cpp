@@ -57,7 +57,8 @@ SimTK::MassProperties massProperties(const MassProperties& m, const RealNumbers<
   return {mass, com, I};
 }
 
-/** A geared rotor is a body of its own, pinned to the ground (a gyroscopic one: to the parent link) and turning n times as fast as the joint:
+/** A geared rotor is a body of its own, pinned to the ground (a gyroscopic one: to the parent link) and
+    turning n times as fast as the joint:
     the same kinetic energy n^2 J qd^2 / 2, arrived at through another body. Forces on it reach the
     joint by virtual work. (A constraint in place of the virtual work was tried: its multipliers take
     the rotor off a tree that accelerates freely, and lost four digits of qdd on the PUMA 560.) */
