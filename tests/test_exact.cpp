@@ -347,7 +347,7 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_forward_dynamics_unanswered) 
 // other.
 BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_only_those_identities_unanswered_that_divide) {
   const scene::Scene scene = singularScene();
-  const std::set<std::string> dividing = {"forward dynamics undoes inverse dynamics", "projector",
+  std::set<std::string> dividing = {"forward dynamics undoes inverse dynamics", "projector",
                                           "projected inertia is symmetric", "projected twice",
                                           "projections of force and motion are dual",
                                           "independence of the chosen root",
@@ -367,6 +367,9 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_only_those_identities_unanswe
   BOOST_TEST(exact.size() == static_cast<std::size_t>(kIdentityCount));
   requireJudgedAlone(exact, "division by zero");
 
+  // only the accelerations divide by the first joint's D = 0: M_A and f_A are found by then, and doubles
+  // go on where the field stops
+  dividing.erase("value function of Gauss' principle");
   const auto rounded = checkIdentities(scene, {});
   BOOST_TEST(rounded.size() == 1u + kIdentityCount);
   requireJudgedAlone(rounded, "a divisor is zero within rounding");
