@@ -532,6 +532,8 @@ void require(bool holds, const std::string& message) {
 
 Problem problemOf(const scene::Scene& scene, const ActionOptions& options) {
   requireOpenTree(scene);
+  require(!scene.mechanism.hasFriction(),
+          "the scene has joint friction, allowed: none; --damping gives every joint the same");
   const scene::RealNumbers<double> number(scene.mechanism);
   Problem problem = {recursive::buildModel(scene.mechanism, number),
                      options.potential ? Terms::all() : Terms::none(),

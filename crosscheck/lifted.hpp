@@ -24,6 +24,8 @@ recursive::Model<S> lifted(const recursive::Model<T>& model) {
   out.link_of_dof = model.link_of_dof;
   out.positions = model.positions;
   out.plain_joints = model.plain_joints;
+  out.gyroscopic = model.gyroscopic;
+  out.friction = model.friction;
   out.base = inertia(model.base);
   for (const recursive::LinkModel<T>& link : model.links) {
     recursive::LinkModel<S> l;
@@ -36,6 +38,10 @@ recursive::Model<S> lifted(const recursive::Model<T>& model) {
     l.X_tree.p = vector(link.X_tree.p);
     l.M = inertia(link.M);
     l.rotor = S(link.rotor);
+    l.spin = S(link.spin);
+    l.viscous = S(link.viscous);
+    l.positive = S(link.positive);
+    l.negative = S(link.negative);
     l.stiffness = S(link.stiffness);
     l.rest = S(link.rest);
     l.pitch = S(link.pitch);

@@ -17,7 +17,7 @@ InertialSymbols inertialSymbols(const scene::Mechanism& given) {
   for (scene::Link& link : out.mechanism.links) {
     link.inertia = scene::MassProperties{};
     link.inertia.about = scene::MassProperties::About::kLinkOrigin;
-    link.joint.rotor_inertia = link.joint.gear_ratio = scene::Number(0);
+    link.joint.rotor_inertia = scene::Number(0);
   }
   for (std::size_t j = 0; j < out.parameters.size(); ++j) {
     const auto [at, kind] = out.parameters[j];
@@ -27,8 +27,9 @@ InertialSymbols inertialSymbols(const scene::Mechanism& given) {
     scene::Number* const numbers[] = {&m.mass, &m.com[0], &m.com[1], &m.com[2],
                                       &m.xx,   &m.yy,     &m.zz,     &m.xy,
                                       &m.xz,   &m.yz,     &link.joint.rotor_inertia};
-    *numbers[static_cast<int>(kind)] = scene::Number::parse(symbol(j));
-    if (kind == Kind::kRotor) link.joint.gear_ratio = scene::Number(1);
+    std::string value = symbol(j);
+    if (kind == Kind::kRotor) value += " / (" + link.joint.gear_ratio.text() + ")^2";  // it is n^2 J
+    *numbers[static_cast<int>(kind)] = scene::Number::parse(value);
   }
   out.equations = derive(out.mechanism);
   for (std::size_t j = 0; j < out.parameters.size(); ++j)

@@ -47,8 +47,8 @@ std::vector<std::string> trees() {
   std::vector<std::string> names;
   for (const auto& file : scene::bundledScenes()) {
     const scene::Scene scene = scene::readScene(file);
-    // the humanoids take minutes
-    if (scene.mechanism.isOpenTree() && scene.mechanism.dof() <= 9) names.push_back(scene.name);
+    // the humanoids take minutes; friction is refused
+    if (!scene.mechanism.hasFriction() && scene.mechanism.isOpenTree() && scene.mechanism.dof() <= 9) names.push_back(scene.name);
   }
   return names;
 }

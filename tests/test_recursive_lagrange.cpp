@@ -124,7 +124,8 @@ BOOST_AUTO_TEST_CASE(a_chain_of_20000_slides_carries_what_is_above_each) {
 
 std::vector<std::string> bundledNames() {
   std::vector<std::string> names;
-  for (const auto& file : scene::bundledScenes()) names.push_back(file.stem().string());
+  for (const auto& file : scene::bundledScenes())
+    if (!scene::readScene(file).mechanism.hasGyroscopicRotors()) names.push_back(file.stem().string());
   return names;
 }
 
