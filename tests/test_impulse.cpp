@@ -149,10 +149,10 @@ joint = { kind = "revolute" }
 
 // Closures that bind at once: afterwards they hold, and energy can only be lost.
 BOOST_AUTO_TEST_CASE(closures_take_what_contradicts_them) {
-  for (const char* name : {"andrews_squeezer", "bricard", "flyball_governor", "pendulum_on_slides"}) {
+  for (const char* name : {"andrews_squeezer", "bricard", "pendulum_on_slides"}) {
     const scene::Scene scene = scene::findScene(name);
     ImpulseOptions options;
-    options.qd.assign(scene.mechanism.dof(), 1.0);
+    for (int i = 1; i <= scene.mechanism.dof(); ++i) options.qd.push_back(i);
     const ImpulseResult result = strike(scene, options);
     BOOST_TEST(result.equations >= static_cast<int>(result.closures.size()));
     BOOST_TEST(result.energy_after < result.energy_before);
