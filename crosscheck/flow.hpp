@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motion of a tree in small equal steps, on doubles or duals: the derivative of a motion is the same
-// steps on duals.
+// Motion of a tree in small equal steps, on doubles or duals: the derivative of a motion is the
+// same steps on duals.
 #pragma once
 
 #include <utility>
@@ -15,7 +15,9 @@
 namespace dynwitness::crosscheck {
 
 /// A position slot with its cosine and sine, for doubles and nested duals.
-inline scene::JointPosition<double> slotPosition(double q) { return scene::jointPosition(q); }
+inline scene::JointPosition<double> slotPosition(double q) {
+  return scene::jointPosition(q);
+}
 template <typename T>
 scene::JointPosition<Dual<T>> slotPosition(const Dual<T>& q) {
   return moving(scene::JointPosition<T>(slotPosition(q.value)), q.derivative);
@@ -27,9 +29,10 @@ std::vector<scene::JointPosition<T>> slotPositions(const std::vector<T>& slots) 
   return x;
 }
 
-/** What recursive::positionRates() undoes: rates qd from the rates of change of position slots: of a
-    quaternion q = (w, v)  omega = 2 (w v' - w' v - v x v') / q'q,  and of a floating joint's position
-    R' p'. A quaternion's change of length has no part in it. The same for any small change of slots. */
+/** What recursive::positionRates() undoes: rates qd from the rates of change of position slots: of
+   a quaternion q = (w, v)  omega = 2 (w v' - w' v - v x v') / q'q,  and of a floating joint's
+   position R' p'. A quaternion's change of length has no part in it. The same for any small change
+   of slots. */
 template <typename T>
 std::vector<T> ratesOfSlots(const recursive::Model<T>& model,
                             const std::vector<scene::JointPosition<T>>& x,
@@ -73,8 +76,13 @@ template <typename T>
 class Flow {
  public:
   Flow(recursive::Model<T> model, recursive::Terms terms, double damping = 0)
-      : model_(std::move(model)), ws_(model_), terms_(terms), damping_(damping),
-        tau_(model_.dof(), T(0)), qdd_(tau_), slot_rates_(model_.positions, T(0)) {}
+      : model_(std::move(model)),
+        ws_(model_),
+        terms_(terms),
+        damping_(damping),
+        tau_(model_.dof(), T(0)),
+        qdd_(tau_),
+        slot_rates_(model_.positions, T(0)) {}
 
   const recursive::Model<T>& model() const { return model_; }
 
@@ -89,8 +97,8 @@ class Flow {
   }
   /// The state a time h [s] later.
   Moment<T> step(const Moment<T>& y, double h) {
-    const Moment<T> k_1 = rate(y), k_2 = rate(moved(y, k_1, h / 2)), k_3 = rate(moved(y, k_2, h / 2)),
-                    k_4 = rate(moved(y, k_3, h));
+    const Moment<T> k_1 = rate(y), k_2 = rate(moved(y, k_1, h / 2)),
+                    k_3 = rate(moved(y, k_2, h / 2)), k_4 = rate(moved(y, k_3, h));
     const double sixth = h / 6;
     return moved(moved(moved(moved(y, k_1, sixth), k_2, 2 * sixth), k_3, 2 * sixth), k_4, sixth);
   }

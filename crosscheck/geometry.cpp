@@ -12,7 +12,8 @@ namespace dynwitness::crosscheck {
 void requireOpenTree(const scene::Scene& scene) {
   const scene::SourceLocation file{scene.file.string(), 0};
   if (!scene.mechanism.isOpenTree())
-    throw scene::InputError(file, "has closures, or springs between points, allowed: a tree of links");
+    throw scene::InputError(file,
+                            "has closures, or springs between points, allowed: a tree of links");
   if (scene.mechanism.dof() == 0) throw scene::InputError(file, "has no joint that moves");
 }
 

@@ -49,7 +49,8 @@ std::vector<TwoSides<T>> laws(const scene::Mechanism& mechanism, const Numbers& 
 
     const Vector qdd = -metric.raised(coriolis);
     std::vector<T> free = setup.zeros();
-    recursive::forwardDynamics(model, state.x, state.qd, setup.zeros(), setup.ws, free, Terms::none());
+    recursive::forwardDynamics(model, state.x, state.qd, setup.zeros(), setup.ws, free,
+                               Terms::none());
     out[2] = {qdd, column(free)};
 
     // Gauss: second fundamental forms, normal parts of d2x/dq_i dq_j in the space of all points

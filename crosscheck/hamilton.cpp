@@ -6,10 +6,10 @@
 #include <functional>
 #include <limits>
 
+#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <boost/math/constants/constants.hpp>
-#include <fmt/format.h>
 
 #include "crosscheck/flow.hpp"
 #include "crosscheck/geometry.hpp"
@@ -26,12 +26,13 @@ using Values = std::vector<double>;
 
 constexpr double kPi = boost::math::constants::pi<double>();
 constexpr int kFirstSteps = 64, kMostSteps = 8192;
-constexpr int kOrder = 4;           // of the steps and of Simpson's sums
-constexpr int kSines = 3;           // a joint, in a varied path
-constexpr int kModes = 8;           // sines a joint, among which a slow one is sought
-constexpr int kMostDof = 10;        // whose second variation is formed
-constexpr double kAmplitude = 0.01; // of varied paths [rad, m]
-constexpr double kSharp = 1000;     // steps are halved until conjugate times are known to duration / this
+constexpr int kOrder = 4;            // of the steps and of Simpson's sums
+constexpr int kSines = 3;            // a joint, in a varied path
+constexpr int kModes = 8;            // sines a joint, among which a slow one is sought
+constexpr int kMostDof = 10;         // whose second variation is formed
+constexpr double kAmplitude = 0.01;  // of varied paths [rad, m]
+constexpr double kSharp =
+    1000;  // steps are halved until conjugate times are known to duration / this
 
 /// The motion at one instant.
 struct Node {
@@ -51,8 +52,8 @@ struct Problem {
   int n() const { return model.dof(); }
 };
 
-/// A number as a constant of a nested dual. (Made of a double at once it would lose its fraction: Dual takes
-/// an int before it takes the double apart.)
+/// A number as a constant of a nested dual. (Made of a double at once it would lose its fraction:
+/// Dual takes an int before it takes the double apart.)
 template <typename S>
 S constant(double value) {
   if constexpr (std::is_same_v<S, double>)
@@ -70,13 +71,15 @@ recursive::Model<S> nested(const recursive::Model<double>& model) {
 
 // ---- T - V and Q near the motion ----------------------------------------------------------------
 
-/** Energies and forces at q + B(q) zeta, B taking rates to rates of slots: what a variation zeta with
-    rates zeta' makes of the motion, in any scalar. */
+/** Energies and forces at q + B(q) zeta, B taking rates to rates of slots: what a variation zeta
+   with rates zeta' makes of the motion, in any scalar. */
 template <typename S>
 class Near {
  public:
   explicit Near(const Problem& problem)
-      : problem_(problem), model_(nested<S>(problem.model)), ws_(model_),
+      : problem_(problem),
+        model_(nested<S>(problem.model)),
+        ws_(model_),
         moving_(nested<Dual<S>>(problem.model)) {}
 
   /// Positions and rates of the varied path.
@@ -123,7 +126,8 @@ class Near {
   std::vector<S> forces() {
     const std::vector<S> rest(problem_.n(), S(0));
     std::vector<S> Q(problem_.n(), S(0));
-    recursive::inverseDynamics(model_, x_, rest, rest, ws_, Q, {false, false, problem_.terms.loads});
+    recursive::inverseDynamics(model_, x_, rest, rest, ws_, Q,
+                               {false, false, problem_.terms.loads});
     for (int i = 0; i < problem_.n(); ++i) Q[i] = -Q[i] - constant<S>(problem_.damping) * qd_[i];
     return Q;
   }
@@ -179,10 +183,10 @@ double phaseOf(const Problem& problem, const Node& node, const std::vector<Node>
 }
 
 struct FirstVariation {
-  double action = 0;          ///< dS
-  double with_forces = 0;     ///< dS + integral of Q' zeta
-  double with_work = 0;       ///< d(S + integral of W)
-  double size = 0;            ///< sum of the magnitudes that it was summed from
+  double action = 0;       ///< dS
+  double with_forces = 0;  ///< dS + integral of Q' zeta
+  double with_work = 0;    ///< d(S + integral of W)
+  double size = 0;         ///< sum of the magnitudes that it was summed from
 };
 
 FirstVariation firstVariation(const Problem& problem, const std::vector<Node>& nodes,
@@ -206,8 +210,7 @@ FirstVariation firstVariation(const Problem& problem, const std::vector<Node>& n
     out.action += node.weight * dL;
     out.with_forces += node.weight * (dL + forces);
     // W at all later times, integrated over them
-    out.with_work +=
-        node.weight * (dL + (problem.duration - node.time) * near.power().derivative);
+    out.with_work += node.weight * (dL + (problem.duration - node.time) * near.power().derivative);
     out.size += node.weight * (std::abs(dL) + std::abs(forces));
   }
   return out;
@@ -223,8 +226,7 @@ double actionOf(const Problem& problem, const std::vector<Node>& nodes, const Si
     if (zeta != nullptr)
       for (int i = 0; i < n; ++i) {
         z[i] = amplitude * zeta->value(i, phaseOf(problem, node, nodes));
-        z_rate[i] =
-            amplitude * zeta->rate(i, kPi * node.time / problem.duration, problem.duration);
+        z_rate[i] = amplitude * zeta->rate(i, kPi * node.time / problem.duration, problem.duration);
       }
     near.at(node, z, z_rate);
     S += node.weight * near.lagrangian();
@@ -255,13 +257,14 @@ std::vector<Eigen::MatrixXd> hessians(const Problem& problem, const std::vector<
 }
 
 /** Negative directions of the second variation on all variations that are straight between every
-    `2 stride`-th node and 0 at both ends. Block by block, M = L D L' of a block-tridiagonal matrix: as many
-    as the blocks of D have negative eigenvalues (Sylvester). A subspace can miss a direction of the true
-    second variation, never add one; the finer it is, the fewer it misses. */
+    `2 stride`-th node and 0 at both ends. Block by block, M = L D L' of a block-tridiagonal matrix:
+   as many as the blocks of D have negative eigenvalues (Sylvester). A subspace can miss a direction
+   of the true second variation, never add one; the finer it is, the fewer it misses. */
 int negativeDirections(const Problem& problem, const std::vector<Node>& nodes,
                        const std::vector<Eigen::MatrixXd>& H, int stride) {
   const int n = problem.n(), last = static_cast<int>(nodes.size()) - 1;
-  const double width = 2 * stride * problem.duration / last;  // of an element, Simpson's three nodes
+  const double width =
+      2 * stride * problem.duration / last;  // of an element, Simpson's three nodes
   int negative = 0;
   Eigen::MatrixXd carried = Eigen::MatrixXd::Zero(n, n);  // of the elements to the left
   for (int k = 0; k < last; k += 2 * stride) {
@@ -272,7 +275,8 @@ int negativeDirections(const Problem& problem, const std::vector<Node>& nodes,
                             vv = h.bottomRightCorner(n, n);
       const double weight = (point == 1 ? 4 : 1) * width / 6, up = point / 2.0, down = 1 - up,
                    slope = 1 / width;
-      left += weight * (down * down * qq - down * slope * (qv + qv.transpose()) + slope * slope * vv);
+      left +=
+          weight * (down * down * qq - down * slope * (qv + qv.transpose()) + slope * slope * vv);
       right += weight * (up * up * qq + up * slope * (qv + qv.transpose()) + slope * slope * vv);
       across += weight * (down * up * qq + down * slope * qv - up * slope * qv.transpose() -
                           slope * slope * vv);
@@ -280,8 +284,8 @@ int negativeDirections(const Problem& problem, const std::vector<Node>& nodes,
     if (k > 0) {  // the node between this element and the last is free
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> D(carried + left);
       negative += static_cast<int>((D.eigenvalues().array() < 0).count());
-      right -= across.transpose() * D.eigenvectors() *
-               D.eigenvalues().cwiseInverse().asDiagonal() * D.eigenvectors().transpose() * across;
+      right -= across.transpose() * D.eigenvectors() * D.eigenvalues().cwiseInverse().asDiagonal() *
+               D.eigenvectors().transpose() * across;
     }
     carried = right;
   }
@@ -289,8 +293,8 @@ int negativeDirections(const Problem& problem, const std::vector<Node>& nodes,
 }
 
 struct SecondVariation {
-  double lowest;   ///< eigenvalue, over the kinetic part: 1 for a free particle
-  Sines slowest;   ///< its variation, of amplitude 1
+  double lowest;  ///< eigenvalue, over the kinetic part: 1 for a free particle
+  Sines slowest;  ///< its variation, of amplitude 1
 };
 
 /// Among `modes` sines a joint.
@@ -303,7 +307,8 @@ SecondVariation secondVariation(const Problem& problem, const std::vector<Node>&
     const double weight = nodes[k].weight, phase = kPi * nodes[k].time / problem.duration;
     Eigen::VectorXd s(modes), c(modes);  // of unit rate in the mean square
     for (int m = 0; m < modes; ++m) {
-      const double w = (m + 1) * kPi / problem.duration, scale = std::sqrt(2 / problem.duration) / w;
+      const double w = (m + 1) * kPi / problem.duration,
+                   scale = std::sqrt(2 / problem.duration) / w;
       s(m) = k == last ? 0 : scale * std::sin((m + 1) * phase);
       c(m) = scale * w * std::cos((m + 1) * phase);
     }
@@ -311,9 +316,9 @@ SecondVariation secondVariation(const Problem& problem, const std::vector<Node>&
                           L_vv = H[k].bottomRightCorner(n, n);
     for (int a = 0; a < modes; ++a)
       for (int b = 0; b < modes; ++b) {
-        second.block(a * n, b * n, n, n) += weight * (s(a) * s(b) * L_qq + s(a) * c(b) * L_qv +
-                                                      c(a) * s(b) * L_qv.transpose() +
-                                                      c(a) * c(b) * L_vv);
+        second.block(a * n, b * n, n, n) +=
+            weight * (s(a) * s(b) * L_qq + s(a) * c(b) * L_qv + c(a) * s(b) * L_qv.transpose() +
+                      c(a) * c(b) * L_vv);
         kinetic.block(a * n, b * n, n, n) += weight * c(a) * c(b) * L_vv;
       }
   }
@@ -340,7 +345,8 @@ struct Neighbours {
   explicit Neighbours(const Problem& problem)
       : problem(problem), flow(lifted<D>(problem.model), problem.terms, problem.damping) {
     Flow<double> plain(problem.model, problem.terms, problem.damping);
-    const Values slot_rates = plain.slotRates(problem.start), qdd = plain.accelerations(problem.start);
+    const Values slot_rates = plain.slotRates(problem.start),
+                 qdd = plain.accelerations(problem.start);
     for (int k = 0; k <= problem.n(); ++k) {
       Moment<D> y;
       const bool later = k == problem.n();
@@ -393,14 +399,14 @@ struct Neighbours {
 
 struct JacobiFields {
   std::vector<Action::Conjugate> conjugates;
-  double unsymmetric = 0, late = 0;            ///< largest |A'P - P'A|, |J - (q', qd')| of the later motion
+  double unsymmetric = 0, late = 0;  ///< largest |A'P - P'A|, |J - (q', qd')| of the later motion
   double size_symmetric = 0, size_late = 0;
   double size_state = 0, growth = 1;  ///< largest |q|, |qd|; largest entry of a neighbour
 };
 
-/** How many singular values of A vanish together within two steps after `from`. Each passes 0 as |t - t*|;
-    the least of the smallest is sought by golden sections, and one that would reach 0 within duration /
-    kSharp of there counts. */
+/** How many singular values of A vanish together within two steps after `from`. Each passes 0 as |t
+   - t*|; the least of the smallest is sought by golden sections, and one that would reach 0 within
+   duration / kSharp of there counts. */
 Action::Conjugate manyMeet(Neighbours* neighbours, const std::vector<Moment<D>>& from, double start,
                            double h) {
   const auto values = [&](double later) {
@@ -419,7 +425,8 @@ Action::Conjugate manyMeet(Neighbours* neighbours, const std::vector<Moment<D>>&
   const Eigen::VectorXd least = values(at), before = values(0), after = values(2 * h);
   Action::Conjugate out = {start + at, 0, 0};
   for (Eigen::Index i = 0; i < least.size(); ++i) {
-    const double slope = std::max((before(i) - least(i)) / at, (after(i) - least(i)) / (2 * h - at));
+    const double slope =
+        std::max((before(i) - least(i)) / at, (after(i) - least(i)) / (2 * h - at));
     if (slope > 0 && least(i) / slope < neighbours->problem.duration / kSharp) ++out.multiplicity;
   }
   return out;
@@ -433,7 +440,7 @@ JacobiFields jacobiFields(const Problem& problem, int steps) {
   const auto determinant = [](const Eigen::MatrixXd& A, double t) {
     return (A / t).eval().determinant();
   };
-  double before = 0, earlier = 0;      // determinants at the last two nodes
+  double before = 0, earlier = 0;       // determinants at the last two nodes
   std::vector<Moment<D>> last_but_one;  // neighbours at the node before the last
   for (int k = 1; k <= steps; ++k) {
     const std::vector<Moment<D>> from = neighbours.now;
@@ -537,7 +544,11 @@ Problem problemOf(const scene::Scene& scene, const ActionOptions& options) {
   const scene::RealNumbers<double> number(scene.mechanism);
   Problem problem = {recursive::buildModel(scene.mechanism, number),
                      options.potential ? Terms::all() : Terms::none(),
-                     options.damping, options.duration, true, true, {}};
+                     options.damping,
+                     options.duration,
+                     true,
+                     true,
+                     {}};
   require(options.duration > 0 && std::isfinite(options.duration),
           fmt::format("duration is {} s, allowed: positive", options.duration));
   require(options.damping >= 0 && std::isfinite(options.damping),
@@ -583,9 +594,9 @@ bool isFinite(const std::vector<Node>& nodes) {
 /// The second variation: how many directions lower the action.
 void countDirections(const Problem& problem, const std::vector<Node>& nodes, Action* out,
                      Sines* slowest) {
-  CheckResult check = describe("directions that lower the action",
-                               "negative eigenvalues of the second variation = conjugate times",
-                               "S", "T - V");
+  CheckResult check =
+      describe("directions that lower the action",
+               "negative eigenvalues of the second variation = conjugate times", "S", "T - V");
   check.right = "articulated_body";
   check.unit = "directions";
   if (problem.n() > kMostDof) {
@@ -617,7 +628,8 @@ void countDirections(const Problem& problem, const std::vector<Node>& nodes, Act
   } else if (out->negative != expected) {
     check.verdict = Verdict::kDisagree;
     check.ratio = std::numeric_limits<double>::infinity();
-    check.reason = fmt::format("{} negative eigenvalues, {} conjugate times", out->negative, expected);
+    check.reason =
+        fmt::format("{} negative eigenvalues, {} conjugate times", out->negative, expected);
   }
   out->checks.push_back(check);
 }
@@ -661,8 +673,8 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
     };
     CheckResult hamilton =
         problem.conservative
-            ? describe("Hamilton's principle", "dS(eta) = 0 for every eta that vanishes at both ends",
-                       "dS", "T - V")
+            ? describe("Hamilton's principle",
+                       "dS(eta) = 0 for every eta that vanishes at both ends", "dS", "T - V")
             : describe("d'Alembert's and Lagrange's principle",
                        "dS(eta) + integral of Q' eta = 0 for every eta that vanishes at both ends",
                        "dS", "T - V, Q");
@@ -677,9 +689,9 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
       out.with_work = largest(fine, &FirstVariation::with_work);
       out.with_work_coarse = largest(coarse, &FirstVariation::with_work);
     } else {
-      CheckResult late = describe("a motion and the same a little later are neighbours",
-                                  "(qd, qdd) solves the variational equation", "J",
-                                  "articulated_body");
+      CheckResult late =
+          describe("a motion and the same a little later are neighbours",
+                   "(qd, qdd) solves the variational equation", "J", "articulated_body");
       // each step rounds the state, and neighbours say how far that carries
       judgeOrder(&late, fields_coarse.late, fields.late,
                  fields.size_late + fields.size_state * fields.growth, steps);
@@ -701,9 +713,8 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
                 : std::numeric_limits<double>::infinity();
       sharp = sharp && out.conjugates[k].error <= options.duration / kSharp;
     }
-    if (sharp && std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) {
-          return c.verdict == Verdict::kAgree;
-        }))
+    if (sharp && std::all_of(checks.begin(), checks.end(),
+                             [](const CheckResult& c) { return c.verdict == Verdict::kAgree; }))
       break;
   }
   out.checks = checks;
@@ -725,18 +736,18 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
     }
   }
   const auto add = [&](const std::string& name, const Sines& zeta, double first) {
-    out.paths.push_back({name, kAmplitude, first,
-                         actionOf(problem, nodes, &zeta, kAmplitude) - out.action});
+    out.paths.push_back(
+        {name, kAmplitude, first, actionOf(problem, nodes, &zeta, kAmplitude) - out.action});
   };
   for (int k = 0; k < options.paths; ++k)
     add(fmt::format("path {}", k + 1), variations[k], fine[k].with_forces);
   if (!problem.conservative || out.negative < 0) return out;
 
   // what the second variation says of all paths near by, shown on some
-  CheckResult nearby = out.negative == 0
-                           ? describe("the action is smallest", "S(q + eta) > S(q)", "S", "T - V")
-                           : describe("the action is a saddle",
-                                      "S(q + slow) < S(q) < S(q + fast)", "S", "T - V");
+  CheckResult nearby =
+      out.negative == 0
+          ? describe("the action is smallest", "S(q + eta) > S(q)", "S", "T - V")
+          : describe("the action is a saddle", "S(q + slow) < S(q) < S(q + fast)", "S", "T - V");
   nearby.unit = "paths";
   nearby.limit = 0;
   if (out.negative > 0 && out.lowest < 0) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Hamilton's principle on a simulated motion: first and second variation of the action, conjugate times.
+// Hamilton's principle on a simulated motion: first and second variation of the action, conjugate
+// times.
 #pragma once
 
 #include <cstdint>
@@ -20,21 +21,23 @@ struct ActionOptions {
   std::uint64_t seed = 1;
 };
 
-/** What was found. The motion is integrated in `steps` equal steps by a method of order 4, and integrals
-    over it are Simpson's sums of the same order, so that what vanishes in truth falls as step^4. */
+/** What was found. The motion is integrated in `steps` equal steps by a method of order 4, and
+   integrals over it are Simpson's sums of the same order, so that what vanishes in truth falls as
+   step^4. */
 struct Action {
   int dof = 0, steps = 0;
-  double duration = 0;         ///< [s]
-  double action = 0;           ///< S = integral of T - V [J s]
-  bool conservative = true;    ///< no loads, no dampers: only then are conjugate times looked for
-  double energy_drift = 0;     ///< largest |E - E0| where conservative [J]
+  double duration = 0;       ///< [s]
+  double action = 0;         ///< S = integral of T - V [J s]
+  bool conservative = true;  ///< no loads, no dampers: only then are conjugate times looked for
+  double energy_drift = 0;   ///< largest |E - E0| where conservative [J]
 
-  /// A path q + eta with the same ends; eta is a sum of three sines a joint, at most of size `amplitude`.
+  /// A path q + eta with the same ends; eta is a sum of three sines a joint, at most of size
+  /// `amplitude`.
   struct Path {
     std::string name;
     double amplitude;  ///< [rad, m]
-    double first;      ///< d/deps S(q + eps eta) at 0 + integral of Q' eta, eta of amplitude 1 [J s]
-    double change;     ///< S(q + eta) - S(q) [J s]
+    double first;   ///< d/deps S(q + eps eta) at 0 + integral of Q' eta, eta of amplitude 1 [J s]
+    double change;  ///< S(q + eta) - S(q) [J s]
   };
   std::vector<Path> paths;
   /// Where Q is not 0: the largest first variation when its work is put into the Lagrangian, as
@@ -46,22 +49,23 @@ struct Action {
     int multiplicity;
   };
   std::vector<Conjugate> conjugates;  ///< of the start, in (0, duration)
-  int negative = -1;                  ///< negative directions of the second variation; -1: not counted
-  double lowest = 0;           ///< eigenvalue of the second variation over the kinetic part, in sines
+  int negative = -1;  ///< negative directions of the second variation; -1: not counted
+  double lowest = 0;  ///< eigenvalue of the second variation over the kinetic part, in sines
   std::vector<CheckResult> checks;
 };
 
 /** Integrates the motion of a tree from its start and looks at the action of the paths near it.
 
-        (1)  dS(eta) + integral of Q' eta dt = 0      for every eta that vanishes at both ends: Hamilton's
-                                                      principle, d'Alembert's and Lagrange's where Q != 0
-        (2)  q(t) + eps J(t) is again a motion: J solves the variational equation, here by the steps on
-             duals. J(0) = 0, J'(0) = e_k for every k make a matrix A(t);  det A(t*) = 0: conjugate time
-        (3)  the second variation of S on variations with fixed ends has as many negative directions as
-             there are conjugate times in (0, duration) (Morse); on variations straight from node to node
-    (3) knows T and V alone, (2) the articulated-body sweep alone.
+        (1)  dS(eta) + integral of Q' eta dt = 0      for every eta that vanishes at both ends:
+   Hamilton's principle, d'Alembert's and Lagrange's where Q != 0 (2)  q(t) + eps J(t) is again a
+   motion: J solves the variational equation, here by the steps on duals. J(0) = 0, J'(0) = e_k for
+   every k make a matrix A(t);  det A(t*) = 0: conjugate time (3)  the second variation of S on
+   variations with fixed ends has as many negative directions as there are conjugate times in (0,
+   duration) (Morse); on variations straight from node to node (3) knows T and V alone, (2) the
+   articulated-body sweep alone.
 
-    @throws scene::InputError  closures or springs between points, wrong sizes, duration not positive
+    @throws scene::InputError  closures or springs between points, wrong sizes, duration not
+   positive
     @see C. Lanczos, The Variational Principles of Mechanics (1970), chapter V;
          I. Gelfand, S. Fomin, Calculus of Variations (1963), sections 24 to 29 */
 Action measureAction(const scene::Scene& scene, const ActionOptions& options);

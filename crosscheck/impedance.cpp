@@ -12,7 +12,9 @@ Bounded split(const MatrixOf<Error>& m) {
   return {m.unaryExpr([](const Error& e) { return e.value(); }),
           m.unaryExpr([](const Error& e) { return e.bound(); })};
 }
-recursive::Vector3<Error> vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+recursive::Vector3<Error> vector(const std::array<double, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
 recursive::Matrix6<Error> diagonal(const std::array<double, 6>& d) {
   recursive::Matrix6<Error> m = recursive::Matrix6<Error>::Constant(Error(0));
   for (int i = 0; i < 6; ++i) m(i, i) = d[i];

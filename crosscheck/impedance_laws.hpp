@@ -14,12 +14,13 @@
 namespace dynwitness::crosscheck {
 
 inline constexpr IdentityInfo kImpedanceLaws[] = {
-    {"stiffness of the joints", "d2V/dq2 = J' K J + (dJ'/dq) f", "K", "recursive_lagrange", "sweeps"},
-    {"compliance of the point", "w' C_x w = dq' K_q dq, C_x = J C_q J', dq = C_q J' w", "C", "sweeps",
-     "joints"},
+    {"stiffness of the joints", "d2V/dq2 = J' K J + (dJ'/dq) f", "K", "recursive_lagrange",
+     "sweeps"},
+    {"compliance of the point", "w' C_x w = dq' K_q dq, C_x = J C_q J', dq = C_q J' w", "C",
+     "sweeps", "joints"},
     {"damping of the joints", "qd' J' D J qd = xd' D xd", "D", "sweeps", "recursive_lagrange"},
-    {"mobility of the point", "J M^-1 J' f = xdd of a force f at rest", "mobility", "composite_body",
-     "articulated_body"},
+    {"mobility of the point", "J M^-1 J' f = xdd of a force f at rest", "mobility",
+     "composite_body", "articulated_body"},
     {"apparent inertia", "T(M^-1 J' L xd) = xd' L xd / 2, L = (J M^-1 J')^-1", "L", "newton_euler",
      "composite_body"},
     {"there and back", "J^-T (J' K J) J^-1 = K", "K", "sweeps", ""},
@@ -33,10 +34,13 @@ inline std::vector<CheckResult> impedanceLawsOf(const scene::Mechanism& mechanis
                                                 std::vector<CheckResult> checks) {
   if (mechanism.dof() != 3 && mechanism.dof() != 6) checks.erase(checks.begin() + 5);
   for (CheckResult& check : checks)
-    if (check.verdict == Verdict::kNotAnswerable && (check.quantity == "L" || check.quantity == "K"))
-      check.reason = "the point cannot move every way: J M^-1 J' or J is singular (" + check.reason + ")";
+    if (check.verdict == Verdict::kNotAnswerable &&
+        (check.quantity == "L" || check.quantity == "K"))
+      check.reason =
+          "the point cannot move every way: J M^-1 J' or J is singular (" + check.reason + ")";
   for (const scene::Link& link : mechanism.links)
-    if (!scene::ratesArePositionDerivatives(link.joint.kind)) return {checks.begin() + 1, checks.end()};
+    if (!scene::ratesArePositionDerivatives(link.joint.kind))
+      return {checks.begin() + 1, checks.end()};
   return checks;
 }
 
@@ -44,8 +48,8 @@ inline std::vector<CheckResult> impedanceLawsOf(const scene::Mechanism& mechanis
 template <typename T>
 struct Impedance {
   LinkPoint<T> point;
-  recursive::Matrix6<T> K, D;         ///< symmetric, world axes
-  recursive::Vector3<T> stretch;      ///< x - x_0
+  recursive::Matrix6<T> K, D;     ///< symmetric, world axes
+  recursive::Vector3<T> stretch;  ///< x - x_0
   std::vector<T> joint_compliance;
   recursive::Vector6<T> wrench;
 };
@@ -127,8 +131,8 @@ class ImpedanceModel {
     const recursive::Matrix3<T> K_linear = z.K.template topLeftCorner<3, 3>();
     law(0, [&] {
       const recursive::Vector3<T> f = K_linear * z.stretch;
-      const Matrix right = J_linear.transpose() * K_linear * J_linear +
-                           geometricStiffness(state, z.point, f);
+      const Matrix right =
+          J_linear.transpose() * K_linear * J_linear + geometricStiffness(state, z.point, f);
       return TwoSides<T>{potentialHessian(state, z), right, {}};
     });
     law(1, [&] {
@@ -147,14 +151,15 @@ class ImpedanceModel {
       const Vector qd = column(state.qd);
       const recursive::Vector6<T> xd = velocity(state, z.point);
       const Matrix D_q = J.transpose() * z.D * J;
-      return TwoSides<T>{one(qd.dot(Vector(D_q * qd))),
-                         one(xd.dot(recursive::Vector6<T>(z.D * xd))), {}};
+      return TwoSides<T>{
+          one(qd.dot(Vector(D_q * qd))), one(xd.dot(recursive::Vector6<T>(z.D * xd))), {}};
     });
     law(3, [&] {
       const Vector generalized = J.transpose() * z.wrench;
       std::vector<T> qdd = setup_.zeros();
       const std::vector<T> tau(generalized.data(), generalized.data() + n);
-      recursive::forwardDynamics(model, state.x, setup_.zeros(), tau, setup_.ws, qdd, Terms::none());
+      recursive::forwardDynamics(model, state.x, setup_.zeros(), tau, setup_.ws, qdd,
+                                 Terms::none());
       return TwoSides<T>{MatrixOf<T>(mobility(state, J) * z.wrench), J * column(qdd), {}};
     });
     law(4, [&] {
@@ -167,7 +172,8 @@ class ImpedanceModel {
       recursive::solve(M, qd);
       const std::vector<T> rates(qd.data(), qd.data() + n);
       return TwoSides<T>{one(recursive::kineticEnergy(model, state.x, rates, setup_.ws)),
-                         one(xd.dot(Vector(L * xd)) / T(2)), {}};
+                         one(xd.dot(Vector(L * xd)) / T(2)),
+                         {}};
     });
     law(5, [&] {
       if (n != 6 && n != 3) throw std::domain_error("J is not square");
@@ -186,7 +192,8 @@ class ImpedanceModel {
       const recursive::Matrix6<T> K_f = S_back.transpose() * z.K * S_back;
       const recursive::Vector6<T> t_f = S * z.wrench;  // any six numbers are a twist
       return TwoSides<T>{one(t_f.dot(recursive::Vector6<T>(K_f * t_f))),
-                         one(z.wrench.dot(recursive::Vector6<T>(z.K * z.wrench))), {}};
+                         one(z.wrench.dot(recursive::Vector6<T>(z.K * z.wrench))),
+                         {}};
     });
     law(7, [&] {
       const recursive::Matrix6<T> C = J * J.transpose();  // a compliance
@@ -215,11 +222,12 @@ class ImpedanceModel {
   }
   /// Where the point is, by 4 x 4 matrices.
   template <typename S>
-  static recursive::Vector3<S> placeOf(const HomogeneousModel<S>& points, const LinkPoint<T>& point) {
+  static recursive::Vector3<S> placeOf(const HomogeneousModel<S>& points,
+                                       const LinkPoint<T>& point) {
     Vector4<S> at = Vector4<S>::Constant(S(1));
     for (int i = 0; i < 3; ++i) at(i) = S(point.at(i));
-    const Vector4<S> r = points.places()[points.body_of_link[point.link]] *
-                         (points.after_of_link[point.link] * at);
+    const Vector4<S> r =
+        points.places()[points.body_of_link[point.link]] * (points.after_of_link[point.link] * at);
     return r.template head<3>();
   }
   /// Second derivatives of (x - x_0)' K (x - x_0) / 2, x_0 such that x - x_0 is the stretch.

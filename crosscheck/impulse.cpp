@@ -11,7 +11,9 @@ namespace {
 
 using Error = RunningError;
 
-recursive::Vector3<Error> vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+recursive::Vector3<Error> vector(const std::array<double, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
 
 template <typename From, typename To>
 void copy(const From& from, To* to) {
@@ -19,7 +21,8 @@ void copy(const From& from, To* to) {
 }
 
 std::vector<double> given(const char* what, const std::vector<double>& values,
-                          const std::vector<scene::Number>& own, const scene::Mechanism& mechanism) {
+                          const std::vector<scene::Number>& own,
+                          const scene::Mechanism& mechanism) {
   if (values.empty()) {
     const scene::RealNumbers<double> number(mechanism);
     std::vector<double> out;
@@ -27,7 +30,8 @@ std::vector<double> given(const char* what, const std::vector<double>& values,
     return out;
   }
   if (values.size() != own.size())
-    throw scene::InputError({}, fmt::format("{}: {} values, allowed: {}", what, values.size(), own.size()));
+    throw scene::InputError(
+        {}, fmt::format("{}: {} values, allowed: {}", what, values.size(), own.size()));
   return values;
 }
 
@@ -47,7 +51,8 @@ ImpulseResult strike(const scene::Scene& scene, const ImpulseOptions& options) {
   if (!(options.restitution >= 0 && options.restitution <= 1))
     throw scene::InputError(
         {}, fmt::format("restitution is {}, allowed: from 0 to 1", options.restitution));
-  const double length = std::hypot(options.direction[0], options.direction[1], options.direction[2]);
+  const double length =
+      std::hypot(options.direction[0], options.direction[1], options.direction[2]);
   const bool is_impact = length > 0;
 
   // which closure equations stand for all
@@ -61,7 +66,8 @@ ImpulseResult strike(const scene::Scene& scene, const ImpulseOptions& options) {
   recursive::ConstrainedSolver<double> solver;
   solver.factorize(M, closures.J);
 
-  ImpulseModel<Error> with_bounds(mechanism, RunningErrorNumbers(mechanism), solver.independentRows());
+  ImpulseModel<Error> with_bounds(mechanism, RunningErrorNumbers(mechanism),
+                                  solver.independentRows());
   const scene::State<Error> at = runningErrorState(state);
   Impulse<Error> impulse;
   impulse.point = {linkNamed(scene, options.link), vector(options.at)};

@@ -13,8 +13,8 @@
 namespace dynwitness::crosscheck {
 
 inline constexpr IdentityInfo kImpulseLaws[] = {
-    {"impulse and acceleration", "qd+ - qd- = qdd of a force J' p + j at rest", "qd", "composite_body",
-     "articulated_body"},
+    {"impulse and acceleration", "qd+ - qd- = qdd of a force J' p + j at rest", "qd",
+     "composite_body", "articulated_body"},
     {"energy of an impulse", "T+ - T- = p' (v+ + v-)/2 + j' (qd+ + qd-)/2", "kinetic",
      "newton_euler", "sweep of velocities"},
     {"momentum", "momentum jumps by p and the impulses through joints to the world", "momentum",
@@ -25,7 +25,8 @@ inline constexpr IdentityInfo kImpulseLaws[] = {
     {"closures after an impulse", "J qd+ = 0", "J qd", "sweeps", ""},
 };
 
-/// The laws that a scene has: trees those but the last, mechanisms with closures the second and the last.
+/// The laws that a scene has: trees those but the last, mechanisms with closures the second and the
+/// last.
 inline std::vector<CheckResult> impulseLawsOf(const scene::Mechanism& mechanism,
                                               const std::vector<CheckResult>& checks) {
   if (mechanism.closures.empty()) return {checks.begin(), checks.end() - 1};
@@ -36,7 +37,7 @@ inline std::vector<CheckResult> impulseLawsOf(const scene::Mechanism& mechanism,
 template <typename T>
 struct Impulse {
   LinkPoint<T> point;
-  recursive::Force<T> p;     ///< at the point, world axes
+  recursive::Force<T> p;  ///< at the point, world axes
   std::vector<T> joints;
   recursive::Vector3<T> direction;  ///< of an impact
   T restitution;
@@ -45,7 +46,7 @@ struct Impulse {
 /// Velocities before and after.
 template <typename T>
 struct Struck {
-  recursive::MatrixX<T> J;          ///< of the point, 6 x n
+  recursive::MatrixX<T> J;  ///< of the point, 6 x n
   recursive::VectorX<T> before, after, closures;
   T energy_before, energy_after;
   recursive::Vector6<T> point_before, point_after, p, momentum_jump, support;
@@ -117,7 +118,8 @@ class ImpulseModel {
         work += impulse.joints[i] * (s.before(i) + s.after(i)) / T(2);
       // closures that bind suddenly do work on the velocity that they take
       for (std::size_t k = 0; k < rows_.size(); ++k)
-        work += s.closures(k) * closures.J.row(rows_[k]).transpose().dot(Vector(s.before + s.after)) / T(2);
+        work += s.closures(k) *
+                closures.J.row(rows_[k]).transpose().dot(Vector(s.before + s.after)) / T(2);
       return TwoSides<T>{one(s.energy_after - s.energy_before), one(work), {}};
     });
     law(2, [&] {
@@ -157,7 +159,8 @@ class ImpulseModel {
       const T v = impulse.direction.dot(s.point_before.template head<3>());
       const T& e = impulse.restitution;
       return TwoSides<T>{one(s.energy_before - s.energy_after),
-                         one((T(1) - e * e) * v * v / (T(2) * inverse_mass)), {}};
+                         one((T(1) - e * e) * v * v / (T(2) * inverse_mass)),
+                         {}};
     });
     law(5, [&] {
       if (rows_.empty()) throw std::domain_error("the scene has no closures");
@@ -223,8 +226,8 @@ class ImpulseModel {
     passOn(state, impulse, jump, out.p, &out.support);
     return out;
   }
-  /// What passes through each joint, outward in: f = M dv - p, summed over what is outboard; and what
-  /// the world gives, at its origin and in its axes.
+  /// What passes through each joint, outward in: f = M dv - p, summed over what is outboard; and
+  /// what the world gives, at its origin and in its axes.
   void passOn(const scene::State<T>& state, const Impulse<T>& impulse, const Vector& jump,
               const recursive::Vector6<T>& p, recursive::Vector6<T>* support) {
     recursive::linkVelocities(model, state.x, list(jump), setup_.ws);

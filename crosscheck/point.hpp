@@ -17,12 +17,12 @@ namespace dynwitness::crosscheck {
 /// A point of a link of the scene.
 template <typename T>
 struct LinkPoint {
-  int link;                    ///< of the scene
-  recursive::Vector3<T> at;    ///< in the link's frame [m]
+  int link;                  ///< of the scene
+  recursive::Vector3<T> at;  ///< in the link's frame [m]
 };
 
-/** J, 6 x n: the point's velocity (rows 0 to 2) and the link's angular velocity (3 to 5) in world axes are
-    J qd. Column k is the velocity at qd = e_k.
+/** J, 6 x n: the point's velocity (rows 0 to 2) and the link's angular velocity (3 to 5) in world
+   axes are J qd. Column k is the velocity at qd = e_k.
     @param X_LW  if given, becomes the transform from world to the link's frame */
 template <typename T>
 recursive::MatrixX<T> pointJacobian(const recursive::Model<T>& model,
@@ -60,16 +60,17 @@ inline int linkNamed(const scene::Scene& scene, const std::string& name) {
   const std::vector<scene::Link>& links = scene.mechanism.links;
   std::string names;
   for (std::size_t i = 1; i < links.size(); ++i) {
-    if (links[i].name == name || (name.empty() && i + 1 == links.size())) return static_cast<int>(i);
+    if (links[i].name == name || (name.empty() && i + 1 == links.size()))
+      return static_cast<int>(i);
     names += (names.empty() ? "" : ", ") + links[i].name;
   }
   throw scene::InputError({scene.file.string(), 0},
                           fmt::format("has no link '{}' that moves, allowed: {}", name, names));
 }
 
-/** Numbers that are as good as independent, from one indeterminate a: a^(3^k). Products of two of them
-    are all different powers, none of which is one of them: a law that is linear or quadratic in such
-    numbers holds for all numbers if it holds for these. */
+/** Numbers that are as good as independent, from one indeterminate a: a^(3^k). Products of two of
+   them are all different powers, none of which is one of them: a law that is linear or quadratic in
+   such numbers holds for all numbers if it holds for these. */
 template <typename T>
 class Powers {
  public:

@@ -55,9 +55,9 @@ std::vector<std::string> trees() {
 
 }  // namespace
 
-// A pendulum let go at rest: qd is a neighbour of the motion (the same, a little later) that vanishes at
-// the start and again where the pendulum turns. So the conjugate time is half the period, which the
-// arithmetic-geometric mean gives: T = 2 pi sqrt(l / g) / agm(1, cos(q0 / 2)).
+// A pendulum let go at rest: qd is a neighbour of the motion (the same, a little later) that
+// vanishes at the start and again where the pendulum turns. So the conjugate time is half the
+// period, which the arithmetic-geometric mean gives: T = 2 pi sqrt(l / g) / agm(1, cos(q0 / 2)).
 BOOST_DATA_TEST_CASE(a_pendulum_is_conjugate_to_its_start_after_half_a_period,
                      data::make({0.5, 1.5, 2 * kPi / 3, 2.8}), q_0) {
   ActionOptions options;
@@ -75,8 +75,8 @@ BOOST_DATA_TEST_CASE(a_pendulum_is_conjugate_to_its_start_after_half_a_period,
   BOOST_TEST(allAgree(action));
 }
 
-// At rest where it hangs, the motion is no motion, and its neighbours are small oscillations: sin(w t) of
-// the two modes, w from M and K by hand for two rods.
+// At rest where it hangs, the motion is no motion, and its neighbours are small oscillations: sin(w
+// t) of the two modes, w from M and K by hand for two rods.
 BOOST_AUTO_TEST_CASE(a_hanging_double_pendulum_is_conjugate_after_half_periods_of_its_modes) {
   const double m1 = 1, m2 = 0.8, l1 = 0.5, l2 = 0.4, g = 9.81;
   const double b = m2 * l1 * l2 / 2, e = m2 * l2 * l2 / 3;
@@ -104,7 +104,8 @@ BOOST_AUTO_TEST_CASE(a_hanging_double_pendulum_is_conjugate_after_half_periods_o
   BOOST_TEST(allAgree(action));
 }
 
-// Hanging from a universal joint, a point swings alike in all directions: two neighbours meet at once.
+// Hanging from a universal joint, a point swings alike in all directions: two neighbours meet at
+// once.
 BOOST_AUTO_TEST_CASE(two_neighbours_may_meet_at_once) {
   const scene::Scene bob = scene::readSceneToml(R"(
 title = "x"
@@ -118,7 +119,8 @@ parent = "base"
 mass = 3
 com = [0, 0, -1]
 joint = { kind = "universal" }
-)", "bob.toml");
+)",
+                                                "bob.toml");
   ActionOptions options;
   options.duration = 2.5;
   const Action action = measureAction(bob, options);
@@ -142,8 +144,8 @@ BOOST_AUTO_TEST_CASE(an_inverted_pendulum_has_no_conjugate_time) {
   BOOST_TEST(allAgree(action));
 }
 
-// Short motions have the least action, and every varied path shows it; over a longer time of the same
-// motion a slow detour lowers it and a fast one does not.
+// Short motions have the least action, and every varied path shows it; over a longer time of the
+// same motion a slow detour lowers it and a fast one does not.
 BOOST_AUTO_TEST_CASE(the_action_is_least_for_short_times_only) {
   const scene::Scene scene = scene::findScene("double_pendulum");
   ActionOptions options;
@@ -165,7 +167,8 @@ BOOST_AUTO_TEST_CASE(the_action_is_least_for_short_times_only) {
   BOOST_TEST(allAgree(later));
 }
 
-BOOST_DATA_TEST_CASE(the_first_variation_vanishes_in_every_bundled_tree, data::make(trees()), name) {
+BOOST_DATA_TEST_CASE(the_first_variation_vanishes_in_every_bundled_tree, data::make(trees()),
+                     name) {
   ActionOptions options;
   options.duration = 0.3;
   const Action action = measureAction(scene::findScene(name), options);
@@ -174,9 +177,9 @@ BOOST_DATA_TEST_CASE(the_first_variation_vanishes_in_every_bundled_tree, data::m
   BOOST_REQUIRE(find(action, "principle") != nullptr);
 }
 
-// Friction has no potential: the principle of d'Alembert and Lagrange holds, and putting its work into the
-// Lagrangian gives something that is not 0 at any step size. A force along a joint that is constant
-// may be treated so; that is what a potential is.
+// Friction has no potential: the principle of d'Alembert and Lagrange holds, and putting its work
+// into the Lagrangian gives something that is not 0 at any step size. A force along a joint that is
+// constant may be treated so; that is what a potential is.
 BOOST_AUTO_TEST_CASE(work_is_no_part_of_a_lagrangian) {
   ActionOptions options;
   options.damping = 0.2;
@@ -200,7 +203,8 @@ joint = { kind = "prismatic", axis = [1, 0, 0] }
 [[wrench]]
 link = "bead"
 force = [3, 0, 0]
-)", "pushed.toml");
+)",
+                                                   "pushed.toml");
   options.damping = 0;
   const Action constant = measureAction(pushed, options);
   BOOST_TEST(!constant.conservative);
@@ -208,8 +212,8 @@ force = [3, 0, 0]
   BOOST_TEST(constant.with_work < 1e-12);
 }
 
-// Without gravity the motion is a geodesic; on a sphere (a point on crossing axes) all great circles from a
-// point meet again at the opposite one, after a half turn.
+// Without gravity the motion is a geodesic; on a sphere (a point on crossing axes) all great
+// circles from a point meet again at the opposite one, after a half turn.
 BOOST_AUTO_TEST_CASE(geodesics_of_a_sphere_meet_after_half_a_turn) {
   const scene::Scene sphere = scene::readSceneToml(R"(
 title = "x"
@@ -224,20 +228,22 @@ com = [2, 0, 0]
 [link.joint]
 kind = "universal"
 rpy = [0, "pi/2", 0]
-)", "sphere.toml");
+)",
+                                                   "sphere.toml");
   ActionOptions options;
   options.potential = false;
   options.q = {0.1, 0.2};
   options.qd = {0.5, 0.4};
   options.duration = 8;
-  // by hand: speed^2 = M_11 qd_1^2 + qd_2^2 on the unit sphere, with the sine or cosine of q2 in M_11
+  // by hand: speed^2 = M_11 qd_1^2 + qd_2^2 on the unit sphere, with the sine or cosine of q2 in
+  // M_11
   const Action action = measureAction(sphere, options);
   BOOST_REQUIRE(action.conjugates.size() == 1u);
   bool matches = false;
   for (const double share : {std::cos(0.2), std::sin(0.2)}) {
     const double speed = std::hypot(share * 0.5, 0.4);
-    matches = matches ||
-              std::abs(action.conjugates[0].time - kPi / speed) <= action.conjugates[0].error;
+    matches =
+        matches || std::abs(action.conjugates[0].time - kPi / speed) <= action.conjugates[0].error;
   }
   BOOST_TEST(matches);
   BOOST_TEST(action.negative == 1);

@@ -82,11 +82,10 @@ Q determinant(const Q (&m)[3][3]) {
          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/** Gauss's curvature of E du^2 + 2 F du dv + G dv^2 by Brioschi's formula, which knows no Christoffel
-    symbols, where E, F, G depend on v alone:
-        K (E G - F^2)^2 = | -E_vv/2  0  -E_v/2 |   | 0      E_v/2  0     |
-                          | F_v      E   F     | - | E_v/2  E      F     |
-                          | G_v/2    F   G     |   | 0      F      G     |                      */
+/** Gauss's curvature of E du^2 + 2 F du dv + G dv^2 by Brioschi's formula, which knows no
+   Christoffel symbols, where E, F, G depend on v alone: K (E G - F^2)^2 = | -E_vv/2  0  -E_v/2 | |
+   0      E_v/2  0     | | F_v      E   F     | - | E_v/2  E      F     | | G_v/2    F   G     |   |
+   0      F      G     |                      */
 Q brioschi(const DD& E, const DD& F, const DD& G) {
   const Q e = E.value.value, f = F.value.value, g = G.value.value;
   const Q E_v = E.value.derivative, F_v = F.value.derivative, G_v = G.value.derivative,
@@ -119,8 +118,9 @@ BOOST_AUTO_TEST_CASE(the_laws_hold_for_every_robot_of_a_structure) {
       BOOST_TEST((check.verdict == Verdict::kAgree), name << " " << check.check);
 }
 
-// A planar arm's metric from its textbook closed form, its curvature by Brioschi's determinants, and as
-// one fraction:  K = b cos q2 (a e - e^2 - b^2) / (det M)^2, here with b cos q2 for any second cloud.
+// A planar arm's metric from its textbook closed form, its curvature by Brioschi's determinants,
+// and as one fraction:  K = b cos q2 (a e - e^2 - b^2) / (det M)^2, here with b cos q2 for any
+// second cloud.
 BOOST_DATA_TEST_CASE(the_curvature_of_a_planar_arm_is_its_closed_form, data::xrange(kSeeds), seed) {
   fixtures::Sampler sample(seed);
   const Q l = sample.positive(), mass = sample.positive();
@@ -170,7 +170,8 @@ name = "bead"
 parent = "arm"
 mass = 3
 joint = { kind = "prismatic", axis = [1, 0, 0] }
-)", "polar.toml");
+)",
+                                                  "polar.toml");
   for (const double r : {0.5, 2.0}) {
     const MetricAt at = metricAt(polar, {0.3, r});
     BOOST_TEST(std::abs(at.M.value(0, 0) - 3 * r * r) <= at.M.bound(0, 0));
@@ -196,10 +197,12 @@ com = [2, 0, 0]
 kind = "universal"
 xyz = [0, 0, 0]
 rpy = [0, "pi/2", 0]
-)", "sphere.toml");
+)",
+                                                   "sphere.toml");
   for (const double q : {0.4, 1.1, -0.7}) {
     const MetricAt at = metricAt(sphere, {0.3, q});
-    BOOST_TEST(std::abs(at.sectional.value(0, 1) - 1.0 / 12) <= at.sectional.bound(0, 1) + 0x1p-57);  // 1/12 rounded
+    BOOST_TEST(std::abs(at.sectional.value(0, 1) - 1.0 / 12) <=
+               at.sectional.bound(0, 1) + 0x1p-57);  // 1/12 rounded
   }
 }
 

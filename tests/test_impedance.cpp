@@ -53,9 +53,9 @@ BOOST_AUTO_TEST_CASE(six_joints_go_there_and_back) {
   BOOST_TEST(seen);
 }
 
-// By hand, a rod of length l at angle q from straight down in the x-z plane: its tip is at l (sin q, -cos q)
-// up to the sense of y, so J = l (cos q, sin q), K_q = l^2 (kx cos^2 + kz sin^2), and a spring along x that
-// is stretched by s adds kx s l (-sin q).
+// By hand, a rod of length l at angle q from straight down in the x-z plane: its tip is at l (sin
+// q, -cos q) up to the sense of y, so J = l (cos q, sin q), K_q = l^2 (kx cos^2 + kz sin^2), and a
+// spring along x that is stretched by s adds kx s l (-sin q).
 BOOST_AUTO_TEST_CASE(a_pendulum_on_a_spring) {
   const scene::Scene scene = scene::findScene("simple_pendulum");
   ImpedanceOptions options;
@@ -77,7 +77,8 @@ BOOST_AUTO_TEST_CASE(a_pendulum_on_a_spring) {
     BOOST_TEST(!at.inertia.bound.allFinite());  // one joint does not move a point every way
   }
 }
-// By hand, three slides: J = 1, so every matrix is its own image, and the point weighs what is moved.
+// By hand, three slides: J = 1, so every matrix is its own image, and the point weighs what is
+// moved.
 BOOST_AUTO_TEST_CASE(three_slides) {
   const scene::Scene scene = scene::readSceneToml(R"(
 title = "x"
@@ -99,7 +100,8 @@ name = "c"
 parent = "b"
 mass = 4
 joint = { kind = "prismatic", axis = [0, 0, 1] }
-)", "slides.toml");
+)",
+                                                  "slides.toml");
   ImpedanceOptions options;
   options.stiffness = {2, 3, 5, 0, 0, 0};
   options.joint_compliance = {0.5, 0.25, 0.125};
@@ -113,12 +115,13 @@ joint = { kind = "prismatic", axis = [0, 0, 1] }
   BOOST_TEST(at.geometric.value.isZero(0));
 }
 
-// Without the geometric term the joints' stiffness is not the potential's second derivative: a plant.
+// Without the geometric term the joints' stiffness is not the potential's second derivative: a
+// plant.
 BOOST_AUTO_TEST_CASE(the_geometric_term_is_needed) {
   const scene::Scene scene = scene::findScene("double_pendulum");
   ImpedanceModel<RunningError> model(scene.mechanism, RunningErrorNumbers(scene.mechanism));
-  const auto at = runningErrorState({{scene::jointPosition(0.3), scene::jointPosition(0.8)},
-                                     {1.0, 2.0}, {0.0, 0.0}, {0.0, 0.0}});
+  const auto at = runningErrorState(
+      {{scene::jointPosition(0.3), scene::jointPosition(0.8)}, {1.0, 2.0}, {0.0, 0.0}, {0.0, 0.0}});
   Impedance<RunningError> z;
   z.point = {2, {0.0, 0.0, -0.4}};
   z.K = recursive::Matrix6<RunningError>::Identity();

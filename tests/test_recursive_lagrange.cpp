@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lagrange's equations link by link: known answers, the other witnesses over the field, and mistakes.
+// Lagrange's equations link by link: known answers, the other witnesses over the field, and
+// mistakes.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE recursive_lagrange
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
@@ -129,8 +130,8 @@ std::vector<std::string> bundledNames() {
   return names;
 }
 
-// Every kind of joint, rotors, springs, loads, DH rows: all bundled scenes, M, c, g, tau, qdd and the
-// energies by Lagrange's derivation and the sweeps, momentum by the sweep.
+// Every kind of joint, rotors, springs, loads, DH rows: all bundled scenes, M, c, g, tau, qdd and
+// the energies by Lagrange's derivation and the sweeps, momentum by the sweep.
 BOOST_DATA_TEST_CASE(it_is_the_same_mathematics_in_every_bundled_scene, data::make(bundledNames()),
                      name) {
   const auto checks = compared(scene::findScene(name), Parameters::kAsWritten, kNothing);
@@ -142,8 +143,7 @@ BOOST_DATA_TEST_CASE(it_is_the_same_mathematics_in_every_bundled_scene, data::ma
 }
 BOOST_AUTO_TEST_CASE(it_is_the_same_mathematics_for_every_robot_of_that_structure) {
   for (const char* name : {"puma_560", "furuta_pendulum", "heavy_top", "elastic_pendulum"})
-    for (const CheckResult& check :
-         compared(scene::findScene(name), Parameters::kRandom, kNothing))
+    for (const CheckResult& check : compared(scene::findScene(name), Parameters::kRandom, kNothing))
       BOOST_TEST((check.verdict == Verdict::kAgree), name << " " << check.quantity);
 }
 
@@ -182,33 +182,32 @@ BOOST_AUTO_TEST_CASE(a_rotor_left_out) {
   BOOST_TEST(disputed(checks) == "M kinetic qdd tau");
 }
 BOOST_AUTO_TEST_CASE(a_spring_left_out) {
-  const auto checks = compared(
-      scene::findScene("elastic_pendulum"), Parameters::kAsWritten, [](auto& model, const auto&) {
-        using T = std::decay_t<decltype(model.gravity(0))>;
-        for (auto& body : model.bodies) body.stiffness = T(0);
-      });
+  const auto checks = compared(scene::findScene("elastic_pendulum"), Parameters::kAsWritten,
+                               [](auto& model, const auto&) {
+                                 using T = std::decay_t<decltype(model.gravity(0))>;
+                                 for (auto& body : model.bodies) body.stiffness = T(0);
+                               });
   BOOST_TEST(disputed(checks) == "g potential qdd tau");
 }
 BOOST_AUTO_TEST_CASE(a_load_in_the_wrong_axes) {
-  const auto checks =
-      compared(scene::findScene("prismatic_revolute_mix"), Parameters::kAsWritten,
-               [](auto& model, const auto&) {
-                 for (auto& load : model.loads) load.in_world = !load.in_world;
-               });
+  const auto checks = compared(scene::findScene("prismatic_revolute_mix"), Parameters::kAsWritten,
+                               [](auto& model, const auto&) {
+                                 for (auto& load : model.loads) load.in_world = !load.in_world;
+                               });
   BOOST_TEST(disputed(checks) == "qdd tau");
 }
 
 BOOST_AUTO_TEST_SUITE_END()
 
-// What a witness shares with another it cannot testify about: of the sweeps it takes M = L D L' alone,
-// as lagrange does, and of the derivation nothing.
+// What a witness shares with another it cannot testify about: of the sweeps it takes M = L D L'
+// alone, as lagrange does, and of the derivation nothing.
 BOOST_AUTO_TEST_CASE(it_shares_no_formula) {
   std::ifstream source(std::string(DYNWITNESS_SOURCE_DIR) +
                        "/crosscheck/witnesses/recursive_lagrange.hpp");
   std::set<std::string> included;
   for (std::string line; std::getline(source, line);)
     if (line.rfind("#include \"", 0) == 0) included.insert(line.substr(10, line.size() - 11));
-  BOOST_TEST((included == std::set<std::string>{"crosscheck/witnesses/bounded_answer.hpp",
-                                                "recursive/factorization.hpp",
-                                                "scene/numbers.hpp"}));
+  BOOST_TEST(
+      (included == std::set<std::string>{"crosscheck/witnesses/bounded_answer.hpp",
+                                         "recursive/factorization.hpp", "scene/numbers.hpp"}));
 }

@@ -194,7 +194,9 @@ std::vector<Claim> form() {
                 for (int i = 0; i < 3; ++i)
                   for (int j = 0; j < 3; ++j)
                     for (int k = 0; k < 3; ++k)
-                      S(i, j) += (metric.gradient()[k](i, j) - T(2) * metric.christoffel(i, j, k)) * robot.qd[k];
+                      S(i, j) += (metric.gradient()[k](i, j) -
+                                  T(2) * metric.christoffel(i, j, k)) *
+                                 robot.qd[k];
                 at.zero("S + S'", MatrixX<T>(S + S.transpose()));
               }))
           .why("C qd fixes C only up to matrices that annihilate qd. That qd' (dM/dt - 2 C) qd = 0 "

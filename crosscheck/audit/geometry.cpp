@@ -261,8 +261,10 @@ std::vector<Claim> metric() {
                 T rate = T(2) * qd.dot(VectorX<T>(M * qdd));
                 for (int j = 0; j < 2; ++j)
                   for (int k = 0; k < 2; ++k) {
-                    for (int i = 0; i < 2; ++i) bend(i) += metric.christoffel(i, j, k) * qd(j) * qd(k);
-                    for (int i = 0; i < 2; ++i) rate += metric.gradient()[k](i, j) * qd(i) * qd(j) * qd(k);
+                    for (int i = 0; i < 2; ++i)
+                      bend(i) += metric.christoffel(i, j, k) * qd(j) * qd(k);
+                    for (int i = 0; i < 2; ++i)
+                      rate += metric.gradient()[k](i, j) * qd(i) * qd(j) * qd(k);
                   }
                 at.zero("qdd + Gamma qd qd", VectorX<T>(qdd + solveDense<T>(M, bend)));
                 at.zero("rate of 2 T", rate);

@@ -39,7 +39,8 @@ Json toJson(const Action& action) {
   json["conjugate_times"] = Json::array();
   for (const Action::Conjugate& conjugate : action.conjugates)
     json["conjugate_times"].push_back(
-        {{"time_s", conjugate.time}, {"multiplicity", conjugate.multiplicity},
+        {{"time_s", conjugate.time},
+         {"multiplicity", conjugate.multiplicity},
          {"error_s", std::isfinite(conjugate.error) ? Json(conjugate.error) : Json("inf")}});
   if (action.negative >= 0) {
     json["negative_directions"] = action.negative;
@@ -54,8 +55,9 @@ int run(const Arguments& arguments) {
   const Action action = measureAction(scene, arguments.options);
   fmt::print("{}: {} s in {} steps of order 4\n", scene.name, action.duration, action.steps);
   fmt::print("action       S = integral of T - V = {:.12g} J s\n", action.action);
-  fmt::print("paths near   first variation for amplitude 1, and S(q + eta) - S(q) for amplitude {}\n",
-             action.paths.front().amplitude);
+  fmt::print(
+      "paths near   first variation for amplitude 1, and S(q + eta) - S(q) for amplitude {}\n",
+      action.paths.front().amplitude);
   for (const Action::Path& path : action.paths)
     fmt::print("  {:<10} {:>10.2g} J s {:>+12.4g} J s\n", path.name, path.first, path.change);
   if (action.conservative) {
@@ -65,9 +67,10 @@ int run(const Arguments& arguments) {
     for (const Action::Conjugate& conjugate : action.conjugates)
       fmt::print("conjugate    t = {:.10g} s +- {:.2g} s\n", conjugate.time, conjugate.error);
     if (action.negative >= 0)
-      fmt::print("second       variation: {} negative directions; lowest eigenvalue in sines {:.6g} of "
-                 "the kinetic part\n",
-                 action.negative, action.lowest);
+      fmt::print(
+          "second       variation: {} negative directions; lowest eigenvalue in sines {:.6g} of "
+          "the kinetic part\n",
+          action.negative, action.lowest);
   } else {
     // dS alone does not vanish, and neither does it with W beside T - V
     const bool stays = action.with_work > action.with_work_coarse / 8;
@@ -78,8 +81,7 @@ int run(const Arguments& arguments) {
   }
   const int status = printFindings(action.checks);
   if (!arguments.json.empty())
-    writeWholeFile(arguments.json,
-                   findingsJson("action", scene, toJson(action), action.checks));
+    writeWholeFile(arguments.json, findingsJson("action", scene, toJson(action), action.checks));
   return status;
 }
 
@@ -88,16 +90,19 @@ int run(const Arguments& arguments) {
 Run addAction(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
-      "action", "Hamilton's principle: the action of a motion and of the paths near it, conjugate times");
+      "action",
+      "Hamilton's principle: the action of a motion and of the paths near it, conjugate times");
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command->add_option("--duration", arguments->options.duration, "Time between the end points [s]")
       ->capture_default_str();
-  command->add_option("--state", arguments->options.q, "Start q, e.g. 0.1,0.2 (default: the scene's)")
+  command
+      ->add_option("--state", arguments->options.q, "Start q, e.g. 0.1,0.2 (default: the scene's)")
       ->delimiter(',');
   command->add_option("--velocity", arguments->options.qd, "Start qd (default: the scene's)")
       ->delimiter(',');
-  command->add_option("--damping", arguments->options.damping,
-                      "Friction of every joint, force -damping qd [N m s/rad, N s/m]")
+  command
+      ->add_option("--damping", arguments->options.damping,
+                   "Friction of every joint, force -damping qd [N m s/rad, N s/m]")
       ->capture_default_str();
   command->add_option("--paths", arguments->options.paths, "How many varied paths")
       ->capture_default_str();
@@ -108,7 +113,8 @@ Run addAction(CLI::App& app) {
       "Examples:\n"
       "  dynwitness action simple_pendulum --duration 1    less than half a period: S is least\n"
       "  dynwitness action simple_pendulum --duration 2    beyond the conjugate time: a saddle\n"
-      "  dynwitness action double_pendulum --damping 0.1   d'Alembert and Lagrange: dS + Q' eta = 0\n"
+      "  dynwitness action double_pendulum --damping 0.1   d'Alembert and Lagrange: dS + Q' eta = "
+      "0\n"
       "Exit status 1: a check found a disagreement.");
   return [arguments] { return run(*arguments); };
 }

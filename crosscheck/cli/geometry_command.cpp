@@ -24,7 +24,9 @@ struct Arguments {
   ActionOptions geodesic;
 };
 
-Json toJson(const Bounded& m) { return {{"value", rows(m.value)}, {"bound", rows(m.bound)}}; }
+Json toJson(const Bounded& m) {
+  return {{"value", rows(m.value)}, {"bound", rows(m.bound)}};
+}
 Json toJson(const std::vector<Bounded>& all) {
   Json json = Json::array();
   for (const Bounded& m : all) json.push_back(toJson(m));
@@ -43,7 +45,8 @@ int run(Arguments arguments) {
   if (options.qd.empty())
     for (const scene::Number& qd : scene.start_qd) options.qd.push_back(number(qd));
   const int n = scene.mechanism.dof();
-  const bool rests = std::all_of(options.qd.begin(), options.qd.end(), [](double v) { return v == 0; });
+  const bool rests =
+      std::all_of(options.qd.begin(), options.qd.end(), [](double v) { return v == 0; });
   if (rests) options.qd.assign(n, 1.0);
   options.potential = false;
 
@@ -69,8 +72,8 @@ int run(Arguments arguments) {
             return std::abs(m.value(j, k)) <= m.bound(j, k);
           };
           if (isZero(at.first[i]) && isZero(at.second[i])) continue;
-          fmt::print("   {},{}{} {:>14.8g} {:>14.8g}\n", i + 1, j + 1, k + 1, at.first[i].value(j, k),
-                     at.second[i].value(j, k));
+          fmt::print("   {},{}{} {:>14.8g} {:>14.8g}\n", i + 1, j + 1, k + 1,
+                     at.first[i].value(j, k), at.second[i].value(j, k));
         }
   }
   if (n > 1) {
@@ -79,20 +82,21 @@ int run(Arguments arguments) {
     for (int i = 0; i < n; ++i)
       for (int j = i + 1; j < n; ++j)
         if (n <= 2 * kMostShown)
-          fmt::print("   {}{} {:>14.8g} +- {:.1g}   {}, {}\n", i + 1, j + 1, at.sectional.value(i, j),
-                     at.sectional.bound(i, j), names[i], names[j]);
+          fmt::print("   {}{} {:>14.8g} +- {:.1g}   {}, {}\n", i + 1, j + 1,
+                     at.sectional.value(i, j), at.sectional.bound(i, j), names[i], names[j]);
     if (n > 2 * kMostShown)
       fmt::print("   from {:.6g} to {:.6g} over {} planes\n", at.sectional.value.minCoeff(),
                  at.sectional.value.maxCoeff(), n * (n - 1) / 2);
   }
   fmt::print("geodesic     {} s from qd = {}{}: |T - T0| {:.2g} J in {} steps of order 4\n",
-             options.duration, fmt::join(options.qd, ", "), rests ? " (the scene starts at rest)" : "",
-             geodesic.energy_drift, geodesic.steps);
+             options.duration, fmt::join(options.qd, ", "),
+             rests ? " (the scene starts at rest)" : "", geodesic.energy_drift, geodesic.steps);
   if (geodesic.conjugates.empty())
     fmt::print("             no conjugate point: nothing near it is shorter\n");
   for (const Action::Conjugate& conjugate : geodesic.conjugates)
-    fmt::print("             conjugate point at t = {:.10g} s +- {:.2g} s: neighbours meet it there\n",
-               conjugate.time, conjugate.error);
+    fmt::print(
+        "             conjugate point at t = {:.10g} s +- {:.2g} s: neighbours meet it there\n",
+        conjugate.time, conjugate.error);
   const int status = printFindings(checks);
   if (!arguments.json.empty()) {
     Json json{{"q", arguments.q},
@@ -100,11 +104,12 @@ int run(Arguments arguments) {
               {"christoffel_first", toJson(at.first)},
               {"christoffel_second", toJson(at.second)},
               {"sectional_curvature", toJson(at.sectional)},
-              {"geodesic", {{"qd", options.qd},
-                            {"duration_s", options.duration},
-                            {"steps", geodesic.steps},
-                            {"energy_drift_J", geodesic.energy_drift},
-                            {"conjugate_times_s", Json::array()}}}};
+              {"geodesic",
+               {{"qd", options.qd},
+                {"duration_s", options.duration},
+                {"steps", geodesic.steps},
+                {"energy_drift_J", geodesic.energy_drift},
+                {"conjugate_times_s", Json::array()}}}};
     for (const Action::Conjugate& conjugate : geodesic.conjugates)
       json["geodesic"]["conjugate_times_s"].push_back(conjugate.time);
     writeWholeFile(arguments.json, findingsJson("geometry", scene, json, checks));
@@ -117,12 +122,15 @@ int run(Arguments arguments) {
 Run addGeometry(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
-      "geometry", "The mass matrix as a metric: Christoffel symbols, curvature, geodesics, Jacobi fields");
+      "geometry",
+      "The mass matrix as a metric: Christoffel symbols, curvature, geodesics, Jacobi fields");
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
-  command->add_option("--state", arguments->q, "Position q, e.g. 0.1,0.2 (default: the scene's start)")
+  command
+      ->add_option("--state", arguments->q, "Position q, e.g. 0.1,0.2 (default: the scene's start)")
       ->delimiter(',');
-  command->add_option("--velocity", arguments->geodesic.qd,
-                      "qd that the geodesic starts with (default: the scene's, or 1 each)")
+  command
+      ->add_option("--velocity", arguments->geodesic.qd,
+                   "qd that the geodesic starts with (default: the scene's, or 1 each)")
       ->delimiter(',');
   command->add_option("--duration", arguments->geodesic.duration, "Of the geodesic [s]")
       ->capture_default_str();
@@ -132,7 +140,8 @@ Run addGeometry(CLI::App& app) {
       "  dynwitness geometry double_pendulum --state 0,1.2\n"
       "  dynwitness geometry double_pendulum --state 0,0 --velocity 1,0 --duration 8\n"
       "  dynwitness geometry puma_560 --json geometry.json\n"
-      "The laws are decided over a prime field, for every state of the scene. Exit status 1: one fails.");
+      "The laws are decided over a prime field, for every state of the scene. Exit status 1: one "
+      "fails.");
   return [arguments] { return run(*arguments); };
 }
 

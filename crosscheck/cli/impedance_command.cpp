@@ -25,7 +25,8 @@ template <std::size_t kCount>
 void put(const char* name, const std::vector<double>& from, std::array<double, kCount>* to) {
   if (from.empty()) return;
   if (from.size() != kCount)
-    throw scene::InputError({}, fmt::format("{}: {} values, allowed: {}", name, from.size(), kCount));
+    throw scene::InputError({},
+                            fmt::format("{}: {} values, allowed: {}", name, from.size(), kCount));
   std::copy(from.begin(), from.end(), to->begin());
 }
 
@@ -77,8 +78,10 @@ int run(Arguments arguments) {
     fmt::print("inertia      the point cannot move every way: some directions have none\n");
   const int status = printFindings(checks);
   if (!arguments.json.empty()) {
-    Json json{{"jacobian", toJson(at.J)},           {"joint_stiffness", toJson(at.stiffness)},
-              {"joint_damping", toJson(at.damping)}, {"compliance", toJson(at.compliance)},
+    Json json{{"jacobian", toJson(at.J)},
+              {"joint_stiffness", toJson(at.stiffness)},
+              {"joint_damping", toJson(at.damping)},
+              {"compliance", toJson(at.compliance)},
               {"mobility", toJson(at.mobility)}};
     if (at.geometric.value.size() > 0) json["geometric_stiffness"] = toJson(at.geometric);
     if (at.inertia.bound.allFinite()) json["inertia"] = toJson(at.inertia);
@@ -92,30 +95,37 @@ int run(Arguments arguments) {
 Run addImpedance(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
-      "impedance", "Stiffness, damping, compliance and inertia of a link's point, seen from the joints");
+      "impedance",
+      "Stiffness, damping, compliance and inertia of a link's point, seen from the joints");
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command->add_option("--link", arguments->options.link, "Link (default: the last)");
   command->add_option("--at", arguments->at, "Point of the link, its frame [m]")->delimiter(',');
-  command->add_option("--stiffness", arguments->stiffness,
-                      "Of a spring at the point, along and about world axes [N/m, N m/rad] "
-                      "(default: 1,1,1,0,0,0)")
+  command
+      ->add_option("--stiffness", arguments->stiffness,
+                   "Of a spring at the point, along and about world axes [N/m, N m/rad] "
+                   "(default: 1,1,1,0,0,0)")
       ->delimiter(',');
   command->add_option("--stretch", arguments->stretch, "How far that spring is stretched [m]")
       ->delimiter(',');
-  command->add_option("--damping", arguments->damping,
-                      "Of a damper there [N s/m, N m s/rad] (default: 1,1,1,0,0,0)")
+  command
+      ->add_option("--damping", arguments->damping,
+                   "Of a damper there [N s/m, N m s/rad] (default: 1,1,1,0,0,0)")
       ->delimiter(',');
-  command->add_option("--joint-compliance", arguments->options.joint_compliance,
-                      "Of the joints [rad/(N m), m/N] (default: 1 each)")
+  command
+      ->add_option("--joint-compliance", arguments->options.joint_compliance,
+                   "Of the joints [rad/(N m), m/N] (default: 1 each)")
       ->delimiter(',');
   command->add_option("--state", arguments->options.q, "Position q (default: the scene's start)")
       ->delimiter(',');
   command->add_option("--json", arguments->json, "Write the result to this file");
   command->footer(
       "Examples:\n"
-      "  dynwitness impedance puma_560 --state 0.1,0.2,0.3,0.4,0.5,0.6 --stiffness 500,500,100,0,0,0\n"
-      "  dynwitness impedance double_pendulum --at 0,0,-0.4 --stiffness 100,0,100,0,0,0 --stretch 0.1,0,0\n"
-      "The laws are checked at this state within rounding, and over a prime field for every state, point\n"
+      "  dynwitness impedance puma_560 --state 0.1,0.2,0.3,0.4,0.5,0.6 --stiffness "
+      "500,500,100,0,0,0\n"
+      "  dynwitness impedance double_pendulum --at 0,0,-0.4 --stiffness 100,0,100,0,0,0 --stretch "
+      "0.1,0,0\n"
+      "The laws are checked at this state within rounding, and over a prime field for every state, "
+      "point\n"
       "and stiffness. Exit status 1: one fails.");
   return [arguments] { return run(*arguments); };
 }

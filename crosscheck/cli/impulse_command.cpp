@@ -37,9 +37,11 @@ int run(Arguments arguments) {
   put("--moment", arguments.moment, &options.moment);
   put("--wall", arguments.direction, &options.direction);
   const bool is_impact = !arguments.direction.empty();
-  if (is_impact && (!arguments.force.empty() || !arguments.moment.empty() || !options.joints.empty()))
-    throw scene::InputError({}, "--wall seeks the impulse itself, allowed: without --impulse, --moment "
-                                "and --joints");
+  if (is_impact &&
+      (!arguments.force.empty() || !arguments.moment.empty() || !options.joints.empty()))
+    throw scene::InputError({},
+                            "--wall seeks the impulse itself, allowed: without --impulse, --moment "
+                            "and --joints");
   if (is_impact && options.direction == std::array<double, 3>{})
     throw scene::InputError({}, "--wall: 0,0,0 is no direction");
   if (!is_impact && arguments.force.empty() && arguments.moment.empty() && options.joints.empty() &&
@@ -68,12 +70,13 @@ int run(Arguments arguments) {
                result.equations, result.closures.size(), fmt::join(result.closures, ", "));
   fmt::print("energy       {:.8g} J before, {:.8g} J after\n", result.energy_before,
              result.energy_after);
-  fmt::print("momentum     jumps by {:.6g} N s, {:.6g} N m s; of it through joints to the world {:.6g}, "
-             "{:.6g}\n",
-             fmt::join(result.momentum_jump.begin(), result.momentum_jump.begin() + 3, ", "),
-             fmt::join(result.momentum_jump.begin() + 3, result.momentum_jump.end(), ", "),
-             fmt::join(result.support.begin(), result.support.begin() + 3, ", "),
-             fmt::join(result.support.begin() + 3, result.support.end(), ", "));
+  fmt::print(
+      "momentum     jumps by {:.6g} N s, {:.6g} N m s; of it through joints to the world {:.6g}, "
+      "{:.6g}\n",
+      fmt::join(result.momentum_jump.begin(), result.momentum_jump.begin() + 3, ", "),
+      fmt::join(result.momentum_jump.begin() + 3, result.momentum_jump.end(), ", "),
+      fmt::join(result.support.begin(), result.support.begin() + 3, ", "),
+      fmt::join(result.support.begin() + 3, result.support.end(), ", "));
   const int status = printFindings(checks);
   if (!arguments.json.empty()) {
     const Json json{{"qd_before", result.before},
@@ -109,11 +112,13 @@ Run addImpulse(CLI::App& app) {
       ->delimiter(',');
   command->add_option("--joints", arguments->options.joints, "Impulses of the joints [N m s, N s]")
       ->delimiter(',');
-  command->add_option("--wall", arguments->direction,
-                      "The point hits a wall with this normal, world axes: the impulse is sought")
+  command
+      ->add_option("--wall", arguments->direction,
+                   "The point hits a wall with this normal, world axes: the impulse is sought")
       ->delimiter(',');
-  command->add_option("--restitution", arguments->options.restitution,
-                      "Of the impact: 0 plastic, 1 elastic")
+  command
+      ->add_option("--restitution", arguments->options.restitution,
+                   "Of the impact: 0 plastic, 1 elastic")
       ->capture_default_str();
   command->add_option("--state", arguments->options.q, "Position q (default: the scene's start)")
       ->delimiter(',');
@@ -124,8 +129,10 @@ Run addImpulse(CLI::App& app) {
       "Examples:\n"
       "  dynwitness impulse double_pendulum --at 0,0,-0.4 --impulse 1,0,0\n"
       "  dynwitness impulse puma_560 --velocity 1,0.5,0,0,0,0 --wall 0,0,1 --restitution 0.5\n"
-      "  dynwitness impulse andrews_squeezer --velocity 1,0,0,0,0,0,0    closures that bind at once\n"
-      "The laws are checked at this state within rounding, and over a prime field for every state and\n"
+      "  dynwitness impulse andrews_squeezer --velocity 1,0,0,0,0,0,0    closures that bind at "
+      "once\n"
+      "The laws are checked at this state within rounding, and over a prime field for every state "
+      "and\n"
       "impulse. Exit status 1: one fails.");
   return [arguments] { return run(*arguments); };
 }

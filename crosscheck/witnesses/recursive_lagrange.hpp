@@ -26,19 +26,20 @@ struct LagrangeTerms {
 
 /** A mechanism as homogeneous matrices, read from the scene by itself.
 
-    A link's frame is its moved joint frame. With A the link's frame seen from its parent's, W from the
-    world's, E_k = [w]x with v beside it, the constant generator of axis k in the link's frame, and J the
-    pseudo-inertia, the sum of m x x' over the link's points x = (x, y, z, 1):
+    A link's frame is its moved joint frame. With A the link's frame seen from its parent's, W from
+   the world's, E_k = [w]x with v beside it, the constant generator of axis k in the link's frame,
+   and J the pseudo-inertia, the sum of m x x' over the link's points x = (x, y, z, 1):
 
         dA/dpi_k = A E_k                       pi_k: the k-th coordinate, or quasi-coordinate of a
                                                spherical or floating joint, whose rate is qd_k
         J = [ sum m x x'   m r_c ]             sum m x x' = (tr I / 2) 1 - I
             [ m r_c'       m     ]
 
-    Lagrange's equations in the form that needs no gradient of T (Hollerbach): tau_k is the virtual work
-    of the inertial forces of all points, whose places are W x,
+    Lagrange's equations in the form that needs no gradient of T (Hollerbach): tau_k is the virtual
+   work of the inertial forces of all points, whose places are W x,
 
-        tau_k = sum over j outboard of tr( dW_j/dpi_k J_j Wdd_j' ) - loads,   dW_j/dpi_k = W_i E_k W_i^-1 W_j
+        tau_k = sum over j outboard of tr( dW_j/dpi_k J_j Wdd_j' ) - loads,   dW_j/dpi_k = W_i E_k
+   W_i^-1 W_j
 
     Cylindrical, universal and planar joints are chains of axes. Fixed joints are kept. */
 template <typename T>
@@ -75,10 +76,10 @@ class HomogeneousModel {
         (2)  Wdd = Wdd_p A + 2 Wd_p A F + W (F F + sum of E_k qdd_k)
         (3)  D = J Wdd' - J e_4 (gravity, 0)' - loads + sum over children of A_child D_child
         (4)  tau_k = tr(W E_k D) + n^2 J_rotor qdd_k + stiffness (q - rest)
-      A force f at a point x does the virtual work tr(dW x (f, 0)'); a moment m turns by dR, which is
-      tr(dR R' [m]x') / 2.
-      @see J. Hollerbach, A Recursive Lagrangian Formulation of Manipulator Dynamics, IEEE Trans. Systems,
-           Man, and Cybernetics 10 (1980) */
+      A force f at a point x does the virtual work tr(dW x (f, 0)'); a moment m turns by dR, which
+     is tr(dR R' [m]x') / 2.
+      @see J. Hollerbach, A Recursive Lagrangian Formulation of Manipulator Dynamics, IEEE Trans.
+     Systems, Man, and Cybernetics 10 (1980) */
   std::vector<T> inverse(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd,
                          const std::vector<T>& qdd, LagrangeTerms terms);
   /// Column j is inverse() at rest for a unit acceleration of joint j alone.
@@ -87,7 +88,8 @@ class HomogeneousModel {
   T kinetic(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd);
   /// - sum gravity' (W J e_4) + sum stiffness (q - rest)^2 / 2 [J]
   T potential(const std::vector<scene::JointPosition<T>>& x);
-  /// From sum of Wd J W' : m v in its last column, sum m x x v in its skew part. World axes and origin.
+  /// From sum of Wd J W' : m v in its last column, sum m x x v in its skew part. World axes and
+  /// origin.
   MatrixOf<T> momentum(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd);
 
   /** Second derivatives of all bodies' W along constant u and v, where qd are derivatives of q:
@@ -185,14 +187,16 @@ Matrix4<T> HomogeneousModel<T>::composed(const std::vector<scene::Step>& steps,
 
 template <typename T>
 template <typename Numbers>
-Matrix4<T> HomogeneousModel<T>::pseudoInertia(const scene::MassProperties& m, const Numbers& number) {
+Matrix4<T> HomogeneousModel<T>::pseudoInertia(const scene::MassProperties& m,
+                                              const Numbers& number) {
   Matrix3 I;
   const T xy = number(m.xy), xz = number(m.xz), yz = number(m.yz);
   I << number(m.xx), xy, xz, xy, number(m.yy), yz, xz, yz, number(m.zz);
   const Matrix3 points = Matrix3::Identity() * ((I(0, 0) + I(1, 1) + I(2, 2)) / T(2)) - I;
   const scene::CosSin<T> roll = number.angle(m.rpy[0]), pitch = number.angle(m.rpy[1]),
                          yaw = number.angle(m.rpy[2]);
-  const Matrix3 R = turn(Vector3::Unit(2), yaw.c, yaw.s) * turn(Vector3::Unit(1), pitch.c, pitch.s) *
+  const Matrix3 R = turn(Vector3::Unit(2), yaw.c, yaw.s) *
+                    turn(Vector3::Unit(1), pitch.c, pitch.s) *
                     turn(Vector3::Unit(0), roll.c, roll.s);
   const Matrix3 turned = R * points * R.transpose();
   const T mass = number(m.mass);
@@ -242,16 +246,23 @@ HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const N
         body.axes.push_back({joined(hat(w), v, 0), rotor});
       };
       switch (kind) {
-        case Kind::kRevolute: axis(k, none); break;
-        case Kind::kPrismatic: axis(none, k); break;
-        case Kind::kHelical: axis(k, k * body.pitch); break;
+        case Kind::kRevolute:
+          axis(k, none);
+          break;
+        case Kind::kPrismatic:
+          axis(none, k);
+          break;
+        case Kind::kHelical:
+          axis(k, k * body.pitch);
+          break;
         case Kind::kFloating:
           for (int i = 0; i < 3; ++i) axis(none, Vector3::Unit(i));
           [[fallthrough]];
         case Kind::kSpherical:
           for (int i = 0; i < 3; ++i) axis(Vector3::Unit(i), none);
           break;
-        default: break;
+        default:
+          break;
       }
       if (!body.axes.empty()) {
         body.dof = dof_;
@@ -264,12 +275,17 @@ HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const N
       bodies.push_back(body);
     };
     switch (link.joint.kind) {
-      case Kind::kCylindrical: add(Kind::kPrismatic, z), add(Kind::kRevolute, z); break;
-      case Kind::kUniversal: add(Kind::kRevolute, x), add(Kind::kRevolute, y); break;
+      case Kind::kCylindrical:
+        add(Kind::kPrismatic, z), add(Kind::kRevolute, z);
+        break;
+      case Kind::kUniversal:
+        add(Kind::kRevolute, x), add(Kind::kRevolute, y);
+        break;
       case Kind::kPlanar:
         add(Kind::kPrismatic, x), add(Kind::kPrismatic, y), add(Kind::kRevolute, z);
         break;
-      default: add(link.joint.kind, z);
+      default:
+        add(link.joint.kind, z);
     }
     const Matrix4<T> after = composed(link.joint.placement.afterJoint(), number);
     bodies.back().J = after * pseudoInertia(link.inertia, number) * after.transpose();
@@ -312,7 +328,8 @@ Matrix4<T> HomogeneousModel<T>::moved(const Body& body,
     const T& w = x[slot].q;
     const Vector3 v(x[slot + 1].q, x[slot + 2].q, x[slot + 3].q);
     const T vv = v.dot(v), scale = T(1) / (w * w + vv);
-    R = (Matrix3::Identity() * (w * w - vv) + v * v.transpose() * T(2) + hat(v) * (T(2) * w)) * scale;
+    R = (Matrix3::Identity() * (w * w - vv) + v * v.transpose() * T(2) + hat(v) * (T(2) * w)) *
+        scale;
   }
   return body.before * joined(R, p, 1);
 }
@@ -344,8 +361,8 @@ std::vector<T> HomogeneousModel<T>::inward(std::vector<Matrix4<T>> D) const {
   for (std::size_t i = bodies.size(); i-- > 0;) {
     const Body& body = bodies[i];
     for (std::size_t k = 0; k < body.axes.size(); ++k)
-      tau[body.dof + k] = trace(W_[i] * body.axes[k].E, D[i].transpose());         // (4)
-    if (body.parent >= 0) D[body.parent] += A_[i] * D[i];                          // (3), children
+      tau[body.dof + k] = trace(W_[i] * body.axes[k].E, D[i].transpose());  // (4)
+    if (body.parent >= 0) D[body.parent] += A_[i] * D[i];                   // (3), children
   }
   return tau;
 }
@@ -355,16 +372,16 @@ std::vector<T> HomogeneousModel<T>::inverse(const std::vector<scene::JointPositi
                                             const std::vector<T>& qd, const std::vector<T>& qdd,
                                             LagrangeTerms terms) {
   place(x);
-  move(qd);                                                                       // (1)
+  move(qd);  // (1)
   std::vector<Matrix4<T>> Wdd, D;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Body& body = bodies[i];
     const Matrix4<T> F = generator(body, qd);
     Matrix4<T> a = W_[i] * (F * F + generator(body, qdd));
     if (body.parent >= 0) a += Wdd[body.parent] * A_[i] + Wd_[body.parent] * A_[i] * F * T(2);
-    Wdd.push_back(a);                                                              // (2)
+    Wdd.push_back(a);  // (2)
     D.push_back(body.J * a.transpose());
-    if (terms.gravity) D[i] -= body.J.col(3) * gravity.transpose();                // (3), own part
+    if (terms.gravity) D[i] -= body.J.col(3) * gravity.transpose();  // (3), own part
   }
   if (terms.loads) {
     for (const Load& load : loads) {
@@ -452,7 +469,8 @@ MatrixOf<T> HomogeneousModel<T>::momentum(const std::vector<scene::JointPosition
 
 template <typename T>
 std::vector<Matrix4<T>> HomogeneousModel<T>::secondPartials(
-    const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& u, const std::vector<T>& v) {
+    const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& u,
+    const std::vector<T>& v) {
   place(x);
   move(v);
   const std::vector<Matrix4<T>> along_v = Wd_;
@@ -463,8 +481,8 @@ std::vector<Matrix4<T>> HomogeneousModel<T>::secondPartials(
     const Matrix4<T> F_u = generator(body, u), F_v = generator(body, v);
     Matrix4<T> second = W_[i] * F_u * F_v;  // E is constant, and one axis commutes with itself
     if (body.parent >= 0)
-      second += out[body.parent] * A_[i] +
-                (Wd_[body.parent] * A_[i]) * F_v + (along_v[body.parent] * A_[i]) * F_u;
+      second += out[body.parent] * A_[i] + (Wd_[body.parent] * A_[i]) * F_v +
+                (along_v[body.parent] * A_[i]) * F_u;
     out.push_back(second);
   }
   return out;
@@ -498,15 +516,22 @@ struct RecursiveLagrange {
   MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
     const std::vector<T> zeros(model.dof(), T(0));
     switch (quantity) {
-      case Quantity::kM: return model.massMatrix(state.x);
-      case Quantity::kc: return column(model.inverse(state.x, state.qd, zeros, {false, false, false}));
-      case Quantity::kg: return column(model.inverse(state.x, zeros, zeros, {true, true, false}));
+      case Quantity::kM:
+        return model.massMatrix(state.x);
+      case Quantity::kc:
+        return column(model.inverse(state.x, state.qd, zeros, {false, false, false}));
+      case Quantity::kg:
+        return column(model.inverse(state.x, zeros, zeros, {true, true, false}));
       case Quantity::kTau:
         return column(model.inverse(state.x, state.qd, state.qdd, {true, true, true}));
-      case Quantity::kKinetic: return scalar(model.kinetic(state.x, state.qd));
-      case Quantity::kPotential: return scalar(model.potential(state.x));
-      case Quantity::kMomentum: return model.momentum(state.x, state.qd);
-      case Quantity::kQdd: break;
+      case Quantity::kKinetic:
+        return scalar(model.kinetic(state.x, state.qd));
+      case Quantity::kPotential:
+        return scalar(model.potential(state.x));
+      case Quantity::kMomentum:
+        return model.momentum(state.x, state.qd);
+      case Quantity::kQdd:
+        break;
     }
     // M qdd = tau - tau at qdd = 0
     const std::vector<T> bias = model.inverse(state.x, state.qd, zeros, {true, true, true});
