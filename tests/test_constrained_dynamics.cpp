@@ -13,6 +13,7 @@
 #include "fixtures.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/energy.hpp"
+#include "recursive/factorization.hpp"
 #include "recursive/newton_euler.hpp"
 #include "recursive/operational_space.hpp"
 
