@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/identities.hpp"
 #include "crosscheck/inquiry.hpp"
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/parameters/regressor_checks.hpp"
@@ -304,20 +303,6 @@ Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
   return inquiry;
 }
 
-// ---- identities ---------------------------------------------------------------------------------
-
-Inquiry identities(const scene::Mechanism& mechanism) {
-  Inquiry inquiry;
-  inquiry.checks = inWords(kIdentities);
-  inquiry.in_field = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
-    return Identities<FieldNumbers>(mechanism, number).evaluate(state);
-  };
-  inquiry.in_degrees = [&](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
-    return Identities<DegreeNumbers>(mechanism, number).evaluate(state);
-  };
-  return inquiry;
-}
-
 // ---- closures -----------------------------------------------------------------------------------
 
 /// phi, J and gamma, derived from phi and from the sweeps.
@@ -429,7 +414,7 @@ std::vector<CheckResult> compareExactly(const scene::Scene& scene,
 
 std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
                                                 const ExactOptions& options) {
-  return decide(scene, identities(scene.mechanism), options);
+  return decide(scene, identityInquiry(scene.mechanism), options);
 }
 
 std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
@@ -442,7 +427,7 @@ std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptio
   std::vector<CheckResult> checks =
       decide(scene,
              both(comparisons(exactWitnesses(scene, options.parameters, options.witnesses)),
-                  identities(scene.mechanism)),
+                  identityInquiry(scene.mechanism)),
              options);
   for (const CheckResult& check : checkClosuresExactly(scene, options)) checks.push_back(check);
   for (const CheckResult& check : checkRegressorExactly(scene, options)) checks.push_back(check);

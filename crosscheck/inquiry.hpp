@@ -22,6 +22,9 @@ struct Inquiry {
       in_degrees;
 };
 
+/// The identities of identities.hpp; the mechanism must outlive it.
+Inquiry identityInquiry(const scene::Mechanism& mechanism);
+
 /// Asks at as many points as options.error_probability takes.
 std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquiry,
                                 const ExactOptions& options);
