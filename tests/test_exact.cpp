@@ -365,7 +365,8 @@ BOOST_AUTO_TEST_CASE(a_point_without_a_value_is_drawn_again_and_counted) {
   };
   for (const CheckResult& check : compareExactly(scene, witnesses, {})) {
     BOOST_TEST((check.verdict == Verdict::kAgree));
-    BOOST_TEST(check.exact->discarded == (check.quantity == "c" ? 1 : 0));
+    const bool asks_it = check.left == "newton_euler" || check.right == "newton_euler";
+    BOOST_TEST(check.exact->discarded == (check.quantity == "c" && asks_it ? 1 : 0));
     BOOST_TEST(check.exact->points == 2);
   }
 }
