@@ -227,8 +227,13 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   double step = kFirstStep;
   for (int k = 0; k <= kMostHalvings; ++k, step /= 2) {
     run(step);
-    if (k < 3) continue;
     const Drift so_far = relative();
+    // a step too coarse for this motion; of a wrong qdd the finest is too
+    if (!isFinite(so_far) && k < kMostHalvings) {
+      drift.paths.clear();
+      continue;
+    }
+    if (so_far.paths.size() < 4) continue;
     if (orderShows(so_far) || belowRounding(so_far) || !isFinite(so_far) || so_far.scale == 0) break;
   }
   return relative();
