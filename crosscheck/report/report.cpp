@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/report/report.hpp"
 
+#include <atomic>
+#include <functional>
+#include <future>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "crosscheck/chart/drawing.hpp"
+#include "crosscheck/processes.hpp"
 #include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/digits_table.hpp"
 #include "crosscheck/report/json.hpp"
@@ -55,6 +59,17 @@ void writeChart(const Chart& chart, const std::string& folder, const UnfinishedF
   files->chart_dark = folder + "/speed_dark.svg";
 }
 
+/// All tasks, some at a time: they wait for gnuplot, which is a process of its own.
+void inThreads(const std::vector<std::function<void()>>& tasks) {
+  std::atomic<std::size_t> next{0};
+  std::vector<std::future<void>> workers;
+  for (int k = 0; k < availableProcessors(); ++k)
+    workers.push_back(std::async(std::launch::async, [&] {
+      for (std::size_t i; (i = next++) < tasks.size();) tasks[i]();
+    }));
+  for (std::future<void>& worker : workers) worker.get();
+}
+
 }  // namespace
 
 void writeReport(const CrosscheckResult& result, const Environment& environment,
@@ -67,6 +82,7 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
   out.write("scenes/style.gp", kStyleGnuplot);
   const std::vector<std::string> names = safeNames(result.scenes);
   std::vector<SceneFiles> files(result.scenes.size());
+  std::vector<std::function<void()>> drawings;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const SceneResult& scene = result.scenes[i];
     const std::string scene_folder = "scenes/" + names[i];
@@ -75,9 +91,12 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
       files[i].tree = scene_folder + "/tree.svg";
       out.write(files[i].tree, svg);
     }
-    if (scene.drift) writeDrift(scene, scene_folder, out, &files[i]);
-    if (!charts.empty()) writeChart(charts[i], scene_folder, out, &files[i]);
+    if (scene.drift)
+      drawings.push_back([&, i, scene_folder] { writeDrift(scene, scene_folder, out, &files[i]); });
+    if (!charts.empty())
+      drawings.push_back([&, i, scene_folder] { writeChart(charts[i], scene_folder, out, &files[i]); });
   }
+  inThreads(drawings);
   out.write("report.json", reportJson(result, environment));
   out.write("junit.xml", reportJUnit(result, environment));
   out.write("digits.md", digitsTable(result, environment));
