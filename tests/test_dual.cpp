@@ -89,6 +89,13 @@ BOOST_DATA_TEST_CASE(duals_of_duals_differentiate_twice, data::xrange(kSeeds), s
   BOOST_TEST((Dual<D>(1) / x).derivative.derivative == Q(2) / (a * a * a));
 }
 
+// A double reaches duals of duals whole: not by way of an int.
+BOOST_AUTO_TEST_CASE(constants_keep_their_fractions) {
+  using DD = Dual<Dual<double>>;
+  BOOST_TEST(DD(0.75).value.value == 0.75);
+  BOOST_TEST(DD(2).value.value == 2.0);
+}
+
 // The point stays on the circle, and turns at the rate qd: c c' + s s' = 0 and c s' - s c' = qd.
 BOOST_DATA_TEST_CASE(a_moving_joint_stays_on_the_circle, data::xrange(kSeeds), seed) {
   Sampler sample(seed);

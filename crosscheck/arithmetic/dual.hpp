@@ -2,6 +2,8 @@
 // Dual numbers over any scalar: a value and its exact first derivative.
 #pragma once
 
+#include <type_traits>
+
 #include <Eigen/Core>
 
 #include "crosscheck/arithmetic/eigen_scalar.hpp"
@@ -17,7 +19,10 @@ struct Dual {
 
   Dual() = default;
   Dual(const T& v) : value(v) {}  // NOLINT(google-explicit-constructor): constants are duals
-  explicit Dual(int v) : value(v) {}
+  /// Whatever T can be made of, through T: a double reaches duals of duals whole, not as an int.
+  template <typename U, typename = std::enable_if_t<!std::is_same_v<U, T> &&
+                                                    std::is_constructible_v<T, const U&>>>
+  explicit Dual(const U& v) : value(T(v)) {}
   Dual(const T& v, const T& d) : value(v), derivative(d) {}
 
   friend Dual operator+(const Dual& a, const Dual& b) {
