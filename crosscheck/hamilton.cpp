@@ -52,23 +52,6 @@ struct Problem {
   int n() const { return model.dof(); }
 };
 
-/// A number as a constant of a nested dual. (Made of a double at once it would lose its fraction:
-/// Dual takes an int before it takes the double apart.)
-template <typename S>
-S constant(double value) {
-  if constexpr (std::is_same_v<S, double>)
-    return value;
-  else
-    return S(constant<decltype(S::value)>(value));
-}
-template <typename S>
-recursive::Model<S> nested(const recursive::Model<double>& model) {
-  if constexpr (std::is_same_v<S, double>)
-    return model;
-  else
-    return lifted<S>(nested<decltype(S::value)>(model));
-}
-
 // ---- T - V and Q near the motion ----------------------------------------------------------------
 
 /** Energies and forces at q + B(q) zeta, B taking rates to rates of slots: what a variation zeta
@@ -78,9 +61,9 @@ class Near {
  public:
   explicit Near(const Problem& problem)
       : problem_(problem),
-        model_(nested<S>(problem.model)),
+        model_(lifted<S>(problem.model)),
         ws_(model_),
-        moving_(nested<Dual<S>>(problem.model)) {}
+        moving_(lifted<Dual<S>>(problem.model)) {}
 
   /// Positions and rates of the varied path.
   void at(const Node& node, const std::vector<S>& zeta, const std::vector<S>& zeta_rate) {
@@ -89,8 +72,8 @@ class Near {
       std::vector<S> slots;
       qd_.clear();
       for (int i = 0; i < positions; ++i) {
-        slots.push_back(constant<S>(node.slots[i]) + zeta[i]);
-        qd_.push_back(constant<S>(node.qd[i]) + zeta_rate[i]);
+        slots.push_back(S(node.slots[i]) + zeta[i]);
+        qd_.push_back(S(node.qd[i]) + zeta_rate[i]);
       }
       x_ = slotPositions(slots);
       return;
@@ -98,7 +81,7 @@ class Near {
     using T = Dual<S>;  // along time
     std::vector<T> slots, zeta_moving, change(positions, T(S(0)));
     for (int i = 0; i < positions; ++i)
-      slots.push_back(T(constant<S>(node.slots[i]), constant<S>(node.slot_rates[i])));
+      slots.push_back(T(S(node.slots[i]), S(node.slot_rates[i])));
     for (int i = 0; i < problem_.n(); ++i) zeta_moving.push_back(T(zeta[i], zeta_rate[i]));
     recursive::positionRates(moving_, slotPositions(slots), zeta_moving, change);
     std::vector<S> now, rates;
@@ -128,7 +111,7 @@ class Near {
     std::vector<S> Q(problem_.n(), S(0));
     recursive::inverseDynamics(model_, x_, rest, rest, ws_, Q,
                                {false, false, problem_.terms.loads});
-    for (int i = 0; i < problem_.n(); ++i) Q[i] = -Q[i] - constant<S>(problem_.damping) * qd_[i];
+    for (int i = 0; i < problem_.n(); ++i) Q[i] = -Q[i] - S(problem_.damping) * qd_[i];
     return Q;
   }
 

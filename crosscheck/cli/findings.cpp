@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/cli/findings.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "crosscheck/exact.hpp"
@@ -46,6 +48,20 @@ std::string findingsJson(const std::string& command, const scene::Scene& scene, 
   }
   json["verdict"] = agree ? "agree" : "disagree";
   return json.dump(2) + "\n";
+}
+
+Json toJson(const crosscheck::Bounded& m) {
+  const auto rows = [](const Eigen::MatrixXd& of) {
+    Json all = Json::array();
+    for (Eigen::Index i = 0; i < of.rows(); ++i) {
+      Json row = Json::array();
+      for (Eigen::Index j = 0; j < of.cols(); ++j)
+        row.push_back(std::isfinite(of(i, j)) ? Json(of(i, j)) : Json("inf"));
+      all.push_back(row);
+    }
+    return all;
+  };
+  return {{"value", rows(m.value)}, {"bound", rows(m.bound)}};
 }
 
 }  // namespace dynwitness::cli

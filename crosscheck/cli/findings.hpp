@@ -2,13 +2,16 @@
 // How the commands that look at one scene print their checks and write them as JSON.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "crosscheck/geometry.hpp"
 #include "crosscheck/result.hpp"
+#include "scene/error.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::cli {
@@ -23,16 +26,18 @@ int printFindings(const std::vector<crosscheck::CheckResult>& checks);
 std::string findingsJson(const std::string& command, const scene::Scene& scene, const Json& result,
                          const std::vector<crosscheck::CheckResult>& checks);
 
-/// Matrix of numbers as rows.
-template <typename Matrix>
-Json rows(const Matrix& m) {
-  Json all = Json::array();
-  for (Eigen::Index i = 0; i < m.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < m.cols(); ++j) row.push_back(m(i, j));
-    all.push_back(row);
-  }
-  return all;
+/// A matrix with its bounds, row by row; a bound that is none is the string "inf".
+Json toJson(const crosscheck::Bounded& m);
+
+/// The numbers of an option, as many as `to` has; none: `to` stays.
+/// @throws scene::InputError naming the option, on another count
+template <std::size_t kCount>
+void put(const char* option, const std::vector<double>& from, std::array<double, kCount>* to) {
+  if (from.empty()) return;
+  if (from.size() != kCount)
+    throw scene::InputError({}, std::string(option) + ": " + std::to_string(from.size()) +
+                                    " values, allowed: " + std::to_string(kCount));
+  std::copy(from.begin(), from.end(), to->begin());
 }
 
 }  // namespace dynwitness::cli

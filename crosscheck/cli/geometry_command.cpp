@@ -24,9 +24,7 @@ struct Arguments {
   ActionOptions geodesic;
 };
 
-Json toJson(const Bounded& m) {
-  return {{"value", rows(m.value)}, {"bound", rows(m.bound)}};
-}
+using cli::toJson;
 Json toJson(const std::vector<Bounded>& all) {
   Json json = Json::array();
   for (const Bounded& m : all) json.push_back(toJson(m));

@@ -21,15 +21,6 @@ struct Arguments {
   ImpedanceOptions options;
 };
 
-template <std::size_t kCount>
-void put(const char* name, const std::vector<double>& from, std::array<double, kCount>* to) {
-  if (from.empty()) return;
-  if (from.size() != kCount)
-    throw scene::InputError({},
-                            fmt::format("{}: {} values, allowed: {}", name, from.size(), kCount));
-  std::copy(from.begin(), from.end(), to->begin());
-}
-
 void print(const char* name, const char* what, const Bounded& m) {
   if (m.value.size() == 0) return;
   fmt::print("{:<12} {}\n", name, what);
@@ -38,16 +29,6 @@ void print(const char* name, const char* what, const Bounded& m) {
     for (Eigen::Index j = 0; j < m.value.cols(); ++j) fmt::print(" {:>12.6g}", m.value(i, j));
     fmt::print("\n");
   }
-}
-Json toJson(const Bounded& m) {
-  Json bounds = Json::array();
-  for (Eigen::Index i = 0; i < m.bound.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < m.bound.cols(); ++j)
-      row.push_back(std::isfinite(m.bound(i, j)) ? Json(m.bound(i, j)) : Json("inf"));
-    bounds.push_back(row);
-  }
-  return {{"value", rows(m.value)}, {"bound", bounds}};
 }
 
 int run(Arguments arguments) {

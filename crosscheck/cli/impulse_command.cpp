@@ -20,14 +20,6 @@ struct Arguments {
   ImpulseOptions options;
 };
 
-/// Three numbers, if any.
-void put(const char* name, const std::vector<double>& from, std::array<double, 3>* to) {
-  if (from.empty()) return;
-  if (from.size() != 3)
-    throw scene::InputError({}, fmt::format("{}: {} values, allowed: 3", name, from.size()));
-  std::copy(from.begin(), from.end(), to->begin());
-}
-
 int run(Arguments arguments) {
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireWritableFile(arguments.json);
