@@ -91,23 +91,20 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
     const scene::InertialParameter& parameter = parameters[j];
     const ScenePlace<T>& place = model.places[parameter.link];
     int i = place.link;
+    Force<T> f = Force<T>::zero();
     if (parameter.kind == scene::InertialParameter::Kind::kRotor) {
       const LinkModel<T>& link = model.links[i];
       Y(link.dof, j) = qdd[link.dof];                                                 // (4)
       if (!model.gyroscopic || link.parent < 0) continue;
-      const T per_rotor = link.spin / link.rotor;
+      const T per_rotor = T(1) / link.rotor;
       const Motion<T> v_p = ws.X_up[i] * ws.v[link.parent], a_p = ws.X_up[i] * ws.a[link.parent];
-      Y(link.dof, j) += per_rotor * a_p.angular.z();                                  // (5)
-      const Vector3<T> z(T(0), T(0), per_rotor), none = Vector3<T>::Constant(T(0));
-      Force<T> f = {none, z * qdd[link.dof] + v_p.angular.cross(z) * qd[link.dof]};
-      for (f = ws.X_up[i].inverseTimes(f), i = link.parent; i >= 0;
-           f = ws.X_up[i].inverseTimes(f), i = model.links[i].parent)
-        for (int k = 0; k < AnyJoints::axes(model.links[i]); ++k)
-          Y(model.links[i].dof + k, j) = AnyJoints::force(model.links[i], k, f);
-      continue;
+      Y(link.dof, j) += dot(a_p, spinAxis(link)) * per_rotor;                         // (5)
+      f = ws.X_up[i].inverseTimes(spinForce(link, qd[link.dof], qdd[link.dof], v_p) * per_rotor);
+      i = link.parent;
+    } else {
+      f = place.X.inverseTimes(
+          forceColumn(place.X * ws.v[i], place.X * ws.a[i], static_cast<int>(parameter.kind)));
     }
-    Force<T> f = place.X.inverseTimes(
-        forceColumn(place.X * ws.v[i], place.X * ws.a[i], static_cast<int>(parameter.kind)));
     for (; i >= 0; f = ws.X_up[i].inverseTimes(f), i = model.links[i].parent)
       for (int k = 0; k < AnyJoints::axes(model.links[i]); ++k)
         Y(model.links[i].dof + k, j) = AnyJoints::force(model.links[i], k, f);        // (3)
