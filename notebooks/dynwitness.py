@@ -220,6 +220,10 @@ class Maths:
         return "\n".join(self.equations)
 
 
+def _escaped(text):
+    return re.sub("[&<>]", lambda sign: f"&#{ord(sign[0])};", text)
+
+
 class Table:
     """Rows under a header, which a notebook shows as a table."""
 
@@ -229,8 +233,7 @@ class Table:
     def _repr_html_(self):
         def row(cells, tag):
             return "<tr>" + "".join(f"<{tag}>{cell}</{tag}>" for cell in cells) + "</tr>"
-        escaped = [[re.sub("[&<>]", lambda sign: f"&#{ord(sign[0])};", cell) for cell in line]
-                   for line in self.rows]
+        escaped = [[_escaped(cell) for cell in line] for line in self.rows]
         return "\n".join(["<table>", row(escaped[0], "th"), *(row(line, "td") for line in escaped[1:]),
                           "</table>"])
 
@@ -256,8 +259,8 @@ class Picture:
 def plot(what, commands, size=(760, 360), **data):
     """A picture that gnuplot draws in the project's style.
 
-    commands: a gnuplot script; each name in `data` is there a data block, `plot $name using 1:2 ...`,
-        with one column for each of the given sequences.
+    commands: a gnuplot script, whose lines may also end after a comma; each name in `data` is there a data
+        block, `plot $name using 1:2 ...`, with one column for each of the given sequences.
     """
     lines = [f"load '{ROOT / 'crosscheck' / 'report' / 'style.gp'}'",
              f"set terminal svg size {size[0]},{size[1]} fixed enhanced rounded linewidth 1 "
@@ -265,8 +268,11 @@ def plot(what, commands, size=(760, 360), **data):
     for name, columns in data.items():
         rows = (",".join(f"{cell:.6g}" for cell in row) for row in zip(*columns, strict=True))
         lines += [f"${name} << END", *rows, "END"]
-    done = subprocess.run(["gnuplot"], input="\n".join([*lines, commands]), capture_output=True, text=True)
+    lines.append(re.sub(r",\s*\n", ", ", commands))
+    done = subprocess.run(["gnuplot"], input="\n".join(lines), capture_output=True, text=True)
     if done.returncode or not done.stdout.rstrip().endswith("</svg>"):
         raise RuntimeError(f"gnuplot: {done.stderr.strip() or 'drew nothing'}")
     # without XML declaration, which some readers of notebooks refuse in the middle of a page
-    return Picture(done.stdout[done.stdout.index("<svg"):], what)
+    svg = re.sub(r"<title>.*?</title>\s*<desc>.*?</desc>", lambda _: f"<title>{_escaped(what)}</title>",
+                 done.stdout[done.stdout.index("<svg"):], count=1, flags=re.S)
+    return Picture(svg, what)
