@@ -207,10 +207,10 @@ def python_function(scene):
 
 
 class Maths:
-    """LaTeX equations, one below the other, which a notebook shows as mathematics."""
+    """Named steps of a derivation, one equation below the other, which a notebook shows as mathematics."""
 
-    def __init__(self, equations):
-        self.equations = list(equations)
+    def __init__(self, steps, *names):
+        self.equations = [equation for name in names for equation in steps[name].equations]
 
     def _repr_latex_(self):
         rows = r" \\ ".join(equation.replace(" = ", " &= ", 1) for equation in self.equations)
