@@ -232,7 +232,8 @@ class Table:
 
     def _repr_html_(self):
         def row(cells, tag):
-            return "<tr>" + "".join(f"<{tag}>{cell}</{tag}>" for cell in cells) + "</tr>"
+            left = f'<{tag} style="text-align: left">{cells[0]}</{tag}>'
+            return f"<tr>{left}" + "".join(f"<{tag}>{cell}</{tag}>" for cell in cells[1:]) + "</tr>"
         escaped = [[_escaped(cell) for cell in line] for line in self.rows]
         return "\n".join(["<table>", row(escaped[0], "th"), *(row(line, "td") for line in escaped[1:]),
                           "</table>"])
