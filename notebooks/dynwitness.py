@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the program dynwitness from Python, and reads what it writes.
 
-Nothing here computes dynamics: every number comes from the program. It is the ./dynwitness of this checkout
-(which builds itself when first called), or what the environment variable DYNWITNESS_PROGRAM names.
+Nothing here computes dynamics: every number comes from the program. It is the ./dynwitness of this
+checkout (it builds itself when first called), or what the environment variable DYNWITNESS_PROGRAM
+names.
 
     import dynwitness as dw
-    dw.evaluate("double_pendulum", "M,g", q=[0.3, -0.7])["M"]      # an array of shape (states, n, n)
-    dw.crosscheck("double_pendulum")["verdict"]                    # report.json
+    dw.evaluate("double_pendulum", "M,g", q=[0.3, -0.7])["M"]  # an array of shape (states, n, n)
+    dw.crosscheck("double_pendulum")["verdict"]                # report.json
 
-A scene is a name (`dw.run("scenes")` lists them), a TOML or URDF file, or a `Scene`, the text of one.
-Needs numpy. Pictures are SVG, drawn by gnuplot.
+A scene is a name (`dw.run("scenes")` lists them), a TOML or URDF file, or a `Scene`, the text of
+one. Needs numpy. Pictures are SVG, drawn by gnuplot.
 """
 import json
 import os
@@ -33,22 +34,23 @@ class ProgramFailed(Exception):
 
 
 def run(*words, agreed_only=True):
-    """Standard output of the program. Statuses that are not 0 raise ProgramFailed; with agreed_only=False
-    status 1 (a disagreement was found) does not."""
+    """Standard output of the program. Statuses that are not 0 raise ProgramFailed; with
+    agreed_only=False status 1 (a disagreement was found) does not."""
     program = os.environ.get("DYNWITNESS_PROGRAM") or str(ROOT / "dynwitness")
     words = [str(word) for word in words]
     try:
-        done = subprocess.run([program, *words], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        done = subprocess.run([program, *words], stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True)
     except OSError as error:
-        raise ProgramFailed(words, error.errno, f"{program} does not start: {error.strerror} (it is what "
-                            "DYNWITNESS_PROGRAM names, else the wrapper script of this checkout)") from None
+        raise RuntimeError(f"{program} does not start: {error.strerror} (it is DYNWITNESS_PROGRAM, "
+                           "or else the wrapper script of this checkout)") from None
     if done.returncode and (agreed_only or done.returncode != 1):
         raise ProgramFailed(words, done.returncode, done.stderr.strip())
     return done.stdout
 
 
 class Scene(str):
-    """The text of a TOML scene file. `Scene.read(name)` is that of a bundled one, to be changed with `swap`."""
+    """The text of a TOML scene file. `Scene.read(name)` is a bundled one, which `swap` changes."""
 
     @classmethod
     def read(cls, name):
@@ -57,7 +59,7 @@ class Scene(str):
     def swap(self, old, new):
         """The scene with `old`, which must be there exactly once, replaced by `new`."""
         if self.count(old) != 1:
-            raise ValueError(f"swap: {old!r} is in the scene {self.count(old)} times, expected once")
+            raise ValueError(f"swap: {old!r} is there {self.count(old)} times, expected once")
         return Scene(self.replace(old, new))
 
 
@@ -80,8 +82,8 @@ class _Files:
 
     def table(self, name="table.csv"):
         """{column: array} of a CSV file; columns that are not numbers stay text."""
-        lines = [line for line in (self.path / name).read_text().splitlines() if not line.startswith("#")]
-        header, *rows = (line.split(",") for line in lines)
+        lines = (self.path / name).read_text().splitlines()
+        header, *rows = (line.split(",") for line in lines if not line.startswith("#"))
         table = {}
         for column, cells in zip(header, zip(*rows)):
             try:
@@ -95,14 +97,15 @@ def evaluate(scene, quantities, witness=None, **states):
     """{quantity: array} at given states.
 
     quantities: as on the command line, "M,c,g,tau,qdd,kinetic,potential,...".
-    states: q=, qd=, and qdd= or tau=, one state (n numbers) or many (an array of states x n); those left
-        out are 0. Without any: the start of the scene.
+    states: q=, qd=, and qdd= or tau=, one state (n numbers) or many (an array of states x n);
+        those left out are 0. Without any: the start of the scene.
     Arrays have shape (states, n, n) for M, (states,) for energies and (states, n) else; SI units.
     """
     with _Files() as files:
-        words = ["evaluate", files.scene(scene), "--quantity", quantities, "-o", files.path / "table.csv"]
+        words = ["evaluate", files.scene(scene), "--quantity", quantities]
+        words += ["-o", files.path / "table.csv"]
         if states:
-            blocks = {name: np.atleast_2d(np.asarray(block, float)) for name, block in states.items()}
+            blocks = {name: np.atleast_2d(np.asarray(x, float)) for name, x in states.items()}
             count, n = np.broadcast_shapes(*(block.shape for block in blocks.values()))
             blocks = {"q": np.zeros((count, n)), "qd": np.zeros((count, n)), **blocks}
             if "tau" in quantities.split(","):
@@ -131,8 +134,8 @@ def evaluate(scene, quantities, witness=None, **states):
 
 
 def crosscheck(scene, *options):
-    """What `dynwitness crosscheck SCENE` puts into report.json; look at ["verdict"] yourself. Charts and the
-    10 s simulations are left out."""
+    """What `dynwitness crosscheck SCENE` puts into report.json; look at its ["verdict"]. Charts
+    and the 10 s simulations are left out."""
     with _Files() as files:
         report = files.path / "report.json"
         run("crosscheck", files.scene(scene), "--no-charts", "--no-drift", *options,
@@ -141,7 +144,7 @@ def crosscheck(scene, *options):
 
 
 def parameters(scene, *options):
-    """What `dynwitness parameters SCENE --json` writes: which inertial parameters the motion knows."""
+    """What `dynwitness parameters SCENE --json` writes: which parameters the motion knows."""
     with _Files() as files:
         run("parameters", files.scene(scene), *options, "--json", files.path / "parameters.json")
         return json.loads((files.path / "parameters.json").read_text())
@@ -155,7 +158,7 @@ def drift(scene, *options):
 
 
 def simulate(scene, *options):
-    """What `dynwitness simulate SCENE` prints, and its table: time_s, q1.., qd1.., energy_error_J, ..."""
+    """What `dynwitness simulate SCENE` prints, and its table: time_s, q1.., qd1.., ..."""
     with _Files() as files:
         text = run("simulate", files.scene(scene), *options, "--csv", files.path / "table.csv")
         return text, files.table()
@@ -169,8 +172,8 @@ def growth(*options):
 
 
 def ulps(a, b):
-    """Largest |a - b| in units of the last place of the largest |b|, 2^-52 max |b|: each rounding on the way
-    to a number adds at most a half, times what was rounded over max |b|."""
+    """Largest |a - b| in units of the last place of the largest |b|, 2^-52 max |b|: a rounding on
+    the way to a number adds at most a half, times what was rounded over max |b|."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     return float(np.abs(a - b).max() / (np.finfo(float).eps * np.abs(b).max()))
 
@@ -190,9 +193,9 @@ def derive(scene):
         text = run("derive", files.scene(scene), "--format", "latex")
     steps = {}
     for part in text.split(r"\paragraph{")[1:]:
-        title, sentence, check = re.fullmatch(r"\d+\. (.*?)} (.*?)\n.*Check: (.*?)\s*", part, re.S).groups()
+        words = re.fullmatch(r"\d+\. (.*?)} (.*?)\n.*Check: (.*?)\s*", part, re.S).groups()
         equations = re.findall(r"\\\[ (.*?) \\\]", part, re.S)
-        name, sentence, check = (word.replace(r"\_", "_") for word in (title, sentence, check))
+        name, sentence, check = (word.replace(r"\_", "_") for word in words)
         steps[name] = Step(name, sentence, equations, check)
     return steps
 
@@ -207,10 +210,10 @@ def python_function(scene):
 
 
 class Maths:
-    """Named steps of a derivation, one equation below the other, which a notebook shows as mathematics."""
+    """Named steps of a derivation, equation below equation; notebooks show them as mathematics."""
 
     def __init__(self, steps, *names):
-        self.equations = [equation for name in names for equation in steps[name].equations]
+        self.equations = [line for name in names for line in steps[name].equations]
 
     def _repr_latex_(self):
         rows = r" \\ ".join(equation.replace(" = ", " &= ", 1) for equation in self.equations)
@@ -233,10 +236,12 @@ class Table:
     def _repr_html_(self):
         def row(cells, tag):
             left = f'<{tag} style="text-align: left">{cells[0]}</{tag}>'
-            return f"<tr>{left}" + "".join(f"<{tag}>{cell}</{tag}>" for cell in cells[1:]) + "</tr>"
+            others = "".join(f"<{tag}>{cell}</{tag}>" for cell in cells[1:])
+            return f"<tr>{left}{others}</tr>"
+
         escaped = [[_escaped(cell) for cell in line] for line in self.rows]
-        return "\n".join(["<table>", row(escaped[0], "th"), *(row(line, "td") for line in escaped[1:]),
-                          "</table>"])
+        rows = [row(escaped[0], "th"), *(row(line, "td") for line in escaped[1:])]
+        return "\n".join(["<table>", *rows, "</table>"])
 
     def __repr__(self):
         widths = [max(map(len, column)) for column in zip(*self.rows)]
@@ -260,8 +265,8 @@ class Picture:
 def plot(what, commands, size=(760, 360), **data):
     """A picture that gnuplot draws in the project's style.
 
-    commands: a gnuplot script, whose lines may also end after a comma; each name in `data` is there a data
-        block, `plot $name using 1:2 ...`, with one column for each of the given sequences.
+    commands: a gnuplot script, whose lines may also end after a comma; each name in `data` is there
+        a data block, `plot $name using 1:2 ...`, with one column for each of the given sequences.
     """
     lines = [f"load '{ROOT / 'crosscheck' / 'report' / 'style.gp'}'",
              f"set terminal svg size {size[0]},{size[1]} fixed enhanced rounded linewidth 1 "
@@ -274,6 +279,7 @@ def plot(what, commands, size=(760, 360), **data):
     if done.returncode or not done.stdout.rstrip().endswith("</svg>"):
         raise RuntimeError(f"gnuplot: {done.stderr.strip() or 'drew nothing'}")
     # without XML declaration, which some readers of notebooks refuse in the middle of a page
-    svg = re.sub(r"<title>.*?</title>\s*<desc>.*?</desc>", lambda _: f"<title>{_escaped(what)}</title>",
-                 done.stdout[done.stdout.index("<svg"):], count=1, flags=re.S)
+    svg = done.stdout[done.stdout.index("<svg"):]
+    title = f"<title>{_escaped(what)}</title>"
+    svg = re.sub(r"<title>.*?</title>\s*<desc>.*?</desc>", lambda _: title, svg, 1, re.S)
     return Picture(svg, what)

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Executes the notebooks from top to bottom and compares what they say with the outputs kept in them.
+"""Executes the notebooks from top to bottom and compares what they say with the outputs they keep.
 
     run_notebooks.py PROGRAM [NOTEBOOK...] [--update]
 
-PROGRAM is dynwitness. Exit status 1: a cell raised, or its text differs from the kept one; pictures must be there
-and are not compared, since they change with gnuplot's version. A cell tagged needs-NAME is not compared where
-the witness NAME is not installed, and must run all the same. --update keeps the new outputs instead of comparing;
-it refuses where a cell raises or a witness is missing. Exit status 77 (skipped), with the reason: no nbclient."""
+PROGRAM is dynwitness. Exit status 1: a cell raised, or its text differs from the kept one; pictures
+must be there and are not compared, since they change with gnuplot's version. A cell tagged
+needs-NAME is not compared where the witness NAME is not installed, and must run all the same.
+--update keeps the new outputs instead of comparing; it refuses where a cell raises or a witness is
+missing. Exit status 77 (skipped), with the reason: a Python package is missing."""
 import argparse
 import difflib
 import os
@@ -50,7 +51,8 @@ def raised(error):
     """What a cell raised, and the line of the notebook that did."""
     trace = re.sub(r"\x1b\[[\d;]*m", "", "\n".join(error.traceback))
     line = re.search(r"^-+> +\d+ +(.*)", trace, re.M)
-    return f"raised {error.ename}: {error.evalue or 'it does not hold'}" + (f"\n    {line[1]}" if line else "")
+    what = f"raised {error.ename}: {error.evalue or 'it does not hold'}"
+    return f"{what}\n    {line[1]}" if line else what
 
 
 def missing_witnesses(program):
@@ -61,14 +63,22 @@ def missing_witnesses(program):
 
 def tidy(notebook):
     """Without all that differs from run to run: counts, times, the version of Python."""
-    notebook.metadata = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
-                         "language_info": {"name": "python"}}
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    notebook.metadata = {"kernelspec": kernel, "language_info": {"name": "python"}}
     for cell in notebook.cells:
         tags = cell.metadata.get("tags")
         cell.metadata = {"tags": tags} if tags else {}
         if cell.cell_type != "code":
             continue
         cell.execution_count = None
+        merged = []  # how a stream comes in pieces is a matter of time
+        for output in cell.outputs:
+            if merged and output.output_type == "stream" == merged[-1].output_type \
+                    and output.name == merged[-1].name:
+                merged[-1].text += output.text
+            else:
+                merged.append(output)
+        cell.outputs = merged
         for output in cell.outputs:
             if "execution_count" in output:
                 output.execution_count = None
@@ -94,25 +104,28 @@ def test(path, missing, update, nbformat, nbclient):
         if wrong:
             complaints.append(f"{where}: {raised(wrong[0])}")
             break  # what follows builds on it
-        needs = {tag[len("needs-"):] for tag in cell.metadata.get("tags", []) if tag.startswith("needs-")}
-        if needs & missing:
+        tags = cell.metadata.get("tags", [])
+        absent = {tag[len("needs-"):] for tag in tags if tag.startswith("needs-")} & missing
+        if absent:
             not_compared += 1
             if update:
-                complaints.append(f"{where}: no {' and no '.join(sorted(needs & missing))} here to update it with")
+                complaints.append(f"{where}: no {', '.join(sorted(absent))} here to update it with")
         elif not update and (lines := differences(old.outputs, cell.outputs)):
-            complaints.append("\n    ".join([f"{where}: what it says differs from what is kept (-) and new (+):",
-                                            *lines]))
+            title = f"{where}: what it says differs from what is kept; kept (-) and new (+):"
+            complaints.append("\n    ".join([title, *lines]))
     if update and not complaints:
         tidy(new)
         nbformat.write(new, path)
-    print(f"{path.name}: {'failed' if complaints else 'updated' if update else 'agrees'}"
-          + (f", {not_compared} cells not compared: no {', '.join(sorted(missing))}" if not_compared else ""),
-          flush=True)
+    verdict = "failed" if complaints else "updated" if update else "agrees"
+    if not_compared:
+        verdict += f", {not_compared} cells not compared: no {', '.join(sorted(missing))}"
+    print(f"{path.name}: {verdict}", flush=True)
     return complaints
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=lambda name: str(Path(name).resolve()))
     parser.add_argument("notebooks", nargs="*", type=Path)
     parser.add_argument("--update", action="store_true")
