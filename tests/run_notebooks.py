@@ -91,7 +91,8 @@ def test(path, missing, update, nbformat, nbclient):
     kept = nbformat.read(path, as_version=4)
     new = nbformat.read(path, as_version=4)
     try:
-        nbclient.NotebookClient(new, timeout=PATIENCE, kernel_name="python3", allow_errors=True,
+        nbclient.NotebookClient(new, timeout=PATIENCE, startup_timeout=PATIENCE, allow_errors=True,
+                                kernel_name="python3",
                                 resources={"metadata": {"path": str(FOLDER)}}).execute()
     except (nbclient.exceptions.CellTimeoutError, nbclient.exceptions.DeadKernelError) as error:
         return [f"{path.name}: {error}"]
