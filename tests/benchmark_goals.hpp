@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What dynwitness wants to reach. Growth with the number of links has a command of its own
-// (`dynwitness growth`), and so have the operations that kernels take (`dynwitness derive --operations`).
+// (`dynwitness growth`), and so have the operations that kernels take (`dynwitness derive
+// --operations`).
 #pragma once
 
 #include <vector>
@@ -12,14 +13,17 @@ namespace dynwitness::benchmarks {
 /// A goal for the first compiler's work is one for the second's, too.
 inline std::vector<crosscheck::Goal> goals() {
   std::vector<crosscheck::Goal> all;
-  const auto faster = [&](int number, const char* scene, const char* by, double ID, double M, double FD) {
+  const auto faster = [&](int number, const char* scene, const char* by, double ID, double M,
+                          double FD) {
     for (const char* compiler : {"", "_second"})
       for (const auto& [what, times] : {std::pair("ID", ID), {"M", M}, {"FD", FD}})
         if (times > 0)
-          all.push_back({number, what, scene, std::string(by) + compiler, crosscheck::kTimesMujoco, times, true});
+          all.push_back({number, what, scene, std::string(by) + compiler, crosscheck::kTimesMujoco,
+                         times, true});
   };
   faster(1, "franka_panda", "fast", 5.8, 5.4, 3.4);
   faster(1, "humanoid", "fast", 4.8, 4.4, 3.5);
+  faster(1, "humanoid_floating", "fast", 4.8, 4.4, 3.5);
   faster(2, "franka_panda", "kernel", 12, 12, 8);
   // from the scene in memory to three functions that can be called, nothing in the cache
   all.push_back({2, "making", "franka_panda", "kernel", "s", 2, false});

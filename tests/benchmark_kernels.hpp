@@ -61,8 +61,8 @@ class KernelEnvironment {
   std::vector<Variable> before_;
 };
 
-/// The compiler that kernels are made with, and one of the other family where there is one. Without the
-/// first there is none; reasons go to `left_out`.
+/// The compiler that kernels are made with, and one of the other family where there is one. Without
+/// the first there is none; reasons go to `left_out`.
 inline std::vector<KernelCompiler> kernelCompilers(std::vector<std::string>* left_out = nullptr) {
   namespace kernel = crosscheck::kernel;
   std::vector<KernelCompiler> all;
@@ -87,7 +87,8 @@ inline std::vector<KernelCompiler> kernelCompilers(std::vector<std::string>* lef
     }
   }
   if (left_out)
-    left_out->push_back(std::string("kernels by a second C compiler: no ") + (is_clang ? "gcc" : "clang"));
+    left_out->push_back(std::string("kernels by a second C compiler: no ") +
+                        (is_clang ? "gcc" : "clang"));
   return all;
 }
 

@@ -31,10 +31,10 @@ namespace fs = std::filesystem;
 constexpr const char* kUsage =
     R"(usage: dynwitness bench [--output FOLDER] [--benchmark_...=VALUE]
 
-Times inverse dynamics (ID), the mass matrix (M) and forward dynamics (FD) of two scenes by our sweeps and
-kernels, made by two compilers, beside the engines, all in one run on the same states; the derivation,
-with SymPy's beside it; making a kernel; a whole crosscheck. Prints ratios to MuJoCo and to Simbody,
-and for every goal whether it is reached or by how much it is missed. Takes some minutes.
+Times inverse dynamics (ID), the mass matrix (M) and forward dynamics (FD) of an arm and a humanoid by
+our sweeps and kernels, made by two compilers, beside the engines, all in one run on the same states;
+the derivation, with SymPy's beside it; making a kernel; a whole crosscheck. Prints ratios to MuJoCo and
+to Simbody, and for every goal whether it is reached or by how much it is missed. Takes some minutes.
 
 Repetitions come in random order, so that a busy moment of the machine does not hit one contender
 alone, and the fastest counts.
@@ -56,8 +56,8 @@ Exit status: 0 whether goals are reached or missed; 2 bad usage; 3 a benchmark f
 The report shows the result:
   ./dynwitness crosscheck --bench {}/bench.json
 )";
-constexpr int kRepetitions = 7;
-constexpr const char* kMinTime = "0.05";  // [s]
+constexpr int kRepetitions = 15;
+constexpr const char* kMinTime = "0.02";  // [s]
 
 /// Keeps the fastest of each name; prints nothing.
 class Collector : public benchmark::BenchmarkReporter {
@@ -74,13 +74,16 @@ class Collector : public benchmark::BenchmarkReporter {
         continue;
       }
       const std::size_t first = name.find('/'), last = name.rfind('/');
-      Measurement m{name.substr(first + 1, last - first - 1), name.substr(0, first), name.substr(last + 1),
-                    benchmark::GetTimeUnitString(run.time_unit), 0};
+      Measurement m{name.substr(first + 1, last - first - 1), name.substr(0, first),
+                    name.substr(last + 1), benchmark::GetTimeUnitString(run.time_unit), 0};
       // "manual_time" or "real_time", else CPU time is meant
-      m.value = run.run_name.time_type.empty() ? run.GetAdjustedCPUTime() : run.GetAdjustedRealTime();
+      m.value =
+          run.run_name.time_type.empty() ? run.GetAdjustedCPUTime() : run.GetAdjustedRealTime();
       for (const auto& [counter, number] : run.counters) {
-        if (counter == benchmarks::kStatesCounter) m.value /= number.value;
-        else keep({m.what, m.subject, m.by, counter, number.value});
+        if (counter == benchmarks::kStatesCounter)
+          m.value /= number.value;
+        else
+          keep({m.what, m.subject, m.by, counter, number.value});
       }
       keep(m);
       result_->repetitions = std::max(result_->repetitions, static_cast<int>(run.repetitions));
@@ -92,7 +95,8 @@ class Collector : public benchmark::BenchmarkReporter {
   void keep(const Measurement& m) {
     const double value = std::strtod(fmt::format("{:.5g}", m.value).c_str(), nullptr);
     for (Measurement& known : result_->measured)
-      if (known.what == m.what && known.subject == m.subject && known.by == m.by && known.unit == m.unit) {
+      if (known.what == m.what && known.subject == m.subject && known.by == m.by &&
+          known.unit == m.unit) {
         known.value = std::min(known.value, value);
         return;
       }
@@ -107,7 +111,8 @@ class Collector : public benchmark::BenchmarkReporter {
 /// The order of the tables instead of the random one of the run.
 void sort(BenchResult* result) {
   const auto place = [&](const Measurement& m) {
-    const auto formula = std::find(std::begin(kTimed), std::end(kTimed), m.what) - std::begin(kTimed);
+    const auto formula =
+        std::find(std::begin(kTimed), std::end(kTimed), m.what) - std::begin(kTimed);
     const auto by = std::find_if(result->contenders.begin(), result->contenders.end(),
                                  [&](const Contender& c) { return c.name == m.by; });
     const auto who = by - result->contenders.begin();
@@ -124,7 +129,8 @@ void write(const BenchResult& result, const fs::path& folder) {
   work.write("bench.json", benchJson(result));
   work.write(style, kStyleGnuplot);
   const BenchFiles files = writeBenchChart(result, work, "", style);
-  for (const std::string& file : {std::string("bench.json"), style, files.csv, files.script, files.light, files.dark}) {
+  for (const std::string& file :
+       {std::string("bench.json"), style, files.csv, files.script, files.light, files.dark}) {
     if (file.empty()) continue;
     std::ifstream stream(work.path() / file, std::ios::binary);
     writeWholeFile(folder / file, std::string(std::istreambuf_iterator<char>(stream), {}));
@@ -152,7 +158,8 @@ int run(int argc, char** argv) {
       fmt::print(kUsage, DYNWITNESS_BENCH_FOLDER, kRepetitions, kMinTime, DYNWITNESS_BENCH_FOLDER);
       return 0;
     }
-    if (word.rfind("--output=", 0) == 0) output = word.substr(word.find('=') + 1);
+    if (word.rfind("--output=", 0) == 0)
+      output = word.substr(word.find('=') + 1);
     else if (word == "--output") {
       if (++i == argc) throw scene::InputError({}, "bench: --output: expected a folder");
       output = argv[i];
@@ -160,8 +167,10 @@ int run(int argc, char** argv) {
       only_lists = only_lists || word.rfind("--benchmark_list_tests", 0) == 0;
       words.push_back(word);
     } else {
-      throw scene::InputError({}, fmt::format("bench: '{}': allowed are --output FOLDER, --help and "
-                                              "google-benchmark's --benchmark_...", word));
+      throw scene::InputError({},
+                              fmt::format("bench: '{}': allowed are --output FOLDER, --help and "
+                                          "google-benchmark's --benchmark_...",
+                                          word));
     }
   }
   requireWritableFolder(output);
@@ -179,7 +188,8 @@ int run(int argc, char** argv) {
   benchmarks::registerStarts(&result);
 
   // every repetition is kept beside our own file, unless the caller says where
-  const fs::path raw = fs::path(output) / "google_benchmark.json", unfinished = raw.string() + ".unfinished";
+  const fs::path raw = fs::path(output) / "google_benchmark.json",
+                 unfinished = raw.string() + ".unfinished";
   if (!only_lists) {
     fs::create_directories(output);
     words.insert(words.begin() + 1, "--benchmark_out=" + unfinished.string());
@@ -190,7 +200,8 @@ int run(int argc, char** argv) {
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
   Collector collector(&result);
-  if (!only_lists) fmt::print(stderr, "dynwitness: timing, which takes some minutes (--help says what)\n");
+  if (!only_lists)
+    fmt::print(stderr, "dynwitness: timing, which takes some minutes (--help says what)\n");
   benchmark::RunSpecifiedBenchmarks(&collector);
   if (only_lists) return 0;
   std::error_code elsewhere;
@@ -202,7 +213,9 @@ int run(int argc, char** argv) {
   sort(&result);
   fmt::print("{}", benchText(result));
   write(result, output);
-  fmt::print("\nkept in {0}; to see it in a report:\n  ./dynwitness crosscheck --bench {0}/bench.json\n", output);
+  fmt::print(
+      "\nkept in {0}; to see it in a report:\n  ./dynwitness crosscheck --bench {0}/bench.json\n",
+      output);
   return collector.failed() ? 3 : 0;
 }
 

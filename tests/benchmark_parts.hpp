@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The parts of `./dynwitness bench`. A benchmark is named SUBJECT/WHAT/BY, as "franka_panda/ID/fast";
-// what it measured becomes a crosscheck::Measurement: its time (CPU time, or wall time where it was
-// registered for that; divided by the counter kStatesCounter if there is one), and each other counter
-// under the counter's name as unit.
+// The parts of `./dynwitness bench`. A benchmark is named SUBJECT/WHAT/BY, as
+// "franka_panda/ID/fast"; what it measured becomes a crosscheck::Measurement: its time (CPU time,
+// or wall time where it was registered for that; divided by the counter kStatesCounter if there is
+// one), and each other counter under the counter's name as unit.
 #pragma once
 
 #include <benchmark/benchmark.h>

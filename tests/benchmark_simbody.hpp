@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Simbody called as its users call it: no witness around it, each stage realized only as far as needed.
+// Simbody called as its users call it: no witness around it, each stage realized only as far as
+// needed.
 #pragma once
 
 #include <memory>
@@ -9,16 +10,17 @@
 
 namespace dynwitness::benchmarks {
 
-/** A model in Simbody, from the model's own numbers: this is about time, the witness `simbody` is about
-    trust. Rotors are left out, since Simbody has no figure for them and the bodies that would stand
-    for them cost it time; springs and friction, too. Revolute and prismatic joints.
+/** A model in Simbody, from the model's own numbers: this is about time, the witness `simbody` is
+   about trust. Rotors are left out, since Simbody has no figure for them and the bodies that would
+   stand for them cost it time; springs and friction, too. Revolute, prismatic and floating joints,
+   the rates of the last as Simbody has them: the same work.
     @throws std::invalid_argument  another joint */
 class RawSimbody {
  public:
   explicit RawSimbody(const recursive::Model<double>& model);
   ~RawSimbody();
 
-  /// All arguments and results have one entry a degree of freedom, in the model's order.
+  /// q has one entry a slot, the others one a degree of freedom, in the model's order.
   void inverseDynamics(const double* q, const double* qd, const double* qdd);
   void massMatrix(const double* q);
   void forwardDynamics(const double* q, const double* qd, const double* tau);

@@ -44,7 +44,8 @@ void makeKernel(benchmark::State& run, const std::string& name, const KernelComp
   for (auto _ : run) {
     const TemporaryFolder cache;
     const KernelEnvironment environment(compiler.command, cache.path.string());
-    kernel::smallestRoad(other.mechanism, kernel::Formula::kMassMatrix);  // forgets the roads of `scene`
+    kernel::smallestRoad(other.mechanism,
+                         kernel::Formula::kMassMatrix);  // forgets the roads of `scene`
     const double start = seconds();
     for (const kernel::Formula formula : kernel::KernelOptions().formulas)
       kernel::smallestRoad(scene.mechanism, formula);
@@ -60,7 +61,8 @@ void makeKernel(benchmark::State& run, const std::string& name, const KernelComp
 /// The program from its start to its end, the report written.
 void crosscheckOf(benchmark::State& run, const char* scene) {
   const TemporaryFolder folder;
-  const std::string report = (folder.path / "report").string(), log = (folder.path / "log").string();
+  const std::string report = (folder.path / "report").string(),
+                    log = (folder.path / "log").string();
   for (auto _ : run) {
     const double start = seconds();
     const pid_t process = fork();
@@ -73,7 +75,8 @@ void crosscheckOf(benchmark::State& run, const char* scene) {
     int status = 0;
     waitpid(process, &status, 0);
     run.SetIterationTime(seconds() - start);
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return run.SkipWithError("the crosscheck failed");
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+      return run.SkipWithError("the crosscheck failed");
   }
 }
 
@@ -81,8 +84,9 @@ void crosscheckOf(benchmark::State& run, const char* scene) {
 
 void registerStarts(BenchResult* result) {
   for (const KernelCompiler& compiler : kernelCompilers())
-    benchmark::RegisterBenchmark((std::string("franka_panda/making/kernel") + compiler.suffix).c_str(),
-                                 [=](benchmark::State& run) { makeKernel(run, "franka_panda", compiler); })
+    benchmark::RegisterBenchmark(
+        (std::string("franka_panda/making/kernel") + compiler.suffix).c_str(),
+        [=](benchmark::State& run) { makeKernel(run, "franka_panda", compiler); })
         ->Unit(benchmark::kSecond)
         ->UseManualTime()
         ->Iterations(1)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Inverse dynamics, mass matrix and forward dynamics: our sweeps and the scene's own kernel beside the
-// engines, in one run on the same states. Read the ratios, not the nanoseconds.
+// Inverse dynamics, mass matrix and forward dynamics: our sweeps and the scene's own kernel beside
+// the engines, in one run on the same states. Read the ratios, not the nanoseconds.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,11 +14,11 @@
 #include "benchmark_mujoco.hpp"
 #include "benchmark_parts.hpp"
 #include "benchmark_simbody.hpp"
-#include "fast_by_compiler.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/processes.hpp"
 #include "crosscheck/states.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "fast_by_compiler.hpp"
 
 namespace dynwitness::benchmarks {
 namespace {
@@ -81,10 +81,12 @@ void textbook(benchmark::State& run, const std::string& scene, Formula formula) 
   std::vector<scene::JointPosition<double>> x;
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
-    if (formula == Formula::kMassMatrix) recursive::massMatrix(model, positions(s, x), arm.setup.ws, arm.M);
+    if (formula == Formula::kMassMatrix)
+      recursive::massMatrix(model, positions(s, x), arm.setup.ws, arm.M);
     else if (formula == Formula::kForwardDynamics)
       recursive::forwardDynamics(model, positions(s, x), s.qd, s.tau, arm.setup.ws, arm.out);
-    else recursive::inverseDynamics(model, positions(s, x), s.qd, s.qdd, arm.setup.ws, arm.out);
+    else
+      recursive::inverseDynamics(model, positions(s, x), s.qd, s.qdd, arm.setup.ws, arm.out);
     benchmark::DoNotOptimize(arm.out.data());
     benchmark::ClobberMemory();
   }
@@ -105,17 +107,20 @@ void fast(benchmark::State& run, const std::string& scene, const FastBy* by, For
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
     const double *x = q[arm.index].data(), *qd = s.qd.data();
-    if (formula == Formula::kMassMatrix) by->massMatrix(sweeps, x, arm.M.data());
+    if (formula == Formula::kMassMatrix)
+      by->massMatrix(sweeps, x, arm.M.data());
     else if (formula == Formula::kForwardDynamics)
       by->forwardDynamics(sweeps, x, qd, s.tau.data(), arm.out.data());
-    else by->inverseDynamics(sweeps, x, qd, s.qdd.data(), arm.out.data());
+    else
+      by->inverseDynamics(sweeps, x, qd, s.qdd.data(), arm.out.data());
     benchmark::DoNotOptimize(arm.out.data());
     benchmark::ClobberMemory();
   }
   by->release(sweeps);
 }
 
-void engine(benchmark::State& run, const std::string& scene, const WitnessKind& kind, Quantity quantity) {
+void engine(benchmark::State& run, const std::string& scene, const WitnessKind& kind,
+            Quantity quantity) {
   Arm arm(scene);
   const std::unique_ptr<Witness> witness = kind.make(arm.scene);
   for (auto _ : run) benchmark::DoNotOptimize(witness->value(quantity, arm.next()));
@@ -123,11 +128,13 @@ void engine(benchmark::State& run, const std::string& scene, const WitnessKind& 
 
 // ---- kernels ------------------------------------------------------------------------------------
 
-/// Made once, one at a time, since GiNaC knows no threads. The formula alone, so that one that takes the
-/// compiler long does not hold up the others.
-const kernel::Kernel& kernelOf(const scene::Scene& scene, Formula formula, const KernelCompiler& compiler) {
+/// Made once, one at a time, since GiNaC knows no threads. The formula alone, so that one that
+/// takes the compiler long does not hold up the others.
+const kernel::Kernel& kernelOf(const scene::Scene& scene, Formula formula,
+                               const KernelCompiler& compiler) {
   static std::mutex making;
-  static std::map<std::tuple<std::string, Formula, std::string>, std::unique_ptr<kernel::Kernel>> made;
+  static std::map<std::tuple<std::string, Formula, std::string>, std::unique_ptr<kernel::Kernel>>
+      made;
   const std::lock_guard<std::mutex> lock(making);
   std::unique_ptr<kernel::Kernel>& kernel = made[{scene.name, formula, compiler.command}];
   if (!kernel) {
@@ -142,9 +149,12 @@ const kernel::Kernel& kernelOf(const scene::Scene& scene, Formula formula, const
 void call(const kernel::Kernel& kernel, Formula formula, const double* q, const double* qd,
           const scene::State<double>& s, double* out) {
   switch (formula) {
-    case Formula::kMassMatrix: return kernel.massMatrix(q, out);
-    case Formula::kForwardDynamics: return kernel.forwardDynamics(q, qd, s.tau.data(), out);
-    default: return kernel.inverseDynamics(q, qd, s.qdd.data(), out);
+    case Formula::kMassMatrix:
+      return kernel.massMatrix(q, out);
+    case Formula::kForwardDynamics:
+      return kernel.forwardDynamics(q, qd, s.tau.data(), out);
+    default:
+      return kernel.inverseDynamics(q, qd, s.qdd.data(), out);
   }
 }
 
@@ -194,14 +204,26 @@ void kernelMany(benchmark::State& run, const std::string& scene, Formula formula
 
 // ---- engines, called raw ------------------------------------------------------------------------
 
+/// The first state, with a floating link at rest and in the world's axes, where its rates are the
+/// same in everybody's conventions.
+scene::State<double> stateForCheck(const Arm& arm) {
+  scene::State<double> s = arm.states[0];
+  for (const recursive::LinkModel<double>& link : arm.setup.model.links) {
+    if (link.kind != recursive::JointKind::kFloating) continue;
+    for (int k = 3; k < 7; ++k) s.x[link.slot + k].q = k == 3 ? 1 : 0;
+    for (int k = 0; k < 6; ++k) s.qd[link.dof + k] = 0;
+  }
+  return s;
+}
+
 /// A wrong model would be timed in vain, and differs in the first digits. Later ones are the
 /// crosscheck's business: MuJoCo loses some when it reads the inertias.
-/// @param tau  of an engine at the first state, without rotors and springs
+/// @param tau  of an engine at stateForCheck(), without rotors and springs
 void requireSameModel(const Arm& arm, const std::vector<double>& tau, const char* engine) {
   recursive::Model<double> model = arm.setup.model;
   for (recursive::LinkModel<double>& link : model.links) link.rotor = link.stiffness = 0;
   recursive::Workspace<double> workspace(model);
-  const scene::State<double>& s = arm.states[0];
+  const scene::State<double> s = stateForCheck(arm);
   std::vector<scene::JointPosition<double>> x;
   std::vector<double> ours(s.qd.size());
   recursive::inverseDynamics(model, positions(s, x), s.qd, s.qdd, workspace, ours);
@@ -219,13 +241,16 @@ void requireSameModel(const Arm& arm, const std::vector<double>& tau, const char
 void mujocoRaw(benchmark::State& run, const std::string& scene, Formula formula) {
   Arm arm(scene);
   RawMujoco mujoco(arm.scene);
-  mujoco.inverseDynamics(arm.states[0], arm.out.data());
+  mujoco.inverseDynamics(stateForCheck(arm), arm.out.data());
   requireSameModel(arm, arm.out, "MuJoCo");
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
-    if (formula == Formula::kMassMatrix) mujoco.massMatrix(s);
-    else if (formula == Formula::kForwardDynamics) mujoco.forwardDynamics(s);
-    else mujoco.inverseDynamics(s, arm.out.data());
+    if (formula == Formula::kMassMatrix)
+      mujoco.massMatrix(s);
+    else if (formula == Formula::kForwardDynamics)
+      mujoco.forwardDynamics(s);
+    else
+      mujoco.inverseDynamics(s, arm.out.data());
     benchmark::DoNotOptimize(mujoco.results());
     benchmark::ClobberMemory();
   }
@@ -236,15 +261,20 @@ void simbodyRaw(benchmark::State& run, const std::string& scene, Formula formula
   Arm arm(scene);
   const std::vector<std::vector<double>> q = positionsOf(arm);
   RawSimbody simbody(arm.setup.model);
-  const scene::State<double>& first = arm.states[0];
-  simbody.inverseDynamics(q[0].data(), first.qd.data(), first.qdd.data());
+  const scene::State<double> check = stateForCheck(arm);
+  std::vector<double> x_check;
+  for (const scene::JointPosition<double>& x : check.x) x_check.push_back(x.q);
+  simbody.inverseDynamics(x_check.data(), check.qd.data(), check.qdd.data());
   requireSameModel(arm, simbody.inModelOrder(), "Simbody");
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
     const double *x = q[arm.index].data(), *qd = s.qd.data();
-    if (formula == Formula::kMassMatrix) simbody.massMatrix(x);
-    else if (formula == Formula::kForwardDynamics) simbody.forwardDynamics(x, qd, s.tau.data());
-    else simbody.inverseDynamics(x, qd, s.qdd.data());
+    if (formula == Formula::kMassMatrix)
+      simbody.massMatrix(x);
+    else if (formula == Formula::kForwardDynamics)
+      simbody.forwardDynamics(x, qd, s.tau.data());
+    else
+      simbody.inverseDynamics(x, qd, s.qdd.data());
     benchmark::DoNotOptimize(simbody.results());
     benchmark::ClobberMemory();
   }
@@ -266,13 +296,16 @@ Quantity quantityOf(Formula formula) {
                                                 : Quantity::kTau;
 }
 
-/// "SCENE/ID/BY" and so on, for both scenes.
+constexpr const char* kScenes[] = {"franka_panda", "humanoid", "humanoid_floating"};
+
+/// "SCENE/ID/BY" and so on.
 template <typename Function, typename... Arguments>
 std::vector<benchmark::internal::Benchmark*> add(BenchResult* result, const Contender& contender,
-                                                 const Function& function, const Arguments&... arguments) {
+                                                 const Function& function,
+                                                 const Arguments&... arguments) {
   addContender(result, contender);
   std::vector<benchmark::internal::Benchmark*> added;
-  for (const char* scene : {"franka_panda", "humanoid"})
+  for (const char* scene : kScenes)
     for (const Formula formula : kFormulas)
       added.push_back(benchmark::RegisterBenchmark(
           fmt::format("{}/{}/{}", scene, kernel::name(formula), contender.name).c_str(),
@@ -298,7 +331,8 @@ void registerSweeps(BenchResult* result) {
 #ifdef DYNWITNESS_HAS_MUJOCO
   add(result, {kRawMujoco, "MuJoCo " + versionOf("mujoco")}, mujocoRaw);
 #else
-  result->left_out.push_back("MuJoCo, and all ratios to it: it was not found when dynwitness was built");
+  result->left_out.push_back(
+      "MuJoCo, and all ratios to it: it was not found when dynwitness was built");
 #endif
   add(result, {kRawSimbody, "Simbody " + versionOf("simbody")}, simbodyRaw);
   for (const WitnessKind& kind : witnessKinds()) {
@@ -310,35 +344,51 @@ void registerSweeps(BenchResult* result) {
       result->left_out.push_back(kind.info.name + ": it was not found when dynwitness was built");
       continue;
     }
-    const Contender contender{kind.info.name, kind.info.name + " " + kind.info.version + ", by its witness"};
+    const Contender contender{kind.info.name,
+                              kind.info.name + " " + kind.info.version + ", by its witness"};
     addContender(result, contender);
-    for (const char* scene : {"franka_panda", "humanoid"})
-      for (const Formula formula : kFormulas)
-        if (kind.make(scene::findScene(scene))->answers(quantityOf(formula)))
-          benchmark::RegisterBenchmark(
-              fmt::format("{}/{}/{}", scene, kernel::name(formula), kind.info.name).c_str(),
-              [=](benchmark::State& run) { engine(run, scene, kind, quantityOf(formula)); });
+    for (const char* scene : kScenes) {
+      try {
+        const std::unique_ptr<Witness> witness = kind.make(scene::findScene(scene));
+        for (const Formula formula : kFormulas)
+          if (witness->answers(quantityOf(formula)))
+            benchmark::RegisterBenchmark(
+                fmt::format("{}/{}/{}", scene, kernel::name(formula), kind.info.name).c_str(),
+                [=](benchmark::State& run) { engine(run, scene, kind, quantityOf(formula)); });
+      } catch (const std::exception& error) {
+        result->left_out.push_back(
+            fmt::format("{} on {}: {}", kind.info.name, scene, error.what()));
+      }
+    }
   }
   const std::string own = kFastByOwn.compiler();
   add(result, {"recursive", "textbook sweeps, " + own, true}, textbook);
   add(result, {"fast", "fast sweeps, " + own, true},
-      [](benchmark::State& run, const std::string& scene, Formula f) { fast(run, scene, &kFastByOwn, f); });
+      [](benchmark::State& run, const std::string& scene, Formula f) {
+        fast(run, scene, &kFastByOwn, f);
+      });
 #ifdef DYNWITNESS_SECOND_COMPILER
   add(result, {"fast_second", std::string("fast sweeps, ") + kFastBySecond.compiler(), true},
-      [](benchmark::State& run, const std::string& scene, Formula f) { fast(run, scene, &kFastBySecond, f); });
+      [](benchmark::State& run, const std::string& scene, Formula f) {
+        fast(run, scene, &kFastBySecond, f);
+      });
 #else
-  result->left_out.push_back("fast sweeps by a second C++ compiler: it was not found when dynwitness was built");
+  result->left_out.push_back(
+      "fast sweeps by a second C++ compiler: it was not found when dynwitness was built");
 #endif
   const std::vector<KernelCompiler> compilers = kernelCompilers(&result->left_out);
   for (const KernelCompiler& c : compilers)
     add(result, {std::string("kernel") + c.suffix, "kernel, " + c.label, true}, kernelOne, c);
   const std::string lanes = fmt::format("kernel, {} lanes", kernel::widestLanes());
   for (const KernelCompiler& c : compilers)
-    add(result, {std::string("kernel_lanes") + c.suffix, lanes + ", " + c.label, true}, kernelMany, c);
+    add(result, {std::string("kernel_lanes") + c.suffix, lanes + ", " + c.label, true}, kernelMany,
+        c);
   if (compilers.empty()) return;
   const int cores = availableProcessors();
   for (benchmark::internal::Benchmark* b :
-       add(result, {"kernel_all_cores", fmt::format("the same on {} cores, {}", cores, compilers[0].label), true},
+       add(result,
+           {"kernel_all_cores", fmt::format("the same on {} cores, {}", cores, compilers[0].label),
+            true},
            kernelMany, compilers[0]))
     b->Threads(cores)->UseRealTime();
 }

@@ -41,16 +41,18 @@ BenchResult sample() {
   r.states = 1000;
   r.seed = 1;
   r.repetitions = 7;
-  r.contenders = {{kRawMujoco, "MuJoCo 2.2.2"}, {kRawSimbody, "Simbody 3.7.0"},
-                  {"fast", "fast sweeps, g++ 12", true}, {"kernel", kAwkward, true}};
+  r.contenders = {{kRawMujoco, "MuJoCo 2.2.2"},
+                  {kRawSimbody, "Simbody 3.7.0"},
+                  {"fast", "fast sweeps, g++ 12", true},
+                  {"kernel", kAwkward, true}};
   r.measured = {{"ID", "arm", kRawMujoco, "ns", 1000}, {"ID", "arm", kRawSimbody, "ns", 5000},
                 {"ID", "arm", "fast", "ns", 125},      {"M", "arm", "fast", "ns", 60},
                 {"FD", "arm", kRawMujoco, "ns", 1500}, {"FD", "arm", "kernel", "ns", 150},
                 {"making", "arm", "kernel", "s", 2.5}, {"derivation", "arm", "lagrange", "MB", 25}};
-  r.goals = {{1, "ID", "arm", "fast", kTimesMujoco, 10, true},   // 8 times
-             {1, "M", "arm", "fast", kTimesMujoco, 5, true},     // MuJoCo's M is not there
-             {2, "FD", "arm", "kernel", kTimesMujoco, 10, true}, // 10 times: reached
-             {2, "making", "arm", "kernel", "s", 2, false},      // 2.5 s
+  r.goals = {{1, "ID", "arm", "fast", kTimesMujoco, 10, true},    // 8 times
+             {1, "M", "arm", "fast", kTimesMujoco, 5, true},      // MuJoCo's M is not there
+             {2, "FD", "arm", "kernel", kTimesMujoco, 10, true},  // 10 times: reached
+             {2, "making", "arm", "kernel", "s", 2, false},       // 2.5 s
              {5, "derivation", "arm", "lagrange", "MB", 50, false}};
   r.left_out = {"SymPy: " + kAwkward};
   return r;
@@ -140,18 +142,23 @@ BOOST_FIXTURE_TEST_CASE(a_file_that_contradicts_itself_is_refused_with_the_place
       return contains(e.what(), name.string() + ": " + place);
     });
   };
-  refused("/goals/0/verdict: read \"reached\", by the measurements it is \"missed\"", [](json& j) { j["goals"][0]["verdict"] = "reached"; });
+  refused("/goals/0/verdict: read \"reached\", by the measurements it is \"missed\"",
+          [](json& j) { j["goals"][0]["verdict"] = "reached"; });
   refused("/goals/0/measured: read 12, by the measurements it is 8",
           [](json& j) { j["goals"][0]["measured"] = 12; });
   refused("/measured/2/times_mujoco", [](json& j) { j["measured"][2]["times_mujoco"] = 9; });
   refused("/goals/0/measured: read 8.0, by the measurements it is 16.0",
           [](json& j) { j["measured"][0]["value"] = 2000; });
-  refused("/measured/0/value: expected a time above 0 ns", [](json& j) { j["measured"][0]["value"] = 0; });
+  refused("/measured/0/value: expected a time above 0 ns",
+          [](json& j) { j["measured"][0]["value"] = 0; });
   refused("/measured/0/value: expected a number that is not negative, got \"fast\"",
           [](json& j) { j["measured"][0]["value"] = "fast"; });
-  refused("/goals/0/wanted: expected a number above 0", [](json& j) { j["goals"][0]["wanted"] = 0; });
-  refused("/goals/0/sense: read 'about', allowed are 'at least' and 'at most'", [](json& j) { j["goals"][0]["sense"] = "about"; });
-  refused("/contenders/0: there is no field 'label'", [](json& j) { j["contenders"][0].erase("label"); });
+  refused("/goals/0/wanted: expected a number above 0",
+          [](json& j) { j["goals"][0]["wanted"] = 0; });
+  refused("/goals/0/sense: read 'about', allowed are 'at least' and 'at most'",
+          [](json& j) { j["goals"][0]["sense"] = "about"; });
+  refused("/contenders/0: there is no field 'label'",
+          [](json& j) { j["contenders"][0].erase("label"); });
   refused("/contenders: expected a list, got 3", [](json& j) { j["contenders"] = 3; });
   refused("/colour: no such field is expected", [](json& j) { j["colour"] = "red"; });
   refused("there is no field 'measured'", [](json& j) { j = json{{"dynwitness", "0.1.0"}}; });
@@ -159,9 +166,11 @@ BOOST_FIXTURE_TEST_CASE(a_file_that_contradicts_itself_is_refused_with_the_place
 }
 
 BOOST_FIXTURE_TEST_CASE(what_is_no_such_file_is_refused, TemporaryFolder) {
-  BOOST_CHECK_EXCEPTION(readBench(file("{\n \"dynwitness\": }")), InputError, [&](const InputError& e) {
-    return contains(e.what(), "bench.json:2: is not JSON; expected a file that `dynwitness bench` wrote");
-  });
+  BOOST_CHECK_EXCEPTION(
+      readBench(file("{\n \"dynwitness\": }")), InputError, [&](const InputError& e) {
+        return contains(e.what(),
+                        "bench.json:2: is not JSON; expected a file that `dynwitness bench` wrote");
+      });
   for (const fs::path& name : {path / "nothing.json", path})
     BOOST_CHECK_EXCEPTION(readBench(name), InputError, [&](const InputError& e) {
       return contains(e.what(), name.string() + ": cannot be read");
@@ -174,7 +183,8 @@ BOOST_AUTO_TEST_SUITE(chart)
 
 BOOST_AUTO_TEST_CASE(csv_has_ratios_and_what_the_goals_grant) {
   const std::string csv = benchCsv(sample());
-  BOOST_TEST(contains(csv, "\nscene,formula,contender,time_ns,times_mujoco,times_simbody,goal_ns\n"), csv);
+  BOOST_TEST(
+      contains(csv, "\nscene,formula,contender,time_ns,times_mujoco,times_simbody,goal_ns\n"), csv);
   BOOST_TEST(contains(csv, "\narm,ID,fast,125,8,40,100\n"), csv);  // 1000 ns / 10
   BOOST_TEST(contains(csv, "\narm,M,fast,60,,,\n"), csv);
   BOOST_TEST(!contains(csv, "making"));
@@ -199,7 +209,8 @@ BOOST_FIXTURE_TEST_CASE(the_section_is_there_when_asked_for_and_only_then, Tempo
   const std::string page = read(path / "with/index.html");
   BOOST_TEST(contains(page, "<h2 id=\"speed\">Speed</h2>"));
   BOOST_TEST(!contains(page, "<script"));
-  BOOST_TEST((json::parse(read(path / "with/report.json"))["speed"] == json::parse(benchJson(bench))));
+  BOOST_TEST(
+      (json::parse(read(path / "with/report.json"))["speed"] == json::parse(benchJson(bench))));
   BOOST_TEST(fs::exists(path / "with/bench/bench.csv"));
   if (gnuplotVersion() != "not found") {
     BOOST_TEST(contains(page, "<img src=\"bench/bench.svg\""), page);
@@ -212,13 +223,15 @@ BOOST_FIXTURE_TEST_CASE(the_section_is_there_when_asked_for_and_only_then, Tempo
 
 BOOST_FIXTURE_TEST_CASE(the_program_refuses_another_file_before_it_works, TemporaryFolder) {
   const fs::path other = file("{\"headline\": \"a report\"}");
-  const std::string command = std::string(DYNWITNESS_PROGRAM) + " crosscheck simple_pendulum --bench " +
-                              other.string() + " --report " + (path / "report").string() + " >" +
+  const std::string command = std::string(DYNWITNESS_PROGRAM) +
+                              " crosscheck simple_pendulum --bench " + other.string() +
+                              " --report " + (path / "report").string() + " >" +
                               (path / "out").string() + " 2>" + (path / "err").string();
   const int status = std::system(command.c_str());
   BOOST_TEST((WIFEXITED(status) && WEXITSTATUS(status) == 2));
-  BOOST_TEST(contains(read(path / "err"), other.string() + ": there is no field 'measured'; expected a file "
-                                                           "that `dynwitness bench` wrote"));
+  BOOST_TEST(contains(read(path / "err"), other.string() +
+                                              ": there is no field 'measured'; expected a file "
+                                              "that `dynwitness bench` wrote"));
   BOOST_TEST(!fs::exists(path / "report"));
 }
 

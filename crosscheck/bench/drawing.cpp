@@ -14,7 +14,8 @@ namespace {
 constexpr double kNanoseconds = 1e9;  // in a second
 
 bool isTimed(const Measurement& m) {
-  return m.unit == "ns" && std::find(std::begin(kTimed), std::end(kTimed), m.what) != std::end(kTimed);
+  return m.unit == "ns" &&
+         std::find(std::begin(kTimed), std::end(kTimed), m.what) != std::end(kTimed);
 }
 
 /// Scenes that were timed, in the order in which they were measured.
@@ -69,7 +70,8 @@ const char* words(const std::string& formula) {
 
 std::string benchCsv(const BenchResult& result) {
   std::string text = fmt::format(
-      "# time of one evaluation, cosines and sines included; {} seeded states cycled (seed {}), fastest of {}\n"
+      "# time of one evaluation, cosines and sines included; {} seeded states cycled (seed {}), "
+      "fastest of {}\n"
       "# goal_ns: what the goal grants, as a share of MuJoCo's time\n# machine: {}\n",
       result.states, result.seed, result.repetitions, oneLine(result.environment.cpu));
   for (const Contender& c : result.contenders)
@@ -80,8 +82,8 @@ std::string benchCsv(const BenchResult& result) {
   };
   for (const Measurement& m : result.measured) {
     if (!isTimed(m)) continue;
-    text += fmt::format("{},{},{},{:.5g},{},{},{}\n", oneLine(m.subject), m.what, oneLine(m.by), m.value,
-                        number(result.timesFaster(kRawMujoco, m.what, m.subject, m.by)),
+    text += fmt::format("{},{},{},{:.5g},{},{},{}\n", oneLine(m.subject), m.what, oneLine(m.by),
+                        m.value, number(result.timesFaster(kRawMujoco, m.what, m.subject, m.by)),
                         number(result.timesFaster(kRawSimbody, m.what, m.subject, m.by)),
                         number(granted(result, m)));
   }
@@ -94,20 +96,24 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
   if (scenes.empty() || contenders.empty()) return {};
   const double lines = static_cast<double>(contenders.size());
   // in pixels: a head, for each scene a title, its lines and an axis, and a foot
-  const double head = 46, line = 20, around = 92, foot = 24;
-  const double panel = line * lines, height = head + foot + (panel + around) * static_cast<double>(scenes.size());
+  const double head = 46, line = 20, around = 104, foot = 24;
+  const double panel = line * lines,
+               height = head + foot + (panel + around) * static_cast<double>(scenes.size());
   std::string text = fmt::format(
       "# Speed of our sweeps and kernels beside the engines. Draw again with:  gnuplot bench.gp\n"
       "do for [dark = 0:1] {{\nload '{}'\n"
       "set terminal svg size 1000,{:.0f} noenhanced\n"
       "set output dark ? 'bench_dark.svg' : 'bench.svg'\nset multiplot\n"
-      "set label 1 'Time of one evaluation: further left is better' at screen 0.5, screen {:.4f} center "
+      "set label 1 'Time of one evaluation: further left is better' at screen 0.5, screen {:.4f} "
+      "center "
       "textcolor rgb ink font ',15'\n"
       "set label 2 {} at screen 0.5, screen {:.4f} center textcolor rgb soft font ',11'\n"
-      "set logscale x\nset format x '%.0s %cs'\nset xlabel 'time a state'\nset yrange [{}:0.3]\nunset key\n",
+      "set logscale x\nset format x '%.0s %cs'\nset xlabel 'time a state'\nset yrange "
+      "[{}:0.3]\nunset key\n",
       style, height, 1 - 20 / height,
-      gnuplotString(fmt::format("numbers: how many times faster than MuJoCo; bars: what the goals grant; {}",
-                                oneLine(result.environment.cpu))),
+      gnuplotString(
+          fmt::format("numbers: how many times faster than MuJoCo; bars: what the goals grant; {}",
+                      oneLine(result.environment.cpu))),
       10 / height, lines + 0.7);
   std::string names;
   for (std::size_t i = 0; i < contenders.size(); ++i)
@@ -120,8 +126,9 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
       most = std::max(most, m.value);
     }
     const double top = 1 - (head + 34 + (panel + around) * static_cast<double>(s)) / height;
-    text += fmt::format("set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset xrange [{:.3g}:{:.3g}]\n",
-                        top, top - panel / height, least / 2 / kNanoseconds, most * 8 / kNanoseconds);
+    text += fmt::format(
+        "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset xrange [{:.3g}:{:.3g}]\n",
+        top, top - panel / height, least / 2 / kNanoseconds, most * 8 / kNanoseconds);
     int column = 0;
     for (const char* formula : kTimed) {
       const auto measured = [&](const Contender& c) {
@@ -144,15 +151,18 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
       for (std::size_t i = 0; i < contenders.size(); ++i) {
         if (!measured(contenders[i])) continue;
         const std::string chosen =
-            fmt::format("strcol(1) eq {} && strcol(2) eq '{}' && strcol(3) eq {}", gnuplotString(scenes[s]),
-                        formula, gnuplotString(contenders[i].name));
+            fmt::format("strcol(1) eq {} && strcol(2) eq '{}' && strcol(3) eq {}",
+                        gnuplotString(scenes[s]), formula, gnuplotString(contenders[i].name));
         // of the CSV: 4 time, 5 times MuJoCo, 7 what the goal grants [ns]
         text += fmt::format(
-            "{0}'bench.csv' using ({1} && strlen(strcol(7)) ? $7 / {2:g} : NaN):({3} - 0.38):(0):(0.76) "
+            "{0}'bench.csv' using ({1} && strlen(strcol(7)) ? $7 / {2:g} : NaN):({3} - "
+            "0.38):(0):(0.76) "
             "with vectors nohead linetype 20 dashtype 1 linewidth 2 notitle, \\\n     "
-            "'bench.csv' using ({1} ? $4 / {2:g} : NaN):({3}) with points linetype {4} notitle, \\\n     "
+            "'bench.csv' using ({1} ? $4 / {2:g} : NaN):({3}) with points linetype {4} notitle, "
+            "\\\n     "
             "'bench.csv' using ({1} && strlen(strcol(5)) ? {5:g} : NaN):({3}):"
-            "(sprintf($5 < 10 ? '%.1f' : '%.0f', $5)) with labels right font ',11' "
+            "(sprintf($5 < 1 ? '%.2g' : $5 < 10 ? '%.1f' : '%.0f', $5)) with labels right font "
+            "',11' "
             "textcolor rgb ink notitle",
             first ? "" : ", \\\n     ", chosen, kNanoseconds, i + 1, lineType(contenders[i].name),
             most * 7 / kNanoseconds);

@@ -22,7 +22,9 @@ using Json = nlohmann::ordered_json;
 constexpr const char *kAtLeast = "at least", *kAtMost = "at most";
 
 /// Four digits: ratios of times have no more.
-double rounded(double x) { return std::strtod(fmt::format("{:.4g}", x).c_str(), nullptr); }
+double rounded(double x) {
+  return std::strtod(fmt::format("{:.4g}", x).c_str(), nullptr);
+}
 
 /// A place in the file, as "/measured/3/value", and what is wrong there.
 struct Misfit : std::runtime_error {
@@ -126,9 +128,14 @@ BenchResult resultOf(const Json& json) {
     const Fields fields(entry, place);
     const std::string sense = fields.text("sense");
     if (sense != kAtLeast && sense != kAtMost)
-      throw Misfit(fields.at("sense"), fmt::format("read '{}', allowed are '{}' and '{}'", sense, kAtLeast, kAtMost));
-    Goal goal{static_cast<int>(fields.count("goal")), fields.text("what"), fields.text("subject"),
-              fields.text("by"), fields.text("unit"), fields.number("wanted"),
+      throw Misfit(fields.at("sense"),
+                   fmt::format("read '{}', allowed are '{}' and '{}'", sense, kAtLeast, kAtMost));
+    Goal goal{static_cast<int>(fields.count("goal")),
+              fields.text("what"),
+              fields.text("subject"),
+              fields.text("by"),
+              fields.text("unit"),
+              fields.number("wanted"),
               sense == kAtLeast};
     if (!(goal.wanted > 0)) throw Misfit(fields.at("wanted"), "expected a number above 0");
     result.goals.push_back(goal);
@@ -151,10 +158,13 @@ void requireConsistent(const Json& read, const BenchResult& result) {
   const std::string place = first.at("path"), operation = first.at("op");
   if (operation == "remove") throw Misfit(place, "no such field is expected");
   const std::string expected = Fields::shown(Json::parse(first.at("value").dump()));
-  if (operation == "add") throw Misfit(place, "is not there; by the measurements it is " + expected);
-  throw Misfit(place, fmt::format("read {}, by the measurements it is {}",
-                                  Fields::shown(Json::parse(said.at(nlohmann::json::json_pointer(place)).dump())),
-                                  expected));
+  if (operation == "add")
+    throw Misfit(place, "is not there; by the measurements it is " + expected);
+  throw Misfit(
+      place,
+      fmt::format("read {}, by the measurements it is {}",
+                  Fields::shown(Json::parse(said.at(nlohmann::json::json_pointer(place)).dump())),
+                  expected));
 }
 
 }  // namespace
@@ -167,7 +177,8 @@ std::optional<double> BenchResult::value(const std::string& what, const std::str
 }
 
 std::optional<double> BenchResult::timesFaster(const std::string& engine, const std::string& what,
-                                               const std::string& subject, const std::string& by) const {
+                                               const std::string& subject,
+                                               const std::string& by) const {
   const auto its = value(what, subject, engine, "ns"), ours = value(what, subject, by, "ns");
   if (!its || !ours) return std::nullopt;
   return *its / *ours;
@@ -193,7 +204,8 @@ GoalVerdict judge(const BenchResult& result, const Goal& goal) {
   }
   if (!verdict.measured) return verdict;
   // how much it costs, in units of what the goal grants
-  const double cost = goal.at_least ? goal.wanted / *verdict.measured : *verdict.measured / goal.wanted;
+  const double cost =
+      goal.at_least ? goal.wanted / *verdict.measured : *verdict.measured / goal.wanted;
   verdict.is_reached = cost <= 1;
   if (!verdict.is_reached) verdict.missed_by = 100 * (cost - 1);
   return verdict;
@@ -213,8 +225,11 @@ std::string benchJson(const BenchResult& result) {
         {{"name", cleanText(c.name)}, {"label", cleanText(c.label)}, {"ours", c.is_ours}});
   json["measured"] = Json::array();
   for (const Measurement& m : result.measured) {
-    Json entry{{"what", cleanText(m.what)}, {"subject", cleanText(m.subject)}, {"by", cleanText(m.by)},
-               {"unit", cleanText(m.unit)}, {"value", m.value}};
+    Json entry{{"what", cleanText(m.what)},
+               {"subject", cleanText(m.subject)},
+               {"by", cleanText(m.by)},
+               {"unit", cleanText(m.unit)},
+               {"value", m.value}};
     if (m.unit == "ns") {
       if (const auto times = result.timesFaster(kRawMujoco, m.what, m.subject, m.by))
         entry["times_mujoco"] = rounded(*times);
@@ -226,13 +241,18 @@ std::string benchJson(const BenchResult& result) {
   json["goals"] = Json::array();
   for (const Goal& goal : result.goals) {
     const GoalVerdict verdict = judge(result, goal);
-    Json entry{{"goal", goal.number}, {"what", cleanText(goal.what)}, {"subject", cleanText(goal.subject)},
-               {"by", cleanText(goal.by)}, {"sense", goal.at_least ? kAtLeast : kAtMost},
-               {"wanted", goal.wanted}, {"unit", cleanText(goal.unit)}};
+    Json entry{{"goal", goal.number},
+               {"what", cleanText(goal.what)},
+               {"subject", cleanText(goal.subject)},
+               {"by", cleanText(goal.by)},
+               {"sense", goal.at_least ? kAtLeast : kAtMost},
+               {"wanted", goal.wanted},
+               {"unit", cleanText(goal.unit)}};
     if (verdict.measured) entry["measured"] = rounded(*verdict.measured);
     if (verdict.times_simbody) entry["times_simbody"] = rounded(*verdict.times_simbody);
     entry["verdict"] = verdict.word();
-    if (verdict.measured && !verdict.is_reached) entry["missed_by_percent"] = rounded(verdict.missed_by);
+    if (verdict.measured && !verdict.is_reached)
+      entry["missed_by_percent"] = rounded(verdict.missed_by);
     json["goals"].push_back(entry);
   }
   if (!result.left_out.empty()) {
@@ -245,15 +265,18 @@ std::string benchJson(const BenchResult& result) {
 BenchResult readBench(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream || std::filesystem::is_directory(file))
-    throw scene::InputError({file.string()}, "cannot be read; expected a file that `dynwitness bench` wrote");
-  const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    throw scene::InputError({file.string()},
+                            "cannot be read; expected a file that `dynwitness bench` wrote");
+  const std::string text((std::istreambuf_iterator<char>(stream)),
+                         std::istreambuf_iterator<char>());
   Json json;
   try {
     json = Json::parse(text);
   } catch (const Json::parse_error& error) {
     const auto end = text.begin() + std::min(error.byte, text.size());
-    throw scene::InputError({file.string(), 1 + static_cast<int>(std::count(text.begin(), end, '\n'))},
-                            "is not JSON; expected a file that `dynwitness bench` wrote");
+    throw scene::InputError(
+        {file.string(), 1 + static_cast<int>(std::count(text.begin(), end, '\n'))},
+        "is not JSON; expected a file that `dynwitness bench` wrote");
   }
   try {
     const BenchResult result = resultOf(json);

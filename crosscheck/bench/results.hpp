@@ -52,8 +52,8 @@ struct BenchResult {
   std::vector<std::string> left_out;  ///< what could not be measured here, and why
 
   /// A time of kTimed that was measured [ns], or another number.
-  std::optional<double> value(const std::string& what, const std::string& subject, const std::string& by,
-                              const std::string& unit) const;
+  std::optional<double> value(const std::string& what, const std::string& subject,
+                              const std::string& by, const std::string& unit) const;
   /// How many times faster than an engine, of a time of kTimed; nothing when either is missing.
   std::optional<double> timesFaster(const std::string& engine, const std::string& what,
                                     const std::string& subject, const std::string& by) const;
@@ -64,7 +64,8 @@ struct GoalVerdict {
   std::optional<double> measured;  ///< in the goal's unit; nothing: it was not
   std::optional<double> times_simbody;
   bool is_reached = false;
-  /// How much more time (or memory, or operations) it takes than the goal grants [%]; 0 when reached.
+  /// How much more time (or memory, or operations) it takes than the goal grants [%]; 0 when
+  /// reached.
   double missed_by = 0;
 
   /// "reached", "missed", "not measured"

@@ -11,14 +11,22 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-std::string esc(const std::string& text) { return escapeMarkup(text); }
+std::string esc(const std::string& text) {
+  return escapeMarkup(text);
+}
 
-/// Digits that can be read at a glance: "8.3", "142", "0.324".
-std::string figure(double x) { return x < 1 ? fmt::format("{:.2g}", x) : fmt::format("{:.{}f}", x, x < 100 ? 1 : 0); }
-std::string figure(const std::optional<double>& x) { return x ? figure(*x) : "-"; }
+/// Digits that can be read at a glance: "0.32", "8.30", "14.2", "142".
+std::string figure(double x) {
+  if (x < 1) return fmt::format("{:.2g}", x);
+  return fmt::format("{:.{}f}", x, x < 10 ? 2 : x < 100 ? 1 : 0);
+}
+std::string figure(const std::optional<double>& x) {
+  return x ? figure(*x) : "-";
+}
 
 bool isTime(const Measurement& m) {
-  return m.unit == "ns" && std::find(std::begin(kTimed), std::end(kTimed), m.what) != std::end(kTimed);
+  return m.unit == "ns" &&
+         std::find(std::begin(kTimed), std::end(kTimed), m.what) != std::end(kTimed);
 }
 
 /// One contender at one scene: a cell a formula.
@@ -36,9 +44,9 @@ struct SceneTable {
 std::vector<SceneTable> sceneTables(const BenchResult& result) {
   std::vector<SceneTable> tables;
   for (const Measurement& m : result.measured) {
-    const bool is_new = isTime(m) && std::none_of(tables.begin(), tables.end(), [&](const SceneTable& t) {
-                          return t.scene == m.subject;
-                        });
+    const bool is_new =
+        isTime(m) && std::none_of(tables.begin(), tables.end(),
+                                  [&](const SceneTable& t) { return t.scene == m.subject; });
     if (!is_new) continue;
     tables.push_back({m.subject, {}});
     for (const Contender& contender : result.contenders) {
@@ -80,11 +88,13 @@ std::string goalsSentence(const BenchResult& result) {
   return text;
 }
 
-std::string how(const BenchResult& result) {
+std::string how(const BenchResult& result, const char* line_end) {
   return fmt::format(
-      "nanoseconds a state, cosines and sines included: fastest of {} repetitions in random order, {} states "
-      "cycled. x MuJoCo, x Simbody: how many times faster than these engines, called as their users call them",
-      result.repetitions, result.states);
+      "Nanoseconds a state, cosines and sines included: fastest of {0} repetitions in random "
+      "order, {1} states{2}"
+      "cycled. × MuJoCo, × Simbody: how many times faster than these engines, called as their "
+      "users call them",
+      result.repetitions, result.states, line_end);
 }
 
 }  // namespace
@@ -92,14 +102,16 @@ std::string how(const BenchResult& result) {
 std::string benchText(const BenchResult& result) {
   std::string text;
   for (const SceneTable& table : sceneTables(result)) {
-    text += fmt::format("\n{}: {}.\n\n{:<34}", table.scene, how(result), "");
+    if (text.empty()) text = fmt::format("\n{}.\n", how(result, "\n"));
+    text += fmt::format("\n{:<34}", table.scene);
     for (const char* formula : kTimed)
-      text += fmt::format(" {:>8} {:>6} {:>6}", formula, "xMuJ.", "xSimb.");
+      text += fmt::format(" {:>8} {:>6} {:>6}", std::string(formula) + " [ns]", "xMuJ.", "xSimb.");
     text += "\n";
     for (const Row& row : table.rows) {
       text += fmt::format("{:<34}", row.label);
       for (const Row::Cell& cell : row.cells)
-        text += fmt::format(" {:>8} {:>6} {:>6}", figure(cell.ns), figure(cell.mujoco), figure(cell.simbody));
+        text += fmt::format(" {:>8} {:>6} {:>6}", figure(cell.ns), figure(cell.mujoco),
+                            figure(cell.simbody));
       text += "\n";
     }
   }
@@ -109,14 +121,17 @@ std::string benchText(const BenchResult& result) {
     if (first) text += fmt::format("\n{:<54} {:>14}\n", "other numbers", "");
     first = false;
     text += fmt::format("{:<54} {:>14.4g} {}\n",
-                        fmt::format("{}, {}: {}", m.subject, m.what, result.label(m.by)), m.value, m.unit);
+                        fmt::format("{}, {}: {}", m.subject, m.what, result.label(m.by)), m.value,
+                        m.unit);
   }
   if (!result.goals.empty())
-    text += fmt::format("\n{:<57} {:>26} {:>10} {:>9}\n", "goal", "wanted", "measured", "x Simbody");
+    text +=
+        fmt::format("\n{:<57} {:>26} {:>10} {:>9}\n", "goal", "wanted", "measured", "x Simbody");
   for (const Goal& goal : result.goals) {
     const GoalVerdict verdict = judge(result, goal);
-    text += fmt::format("{} {:<55} {:>26} {:>10} {:>9}  {}\n", goal.number, goalName(result, goal), wanted(goal),
-                        figure(verdict.measured), figure(verdict.times_simbody), verdictWords(verdict));
+    text += fmt::format("{} {:<55} {:>26} {:>10} {:>9}  {}\n", goal.number, goalName(result, goal),
+                        wanted(goal), figure(verdict.measured), figure(verdict.times_simbody),
+                        verdictWords(verdict));
   }
   text += "\n" + goalsSentence(result) + "\n";
   for (const std::string& reason : result.left_out) text += "left out: " + reason + "\n";
@@ -127,51 +142,65 @@ std::string benchSection(const BenchResult& result, const BenchFiles& files) {
   const Environment& where = result.environment;
   std::string page = fmt::format(
       "<section aria-labelledby=\"speed\">\n<h2 id=\"speed\">Speed</h2>\n<p>{}.</p>\n"
-      "<p>Measured by <code>dynwitness bench</code> on {}, {}, with {}: {}. Nothing of the verdict above "
-      "depends on it.</p>\n<figure class=\"charts\">\n",
-      esc(goalsSentence(result)), esc(where.cpu), esc(where.date), esc(where.compiler), esc(how(result)));
+      "<p>Measured by <code>dynwitness bench</code> on {}, {}. Nothing of the verdict above "
+      "depends on it. {}.</p>\n"
+      "<figure class=\"charts\">\n",
+      esc(goalsSentence(result)), esc(where.cpu), esc(where.date), esc(how(result, " ")));
   if (!files.light.empty())
     page += fmt::format(
         "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Charts of speed\">\n"
         "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
-        "<img src=\"{}\" width=\"1000\" alt=\"Time of one evaluation of each contender, a panel a scene and "
+        "<img src=\"{}\" width=\"1000\" alt=\"Time of one evaluation of each contender, a panel a "
+        "scene and "
         "formula. The numbers are in the table below.\"></picture>\n</div>\n",
         files.dark, files.light);
   else
     page += fmt::format("<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
                         esc(files.no_plot_reason));
-  page += fmt::format("<figcaption>Time of one evaluation [s]; further left is better. Data: "
-                      "<a href=\"{}\">all contenders</a>", files.csv);
-  if (!files.script.empty()) page += fmt::format("; <a href=\"{}\">gnuplot script</a>", files.script);
+  page += fmt::format(
+      "<figcaption>Time of one evaluation [s]; further left is better. Data: "
+      "<a href=\"{}\">all contenders</a>",
+      files.csv);
+  if (!files.script.empty())
+    page += fmt::format("; <a href=\"{}\">gnuplot script</a>", files.script);
   page += ".</figcaption>\n</figure>\n";
 
   const auto open = [&](const char* label, const std::string& caption) {
-    page += fmt::format("<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table>\n"
-                        "<caption><span>{}</span></caption>\n",
-                        label, esc(caption));
+    page += fmt::format(
+        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table>\n"
+        "<caption><span>{}</span></caption>\n",
+        label, esc(caption));
   };
-  open("Table of goals", "Goals, and by how much those are missed that are: so much more it takes than granted.");
-  page += "<thead><tr><th scope=\"col\" class=\"n\">Goal</th><th scope=\"col\">What</th><th scope=\"col\">Who</th>"
-          "<th scope=\"col\" class=\"n\">Wanted</th><th scope=\"col\" class=\"n\">Measured</th>"
-          "<th scope=\"col\" class=\"n\">Times Simbody</th><th scope=\"col\">Verdict</th></tr></thead>\n<tbody>\n";
+  open("Table of goals",
+       "Goals, and by how much those are missed that are: so much more it takes than granted.");
+  page +=
+      "<thead><tr><th scope=\"col\" class=\"n\">Goal</th><th scope=\"col\">What</th><th "
+      "scope=\"col\">Who</th>"
+      "<th scope=\"col\" class=\"n\">Wanted</th><th scope=\"col\" class=\"n\">Measured</th>"
+      "<th scope=\"col\" class=\"n\">Times Simbody</th><th "
+      "scope=\"col\">Verdict</th></tr></thead>\n<tbody>\n";
   for (const Goal& goal : result.goals) {
     const GoalVerdict verdict = judge(result, goal);
     const char* css = !verdict.measured ? "none" : verdict.is_reached ? "agree" : "disagree";
-    page += fmt::format("<tr><td class=\"n\">{}</td><th scope=\"row\">{} <span class=\"soft\">of</span> {}</th>"
-                        "<td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
-                        "<td>{}</td></tr>\n",
-                        goal.number, esc(goal.what), esc(goal.subject), esc(result.label(goal.by)),
-                        esc(wanted(goal)), figure(verdict.measured), figure(verdict.times_simbody),
-                        badge(css, verdictWords(verdict)));
+    page += fmt::format(
+        "<tr><td class=\"n\">{}</td><th scope=\"row\">{} <span class=\"soft\">of</span> {}</th>"
+        "<td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
+        "<td>{}</td></tr>\n",
+        goal.number, esc(goal.what), esc(goal.subject), esc(result.label(goal.by)),
+        esc(wanted(goal)), figure(verdict.measured), figure(verdict.times_simbody),
+        badge(css, verdictWords(verdict)));
   }
   page += "</tbody>\n</table>\n</div>\n";
 
   for (const SceneTable& table : sceneTables(result)) {
-    open("Table of times", table.scene + ": nanoseconds a state, and how many times faster than MuJoCo and Simbody.");
+    open("Table of times",
+         table.scene + ": nanoseconds a state, and how many times faster than MuJoCo and Simbody.");
     page += "<thead><tr><th scope=\"col\">Contender</th>";
     for (const char* formula : kTimed)
-      page += fmt::format("<th scope=\"col\" class=\"n\">{} [ns]</th><th scope=\"col\" class=\"n\">× MuJoCo</th>"
-                          "<th scope=\"col\" class=\"n\">× Simbody</th>", formula);
+      page += fmt::format(
+          "<th scope=\"col\" class=\"n\">{} [ns]</th><th scope=\"col\" class=\"n\">× MuJoCo</th>"
+          "<th scope=\"col\" class=\"n\">× Simbody</th>",
+          formula);
     page += "</tr></thead>\n<tbody>\n";
     for (const Row& row : table.rows) {
       page += fmt::format("<tr><th scope=\"row\">{}</th>", esc(row.label));
@@ -184,13 +213,16 @@ std::string benchSection(const BenchResult& result, const BenchFiles& files) {
   }
 
   open("Table of other numbers", "What else was measured.");
-  page += "<thead><tr><th scope=\"col\">What</th><th scope=\"col\">Who</th><th scope=\"col\" class=\"n\">Value</th>"
-          "<th scope=\"col\">Unit</th></tr></thead>\n<tbody>\n";
+  page +=
+      "<thead><tr><th scope=\"col\">What</th><th scope=\"col\">Who</th><th scope=\"col\" "
+      "class=\"n\">Value</th>"
+      "<th scope=\"col\">Unit</th></tr></thead>\n<tbody>\n";
   for (const Measurement& m : result.measured)
     if (!isTime(m))
-      page += fmt::format("<tr><th scope=\"row\">{} <span class=\"soft\">of</span> {}</th><td>{}</td>"
-                          "<td class=\"n\">{:.4g}</td><td>{}</td></tr>\n",
-                          esc(m.what), esc(m.subject), esc(result.label(m.by)), m.value, esc(m.unit));
+      page += fmt::format(
+          "<tr><th scope=\"row\">{} <span class=\"soft\">of</span> {}</th><td>{}</td>"
+          "<td class=\"n\">{:.4g}</td><td>{}</td></tr>\n",
+          esc(m.what), esc(m.subject), esc(result.label(m.by)), m.value, esc(m.unit));
   page += "</tbody>\n</table>\n</div>\n";
   if (!result.left_out.empty()) {
     page += "<p class=\"soft\">Left out:</p>\n<ul class=\"reasons\">\n";
@@ -199,11 +231,15 @@ std::string benchSection(const BenchResult& result, const BenchFiles& files) {
   }
   std::string libraries;
   for (const Environment::Library& library : where.libraries)
-    libraries += fmt::format("{}{} {}", libraries.empty() ? "" : ", ", library.name, library.version);
-  return page + fmt::format("<p class=\"soft small\">dynwitness {}{}; {} processors, load {:.1f} before; {}; {}</p>\n"
-                            "</section>\n",
-                            esc(where.version), where.commit.empty() ? "" : ", commit " + esc(where.commit),
-                            result.processors, result.load, esc(where.flags), esc(libraries));
+    libraries +=
+        fmt::format("{}{} {}", libraries.empty() ? "" : ", ", library.name, library.version);
+  return page + fmt::format(
+                    "<p class=\"soft small\">dynwitness {}{}; {} processors, load {:.1f} before; "
+                    "{} {}; {}</p>\n"
+                    "</section>\n",
+                    esc(where.version), where.commit.empty() ? "" : ", commit " + esc(where.commit),
+                    result.processors, result.load, esc(where.compiler), esc(where.flags),
+                    esc(libraries));
 }
 
 }  // namespace dynwitness::crosscheck
