@@ -205,11 +205,12 @@ int run(int argc, char** argv) {
   benchmark::RunSpecifiedBenchmarks(&collector);
   if (only_lists) return 0;
   std::error_code elsewhere;
-  fs::rename(unfinished, raw, elsewhere);
   if (result.measured.empty()) {
+    fs::remove(unfinished, elsewhere);
     fmt::print(stderr, "dynwitness: nothing was measured\n");
     return collector.failed() ? 3 : 2;
   }
+  fs::rename(unfinished, raw, elsewhere);
   sort(&result);
   fmt::print("{}", benchText(result));
   write(result, output);
