@@ -170,7 +170,8 @@ void kernelOne(benchmark::State& run, const std::string& scene, Formula formula,
     benchmark::DoNotOptimize(out.data());
     benchmark::ClobberMemory();
   }
-  run.counters["operations"] = kernel.road(formula).operations();
+  if (!*compiler.suffix)  // the program is the same whoever compiles it
+    run.counters["operations"] = kernel.road(formula).operations();
 }
 
 /// All states in one call, component by component. In several threads each has its own states.
@@ -349,7 +350,8 @@ void registerSweeps(BenchResult* result) {
     addContender(result, contender);
     for (const char* scene : kScenes) {
       try {
-        const std::unique_ptr<Witness> witness = kind.make(scene::findScene(scene));
+        const std::unique_ptr<Witness> witness = kind.make(statesOf(scene).scene);
+        witness->value(Quantity::kTau, statesOf(scene).states[0]);  // whether it takes the scene at all
         for (const Formula formula : kFormulas)
           if (witness->answers(quantityOf(formula)))
             benchmark::RegisterBenchmark(
