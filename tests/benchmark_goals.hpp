@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What dynwitness wants to reach. Growth with the number of links has a command of its own
-// (`dynwitness growth`), and so have the operations that kernels take (`dynwitness derive
-// --operations`).
+// (`dynwitness growth`).
 #pragma once
 
 #include <vector>
 
+#include "counted_arms.hpp"
 #include "crosscheck/bench/results.hpp"
 
 namespace dynwitness::benchmarks {
@@ -28,6 +28,13 @@ inline std::vector<crosscheck::Goal> goals() {
   // from the scene in memory to three functions that can be called, nothing in the cache
   all.push_back({2, "making", "franka_panda", "kernel", "s", 2, false});
   all.push_back({2, "making", "franka_panda", "kernel_second", "s", 2, false});
+  for (const counted::Fewest& fewest : counted::fewest())
+    for (const auto& [unit, number] : {std::pair("multiplications", fewest.multiplications),
+                                       {"additions", fewest.additions},
+                                       {"operations", fewest.in_all}})
+      if (number > 0)
+        all.push_back({2, std::string("count of ") + crosscheck::kernel::name(fewest.formula),
+                       fewest.arm, "program", unit, static_cast<double>(number), false});
   faster(3, "franka_panda", "kernel_lanes", 50, 0, 25);
   for (const auto& [scene, ms] : {std::pair("franka_panda", 20.0), {"chain_50", 500.0}}) {
     all.push_back({5, "derivation", scene, "lagrange", "ms", ms, false});

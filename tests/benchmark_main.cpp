@@ -33,8 +33,9 @@ constexpr const char* kUsage =
 
 Times inverse dynamics (ID), the mass matrix (M) and forward dynamics (FD) of an arm and a humanoid by
 our sweeps and kernels, made by two compilers, beside the engines, all in one run on the same states;
-the derivation, with SymPy's beside it; making a kernel; a whole crosscheck. Prints ratios to MuJoCo and
-to Simbody, and for every goal whether it is reached or by how much it is missed. Takes some minutes.
+the derivation, with SymPy's beside it; making a kernel; a whole crosscheck. Counts operations of
+kernels. Prints ratios to MuJoCo and to Simbody, and for every goal whether it is reached or by how much
+it is missed. Takes some minutes.
 
 Repetitions come in random order, so that a busy moment of the machine does not hit one contender
 alone, and the fastest counts.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How long a user waits who has nothing yet: for a scene's kernel, and for the first crosscheck.
+// How long a user waits who has nothing yet: for a scene's kernel, and for the first crosscheck;
+// and how many operations a kernel takes.
 #include "benchmark_parts.hpp"
 
 #include <sys/wait.h>
@@ -12,7 +13,10 @@
 #include <fstream>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "benchmark_kernels.hpp"
+#include "counted_arms.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::benchmarks {
@@ -58,6 +62,18 @@ void makeKernel(benchmark::State& run, const std::string& name, const KernelComp
   }
 }
 
+/// How many operations the smallest program takes, and how long it is looked for.
+void countOperations(benchmark::State& run, const counted::Fewest& fewest) {
+  const scene::Scene scene = fewest.make();
+  for (auto _ : run) {
+    const symbolic::Program program = kernel::smallestRoad(scene.mechanism, fewest.formula).program;
+    const symbolic::Program::Operations o = program.bodyOperations();
+    run.counters["multiplications"] = o.multiplications;
+    run.counters["additions"] = o.additions;
+    run.counters["operations"] = o.multiplications + o.additions;
+  }
+}
+
 /// The program from its start to its end, the report written.
 void crosscheckOf(benchmark::State& run, const char* scene) {
   const TemporaryFolder folder;
@@ -91,6 +107,14 @@ void registerStarts(BenchResult* result) {
         ->UseManualTime()
         ->Iterations(1)
         ->Repetitions(3);
+  addContender(result, {"program", "the smallest program", true});
+  for (const counted::Fewest& fewest : counted::fewest())
+    benchmark::RegisterBenchmark(
+        fmt::format("{}/count of {}/program", fewest.arm, kernel::name(fewest.formula)).c_str(),
+        [=](benchmark::State& run) { countOperations(run, fewest); })
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(1)
+        ->Repetitions(1);
   addContender(result, {"dynwitness", "dynwitness, the whole process", true});
   benchmark::RegisterBenchmark("double pendulum/crosscheck/dynwitness",
                                [](benchmark::State& run) { crosscheckOf(run, "double pendulum"); })

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The same tables for a terminal and for the report.
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -18,6 +19,7 @@ std::string esc(const std::string& text) {
 /// Digits that can be read at a glance: "0.32", "8.30", "14.2", "142".
 std::string figure(double x) {
   if (x < 1) return fmt::format("{:.2g}", x);
+  if (x >= 10 && x == std::floor(x)) return fmt::format("{:.0f}", x);
   return fmt::format("{:.{}f}", x, x < 10 ? 2 : x < 100 ? 1 : 0);
 }
 std::string figure(const std::optional<double>& x) {
@@ -62,6 +64,27 @@ std::vector<SceneTable> sceneTables(const BenchResult& result) {
     }
   }
   return tables;
+}
+
+/// What else was measured, a line a contender: "5.44 ms, 2.48 MB, 1141 operations".
+struct OtherNumbers {
+  std::string what, subject, label, values;
+};
+std::vector<OtherNumbers> otherNumbers(const BenchResult& result) {
+  std::vector<OtherNumbers> lines;
+  for (const Measurement& m : result.measured) {
+    if (isTime(m)) continue;
+    const std::string label = result.label(m.by),
+                      value = fmt::format("{} {}", figure(m.value), m.unit);
+    const auto found = std::find_if(lines.begin(), lines.end(), [&](const OtherNumbers& o) {
+      return o.what == m.what && o.subject == m.subject && o.label == label;
+    });
+    if (found == lines.end())
+      lines.push_back({m.what, m.subject, label, value});
+    else
+      found->values += ", " + value;
+  }
+  return lines;
 }
 
 std::string goalName(const BenchResult& result, const Goal& goal) {
@@ -115,15 +138,11 @@ std::string benchText(const BenchResult& result) {
       text += "\n";
     }
   }
-  bool first = true;
-  for (const Measurement& m : result.measured) {
-    if (isTime(m)) continue;
-    if (first) text += fmt::format("\n{:<54} {:>14}\n", "other numbers", "");
-    first = false;
-    text += fmt::format("{:<54} {:>14.4g} {}\n",
-                        fmt::format("{}, {}: {}", m.subject, m.what, result.label(m.by)), m.value,
-                        m.unit);
-  }
+  const std::vector<OtherNumbers> others = otherNumbers(result);
+  if (!others.empty()) text += "\nother numbers\n";
+  for (const OtherNumbers& o : others)
+    text +=
+        fmt::format("{:<64} {}\n", fmt::format("{}, {}: {}", o.subject, o.what, o.label), o.values);
   if (!result.goals.empty())
     text +=
         fmt::format("\n{:<57} {:>26} {:>10} {:>9}\n", "goal", "wanted", "measured", "x Simbody");
@@ -214,15 +233,14 @@ std::string benchSection(const BenchResult& result, const BenchFiles& files) {
 
   open("Table of other numbers", "What else was measured.");
   page +=
-      "<thead><tr><th scope=\"col\">What</th><th scope=\"col\">Who</th><th scope=\"col\" "
-      "class=\"n\">Value</th>"
-      "<th scope=\"col\">Unit</th></tr></thead>\n<tbody>\n";
-  for (const Measurement& m : result.measured)
-    if (!isTime(m))
-      page += fmt::format(
-          "<tr><th scope=\"row\">{} <span class=\"soft\">of</span> {}</th><td>{}</td>"
-          "<td class=\"n\">{:.4g}</td><td>{}</td></tr>\n",
-          esc(m.what), esc(m.subject), esc(result.label(m.by)), m.value, esc(m.unit));
+      "<thead><tr><th scope=\"col\">What</th><th scope=\"col\">Who</th><th "
+      "scope=\"col\">Measured</th>"
+      "</tr></thead>\n<tbody>\n";
+  for (const OtherNumbers& o : otherNumbers(result))
+    page += fmt::format(
+        "<tr><th scope=\"row\">{} <span class=\"soft\">of</span> "
+        "{}</th><td>{}</td><td>{}</td></tr>\n",
+        esc(o.what), esc(o.subject), esc(o.label), esc(o.values));
   page += "</tbody>\n</table>\n</div>\n";
   if (!result.left_out.empty()) {
     page += "<p class=\"soft\">Left out:</p>\n<ul class=\"reasons\">\n";
