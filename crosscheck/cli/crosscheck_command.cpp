@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "crosscheck/archive.hpp"
-#include "crosscheck/bench/results.hpp"
 #include "crosscheck/chart/chart.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
