@@ -219,6 +219,18 @@ scene::State<double> stateForCheck(const Arm& arm) {
 
 /// A wrong model would be timed in vain, and differs in the first digits. Later ones are the
 /// crosscheck's business: MuJoCo loses some when it reads the inertias.
+void requireSame(const std::vector<double>& ours, const std::vector<double>& its, const Arm& arm,
+                 const char* engine, const char* quantity) {
+  double difference = 0, largest = 0;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    difference = std::max(difference, std::abs(ours[i] - its[i]));
+    largest = std::max(largest, std::abs(ours[i]));
+  }
+  if (!(difference < largest / 1000))
+    throw std::logic_error(fmt::format("{}: {}: another model: {} differs by {:.2g}, the largest is {:.2g}",
+                                       arm.scene.name, engine, quantity, difference, largest));
+}
+
 /// @param tau  of an engine at stateForCheck(), without rotors and springs
 void requireSameModel(const Arm& arm, const std::vector<double>& tau, const char* engine) {
   recursive::Model<double> model = arm.setup.model;
@@ -228,14 +240,7 @@ void requireSameModel(const Arm& arm, const std::vector<double>& tau, const char
   std::vector<scene::JointPosition<double>> x;
   std::vector<double> ours(s.qd.size());
   recursive::inverseDynamics(model, positions(s, x), s.qd, s.qdd, workspace, ours);
-  double difference = 0, largest = 0;
-  for (std::size_t i = 0; i < ours.size(); ++i) {
-    difference = std::max(difference, std::abs(ours[i] - tau[i]));
-    largest = std::max(largest, std::abs(ours[i]));
-  }
-  if (!(difference < largest / 1000))
-    throw std::logic_error(fmt::format("{}: {}: another model: tau differs by {:.2g} of {:.2g} N m",
-                                       arm.scene.name, engine, difference, largest));
+  requireSame(ours, tau, arm, engine, "tau");
 }
 
 #ifdef DYNWITNESS_HAS_MUJOCO
@@ -266,7 +271,10 @@ void simbodyRaw(benchmark::State& run, const std::string& scene, Formula formula
   std::vector<double> x_check;
   for (const scene::JointPosition<double>& x : check.x) x_check.push_back(x.q);
   simbody.inverseDynamics(x_check.data(), check.qd.data(), check.qdd.data());
-  requireSameModel(arm, simbody.inModelOrder(), "Simbody");
+  const std::vector<double> tau = simbody.inModelOrder();
+  requireSameModel(arm, tau, "Simbody");
+  simbody.forwardDynamics(x_check.data(), check.qd.data(), tau.data());
+  requireSame(check.qdd, simbody.inModelOrder(), arm, "Simbody", "qdd");
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
     const double *x = q[arm.index].data(), *qd = s.qd.data();
