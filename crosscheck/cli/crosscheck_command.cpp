@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/archive.hpp"
 #include "crosscheck/chart/chart.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
@@ -174,11 +173,8 @@ int run(const Arguments& arguments) {
   {
     const int count = static_cast<int>(scenes.size());
     Progress progress(count + (arguments.charts ? 2 : 1));
-    const std::vector<std::string> answers = inProcesses(
-        arguments.processes, count,
-        [&](int i) { return archived(crosscheckScene(scenes[i], kinds, arguments.options)); },
-        [&](int i) { progress.stage(scenes[i].name); });
-    for (const std::string& answer : answers) result.scenes.push_back(sceneResultOf(answer));
+    result.scenes = crosscheckScenes(scenes, kinds, arguments.options, arguments.processes,
+                                     [&](int i) { progress.stage(scenes[i].name); });
     if (arguments.charts) progress.stage("charts");  // timed alone on the machine, one by one
     for (int i = 0; i < count && arguments.charts; ++i)
       charts.push_back(speedAccuracy(scenes[i], Quantity::kTau, kinds,

@@ -27,6 +27,9 @@ struct Environment {
  */
 Environment thisEnvironment(const std::vector<Environment::Library>& more = {});
 
+/// The processor's model name; "unknown" where /proc/cpuinfo has none.
+std::string cpuModel();
+
 /// "2025-11-21T10:45:00Z" of a file's or the system's clock [s since 1970].
 std::string utcDate(long long seconds);
 
