@@ -150,39 +150,40 @@ std::string growthScript(const std::vector<GrowthPoint>& points, const std::stri
     }
     return text + "\n";
   };
-  std::string ticks;
+  std::string ticks, largest = std::to_string(most);
   constexpr const char* kPowers[] = {"1", "10", "100", "1000", "10⁴", "10⁵", "10⁶"};
   double power = 1;
   for (const char* label : kPowers) {
     ticks += fmt::format("{}'{}' {:.0f}", ticks.empty() ? "" : ", ", label, power);
+    if (most == power) largest = label;
     power *= 10;
   }
   const int fit = linksInCache(points, family, cache);
   const std::string edge =
       fit > 0 && fit < most
           ? fmt::format("set arrow 1 from {0}, graph 0 to {0}, graph 1 nohead linetype 20\n"
-                        "set label 2 '{1:.0f} MB of cache left' at {0}, graph 0.03 right offset -0.5,0 "
+                        "set label 2 '{1:.0f} MB of cache left' at {0}, graph 0.95 right offset -0.5,0 "
                         "textcolor rgb soft font ',11'\n",
                         fit, cache / (1 << 20))
           : std::string();
   const auto panel = [&](int row, int column, const char* title, const char* format) {
     return fmt::format(
         "set tmargin at screen {}\nset bmargin at screen {}\nset lmargin at screen {}\nset rmargin at screen {}\n"
-        "set title '{}' textcolor rgb soft\nset format y '{}'\n",
-        row == 0 ? 0.89 : 0.48, row == 0 ? 0.59 : 0.18, column == 0 ? 0.085 : 0.58, column == 0 ? 0.475 : 0.97,
-        title, format);
+        "set title '{}' textcolor rgb soft\nset format y '{}'\nset xlabel '{}'\n",
+        row == 0 ? 0.9 : 0.49, row == 0 ? 0.59 : 0.18, column == 0 ? 0.085 : 0.58, column == 0 ? 0.475 : 0.97,
+        title, format, row == 0 ? "" : "links");
   };
   return fmt::format(
              "# Growth of inverse and forward dynamics. Draw again with:  gnuplot {0}.gp\n"
              "do for [dark = 0:1] {{\nload '{1}'\n"
              "set terminal svg size 1000,760 noenhanced\n"
              "set output dark ? '{0}_dark.svg' : '{0}.svg'\nset multiplot\n"
-             "set label 1 '{2} of 1 to {3} links: lower is better' at screen 0.5, screen 0.97 center "
+             "set label 1 '{2} of 1 to {6} links: lower is better' at screen 0.5, screen 0.97 center "
              "textcolor rgb ink font ',15'\n"
-             "set logscale xy\nset xrange [1:{3}]\nset xtics ({4})\nset micro\nset xlabel 'links'\n"
+             "set logscale xy\nset xrange [1:{3}]\nset xtics ({4})\nset micro\nset datafile missing NaN\n"
              "set key at screen 0.5, screen 0.06 center center vertical Left reverse maxrows {5}\n",
              family, style, family == "tree" ? "Binary trees" : "Chains", most, ticks,
-             (methods.size() + 3) / 4) +
+             (methods.size() + 3) / 4, largest) +
          panel(0, 0, "Inverse dynamics: CPU time a link [s]", "%.0s %cs") + edge + plot(kIdColumn, true, true) +
          "unset label 1\nunset key\n" + panel(0, 1, "Forward dynamics: CPU time a link [s]", "%.0s %cs") +
          plot(kFdColumn, true, false) + "unset arrow 1\nunset label 2\n" +
