@@ -15,6 +15,13 @@ struct Lanes {
   void store(T* to) const {
     for (int i = 0; i < kBlock; ++i) to[i] = v[i];
   }
+  /// One by one, this many numbers apart.
+  void scatter(T* to, std::size_t apart) const {
+    for (int i = 0; i < kBlock; ++i) to[i * apart] = v[i];
+  }
+  void scatterThree(T* to, std::size_t apart) const {
+    for (int i = 0; i < 3; ++i) to[i * apart] = v[i];
+  }
   Lanes operator+(const Lanes& b) const {
     return {{v[0] + b.v[0], v[1] + b.v[1], v[2] + b.v[2], v[3] + b.v[3]}};
   }
@@ -40,6 +47,13 @@ struct TwoPairs {
     *reinterpret_cast<Memory*>(to) = low;
     *reinterpret_cast<Memory*>(to + 2) = high;
   }
+  DYNWITNESS_INLINE void scatter(double* to, std::size_t apart) const {
+    scatterThree(to, apart);
+    to[3 * apart] = high[1];
+  }
+  DYNWITNESS_INLINE void scatterThree(double* to, std::size_t apart) const {
+    to[0] = low[0], to[apart] = low[1], to[2 * apart] = high[0];
+  }
   DYNWITNESS_INLINE TwoPairs operator+(const TwoPairs& b) const { return {low + b.low, high + b.high}; }
   DYNWITNESS_INLINE TwoPairs operator-(const TwoPairs& b) const { return {low - b.low, high - b.high}; }
   DYNWITNESS_INLINE TwoPairs operator-() const { return {-low, -high}; }
@@ -56,6 +70,13 @@ struct Quad {
     return {*reinterpret_cast<const Memory*>(from)};
   }
   DYNWITNESS_INLINE void store(double* to) const { *reinterpret_cast<Memory*>(to) = v; }
+  DYNWITNESS_INLINE void scatter(double* to, std::size_t apart) const {
+    scatterThree(to, apart);
+    to[3 * apart] = v[3];
+  }
+  DYNWITNESS_INLINE void scatterThree(double* to, std::size_t apart) const {
+    to[0] = v[0], to[apart] = v[1], to[2 * apart] = v[2];
+  }
   DYNWITNESS_INLINE Quad operator+(const Quad& b) const { return {v + b.v}; }
   DYNWITNESS_INLINE Quad operator-(const Quad& b) const { return {v - b.v}; }
   DYNWITNESS_INLINE Quad operator-() const { return {-v}; }
@@ -145,14 +166,18 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
   using Columns = typename MassMatrixWorkspace<T>::Columns;
   const int n = static_cast<int>(plan.links.size());
   const std::size_t dof = plan.dof;
+  // by pointers: what is stored through them could otherwise be the vectors' own, and be read anew each time
+  const Link<T>* const links = plan.links.data();
+  const ColumnBlock* const blocks = plan.blocks.data();
   Frame* const frames = ws.frames.data();
+  Columns* const columns = ws.columns.data();
   const auto along = [](const T* e, const T* x, const T* y, const T* z) DYNWITNESS_INLINE_LAMBDA {
     return e[0] * Pack::load(x) + e[1] * Pack::load(y) + e[2] * Pack::load(z);
   };
 
   // outward: the links' axes
   for (int i = 0; i < n; ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<T>& link = links[i];
     const Frame& parent = frames[link.parent];
     Frame& frame = frames[i + 1];
     withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
@@ -173,44 +198,38 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
   }
 
   if (!plan.is_chain) std::fill(M, M + dof * dof, T(0));  // branches do not feel each other
-  // one row for the columns of a block, up to the end of the branch; columns before the joint's own
-  // are written again when their turn comes
-  const auto write = [&](int d, int b, int end, const Pack& row) DYNWITNESS_INLINE_LAMBDA {
-    const ColumnBlock& block = plan.blocks[b];
-    T* const across = M + d * dof;
-    T values[kBlock];
-    row.store(values);
-    const int lanes = std::min(block.count, end - b * kBlock);
-    if (block.first_dof < 0) {
-      for (int k = 0; k < lanes; ++k) {
-        const std::size_t to = plan.dof_of_column[b * kBlock + k];
-        across[to] = M[to * dof + d] = values[k];
-      }
+  // one row for the columns of a block; in a full one, columns before the joint's own are written again
+  // when their turn comes
+  const auto write = [&](int d, int b, int first_column, const Pack& row) DYNWITNESS_INLINE_LAMBDA {
+    const int first_dof = blocks[b].first_dof;
+    if (first_dof >= 0) {
+      row.store(M + d * dof + first_dof);
+      row.scatter(M + first_dof * dof + d, dof);
       return;
     }
-    T* const down = M + block.first_dof * dof + d;
-    if (lanes == kBlock) {
-      row.store(across + block.first_dof);
-      for (int k = 0; k < kBlock; ++k) down[k * dof] = values[k];
-    } else {
-      for (int k = 0; k < lanes; ++k) across[block.first_dof + k] = down[k * dof] = values[k];
+    T values[kBlock];
+    row.store(values);
+    for (int k = std::max(blocks[b].first_column, first_column); k < (b + 1) * kBlock; ++k) {
+      const std::size_t to = plan.dof_of_column[k];
+      M[d * dof + to] = M[to * dof + d] = values[k - b * kBlock];
     }
   };
   // the same for a joint of several axes, or a screw
-  const auto writeOther = [&](const Link<T>& at, const Frame& frame, const Columns& F, int b, int end) {
+  const auto writeOther = [&](const Link<T>& at, const Frame& frame, int b, int first_column) {
+    const Columns& F = columns[b];
     for (int l = 0; l < at.axes; ++l) {
       const bool slides = at.kind == JointKind::kFloating && l < 3;
       const int axis = at.axes == 1 ? 2 : l % 3;
       const T* const e = axis == 0 ? frame.x : axis == 1 ? frame.y : frame.z;
       Pack row = slides ? along(e, F.f_x, F.f_y, F.f_z) : along(e, F.n_x, F.n_y, F.n_z);
       if (at.kind == JointKind::kHelical) row = row + at.pitch * along(e, F.f_x, F.f_y, F.f_z);
-      write(at.dof + l, b, end, row);
+      write(at.dof + l, b, first_column, row);
     }
   };
 
   Composite I_C;  // of the link at hand; between two, what the link before hands inward
   for (int i = n - 1; i >= 0; --i) {
-    const Link<T>& link = plan.links[i];
+    const Link<T>& link = links[i];
     const Frame& frame = frames[i + 1];
     if (link.end == i + 1) {
       I_C = {link.mass, link.h, link.I};
@@ -223,20 +242,14 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
       const Composite& sum = ws.branches[link.branch];
       I_C = {I_C.mass + sum.mass, I_C.h + sum.h, I_C.I + sum.I};
     }
-    const Link<T>& parent = plan.links[link.parent == 0 ? i : link.parent - 1];
-    const Frame& inboard = frames[link.parent];
     {
       const Vec<T>& h = I_C.h;
       const Symmetric3<T>& I = I_C.I;
       const Pack e_x = Pack::load(frame.x), e_y = Pack::load(frame.y), e_z = Pack::load(frame.z);
-      const auto setColumn = [&](int column, const Pack& f, const Pack& m) DYNWITNESS_INLINE_LAMBDA {
-        Columns& block = ws.columns[static_cast<unsigned>(column) / kBlock];
-        const unsigned lane = static_cast<unsigned>(column) % kBlock;
-        T force[kBlock], moment[kBlock];
-        f.store(force);
-        m.store(moment);
-        block.f_x[lane] = force[0], block.f_y[lane] = force[1], block.f_z[lane] = force[2];
-        block.n_x[lane] = moment[0], block.n_y[lane] = moment[1], block.n_z[lane] = moment[2];
+      const auto setColumn = [&](unsigned column, const Pack& f, const Pack& m) DYNWITNESS_INLINE_LAMBDA {
+        Columns& block = columns[column / kBlock];
+        f.scatterThree(block.f_x + column % kBlock, kBlock);
+        m.scatterThree(block.n_x + column % kBlock, kBlock);
       };
       if (isTurn(link.step)) {                                                         // (2)
         setColumn(link.column, h.x * e_y - h.y * e_x, I.xz * e_x + I.yz * e_y + I.zz * e_z);
@@ -259,24 +272,26 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
       }
     }
     if (link.parent == 0) continue;
-    for (int b = static_cast<unsigned>(link.column) / kBlock; b * kBlock < link.end_column; ++b) {             // (3)
-      Columns& F = ws.columns[b];
+    const Link<T>& parent = links[link.parent - 1];
+    const Frame& inboard = frames[link.parent];
+    const T p_x = frame.p[0], p_y = frame.p[1], p_z = frame.p[2];
+    const T z_x = inboard.z[0], z_y = inboard.z[1], z_z = inboard.z[2];
+    for (int b = link.first_block; b < link.end_block; ++b) {                           // (3)
+      Columns& F = columns[b];
       Pack n_x = Pack::load(F.n_x), n_y = Pack::load(F.n_y), n_z = Pack::load(F.n_z);
       if (link.is_apart) {
-        const T* const p = frame.p;
         const Pack f_x = Pack::load(F.f_x), f_y = Pack::load(F.f_y), f_z = Pack::load(F.f_z);
-        n_x = n_x + (p[1] * f_z - p[2] * f_y);
-        n_y = n_y + (p[2] * f_x - p[0] * f_z);
-        n_z = n_z + (p[0] * f_y - p[1] * f_x);
+        n_x = n_x + (p_y * f_z - p_z * f_y);
+        n_y = n_y + (p_z * f_x - p_x * f_z);
+        n_z = n_z + (p_x * f_y - p_y * f_x);
         n_x.store(F.n_x), n_y.store(F.n_y), n_z.store(F.n_z);
       }
       if (isTurn(parent.step)) {
-        const T* const e = inboard.z;
-        write(parent.dof, b, link.end_column, e[0] * n_x + e[1] * n_y + e[2] * n_z);
+        write(parent.dof, b, link.column, z_x * n_x + z_y * n_y + z_z * n_z);
       } else if (isSlide(parent.step)) {
-        write(parent.dof, b, link.end_column, along(inboard.z, F.f_x, F.f_y, F.f_z));
+        write(parent.dof, b, link.column, along(inboard.z, F.f_x, F.f_y, F.f_z));
       } else {
-        writeOther(parent, inboard, F, b, link.end_column);
+        writeOther(parent, inboard, b, link.column);
       }
     }
     withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {

@@ -40,8 +40,8 @@ struct Link {
   int branch = -1;  ///< where the inertias of all children but the first are summed; -1: at most one
   int matrix = -1;  ///< place of the fixed turn, or of the joint's, among the matrices
   int end = 0;      ///< the first link after this one that is not outboard of it
-  int column = 0;   ///< of the joint's first axis in the block of force columns
-  int end_column = 0;
+  int column = 0;   ///< of the joint's first axis in the blocks of force columns
+  int first_block = 0, end_block = 0;  ///< of the columns of this link and all outboard of it
   bool is_apart = false;   ///< the joint is not at the parent's origin
   bool is_offset = false;  ///< the angle has a constant part
   bool is_loaded = false, is_sprung = false;
@@ -72,8 +72,8 @@ struct PlannedLoad {
 };
 
 struct ColumnBlock {
-  int first_dof;  ///< of consecutive ones; -1: they are not
-  int count;      ///< columns in use
+  int first_dof;     ///< of as many consecutive ones; -1: they are not, or a column is not in use
+  int first_column;  ///< the first in use; all after it are
 };
 
 /// Built once from a model, then constant.
@@ -94,6 +94,7 @@ struct Plan {
  private:
   void order(const Model<T>& model);
   void fill(const Model<T>& model);
+  void layColumns();
   std::vector<int> link_of_;  ///< of the model, in the plan's order
 };
 
@@ -249,23 +250,38 @@ Plan<T>::Plan(const Model<T>& model)
   fill(model);
   link_of_.clear();
   link_of_.shrink_to_fit();
-  // columns, four a block: a branch begins a block, so that no block holds columns of two branches
+  layColumns();
+}
+
+/// Columns, four a block. What a branch leaves of its blocks is left at its inboard end: no block holds
+/// columns of two branches, and its outermost four columns, which are carried farthest, fill one.
+template <typename T>
+void Plan<T>::layColumns() {
+  const int n = static_cast<int>(links.size());
+  const auto roundedUp = [](int count) { return (count + kBlock - 1) / kBlock * kBlock; };
   int column = 0;
-  for (int k = 0; k < static_cast<int>(links.size()); ++k) {
-    if (links[k].parent != k) column = (column + kBlock - 1) / kBlock * kBlock;
-    links[k].column = column;
-    column += links[k].axes;
+  for (int first = 0, end; first < n; first = end) {
+    int axes = links[first].axes;
+    for (end = first + 1; end < n && links[end].parent == end; ++end) axes += links[end].axes;
+    column += roundedUp(axes) - axes;
+    for (int k = first; k < end; ++k) {
+      links[k].column = column;
+      column += links[k].axes;
+    }
   }
-  dof_of_column.assign((column + kBlock - 1) / kBlock * kBlock, -1);
-  std::vector<int>& dofs = dof_of_column;
+  dof_of_column.assign(column, -1);
   for (Link<T>& link : links) {
     for (int a = 0; a < link.axes; ++a) dof_of_column[link.column + a] = link.dof + a;
-    link.end_column = links[link.end - 1].column + links[link.end - 1].axes;
+    const Link<T>& tip = links[link.end - 1];
+    link.first_block = link.column / kBlock;
+    link.end_block = (tip.column + tip.axes) / kBlock;
   }
-  for (std::size_t b = 0; b < dofs.size(); b += kBlock) {
-    ColumnBlock block{dofs[b], 1};
-    for (; block.count < kBlock && dofs[b + block.count] >= 0; ++block.count)
-      if (dofs[b + block.count] != dofs[b] + block.count) block.first_dof = -1;
+  for (int b = 0; b < column; b += kBlock) {
+    ColumnBlock block{dof_of_column[b], b};
+    for (int k = 1; k < kBlock; ++k) {
+      if (dof_of_column[b + k] != block.first_dof + k) block.first_dof = -1;
+      if (dof_of_column[b + k - 1] < 0) block.first_column = b + k;
+    }
     blocks.push_back(block);
   }
 }
