@@ -12,6 +12,12 @@ struct Lanes {
   T v[kBlock];
 
   static Lanes load(const T* from) { return {{from[0], from[1], from[2], from[3]}}; }
+  /// Zero before the first lane.
+  static Lanes loadFrom(int first, const T* from) {
+    Lanes a = load(from);
+    for (int i = 0; i < first; ++i) a.v[i] = T(0);
+    return a;
+  }
   void store(T* to) const {
     for (int i = 0; i < kBlock; ++i) to[i] = v[i];
   }
@@ -38,10 +44,16 @@ struct Lanes {
 struct TwoPairs {
   typedef double Pair __attribute__((vector_size(16)));
   typedef double Memory __attribute__((vector_size(16), aligned(8), may_alias));
+  typedef long long Bits __attribute__((vector_size(16)));
   Pair low, high;
 
   static DYNWITNESS_INLINE TwoPairs load(const double* from) {
     return {*reinterpret_cast<const Memory*>(from), *reinterpret_cast<const Memory*>(from + 2)};
+  }
+  static DYNWITNESS_INLINE TwoPairs loadFrom(int first, const double* from) {
+    const TwoPairs a = load(from);
+    const Bits low = {-(first < 1), -(first < 2)}, high = {-(first < 3), -(first < 4)};
+    return {(Pair)((Bits)a.low & low), (Pair)((Bits)a.high & high)};
   }
   DYNWITNESS_INLINE void store(double* to) const {
     *reinterpret_cast<Memory*>(to) = low;
@@ -64,10 +76,15 @@ struct TwoPairs {
 struct Quad {
   typedef double Four __attribute__((vector_size(32)));
   typedef double Memory __attribute__((vector_size(32), aligned(8), may_alias));
+  typedef long long Bits __attribute__((vector_size(32)));
   Four v;
 
   static DYNWITNESS_INLINE Quad load(const double* from) {
     return {*reinterpret_cast<const Memory*>(from)};
+  }
+  static DYNWITNESS_INLINE Quad loadFrom(int first, const double* from) {
+    const Bits lane = {0, 1, 2, 3}, begin = {first, first, first, first};
+    return {(Four)((Bits)load(from).v & (lane >= begin))};
   }
   DYNWITNESS_INLINE void store(double* to) const { *reinterpret_cast<Memory*>(to) = v; }
   DYNWITNESS_INLINE void scatter(double* to, std::size_t apart) const {
@@ -89,7 +106,7 @@ struct MassMatrixWorkspace {
   explicit MassMatrixWorkspace(const Plan<T>& plan)
       : frames(plan.links.size() + 1),
         branches(plan.branches),
-        columns(plan.dof_of_column.size() / kBlock),
+        columns(plan.blocks.size()),
         others(plan) {
     for (Frame& frame : frames) frame = {};
     for (Columns& block : columns) block = {};
@@ -143,15 +160,15 @@ DYNWITNESS_INLINE void axesThrough(const Way<kStep, T>& way, Pack& x, Pack& y, P
   }
 }
 
-/// Composite body of mass m about the joint, to about the parent's origin, from which the joint is at p.
-template <typename Composite, typename T>
-DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, const T& mass, Composite& x) {
-  const Vec<T> h = x.h, h_A = h + p * mass;
+/// Mass, h and I about the joint, to about the parent's origin, from which the joint is at p.
+template <typename T>
+DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, const T& mass, Vec<T>& h, Symmetric3<T>& I) {
+  const Vec<T> h_A = h + p * mass;
   const Vec<T> k = h + h_A;
   const T a = p.x * k.x, b = p.y * k.y, c = p.z * k.z;
-  x.I = x.I + Symmetric3<T>{b + c, a + c, a + b, -(p.y * h.x + h_A.y * p.x), -(p.z * h.x + h_A.z * p.x),
-                            -(p.z * h.y + h_A.z * p.y)};
-  x.h = h_A;
+  I = I + Symmetric3<T>{b + c, a + c, a + b, -(p.y * h.x + h_A.y * p.x), -(p.z * h.x + h_A.z * p.x),
+                        -(p.z * h.y + h_A.z * p.y)};
+  h = h_A;
 }
 
 }  // namespace detail
@@ -168,13 +185,8 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
   const std::size_t dof = plan.dof;
   // by pointers: what is stored through them could otherwise be the vectors' own, and be read anew each time
   const Link<T>* const links = plan.links.data();
-  const ColumnBlock* const blocks = plan.blocks.data();
   Frame* const frames = ws.frames.data();
   Columns* const columns = ws.columns.data();
-  const auto along = [](const T* e, const T* x, const T* y, const T* z) DYNWITNESS_INLINE_LAMBDA {
-    return e[0] * Pack::load(x) + e[1] * Pack::load(y) + e[2] * Pack::load(z);
-  };
-
   // outward: the links' axes
   for (int i = 0; i < n; ++i) {
     const Link<T>& link = links[i];
@@ -197,37 +209,9 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
     });
   }
 
-  if (!plan.is_chain) std::fill(M, M + dof * dof, T(0));  // branches do not feel each other
-  // one row for the columns of a block; in a full one, columns before the joint's own are written again
-  // when their turn comes
-  const auto write = [&](int d, int b, int first_column, const Pack& row) DYNWITNESS_INLINE_LAMBDA {
-    const int first_dof = blocks[b].first_dof;
-    if (first_dof >= 0) {
-      row.store(M + d * dof + first_dof);
-      row.scatter(M + first_dof * dof + d, dof);
-      return;
-    }
-    T values[kBlock];
-    row.store(values);
-    for (int k = std::max(blocks[b].first_column, first_column); k < (b + 1) * kBlock; ++k) {
-      const std::size_t to = plan.dof_of_column[k];
-      M[d * dof + to] = M[to * dof + d] = values[k - b * kBlock];
-    }
-  };
-  // the same for a joint of several axes, or a screw
-  const auto writeOther = [&](const Link<T>& at, const Frame& frame, int b, int first_column) {
-    const Columns& F = columns[b];
-    for (int l = 0; l < at.axes; ++l) {
-      const bool slides = at.kind == JointKind::kFloating && l < 3;
-      const int axis = at.axes == 1 ? 2 : l % 3;
-      const T* const e = axis == 0 ? frame.x : axis == 1 ? frame.y : frame.z;
-      Pack row = slides ? along(e, F.f_x, F.f_y, F.f_z) : along(e, F.n_x, F.n_y, F.n_z);
-      if (at.kind == JointKind::kHelical) row = row + at.pitch * along(e, F.f_x, F.f_y, F.f_z);
-      write(at.dof + l, b, first_column, row);
-    }
-  };
-
+  // inward: what is outboard of each joint as one body, and the column that moves this joint alone
   Composite I_C;  // of the link at hand; between two, what the link before hands inward
+  if (!plan.is_chain) std::fill(M, M + dof * dof, T(0));  // branches do not feel each other
   for (int i = n - 1; i >= 0; --i) {
     const Link<T>& link = links[i];
     const Frame& frame = frames[i + 1];
@@ -242,19 +226,20 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
       const Composite& sum = ws.branches[link.branch];
       I_C = {I_C.mass + sum.mass, I_C.h + sum.h, I_C.I + sum.I};
     }
-    {
-      const Vec<T>& h = I_C.h;
-      const Symmetric3<T>& I = I_C.I;
+    withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
+      constexpr Step kStep = decltype(step)::value;
+      Vec<T> h = I_C.h;
+      Symmetric3<T> I = I_C.I;
       const Pack e_x = Pack::load(frame.x), e_y = Pack::load(frame.y), e_z = Pack::load(frame.z);
       const auto setColumn = [&](unsigned column, const Pack& f, const Pack& m) DYNWITNESS_INLINE_LAMBDA {
         Columns& block = columns[column / kBlock];
         f.scatterThree(block.f_x + column % kBlock, kBlock);
         m.scatterThree(block.n_x + column % kBlock, kBlock);
       };
-      if (isTurn(link.step)) {                                                         // (2)
+      if constexpr (isTurn(kStep)) {                                                   // (2)
         setColumn(link.column, h.x * e_y - h.y * e_x, I.xz * e_x + I.yz * e_y + I.zz * e_z);
         M[link.dof * dof + link.dof] = I.zz + link.rotor;
-      } else if (isSlide(link.step)) {
+      } else if constexpr (isSlide(kStep)) {
         setColumn(link.column, I_C.mass * e_z, h.y * e_x - h.x * e_y);
         M[link.dof * dof + link.dof] = I_C.mass + link.rotor;
       } else {
@@ -270,41 +255,72 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
           }
         }
       }
-    }
-    if (link.parent == 0) continue;
-    const Link<T>& parent = links[link.parent - 1];
-    const Frame& inboard = frames[link.parent];
-    const T p_x = frame.p[0], p_y = frame.p[1], p_z = frame.p[2];
-    const T z_x = inboard.z[0], z_y = inboard.z[1], z_z = inboard.z[2];
-    for (int b = link.first_block; b < link.end_block; ++b) {                           // (3)
-      Columns& F = columns[b];
-      Pack n_x = Pack::load(F.n_x), n_y = Pack::load(F.n_y), n_z = Pack::load(F.n_z);
-      if (link.is_apart) {
-        const Pack f_x = Pack::load(F.f_x), f_y = Pack::load(F.f_y), f_z = Pack::load(F.f_z);
-        n_x = n_x + (p_y * f_z - p_z * f_y);
-        n_y = n_y + (p_z * f_x - p_x * f_z);
-        n_z = n_z + (p_x * f_y - p_y * f_x);
-        n_x.store(F.n_x), n_y.store(F.n_y), n_z.store(F.n_z);
-      }
-      if (isTurn(parent.step)) {
-        write(parent.dof, b, link.column, z_x * n_x + z_y * n_y + z_z * n_z);
-      } else if (isSlide(parent.step)) {
-        write(parent.dof, b, link.column, along(inboard.z, F.f_x, F.f_y, F.f_z));
-      } else {
-        writeOther(parent, inboard, b, link.column);
-      }
-    }
-    withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
-      constexpr Step kStep = decltype(step)::value;
+      if (link.parent == 0) return;
       const auto way = wayBack<kStep>(plan, link, frame.c, frame.s, ws.others);
-      way.inward(I_C.h);                                                              // (1)
-      way.inward(I_C.I);
-      if (link.is_apart) shiftBack(jointPlace<kStep>(link, x, ws.others), I_C.mass, I_C);
+      way.inward(h);                                                                  // (1)
+      way.inward(I);
+      if (link.is_apart) shiftBack(jointPlace<kStep>(link, x, ws.others), I_C.mass, h, I);
+      I_C.h = h;
+      I_C.I = I;
     });
-    if (link.parent == i) continue;
-    Composite& sum = ws.branches[parent.branch];
+    if (link.parent == i || link.parent == 0) continue;  // the parent is next, or the world
+    Composite& sum = ws.branches[links[link.parent - 1].branch];
     if (link.is_last_child) sum = I_C;
     else sum = {sum.mass + I_C.mass, sum.h + I_C.h, sum.I + I_C.I};
+  }
+
+  // block by block, inward: what the joints on the way to the world feel of the block's columns
+  for (const ColumnBlock& block : plan.blocks) {
+    const auto write = [&](int d, int first_column, const Pack& row) DYNWITNESS_INLINE_LAMBDA {
+      T *const across = M + d * dof, *const down = M + d;
+      if (block.first_dof >= 0 && first_column <= block.begin) {
+        row.store(across + block.first_dof);
+        row.scatter(down + block.first_dof * dof, dof);
+        return;
+      }
+      T values[kBlock];
+      row.store(values);
+      for (int k = std::max(block.first_column, first_column) - block.begin; k < kBlock; ++k) {
+        const std::size_t to = block.dofs[k];
+        across[to] = down[to * dof] = values[k];
+      }
+    };
+    const auto along = [](const T* e, const Pack& x, const Pack& y, const Pack& z)
+                           DYNWITNESS_INLINE_LAMBDA { return e[0] * x + e[1] * y + e[2] * z; };
+    const Columns& F = columns[block.begin / kBlock];
+    Pack f_x, f_y, f_z, n_x = Pack::load(F.n_x), n_y = Pack::load(F.n_y), n_z = Pack::load(F.n_z);
+    const Link<T>* link = links + block.last_link;
+    const Frame* frame = frames + block.last_link + 1;
+    while (link->parent > 0) {
+      const Link<T>* const next = links + (link->parent - 1);
+      const Frame* const inboard = frames + link->parent;
+      if (link->column + link->axes > block.begin) {  // its columns join: until now, their forces had no lever
+        const int lane = link->column - block.begin;
+        f_x = Pack::loadFrom(lane, F.f_x), f_y = Pack::loadFrom(lane, F.f_y), f_z = Pack::loadFrom(lane, F.f_z);
+      }
+      if (link->is_apart) {                                                             // (3)
+        const T* const p = frame->p;
+        n_x = n_x + (p[1] * f_z - p[2] * f_y);
+        n_y = n_y + (p[2] * f_x - p[0] * f_z);
+        n_z = n_z + (p[0] * f_y - p[1] * f_x);
+      }
+      if (isTurn(next->step)) {
+        write(next->dof, link->column, along(inboard->z, n_x, n_y, n_z));
+      } else if (isSlide(next->step)) {
+        write(next->dof, link->column, along(inboard->z, f_x, f_y, f_z));
+      } else {
+        for (int l = 0; l < next->axes; ++l) {
+          const bool slides = next->kind == JointKind::kFloating && l < 3;
+          const int axis = next->axes == 1 ? 2 : l % 3;
+          const T* const e = axis == 0 ? inboard->x : axis == 1 ? inboard->y : inboard->z;
+          Pack row = slides ? along(e, f_x, f_y, f_z) : along(e, n_x, n_y, n_z);
+          if (next->kind == JointKind::kHelical) row = row + next->pitch * along(e, f_x, f_y, f_z);
+          write(next->dof + l, link->column, row);
+        }
+      }
+      link = next;
+      frame = inboard;
+    }
   }
 }
 

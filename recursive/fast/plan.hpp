@@ -41,7 +41,6 @@ struct Link {
   int matrix = -1;  ///< place of the fixed turn, or of the joint's, among the matrices
   int end = 0;      ///< the first link after this one that is not outboard of it
   int column = 0;   ///< of the joint's first axis in the blocks of force columns
-  int first_block = 0, end_block = 0;  ///< of the columns of this link and all outboard of it
   bool is_apart = false;   ///< the joint is not at the parent's origin
   bool is_offset = false;  ///< the angle has a constant part
   bool is_loaded = false, is_sprung = false;
@@ -72,8 +71,11 @@ struct PlannedLoad {
 };
 
 struct ColumnBlock {
-  int first_dof;     ///< of as many consecutive ones; -1: they are not, or a column is not in use
-  int first_column;  ///< the first in use; all after it are
+  int begin = 0;     ///< column, a multiple of kBlock
+  int dofs[kBlock] = {-1, -1, -1, -1};  ///< -1: the column is not in use
+  int first_dof = -1;    ///< of as many consecutive ones; -1: they are not, or a column is not in use
+  int first_column = 0;  ///< the first in use; all after it are
+  int last_link = -1;    ///< whose joint has the last column
 };
 
 /// Built once from a model, then constant.
@@ -84,7 +86,6 @@ struct Plan {
 
   std::vector<Link<T>> links;
   std::vector<Mat<T>> matrices;
-  std::vector<int> dof_of_column;  ///< -1: nothing there
   std::vector<ColumnBlock> blocks;
   std::vector<PlannedLoad<T>> world_loads;
   Vec<T> gravity;
@@ -269,20 +270,21 @@ void Plan<T>::layColumns() {
       column += links[k].axes;
     }
   }
-  dof_of_column.assign(column, -1);
-  for (Link<T>& link : links) {
-    for (int a = 0; a < link.axes; ++a) dof_of_column[link.column + a] = link.dof + a;
-    const Link<T>& tip = links[link.end - 1];
-    link.first_block = link.column / kBlock;
-    link.end_block = (tip.column + tip.axes) / kBlock;
-  }
-  for (int b = 0; b < column; b += kBlock) {
-    ColumnBlock block{dof_of_column[b], b};
-    for (int k = 1; k < kBlock; ++k) {
-      if (dof_of_column[b + k] != block.first_dof + k) block.first_dof = -1;
-      if (dof_of_column[b + k - 1] < 0) block.first_column = b + k;
+  blocks.resize(column / kBlock);
+  for (int k = 0; k < n; ++k)
+    for (int a = 0; a < links[k].axes; ++a) {
+      ColumnBlock& block = blocks[(links[k].column + a) / kBlock];
+      block.dofs[(links[k].column + a) % kBlock] = links[k].dof + a;
+      block.last_link = k;
     }
-    blocks.push_back(block);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    ColumnBlock& block = blocks[b];
+    block.begin = block.first_column = static_cast<int>(b) * kBlock;
+    block.first_dof = block.dofs[0];
+    for (int k = 1; k < kBlock; ++k) {
+      if (block.dofs[k - 1] < 0) block.first_column = block.begin + k;
+      if (block.dofs[k] != block.first_dof + k) block.first_dof = -1;
+    }
   }
 }
 
