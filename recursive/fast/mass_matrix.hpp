@@ -237,17 +237,18 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
         m.scatterThree(block.n_x + column % kBlock, kBlock);
       };
       if constexpr (isTurn(kStep)) {                                                   // (2)
-        setColumn(link.column, h.x * e_y - h.y * e_x, I.xz * e_x + I.yz * e_y + I.zz * e_z);
+        setColumn(link.column, h.x * e_y - h.y * e_x, I.xz * e_x + I.yz * e_y + (I.zz + link.spin) * e_z);
         M[link.dof * dof + link.dof] = I.zz + link.rotor;
       } else if constexpr (isSlide(kStep)) {
-        setColumn(link.column, I_C.mass * e_z, h.y * e_x - h.x * e_y);
+        setColumn(link.column, I_C.mass * e_z, h.y * e_x - h.x * e_y + link.spin * e_z);
         M[link.dof * dof + link.dof] = I_C.mass + link.rotor;
       } else {
         for (int k = 0; k < link.axes; ++k) {
           Vec<T> v = Vec<T>::zero(), w = Vec<T>::zero();
           addAlongAxis(link, k, T(1), v, w);
           const Vec<T> f = v * I_C.mass + cross(w, h), m = cross(h, v) + times(I, w);
-          setColumn(link.column + k, f.x * e_x + f.y * e_y + f.z * e_z, m.x * e_x + m.y * e_y + m.z * e_z);
+          setColumn(link.column + k, f.x * e_x + f.y * e_y + f.z * e_z,
+                    m.x * e_x + m.y * e_y + (m.z + link.spin) * e_z);
           for (int l = 0; l <= k; ++l) {
             const T value = alongAxis(link, l, f, m);
             const std::size_t d = link.dof + k, e = link.dof + l;
@@ -335,6 +336,7 @@ DYNWITNESS_FOR_AVX2 inline void massMatrixForAvx2(const Plan<double>& plan, cons
         (1)  I_C of p  +=  R' I_C R shifted by p            everything outboard of a joint as one body
         (2)  F = I_C Z,  M_ii = Z' F + d                    the column that moves joint i alone
         (3)  all columns outboard of a joint are carried inward together, four a block; M_ij = Z_j' F
+    A gyroscopic rotor of the joint, spun up, needs the moment h z of the parent: F has it from there on.
     Columns keep to the world's axes, so that a joint turns none of them: n += p x f is all.
     @param M  n n numbers, written whole */
 template <typename T>

@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <type_traits>
-#include <stdexcept>
 #include <vector>
 
 #include "recursive/fast/dispatch.hpp"
@@ -43,7 +42,9 @@ struct Link {
   int column = 0;   ///< of the joint's first axis in the blocks of force columns
   bool is_apart = false;   ///< the joint is not at the parent's origin
   bool is_offset = false;  ///< the angle has a constant part
-  bool is_loaded = false, is_sprung = false;
+  bool is_loaded = false;
+  bool is_special = false;  ///< friction, or a gyroscopic rotor
+  bool is_sprung = false;   ///< a spring, or special
   bool is_last_child = false;
   T c = T(1), s = T(0);    ///< of the fixed turn about x
   T c_o = T(1), s_o = T(0);  ///< of the angle's constant part
@@ -53,6 +54,8 @@ struct Link {
   Symmetric3<T> I;
   Vec<T> D;  ///< I_zz - I_yy, I_xx - I_zz, I_yy - I_xx
   T rotor, stiffness, rest, pitch;
+  T viscous, positive, negative;  ///< friction
+  T spin, rotor_less_spin;        ///< of a gyroscopic rotor that the parent carries
   Vec<T> force, moment;  ///< constant load about the origin
 };
 
@@ -81,7 +84,6 @@ struct ColumnBlock {
 /// Built once from a model, then constant.
 template <typename T>
 struct Plan {
-  /// @throws std::invalid_argument  the model has friction or gyroscopic rotors
   explicit Plan(const Model<T>& model);
 
   std::vector<Link<T>> links;
@@ -91,6 +93,7 @@ struct Plan {
   Vec<T> gravity;
   int dof, positions, branches = 0;
   bool is_chain = true;  ///< every joint feels every other one
+  bool has_specials = false;
 
  private:
   void order(const Model<T>& model);
@@ -204,7 +207,15 @@ void Plan<T>::fill(const Model<T>& model) {
     to.pitch = from.pitch;
     to.force = detail::inQuarters(here, Vec<T>::from(from.load.force));
     to.moment = detail::inQuarters(here, Vec<T>::from(from.load.moment));
-    to.is_sprung = !isExactlyZero(from.stiffness);
+    to.viscous = from.viscous;
+    to.positive = from.positive;
+    to.negative = from.negative;
+    to.spin = to.parent > 0 ? from.spin : T(0);  // the world does not turn, and feels nothing
+    to.rotor_less_spin = to.rotor - to.spin;
+    for (const T* x : {&to.viscous, &to.positive, &to.negative, &to.spin})
+      to.is_special = to.is_special || !isExactlyZero(*x);
+    has_specials = has_specials || to.is_special;
+    to.is_sprung = to.is_special || !isExactlyZero(to.stiffness);
     for (const T* x : {&to.force.x, &to.force.y, &to.force.z, &to.moment.x, &to.moment.y, &to.moment.z})
       to.is_loaded = to.is_loaded || !isExactlyZero(*x);
 
@@ -245,8 +256,6 @@ void Plan<T>::fill(const Model<T>& model) {
 template <typename T>
 Plan<T>::Plan(const Model<T>& model)
     : gravity(Vec<T>::from(model.gravity)), dof(model.dof()), positions(model.positions) {
-  if (model.gyroscopic || model.friction)
-    throw std::invalid_argument("fast sweeps know neither joint friction nor gyroscopic rotors");
   order(model);
   fill(model);
   link_of_.clear();
@@ -402,6 +411,22 @@ void otherMotion(const Link<T>& link, const T* rates, Vec<T>& linear, Vec<T>& an
   }
 }
 
+/// What friction takes of a joint's force at this rate; as recursive::frictionForce.
+template <typename T>
+T frictionForce(const Link<T>& link, const T& rate) {
+  const int direction = scene::directionOf(rate);
+  T force = link.viscous * rate;
+  if (direction > 0) force = force + link.positive;
+  if (direction < 0) force = force - link.negative;
+  return force;
+}
+/// The same with what the joint's spring takes.
+template <typename T>
+DYNWITNESS_INLINE T passiveForce(const Link<T>& link, const JointPosition<T>* x, const T& rate) {
+  const T force = link.stiffness * (x[link.slot].q - link.rest);
+  return link.is_special ? force + frictionForce(link, rate) : force;
+}
+
 /// Z_k' F for the axes of any joint.
 template <typename T>
 T alongAxis(const Link<T>& link, int k, const Vec<T>& f, const Vec<T>& n) {
@@ -467,6 +492,27 @@ DYNWITNESS_INLINE Vec<T> jointPlace(const Link<T>& link, const JointPosition<T>*
   if constexpr (isSlide(kStep)) return link.p + link.slide * x[link.slot].q;
   if constexpr (kStep == Step::kOther) return others.p[link.matrix];
   return link.p;
+}
+
+/// Onto each parent's moment what the gyroscopic rotors of its children's joints ask of it:
+///     h (z qdd + w_p x z qd),
+/// qdd left out where there is none. The records hold w of the link itself, which differs along z only.
+template <typename T, typename Record>
+void addRotors(const Plan<T>& plan, const T* qd, const T* qdd, const OtherJoints<T>& others,
+               std::vector<Record>& records) {
+  if (!plan.has_specials) return;
+  for (std::size_t i = 0; i < plan.links.size(); ++i) {
+    const Link<T>& link = plan.links[i];
+    if (!link.is_special) continue;
+    withStep(link.step, [&](auto step) {
+      constexpr Step kStep = decltype(step)::value;
+      const Record& r = records[i + 1];
+      Vec<T> rotor = Vec<T>{r.w.y, -r.w.x, T(0)} * (link.spin * qd[link.dof]);
+      if (qdd) rotor.z = link.spin * qdd[link.dof];
+      wayBack<kStep>(plan, link, r.c, r.s, others).inward(rotor);
+      records[link.parent].n = records[link.parent].n + rotor;
+    });
+  }
 }
 
 }  // namespace dynwitness::recursive::fast
