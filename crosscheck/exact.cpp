@@ -397,8 +397,7 @@ std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters p
   sweep(ArticulatedBody());
   if (isAsked(RecursiveLagrange<PrimeField>::kName))
     witnesses.push_back(recursiveLagrangeWitness(scene, [](auto&, const auto&) {}));
-  if (!scene.mechanism.hasGyroscopicRotors() && !scene.mechanism.hasFriction() && isAsked("fast"))
-    witnesses.push_back(fastWitness(scene));
+  if (isAsked("fast")) witnesses.push_back(fastWitness(scene));
   // a kernel is made for the numbers of its scene, and has no signs
   if (parameters == Parameters::kAsWritten && scene.mechanism.isOpenTree() &&
       !scene.mechanism.hasCoulombFriction() && isAsked("kernel"))
