@@ -115,7 +115,7 @@ struct Effort {
   int builds, calls;
   double enough;  ///< [s]
 };
-constexpr Effort kForOurs = {3, 5, 0.4}, kForEngines = {1, 2, 0.1};
+constexpr Effort kForOurs = {3, 8, 0.15}, kForEngines = {1, 2, 0.1};
 
 /// Builds and asks; `make` returns a GrowthMethod, `told` takes what is known so far.
 template <typename Make, typename Told>
@@ -206,7 +206,7 @@ struct Question {
     const std::string name = fmt::format("{}_{}", family, links);
     malloc_trim(0);  // what earlier sizes freed would be taken again and not be seen
     scene_bytes = processBytes("RssAnon:");
-    scene_ns = fastest(1, kForOurs.enough / 4, [&] {
+    scene_ns = fastest(1, kForOurs.enough, [&] {
       scene = {};
       if (!scene::findFamily(name, &scene)) throw std::invalid_argument("growth: no family " + name);
     });
