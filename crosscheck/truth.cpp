@@ -71,7 +71,7 @@ Attempt judged(Quantity quantity, MatrixOf<Ball> value, long accuracy) {
 }  // namespace
 
 struct Truth::Impl {
-  Impl(const scene::Mechanism& m, long a) : mechanism(m), numbers(m), accuracy(a) {}
+  Impl(const scene::Mechanism& m, long a, long b) : mechanism(m), numbers(m), accuracy(a), most_bits(b) {}
 
   /// The model with its numbers enclosed at the precision of the moment.
   Setup<Ball>& setup() {
@@ -115,12 +115,12 @@ struct Truth::Impl {
 
   scene::Mechanism mechanism;
   BallNumbers numbers;
-  long accuracy;
+  long accuracy, most_bits;
   std::map<long, std::unique_ptr<Setup<Ball>>> setups;  ///< by precision
 };
 
-Truth::Truth(const scene::Mechanism& mechanism, long accuracy)
-    : impl_(new Impl(mechanism, accuracy)) {}
+Truth::Truth(const scene::Mechanism& mechanism, long accuracy, long most_bits)
+    : impl_(new Impl(mechanism, accuracy, most_bits)) {}
 Truth::~Truth() = default;
 
 Certified Truth::operator()(Quantity quantity, const scene::State<double>& state) {
@@ -129,7 +129,7 @@ Certified Truth::operator()(Quantity quantity, const scene::State<double>& state
   for (;; bits *= 2) {
     Attempt attempt = impl_->attempt(quantity, state, bits);
     if (attempt.final) return std::move(attempt.result);
-    if (2 * bits <= kMaxBits) continue;
+    if (2 * bits <= impl_->most_bits) continue;
     if (attempt.worst_unsharp > kSmallestDouble) attempt.result.value.resize(0, 0);
     return std::move(attempt.result);
   }

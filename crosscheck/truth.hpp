@@ -32,7 +32,7 @@ struct Certified {
     An entry whose true value is 0, without every term of it being 0, never gets there. When such
     an entry is below 2^-(2 accuracy) of the largest it is left at that, as beyond what any
     computation in double could resolve. Where all entries are of that kind there is no largest,
-    and the doubling goes on to kMaxBits; what is then below the smallest normal double is left at that.
+    and the doubling goes on to the most bits; what is then below the smallest normal double is left at that.
     `reason` names such an entry; the enclosure is certain all the same.
 
     What is certified is the value of that sweep's formula at exactly this state (every double of
@@ -44,7 +44,8 @@ class Truth {
   static constexpr long kMaxBits = 4096;
 
   /// @param accuracy  [bits]; more than 80 to judge computations of more than 20 digits
-  explicit Truth(const scene::Mechanism& mechanism, long accuracy = kAccuracy);
+  /// @param most_bits  where doubling ends; a chain's balls widen by up to 4 bits a link
+  explicit Truth(const scene::Mechanism& mechanism, long accuracy = kAccuracy, long most_bits = kMaxBits);
   ~Truth();
 
   /// The quantity at a state. Where there is no enclosure (singular M: some joint moves no inertia)

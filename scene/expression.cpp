@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <utility>
 
@@ -65,10 +66,22 @@ Bracket bracket(const Exact& x, unsigned bits) {
   return {std::min(a, b), std::max(a, b)};
 }
 
+/// x == 0, which Boost 1.74 finds by divisions.
+bool isZero(const Rational& x) { return numerator(x).is_zero(); }
+
 /// The double nearest to a rational, ties to even; infinite beyond the range of double.
 double nearestDouble(const Rational& x) {
-  if (x == 0) return 0;
-  const Integer n = abs(numerator(x)), d = denominator(x);
+  Integer n = numerator(x);
+  const Integer d = denominator(x);
+  const bool is_negative = n.sign() < 0;  // asking x itself would divide
+  if (is_negative) n = -n;
+  if (n.is_zero()) return 0;
+  // integers below 2^53 are doubles, and their quotient is rounded once
+  if (msb(n) <= 52 && msb(d) <= 52) {
+    const double result = static_cast<double>(static_cast<std::uint64_t>(n)) /
+                          static_cast<double>(static_cast<std::uint64_t>(d));
+    return is_negative ? -result : result;
+  }
   int e = static_cast<int>(msb(n)) - static_cast<int>(msb(d));  // 2^e <= |x| < 2^(e+1), or one less
   if (e >= 0 ? n < (d << e) : (n << -e) < d) --e;
   const int unit = std::max(e - 52, -1074);  // exponent of the last place; -1074: subnormal
@@ -79,7 +92,7 @@ double nearestDouble(const Rational& x) {
   remainder *= 2;
   if (remainder > bottom || (remainder == bottom && bit_test(quotient, 0))) ++quotient;
   const double result = std::ldexp(quotient.convert_to<double>(), unit);
-  return x < 0 ? -result : result;
+  return is_negative ? -result : result;
 }
 
 std::string excerpt(std::string_view text) {
@@ -121,7 +134,7 @@ std::string terminatingDecimal(const Rational& x) {
 // ------------------------------------------------------------------------------------- Exact
 
 double Exact::toDouble() const {
-  if (isRational()) return nearestDouble(rational);
+  if (scene::isZero(pi_multiple)) return nearestDouble(rational);
   // an irrational number is never halfway between two doubles, so this ends
   for (unsigned bits = 256;; bits *= 2) {
     const Bracket b = bracket(*this, bits);
@@ -131,7 +144,7 @@ double Exact::toDouble() const {
 }
 
 Rational Exact::approximation() const {
-  if (isRational()) return rational;
+  if (scene::isZero(pi_multiple)) return rational;
   static const Rational kRelative(Integer(1), powerOfTen(60));
   for (unsigned bits = 256;; bits *= 2) {
     const Bracket b = bracket(*this, bits);
@@ -424,7 +437,7 @@ int Expression::exponent() const {
 }
 
 bool Expression::isLiteralZero() const {
-  return kind() == Kind::kNumber && number() == 0;
+  return kind() == Kind::kNumber && isZero(number());
 }
 
 std::set<std::string> Expression::parameters() const {
@@ -498,7 +511,7 @@ struct ExactEvaluation {
 
   Exact checked(Exact x) const {
     for (const Rational* part : {&x.rational, &x.pi_multiple}) {
-      if (*part == 0) continue;
+      if (isZero(*part)) continue;
       const unsigned bits = std::max(msb(abs(numerator(*part))), msb(denominator(*part)));
       if (bits > kMaxValueBits) {
         fail("a value of more than " + std::to_string(kMaxValueBits) + " bits on the way");
@@ -508,7 +521,7 @@ struct ExactEvaluation {
   }
 
   Exact multiply(const Exact& a, const Exact& b) const {
-    if (!a.isRational() && !b.isRational()) {
+    if (!isZero(a.pi_multiple) && !isZero(b.pi_multiple)) {
       fail("a product of two numbers with pi in them, allowed: rational + rational*pi");
     }
     return checked(
@@ -516,8 +529,9 @@ struct ExactEvaluation {
   }
 
   Exact divide(const Exact& a, const Exact& b) const {
-    if (b.isZero()) fail("division by zero");
-    if (b.isRational()) return checked({a.rational / b.rational, a.pi_multiple / b.rational});
+    const bool has_pi = !isZero(b.pi_multiple);
+    if (!has_pi && isZero(b.rational)) fail("division by zero");
+    if (!has_pi) return checked({a.rational / b.rational, a.pi_multiple / b.rational});
     // the quotient is rational when numerator and denominator are proportional: 2*pi / pi
     if (a.rational * b.pi_multiple != a.pi_multiple * b.rational) {
       fail("a division by a number with pi in it, allowed: rational + rational*pi");
@@ -568,6 +582,16 @@ struct ExactEvaluation {
   }
 };
 
+/// Whether lengths alone tell: |x| < 2^(msb(numerator) + 1), and pi < 4.
+bool isSurelyFinite(const Exact& x) {
+  constexpr unsigned kMostBits = 1000;  // of 1024
+  const auto isSmall = [](const Rational& part) {
+    const Integer n = abs(numerator(part));
+    return n.is_zero() || msb(n) < kMostBits;
+  };
+  return isSmall(x.rational) && isSmall(x.pi_multiple);
+}
+
 }  // namespace
 
 Exact exactValue(const Expression& expression, const ParameterValues& values,
@@ -575,7 +599,7 @@ Exact exactValue(const Expression& expression, const ParameterValues& values,
   if (expression.isLiteralZero()) return {};  // most numbers of a scene
   const ExactEvaluation evaluation{expression, values, where};
   Exact result = evaluation.value(expression);
-  if (!std::isfinite(result.toDouble())) {
+  if (!isSurelyFinite(result) && !std::isfinite(result.toDouble())) {
     evaluation.fail("not finite: beyond the largest double (1.8e308)");
   }
   return result;

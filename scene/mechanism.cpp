@@ -9,7 +9,7 @@ namespace {
 
 void translate(const Number& x, const Number& y, const Number& z, std::vector<Step>* steps) {
   if (x.isLiteralZero() && y.isLiteralZero() && z.isLiteralZero()) return;
-  steps->push_back({Step::Kind::kTranslate, {x, y, z}, Number(0)});
+  steps->push_back({Step::Kind::kTranslate, {x, y, z}, Number()});
 }
 
 void rotate(Step::Kind kind, const Number& angle, std::vector<Step>* steps) {
@@ -208,11 +208,12 @@ std::vector<std::string> Mechanism::rateLabels() const {
 
 std::vector<Number> Mechanism::restPosition() const {
   std::vector<Number> q;
+  const Number zero(0), one(1);  // shared
   for (const Link& link : links) {
     const std::vector<SlotKind>& slots = positionSlots(link.joint.kind);
     for (std::size_t k = 0; k < slots.size(); ++k) {
       const bool is_w = slots[k] == SlotKind::kQuaternion && k + 4 == slots.size();
-      q.emplace_back(is_w ? 1 : 0);
+      q.push_back(is_w ? one : zero);
     }
   }
   return q;

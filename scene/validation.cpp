@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <map>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -434,23 +435,27 @@ void Validator::requireCarriers() {
     const Link& link = mechanism_.links[i];
     rests.push_back(rests[link.parent] && link.joint.kind == JointKind::kFixed);
   }
-  for (std::size_t i = 0; i < mechanism_.links.size(); ++i) {
+  std::map<int, std::vector<const Link*>> carriers;  // with the links that the rotors on them drive
+  for (std::size_t i = 1; i < mechanism_.links.size(); ++i) {
+    const Link& link = mechanism_.links[i];
+    if (link.joint.gyroscopic && !rests[link.parent]) carriers[link.parent].push_back(&link);
+  }
+  for (const auto& [i, children] : carriers) {
     RationalMatrix left = bodies_[i].inertia;
     Rational size = left[0][0] + left[1][1] + left[2][2];
     is_exact_ = bodies_[i].is_exact;
     std::string joints;
-    for (const Link& child : mechanism_.links) {
-      if (rests[i] || child.parent != static_cast<int>(i) || !child.joint.gyroscopic) continue;
-      joints += (joints.empty() ? "" : ", ") + ('"' + child.joint.name + '"');
-      const RationalVector z = frame(child.joint.placement.beforeJoint()).R * vector(child.joint.axis);
-      const Rational half = value(child.joint.rotor_inertia) / 2;
+    for (const Link* child : children) {
+      joints += (joints.empty() ? "" : ", ") + ('"' + child->joint.name + '"');
+      const RationalVector z = frame(child->joint.placement.beforeJoint()).R * vector(child->joint.axis);
+      const Rational half = value(child->joint.rotor_inertia) / 2;
       for (std::size_t j = 0; j < 3; ++j)
         for (std::size_t k = 0; k < 3; ++k)
           left[j][k] -= half * ((j == k ? Rational(1) : Rational(0)) + z[j] * z[k] / dot(z, z));
       size += half;
     }
     bool is_positive = false;
-    if (joints.empty() || isRealizable(left, slack(size), &is_positive)) continue;
+    if (isRealizable(left, slack(size), &is_positive)) continue;
     failLink(mechanism_.links[i],
              "carries the gyroscopic rotor of joint " + joints +
                  ", and without it, a disc of that rotor_inertia at the least, its inertia about the "

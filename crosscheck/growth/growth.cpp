@@ -10,16 +10,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
-#include <map>
 #include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "crosscheck/growth/ours.hpp"
-#include "crosscheck/report/environment.hpp"
-#include "crosscheck/report/text.hpp"
 #include "crosscheck/states.hpp"
 #include "crosscheck/truth.hpp"
 #include "scene/families.hpp"
@@ -28,7 +26,10 @@ namespace dynwitness::crosscheck {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-constexpr rlim_t kMostMemory = rlim_t{8} << 30;  // of an engine [bytes]: the machine is shared
+constexpr rlim_t kMostMemory = rlim_t{8} << 30;  // of a process [bytes]: the machine is shared
+constexpr long kMostBits = 1 << 16;  // of the certified truth: the balls of a chain take 4 a link
+constexpr int kFewestWithBytes = 16;  // links: below, the heap's own bookkeeping shows
+constexpr int kFewestWithPeak = 4096;  // links: below, what the system counts is mostly the program
 
 double cpuSeconds() {
   timespec now{};
@@ -45,26 +46,39 @@ double heapBytes() {
 #endif
 }
 
-/// Fastest of repeated calls [ns]; a slow one is called twice.
+/// A line of /proc/self/status [bytes]: "RssAnon:", memory held now; "VmHWM:", with "RssFile:" in it, the
+/// most so far.
+double processBytes(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  double kilobytes = 0;
+  for (std::string word; status >> word;)
+    if (word == key && status >> kilobytes) return 1024 * kilobytes;
+  return kNothing;
+}
+
+/// Fastest of repeated calls [ns]. Short ones are timed together: asking the clock takes time itself.
 template <typename Call>
-double fastest(const Call& call) {
-  constexpr int kFewest = 2, kMost = 2000;
-  constexpr double kEnough = 0.1;  // [s]
+double fastest(int fewest, double enough, const Call& call) {
+  constexpr double kShortest = 1.0 / 5000;  // [s]
+  constexpr int kMost = 2000;
   double best = std::numeric_limits<double>::infinity(), spent = 0;
-  for (int k = 0; k < kFewest || (k < kMost && spent < kEnough); ++k) {
+  int together = 1;
+  for (int k = 0; k < fewest || (k < kMost && spent < enough); ++k) {
     const double start = cpuSeconds();
-    call();
+    for (int i = 0; i < together; ++i) call();
     const double took = cpuSeconds() - start;
-    best = std::min(best, took);
     spent += took;
+    if (took < kShortest) together *= 2;
+    else best = std::min(best, took / together);
   }
   return best / 1e-9;
 }
 
-/// What a process sends back.
+/// What a process sends back, as often as it knows more.
 struct Numbers {
-  double id_ns, fd_ns, build_ns, bytes, fd_error;
-};
+  double id_ns = kNothing, fd_ns = kNothing, build_ns = kNothing, bytes = kNothing, peak_bytes = kNothing,
+         fd_error = kNothing;
+};  // bytes: in all, not a link
 
 double errorOf(const Eigen::MatrixXd& value, const MatrixOf<Ball>* truth) {
   if (!truth) return kNothing;
@@ -79,55 +93,104 @@ double errorOf(const Eigen::MatrixXd& value, const MatrixOf<Ball>* truth) {
   return error / size;
 }
 
-/// Builds and asks; `make` returns a Witness.
-template <typename Make>
-Numbers measure(const Make& make, const scene::State<double>& state, const MatrixOf<Ball>* truth) {
-  Numbers out{kNothing, kNothing, kNothing, kNothing, kNothing};
-  const double bytes = heapBytes(), start = cpuSeconds();
-  const std::unique_ptr<Witness> witness = make();
-  out.build_ns = (cpuSeconds() - start) / 1e-9;
-  Eigen::MatrixXd value;
-  if (witness->answers(Quantity::kTau))
-    out.id_ns = fastest([&] { value = witness->value(Quantity::kTau, state); });
-  if (witness->answers(Quantity::kQdd)) {
-    out.fd_ns = fastest([&] { value = witness->value(Quantity::kQdd, state); });
-    out.fd_error = errorOf(value, truth);
+/// An outside engine, through its witness.
+class Engine : public GrowthMethod {
+ public:
+  Engine(const WitnessKind& kind, const scene::Scene& scene) : witness_(kind.make(scene)) {}
+  bool knowsInverse() const override { return witness_->answers(Quantity::kTau); }
+  bool knowsForward() const override { return witness_->answers(Quantity::kQdd); }
+  void set(const scene::State<double>& state) override { state_ = &state; }
+  void inverseDynamics() override { value_ = witness_->value(Quantity::kTau, *state_); }
+  void forwardDynamics() override { value_ = witness_->value(Quantity::kQdd, *state_); }
+  const Eigen::MatrixXd& result() const override { return value_; }
+
+ private:
+  std::unique_ptr<Witness> witness_;
+  const scene::State<double>* state_ = nullptr;
+  Eigen::MatrixXd value_;
+};
+
+/// How long and how often to measure.
+struct Effort {
+  int builds, calls;
+  double enough;  ///< [s]
+};
+constexpr Effort kForOurs = {3, 5, 0.4}, kForEngines = {1, 2, 0.1};
+
+/// Builds and asks; `make` returns a GrowthMethod, `told` takes what is known so far.
+template <typename Make, typename Told>
+void measure(const Make& make, const scene::State<double>& state, const MatrixOf<Ball>* truth,
+             const Effort& effort, const Told& told) {
+  Numbers out;
+  std::unique_ptr<GrowthMethod> method;
+  const double bytes = heapBytes(), held = processBytes("RssAnon:");
+  double fastest_build = std::numeric_limits<double>::infinity(), spent = 0;
+  for (int k = 0; k < effort.builds && spent < effort.enough; ++k) {
+    method.reset();
+    const double start = cpuSeconds();
+    method = make();
+    const double took = cpuSeconds() - start;
+    fastest_build = std::min(fastest_build, took);
+    spent += took;
   }
-  value.resize(0, 0);
-  out.bytes = heapBytes() - bytes;
-  return out;
+  out.build_ns = fastest_build / 1e-9;
+  told(out);
+  double of_caller = heapBytes();
+  method->set(state);
+  of_caller = heapBytes() - of_caller;
+  if (method->knowsInverse())
+    out.id_ns = fastest(effort.calls, effort.enough, [&] { method->inverseDynamics(); });
+  told(out);
+  if (method->knowsForward()) {
+    out.fd_ns = fastest(effort.calls, effort.enough, [&] { method->forwardDynamics(); });
+    out.fd_error = errorOf(method->result(), truth);
+  }
+  out.bytes = heapBytes() - bytes - of_caller;
+  out.peak_bytes = processBytes("VmHWM:") - processBytes("RssFile:") - held;
+  told(out);
 }
 
-/// Runs work() in a copy of this process. @return "", or why it did not come to its end
+/// Runs work(told) in a copy of this process. @return "", or why it did not come to its end
 template <typename Work>
-std::string apart(const Work& work, Numbers* out) {
+std::string apart(const Work& work, int patience, Numbers* out) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("no process");
   if (child == 0) {
     close(ends[0]);
-    const rlimit limit = {kMostMemory, kMostMemory};
-    setrlimit(RLIMIT_AS, &limit);
-    int status = 1;
+    const rlimit memory = {kMostMemory, kMostMemory};
+    setrlimit(RLIMIT_AS, &memory);
+    if (patience > 0) {
+      const rlimit time = {static_cast<rlim_t>(patience), static_cast<rlim_t>(patience) + 1};
+      setrlimit(RLIMIT_CPU, &time);
+    }
+    int status = 0;
     try {
-      const Numbers numbers = work();
-      status = write(ends[1], &numbers, sizeof numbers) == sizeof numbers ? 0 : 1;
+      work([&](const Numbers& numbers) {
+        if (write(ends[1], &numbers, sizeof numbers) != sizeof numbers) throw std::runtime_error("no pipe");
+      });
     } catch (const std::bad_alloc&) {
       status = 2;
     } catch (const std::exception&) {
+      status = 1;
     }
     _exit(status);
   }
   close(ends[1]);
-  const bool is_there = read(ends[0], out, sizeof *out) == sizeof *out;
+  int stages = 0;
+  for (Numbers numbers; read(ends[0], &numbers, sizeof numbers) == sizeof numbers; ++stages) *out = numbers;
   close(ends[0]);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (is_there) return "";
-  if (WIFSIGNALED(status)) return fmt::format("died: {}", strsignal(WTERMSIG(status)));
-  return WEXITSTATUS(status) == 2 ? "out of memory" : "refused";
+  constexpr const char* kStages[] = {"building", "inverse dynamics", "forward dynamics", "the end"};
+  const std::string at = kStages[std::min(stages, 3)];
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
+    return fmt::format("{}: given up after {} s of CPU time", at, patience);
+  if (WIFSIGNALED(status)) return fmt::format("{}: died: {}", at, strsignal(WTERMSIG(status)));
+  if (WEXITSTATUS(status) == 2) return at + ": out of memory";
+  return WEXITSTATUS(status) == 0 ? "" : at + ": refused";
 }
 
 std::vector<int> sizesUpTo(int most) {
@@ -136,6 +199,28 @@ std::vector<int> sizesUpTo(int most) {
   sizes.push_back(most);
   return sizes;
 }
+
+/// One family at one size: what all methods are asked.
+struct Question {
+  Question(const std::string& family, int links, const GrowthOptions& options) {
+    const std::string name = fmt::format("{}_{}", family, links);
+    malloc_trim(0);  // what earlier sizes freed would be taken again and not be seen
+    scene_bytes = processBytes("RssAnon:");
+    scene_ns = fastest(1, kForOurs.enough / 4, [&] {
+      scene = {};
+      if (!scene::findFamily(name, &scene)) throw std::invalid_argument("growth: no family " + name);
+    });
+    state = drawState(scene.mechanism, scene.name, options.seed, 0);
+    scene_bytes = processBytes("RssAnon:") - scene_bytes;
+    if (links <= options.most_links_with_truth)
+      truth = Truth(scene.mechanism, Truth::kAccuracy, kMostBits)(Quantity::kQdd, state);
+    malloc_trim(0);
+  }
+  scene::Scene scene;
+  scene::State<double> state;
+  Certified truth;
+  double scene_ns = 0, scene_bytes = 0;
+};
 
 }  // namespace
 
@@ -146,110 +231,35 @@ std::vector<GrowthPoint> growth(const std::vector<WitnessKind>& engines, const G
     std::set<std::string> given_up;
     for (const int links : sizesUpTo(options.most_links)) {
       if (progress) progress(fmt::format("{}_{}", family, links));
-      scene::Scene scene;
-      if (!scene::findFamily(fmt::format("{}_{}", family, links), &scene))
-        throw std::invalid_argument(fmt::format("growth: no family {}_{}", family, links));
-      const scene::State<double> state = drawState(scene.mechanism, scene.name, options.seed, 0);
-      Certified truth;
-      if (links <= options.most_links_with_truth)
-        truth = Truth(scene.mechanism)(Quantity::kQdd, state);
-      const auto add = [&](const std::string& method, const auto& make) {
+      const Question question(family, links, options);
+      const auto add = [&](const std::string& method, const Effort& effort, int patience, const auto& make) {
         if (given_up.count(method)) return;
-        GrowthPoint point{family, links, method, 0, 0, 0, 0, 0, ""};
-        Numbers numbers{};
-        timespec begin{}, end{};
-        clock_gettime(CLOCK_MONOTONIC, &begin);
+        GrowthPoint point{family, links, method};
+        Numbers numbers;
+        const MatrixOf<Ball>* truth = question.truth.exists() ? &question.truth.value : nullptr;
         point.failure = apart(
-            [&] { return measure(make, state, truth.exists() ? &truth.value : nullptr); }, &numbers);
-        clock_gettime(CLOCK_MONOTONIC, &end);
-        if (!point.failure.empty()) {
-          numbers = {kNothing, kNothing, kNothing, kNothing, kNothing};
-          given_up.insert(method);
-        }
+            [&](const auto& told) { measure(make, question.state, truth, effort, told); }, patience, &numbers);
+        if (!point.failure.empty()) given_up.insert(method);
         point.id_ns = numbers.id_ns / links;
         point.fd_ns = numbers.fd_ns / links;
+        point.scene_ns = question.scene_ns / links;
         point.build_ns = numbers.build_ns / links;
-        point.bytes = numbers.bytes / links;
+        point.bytes = links < kFewestWithBytes ? kNothing : numbers.bytes / links;
+        point.peak_bytes =
+            links < kFewestWithPeak ? kNothing : (numbers.peak_bytes + question.scene_bytes) / links;
         point.fd_error = numbers.fd_error;
         points.push_back(point);
-        const double took = static_cast<double>(end.tv_sec - begin.tv_sec);
-        if (took > options.patience && method != kFastMethod && method != kTextbookMethod)
-          given_up.insert(method);
       };
-      add(kFastMethod, [&] { return fastForGrowth(scene.mechanism); });
-      add(kTextbookMethod, [&] { return textbookForGrowth(scene.mechanism); });
+      const scene::Scene& scene = question.scene;
+      add(kFastMethod, kForOurs, 0, [&] { return fastForGrowth(scene.mechanism); });
+      add(kTextbookMethod, kForOurs, 0, [&] { return textbookForGrowth(scene.mechanism); });
       for (const WitnessKind& engine : engines)
-        if (engine.info.present) add(engine.info.name, [&] { return engine.make(scene); });
+        if (engine.info.present)
+          add(engine.info.name, kForEngines, options.patience,
+              [&] { return std::make_unique<Engine>(engine, scene); });
     }
   }
   return points;
-}
-
-std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOptions& options) {
-  std::string failures, rows;
-  const auto number = [](double x, const char* format) {
-    return std::isnan(x) ? std::string() : fmt::format(fmt::runtime(format), x);
-  };
-  for (const GrowthPoint& p : points) {
-    if (!p.failure.empty())
-      failures += fmt::format("# {} at {}_{}: {}\n", p.method, p.family, p.links, p.failure);
-    rows += fmt::format("{},{},{},{},{},{},{},{}\n", p.family, p.links, p.method, number(p.id_ns, "{:.1f}"),
-                        number(p.fd_ns, "{:.1f}"), number(p.build_ns, "{:.0f}"),
-                        number(p.bytes, "{:.0f}"), number(p.fd_error, "{:.2e}"));
-  }
-  return fmt::format(
-             "# chains and binary trees of equal links, state 0 of seed {}\n"
-             "# time: CPU time of one call a link, cosines and sines included, fastest; engines through "
-             "their witness\n"
-             "# fd_error: largest |qdd - truth| / largest |truth|, truth certified by ball arithmetic, up to "
-             "{} links\n# machine: {}\n",
-             options.seed, options.most_links_with_truth, oneLine(thisEnvironment().cpu)) +
-         failures +
-         "family,links,method,id_ns_per_link,fd_ns_per_link,build_ns_per_link,bytes_per_link,fd_error\n" +
-         rows;
-}
-
-std::string growthScript(const std::vector<GrowthPoint>& points, const std::string& family,
-                         const std::string& style) {
-  // colour and marker of a method as in the other charts
-  static const std::map<std::string, int> kLines = {{kFastMethod, 1}, {kTextbookMethod, 5}, {"simbody", 11},
-                                                    {"mujoco_principal", 12}, {"dart", 13},
-                                                    {"kdl", 14}, {"mujoco", 15}};
-  std::vector<std::string> methods;
-  for (const GrowthPoint& p : points)
-    if (p.family == family && std::find(methods.begin(), methods.end(), p.method) == methods.end())
-      methods.push_back(p.method);
-  const auto plot = [&](int column, bool with_titles) {
-    std::string text = "plot ";
-    for (std::size_t i = 0; i < methods.size(); ++i) {
-      const auto line = kLines.find(methods[i]);
-      text += fmt::format(
-          "{}'growth.csv' using (strcol(1) eq '{}' && strcol(3) eq {} && strlen(strcol({})) ? $2 : NaN):{} "
-          "with linespoints linetype {} {}",
-          i == 0 ? "" : ", \\\n     ", family, gnuplotString(methods[i]), column, column == 8 ? "8" : fmt::format("(1e-9 * ${})", column),
-          line != kLines.end() ? line->second : 16,
-          with_titles ? "title " + gnuplotString(methods[i]) : std::string("notitle"));
-    }
-    return text + "\n";
-  };
-  return fmt::format(
-             "# Growth of forward dynamics. Draw again with:  gnuplot {0}.gp\n"
-             "do for [dark = 0:1] {{\nload '{1}'\n"
-             "set terminal svg size 1000,480 noenhanced\n"
-             "set output dark ? '{0}_dark.svg' : '{0}.svg'\nset multiplot\n"
-             "set label 1 'Forward dynamics of {2}: lower is better' at screen 0.5, screen 0.96 center "
-             "textcolor rgb ink font ',15'\n"
-             "set tmargin at screen 0.86\nset bmargin at screen 0.28\nset logscale xy\n"
-             "set format x '1e%T'\nset micro\nset xlabel 'links'\n"
-             "set key at screen 0.5, screen 0.105 center center vertical Left reverse maxrows {3}\n"
-             "set lmargin at screen 0.085\nset rmargin at screen 0.47\n"
-             "set title 'CPU time a link' textcolor rgb soft\nset format y '%.0s %cs'\n",
-             family, style, family == "tree" ? "binary trees" : "chains", (methods.size() + 3) / 4) +
-         plot(5, true) +
-         "unset label\nset lmargin at screen 0.575\nset rmargin at screen 0.97\nunset key\n"
-         "set title 'Error: largest |qdd - truth| / largest |truth|' textcolor rgb soft\n"
-         "set format y '1e%T'\n" +
-         plot(8, false) + "unset multiplot\nunset output\nreset\n}\n";
 }
 
 }  // namespace dynwitness::crosscheck

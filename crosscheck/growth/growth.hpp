@@ -2,6 +2,7 @@
 // How time, memory and digits grow with the number of links, of our sweeps and of the engines.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -16,11 +17,16 @@ struct GrowthPoint {
   int links = 0;
   std::string method;  ///< "fast", "textbook", or an outside engine's name
   double id_ns = 0, fd_ns = 0;  ///< CPU time a link of one call [ns], fastest
+  double scene_ns = 0;          ///< from nothing to the scene, a link [ns]
   double build_ns = 0;          ///< from the scene to what is asked, a link [ns]
-  double bytes = 0;             ///< kept on the heap, a link
-  /// Of forward dynamics: largest |entry - truth| / largest |truth|; the truth is certified.
+  /// Kept on the heap to be asked again, a link; without the scene, and without the caller's arrays;
+  /// from 16 links.
+  double bytes = 0;
+  /// The most that scene, building and asking take of the process together, a link; from 4096 links.
+  double peak_bytes = 0;
+  /// Of forward dynamics: largest |entry - truth| / largest |truth|, certified from above.
   double fd_error = 0;
-  std::string failure;  ///< why there is nothing: it died, or was given up
+  std::string failure = {};  ///< why something is missing: it died, or was given up, and doing what
 };
 
 struct GrowthOptions {
@@ -29,25 +35,59 @@ struct GrowthOptions {
   std::uint64_t seed = 1;
   /// Up to how many links the certified truth is computed.
   int most_links_with_truth = 4096;
-  /// An engine that took longer than this [s] for all of a size is not asked for a larger one.
-  double patience = 1;
+  /// CPU time [s] that an engine gets at one size, whole seconds; one that needs more is given up.
+  int patience = 10;
 };
 
 /** Powers of four from 1 to options.most_links, and that number itself: chain_N and tree_N of
     scene/families.hpp at their first seeded state.
 
     Every measurement runs in a process of its own: its memory is its own, and an engine that dies
-    does so alone. Ours are "fast" (recursive/fast/) and "textbook" (recursive/); neither forms M. */
+    does so alone. Ours are "fast" (recursive/fast/) and "textbook" (recursive/); neither forms M, which
+    at 10^6 links would take 8 TB. No process may take more than 8 GB. */
 std::vector<GrowthPoint> growth(const std::vector<WitnessKind>& engines, const GrowthOptions& options,
                                 const std::function<void(const std::string&)>& progress = {});
 
-/// `family,links,method,id_ns_per_link,fd_ns_per_link,build_ns_per_link,bytes_per_link,fd_error`
-/// under `#` lines.
-std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOptions& options);
+/// The last-level cache of the first processor [bytes]; 0: the system does not say.
+double lastLevelCache();
+
+/// Something that was asked of the fast sweeps, and what was measured.
+struct GrowthGoal {
+  std::string goal, unit;
+  std::string family;
+  double limit = 0;
+  bool is_least = false;  ///< the limit is to be reached, not kept
+  double measured = 0;    ///< not-a-number: not measured
+  int links = 0;          ///< where
+  bool is_time = false;   ///< a busy machine can miss it
+
+  bool isMeasured() const;
+  bool isReached() const;
+};
+
+/** The goals, family by family, in the order in which they are told:
+
+    - the slowest ID and FD a link against that at 64 links, as long as what is kept and the caller's
+      arrays fit into the last-level cache (1.5), and beyond it (3);
+    - the slowest scene and model a link beyond 4096 links against the fastest from 64 to 4096 (3);
+    - bytes kept a link, from 64 links on (1500);
+    - the whole process at 10^6 links (4 GB);
+    - digits of FD at the largest number of links up to 4096 whose truth is certified (14). */
+std::vector<GrowthGoal> growthGoals(const std::vector<GrowthPoint>& points, double cache);
+
+/// How many links of a family fit into a cache of this size, with the caller's five arrays; 0: not known.
+int linksInCache(const std::vector<GrowthPoint>& points, const std::string& family, double cache);
+
+/// One row a point, under `#` lines and before them.
+std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOptions& options, double cache);
+
+/// The same for programs; crosscheck/report/growth.schema.json says what it is.
+std::string growthJson(const std::vector<GrowthPoint>& points, const GrowthOptions& options, double cache,
+                       const std::string& version);
 
 /// Draws FAMILY.svg and FAMILY_dark.svg from growth.csv beside it.
 /// @param style  the path of style.gp, as seen from the script's folder
-std::string growthScript(const std::vector<GrowthPoint>& points, const std::string& family,
+std::string growthScript(const std::vector<GrowthPoint>& points, const std::string& family, double cache,
                          const std::string& style);
 
 }  // namespace dynwitness::crosscheck

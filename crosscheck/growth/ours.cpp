@@ -1,71 +1,71 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/growth/ours.hpp"
 
-#include <stdexcept>
-
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "recursive/fast/dynamics.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
-class Ours : public Witness {
- public:
-  explicit Ours(const char* name) : name_(name) {}
-  const std::string& name() const override { return name_; }
-  bool answers(Quantity quantity) const override {
-    return quantity == Quantity::kTau || quantity == Quantity::kQdd;
-  }
-  Answer answer(Quantity, const scene::State<double>&) override {
-    throw std::logic_error("growth has no use for bounds");
-  }
-
- private:
-  std::string name_;
-};
-
-class Fast : public Ours {
+/// Keeps fast::Dynamics as every caller does: plan, joint positions and what the sweeps write on, that of
+/// the mass matrix too. The model is let go once the plan stands.
+class Fast : public GrowthMethod {
  public:
   explicit Fast(const scene::Mechanism& m)
-      : Ours(kFastMethod), sweeps_(recursive::buildModel(m, scene::RealNumbers<double>(m))) {}
-  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& s) override {
+      : sweeps_(recursive::buildModel(m, scene::RealNumbers<double>(m))) {}
+  void set(const scene::State<double>& s) override {
     q_.resize(s.x.size());
     for (std::size_t i = 0; i < q_.size(); ++i) q_[i] = s.x[i].q;
-    Eigen::MatrixXd out(sweeps_.plan().dof, 1);
-    if (quantity == Quantity::kTau)
-      sweeps_.inverseDynamics(q_.data(), s.qd.data(), s.qdd.data(), out.data());
-    else
-      sweeps_.forwardDynamics(q_.data(), s.qd.data(), s.tau.data(), out.data());
-    return out;
+    qd_ = s.qd;
+    qdd_ = s.qdd;
+    tau_ = s.tau;
+    out_.resize(sweeps_.plan().dof, 1);
   }
+  void inverseDynamics() override {
+    sweeps_.inverseDynamics(q_.data(), qd_.data(), qdd_.data(), out_.data());
+  }
+  void forwardDynamics() override {
+    sweeps_.forwardDynamics(q_.data(), qd_.data(), tau_.data(), out_.data());
+  }
+  const Eigen::MatrixXd& result() const override { return out_; }
 
  private:
   recursive::fast::Dynamics sweeps_;
-  std::vector<double> q_;
+  std::vector<double> q_, qd_, qdd_, tau_;
+  Eigen::MatrixXd out_;
 };
 
-class Textbook : public Ours {
+class Textbook : public GrowthMethod {
  public:
   explicit Textbook(const scene::Mechanism& m)
-      : Ours(kTextbookMethod), setup_(recursive::buildModel(m, scene::RealNumbers<double>(m))) {}
-  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& s) override {
-    // cosines and sines are paid for here as everywhere
-    for (scene::JointPosition<double>& x : (state_ = s).x) x = scene::jointPosition(x.q);
-    if (quantity == Quantity::kTau) return NewtonEuler::answer(setup_, quantity, state_);
-    return ArticulatedBody::answer(setup_, quantity, state_);
+      : setup_(recursive::buildModel(m, scene::RealNumbers<double>(m))) {}
+  void set(const scene::State<double>& s) override { state_ = s; }
+  void inverseDynamics() override {
+    turn();
+    out_ = NewtonEuler::answer(setup_, Quantity::kTau, state_);
   }
+  void forwardDynamics() override {
+    turn();
+    out_ = ArticulatedBody::answer(setup_, Quantity::kQdd, state_);
+  }
+  const Eigen::MatrixXd& result() const override { return out_; }
 
  private:
+  /// Cosines and sines are paid for here as everywhere.
+  void turn() {
+    for (scene::JointPosition<double>& x : state_.x) x = scene::jointPosition(x.q);
+  }
   Setup<double> setup_;
   scene::State<double> state_;
+  Eigen::MatrixXd out_;
 };
 
 }  // namespace
 
-std::unique_ptr<Witness> fastForGrowth(const scene::Mechanism& mechanism) {
+std::unique_ptr<GrowthMethod> fastForGrowth(const scene::Mechanism& mechanism) {
   return std::make_unique<Fast>(mechanism);
 }
-std::unique_ptr<Witness> textbookForGrowth(const scene::Mechanism& mechanism) {
+std::unique_ptr<GrowthMethod> textbookForGrowth(const scene::Mechanism& mechanism) {
   return std::make_unique<Textbook>(mechanism);
 }
 
