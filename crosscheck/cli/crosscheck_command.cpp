@@ -14,6 +14,7 @@
 #include "crosscheck/processes.hpp"
 #include "crosscheck/random_mechanism.hpp"
 #include "crosscheck/report/json.hpp"
+#include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/report.hpp"
 #include "crosscheck/tables.hpp"
 
@@ -158,6 +159,7 @@ int run(const Arguments& arguments) {
       std::filesystem::weakly_canonical(arguments.report))
     requireWritableFile(json);
 
+  const std::function<std::string()> gnuplot = askGnuplotVersion();
   CrosscheckResult result;
   result.seed = arguments.options.seed;
   result.states = arguments.options.states;
@@ -181,7 +183,7 @@ int run(const Arguments& arguments) {
                                      std::min(arguments.options.states, kMostChartStates),
                                      arguments.options.seed));
     progress.stage("report");
-    const Environment environment = thisEnvironment(libraries);
+    const Environment environment = thisEnvironment(libraries, gnuplot());
     writeReport(result, environment, arguments.report, charts, bench ? &*bench : nullptr);
     if (!arguments.json.empty())
       writeWholeFile(arguments.json, reportJson(result, environment, bench ? benchJson(*bench) : std::string()));

@@ -73,7 +73,8 @@ std::string utcDate(long long seconds) {
                      utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec);
 }
 
-Environment thisEnvironment(const std::vector<Environment::Library>& more) {
+Environment thisEnvironment(const std::vector<Environment::Library>& more,
+                            const std::string& gnuplot) {
   Environment e;
   e.version = DYNWITNESS_VERSION;
   e.commit = DYNWITNESS_COMMIT;
@@ -92,7 +93,7 @@ Environment thisEnvironment(const std::vector<Environment::Library>& more) {
       {"nlohmann_json", triple(NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
                                NLOHMANN_JSON_VERSION_PATCH)},
       {"CLI11", CLI11_VERSION},
-      {"gnuplot", gnuplotVersion()},
+      {"gnuplot", gnuplot.empty() ? gnuplotVersion() : gnuplot},
   };
   e.libraries.insert(e.libraries.end(), more.begin(), more.end());
   return e;
