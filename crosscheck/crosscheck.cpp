@@ -5,14 +5,20 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/archive.hpp"
 #include "crosscheck/digits.hpp"
 #include "crosscheck/drift.hpp"
 #include "crosscheck/exact.hpp"
+#include "crosscheck/processes.hpp"
 #include "crosscheck/tables.hpp"
 #include "symbolic/derivation.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
+
+/// What of a scene's crosscheck asks for nothing that another part finds; the longest first.
+enum class Part { kWitnesses, kLaws, kExact, kTables };
+constexpr int kParts = 4;
 
 /// "shoulder (revolute)"
 std::string jointLabel(const scene::Link& link) {
@@ -116,31 +122,97 @@ void requireMotion(const scene::Scene& scene) {
     throw scene::InputError({scene.file.string()}, "no joint moves, expected at least one that does");
 }
 
+namespace {
+
+SceneResult crosscheckPart(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+                           const Options& options, int part) {
+  SceneResult result;
+  switch (static_cast<Part>(part)) {
+    case Part::kWitnesses: {
+      DigitsFound truth = askWitnesses(scene, kinds, options, result.checks);
+      append(result.checks, std::move(truth.checks));
+      result.digits = std::move(truth.digits);
+      result.findings = std::move(truth.losses);
+      break;
+    }
+    case Part::kLaws:
+      describe(scene, result);
+      result.equations = equationsOf(scene.mechanism);
+      result.checks = checkIdentities(scene, options);
+      if (options.drift && conservesEnergy(scene.mechanism)) result.drift = measureDrift(scene, {});
+      break;
+    case Part::kExact: {
+      ExactOptions exact;
+      exact.seed = options.seed;
+      exact.error_probability = options.error_probability;
+      exact.parameters = options.parameters;
+      for (const WitnessKind& kind : kinds) exact.witnesses.push_back(kind.info.name);
+      result.checks = exactChecks(scene, exact);
+      break;
+    }
+    case Part::kTables:
+      for (const std::filesystem::path& table : bundledTables())
+        if (isAbout(table, scene)) append(result.checks, compareWithTable(table, scene, kinds));
+      break;
+  }
+  return result;
+}
+
+/// All parts of a scene, in their order, as one result.
+SceneResult assembled(std::vector<SceneResult> parts) {
+  const auto part = [&parts](Part p) -> SceneResult& { return parts.at(static_cast<int>(p)); };
+  SceneResult result = std::move(part(Part::kLaws));
+  std::vector<CheckResult> laws = std::move(result.checks);
+  result.checks = std::move(part(Part::kWitnesses).checks);
+  result.digits = std::move(part(Part::kWitnesses).digits);
+  append(result.checks, std::move(laws));
+  attachExact(result.checks, part(Part::kExact).checks);
+  result.findings = findOutliers(result.name, result.checks);
+  const std::vector<Finding>& losses = part(Part::kWitnesses).findings;
+  result.findings.insert(result.findings.end(), losses.begin(), losses.end());
+  append(result.checks, std::move(part(Part::kTables).checks));
+  if (result.drift) result.checks.push_back(checkDrift(*result.drift));
+  return result;
+}
+
+}  // namespace
+
 SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
                             const Options& options) {
   requireMotion(scene);
-  SceneResult result;
-  describe(scene, result);
-  result.equations = equationsOf(scene.mechanism);
-  DigitsFound truth = askWitnesses(scene, kinds, options, result.checks);
-  append(result.checks, std::move(truth.checks));
-  result.digits = std::move(truth.digits);
-  append(result.checks, checkIdentities(scene, options));
-  ExactOptions exact;
-  exact.seed = options.seed;
-  exact.error_probability = options.error_probability;
-  exact.parameters = options.parameters;
-  for (const WitnessKind& kind : kinds) exact.witnesses.push_back(kind.info.name);
-  attachExact(result.checks, exactChecks(scene, exact));
-  result.findings = findOutliers(scene.name, result.checks);
-  result.findings.insert(result.findings.end(), truth.losses.begin(), truth.losses.end());
-  for (const std::filesystem::path& table : bundledTables())
-    if (isAbout(table, scene)) append(result.checks, compareWithTable(table, scene, kinds));
-  if (options.drift && conservesEnergy(scene.mechanism)) {
-    result.drift = measureDrift(scene, {});
-    result.checks.push_back(checkDrift(*result.drift));
+  std::vector<SceneResult> parts;
+  for (int part = 0; part < kParts; ++part) parts.push_back(crosscheckPart(scene, kinds, options, part));
+  return assembled(std::move(parts));
+}
+
+std::vector<SceneResult> crosscheckScenes(const std::vector<scene::Scene>& scenes,
+                                          const std::vector<WitnessKind>& kinds,
+                                          const Options& options, int processes,
+                                          const std::function<void(int)>& done) {
+  const int count = static_cast<int>(scenes.size());
+  std::vector<SceneResult> results;
+  if (count >= processes) {  // whole scenes: their parts share what one process keeps of a scene
+    for (const std::string& bytes : inProcesses(
+             processes, count,
+             [&](int i) { return archived(crosscheckScene(scenes[i], kinds, options)); }, done))
+      results.push_back(sceneResultOf(bytes));
+    return results;
   }
-  return result;
+  for (const scene::Scene& scene : scenes) requireMotion(scene);
+  std::vector<int> parts_done(count, 0);
+  const std::vector<std::string> bytes = inProcesses(
+      processes, count * kParts,
+      [&](int i) { return archived(crosscheckPart(scenes[i / kParts], kinds, options, i % kParts)); },
+      [&](int i) {
+        if (++parts_done[i / kParts] == kParts && done) done(i / kParts);
+      });
+  for (int i = 0; i < count; ++i) {
+    std::vector<SceneResult> parts;
+    for (int part = 0; part < kParts; ++part)
+      parts.push_back(sceneResultOf(bytes[i * kParts + part]));
+    results.push_back(assembled(std::move(parts)));
+  }
+  return results;
 }
 
 }  // namespace dynwitness::crosscheck

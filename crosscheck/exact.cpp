@@ -395,10 +395,9 @@ std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters p
   sweep(NewtonEuler());
   sweep(CompositeBody());
   sweep(ArticulatedBody());
-  const bool plain_rotors = !scene.mechanism.hasGyroscopicRotors();
-  if (plain_rotors && isAsked(RecursiveLagrange<PrimeField>::kName))
+  if (isAsked(RecursiveLagrange<PrimeField>::kName))
     witnesses.push_back(recursiveLagrangeWitness(scene, [](auto&, const auto&) {}));
-  if (plain_rotors && !scene.mechanism.hasFriction() && isAsked("fast")) witnesses.push_back(fastWitness(scene));
+  if (isAsked("fast")) witnesses.push_back(fastWitness(scene));
   // a kernel is made for the numbers of its scene, and has no signs
   if (parameters == Parameters::kAsWritten && scene.mechanism.isOpenTree() &&
       !scene.mechanism.hasCoulombFriction() && isAsked("kernel"))

@@ -58,7 +58,7 @@ FormulationComparison compareFormulations(const scene::Scene& scene, const Simul
       options.method == implicit ? "runge_kutta_fehlberg78" : options.method;
   using F = Formulation;
   using S = Stabilisation;
-  const std::tuple<F, S, std::string> all[] = {
+  const std::tuple<F, S, std::string> all[kComparedFormulations] = {
       {F::kIndex1, S::kNone, explicit_one},       {F::kIndex1, S::kBaumgarte, explicit_one},
       {F::kIndex1, S::kProjection, explicit_one}, {F::kIndex1, S::kNone, implicit},
       {F::kIndex1, S::kProjection, implicit},     {F::kIndex2, S::kNone, implicit},

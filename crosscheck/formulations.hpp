@@ -31,6 +31,9 @@ struct FormulationComparison {
   std::vector<FormulationRun> runs;
 };
 
+/// How many runs a comparison has.
+inline constexpr int kComparedFormulations = 8;
+
 /** Runs index 1 (by the explicit method of the options: without help, Baumgarte, projection; by Radau IIA:
     without help, projection), index 2, index 3 and Gear, Leimkuhler and Gupta's (Radau IIA), from the same
     start. Errors are differences from an index 1 run with projection at the smallest step error that

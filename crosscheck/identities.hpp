@@ -338,7 +338,7 @@ class Identities {
   }
 
   /** The mechanism on a base that floats (its own, or what rests in the world is let go), and once more
-      with its last possible link as the root. A base let go gets an inertia, a pose and a twist: any
+      with its last link as the root. A base let go gets an inertia, a pose and a twist: any
       will do. */
   TwoSides<T> otherRoot(const scene::State<T>& state) const {
     using namespace recursive;
@@ -347,10 +347,9 @@ class Identities {
                         std::count_if(model_.links.begin(), model_.links.end(),
                                       [](const auto& link) { return link.parent < 0; }) == 1;
     const Model<T> model = floats ? model_ : onFloatingBase(model_, body);
-    int root = static_cast<int>(model.links.size()) - 1;
-    while (root > 0 && !canBeRoot(model, root)) --root;
-    if (root == 0) return {{}, {}, "no link but the base is reached by joints of one axis"};
-    const Rerooted<T> tree = reroot(model, root);
+    const int links = static_cast<int>(model.links.size());
+    if (links == 1) return {{}, {}, "a single body: there is no other link"};
+    const Rerooted<T> tree = reroot(model, links - 1);
 
     std::vector<JointPosition<T>> x(model.positions, JointPosition<T>{T(0), T(0), T(0)});
     std::vector<T> qd(model.dof(), T(0)), tau(model.dof(), T(0));
@@ -365,13 +364,16 @@ class Identities {
     Workspace<T> ws(model), ws_rooted(tree.model);
     std::vector<T> qdd(tau), qdd_rooted(tau);
     forwardDynamics(model, x, qd, tau, ws, qdd);
+    std::vector<T> qdd_turned(qdd);
+    rerootRates(tree, x, qdd_turned);
+    rerootForces(tree, x, tau);
     rerootState(model, tree, ws, x, qd);
     forwardDynamics(tree.model, x, qd, tau, ws_rooted, qdd_rooted);
 
-    const int n = model.dof() - 6, links = static_cast<int>(model.links.size());
+    const int n = model.dof() - 6;
     TwoSides<T> sides = {MatrixX(n + 12 * links, 1), MatrixX(n + 12 * links, 1)};
     for (int k = 0; k < n; ++k) {
-      sides.left(k, 0) = qdd[6 + k];
+      sides.left(k, 0) = qdd_turned[6 + k];
       sides.right(k, 0) = qdd_rooted[6 + k];
     }
     for (int i = 0; i < links; ++i) {

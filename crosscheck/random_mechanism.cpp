@@ -224,7 +224,7 @@ void checkOne(int index, int max_joints, const ExactOptions& options, RandomCamp
   RandomCampaign::Failure failure{randomScene(options.seed, index, max_joints), {}, {}};
   const std::vector<CheckResult> checks = exactChecks(failure.scene, options);
   for (const CheckResult& check : checks) {
-    // where joints of several axes are in the way there is no other root, and nothing to ask
+    // a single body has no other root, and there is nothing to ask
     if (check.verdict == Verdict::kNotAnswerable && check.check == "independence of the chosen root")
       continue;
     if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);

@@ -93,6 +93,7 @@ class Watch {
     if (out_->steps > kMostSteps)
       throw std::runtime_error(fmt::format("simulate: {} steps and only {} of {} s done", kMostSteps,
                                            time, options_.duration));
+    if (options_.progress) options_.progress(time);
   }
   void settled() {
     out_->rank_lowest = std::min(out_->rank_lowest, motion_.rank());

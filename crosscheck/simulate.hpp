@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct SimulateOptions {
   double baumgarte_rate = 20;  ///< w [1/s]
   Formulation formulation = Formulation::kIndex1;
   double step = 0.001;  ///< of implicit methods, whose steps are equal [s]
+  std::function<void(double time)> progress = {};  ///< called after each step
 };
 
 /// Adaptive explicit integrators of Boost.odeint, and Radau IIA (implicit.hpp).

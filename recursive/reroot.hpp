@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "recursive/energy.hpp"
@@ -45,38 +46,36 @@ struct Rerooted {
   Model<T> model;
   std::vector<int> link;        ///< old link -> new link
   std::vector<Transform<T>> X;  ///< old link's frame to new link's frame
+  /// New links whose joint has several axes and was turned round: its coordinates are others.
+  std::vector<int> turned;
 };
-
-/// Whether the joints from link 0 to this link have one axis at most, so that reroot() can turn them
-/// round.
-template <typename T>
-bool canBeRoot(const Model<T>& model, int link) {
-  for (; link > 0; link = model.links[link].parent)
-    if (axisCount(model.links[link].kind) > 1) return false;
-  return link == 0;
-}
 
 /** A floating tree (link 0 floats, and all others hang on it) with another link as the one that floats.
 
     Each joint on the way from the old root to the new one is turned round. With X_J(q) its motion and X_tree
     its place, what was  X = X_J(q) X_tree  from parent to link must be X^-1 from the new parent to its new
-    child. Let F be half a turn about x: it reverses z, so that X_J(-q) = F X_J(q) F for a turn about z, a slide
-    along z, and both. In the frame  F X_tree  (seen from the old parent's) the new child then moves by
+    child. A joint of one axis keeps its coordinate: let F be half a turn about x: it reverses z, so that
+    X_J(-q) = F X_J(q) F for a turn about z, a slide along z, and both. In the frame  F X_tree  (seen from the
+    old parent's) the new child then moves by
 
         X_J(q) F:    the same kind of joint with the same q, rates, forces, spring, rotor and pitch
 
     A gyroscopic rotor stays on its link, which is now the joint's child: its axis there is y = -z, and with
     w_p = w_i + y qd (without the last where the joint slides)  h qd z.w_p  becomes  -h qd y.w_i - h qd^2.
 
-    Joints keep their rates and positions; the first six and seven are those of the link that floats.
-    @throws std::invalid_argument  link 0 does not float, or a joint on the way has more than one axis */
+    Nothing reverses three axes at once: a spherical or floating joint gets the coordinates of X_J^-1, with its
+    new child in the frame X_tree; see rerootState().
+
+    The new root has the first six rates and seven positions.
+    @throws std::invalid_argument  link 0 does not float, or there is no such link */
 template <typename T>
 Rerooted<T> reroot(const Model<T>& model, int new_root) {
   const int n = static_cast<int>(model.links.size());
   if (n == 0 || model.links[0].kind != JointKind::kFloating || model.links[0].dof != 0)
     throw std::invalid_argument("reroot: model: expected a floating link 0");
-  if (new_root < 0 || new_root >= n || !canBeRoot(model, new_root))
-    throw std::invalid_argument("reroot: new_root: expected a link that joints of one axis connect to link 0");
+  if (new_root < 0 || new_root >= n)
+    throw std::invalid_argument("reroot: new_root: expected 0 to " + std::to_string(n - 1) + ", got " +
+                                std::to_string(new_root));
   Transform<T> F = Transform<T>::identity();
   F.R(1, 1) = F.R(2, 2) = T(-1);
 
@@ -104,10 +103,16 @@ Rerooted<T> reroot(const Model<T>& model, int new_root) {
       const int child = order[k - 1];
       link = model.links[child];
       link.parent = k - 1;
-      if (link.kind != JointKind::kPrismatic) link.rotor -= T(2) * link.spin;
-      link.spin = -link.spin;
-      link.X_tree = F * out.X[child].inverse();
-      out.X[i] = F * model.links[child].X_tree;
+      link.X_tree = out.X[child].inverse();
+      out.X[i] = model.links[child].X_tree;
+      if (axisCount(link.kind) > 1) {
+        out.turned.push_back(k);
+      } else {
+        link.X_tree = F * link.X_tree;
+        out.X[i] = F * out.X[i];
+        if (link.kind != JointKind::kPrismatic) link.rotor -= T(2) * link.spin;
+        link.spin = -link.spin;
+      }
     } else {
       link.parent = out.link[old.parent];
       link.X_tree = old.X_tree * out.X[old.parent].inverse();
@@ -126,13 +131,62 @@ Rerooted<T> reroot(const Model<T>& model, int new_root) {
   return out;
 }
 
-/** Positions and rates of a rerooted tree in the state of the old one: joints as they are, the new root
-    where it is in the world and with the twist that it has.
+namespace detail {
+
+/// X_J^-1 of a joint of several axes: the link's frame to the unmoved joint's.
+template <typename T>
+Transform<T> backThroughJoint(LinkModel<T> link, const std::vector<JointPosition<T>>& x) {
+  link.X_tree = Transform<T>::identity();
+  return AnyJoints::transform(link, x).inverse();
+}
+
+/// Six: Motion or Force.
+template <template <typename> class Six, typename T>
+void rerootJoints(const Rerooted<T>& tree, const std::vector<JointPosition<T>>& x, std::vector<T>& of_joints) {
+  for (const int k : tree.turned) {
+    const LinkModel<T>& link = tree.model.links[k];
+    const int axes = axisCount(link.kind);  // the last three, or all, of six
+    T* const at = of_joints.data() + link.dof;
+    Vector3<T> first = Vector3<T>::Constant(T(0)), second = first;
+    for (int a = 0; a < axes; ++a) (a < axes - 3 ? first(a) : second(a - (axes - 3))) = at[a];
+    const auto turned = (backThroughJoint(link, x) * Six<T>{first, second}).vector();
+    for (int a = 0; a < axes; ++a) at[a] = -turned(6 - axes + a);
+  }
+}
+
+}  // namespace detail
+
+/** Rates or accelerations of a rerooted tree's joints from those of the old one, at the old positions x:
+        V  becomes  -X_J^-1 V,  V'  becomes  -X_J^-1 V'
+    for a joint turned round with several axes (the derivative of X_J^-1 adds X_J^-1 V x V = 0); the others keep
+    theirs. The first six are left alone. */
+template <typename T>
+void rerootRates(const Rerooted<T>& tree, const std::vector<JointPosition<T>>& x, std::vector<T>& rates) {
+  detail::rerootJoints<Motion>(tree, x, rates);
+}
+/// The same for joint forces, which do the same work.
+template <typename T>
+void rerootForces(const Rerooted<T>& tree, const std::vector<JointPosition<T>>& x, std::vector<T>& tau) {
+  detail::rerootJoints<Force>(tree, x, tau);
+}
+
+/** Positions and rates of a rerooted tree in the state of the old one: the new root where it is in the world
+    and with the twist that it has; a joint turned round with several axes as X_J^-1, by its conjugate
+    quaternion; the others as they are.
     @param ws  of the old model; linkVelocities() writes on it */
 template <typename T>
 void rerootState(const Model<T>& old, const Rerooted<T>& tree, Workspace<T>& ws,
                  std::vector<JointPosition<T>>& x, std::vector<T>& qd) {
   linkVelocities(old, x, qd, ws);
+  rerootRates(tree, x, qd);
+  for (const int k : tree.turned) {
+    const LinkModel<T>& link = tree.model.links[k];
+    const Vector3<T> p = detail::backThroughJoint(link, x).p;
+    int slot = link.slot;
+    if (link.kind == JointKind::kFloating)
+      for (int axis = 0; axis < 3; ++axis) x[slot++].q = p(axis);
+    for (int i = 1; i < 4; ++i) x[slot + i].q = -x[slot + i].q;
+  }
   int root = 0;
   while (tree.link[root] != 0) ++root;
   Transform<T> X = Transform<T>::identity();  // world to root

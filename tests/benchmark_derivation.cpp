@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "benchmark_derivation.hpp"
+// How long the derivation of M, c and g takes, and how much memory, with SymPy's beside it.
+#include "benchmark_parts.hpp"
 
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <memory>
 #include <string>
 
@@ -22,7 +22,6 @@
 namespace dynwitness::benchmarks {
 namespace {
 
-constexpr const char* kPrefix = "derivation/";
 constexpr int kChain = 50;
 
 /// An arm of revolute joints of which nothing is parallel, centred or symmetric.
@@ -101,77 +100,33 @@ void sympy(benchmark::State& run, const scene::Scene& scene) {
       difference = std::max(difference, std::abs(mine - its));
       largest = std::max(largest, std::abs(mine));
     }
-    run.counters["difference"] = difference / largest;
+    run.counters["largest difference from ours, of the largest entry"] = difference / largest;
   }
 }
 
-struct Measured {
-  double seconds, megabytes, operations, difference;
-};
-std::map<std::string, Measured>& measured() {
-  static std::map<std::string, Measured> all;
-  return all;
-}
-
-struct Goal {
-  const char* name;
-  double seconds, megabytes;
-};
-constexpr Goal kGoals[] = {{"derivation/franka_panda", 0.020, 50}, {"derivation/chain_50", 0.5, 50}};
-
 }  // namespace
 
-void registerDerivations() {
+void registerDerivations(crosscheck::BenchResult* result) {
   const auto panda = std::make_shared<const scene::Scene>(scene::findScene("franka_panda"));
   const auto long_chain = std::make_shared<const scene::Scene>(chain(kChain));
+  addContender(result, {"lagrange", "dynwitness", true});
   for (const auto& [name, scene] : {std::pair("franka_panda", panda), std::pair("chain_50", long_chain)})
-    benchmark::RegisterBenchmark((std::string(kPrefix) + name).c_str(),
+    benchmark::RegisterBenchmark((std::string(name) + "/derivation/lagrange").c_str(),
                                  [scene = scene, megabytes = memoryOf(scene->mechanism)](
                                      benchmark::State& run) { derive(run, *scene, megabytes); })
         ->Unit(benchmark::kMillisecond);
   if (std::system(DYNWITNESS_PYTHON " -c 'import sympy' 2>/dev/null") != 0) {
-    std::fprintf(stderr, "SymPy is left out: %s has no module sympy (install python3-sympy)\n",
-                 DYNWITNESS_PYTHON);
+    result->left_out.push_back(
+        fmt::format("SymPy: {} has no module sympy (Debian: python3-sympy)", DYNWITNESS_PYTHON));
     return;
   }
-  benchmark::RegisterBenchmark("derivation/franka_panda/sympy",
+  addContender(result, {"sympy", "SymPy, Kane's method", false});
+  benchmark::RegisterBenchmark("franka_panda/derivation/sympy",
                                [panda](benchmark::State& run) { sympy(run, *panda); })
       ->Unit(benchmark::kMillisecond)
       ->UseManualTime()
-      ->Iterations(1);
-}
-
-bool keepDerivation(const benchmark::BenchmarkReporter::Run& run) {
-  const std::string& name = run.run_name.function_name;
-  if (name.rfind(kPrefix, 0) != 0) return false;
-  const auto counter = [&](const char* key) {
-    const auto it = run.counters.find(key);
-    return it == run.counters.end() ? std::nan("") : it->second.value;
-  };
-  const double seconds = (name.find("sympy") == std::string::npos ? run.GetAdjustedCPUTime()
-                                                                  : run.GetAdjustedRealTime()) / 1e3;
-  const auto [it, is_new] = measured().emplace(
-      name, Measured{seconds, counter("MB"), counter("operations"), counter("difference")});
-  if (!is_new) it->second.seconds = std::min(it->second.seconds, seconds);
-  return true;
-}
-
-void printDerivations() {
-  if (measured().empty()) return;
-  std::printf("\n%-34s %12s %12s %12s\n", "derivation of M, c, g", "CPU ms", "MB", "operations");
-  for (const auto& [name, run] : measured()) {
-    std::printf("%-34s %12.1f ", name.c_str() + std::string(kPrefix).size(), run.seconds * 1e3);
-    if (std::isnan(run.megabytes)) std::printf("%12s ", "");
-    else std::printf("%12.1f ", run.megabytes);
-    std::printf("%12.0f", run.operations);
-    for (const Goal& goal : kGoals)
-      if (goal.name == name)
-        std::printf("  goal %.0f ms, %.0f MB: %s", goal.seconds * 1e3, goal.megabytes,
-                    run.seconds <= goal.seconds && run.megabytes <= goal.megabytes ? "reached" : "MISSED");
-    if (!std::isnan(run.difference))
-      std::printf("  differs from ours by %.1g of the largest entry", run.difference);
-    std::printf("\n");
-  }
+      ->Iterations(1)
+      ->Repetitions(1);
 }
 
 }  // namespace dynwitness::benchmarks

@@ -17,8 +17,9 @@
 
 namespace dynwitness::benchmarks {
 
-/// A scene in MuJoCo, links on fixed joints fused. Joints keep the order of the file, which is that of
-/// the scene for a tree written depth first; timing does not mind another one.
+/// A scene in MuJoCo, links on fixed joints fused; springs and friction are left out. Joints keep the
+/// order of the file, which is that of the scene for a tree written depth first. Of a floating joint the
+/// linear rates are the world's in MuJoCo and the link's in the scene: the same work.
 class RawMujoco {
  public:
   explicit RawMujoco(const scene::Scene& scene) {
@@ -35,12 +36,13 @@ class RawMujoco {
     mj_deleteVFS(files.get());
     if (!model_) throw std::runtime_error(error);
     const scene::RealNumbers<double> number(scene.mechanism);
-    const std::vector<int> moving = scene.mechanism.movingLinks();
-    if (model_->nv != static_cast<int>(moving.size())) throw std::runtime_error("other joints");
-    for (int i = 0; i < model_->nv; ++i) {
-      const scene::Joint& joint = scene.mechanism.links[moving[i]].joint;
+    if (model_->nv != scene.mechanism.dof()) throw std::runtime_error("other joints");
+    int dof = 0;
+    for (const int link : scene.mechanism.movingLinks()) {
+      const scene::Joint& joint = scene.mechanism.links[link].joint;
       const double gear = number(joint.gear_ratio);
-      model_->dof_armature[i] = gear * gear * number(joint.rotor_inertia);
+      for (int k = 0; k < scene::degreesOfFreedom(joint.kind); ++k)
+        model_->dof_armature[dof++] = gear * gear * number(joint.rotor_inertia);
     }
     for (int k = 0; k < 3; ++k)
       model_->opt.gravity[k] = scene.mechanism.has_gravity ? number(scene.mechanism.gravity[k]) : 0;

@@ -1,49 +1,67 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Inverse dynamics, mass matrix and forward dynamics: our sweeps and the scene's own kernel beside the
-// engines, in one run on the same states. Read the ratios, not the nanoseconds.
-#include <benchmark/benchmark.h>
-
+// Inverse dynamics, mass matrix and forward dynamics: our sweeps and the scene's own kernel beside
+// the engines, in one run on the same states. Read the ratios, not the nanoseconds.
 #include <algorithm>
-#include <cstdio>
+#include <cmath>
 #include <map>
-#include <mutex>
-#include <optional>
+#include <memory>
+#include <stdexcept>
+#include <tuple>
 
-#include "benchmark_derivation.hpp"
+#include <fmt/format.h>
+
+#include "benchmark_kernels.hpp"
 #include "benchmark_mujoco.hpp"
-#include "fast_by_compiler.hpp"
+#include "benchmark_parts.hpp"
+#include "benchmark_simbody.hpp"
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/kernel/compiled.hpp"
-#include "crosscheck/kernel/kernel.hpp"
 #include "crosscheck/processes.hpp"
 #include "crosscheck/states.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "fast_by_compiler.hpp"
 
+namespace dynwitness::benchmarks {
 namespace {
 
-using namespace dynwitness;
-using namespace dynwitness::crosscheck;
+using namespace crosscheck;
 using kernel::Formula;
 
-constexpr int kStates = 1000;
-constexpr std::uint64_t kSeed = 1;
+/// A scene, its model and its states, read once.
+struct SceneStates {
+  scene::Scene scene;
+  recursive::Model<double> model;
+  std::vector<scene::State<double>> states;
+};
 
-/// A scene's model and states.
-struct Arm {
-  explicit Arm(const char* name)
-      : scene(scene::findScene(name)),
-        setup(recursive::buildModel(scene.mechanism,
-                                    scene::RealNumbers<double>(scene.mechanism))),
-        M(setup.model.dof(), setup.model.dof()),
-        out(setup.model.dof()) {
+const SceneStates& statesOf(const std::string& name) {
+  static std::mutex reading;
+  static std::map<std::string, SceneStates> all;
+  const std::lock_guard<std::mutex> lock(reading);
+  const auto [it, is_new] = all.try_emplace(name);
+  SceneStates& read = it->second;
+  if (is_new) {
+    read.scene = scene::findScene(name);
+    const scene::Mechanism& mechanism = read.scene.mechanism;
+    read.model = recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism));
     for (int k = 0; k < kStates; ++k)
-      states.push_back(drawState(scene.mechanism, scene.name, kSeed, k));
+      read.states.push_back(drawState(mechanism, read.scene.name, kSeed, k));
   }
+  return read;
+}
+
+/// What one contender works on.
+struct Arm {
+  explicit Arm(const std::string& name)
+      : scene(statesOf(name).scene),
+        states(statesOf(name).states),
+        setup(statesOf(name).model),
+        M(setup.model.dof(), setup.model.dof()),
+        out(setup.model.dof()) {}
   const scene::State<double>& next() { return states[index = (index + 1) % kStates]; }
 
-  scene::Scene scene;
+  const scene::Scene& scene;
+  const std::vector<scene::State<double>>& states;
   Setup<double> setup;
-  std::vector<scene::State<double>> states;
   recursive::MatrixX<double> M;
   std::vector<double> out;
   int index = 0;
@@ -57,32 +75,20 @@ const std::vector<scene::JointPosition<double>>& positions(
   return room;
 }
 
-void inverseDynamics(benchmark::State& run, const char* scene) {
+void textbook(benchmark::State& run, const std::string& scene, Formula formula) {
   Arm arm(scene);
+  const recursive::Model<double>& model = arm.setup.model;
   std::vector<scene::JointPosition<double>> x;
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
-    recursive::inverseDynamics(arm.setup.model, positions(s, x), s.qd, s.qdd, arm.setup.ws, arm.out);
+    if (formula == Formula::kMassMatrix)
+      recursive::massMatrix(model, positions(s, x), arm.setup.ws, arm.M);
+    else if (formula == Formula::kForwardDynamics)
+      recursive::forwardDynamics(model, positions(s, x), s.qd, s.tau, arm.setup.ws, arm.out);
+    else
+      recursive::inverseDynamics(model, positions(s, x), s.qd, s.qdd, arm.setup.ws, arm.out);
     benchmark::DoNotOptimize(arm.out.data());
-  }
-}
-
-void massMatrix(benchmark::State& run, const char* scene) {
-  Arm arm(scene);
-  std::vector<scene::JointPosition<double>> x;
-  for (auto _ : run) {
-    recursive::massMatrix(arm.setup.model, positions(arm.next(), x), arm.setup.ws, arm.M);
-    benchmark::DoNotOptimize(arm.M.data());
-  }
-}
-
-void forwardDynamics(benchmark::State& run, const char* scene) {
-  Arm arm(scene);
-  std::vector<scene::JointPosition<double>> x;
-  for (auto _ : run) {
-    const scene::State<double>& s = arm.next();
-    recursive::forwardDynamics(arm.setup.model, positions(s, x), s.qd, s.tau, arm.setup.ws, arm.out);
-    benchmark::DoNotOptimize(arm.out.data());
+    benchmark::ClobberMemory();
   }
 }
 
@@ -94,24 +100,27 @@ std::vector<std::vector<double>> positionsOf(const Arm& arm) {
   return q;
 }
 
-void fast(benchmark::State& run, const char* scene, const benchmarks::FastBy* by, Formula formula) {
+void fast(benchmark::State& run, const std::string& scene, const FastBy* by, Formula formula) {
   Arm arm(scene);
   const std::vector<std::vector<double>> q = positionsOf(arm);
   void* const sweeps = by->make(&arm.setup.model);
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
     const double *x = q[arm.index].data(), *qd = s.qd.data();
-    if (formula == Formula::kMassMatrix) by->massMatrix(sweeps, x, arm.M.data());
+    if (formula == Formula::kMassMatrix)
+      by->massMatrix(sweeps, x, arm.M.data());
     else if (formula == Formula::kForwardDynamics)
       by->forwardDynamics(sweeps, x, qd, s.tau.data(), arm.out.data());
-    else by->inverseDynamics(sweeps, x, qd, s.qdd.data(), arm.out.data());
+    else
+      by->inverseDynamics(sweeps, x, qd, s.qdd.data(), arm.out.data());
     benchmark::DoNotOptimize(arm.out.data());
     benchmark::ClobberMemory();
   }
   by->release(sweeps);
 }
 
-void engine(benchmark::State& run, const char* scene, const WitnessKind& kind, Quantity quantity) {
+void engine(benchmark::State& run, const std::string& scene, const WitnessKind& kind,
+            Quantity quantity) {
   Arm arm(scene);
   const std::unique_ptr<Witness> witness = kind.make(arm.scene);
   for (auto _ : run) benchmark::DoNotOptimize(witness->value(quantity, arm.next()));
@@ -119,25 +128,40 @@ void engine(benchmark::State& run, const char* scene, const WitnessKind& kind, Q
 
 // ---- kernels ------------------------------------------------------------------------------------
 
-/// The formula alone, so that one that takes the compiler long does not hold up the others.
-kernel::Kernel kernelOf(const scene::Scene& scene, Formula formula) {
-  kernel::KernelOptions options;
-  options.formulas = {formula};
-  return kernel::Kernel(scene.mechanism, options);
+/// Made once, one at a time, since GiNaC knows no threads. The formula alone, so that one that
+/// takes the compiler long does not hold up the others.
+const kernel::Kernel& kernelOf(const scene::Scene& scene, Formula formula,
+                               const KernelCompiler& compiler) {
+  static std::mutex making;
+  static std::map<std::tuple<std::string, Formula, std::string>, std::unique_ptr<kernel::Kernel>>
+      made;
+  const std::lock_guard<std::mutex> lock(making);
+  std::unique_ptr<kernel::Kernel>& kernel = made[{scene.name, formula, compiler.command}];
+  if (!kernel) {
+    const KernelEnvironment environment(compiler.command);
+    kernel::KernelOptions options;
+    options.formulas = {formula};
+    kernel = std::make_unique<kernel::Kernel>(scene.mechanism, options);
+  }
+  return *kernel;
 }
 
 void call(const kernel::Kernel& kernel, Formula formula, const double* q, const double* qd,
           const scene::State<double>& s, double* out) {
   switch (formula) {
-    case Formula::kMassMatrix: return kernel.massMatrix(q, out);
-    case Formula::kForwardDynamics: return kernel.forwardDynamics(q, qd, s.tau.data(), out);
-    default: return kernel.inverseDynamics(q, qd, s.qdd.data(), out);
+    case Formula::kMassMatrix:
+      return kernel.massMatrix(q, out);
+    case Formula::kForwardDynamics:
+      return kernel.forwardDynamics(q, qd, s.tau.data(), out);
+    default:
+      return kernel.inverseDynamics(q, qd, s.qdd.data(), out);
   }
 }
 
-void kernelOne(benchmark::State& run, const char* scene, Formula formula) {
+void kernelOne(benchmark::State& run, const std::string& scene, Formula formula,
+               const KernelCompiler& compiler) {
   Arm arm(scene);
-  const kernel::Kernel kernel = kernelOf(arm.scene, formula);
+  const kernel::Kernel& kernel = kernelOf(arm.scene, formula, compiler);
   const std::vector<std::vector<double>> q = positionsOf(arm);
   std::vector<double> out(static_cast<std::size_t>(kernel.dof()) * kernel.dof());
   for (auto _ : run) {
@@ -146,17 +170,16 @@ void kernelOne(benchmark::State& run, const char* scene, Formula formula) {
     benchmark::DoNotOptimize(out.data());
     benchmark::ClobberMemory();
   }
+  if (!*compiler.suffix)  // the program is the same whoever compiles it
+    run.counters["operations"] = kernel.road(formula).operations();
 }
 
-/// All states in one call, component by component; the table divides by their number. In several
-/// threads each has its own states; kernels are made one at a time, since GiNaC knows no threads.
-void kernelMany(benchmark::State& run, const char* scene, Formula formula) {
-  static std::mutex making;
-  std::unique_lock<std::mutex> lock(making);
+/// All states in one call, component by component. In several threads each has its own states.
+void kernelMany(benchmark::State& run, const std::string& scene, Formula formula,
+                const KernelCompiler& compiler) {
   Arm arm(scene);
-  const kernel::Kernel kernel = kernelOf(arm.scene, formula);
+  const kernel::Kernel& kernel = kernelOf(arm.scene, formula, compiler);
   const std::size_t n = kernel.dof();
-  lock.unlock();
   std::vector<double> q(arm.states[0].x.size() * kStates), qd(n * kStates), w(qd),
       out(n * n * kStates);
   for (int k = 0; k < kStates; ++k) {
@@ -177,162 +200,207 @@ void kernelMany(benchmark::State& run, const char* scene, Formula formula) {
     benchmark::DoNotOptimize(out.data());
     benchmark::ClobberMemory();
   }
+  run.counters[kStatesCounter] = benchmark::Counter(kStates, benchmark::Counter::kAvgThreads);
+}
+
+// ---- engines, called raw ------------------------------------------------------------------------
+
+/// The first state, with a floating link at rest and in the world's axes, where its rates are the
+/// same in everybody's conventions.
+scene::State<double> stateForCheck(const Arm& arm) {
+  scene::State<double> s = arm.states[0];
+  for (const recursive::LinkModel<double>& link : arm.setup.model.links) {
+    if (link.kind != recursive::JointKind::kFloating) continue;
+    for (int k = 3; k < 7; ++k) s.x[link.slot + k].q = k == 3 ? 1 : 0;
+    for (int k = 0; k < 6; ++k) s.qd[link.dof + k] = 0;
+  }
+  return s;
+}
+
+/// A wrong model would be timed in vain, and differs in the first digits. Later ones are the
+/// crosscheck's business: MuJoCo loses some when it reads the inertias.
+void requireSame(const std::vector<double>& ours, const std::vector<double>& its, const Arm& arm,
+                 const char* engine, const char* quantity) {
+  double difference = 0, largest = 0;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    difference = std::max(difference, std::abs(ours[i] - its[i]));
+    largest = std::max(largest, std::abs(ours[i]));
+  }
+  if (!(difference < largest / 1000))
+    throw std::logic_error(fmt::format("{}: {}: another model: {} differs by {:.2g}, the largest is {:.2g}",
+                                       arm.scene.name, engine, quantity, difference, largest));
+}
+
+/// @param tau  of an engine at stateForCheck(), without rotors and springs
+void requireSameModel(const Arm& arm, const std::vector<double>& tau, const char* engine) {
+  recursive::Model<double> model = arm.setup.model;
+  for (recursive::LinkModel<double>& link : model.links) link.rotor = link.stiffness = 0;
+  recursive::Workspace<double> workspace(model);
+  const scene::State<double> s = stateForCheck(arm);
+  std::vector<scene::JointPosition<double>> x;
+  std::vector<double> ours(s.qd.size());
+  recursive::inverseDynamics(model, positions(s, x), s.qd, s.qdd, workspace, ours);
+  requireSame(ours, tau, arm, engine, "tau");
 }
 
 #ifdef DYNWITNESS_HAS_MUJOCO
-void mujocoRaw(benchmark::State& run, const char* scene, Formula formula) {
+void mujocoRaw(benchmark::State& run, const std::string& scene, Formula formula) {
   Arm arm(scene);
-  benchmarks::RawMujoco mujoco(arm.scene);
+  RawMujoco mujoco(arm.scene);
+  mujoco.inverseDynamics(stateForCheck(arm), arm.out.data());
+  requireSameModel(arm, arm.out, "MuJoCo");
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
-    if (formula == Formula::kMassMatrix) mujoco.massMatrix(s);
-    else if (formula == Formula::kForwardDynamics) mujoco.forwardDynamics(s);
-    else mujoco.inverseDynamics(s, arm.out.data());
+    if (formula == Formula::kMassMatrix)
+      mujoco.massMatrix(s);
+    else if (formula == Formula::kForwardDynamics)
+      mujoco.forwardDynamics(s);
+    else
+      mujoco.inverseDynamics(s, arm.out.data());
     benchmark::DoNotOptimize(mujoco.results());
     benchmark::ClobberMemory();
   }
 }
 #endif
 
-// ---- the table ----------------------------------------------------------------------------------
-
-constexpr const char* kEngine = "mujoco_raw";
-constexpr const char* kLanes = "kernel_lanes";
-constexpr const char* kAllCores = "kernel_all_cores";
-constexpr const char* kSecond = "fast_second";
-
-/// How many times faster than MuJoCo, called raw, something is to be.
-struct Goal {
-  const char *scene, *formula, *way;
-  double times;
-};
-constexpr Goal kGoals[] = {
-    {"franka_panda", "ID", "fast", 5.8},      {"franka_panda", "ID", kSecond, 5.8},
-    {"franka_panda", "M", "fast", 5.4},       {"franka_panda", "M", kSecond, 5.4},
-    {"franka_panda", "FD", "fast", 3.4},      {"franka_panda", "FD", kSecond, 3.4},
-    {"humanoid", "ID", "fast", 4.8},          {"humanoid", "ID", kSecond, 4.8},
-    {"humanoid", "M", "fast", 4.4},           {"humanoid", "M", kSecond, 4.4},
-    {"humanoid", "FD", "fast", 3.5},          {"humanoid", "FD", kSecond, 3.5},
-    {"franka_panda", "ID", "kernel", 12},     {"franka_panda", "M", "kernel", 12},
-    {"franka_panda", "FD", "kernel", 8},      {"franka_panda", "ID", kLanes, 50},
-    {"franka_panda", "FD", kLanes, 25}};
-
-/// Prints what google-benchmark prints, and keeps the fastest time of each name.
-class Table : public benchmark::ConsoleReporter {
- public:
-  using ConsoleReporter::ConsoleReporter;
-  void ReportRuns(const std::vector<Run>& runs) override {
-    for (const Run& run : runs) {
-      if (run.error_occurred || run.run_type != Run::RT_Iteration) continue;
-      if (benchmarks::keepDerivation(run)) continue;
-      const std::string name = run.run_name.function_name;
-      const std::string way = name.substr(name.rfind('/') + 1);
-      // several threads: wall time over the calls of all
-      double ns = way == kAllCores ? run.GetAdjustedRealTime() : run.GetAdjustedCPUTime();
-      if (way == kLanes || way == kAllCores) ns /= kStates;
-      const auto [it, is_new] = ns_.emplace(name, ns);
-      if (!is_new) it->second = std::min(it->second, ns);
-    }
-    ConsoleReporter::ReportRuns(runs);
+void simbodyRaw(benchmark::State& run, const std::string& scene, Formula formula) {
+  Arm arm(scene);
+  const std::vector<std::vector<double>> q = positionsOf(arm);
+  RawSimbody simbody(arm.setup.model);
+  const scene::State<double> check = stateForCheck(arm);
+  std::vector<double> x_check;
+  for (const scene::JointPosition<double>& x : check.x) x_check.push_back(x.q);
+  simbody.inverseDynamics(x_check.data(), check.qd.data(), check.qdd.data());
+  const std::vector<double> tau = simbody.inModelOrder();
+  requireSameModel(arm, tau, "Simbody");
+  simbody.forwardDynamics(x_check.data(), check.qd.data(), tau.data());
+  requireSame(check.qdd, simbody.inModelOrder(), arm, "Simbody", "qdd");
+  for (auto _ : run) {
+    const scene::State<double>& s = arm.next();
+    const double *x = q[arm.index].data(), *qd = s.qd.data();
+    if (formula == Formula::kMassMatrix)
+      simbody.massMatrix(x);
+    else if (formula == Formula::kForwardDynamics)
+      simbody.forwardDynamics(x, qd, s.tau.data());
+    else
+      simbody.inverseDynamics(x, qd, s.qdd.data());
+    benchmark::DoNotOptimize(simbody.results());
+    benchmark::ClobberMemory();
   }
+}
 
-  void print() const {
-    std::printf("\n%-34s %12s %22s\n", "ns a state, fastest", "", "faster than MuJoCo raw");
-    for (const auto& [name, ns] : ns_) {
-      const std::optional<double> engine = engineFor(name);
-      std::printf("%-34s %12.1f", name.c_str(), ns);
-      if (engine) std::printf(" %19.1f x", *engine / ns);
-      std::printf("\n");
-    }
-    std::printf("\n%-34s %12s %12s\n", "goals, times MuJoCo raw", "goal", "measured");
-    for (const Goal& goal : kGoals) {
-      const std::string name = std::string(goal.scene) + "/" + goal.formula + "/" + goal.way;
-      const auto it = ns_.find(name);
-      const std::optional<double> engine = engineFor(name);
-      std::printf("%-34s %12.1f ", name.c_str(), goal.times);
-      if (it == ns_.end() || !engine) {
-        std::printf("%12s  not measured\n", "-");
-        continue;
-      }
-      const double times = *engine / it->second;
-      if (times >= goal.times) std::printf("%12.1f  reached\n", times);
-      else std::printf("%12.1f  MISSED: takes %.0f %% too long\n", times, 100 * (goal.times / times - 1));
-    }
-  }
+// ---- who takes part -----------------------------------------------------------------------------
 
- private:
-  std::optional<double> engineFor(const std::string& name) const {
-    const auto it = ns_.find(name.substr(0, name.rfind('/') + 1) + kEngine);
-    if (it == ns_.end()) return std::nullopt;
-    return it->second;
-  }
-  std::map<std::string, double> ns_;
-};
+std::string versionOf(const char* witness) {
+  for (const WitnessKind& kind : witnessKinds())
+    if (kind.info.name == witness) return kind.info.version;
+  return "";
+}
 
-/// Whether kernels can be made here; if not, the reason is told.
-bool kernelsAreThere() {
-  try {
-    kernel::findCompiler();
-    kernel::cacheFolder();
-    return true;
-  } catch (const kernel::CannotCompile& error) {
-    std::fprintf(stderr, "kernels are left out: %s\n", error.what());
-    return false;
-  }
+constexpr Formula kFormulas[] = {Formula::kInverseDynamics, Formula::kMassMatrix,
+                                 Formula::kForwardDynamics};
+Quantity quantityOf(Formula formula) {
+  return formula == Formula::kMassMatrix        ? Quantity::kM
+         : formula == Formula::kForwardDynamics ? Quantity::kQdd
+                                                : Quantity::kTau;
+}
+
+constexpr const char* kScenes[] = {"franka_panda", "humanoid", "humanoid_floating"};
+
+/// "SCENE/ID/BY" and so on.
+template <typename Function, typename... Arguments>
+std::vector<benchmark::internal::Benchmark*> add(BenchResult* result, const Contender& contender,
+                                                 const Function& function,
+                                                 const Arguments&... arguments) {
+  addContender(result, contender);
+  std::vector<benchmark::internal::Benchmark*> added;
+  for (const char* scene : kScenes)
+    for (const Formula formula : kFormulas)
+      added.push_back(benchmark::RegisterBenchmark(
+          fmt::format("{}/{}/{}", scene, kernel::name(formula), contender.name).c_str(),
+          [=](benchmark::State& run) {
+            try {
+              function(run, scene, formula, arguments...);
+            } catch (const std::exception& error) {
+              run.SkipWithError(error.what());
+            }
+          }));
+  return added;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  const bool with_kernels = kernelsAreThere();
-  for (const char* scene : {"franka_panda", "humanoid"}) {
-    const std::string name = scene;
-    benchmark::RegisterBenchmark((name + "/ID/recursive").c_str(), inverseDynamics, scene);
-    benchmark::RegisterBenchmark((name + "/M/recursive").c_str(), massMatrix, scene);
-    benchmark::RegisterBenchmark((name + "/FD/recursive").c_str(), forwardDynamics, scene);
-    for (const Formula formula :
-         {Formula::kInverseDynamics, Formula::kMassMatrix, Formula::kForwardDynamics}) {
-      const std::string label = name + "/" + kernel::name(formula) + "/";
+void addContender(BenchResult* result, const Contender& contender) {
+  for (const Contender& c : result->contenders)
+    if (c.name == contender.name) return;
+  result->contenders.push_back(contender);
+}
+
+void registerSweeps(BenchResult* result) {
 #ifdef DYNWITNESS_HAS_MUJOCO
-      benchmark::RegisterBenchmark((label + kEngine).c_str(), mujocoRaw, scene, formula);
+  add(result, {kRawMujoco, "MuJoCo " + versionOf("mujoco")}, mujocoRaw);
+#else
+  result->left_out.push_back(
+      "MuJoCo, and all ratios to it: it was not found when dynwitness was built");
 #endif
-      benchmark::RegisterBenchmark((label + "fast").c_str(), fast, scene, &benchmarks::kFastByOwn,
-                                   formula);
-#ifdef DYNWITNESS_SECOND_COMPILER
-      benchmark::RegisterBenchmark((label + kSecond).c_str(), fast, scene,
-                                   &benchmarks::kFastBySecond, formula);
-#endif
-      if (!with_kernels) continue;
-      benchmark::RegisterBenchmark((label + "kernel").c_str(), kernelOne, scene, formula);
-      benchmark::RegisterBenchmark((label + kLanes).c_str(), kernelMany, scene, formula);
-      benchmark::RegisterBenchmark((label + kAllCores).c_str(), kernelMany, scene, formula)
-          ->Threads(availableProcessors())
-          ->UseRealTime();
+  add(result, {kRawSimbody, "Simbody " + versionOf("simbody")}, simbodyRaw);
+  for (const WitnessKind& kind : witnessKinds()) {
+    // those that are not called raw; their conversions are timed with them
+    if (kind.info.version == DYNWITNESS_VERSION || kind.info.name.rfind("mujoco", 0) == 0 ||
+        kind.info.name == "simbody")
+      continue;
+    if (!kind.info.present) {
+      result->left_out.push_back(kind.info.name + ": it was not found when dynwitness was built");
+      continue;
     }
-    for (const WitnessKind& kind : witnessKinds()) {
-      const bool ours = kind.info.version == DYNWITNESS_VERSION;
-      if (ours || !kind.info.present) continue;
-      const auto add = [&](const char* label, Quantity quantity) {
-        if (!kind.make(scene::findScene(scene))->answers(quantity)) return;
-        benchmark::RegisterBenchmark((name + "/" + label + "/" + kind.info.name).c_str(), engine,
-                                     scene, kind, quantity);
-      };
-      add("ID", Quantity::kTau);
-      add("M", Quantity::kM);
-      add("FD", Quantity::kQdd);
+    const Contender contender{kind.info.name,
+                              kind.info.name + " " + kind.info.version + ", by its witness"};
+    addContender(result, contender);
+    for (const char* scene : kScenes) {
+      try {
+        const std::unique_ptr<Witness> witness = kind.make(statesOf(scene).scene);
+        witness->value(Quantity::kTau, statesOf(scene).states[0]);  // whether it takes the scene at all
+        for (const Formula formula : kFormulas)
+          if (witness->answers(quantityOf(formula)))
+            benchmark::RegisterBenchmark(
+                fmt::format("{}/{}/{}", scene, kernel::name(formula), kind.info.name).c_str(),
+                [=](benchmark::State& run) { engine(run, scene, kind, quantityOf(formula)); });
+      } catch (const std::exception& error) {
+        result->left_out.push_back(
+            fmt::format("{} on {}: {}", kind.info.name, scene, error.what()));
+      }
     }
   }
-  benchmarks::registerDerivations();
-  // results are kept unless the caller says where
-  std::string file = std::string("--benchmark_out=") + DYNWITNESS_BENCHMARKS_FILE;
-  std::vector<char*> arguments = {argv[0], file.data()};
-  arguments.insert(arguments.end(), argv + 1, argv + argc);
-  argc = static_cast<int>(arguments.size());
-  argv = arguments.data();
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  Table table;
-  benchmark::RunSpecifiedBenchmarks(&table);
-  table.print();
-  benchmarks::printDerivations();
+  const std::string own = kFastByOwn.compiler();
+  add(result, {"recursive", "textbook sweeps, " + own, true}, textbook);
+  add(result, {"fast", "fast sweeps, " + own, true},
+      [](benchmark::State& run, const std::string& scene, Formula f) {
+        fast(run, scene, &kFastByOwn, f);
+      });
+#ifdef DYNWITNESS_SECOND_COMPILER
+  add(result, {"fast_second", std::string("fast sweeps, ") + kFastBySecond.compiler(), true},
+      [](benchmark::State& run, const std::string& scene, Formula f) {
+        fast(run, scene, &kFastBySecond, f);
+      });
+#else
+  result->left_out.push_back(
+      "fast sweeps by a second C++ compiler: it was not found when dynwitness was built");
+#endif
+  const std::vector<KernelCompiler> compilers = kernelCompilers(&result->left_out);
+  for (const KernelCompiler& c : compilers)
+    add(result, {std::string("kernel") + c.suffix, "kernel, " + c.label, true}, kernelOne, c);
+  const std::string lanes = fmt::format("kernel, {} lanes", kernel::widestLanes());
+  for (const KernelCompiler& c : compilers)
+    add(result, {std::string("kernel_lanes") + c.suffix, lanes + ", " + c.label, true}, kernelMany,
+        c);
+  if (compilers.empty()) return;
+  const int cores = availableProcessors();
+  for (benchmark::internal::Benchmark* b :
+       add(result,
+           {"kernel_all_cores", fmt::format("the same on {} cores, {}", cores, compilers[0].label),
+            true},
+           kernelMany, compilers[0]))
+    b->Threads(cores)->UseRealTime();
 }
+
+}  // namespace dynwitness::benchmarks

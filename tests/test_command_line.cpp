@@ -337,12 +337,15 @@ BOOST_AUTO_TEST_CASE(help_names_every_subcommand_and_succeeds) {
 BOOST_AUTO_TEST_CASE(simulate_says_drift_cost_and_whether_the_published_motion_agrees) {
   const Program program;
   const Outcome outcome = program.run(
-      "simulate andrews_squeezer --duration 0.03 --step-error 1e-11 --outputs 3 --csv m.csv");
+      "simulate andrews_squeezer --duration 0.03 --step-error 1e-11 --outputs 3 --csv m.csv --json m.json");
   BOOST_TEST_CONTEXT(outcome.out) {
     BOOST_TEST(outcome.status == 0);
     BOOST_TEST(outcome.out.find("6 equations of rank 6, 1 freedoms") != std::string::npos);
     BOOST_TEST(outcome.out.find("7 values, agree") != std::string::npos);
   }
+  const std::string json = program.read("m.json");
+  for (const char* part : {"\"rank_lowest\": 6", "\"phi\": ", "\"published\": [", "\"ratio\": 0."})
+    BOOST_TEST(json.find(part) != std::string::npos, part);
   const std::string csv = program.read("m.csv");
   BOOST_TEST(csv.find("time_s,q1,") == 0u);
   BOOST_TEST(std::count(csv.begin(), csv.end(), '\n') == 5);  // header, start and three outputs

@@ -197,9 +197,8 @@ BOOST_AUTO_TEST_SUITE(identities)
 BOOST_DATA_TEST_CASE(every_witness_lies_within_its_bound, data::make(sceneFiles()), file) {
   const scene::Scene scene = scene::findScene(file);
   const auto all = measureDigits(scene, selectWitnesses({}), fewStates(25));
-  std::vector<std::string> ours = {"lagrange", "newton_euler", "composite_body", "articulated_body"};
-  const bool spins = scene.mechanism.hasGyroscopicRotors();  // which recursive_lagrange refuses
-  if (!spins) ours.push_back("recursive_lagrange");
+  const std::vector<std::string> ours = {"lagrange", "newton_euler", "composite_body", "articulated_body",
+                                         "recursive_lagrange"};
   int mine = 0;
   for (const CheckResult& check : all.checks) {
     BOOST_TEST((check.verdict != Verdict::kDisagree),
@@ -212,7 +211,7 @@ BOOST_DATA_TEST_CASE(every_witness_lies_within_its_bound, data::make(sceneFiles(
     const DigitsResult& d = find(all, check.left, check.quantity, "double");
     if (d.worst) BOOST_TEST(*d.worst <= *d.median);
   }
-  BOOST_TEST(mine == 8 + 8 + 2 + 1 + (spins ? 0 : 8));  // quantities that each of them answers
+  BOOST_TEST(mine == 8 + 8 + 2 + 1 + 8);  // quantities that each of them answers
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -64,29 +64,23 @@ constexpr Quantity kQuantities[] = {Quantity::kTau, Quantity::kM, Quantity::kQdd
 std::vector<scene::Scene> scenes() {
   std::vector<scene::Scene> all;
   for (const auto& file : scene::bundledScenes()) all.push_back(scene::readScene(file));
-  const auto is_refused = [](const scene::Scene& scene) {
-    return scene.mechanism.hasFriction() || scene.mechanism.hasGyroscopicRotors();
-  };
-  all.erase(std::remove_if(all.begin(), all.end(), is_refused), all.end());
-  for (int index = 0; index < 40; ++index) {
-    all.push_back(randomScene(3, index, 9));
-    for (scene::Link& link : all.back().mechanism.links) {
-      link.joint.friction = {};
-      link.joint.gyroscopic = false;
-    }
-  }
+  for (int index = 0; index < 40; ++index) all.push_back(randomScene(3, index, 9));
   return all;
 }
 
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(they_are_the_same_functions_as_the_textbook_sweeps) {
-  std::set<Step> steps;
+  std::set<Step> steps, with_rotor, with_friction;
   int branches = 0, world_loads = 0;
   for (const scene::Scene& scene : scenes()) {
     for (const Quantity quantity : kQuantities) {
       Point point(scene, 0);
-      for (const auto& link : point.fast.plan.links) steps.insert(link.step);
+      for (const auto& link : point.fast.plan.links) {
+        steps.insert(link.step);
+        if (!link.spin.isZero()) with_rotor.insert(link.step);
+        if (!link.positive.isZero()) with_friction.insert(link.step);
+      }
       branches += point.fast.plan.branches;
       world_loads += static_cast<int>(point.fast.plan.world_loads.size());
       try {
@@ -97,6 +91,8 @@ BOOST_AUTO_TEST_CASE(they_are_the_same_functions_as_the_textbook_sweeps) {
     }
   }
   BOOST_TEST(steps.size() == 7u);  // every kind of step was taken
+  BOOST_TEST(with_rotor.size() >= 6u);  // but for turns after a twist, which pass by the same code
+  BOOST_TEST(with_friction.size() >= 6u);
   BOOST_TEST(branches > 0);
   BOOST_TEST(world_loads > 0);
 }
@@ -116,9 +112,38 @@ BOOST_AUTO_TEST_CASE(a_planted_error_is_seen) {
   }
 }
 
+// A rotor's momentum is felt by its joint and by its parent; friction holds back.
+BOOST_AUTO_TEST_CASE(a_planted_error_of_rotor_or_friction_is_seen) {
+  for (const Quantity quantity : kQuantities) {
+    const scene::Scene wrist = scene::findScene("gyroscopic_wrist");
+    Point lost(wrist, 2), backward(wrist, 2), unfelt(wrist, 2);
+    auto& spinning = lost.fast.plan.links;
+    const auto rotor = std::find_if(spinning.rbegin(), spinning.rend(),
+                                    [](const auto& link) { return !link.spin.isZero(); });
+    BOOST_REQUIRE((rotor != spinning.rend()));
+    const auto k = spinning.rend() - rotor - 1;  // the outermost: what the first axes do not feel, these do
+    BOOST_TEST(lost.isSame(quantity));
+    lost.fast.plan.links[k].spin = PrimeField(0);
+    BOOST_TEST(!lost.isSame(quantity), name(quantity));
+    backward.fast.plan.links[k].spin = -backward.fast.plan.links[k].spin;
+    BOOST_TEST(!backward.isSame(quantity), name(quantity));
+    if (quantity == Quantity::kM) continue;  // knows neither friction nor special joints
+    unfelt.fast.plan.has_specials = false;
+    BOOST_TEST(!unfelt.isSame(quantity), name(quantity));
+    const scene::Scene rubbing = scene::findScene("puma_560_friction");
+    Point along(rubbing, 2), smooth(rubbing, 2);
+    BOOST_TEST(along.isSame(quantity));
+    along.fast.plan.links[3].viscous = -along.fast.plan.links[3].viscous;
+    BOOST_TEST(!along.isSame(quantity), name(quantity));
+    smooth.fast.plan.links[2].positive = PrimeField(0);
+    BOOST_TEST(!smooth.isSame(quantity), name(quantity));
+  }
+}
+
 // What the processor can do must not show in the results: AVX2 or not, the same bits.
 BOOST_DATA_TEST_CASE(the_same_bits_with_and_without_avx2,
-                     data::make({"franka_panda", "humanoid", "satellite_arm", "stanford_arm"}), name) {
+                     data::make({"franka_panda", "humanoid", "humanoid_floating", "satellite_arm", "stanford_arm", "mobile",
+                                 "gyroscopic_wrist", "puma_560_friction"}), name) {
   namespace fast = recursive::fast;
   if (!fast::kHasAvx2) return;
   const scene::Scene scene = scene::findScene(name);

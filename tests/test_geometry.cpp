@@ -39,9 +39,7 @@ bool hasCoordinates(const scene::Scene& scene) {
 std::vector<std::string> namesWithCoordinates() {
   std::vector<std::string> names;
   for (const auto& file : scene::bundledScenes())
-    if (const scene::Scene scene = scene::readScene(file);
-        hasCoordinates(scene) && !scene.mechanism.hasGyroscopicRotors())
-      names.push_back(file.stem().string());
+    if (hasCoordinates(scene::readScene(file))) names.push_back(file.stem().string());
   return names;
 }
 

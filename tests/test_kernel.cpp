@@ -423,4 +423,19 @@ BOOST_AUTO_TEST_CASE(odd_lanes_and_formulas_are_refused) {
   BOOST_CHECK_THROW(Kernel(scene.mechanism, options), std::invalid_argument);
 }
 
+BOOST_AUTO_TEST_CASE(fewer_lanes_than_the_widest_can_be_chosen) {
+  BOOST_TEST(chosenLanes() == widestLanes());
+  {
+    const Setting two("DYNWITNESS_LANES", "2");
+    BOOST_TEST(chosenLanes() == 2);
+    BOOST_TEST(Kernel(scene::findScene("simple_pendulum").mechanism).lanes() == 2);
+  }
+  for (const char* odd : {"3", "16", "two", "2 "}) {
+    const Setting wish("DYNWITNESS_LANES", odd);
+    BOOST_CHECK_EXCEPTION(chosenLanes(), scene::InputError, [&](const scene::InputError& error) {
+      return says(error.what(), std::string("got '") + odd + "', allowed: 2, 4, 8");
+    });
+  }
+}
+
 BOOST_AUTO_TEST_SUITE_END()

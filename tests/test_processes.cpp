@@ -12,9 +12,11 @@
 #include <unistd.h>
 
 #include "crosscheck/archive.hpp"
+#include "crosscheck/crosscheck.hpp"
 #include "crosscheck/random_mechanism.hpp"
 #include "crosscheck/report/json.hpp"
 #include "scene/error.hpp"
+#include "scene/scene.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::crosscheck;
@@ -133,6 +135,24 @@ BOOST_AUTO_TEST_CASE(a_result_comes_back_whole) {
   BOOST_TEST(!back.checks[1].exact.has_value());
   BOOST_TEST(back.drift->paths[0].time == scene.drift->paths[0].time, boost::test_tools::per_element());
   BOOST_TEST(back.drift->paths[0].error == scene.drift->paths[0].error, boost::test_tools::per_element());
+}
+
+// a table, known losses, drift, exact checks with twins and without: everything that parts put together
+BOOST_AUTO_TEST_CASE(a_scene_in_parts_is_the_same_result) {
+  Options options;
+  options.states = 5;
+  options.witnesses = {"lagrange", "newton_euler", "composite_body", "simbody"};
+  const std::vector<scene::Scene> scenes = {scene::findScene("modern_robotics_3link")};
+  const std::vector<WitnessKind> kinds = selectWitnesses(options.witnesses);
+  const std::string whole = archived(crosscheckScene(scenes[0], kinds, options));
+  for (const int processes : {1, 2, 3}) {
+    std::vector<int> done;
+    const std::vector<SceneResult> shared =
+        crosscheckScenes(scenes, kinds, options, processes, [&](int i) { done.push_back(i); });
+    BOOST_TEST_REQUIRE(shared.size() == 1u);
+    BOOST_TEST((archived(shared[0]) == whole), processes << " processes");
+    BOOST_TEST(done == std::vector<int>{0}, boost::test_tools::per_element());
+  }
 }
 
 BOOST_AUTO_TEST_CASE(a_failure_of_a_campaign_comes_back_with_its_scene) {

@@ -90,8 +90,8 @@ BOOST_AUTO_TEST_CASE(all_residuals_of_random_mechanisms_are_zero) {
   BOOST_TEST(calls == 5);
   BOOST_TEST(campaign.mechanisms == 25);
   BOOST_TEST(campaign.joints >= 25);
-  // pairs of four to six witnesses, some of which refuse friction or gyroscopic rotors, the regressor and
-  // the identities; some trees have no other root
+  // pairs of five or six witnesses (one refuses gyroscopic rotors), the regressor and the identities;
+  // some trees have no other root
   BOOST_TEST(campaign.checks > 25 * (12 + kIdentityCount));
   BOOST_TEST(campaign.checks <= 25 * (41 + kIdentityCount));
   BOOST_TEST(campaign.not_answerable == 0);

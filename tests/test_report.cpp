@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <sstream>
@@ -657,6 +658,30 @@ BOOST_AUTO_TEST_CASE(drift_data_name_their_units_and_their_reference) {
   BOOST_TEST(csv.rfind("# scene: pendulum\n# method: runge_kutta4, order 4", 0) == 0);
   BOOST_TEST(contains(csv, "\nstep_s,time_s,energy_error_over_scale\n0.01,0,0\n"));
   BOOST_TEST(contains(driftWorstCsv(pendulum()), "\nstep_s,worst_energy_error_over_scale\n0.01,"));
+}
+
+// a path without a point (a step that was given up) takes no record
+BOOST_AUTO_TEST_CASE(curves_of_the_drift_are_the_records_of_their_step) {
+  SceneResult scene = pendulum();
+  scene.drift->paths[1].time.clear();
+  const std::string script = driftScript(scene);
+  const auto words = [&](const std::string& name) {
+    const std::size_t start = script.find(name + " = '") + name.size() + 4;
+    std::istringstream list(script.substr(start, script.find('\'', start) - start));
+    return std::vector<std::string>(std::istream_iterator<std::string>(list), {});
+  };
+  std::vector<std::string> records;  // as gnuplot counts them
+  std::istringstream csv(driftCsv(scene));
+  for (std::string line; std::getline(csv, line);)
+    if (line[0] != '#') records.push_back(line.substr(0, line.find(',')));
+  const auto steps = words("steps"), firsts = words("firsts"), lasts = words("lasts");
+  BOOST_TEST_REQUIRE(steps.size() == 3u);
+  for (const std::size_t k : {0, 2}) {
+    const std::size_t first = std::stoul(firsts.at(k)), last = std::stoul(lasts.at(k));
+    BOOST_TEST(last - first == 100u);
+    for (std::size_t i = first; i <= last; ++i) BOOST_TEST(records.at(i) == steps[k]);
+  }
+  BOOST_TEST(lasts.at(1) == firsts.at(1));  // gnuplot takes no empty range
 }
 
 BOOST_AUTO_TEST_CASE(drift_without_errors_has_no_chart) {

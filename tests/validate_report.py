@@ -24,6 +24,10 @@ def main():
         sys.exit("usage: validate_report.py SCHEMA REPORT...")
     schema = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
     Draft7Validator.check_schema(schema)
+    # a schema may name those beside it
+    for file in Path(sys.argv[1]).parent.glob("*.schema.json"):
+        if file.name != Path(sys.argv[1]).name:
+            schema.setdefault("definitions", {})[file.name] = json.loads(file.read_text(encoding="utf-8"))
     validator = Draft7Validator(schema)
     wrong = 0
     for file in sys.argv[2:]:

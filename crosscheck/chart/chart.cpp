@@ -116,7 +116,7 @@ Chart speedAccuracy(const scene::Scene& scene, Quantity quantity,
   if (std::find(known.begin(), known.end(), quantity) == known.end())
     throw std::invalid_argument(
         fmt::format("speedAccuracy: quantity: expected M, tau or qdd, got {}", name(quantity)));
-  Chart chart{scene.name, scene.title, name(quantity), states, seed, thisEnvironment().cpu, {}, {}};
+  Chart chart{scene.name, scene.title, name(quantity), states, seed, cpuModel(), {}, {}};
   States drawn;
   std::vector<MatrixOf<Ball>> truths;
   Truth truth(scene.mechanism, kChartTruthBits);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
-#include "crosscheck/archive.hpp"
 #include "crosscheck/chart/chart.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
@@ -14,6 +14,7 @@
 #include "crosscheck/processes.hpp"
 #include "crosscheck/random_mechanism.hpp"
 #include "crosscheck/report/json.hpp"
+#include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/report.hpp"
 #include "crosscheck/tables.hpp"
 
@@ -26,7 +27,7 @@ constexpr const char *kAsWritten = "as-written", *kRandom = "random";
 
 struct Arguments {
   std::vector<std::string> scenes;
-  std::string report = "report", json;
+  std::string report = "report", json, bench;
   Options options;
   std::string parameters = kAsWritten;
   int random = 0, joints = 12;  ///< random mechanisms instead of scenes
@@ -59,6 +60,7 @@ std::string reproduce(const Arguments& arguments) {
   if (arguments.parameters != kAsWritten) command += " --parameters " + arguments.parameters;
   if (!arguments.options.drift) command += " --no-drift";
   if (!arguments.charts) command += " --no-charts";
+  if (!arguments.bench.empty()) command += fmt::format(" --bench '{}'", arguments.bench);
   return command;
 }
 
@@ -148,6 +150,8 @@ int run(const Arguments& arguments) {
   const std::vector<WitnessKind> kinds = selectWitnesses(arguments.options.witnesses);
   const std::vector<scene::Scene> scenes = scenesOf(arguments);
   for (const scene::Scene& scene : scenes) requireMotion(scene);
+  std::optional<BenchResult> bench;
+  if (!arguments.bench.empty()) bench = readBench(arguments.bench);
   requireWritable(arguments.report);
   // the report's own folder may have to be made first, which is done by then
   if (const std::filesystem::path json = arguments.json;
@@ -155,6 +159,7 @@ int run(const Arguments& arguments) {
       std::filesystem::weakly_canonical(arguments.report))
     requireWritableFile(json);
 
+  const std::function<std::string()> gnuplot = askGnuplotVersion();
   CrosscheckResult result;
   result.seed = arguments.options.seed;
   result.states = arguments.options.states;
@@ -170,21 +175,18 @@ int run(const Arguments& arguments) {
   {
     const int count = static_cast<int>(scenes.size());
     Progress progress(count + (arguments.charts ? 2 : 1));
-    const std::vector<std::string> answers = inProcesses(
-        arguments.processes, count,
-        [&](int i) { return archived(crosscheckScene(scenes[i], kinds, arguments.options)); },
-        [&](int i) { progress.stage(scenes[i].name); });
-    for (const std::string& answer : answers) result.scenes.push_back(sceneResultOf(answer));
+    result.scenes = crosscheckScenes(scenes, kinds, arguments.options, arguments.processes,
+                                     [&](int i) { progress.stage(scenes[i].name); });
     if (arguments.charts) progress.stage("charts");  // timed alone on the machine, one by one
     for (int i = 0; i < count && arguments.charts; ++i)
       charts.push_back(speedAccuracy(scenes[i], Quantity::kTau, kinds,
                                      std::min(arguments.options.states, kMostChartStates),
                                      arguments.options.seed));
     progress.stage("report");
-    const Environment environment = thisEnvironment(libraries);
-    writeReport(result, environment, arguments.report, charts);
+    const Environment environment = thisEnvironment(libraries, gnuplot());
+    writeReport(result, environment, arguments.report, charts, bench ? &*bench : nullptr);
     if (!arguments.json.empty())
-      writeWholeFile(arguments.json, reportJson(result, environment));
+      writeWholeFile(arguments.json, reportJson(result, environment, bench ? benchJson(*bench) : std::string()));
   }
   printTable(result);
   fmt::print("report: {}\n", (std::filesystem::path(arguments.report) / "index.html").string());
@@ -202,6 +204,8 @@ Run addCrosscheck(CLI::App& app) {
   command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
   command->add_option("--report", arguments->report, "Folder of the report")->capture_default_str();
   command->add_option("--json", arguments->json, "Write report.json to this file as well");
+  command->add_option("--bench", arguments->bench,
+                      "Show speed as well: a bench.json that `./dynwitness bench` wrote");
   command
       ->add_option("--witness", arguments->options.witnesses,
                    "Compare these witnesses only; laws of mechanics are tested on our sweeps "
@@ -229,7 +233,7 @@ Run addCrosscheck(CLI::App& app) {
       ->add_option("--random", arguments->random,
                    "Check this many random mechanisms exactly, instead of scenes; no report. Kernels "
                    "take part when --witness names them")
-      ->excludes("--json", "--states", "--parameters")
+      ->excludes("--json", "--states", "--parameters", "--bench")
       ->check(CLI::Range(1, 100000000));
   command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
       ->capture_default_str()

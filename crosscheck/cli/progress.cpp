@@ -8,14 +8,20 @@
 
 namespace dynwitness::cli {
 
-Progress::Progress(int stages) : stages_(stages), terminal_(isatty(STDERR_FILENO) != 0) {}
+Progress::Progress(int stages, double quiet_s)
+    : stages_(stages),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      shown_from_(std::chrono::steady_clock::now() +
+                  std::chrono::milliseconds(static_cast<long>(1000 * quiet_s))) {}
 
 Progress::~Progress() {
-  if (terminal_ && begun_ > 0) fmt::print(stderr, "\r\033[K");  // the results take the bar's place
+  if (terminal_ && shown_) fmt::print(stderr, "\r\033[K");  // the results take the bar's place
 }
 
 void Progress::stage(const std::string& what) {
   ++begun_;
+  if (std::chrono::steady_clock::now() < shown_from_) return;
+  shown_ = true;
   if (!terminal_) {
     fmt::print(stderr, "[{}/{}] {}\n", begun_, stages_, what);
     return;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/formulations.hpp"
 #include "crosscheck/motion_tables.hpp"
@@ -55,9 +56,49 @@ std::string describe(const SimulateOptions& options) {
                      : fmt::format("{}, steps of {} s", options.method, options.step);
 }
 
-int compareAll(const scene::Scene& scene, const SimulateOptions& options,
-               const std::vector<MotionTable>& tables, const std::string& json_file) {
-  const FormulationComparison comparison = compareFormulations(scene, options);
+/// Tells how far runs of the same duration, one after the other, have come.
+class Runs {
+ public:
+  Runs(int count, double duration)
+      : stages_(std::max(kStages / count, 1)), duration_(duration), progress_(count * stages_, kQuiet) {}
+  void at(double time) {
+    if (time < last_) begun_ = ++runs_ * stages_;
+    last_ = time;
+    for (; begun_ <= (runs_ + time / duration_) * stages_; ++begun_)
+      progress_.stage(fmt::format("t = {:.3g} of {} s", time, duration_));
+  }
+
+ private:
+  static constexpr int kStages = 20;
+  static constexpr double kQuiet = 2;  // [s]
+  int stages_;
+  double duration_, last_ = 0;
+  int runs_ = 0, begun_ = 0;
+  Progress progress_;
+};
+
+/// What a run cost and how far it was off, for programs.
+nlohmann::json jsonOf(const Simulation& r) {
+  return {{"steps", r.steps},        {"rejected", r.rejected},      {"evaluations", r.evaluations},
+          {"cpu_s", r.cpu_s},        {"phi", r.worst_phi},          {"phi_rate", r.worst_phi_rate},
+          {"energy_error_J", r.worst_energy}};
+}
+nlohmann::json jsonOf(const MotionTable& table, const MotionVerdict& verdict) {
+  return {{"title", table.title}, {"worst", verdict.worst}, {"ratio", verdict.ratio}};
+}
+nlohmann::json jsonHead(const scene::Scene& scene, const SimulateOptions& options) {
+  return {{"dynwitness", DYNWITNESS_VERSION}, {"scene", scene.name}, {"duration_s", options.duration},
+          {"step_error", options.step_error}, {"step_s", options.step}};
+}
+
+int compareAll(const scene::Scene& scene, SimulateOptions options, const std::vector<MotionTable>& tables,
+               const std::string& json_file) {
+  FormulationComparison comparison;
+  {
+    Runs runs(kComparedFormulations + 1, options.duration);  // the reference too
+    options.progress = [&](double time) { runs.at(time); };
+    comparison = compareFormulations(scene, options);
+  }
   fmt::print("{}: {} s; explicit methods at an error of {:.3g} a step, implicit ones at steps of {} s\n"
              "errors against index 1 with projection, {}\n\n",
              scene.name, options.duration, options.step_error, options.step,
@@ -82,13 +123,7 @@ int compareAll(const scene::Scene& scene, const SimulateOptions& options,
     fmt::print("{:>7} {:>9} {:>8.2g} {:>8.1e} {:>8.1e} {:>8.1e} {:>8.1e} {:>8.1e} {:>8}", r.steps,
                r.evaluations, r.cpu_s, r.worst_phi, r.worst_phi_rate, r.worst_energy, run.q_error,
                run.qd_error, lambda);
-    row["steps"] = r.steps;
-    row["rejected"] = r.rejected;
-    row["evaluations"] = r.evaluations;
-    row["cpu_s"] = r.cpu_s;
-    row["phi"] = r.worst_phi;
-    row["phi_rate"] = r.worst_phi_rate;
-    row["energy_error_J"] = r.worst_energy;
+    row.update(jsonOf(r));
     row["q_error"] = run.q_error;
     row["qd_error"] = run.qd_error;
     if (run.lambda_error) row["lambda_error"] = *run.lambda_error;
@@ -96,21 +131,17 @@ int compareAll(const scene::Scene& scene, const SimulateOptions& options,
       const MotionVerdict verdict = compareMotion(scene, r, table);
       if (verdict.values == 0) continue;
       fmt::print("  {:.1e}", verdict.worst);
-      row["published"].push_back({{"title", table.title}, {"worst", verdict.worst}, {"ratio", verdict.ratio}});
+      row["published"].push_back(jsonOf(table, verdict));
     }
     fmt::print("\n");
     rows.push_back(row);
   }
   if (comparison.most_lambda > 0) fmt::print("\nlargest multiplier {:.3g}\n", comparison.most_lambda);
   if (!json_file.empty()) {
-    const nlohmann::json all = {{"dynwitness", DYNWITNESS_VERSION},
-                                {"scene", scene.name},
-                                {"duration_s", options.duration},
-                                {"step_error", options.step_error},
-                                {"step_s", options.step},
-                                {"reference", describe(comparison.reference)},
-                                {"largest_multiplier", comparison.most_lambda},
-                                {"runs", rows}};
+    nlohmann::json all = jsonHead(scene, options);
+    all["reference"] = describe(comparison.reference);
+    all["largest_multiplier"] = comparison.most_lambda;
+    all["runs"] = rows;
     writeWholeFile(json_file, all.dump(2) + "\n");
   }
   return 0;
@@ -137,13 +168,26 @@ int run(const Arguments& arguments) {
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
   const std::vector<MotionTable> tables = motionTables(scene);
-  const SimulateOptions options = completed(arguments, tables);
+  SimulateOptions options = completed(arguments, tables);
   if (!scene.mechanism.acceleration_constraints.empty())
     fmt::print(stderr, "{}: constraints on accelerations are for evaluate, and not simulated\n", scene.name);
   if (arguments.compare) return compareAll(scene, options, tables, arguments.json);
-  if (!arguments.json.empty())
-    throw scene::InputError({}, "--json without --compare, allowed: --csv for the motion itself");
-  const Simulation result = simulate(scene, options);
+  Simulation result;
+  {
+    Runs runs(1, options.duration);
+    options.progress = [&](double time) { runs.at(time); };
+    result = simulate(scene, options);
+  }
+  nlohmann::json all = jsonHead(scene, options);
+  all["formulation"] = name(options.formulation);
+  all["stabilisation"] = name(options.stabilisation);
+  all["method"] = options.method;
+  all["constraints"] = {{"equations", result.constraints},
+                        {"rank_lowest", result.rank_lowest},
+                        {"rank_highest", result.rank_highest},
+                        {"start_residual", result.start_residual}};
+  all["largest_kinetic_energy_J"] = result.most_kinetic;
+  all.update(jsonOf(result));
 
   fmt::print("{}: {} s with {}\n", scene.name, options.duration, describe(options));
   if (result.constraints > 0) {
@@ -178,11 +222,13 @@ int run(const Arguments& arguments) {
       continue;
     }
     agree = agree && verdict.ratio <= 1;
+    all["published"].push_back(jsonOf(table, verdict));
     fmt::print("published    {}: {} values, {}, worst {:.2g}, {:.0f}% of the limit at t = {} s\n",
                table.title, verdict.values, verdict.ratio <= 1 ? "agree" : "DISAGREE",
                verdict.worst, 100 * verdict.ratio, verdict.worst_time);
   }
   if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csvOf(result));
+  if (!arguments.json.empty()) writeWholeFile(arguments.json, all.dump(2) + "\n");
   return agree ? 0 : 1;
 }
 
@@ -222,7 +268,7 @@ Run addSimulate(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--compare", arguments->compare,
                     "All formulations in one table: cost, drift, energy, errors of q, qd and multipliers");
-  command->add_option("--json", arguments->json, "File: the table of --compare");
+  command->add_option("--json", arguments->json, "File: ranks, drift, cost and published motions; with --compare its table");
   command->add_option("--outputs", arguments->options.outputs, "Rows of the CSV file")
       ->capture_default_str();
   command->add_option("--csv", arguments->csv, "File: time, q, qd, multipliers, drift");

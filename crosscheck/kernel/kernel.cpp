@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/kernel/kernel.hpp"
 
+#include <cstdlib>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "crosscheck/kernel/compiled.hpp"
 #include "crosscheck/kernel/emit.hpp"
+#include "scene/error.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck::kernel {
@@ -36,6 +38,16 @@ int widestLanes() {
   if (__builtin_cpu_supports("avx2")) return 4;
 #endif
   return 2;
+}
+
+int chosenLanes() {
+  const char* const wish = std::getenv("DYNWITNESS_LANES");
+  const int widest = widestLanes();
+  if (!wish || !*wish) return widest;
+  for (int lanes = 2; lanes <= widest; lanes *= 2)
+    if (fmt::format("{}", lanes) == wish) return lanes;
+  throw scene::InputError({}, fmt::format("DYNWITNESS_LANES: got '{}', allowed: 2, 4, 8, and no more "
+                                          "than this processor's {}", wish, widest));
 }
 
 Kernel::Kernel(const scene::Mechanism& mechanism, const KernelOptions& options)

@@ -14,10 +14,14 @@ namespace dynwitness::crosscheck::kernel {
 /// Doubles in a vector of this processor: 8 (AVX-512), 4 (AVX2), else 2.
 int widestLanes();
 
+/// The same, or fewer where the environment variable DYNWITNESS_LANES says so.
+/// @throws scene::InputError  it names a width that is not there
+int chosenLanes();
+
 struct KernelOptions {
   std::vector<Formula> formulas = {Formula::kInverseDynamics, Formula::kMassMatrix,
                                    Formula::kForwardDynamics};
-  int lanes = widestLanes();
+  int lanes = chosenLanes();
 };
 
 /** The smallest programs of a mechanism (smallestRoad), emitted as C, compiled by the system's compiler

@@ -25,6 +25,32 @@ Matrix3 accelerationMatrix(const Vector3& w, const Vector3& wd) {
   return U;
 }
 
+/// U of a link that turns about z, of which the column U z is known: points on the axis move with
+/// the parent as well. With it U_zx = w_z w_x - w'_y = 2 w_z w_x - U_xz, and U_zz needs no sum.
+/// @param rate  whether w'_x and w'_y are asked for; w'_z is known
+void turnAbout(const Vector3& column, bool rate, Spin* m) {
+  const Vector3& w = m->w;
+  const Traced xx = w.x() * w.x(), yy = w.y() * w.y(), zz = w.z() * w.z();
+  const Traced xy = w.x() * w.y(), xz = w.x() * w.z(), yz = w.y() * w.z();
+  m->wd.x() = yz - column.y();
+  m->wd.y() = column.x() - xz;
+  const Traced twice = w.z() + w.z();
+  m->U << -(yy + zz), xy - m->wd.z(), column.x(),  //
+      xy + m->wd.z(), -(xx + zz), column.y(),      //
+      rate ? xz - m->wd.y() : twice * w.x() - column.x(),
+      rate ? yz + m->wd.x() : twice * w.y() - column.y(), column.z();
+}
+
+/// Whether a vector is one of the axes, or its opposite, whatever the state is.
+bool isAxis(const Vector3& v) {
+  int zeros = 0, ones = 0;
+  for (int k = 0; k < 3; ++k) {
+    zeros += v(k) == Traced(0);
+    ones += v(k) == Traced(1) || v(k) == Traced(-1);
+  }
+  return zeros == 2 && ones == 1;
+}
+
 /// Coordinates before the joint's turn to coordinates after it: Rz(q)' v.
 Vector3 turned(const JointPosition<Traced>& x, const Vector3& v) {
   return {x.c * v.x() + x.s * v.y(), x.c * v.y() - x.s * v.x(), v.z()};
@@ -69,44 +95,94 @@ Moments shiftedBack(const Vector3& p, const Moments& b) {
 
 Vector3 alongZ(Traced t) { return {0, 0, t}; }
 
-/// Vectors and moments between parent and link, the joint included.
+bool isUnit(Traced x) {
+  return x == Traced(1) || x == Traced(-1);
+}
+
+/// Whether a link's joint axis is the parent's z axis, or its opposite, whatever the numbers are.
+bool isParallel(const LeanLink& link) {
+  return isUnit(link.R(2, 2));
+}
+
+/** The axes of a link in a pose, its figures in those, and the way of vectors and moments to the
+   parent.
+
+    The axes of a link that turns ride with it, or stay those of the unturned joint: then its
+   figures turn, and what passes through it does not. A child about a parallel axis goes on from
+   there: it turns by the sum of both angles (by their difference, where the axes are opposite). */
 class Passage {
  public:
-  Passage(const LeanLink& link, const scene::State<Traced>& state, Turning turning)
-      : link_(link), by_matrix_(turning == Turning::kByMatrix && link.turns) {
-    p_ = link.p;
+  Passage(const LeanModel& model, const std::vector<Passage>& inboard, int i,
+          const scene::State<Traced>& state, Turning turning)
+      : R_(model.links[i].R), p_(model.links[i].p) {
+    const LeanLink& link = model.links[i];
+    const Passage* parent = link.parent < 0 ? nullptr : &inboard[link.parent];
+    const bool parent_stays = parent != nullptr && parent->stays_;
     if (link.turns) {
-      x_ = state.x[link.slot];
-      if (by_matrix_) {
-        R_ = link.R;
-        R_.row(0) = link.R.row(0) * x_.c + link.R.row(1) * x_.s;
-        R_.row(1) = link.R.row(1) * x_.c - link.R.row(0) * x_.s;
-      }
+      angle_ = state.x[link.slot];
+      stays_ = link.stays;
+      turned_ = !stays_;
+      if (parent_stays && isParallel(link))
+        angle_ = sum(angle_, parent->angle_, R_(2, 2));
+      else
+        turned_by_parent_ = parent_stays;
     } else {
-      p_ += link.R.row(2).transpose() * state.x[link.slot].q;
+      p_ += R_.row(2).transpose() * state.x[link.slot].q;
+      turned_by_parent_ = parent_stays;
     }
-  }
-  const Vector3& p() const { return p_; }  ///< origin of the link in the parent
-  Vector3 outward(const Vector3& v) const {
-    if (by_matrix_) return R_ * v;
-    const Vector3 at_joint = link_.R * v;
-    return link_.turns ? turned(x_, at_joint) : at_joint;
-  }
-  Vector3 inward(const Vector3& v) const {
-    if (by_matrix_) return R_.transpose() * v;
-    return link_.R.transpose() * (link_.turns ? turnedBack(x_, v) : v);
-  }
-  Moments inward(const Moments& b) const {
-    const Symmetric3 S = link_.turns ? turnedBack(x_, b.S) : b.S;
-    return shiftedBack(p_, {b.mass, inward(b.h), S.turnedBack(link_.R)});
+    if (parent_stays) {
+      p_ = turnedBack(parent->angle_, p_);
+      parent_angle_ = parent->angle_;
+    }
+    by_matrix_ = turning == Turning::kByMatrix && (turned_ || turned_by_parent_);
+    if (by_matrix_) R_ = matrix();
   }
 
+  const Vector3& p() const { return p_; }  ///< origin of the link in the parent
+  /// The joint's axis in the parent.
+  Vector3 axis() const { return inward(Vector3(0, 0, 1)); }
+
+  Vector3 outward(Vector3 v) const {
+    if (by_matrix_) return R_ * v;
+    if (turned_by_parent_) v = turned(parent_angle_, v);
+    v = R_ * v;
+    return turned_ ? turned(angle_, v) : v;
+  }
+  Vector3 inward(Vector3 v) const {
+    if (by_matrix_) return R_.transpose() * v;
+    if (turned_) v = turnedBack(angle_, v);
+    v = R_.transpose() * v;
+    return turned_by_parent_ ? turnedBack(parent_angle_, v) : v;
+  }
+  Moments inward(const Moments& b) const {
+    Symmetric3 S = turned_ ? turnedBack(angle_, b.S) : b.S;
+    S = S.turnedBack(by_matrix_ ? unturned_ : R_);
+    if (turned_by_parent_) S = turnedBack(parent_angle_, S);
+    return shiftedBack(p_, {b.mass, inward(b.h), S});
+  }
+  /// What rides with the link, in the axes that this one counts in.
+  Vector3 posed(const Vector3& v) const { return stays_ ? turnedBack(angle_, v) : v; }
+  Symmetric3 posed(const Symmetric3& S) const { return stays_ ? turnedBack(angle_, S) : S; }
+
  private:
-  const LeanLink& link_;
-  bool by_matrix_;
-  JointPosition<Traced> x_;
-  Matrix3 R_;
+  static JointPosition<Traced> sum(const JointPosition<Traced>& x, const JointPosition<Traced>& y,
+                                   Traced sign) {
+    return {0, x.c * y.c - sign * (x.s * y.s), x.s * y.c + sign * (x.c * y.s)};
+  }
+  Matrix3 matrix() {
+    unturned_ = R_;
+    Matrix3 R = R_;
+    if (turned_by_parent_)
+      for (int k = 0; k < 3; ++k) R.row(k) = turnedBack(parent_angle_, R_.row(k).transpose());
+    if (turned_)
+      for (int k = 0; k < 3; ++k) R.col(k) = turned(angle_, R.col(k));
+    return R;
+  }
+
+  Matrix3 R_, unturned_;
   Vector3 p_;
+  JointPosition<Traced> angle_, parent_angle_;  ///< from the unturned axes to those that ride
+  bool stays_ = false, turned_ = false, turned_by_parent_ = false, by_matrix_ = false;
 };
 
 }  // namespace
@@ -178,11 +254,14 @@ void regroup(LeanModel& model) {
   for (int i = static_cast<int>(model.links.size()) - 1; i >= 0; --i) regroupLink(model, i);
 }
 
-void takeMass(LeanModel& model, int i, Traced mass) {
+void takeRod(LeanModel& model, int i, const Rod& rod) {
   LeanLink& link = model.links[i];
-  link.mass += mass;
+  link.mass += rod.mass;
+  link.h.z() += rod.h;
+  link.S.zz += rod.S;
+  const Vector3 z = link.R.row(2).transpose();
   add(model.links[link.parent],
-      shiftedBack(link.p, {-mass, Vector3::Zero(), Symmetric3::zero()}));
+      shiftedBack(link.p, {-rod.mass, z * -rod.h, Symmetric3::outer(z, -rod.S)}));
   for (int k = link.parent; k >= 0; k = model.links[k].parent) regroupLink(model, k);
 }
 
@@ -211,50 +290,97 @@ bool scaleLengths(LeanModel& model, Traced unit) {
   return true;
 }
 
+namespace {
+
+/// What of a link's motion is asked for, beside what every link needs.
+struct Asked {
+  bool rate = false;              ///< w'_x or w'_y: a child turns about another axis
+  bool U_x = false, U_y = false;  ///< the first and the second column of U
+};
+
+Asked askedOf(const LeanModel& model, int i, const std::vector<int>& children, const Passage& to) {
+  Asked asked;
+  const auto times = [&asked](const Vector3& v) {
+    asked.U_x = asked.U_x || v.x() != Traced(0);
+    asked.U_y = asked.U_y || v.y() != Traced(0);
+  };
+  const LeanLink& link = model.links[i];
+  const Symmetric3 S = to.posed(link.S);
+  times(to.posed(link.h));
+  times({S.xz, S.yz, 0});
+  for (const int c : children) {
+    const LeanLink& child = model.links[c];
+    times(to.posed(child.p));
+    times(to.posed(Vector3(child.R.row(2).transpose())));  // its axis
+    asked.rate = asked.rate || (child.turns && !isParallel(child));
+  }
+  return asked;
+}
+
+}  // namespace
+
 std::vector<Traced> inverseDynamics(const LeanModel& model, const scene::State<Traced>& state,
                                     LeanTerms terms, Turning turning) {
   const int n = static_cast<int>(model.links.size());
   std::vector<Spin> motion(n);
   std::vector<Passage> passage;
+  passage.reserve(n);
   std::vector<Vector3> f(n), moment(n);
+
+  std::vector<std::vector<int>> children(n);
+  for (int i = 0; i < n; ++i)
+    if (model.links[i].parent >= 0) children[model.links[i].parent].push_back(i);
 
   // outward: how each link moves, and what it alone needs
   for (int i = 0; i < n; ++i) {
     const LeanLink& link = model.links[i];
-    passage.emplace_back(link, state, turning);
+    passage.emplace_back(model, passage, i, state, turning);
     const Passage& to = passage.back();
     const Traced qd = terms.velocities ? state.qd[link.dof] : Traced(0);
     const Traced qdd = terms.accelerations ? state.qdd[link.dof] : Traced(0);
+    Spin at_rest;
+    at_rest.w = at_rest.wd = at_rest.a = Vector3::Zero();
+    at_rest.U = Matrix3::Zero();
+    const Spin& parent = link.parent < 0 ? at_rest : motion[link.parent];
     Spin& m = motion[i];
-    m.w = m.wd = m.a = Vector3::Zero();
-    if (terms.gravity) m.a = -model.gravity;
-    if (link.parent >= 0) {
-      const Spin& parent = motion[link.parent];
-      m.w = to.outward(parent.w);
-      m.wd = to.outward(parent.wd);
-      m.a = parent.a + parent.U * to.p();
-    }
+    m.w = to.outward(parent.w);
+    m.a = parent.a + parent.U * to.p();
+    if (link.parent < 0 && terms.gravity) m.a = -model.gravity;
     m.a = to.outward(m.a);                                                         // (1)
-    const Vector3 w_p = m.w;
+    const Asked asked = askedOf(model, i, children[i], to);
+    const Vector3 axis = to.axis();
     if (link.turns) {
-      m.wd += Vector3(w_p.y() * qd, -(w_p.x() * qd), qdd);
       m.w.z() += qd;
+      if (isAxis(axis)) {
+        m.wd = Vector3(0, 0, axis.dot(parent.wd) + qdd);
+        turnAbout(to.outward(parent.U * axis), asked.rate, &m);  // (4)
+      } else {
+        m.wd = to.outward(parent.wd) + Vector3(m.w.y() * qd, -(m.w.x() * qd), qdd);
+        m.U = accelerationMatrix(m.w, m.wd);
+      }
     } else {
       const Traced twice = qd + qd;
-      m.a += Vector3(w_p.y() * twice, -(w_p.x() * twice), qdd);
+      m.wd = to.outward(parent.wd);
+      m.a += Vector3(m.w.y() * twice, -(m.w.x() * twice), qdd);
+      m.U = accelerationMatrix(m.w, m.wd);
     }
-    m.U = accelerationMatrix(m.w, m.wd);
     const Matrix3& U = m.U;
-    const Symmetric3& S = link.S;
-    f[i] = m.a * link.mass + U * link.h - link.force;                              // (2)
-    const Vector3 own = {
-        S.yy * U(2, 1) - S.zz * U(1, 2) + S.yz * (U(2, 2) - U(1, 1)) + S.xy * U(2, 0) - S.xz * U(1, 0),
-        S.zz * U(0, 2) - S.xx * U(2, 0) + S.xz * (U(0, 0) - U(2, 2)) + S.yz * U(0, 1) - S.xy * U(2, 1),
-        S.xx * U(1, 0) - S.yy * U(0, 1) + S.xy * (U(1, 1) - U(0, 0)) + S.xz * U(1, 2) - S.yz * U(0, 2)};
-    moment[i] = own + link.h.cross(m.a) - link.moment;
-    if (!terms.loads) {
-      f[i] += link.force;
-      moment[i] += link.moment;
+    const Symmetric3 S = to.posed(link.S);
+    const Vector3 h = to.posed(link.h);
+    const Vector3 ww = m.w.cwiseProduct(m.w);
+    const Traced about_z = asked.U_x && asked.U_y ? S.xx * U(1, 0) - S.yy * U(0, 1)
+                                                  : (S.xx - S.yy) * (m.w.x() * m.w.y()) +
+                                                        (S.xx + S.yy) * m.wd.z();  // (5)
+    f[i] = m.a * link.mass + U * h;                                                // (2)
+    const Vector3 own = {S.yy * U(2, 1) - S.zz * U(1, 2) + S.yz * (ww.z() - ww.y()) +
+                             S.xy * U(2, 0) - S.xz * U(1, 0),
+                         S.zz * U(0, 2) - S.xx * U(2, 0) + S.xz * (ww.x() - ww.z()) +
+                             S.yz * U(0, 1) - S.xy * U(2, 1),
+                         about_z + S.xy * (ww.y() - ww.x()) + S.xz * U(1, 2) - S.yz * U(0, 2)};
+    moment[i] = own + h.cross(m.a);
+    if (terms.loads) {
+      f[i] -= to.posed(link.force);
+      moment[i] -= to.posed(link.moment);
     }
   }
 
@@ -280,10 +406,12 @@ namespace {
 std::pair<std::vector<Passage>, std::vector<Moments>> compositeBodies(
     const LeanModel& model, const scene::State<Traced>& state, Turning turning) {
   std::vector<Passage> passage;
+  passage.reserve(model.links.size());
   std::vector<Moments> composite;
   for (const LeanLink& link : model.links) {
-    passage.emplace_back(link, state, turning);
-    composite.push_back({link.mass, link.h, link.S});
+    const int i = static_cast<int>(passage.size());
+    passage.emplace_back(model, passage, i, state, turning);
+    composite.push_back({link.mass, passage[i].posed(link.h), passage[i].posed(link.S)});
   }
   for (int i = static_cast<int>(model.links.size()) - 1; i >= 0; --i) {
     if (model.links[i].parent < 0) continue;

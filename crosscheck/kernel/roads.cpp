@@ -2,6 +2,7 @@
 #include "crosscheck/kernel/roads.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <stdexcept>
 
@@ -86,6 +87,8 @@ class LeanSearch {
       for (int i = static_cast<int>(best_.links.size()) - 1; i >= 0; --i) {
         tryOrigins(i);
         tryMasses(i);
+        tryMoments(i);
+        tryAxes(i);
       }
     }
     tryTurning();
@@ -121,6 +124,13 @@ class LeanSearch {
       consider(moved);
     }
   }
+  // axes that ride with the link or stay
+  void tryAxes(int i) {
+    if (!best_.links[i].turns) return;
+    LeanModel other = best_;
+    other.links[i].stays = !other.links[i].stays;
+    consider(other);
+  }
   // a mass at the link's origin that takes a first moment off the parent
   void tryMasses(int i) {
     const LeanModel start = best_;
@@ -133,8 +143,29 @@ class LeanSearch {
       // a lever that is short beside the first moment would cost digits
       if (abs(number(mass)) > total_mass_) continue;
       LeanModel changed = start;
-      takeMass(changed, i, mass);
+      takeRod(changed, i, {mass, 0, 0});
       consider(changed);
+    }
+  }
+  // moments along the link's axis that are one of the parent's
+  void tryMoments(int i) {
+    const LeanLink& link = best_.links[i];
+    if (link.parent < 0 || !link.turns || !best_.links[link.parent].turns) return;
+    const LeanLink parent = best_.links[link.parent];
+    const Vector3 z = link.R.row(2).transpose();
+    const std::array<Traced, 3> S = {parent.S.xx, parent.S.yy, parent.S.zz};
+    for (int k = 0; k < 3; ++k) {
+      if (z(k) != Traced(1) && z(k) != Traced(-1)) continue;
+      if (S[k] != Traced(0)) {
+        LeanModel changed = best_;
+        takeRod(changed, i, {0, 0, S[k]});
+        consider(changed);
+      }
+      if (parent.h(k) != Traced(0)) {
+        LeanModel changed = best_;
+        takeRod(changed, i, {0, z(k) * parent.h(k), 0});
+        consider(changed);
+      }
     }
   }
   void tryTurning() {

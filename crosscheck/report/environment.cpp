@@ -41,18 +41,6 @@ std::string triple(int major, int minor, int patch) {
   return fmt::format("{}.{}.{}", major, minor, patch);
 }
 
-std::string cpuModel() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    const std::size_t colon = line.find(':');
-    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) {
-      const std::size_t start = line.find_first_not_of(' ', colon + 1);
-      if (start != std::string::npos) return line.substr(start);
-    }
-  }
-  return "unknown";  // not Linux on x86
-}
-
 long long now() {
   // https://reproducible-builds.org/specs/source-date-epoch/
   if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
@@ -65,6 +53,18 @@ long long now() {
 
 }  // namespace
 
+std::string cpuModel() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    const std::size_t colon = line.find(':');
+    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) {
+      const std::size_t start = line.find_first_not_of(' ', colon + 1);
+      if (start != std::string::npos) return line.substr(start);
+    }
+  }
+  return "unknown";  // not Linux on x86
+}
+
 std::string utcDate(long long seconds) {
   const std::time_t time = static_cast<std::time_t>(seconds);
   std::tm utc{};
@@ -73,7 +73,8 @@ std::string utcDate(long long seconds) {
                      utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec);
 }
 
-Environment thisEnvironment(const std::vector<Environment::Library>& more) {
+Environment thisEnvironment(const std::vector<Environment::Library>& more,
+                            const std::string& gnuplot) {
   Environment e;
   e.version = DYNWITNESS_VERSION;
   e.commit = DYNWITNESS_COMMIT;
@@ -92,7 +93,7 @@ Environment thisEnvironment(const std::vector<Environment::Library>& more) {
       {"nlohmann_json", triple(NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
                                NLOHMANN_JSON_VERSION_PATCH)},
       {"CLI11", CLI11_VERSION},
-      {"gnuplot", gnuplotVersion()},
+      {"gnuplot", gnuplot.empty() ? gnuplotVersion() : gnuplot},
   };
   e.libraries.insert(e.libraries.end(), more.begin(), more.end());
   return e;

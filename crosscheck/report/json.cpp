@@ -140,7 +140,10 @@ Json toJson(const Environment& environment) {
 
 std::string checkJson(const CheckResult& check) { return toJson(check).dump(); }
 
-std::string reportJson(const CrosscheckResult& result, const Environment& environment) {
+std::string environmentJson(const Environment& environment) { return toJson(environment).dump(); }
+
+std::string reportJson(const CrosscheckResult& result, const Environment& environment,
+                       const std::string& speed) {
   Json json{{"dynwitness", cleanText(environment.version)},
             {"headline", cleanText(result.headline())}};
   json["witnesses"] = Json::array();
@@ -158,6 +161,7 @@ std::string reportJson(const CrosscheckResult& result, const Environment& enviro
   json["environment"] = toJson(environment);
   json["scenes"] = Json::array();
   for (const SceneResult& scene : result.scenes) json["scenes"].push_back(toJson(scene));
+  if (!speed.empty()) json["speed"] = Json::parse(speed);
   json["verdict"] = name(result.verdict());
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

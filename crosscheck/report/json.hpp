@@ -10,11 +10,16 @@
 namespace dynwitness::crosscheck {
 
 /** The whole result as JSON. Fields that do not apply are left out; a residual that is no number is
-    the string "inf" or "nan", because JSON has no such numbers and null would hide it. */
-std::string reportJson(const CrosscheckResult& result, const Environment& environment);
+    the string "inf" or "nan", because JSON has no such numbers and null would hide it.
+    @param speed  what benchJson() wrote; may be empty */
+std::string reportJson(const CrosscheckResult& result, const Environment& environment,
+                       const std::string& speed = {});
 
 /// One check as JSON, as reportJson() writes it.
 std::string checkJson(const CheckResult& check);
+
+/// What it was computed with and where, as JSON, the version left out.
+std::string environmentJson(const Environment& environment);
 
 /** JUnit XML for CI systems: a test suite a scene, a test case a check; what is not answerable is
     skipped with its reason. */

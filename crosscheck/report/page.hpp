@@ -24,8 +24,9 @@ struct SceneFiles {
 /** One HTML page: verdict, disagreements, table of scenes, a section for each scene, and the footer
     with all that is needed to compute it again. No scripts, no fonts and no network.
 
-    @param files  as many as there are scenes */
+    @param files  as many as there are scenes
+    @param speed  a section more, as HTML (benchSection()); may be empty */
 std::string reportPage(const CrosscheckResult& result, const Environment& environment,
-                       const std::vector<SceneFiles>& files);
+                       const std::vector<SceneFiles>& files, const std::string& speed = {});
 
 }  // namespace dynwitness::crosscheck

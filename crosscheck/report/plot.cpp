@@ -32,13 +32,19 @@ struct Outcome {
   std::string output;  // standard output and standard error
 };
 
-/// Runs a program found on the PATH, for at most a minute.
-Outcome runProgram(std::vector<std::string> arguments, const fs::path& folder) {
-  Outcome outcome;
+struct Running {
+  pid_t child = 0;
+  int file = -1;  // its output
+  int spawn_error = 0;
+};
+
+/// Starts a program found on the PATH.
+Running start(std::vector<std::string> arguments, const fs::path& folder) {
+  Running running;
   int pipe_ends[2];
   if (::pipe2(pipe_ends, O_CLOEXEC) != 0) {
-    outcome.spawn_error = errno;
-    return outcome;
+    running.spawn_error = errno;
+    return running;
   }
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -49,12 +55,19 @@ Outcome runProgram(std::vector<std::string> arguments, const fs::path& folder) {
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  pid_t child = 0;
-  outcome.spawn_error = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  running.spawn_error = posix_spawnp(&running.child, argv[0], &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   ::close(pipe_ends[1]);
-  if (outcome.spawn_error != 0) {
-    ::close(pipe_ends[0]);
+  running.file = pipe_ends[0];
+  return running;
+}
+
+/// Waits for its end, for at most a minute.
+Outcome finish(const Running& running) {
+  Outcome outcome;
+  outcome.spawn_error = running.spawn_error;
+  if (running.spawn_error != 0) {
+    if (running.file >= 0) ::close(running.file);
     return outcome;
   }
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
@@ -64,22 +77,22 @@ Outcome runProgram(std::vector<std::string> arguments, const fs::path& folder) {
                           .count();
     if (left <= 0) {
       outcome.output += "\nstopped after a minute";
-      ::kill(child, SIGKILL);
+      ::kill(running.child, SIGKILL);
       break;
     }
-    pollfd ready{pipe_ends[0], POLLIN, 0};
+    pollfd ready{running.file, POLLIN, 0};
     const int count = ::poll(&ready, 1, static_cast<int>(left));
     if (count < 0 && errno != EINTR) break;
     if (count <= 0) continue;
     char buffer[4096];
-    const ssize_t size = ::read(pipe_ends[0], buffer, sizeof buffer);
+    const ssize_t size = ::read(running.file, buffer, sizeof buffer);
     if (size < 0 && errno == EINTR) continue;
     if (size <= 0) break;
     outcome.output.append(buffer, static_cast<std::size_t>(size));
   }
-  ::close(pipe_ends[0]);
+  ::close(running.file);
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  while (::waitpid(running.child, &status, 0) < 0 && errno == EINTR) {
   }
   if (WIFEXITED(status)) outcome.status = WEXITSTATUS(status);
   return outcome;
@@ -111,14 +124,18 @@ bool wholeSvg(const fs::path& file) {
 
 }  // namespace
 
-std::string gnuplotVersion() {
-  const Outcome outcome = runProgram({"gnuplot", "--version"}, {});
-  if (outcome.spawn_error != 0 || outcome.status != 0) return "not found";
-  std::string version = outcome.output.substr(0, outcome.output.find('\n'));
-  constexpr std::string_view kName = "gnuplot ";
-  if (version.rfind(kName, 0) == 0) version.erase(0, kName.size());
-  return version;
+std::function<std::string()> askGnuplotVersion() {
+  return [running = start({"gnuplot", "--version"}, {})]() -> std::string {
+    const Outcome outcome = finish(running);
+    if (outcome.spawn_error != 0 || outcome.status != 0) return "not found";
+    std::string version = outcome.output.substr(0, outcome.output.find('\n'));
+    constexpr std::string_view kName = "gnuplot ";
+    if (version.rfind(kName, 0) == 0) version.erase(0, kName.size());
+    return version;
+  };
 }
+
+std::string gnuplotVersion() { return askGnuplotVersion()(); }
 
 std::string driftCsv(const SceneResult& scene) {
   std::string csv = heading(scene) + "step_s,time_s,energy_error_over_scale\n";
@@ -140,9 +157,15 @@ std::string driftScript(const SceneResult& scene) {
   double low = std::numeric_limits<double>::infinity(), high = 0;
   double finest = std::numeric_limits<double>::infinity(), coarsest = 0;
   std::vector<const Drift::Path*> seen;
-  std::string steps;
+  std::string steps, firsts, lasts;  // of each path, the records in drift.csv
+  std::size_t first = 1;             // below the names of the columns
   for (const Drift::Path& path : drift.paths) {
-    steps += fmt::format("{}{}", steps.empty() ? "" : " ", path.step);
+    const char* gap = steps.empty() ? "" : " ";
+    const std::size_t points = std::min(path.time.size(), path.error.size());
+    steps += fmt::format("{}{}", gap, path.step);
+    firsts += fmt::format("{}{}", gap, first);
+    lasts += fmt::format("{}{}", gap, first + std::max<std::size_t>(points, 1) - 1);
+    first += points;
     if (!drawable(path.worst) || !drawable(path.step)) continue;
     seen.push_back(&path);
     low = std::min(low, path.worst);
@@ -175,7 +198,7 @@ std::string driftScript(const SceneResult& scene) {
       "do for [dark = 0:1] {{\n"
       "load '../style.gp'\n"
       "set output dark ? 'drift_dark.svg' : 'drift.svg'\n"
-      "steps = '{1}'\n"
+      "steps = '{1}'; firsts = '{7}'; lasts = '{8}'\n"
       "set multiplot\n"
       "set label 1 {2} at screen 0.5, screen 0.955 center textcolor rgb ink font ',15'\n"
       "set tmargin at screen 0.83\nset bmargin at screen 0.26\n"
@@ -184,15 +207,14 @@ std::string driftScript(const SceneResult& scene) {
       "set ylabel '|E − E₀| / {6:.3g} J  [1]'\n",
       oneLine(scene.name), steps,
       gnuplotString(fmt::format("{}, {}: lower is better", title, drift.method)), bottom, top,
-      every, drift.scale);
+      every, drift.scale, firsts, lasts);
   text += fmt::format(
       "set lmargin at screen 0.09\nset rmargin at screen 0.5\n"
       "set title 'Energy error along the path, for each step size' textcolor rgb soft\n"
       "set xlabel 'time  [s]'\nset xrange [0:{0}]\n"
       "set key at screen 0.295, screen 0.06 center center horizontal Left reverse maxrows 2\n"
-      "plot for [i = 1:words(steps)] 'drift.csv' "
-      "using (strcol(1) eq word(steps, i) ? $2 : NaN):3 with lines linetype i title word(steps, "
-      "i).' s'\n"
+      "plot for [i = 1:words(steps)] 'drift.csv' every ::int(word(firsts, i))::int(word(lasts, i)) "
+      "using 2:3 with lines linetype i title word(steps, i).' s'\n"
       "unset label\n",
       drift.duration > 0 ? fmt::format("{}", drift.duration) : "*");
   text += fmt::format(
@@ -214,7 +236,7 @@ std::string driftScript(const SceneResult& scene) {
 std::optional<std::string> runGnuplot(const fs::path& folder, const std::string& script,
                                       const std::vector<std::string>& pictures) {
   // -d: without the user's own start-up file, so that everybody's picture looks the same
-  const Outcome outcome = runProgram({"gnuplot", "-d", script}, folder);
+  const Outcome outcome = finish(start({"gnuplot", "-d", script}, folder));
   std::string problem;
   if (outcome.spawn_error == ENOENT)
     problem = "gnuplot was not found (Debian: apt install gnuplot-nox)";

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,8 @@ namespace dynwitness::crosscheck {
 
 /// "5.4 patchlevel 4"; "not found" where there is no gnuplot.
 std::string gnuplotVersion();
+/// Starts gnuplot, which takes a while to load, and goes on; what comes back waits for the answer, once.
+std::function<std::string()> askGnuplotVersion();
 
 /// Every point of the paths: `step_s,time_s,energy_error_over_scale`, under `#` lines with scene,
 /// method and scale.

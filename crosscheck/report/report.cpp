@@ -59,6 +59,33 @@ void writeChart(const Chart& chart, const std::string& folder, const UnfinishedF
   files->chart_dark = folder + "/speed_dark.svg";
 }
 
+}  // namespace
+
+BenchFiles writeBenchChart(const BenchResult& bench, const UnfinishedFolder& folder, const std::string& name,
+                           const std::string& style) {
+  const std::string in = name.empty() ? "" : name + "/";
+  BenchFiles files;
+  files.csv = in + "bench.csv";
+  folder.write(files.csv, benchCsv(bench));
+  const std::string script = benchScript(bench, style);
+  if (script.empty()) {
+    files.no_plot_reason = "no time was measured";
+    return files;
+  }
+  files.script = in + "bench.gp";
+  folder.write(files.script, script);
+  const auto problem = runGnuplot(folder.path() / name, "bench.gp", {"bench.svg", "bench_dark.svg"});
+  if (problem) {
+    files.no_plot_reason = *problem;
+    return files;
+  }
+  files.light = in + "bench.svg";
+  files.dark = in + "bench_dark.svg";
+  return files;
+}
+
+namespace {
+
 /// All tasks, some at a time: they wait for gnuplot, which is a process of its own.
 void inThreads(const std::vector<std::function<void()>>& tasks) {
   std::atomic<std::size_t> next{0};
@@ -73,7 +100,8 @@ void inThreads(const std::vector<std::function<void()>>& tasks) {
 }  // namespace
 
 void writeReport(const CrosscheckResult& result, const Environment& environment,
-                 const std::filesystem::path& folder, const std::vector<Chart>& charts) {
+                 const std::filesystem::path& folder, const std::vector<Chart>& charts,
+                 const BenchResult* bench) {
   if (!charts.empty() && charts.size() != result.scenes.size())
     throw std::invalid_argument(fmt::format("writeReport: charts: expected none or {}, got {}",
                                             result.scenes.size(), charts.size()));
@@ -96,11 +124,15 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
     if (!charts.empty())
       drawings.push_back([&, i, scene_folder] { writeChart(charts[i], scene_folder, out, &files[i]); });
   }
+  BenchFiles bench_files;
+  if (bench)
+    drawings.push_back([&] { bench_files = writeBenchChart(*bench, out, "bench", "../scenes/style.gp"); });
   inThreads(drawings);
-  out.write("report.json", reportJson(result, environment));
+  out.write("report.json", reportJson(result, environment, bench ? benchJson(*bench) : std::string()));
   out.write("junit.xml", reportJUnit(result, environment));
   out.write("digits.md", digitsTable(result, environment));
-  out.write("index.html", reportPage(result, environment, files));
+  out.write("index.html", reportPage(result, environment, files,
+                                     bench ? benchSection(*bench, bench_files) : std::string()));
   out.moveIntoPlace("index.html");
 }
 

@@ -9,11 +9,13 @@
 //     scenes/SCENE/tree.svg            the mechanism
 //     scenes/SCENE/drift.csv, drift_worst.csv, drift.gp, drift.svg, drift_dark.svg
 //     scenes/SCENE/speed.csv, speed.gp, speed.svg, speed_dark.svg
+//     bench/bench.csv, bench.gp, bench.svg, bench_dark.svg
 #pragma once
 
 #include <filesystem>
 #include <vector>
 
+#include "crosscheck/bench/results.hpp"
 #include "crosscheck/chart/chart.hpp"
 #include "crosscheck/report/environment.hpp"
 #include "crosscheck/report/files.hpp"
@@ -26,9 +28,18 @@ namespace dynwitness::crosscheck {
 
     @param charts  speed against accuracy, none or one a scene. Times differ from run to run, so they
                    are apart from the result, and only in scenes/SCENE/speed*
+    @param bench   what a run of the benchmarks measured, for the section "Speed"; none: no section
     @throws scene::InputError   as requireWritable(), before any work
     @throws std::runtime_error  writing failed (disk full, ...); the folder is as it was before */
 void writeReport(const CrosscheckResult& result, const Environment& environment,
-                 const std::filesystem::path& folder, const std::vector<Chart>& charts = {});
+                 const std::filesystem::path& folder, const std::vector<Chart>& charts = {},
+                 const BenchResult* bench = nullptr);
+
+/** Writes bench.csv, bench.gp and, where gnuplot can, the pictures, and says where they are relative to
+    `folder`.
+    @param name   of their folder in it; empty: `folder` itself
+    @param style  the path of style.gp, as seen from there */
+BenchFiles writeBenchChart(const BenchResult& bench, const UnfinishedFolder& folder, const std::string& name,
+                           const std::string& style);
 
 }  // namespace dynwitness::crosscheck

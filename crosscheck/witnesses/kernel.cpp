@@ -125,7 +125,7 @@ class KernelWitness : public Witness {
 
 WitnessKind kindOf(const std::string& name, bool lanes) {
   const std::string method =
-      lanes ? fmt::format("the same code on {} states at once, every lane asked", kernel::widestLanes())
+      lanes ? fmt::format("the same code on {} states at once, every lane asked", kernel::chosenLanes())
             : "the smallest program of the scene, as compiled C";
   WitnessInfo info{name, DYNWITNESS_VERSION, method};
   try {

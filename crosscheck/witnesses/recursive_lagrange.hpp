@@ -26,22 +26,23 @@ struct LagrangeTerms {
 
 /** A mechanism as homogeneous matrices, read from the scene by itself.
 
-    A link's frame is its moved joint frame. With A the link's frame seen from its parent's, W from
-   the world's, E_k = [w]x with v beside it, the constant generator of axis k in the link's frame,
-   and J the pseudo-inertia, the sum of m x x' over the link's points x = (x, y, z, 1):
+    A link's frame is its moved joint frame. With A the link's frame seen from its parent's, W from the
+    world's, E_k = [w]x with v beside it, the constant generator of axis k in the link's frame, and J the
+    pseudo-inertia, the sum of m x x' over the link's points x = (x, y, z, 1):
 
         dA/dpi_k = A E_k                       pi_k: the k-th coordinate, or quasi-coordinate of a
                                                spherical or floating joint, whose rate is qd_k
         J = [ sum m x x'   m r_c ]             sum m x x' = (tr I / 2) 1 - I
             [ m r_c'       m     ]
 
-    Lagrange's equations in the form that needs no gradient of T (Hollerbach): tau_k is the virtual
-   work of the inertial forces of all points, whose places are W x,
+    Lagrange's equations in the form that needs no gradient of T (Hollerbach): tau_k is the virtual work of
+    the inertial forces of all points, whose places are W x,
 
-        tau_k = sum over j outboard of tr( dW_j/dpi_k J_j Wdd_j' ) - loads,   dW_j/dpi_k = W_i E_k
-   W_i^-1 W_j
+        tau_k = sum over j outboard of tr( dW_j/dpi_k J_j Wdd_j' ) - loads
+        dW_j/dpi_k = W_i E_k W_i^-1 W_j
 
-    Cylindrical, universal and planar joints are chains of axes. Fixed joints are kept. */
+    Cylindrical, universal and planar joints are chains of axes. Fixed joints are kept. Gyroscopic rotors are
+    bodies. */
 template <typename T>
 class HomogeneousModel {
  public:
@@ -51,6 +52,7 @@ class HomogeneousModel {
   };
   struct Body {
     int parent = -1, dof = -1, slot = -1;  ///< dof: of the first axis
+    bool rests = false;                    ///< in the world
     scene::JointKind kind = scene::JointKind::kFixed;
     Matrix4<T> before = Matrix4<T>::Identity();  ///< parent's frame to the unmoved joint frame
     Eigen::Matrix<T, 3, 1> k;                    ///< axis, in the joint frame
@@ -76,10 +78,10 @@ class HomogeneousModel {
         (2)  Wdd = Wdd_p A + 2 Wd_p A F + W (F F + sum of E_k qdd_k)
         (3)  D = J Wdd' - J e_4 (gravity, 0)' - loads + sum over children of A_child D_child
         (4)  tau_k = tr(W E_k D) + n^2 J_rotor qdd_k + stiffness (q - rest)
-      A force f at a point x does the virtual work tr(dW x (f, 0)'); a moment m turns by dR, which
-     is tr(dR R' [m]x') / 2.
-      @see J. Hollerbach, A Recursive Lagrangian Formulation of Manipulator Dynamics, IEEE Trans.
-     Systems, Man, and Cybernetics 10 (1980) */
+      A force f at a point x does the virtual work tr(dW x (f, 0)'); a moment m turns by dR, which is
+      tr(dR R' [m]x') / 2.
+      @see J. Hollerbach, A Recursive Lagrangian Formulation of Manipulator Dynamics, IEEE Trans. Systems,
+      Man, and Cybernetics 10 (1980) */
   std::vector<T> inverse(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd,
                          const std::vector<T>& qdd, LagrangeTerms terms);
   /// Column j is inverse() at rest for a unit acceleration of joint j alone.
@@ -140,6 +142,11 @@ class HomogeneousModel {
   static Matrix4<T> composed(const std::vector<scene::Step>& steps, const Numbers& number);
   template <typename Numbers>
   static Matrix4<T> pseudoInertia(const scene::MassProperties& m, const Numbers& number);
+
+  /** A gyroscopic rotor is a body of its own, which its joint's coordinate turns gear_ratio times as far about
+      the joint's axis on the link that carries it; that link then lacks it. Where it has been turned to makes
+      no difference, so it is left unturned and only its generator tells of its motion. */
+  void addRotor(const Body& joint, const T& gear, const T& J_rotor);
 
   /// A of a joint at this position.
   Matrix4<T> moved(const Body& body, const std::vector<scene::JointPosition<T>>& x) const;
@@ -210,14 +217,25 @@ Matrix4<T> HomogeneousModel<T>::pseudoInertia(const scene::MassProperties& m,
 }
 
 template <typename T>
+void HomogeneousModel<T>::addRotor(const Body& joint, const T& gear, const T& J_rotor) {
+  Body rotor;
+  rotor.parent = joint.parent;
+  rotor.dof = joint.dof;
+  rotor.slot = joint.slot;
+  rotor.before = joint.before;
+  rotor.k = joint.k;
+  rotor.axes.push_back({joined(hat(joint.k) * gear, Vector3::Constant(T(0)), 0), T(0)});
+  // sum m x x' of a ring about k: J / 2 along all that is across k
+  const Matrix3 ring = (Matrix3::Identity() - joint.k * joint.k.transpose()) * (J_rotor / T(2));
+  rotor.J = joined(ring, Vector3::Constant(T(0)), 0);
+  bodies[rotor.parent].J -= rotor.before * rotor.J * rotor.before.transpose();
+  bodies.push_back(rotor);
+}
+
+template <typename T>
 template <typename Numbers>
 HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const Numbers& number) {
   using Kind = scene::JointKind;
-  for (const scene::Link& link : mechanism.links)
-    if (link.joint.gyroscopic)
-      throw scene::InputError({}, "the rotor of joint '" + link.joint.name +
-                                      "' is gyroscopic, homogeneous matrices know a rotor as inertia n^2 J of "
-                                      "its own joint only");
   if (mechanism.has_gravity) gravity.template head<3>() = vector(mechanism.gravity, number);
   const Vector3 none = Vector3::Constant(T(0));
   int slot = 0;
@@ -240,8 +258,11 @@ HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const N
       body.viscous = number(link.joint.friction.viscous);
       body.positive = number(link.joint.friction.positive);
       body.negative = number(link.joint.friction.negative);
-      const T gear = number(link.joint.gear_ratio);
-      const T rotor = gear * gear * number(link.joint.rotor_inertia);
+      const T gear = number(link.joint.gear_ratio), J_rotor = number(link.joint.rotor_inertia);
+      // on what rests in the world, only its joint feels it
+      const bool spins = link.joint.gyroscopic && parent >= 0 && !bodies[parent].rests;
+      body.rests = kind == Kind::kFixed && (parent < 0 || bodies[parent].rests);
+      const T rotor = spins ? T(0) : T(gear * gear * J_rotor);
       const auto axis = [&](const Vector3& w, const Vector3& v) {
         body.axes.push_back({joined(hat(w), v, 0), rotor});
       };
@@ -270,6 +291,7 @@ HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const N
         dof_ += static_cast<int>(body.axes.size());
         slot += kind == Kind::kFloating ? 7 : kind == Kind::kSpherical ? 4 : 1;
       }
+      if (spins) addRotor(body, gear, J_rotor);
       parent = static_cast<int>(bodies.size());
       placed = Matrix4<T>::Identity();
       bodies.push_back(body);
@@ -361,7 +383,7 @@ std::vector<T> HomogeneousModel<T>::inward(std::vector<Matrix4<T>> D) const {
   for (std::size_t i = bodies.size(); i-- > 0;) {
     const Body& body = bodies[i];
     for (std::size_t k = 0; k < body.axes.size(); ++k)
-      tau[body.dof + k] = trace(W_[i] * body.axes[k].E, D[i].transpose());  // (4)
+      tau[body.dof + k] += trace(W_[i] * body.axes[k].E, D[i].transpose());  // (4)
     if (body.parent >= 0) D[body.parent] += A_[i] * D[i];                   // (3), children
   }
   return tau;
@@ -531,6 +553,7 @@ struct RecursiveLagrange {
       case Quantity::kMomentum:
         return model.momentum(state.x, state.qd);
       case Quantity::kQdd:
+      case Quantity::kReactions:  // not answered
         break;
     }
     // M qdd = tau - tau at qdd = 0

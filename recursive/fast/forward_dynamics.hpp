@@ -181,6 +181,7 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
     });
   }
   subtractWorldLoads(plan, x, ws.others, ws.axes, ws.records);
+  addRotors(plan, qd, static_cast<const T*>(nullptr), ws.others, ws.records);
 
   // inward: what each link feels of its subtree
   Articulated<T> M;  // of the link at hand; between two, what the link before hands inward
@@ -219,15 +220,21 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
         j.U_n = {M.C.xz, M.C.yz, M.C.zz};
         j.inverse_D = T(1) / (link.rotor + j.U_n.z);
         j.u = tau[link.dof] - M.n.z;
-        if (link.is_sprung) j.u = j.u - link.stiffness * (x[link.slot].q - link.rest);
+        if (link.is_sprung) j.u = j.u - passiveForce(link, x, qd[link.dof]);
         if (link.parent == 0) return;
         const Vec<T> g = j.U_f * j.inverse_D;                                         // (3)
-        const T m_x = j.U_n.x * j.inverse_D, m_y = j.U_n.y * j.inverse_D, left = link.rotor * j.inverse_D;
+        const T m_x = j.U_n.x * j.inverse_D, m_y = j.U_n.y * j.inverse_D;
+        const T left = link.rotor_less_spin * j.inverse_D;
+        T left_zz = j.U_n.z * left;
+        if (link.is_special) {                                                        // (5)
+          j.U_n.z = j.U_n.z + link.spin;
+          left_zz = left_zz - link.spin * (j.U_n.z * j.inverse_D);
+        }
         const Vec<T>&f = j.U_f, &l = j.U_n;
         M.A = M.A - Symmetric3<T>{g.x * f.x, g.y * f.y, g.z * f.z, g.x * f.y, g.x * f.z, g.y * f.z};
         M.B = {M.B.xx - g.x * l.x, M.B.xy - g.x * l.y, f.x * left, M.B.yx - g.y * l.x, M.B.yy - g.y * l.y,
                f.y * left, M.B.zx - g.z * l.x, M.B.zy - g.z * l.y, f.z * left};
-        M.C = {M.C.xx - m_x * l.x, M.C.yy - m_y * l.y, l.z * left, M.C.xy - m_x * l.y, l.x * left, l.y * left};
+        M.C = {M.C.xx - m_x * l.x, M.C.yy - m_y * l.y, left_zz, M.C.xy - m_x * l.y, l.x * left, l.y * left};
         const T c_x = r.c_wd.x, c_y = r.c_wd.y, e = j.u * j.inverse_D;
         M.f = {M.f.x + (M.B.xx * c_x + M.B.xy * c_y) + f.x * e, M.f.y + (M.B.yx * c_x + M.B.yy * c_y) + f.y * e,
                M.f.z + (M.B.zx * c_x + M.B.zy * c_y) + f.z * e};
@@ -239,13 +246,15 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
         j.U_n = {M.B.zx, M.B.zy, M.B.zz};
         j.inverse_D = T(1) / (link.rotor + j.U_f.z);
         j.u = tau[link.dof] - M.f.z;
-        if (link.is_sprung) j.u = j.u - link.stiffness * (x[link.slot].q - link.rest);
+        const T left = link.rotor * j.inverse_D;
+        const T left_zz = j.U_n.z * left - link.spin * (j.U_f.z * j.inverse_D);
+        if (link.is_sprung) j.u = j.u - passiveForce(link, x, qd[link.dof]);
+        j.U_n.z = j.U_n.z + link.spin;                                                // (5)
         if (link.parent == 0) return;
         subtractOuter(j.U_f, j.U_n, j.inverse_D, M);                           // (3)
         // row z: d/D of what it was
-        const T left = link.rotor * j.inverse_D;
         M.A.xz = j.U_f.x * left, M.A.yz = j.U_f.y * left, M.A.zz = j.U_f.z * left;
-        M.B.zx = j.U_n.x * left, M.B.zy = j.U_n.y * left, M.B.zz = j.U_n.z * left;
+        M.B.zx = j.U_n.x * left, M.B.zy = j.U_n.y * left, M.B.zz = left_zz;
         const T e = j.u * j.inverse_D;
         M.f = M.f + times(M.A, r.c_a) + j.U_f * e;
         M.n = M.n + transposedTimes(M.B, r.c_a) + j.U_n * e;
@@ -255,7 +264,8 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
           columnOf(link, k, M, j.U_f, j.U_n);                                  // (2)
           j.inverse_D = T(1) / (link.rotor + alongAxis(link, k, j.U_f, j.U_n));
           j.u = tau[d] - alongAxis(link, k, M.f, M.n);
-          if (link.is_sprung) j.u = j.u - link.stiffness * (x[link.slot].q - link.rest);
+          if (link.is_sprung) j.u = j.u - passiveForce(link, x, qd[d]);
+          j.U_n.z = j.U_n.z + link.spin;                                              // (5)
           subtractOuter(j.U_f, j.U_n, j.inverse_D, M);                         // (3)
           const T e = j.u * j.inverse_D;
           M.f = M.f + j.U_f * e;
@@ -336,11 +346,13 @@ DYNWITNESS_FOR_AVX2 inline void forwardDynamicsForAvx2(const Plan<double>& plan,
     As there, but that accelerations are those of body points, which needs no linear velocities: with
     W = [w]x [w]x, p the joint seen from the parent, and c the joint's own velocity products,
         (1)  w = R w_p + z qd,   gamma = W_p p,   f = W h,   n = w x I w
-        (2)  U = M_A Z,   D = d + Z' U,   u = tau - k (q - rest) - Z' f_A
+        (2)  U = M_A Z,   D = d + Z' U,   u = tau - k (q - rest) - friction(qd) - Z' f_A
         (3)  M_a = M_A - U U' / D,   f_a = f_A + M_a c + U u / D,  turned back by R, then + M_a gamma,
              then shifted by p: added to the parent's
         (4)  a = R (a_p + w'_p x p + gamma) + c,   qdd = (u - U' a) / D,   a += Z qdd
-    Where Z is the z axis of a turning joint, M_a's row z is d/D times M_A's: that cancels nothing.
+        (5)  a gyroscopic rotor of h:  once D is known, U_n += h z and n_A += h w_p x z qd
+    Where Z is the z axis of a turning joint, M_a's row z is (d - h)/D times M_A's, and its last entry
+    ((d - h) U_z - h (U_z + h)) / D: that cancels nothing.
     The arrays are those of recursive::forwardDynamics, and are trusted to be as long as there. */
 template <typename T>
 void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* tau,

@@ -51,9 +51,22 @@ void subtractWorldLoads(const Plan<T>& plan, const JointPosition<T>* x, OtherJoi
   }
 }
 
-}  // namespace detail
+/// (4): what a gyroscopic rotor feels of the parent.
+template <typename T>
+void addParentsTurn(const Plan<T>& plan, const InverseDynamicsWorkspace<T>& ws, T* tau) {
+  if (!plan.has_specials) return;
+  for (std::size_t i = 0; i < plan.links.size(); ++i) {
+    const Link<T>& link = plan.links[i];
+    if (!link.is_special) continue;
+    withStep(link.step, [&](auto step) {
+      constexpr Step kStep = decltype(step)::value;
+      const auto& r = ws.records[i + 1];
+      const auto way = wayBack<kStep>(plan, link, r.c, r.s, ws.others);
+      tau[link.dof] = tau[link.dof] + link.spin * way.outward(ws.records[link.parent].wd).z;
+    });
+  }
+}
 
-namespace detail {
 
 template <typename T>
 DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* qdd,
@@ -118,6 +131,7 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
     });
   }
   subtractWorldLoads(plan, x, ws.others, ws.axes, ws.records);
+  addRotors(plan, qd, qdd, ws.others, ws.records);
 
   // inward: what passes through each joint
   for (int i = n - 1; i >= 0; --i) {
@@ -131,8 +145,7 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
         for (int k = 0, d = link.dof; k < link.axes; ++k, ++d)
           tau[d] = alongAxis(link, k, r.f, r.n) + link.rotor * qdd[d];
       }
-      if (link.is_sprung)
-        tau[link.dof] = tau[link.dof] + link.stiffness * (x[link.slot].q - link.rest);
+      if (link.is_sprung) tau[link.dof] = tau[link.dof] + passiveForce(link, x, qd[link.dof]);
       if (link.parent == 0) return;
       Record& parent = records[link.parent];
       const auto way = wayBack<kStep>(plan, link, r.c, r.s, ws.others);
@@ -144,6 +157,7 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
       if (link.is_apart) parent.n = parent.n + cross(jointPlace<kStep>(link, x, ws.others), f);
     });
   }
+  addParentsTurn(plan, ws, tau);
 }
 
 DYNWITNESS_FOR_AVX2 inline void inverseDynamicsForAvx2(const Plan<double>& plan, const JointPosition<double>* x, const double* qd, const double* qdd,
@@ -157,8 +171,10 @@ DYNWITNESS_FOR_AVX2 inline void inverseDynamicsForAvx2(const Plan<double>& plan,
     It carries the acceleration a of the body's point at the origin and U = [w']x + [w]x [w]x:
         (1)  w = R w_p + z qd,  w' = R w'_p + w x z qd + z qdd,  a = R (a_p + U_p p),  a_0 = -gravity
         (2)  f = m a + U h,     n = I w' + w x I w + h x a       the link's own
-        (3)  f_p += R' f,       n_p += R' n + p x R' f,          tau = n_z + d qdd + k (q - rest)
-    and (f_z in place of n_z, 2 w x z qd + z qdd added to a, where the joint slides).
+        (3)  f_p += R' f,       n_p += R' n + p x R' f,          tau = n_z + d qdd
+    and (f_z in place of n_z, 2 w x z qd + z qdd added to a, where the joint slides). A spring and friction:
+        (4)  tau += k (q - rest) + friction(qd); a gyroscopic rotor of h, which the parent carries:
+             tau += h z'w'_p,   n_p += R' h (z qdd + w_p x z qd)
 
     The arrays are those of recursive::inverseDynamics, and are trusted to be as long as there. */
 template <typename T>

@@ -12,8 +12,21 @@ struct Lanes {
   T v[kBlock];
 
   static Lanes load(const T* from) { return {{from[0], from[1], from[2], from[3]}}; }
+  /// Zero before the first lane.
+  static Lanes loadFrom(int first, const T* from) {
+    Lanes a = load(from);
+    for (int i = 0; i < first; ++i) a.v[i] = T(0);
+    return a;
+  }
   void store(T* to) const {
     for (int i = 0; i < kBlock; ++i) to[i] = v[i];
+  }
+  /// One by one, this many numbers apart.
+  void scatter(T* to, std::size_t apart) const {
+    for (int i = 0; i < kBlock; ++i) to[i * apart] = v[i];
+  }
+  void scatterThree(T* to, std::size_t apart) const {
+    for (int i = 0; i < 3; ++i) to[i * apart] = v[i];
   }
   Lanes operator+(const Lanes& b) const {
     return {{v[0] + b.v[0], v[1] + b.v[1], v[2] + b.v[2], v[3] + b.v[3]}};
@@ -31,14 +44,27 @@ struct Lanes {
 struct TwoPairs {
   typedef double Pair __attribute__((vector_size(16)));
   typedef double Memory __attribute__((vector_size(16), aligned(8), may_alias));
+  typedef long long Bits __attribute__((vector_size(16)));
   Pair low, high;
 
   static DYNWITNESS_INLINE TwoPairs load(const double* from) {
     return {*reinterpret_cast<const Memory*>(from), *reinterpret_cast<const Memory*>(from + 2)};
   }
+  static DYNWITNESS_INLINE TwoPairs loadFrom(int first, const double* from) {
+    const TwoPairs a = load(from);
+    const Bits low = {-(first < 1), -(first < 2)}, high = {-(first < 3), -(first < 4)};
+    return {(Pair)((Bits)a.low & low), (Pair)((Bits)a.high & high)};
+  }
   DYNWITNESS_INLINE void store(double* to) const {
     *reinterpret_cast<Memory*>(to) = low;
     *reinterpret_cast<Memory*>(to + 2) = high;
+  }
+  DYNWITNESS_INLINE void scatter(double* to, std::size_t apart) const {
+    scatterThree(to, apart);
+    to[3 * apart] = high[1];
+  }
+  DYNWITNESS_INLINE void scatterThree(double* to, std::size_t apart) const {
+    to[0] = low[0], to[apart] = low[1], to[2 * apart] = high[0];
   }
   DYNWITNESS_INLINE TwoPairs operator+(const TwoPairs& b) const { return {low + b.low, high + b.high}; }
   DYNWITNESS_INLINE TwoPairs operator-(const TwoPairs& b) const { return {low - b.low, high - b.high}; }
@@ -50,12 +76,24 @@ struct TwoPairs {
 struct Quad {
   typedef double Four __attribute__((vector_size(32)));
   typedef double Memory __attribute__((vector_size(32), aligned(8), may_alias));
+  typedef long long Bits __attribute__((vector_size(32)));
   Four v;
 
   static DYNWITNESS_INLINE Quad load(const double* from) {
     return {*reinterpret_cast<const Memory*>(from)};
   }
+  static DYNWITNESS_INLINE Quad loadFrom(int first, const double* from) {
+    const Bits lane = {0, 1, 2, 3}, begin = {first, first, first, first};
+    return {(Four)((Bits)load(from).v & (lane >= begin))};
+  }
   DYNWITNESS_INLINE void store(double* to) const { *reinterpret_cast<Memory*>(to) = v; }
+  DYNWITNESS_INLINE void scatter(double* to, std::size_t apart) const {
+    scatterThree(to, apart);
+    to[3 * apart] = v[3];
+  }
+  DYNWITNESS_INLINE void scatterThree(double* to, std::size_t apart) const {
+    to[0] = v[0], to[apart] = v[1], to[2 * apart] = v[2];
+  }
   DYNWITNESS_INLINE Quad operator+(const Quad& b) const { return {v + b.v}; }
   DYNWITNESS_INLINE Quad operator-(const Quad& b) const { return {v - b.v}; }
   DYNWITNESS_INLINE Quad operator-() const { return {-v}; }
@@ -68,7 +106,7 @@ struct MassMatrixWorkspace {
   explicit MassMatrixWorkspace(const Plan<T>& plan)
       : frames(plan.links.size() + 1),
         branches(plan.branches),
-        columns(plan.dof_of_column.size() / kBlock),
+        columns(plan.blocks.size()),
         others(plan) {
     for (Frame& frame : frames) frame = {};
     for (Columns& block : columns) block = {};
@@ -122,15 +160,15 @@ DYNWITNESS_INLINE void axesThrough(const Way<kStep, T>& way, Pack& x, Pack& y, P
   }
 }
 
-/// Composite body of mass m about the joint, to about the parent's origin, from which the joint is at p.
-template <typename Composite, typename T>
-DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, const T& mass, Composite& x) {
-  const Vec<T> h = x.h, h_A = h + p * mass;
+/// Mass, h and I about the joint, to about the parent's origin, from which the joint is at p.
+template <typename T>
+DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, const T& mass, Vec<T>& h, Symmetric3<T>& I) {
+  const Vec<T> h_A = h + p * mass;
   const Vec<T> k = h + h_A;
   const T a = p.x * k.x, b = p.y * k.y, c = p.z * k.z;
-  x.I = x.I + Symmetric3<T>{b + c, a + c, a + b, -(p.y * h.x + h_A.y * p.x), -(p.z * h.x + h_A.z * p.x),
-                            -(p.z * h.y + h_A.z * p.y)};
-  x.h = h_A;
+  I = I + Symmetric3<T>{b + c, a + c, a + b, -(p.y * h.x + h_A.y * p.x), -(p.z * h.x + h_A.z * p.x),
+                        -(p.z * h.y + h_A.z * p.y)};
+  h = h_A;
 }
 
 }  // namespace detail
@@ -145,14 +183,13 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
   using Columns = typename MassMatrixWorkspace<T>::Columns;
   const int n = static_cast<int>(plan.links.size());
   const std::size_t dof = plan.dof;
+  // by pointers: what is stored through them could otherwise be the vectors' own, and be read anew each time
+  const Link<T>* const links = plan.links.data();
   Frame* const frames = ws.frames.data();
-  const auto along = [](const T* e, const T* x, const T* y, const T* z) DYNWITNESS_INLINE_LAMBDA {
-    return e[0] * Pack::load(x) + e[1] * Pack::load(y) + e[2] * Pack::load(z);
-  };
-
+  Columns* const columns = ws.columns.data();
   // outward: the links' axes
   for (int i = 0; i < n; ++i) {
-    const Link<T>& link = plan.links[i];
+    const Link<T>& link = links[i];
     const Frame& parent = frames[link.parent];
     Frame& frame = frames[i + 1];
     withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
@@ -172,45 +209,11 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
     });
   }
 
-  if (!plan.is_chain) std::fill(M, M + dof * dof, T(0));  // branches do not feel each other
-  // one row for the columns of a block, up to the end of the branch; columns before the joint's own
-  // are written again when their turn comes
-  const auto write = [&](int d, int b, int end, const Pack& row) DYNWITNESS_INLINE_LAMBDA {
-    const ColumnBlock& block = plan.blocks[b];
-    T* const across = M + d * dof;
-    T values[kBlock];
-    row.store(values);
-    const int lanes = std::min(block.count, end - b * kBlock);
-    if (block.first_dof < 0) {
-      for (int k = 0; k < lanes; ++k) {
-        const std::size_t to = plan.dof_of_column[b * kBlock + k];
-        across[to] = M[to * dof + d] = values[k];
-      }
-      return;
-    }
-    T* const down = M + block.first_dof * dof + d;
-    if (lanes == kBlock) {
-      row.store(across + block.first_dof);
-      for (int k = 0; k < kBlock; ++k) down[k * dof] = values[k];
-    } else {
-      for (int k = 0; k < lanes; ++k) across[block.first_dof + k] = down[k * dof] = values[k];
-    }
-  };
-  // the same for a joint of several axes, or a screw
-  const auto writeOther = [&](const Link<T>& at, const Frame& frame, const Columns& F, int b, int end) {
-    for (int l = 0; l < at.axes; ++l) {
-      const bool slides = at.kind == JointKind::kFloating && l < 3;
-      const int axis = at.axes == 1 ? 2 : l % 3;
-      const T* const e = axis == 0 ? frame.x : axis == 1 ? frame.y : frame.z;
-      Pack row = slides ? along(e, F.f_x, F.f_y, F.f_z) : along(e, F.n_x, F.n_y, F.n_z);
-      if (at.kind == JointKind::kHelical) row = row + at.pitch * along(e, F.f_x, F.f_y, F.f_z);
-      write(at.dof + l, b, end, row);
-    }
-  };
-
+  // inward: what is outboard of each joint as one body, and the column that moves this joint alone
   Composite I_C;  // of the link at hand; between two, what the link before hands inward
+  if (!plan.is_chain) std::fill(M, M + dof * dof, T(0));  // branches do not feel each other
   for (int i = n - 1; i >= 0; --i) {
-    const Link<T>& link = plan.links[i];
+    const Link<T>& link = links[i];
     const Frame& frame = frames[i + 1];
     if (link.end == i + 1) {
       I_C = {link.mass, link.h, link.I};
@@ -223,33 +226,29 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
       const Composite& sum = ws.branches[link.branch];
       I_C = {I_C.mass + sum.mass, I_C.h + sum.h, I_C.I + sum.I};
     }
-    const Link<T>& parent = plan.links[link.parent == 0 ? i : link.parent - 1];
-    const Frame& inboard = frames[link.parent];
-    {
-      const Vec<T>& h = I_C.h;
-      const Symmetric3<T>& I = I_C.I;
+    withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
+      constexpr Step kStep = decltype(step)::value;
+      Vec<T> h = I_C.h;
+      Symmetric3<T> I = I_C.I;
       const Pack e_x = Pack::load(frame.x), e_y = Pack::load(frame.y), e_z = Pack::load(frame.z);
-      const auto setColumn = [&](int column, const Pack& f, const Pack& m) DYNWITNESS_INLINE_LAMBDA {
-        Columns& block = ws.columns[static_cast<unsigned>(column) / kBlock];
-        const unsigned lane = static_cast<unsigned>(column) % kBlock;
-        T force[kBlock], moment[kBlock];
-        f.store(force);
-        m.store(moment);
-        block.f_x[lane] = force[0], block.f_y[lane] = force[1], block.f_z[lane] = force[2];
-        block.n_x[lane] = moment[0], block.n_y[lane] = moment[1], block.n_z[lane] = moment[2];
+      const auto setColumn = [&](unsigned column, const Pack& f, const Pack& m) DYNWITNESS_INLINE_LAMBDA {
+        Columns& block = columns[column / kBlock];
+        f.scatterThree(block.f_x + column % kBlock, kBlock);
+        m.scatterThree(block.n_x + column % kBlock, kBlock);
       };
-      if (isTurn(link.step)) {                                                         // (2)
-        setColumn(link.column, h.x * e_y - h.y * e_x, I.xz * e_x + I.yz * e_y + I.zz * e_z);
+      if constexpr (isTurn(kStep)) {                                                   // (2)
+        setColumn(link.column, h.x * e_y - h.y * e_x, I.xz * e_x + I.yz * e_y + (I.zz + link.spin) * e_z);
         M[link.dof * dof + link.dof] = I.zz + link.rotor;
-      } else if (isSlide(link.step)) {
-        setColumn(link.column, I_C.mass * e_z, h.y * e_x - h.x * e_y);
+      } else if constexpr (isSlide(kStep)) {
+        setColumn(link.column, I_C.mass * e_z, h.y * e_x - h.x * e_y + link.spin * e_z);
         M[link.dof * dof + link.dof] = I_C.mass + link.rotor;
       } else {
         for (int k = 0; k < link.axes; ++k) {
           Vec<T> v = Vec<T>::zero(), w = Vec<T>::zero();
           addAlongAxis(link, k, T(1), v, w);
           const Vec<T> f = v * I_C.mass + cross(w, h), m = cross(h, v) + times(I, w);
-          setColumn(link.column + k, f.x * e_x + f.y * e_y + f.z * e_z, m.x * e_x + m.y * e_y + m.z * e_z);
+          setColumn(link.column + k, f.x * e_x + f.y * e_y + f.z * e_z,
+                    m.x * e_x + m.y * e_y + (m.z + link.spin) * e_z);
           for (int l = 0; l <= k; ++l) {
             const T value = alongAxis(link, l, f, m);
             const std::size_t d = link.dof + k, e = link.dof + l;
@@ -257,39 +256,72 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
           }
         }
       }
-    }
-    if (link.parent == 0) continue;
-    for (int b = static_cast<unsigned>(link.column) / kBlock; b * kBlock < link.end_column; ++b) {             // (3)
-      Columns& F = ws.columns[b];
-      Pack n_x = Pack::load(F.n_x), n_y = Pack::load(F.n_y), n_z = Pack::load(F.n_z);
-      if (link.is_apart) {
-        const T* const p = frame.p;
-        const Pack f_x = Pack::load(F.f_x), f_y = Pack::load(F.f_y), f_z = Pack::load(F.f_z);
+      if (link.parent == 0) return;
+      const auto way = wayBack<kStep>(plan, link, frame.c, frame.s, ws.others);
+      way.inward(h);                                                                  // (1)
+      way.inward(I);
+      if (link.is_apart) shiftBack(jointPlace<kStep>(link, x, ws.others), I_C.mass, h, I);
+      I_C.h = h;
+      I_C.I = I;
+    });
+    if (link.parent == i || link.parent == 0) continue;  // the parent is next, or the world
+    Composite& sum = ws.branches[links[link.parent - 1].branch];
+    if (link.is_last_child) sum = I_C;
+    else sum = {sum.mass + I_C.mass, sum.h + I_C.h, sum.I + I_C.I};
+  }
+
+  // block by block, inward: what the joints on the way to the world feel of the block's columns
+  for (const ColumnBlock& block : plan.blocks) {
+    const auto write = [&](int d, int first_column, const Pack& row) DYNWITNESS_INLINE_LAMBDA {
+      T *const across = M + d * dof, *const down = M + d;
+      if (block.first_dof >= 0 && first_column <= block.begin) {
+        row.store(across + block.first_dof);
+        row.scatter(down + block.first_dof * dof, dof);
+        return;
+      }
+      T values[kBlock];
+      row.store(values);
+      for (int k = std::max(block.first_column, first_column) - block.begin; k < kBlock; ++k) {
+        const std::size_t to = block.dofs[k];
+        across[to] = down[to * dof] = values[k];
+      }
+    };
+    const auto along = [](const T* e, const Pack& x, const Pack& y, const Pack& z)
+                           DYNWITNESS_INLINE_LAMBDA { return e[0] * x + e[1] * y + e[2] * z; };
+    const Columns& F = columns[block.begin / kBlock];
+    Pack f_x, f_y, f_z, n_x = Pack::load(F.n_x), n_y = Pack::load(F.n_y), n_z = Pack::load(F.n_z);
+    const Link<T>* link = links + block.last_link;
+    const Frame* frame = frames + block.last_link + 1;
+    while (link->parent > 0) {
+      const Link<T>* const next = links + (link->parent - 1);
+      const Frame* const inboard = frames + link->parent;
+      if (link->column + link->axes > block.begin) {  // its columns join: until now, their forces had no lever
+        const int lane = link->column - block.begin;
+        f_x = Pack::loadFrom(lane, F.f_x), f_y = Pack::loadFrom(lane, F.f_y), f_z = Pack::loadFrom(lane, F.f_z);
+      }
+      if (link->is_apart) {                                                             // (3)
+        const T* const p = frame->p;
         n_x = n_x + (p[1] * f_z - p[2] * f_y);
         n_y = n_y + (p[2] * f_x - p[0] * f_z);
         n_z = n_z + (p[0] * f_y - p[1] * f_x);
-        n_x.store(F.n_x), n_y.store(F.n_y), n_z.store(F.n_z);
       }
-      if (isTurn(parent.step)) {
-        const T* const e = inboard.z;
-        write(parent.dof, b, link.end_column, e[0] * n_x + e[1] * n_y + e[2] * n_z);
-      } else if (isSlide(parent.step)) {
-        write(parent.dof, b, link.end_column, along(inboard.z, F.f_x, F.f_y, F.f_z));
+      if (isTurn(next->step)) {
+        write(next->dof, link->column, along(inboard->z, n_x, n_y, n_z));
+      } else if (isSlide(next->step)) {
+        write(next->dof, link->column, along(inboard->z, f_x, f_y, f_z));
       } else {
-        writeOther(parent, inboard, F, b, link.end_column);
+        for (int l = 0; l < next->axes; ++l) {
+          const bool slides = next->kind == JointKind::kFloating && l < 3;
+          const int axis = next->axes == 1 ? 2 : l % 3;
+          const T* const e = axis == 0 ? inboard->x : axis == 1 ? inboard->y : inboard->z;
+          Pack row = slides ? along(e, f_x, f_y, f_z) : along(e, n_x, n_y, n_z);
+          if (next->kind == JointKind::kHelical) row = row + next->pitch * along(e, f_x, f_y, f_z);
+          write(next->dof + l, link->column, row);
+        }
       }
+      link = next;
+      frame = inboard;
     }
-    withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
-      constexpr Step kStep = decltype(step)::value;
-      const auto way = wayBack<kStep>(plan, link, frame.c, frame.s, ws.others);
-      way.inward(I_C.h);                                                              // (1)
-      way.inward(I_C.I);
-      if (link.is_apart) shiftBack(jointPlace<kStep>(link, x, ws.others), I_C.mass, I_C);
-    });
-    if (link.parent == i) continue;
-    Composite& sum = ws.branches[parent.branch];
-    if (link.is_last_child) sum = I_C;
-    else sum = {sum.mass + I_C.mass, sum.h + I_C.h, sum.I + I_C.I};
   }
 }
 
@@ -304,6 +336,7 @@ DYNWITNESS_FOR_AVX2 inline void massMatrixForAvx2(const Plan<double>& plan, cons
         (1)  I_C of p  +=  R' I_C R shifted by p            everything outboard of a joint as one body
         (2)  F = I_C Z,  M_ii = Z' F + d                    the column that moves joint i alone
         (3)  all columns outboard of a joint are carried inward together, four a block; M_ij = Z_j' F
+    A gyroscopic rotor of the joint, spun up, needs the moment h z of the parent: F has it from there on.
     Columns keep to the world's axes, so that a joint turns none of them: n += p x f is all.
     @param M  n n numbers, written whole */
 template <typename T>

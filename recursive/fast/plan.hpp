@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <type_traits>
-#include <stdexcept>
 #include <vector>
 
 #include "recursive/fast/dispatch.hpp"
@@ -40,11 +39,12 @@ struct Link {
   int branch = -1;  ///< where the inertias of all children but the first are summed; -1: at most one
   int matrix = -1;  ///< place of the fixed turn, or of the joint's, among the matrices
   int end = 0;      ///< the first link after this one that is not outboard of it
-  int column = 0;   ///< of the joint's first axis in the block of force columns
-  int end_column = 0;
+  int column = 0;   ///< of the joint's first axis in the blocks of force columns
   bool is_apart = false;   ///< the joint is not at the parent's origin
   bool is_offset = false;  ///< the angle has a constant part
-  bool is_loaded = false, is_sprung = false;
+  bool is_loaded = false;
+  bool is_special = false;  ///< friction, or a gyroscopic rotor
+  bool is_sprung = false;   ///< a spring, or special
   bool is_last_child = false;
   T c = T(1), s = T(0);    ///< of the fixed turn about x
   T c_o = T(1), s_o = T(0);  ///< of the angle's constant part
@@ -54,6 +54,8 @@ struct Link {
   Symmetric3<T> I;
   Vec<T> D;  ///< I_zz - I_yy, I_xx - I_zz, I_yy - I_xx
   T rotor, stiffness, rest, pitch;
+  T viscous, positive, negative;  ///< friction
+  T spin, rotor_less_spin;        ///< of a gyroscopic rotor that the parent carries
   Vec<T> force, moment;  ///< constant load about the origin
 };
 
@@ -72,28 +74,31 @@ struct PlannedLoad {
 };
 
 struct ColumnBlock {
-  int first_dof;  ///< of consecutive ones; -1: they are not
-  int count;      ///< columns in use
+  int begin = 0;     ///< column, a multiple of kBlock
+  int dofs[kBlock] = {-1, -1, -1, -1};  ///< -1: the column is not in use
+  int first_dof = -1;    ///< of as many consecutive ones; -1: they are not, or a column is not in use
+  int first_column = 0;  ///< the first in use; all after it are
+  int last_link = -1;    ///< whose joint has the last column
 };
 
 /// Built once from a model, then constant.
 template <typename T>
 struct Plan {
-  /// @throws std::invalid_argument  the model has friction or gyroscopic rotors
   explicit Plan(const Model<T>& model);
 
   std::vector<Link<T>> links;
   std::vector<Mat<T>> matrices;
-  std::vector<int> dof_of_column;  ///< -1: nothing there
   std::vector<ColumnBlock> blocks;
   std::vector<PlannedLoad<T>> world_loads;
   Vec<T> gravity;
   int dof, positions, branches = 0;
   bool is_chain = true;  ///< every joint feels every other one
+  bool has_specials = false;
 
  private:
   void order(const Model<T>& model);
   void fill(const Model<T>& model);
+  void layColumns();
   std::vector<int> link_of_;  ///< of the model, in the plan's order
 };
 
@@ -202,7 +207,15 @@ void Plan<T>::fill(const Model<T>& model) {
     to.pitch = from.pitch;
     to.force = detail::inQuarters(here, Vec<T>::from(from.load.force));
     to.moment = detail::inQuarters(here, Vec<T>::from(from.load.moment));
-    to.is_sprung = !isExactlyZero(from.stiffness);
+    to.viscous = from.viscous;
+    to.positive = from.positive;
+    to.negative = from.negative;
+    to.spin = to.parent > 0 ? from.spin : T(0);  // the world does not turn, and feels nothing
+    to.rotor_less_spin = to.rotor - to.spin;
+    for (const T* x : {&to.viscous, &to.positive, &to.negative, &to.spin})
+      to.is_special = to.is_special || !isExactlyZero(*x);
+    has_specials = has_specials || to.is_special;
+    to.is_sprung = to.is_special || !isExactlyZero(to.stiffness);
     for (const T* x : {&to.force.x, &to.force.y, &to.force.z, &to.moment.x, &to.moment.y, &to.moment.z})
       to.is_loaded = to.is_loaded || !isExactlyZero(*x);
 
@@ -243,30 +256,44 @@ void Plan<T>::fill(const Model<T>& model) {
 template <typename T>
 Plan<T>::Plan(const Model<T>& model)
     : gravity(Vec<T>::from(model.gravity)), dof(model.dof()), positions(model.positions) {
-  if (model.gyroscopic || model.friction)
-    throw std::invalid_argument("fast sweeps know neither joint friction nor gyroscopic rotors");
   order(model);
   fill(model);
   link_of_.clear();
   link_of_.shrink_to_fit();
-  // columns, four a block: a branch begins a block, so that no block holds columns of two branches
+  layColumns();
+}
+
+/// Columns, four a block. What a branch leaves of its blocks is left at its inboard end: no block holds
+/// columns of two branches, and its outermost four columns, which are carried farthest, fill one.
+template <typename T>
+void Plan<T>::layColumns() {
+  const int n = static_cast<int>(links.size());
+  const auto roundedUp = [](int count) { return (count + kBlock - 1) / kBlock * kBlock; };
   int column = 0;
-  for (int k = 0; k < static_cast<int>(links.size()); ++k) {
-    if (links[k].parent != k) column = (column + kBlock - 1) / kBlock * kBlock;
-    links[k].column = column;
-    column += links[k].axes;
+  for (int first = 0, end; first < n; first = end) {
+    int axes = links[first].axes;
+    for (end = first + 1; end < n && links[end].parent == end; ++end) axes += links[end].axes;
+    column += roundedUp(axes) - axes;
+    for (int k = first; k < end; ++k) {
+      links[k].column = column;
+      column += links[k].axes;
+    }
   }
-  dof_of_column.assign((column + kBlock - 1) / kBlock * kBlock, -1);
-  std::vector<int>& dofs = dof_of_column;
-  for (Link<T>& link : links) {
-    for (int a = 0; a < link.axes; ++a) dof_of_column[link.column + a] = link.dof + a;
-    link.end_column = links[link.end - 1].column + links[link.end - 1].axes;
-  }
-  for (std::size_t b = 0; b < dofs.size(); b += kBlock) {
-    ColumnBlock block{dofs[b], 1};
-    for (; block.count < kBlock && dofs[b + block.count] >= 0; ++block.count)
-      if (dofs[b + block.count] != dofs[b] + block.count) block.first_dof = -1;
-    blocks.push_back(block);
+  blocks.resize(column / kBlock);
+  for (int k = 0; k < n; ++k)
+    for (int a = 0; a < links[k].axes; ++a) {
+      ColumnBlock& block = blocks[(links[k].column + a) / kBlock];
+      block.dofs[(links[k].column + a) % kBlock] = links[k].dof + a;
+      block.last_link = k;
+    }
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    ColumnBlock& block = blocks[b];
+    block.begin = block.first_column = static_cast<int>(b) * kBlock;
+    block.first_dof = block.dofs[0];
+    for (int k = 1; k < kBlock; ++k) {
+      if (block.dofs[k - 1] < 0) block.first_column = block.begin + k;
+      if (block.dofs[k] != block.first_dof + k) block.first_dof = -1;
+    }
   }
 }
 
@@ -384,6 +411,22 @@ void otherMotion(const Link<T>& link, const T* rates, Vec<T>& linear, Vec<T>& an
   }
 }
 
+/// What friction takes of a joint's force at this rate; as recursive::frictionForce.
+template <typename T>
+T frictionForce(const Link<T>& link, const T& rate) {
+  const int direction = scene::directionOf(rate);
+  T force = link.viscous * rate;
+  if (direction > 0) force = force + link.positive;
+  if (direction < 0) force = force - link.negative;
+  return force;
+}
+/// The same with what the joint's spring takes.
+template <typename T>
+DYNWITNESS_INLINE T passiveForce(const Link<T>& link, const JointPosition<T>* x, const T& rate) {
+  const T force = link.stiffness * (x[link.slot].q - link.rest);
+  return link.is_special ? force + frictionForce(link, rate) : force;
+}
+
 /// Z_k' F for the axes of any joint.
 template <typename T>
 T alongAxis(const Link<T>& link, int k, const Vec<T>& f, const Vec<T>& n) {
@@ -449,6 +492,27 @@ DYNWITNESS_INLINE Vec<T> jointPlace(const Link<T>& link, const JointPosition<T>*
   if constexpr (isSlide(kStep)) return link.p + link.slide * x[link.slot].q;
   if constexpr (kStep == Step::kOther) return others.p[link.matrix];
   return link.p;
+}
+
+/// Onto each parent's moment what the gyroscopic rotors of its children's joints ask of it:
+///     h (z qdd + w_p x z qd),
+/// qdd left out where there is none. The records hold w of the link itself, which differs along z only.
+template <typename T, typename Record>
+void addRotors(const Plan<T>& plan, const T* qd, const T* qdd, const OtherJoints<T>& others,
+               std::vector<Record>& records) {
+  if (!plan.has_specials) return;
+  for (std::size_t i = 0; i < plan.links.size(); ++i) {
+    const Link<T>& link = plan.links[i];
+    if (!link.is_special) continue;
+    withStep(link.step, [&](auto step) {
+      constexpr Step kStep = decltype(step)::value;
+      const Record& r = records[i + 1];
+      Vec<T> rotor = Vec<T>{r.w.y, -r.w.x, T(0)} * (link.spin * qd[link.dof]);
+      if (qdd) rotor.z = link.spin * qdd[link.dof];
+      wayBack<kStep>(plan, link, r.c, r.s, others).inward(rotor);
+      records[link.parent].n = records[link.parent].n + rotor;
+    });
+  }
 }
 
 }  // namespace dynwitness::recursive::fast

@@ -1,0 +1,285 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs the program dynwitness from Python, and reads what it writes.
+
+Nothing here computes dynamics: every number comes from the program. It is the ./dynwitness of this
+checkout (it builds itself when first called), or what the environment variable DYNWITNESS_PROGRAM
+names.
+
+    import dynwitness as dw
+    dw.evaluate("double_pendulum", "M,g", q=[0.3, -0.7])["M"]  # an array of shape (states, n, n)
+    dw.crosscheck("double_pendulum")["verdict"]                # report.json
+
+A scene is a name (`dw.run("scenes")` lists them), a TOML or URDF file, or a `Scene`, the text of
+one. Needs numpy. Pictures are SVG, drawn by gnuplot.
+"""
+import json
+import os
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+class ProgramFailed(Exception):
+    """The program ended with a status that is not success; the text is its own message."""
+
+    def __init__(self, words, status, message):
+        super().__init__(f"dynwitness {' '.join(words)}: exit status {status}\n{message}")
+        self.status, self.message = status, message
+
+
+def run(*words, agreed_only=True):
+    """Standard output of the program. Statuses that are not 0 raise ProgramFailed; with
+    agreed_only=False status 1 (a disagreement was found) does not."""
+    program = os.environ.get("DYNWITNESS_PROGRAM") or str(ROOT / "dynwitness")
+    words = [str(word) for word in words]
+    try:
+        done = subprocess.run([program, *words], stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True)
+    except OSError as error:
+        raise RuntimeError(f"{program} does not start: {error.strerror} (it is DYNWITNESS_PROGRAM, "
+                           "or else the wrapper script of this checkout)") from None
+    if done.returncode and (agreed_only or done.returncode != 1):
+        raise ProgramFailed(words, done.returncode, done.stderr.strip())
+    return done.stdout
+
+
+class Scene(str):
+    """The text of a TOML scene file. `Scene.read(name)` is a bundled one, which `swap` changes."""
+
+    @classmethod
+    def read(cls, name):
+        return cls((ROOT / "data" / "scenes" / f"{name}.toml").read_text())
+
+    def swap(self, old, new):
+        """The scene with `old`, which must be there exactly once, replaced by `new`."""
+        if self.count(old) != 1:
+            raise ValueError(f"swap: {old!r} is there {self.count(old)} times, expected once")
+        return Scene(self.replace(old, new))
+
+
+class _Files:
+    """A folder for one call: what the program reads and writes there is gone afterwards."""
+
+    def __enter__(self):
+        self._folder = tempfile.TemporaryDirectory(prefix="dynwitness")
+        self.path = Path(self._folder.name)
+        return self
+
+    def __exit__(self, *_):
+        self._folder.cleanup()
+
+    def scene(self, scene):
+        if not isinstance(scene, Scene):
+            return scene
+        (self.path / "scene.toml").write_text(scene)
+        return self.path / "scene.toml"
+
+    def table(self, name="table.csv"):
+        """{column: array} of a CSV file; columns that are not numbers stay text."""
+        lines = (self.path / name).read_text().splitlines()
+        header, *rows = (line.split(",") for line in lines if not line.startswith("#"))
+        table = {}
+        for column, cells in zip(header, zip(*rows)):
+            try:
+                table[column] = np.array([float(cell) for cell in cells])
+            except ValueError:
+                table[column] = np.array(cells)
+        return table
+
+
+def evaluate(scene, quantities, witness=None, **states):
+    """{quantity: array} at given states.
+
+    quantities: as on the command line, "M,c,g,tau,qdd,kinetic,potential,...".
+    states: q=, qd=, and qdd= or tau=, one state (n numbers) or many (an array of states x n);
+        those left out are 0. Without any: the start of the scene.
+    Arrays have shape (states, n, n) for M, (states,) for energies and (states, n) else; SI units.
+    """
+    with _Files() as files:
+        words = ["evaluate", files.scene(scene), "--quantity", quantities]
+        words += ["-o", files.path / "table.csv"]
+        if states:
+            blocks = {name: np.atleast_2d(np.asarray(x, float)) for name, x in states.items()}
+            count, n = np.broadcast_shapes(*(block.shape for block in blocks.values()))
+            blocks = {"q": np.zeros((count, n)), "qd": np.zeros((count, n)), **blocks}
+            if "tau" in quantities.split(","):
+                blocks.setdefault("qdd", np.zeros((count, n)))
+            if "qdd" in quantities.split(","):
+                blocks.setdefault("tau", np.zeros((count, n)))
+            lines = [",".join(f"{name}{i + 1}" for name in blocks for i in range(n))]
+            for row in np.hstack([np.broadcast_to(block, (count, n)) for block in blocks.values()]):
+                lines.append(",".join(repr(float(number)) for number in row))
+            (files.path / "states.csv").write_text("\n".join(lines) + "\n")
+            words += ["--states", files.path / "states.csv"]
+        if witness:
+            words += ["--witness", witness]
+        run(*words)
+        columns = {}
+        for name, values in files.table().items():
+            columns.setdefault(re.sub(r"[\d_]+$", "", name), []).append((name, values))
+    result = {}
+    for quantity, entries in columns.items():
+        values = np.stack([values for _, values in entries], axis=1)
+        if quantity == "M":
+            n = int(round(len(entries) ** 0.5))
+            values = values.reshape(-1, n, n)
+        result[quantity] = values[:, 0] if entries[0][0] == quantity else values
+    return result
+
+
+def crosscheck(scene, *options):
+    """What `dynwitness crosscheck SCENE` puts into report.json; look at its ["verdict"]. Charts
+    and the 10 s simulations are left out."""
+    with _Files() as files:
+        report = files.path / "report.json"
+        run("crosscheck", files.scene(scene), "--no-charts", "--no-drift", *options,
+            "--report", files.path / "report", "--json", report, agreed_only=False)
+        return json.loads(report.read_text())
+
+
+def parameters(scene, *options):
+    """What `dynwitness parameters SCENE --json` writes: which parameters the motion knows."""
+    with _Files() as files:
+        run("parameters", files.scene(scene), *options, "--json", files.path / "parameters.json")
+        return json.loads((files.path / "parameters.json").read_text())
+
+
+def drift(scene, *options):
+    """The table of `dynwitness drift SCENE --csv`: method, step_s, worst_error, scale_J."""
+    with _Files() as files:
+        run("drift", files.scene(scene), *options, "--csv", files.path / "table.csv")
+        return files.table()
+
+
+def simulate(scene, *options):
+    """What `dynwitness simulate SCENE` prints, and its table: time_s, q1.., qd1.., ..."""
+    with _Files() as files:
+        text = run("simulate", files.scene(scene), *options, "--csv", files.path / "table.csv")
+        return text, files.table()
+
+
+def growth(*options):
+    """The table of `dynwitness growth`: family, links, method, fd_error and times [ns]."""
+    with _Files() as files:
+        run("growth", *options, "-o", files.path)
+        return files.table("growth.csv")
+
+
+def ulps(a, b):
+    """Largest |a - b| in units of the last place of the largest |b|, 2^-52 max |b|: a rounding on
+    the way to a number adds at most a half, times what was rounded over max |b|."""
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    return float(np.abs(a - b).max() / (np.finfo(float).eps * np.abs(b).max()))
+
+
+class Step(NamedTuple):
+    """One step of a derivation."""
+
+    name: str        # such as "M_11"
+    sentence: str    # what it is
+    equations: list  # LaTeX
+    check: str       # what the program checked, and how that went
+
+
+def derive(scene):
+    """The steps of `dynwitness derive SCENE`, by name."""
+    with _Files() as files:
+        text = run("derive", files.scene(scene), "--format", "latex")
+    steps = {}
+    for part in text.split(r"\paragraph{")[1:]:
+        words = re.fullmatch(r"\d+\. (.*?)} (.*?)\n.*Check: (.*?)\s*", part, re.S).groups()
+        equations = re.findall(r"\\\[ (.*?) \\\]", part, re.S)
+        name, sentence, check = (word.replace(r"\_", "_") for word in words)
+        steps[name] = Step(name, sentence, equations, check)
+    return steps
+
+
+def python_function(scene):
+    """f(q, qd) -> M, c, g, the function that `dynwitness derive SCENE --format python` writes."""
+    with _Files() as files:
+        source = run("derive", files.scene(scene), "--format", "python")
+    names = {}
+    exec(compile(source, "derived.py", "exec"), names)
+    return names[re.search(r"^def (\w+)\(q, qd", source, re.M).group(1)]
+
+
+class Maths:
+    """Named steps of a derivation, equation below equation; notebooks show them as mathematics."""
+
+    def __init__(self, steps, *names):
+        self.equations = [line for name in names for line in steps[name].equations]
+
+    def _repr_latex_(self):
+        rows = r" \\ ".join(equation.replace(" = ", " &= ", 1) for equation in self.equations)
+        return rf"$$\begin{{aligned}} {rows} \end{{aligned}}$$"
+
+    def __repr__(self):
+        return "\n".join(self.equations)
+
+
+def _escaped(text):
+    return re.sub("[&<>]", lambda sign: f"&#{ord(sign[0])};", text)
+
+
+class Table:
+    """Rows under a header, which a notebook shows as a table."""
+
+    def __init__(self, header, rows):
+        self.rows = [[str(cell) for cell in row] for row in [header, *rows]]
+
+    def _repr_html_(self):
+        def row(cells, tag):
+            left = f'<{tag} style="text-align: left">{cells[0]}</{tag}>'
+            others = "".join(f"<{tag}>{cell}</{tag}>" for cell in cells[1:])
+            return f"<tr>{left}{others}</tr>"
+
+        escaped = [[_escaped(cell) for cell in line] for line in self.rows]
+        rows = [row(escaped[0], "th"), *(row(line, "td") for line in escaped[1:])]
+        return "\n".join(["<table>", *rows, "</table>"])
+
+    def __repr__(self):
+        widths = [max(map(len, column)) for column in zip(*self.rows)]
+        return "\n".join("  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths)).rstrip()
+                         for row in self.rows)
+
+
+class Picture:
+    """An SVG, which a notebook shows; `what` says in words what is to be seen."""
+
+    def __init__(self, svg, what):
+        self.svg, self.what = svg, what
+
+    def _repr_svg_(self):
+        return self.svg
+
+    def __repr__(self):
+        return f"picture: {self.what}"
+
+
+def plot(what, commands, size=(760, 360), **data):
+    """A picture that gnuplot draws in the project's style.
+
+    commands: a gnuplot script, whose lines may also end after a comma; each name in `data` is there
+        a data block, `plot $name using 1:2 ...`, with one column for each of the given sequences.
+    """
+    lines = [f"load '{ROOT / 'crosscheck' / 'report' / 'style.gp'}'",
+             f"set terminal svg size {size[0]},{size[1]} fixed enhanced rounded linewidth 1 "
+             "background rgb 'white' font 'Liberation Sans,Arial,Helvetica,sans-serif,13'"]
+    for name, columns in data.items():
+        rows = (",".join(f"{cell:.6g}" for cell in row) for row in zip(*columns, strict=True))
+        lines += [f"${name} << END", *rows, "END"]
+    lines.append(re.sub(r",\s*\n", ", ", commands))
+    done = subprocess.run(["gnuplot"], input="\n".join(lines), capture_output=True, text=True)
+    if done.returncode or not done.stdout.rstrip().endswith("</svg>"):
+        raise RuntimeError(f"gnuplot: {done.stderr.strip() or 'drew nothing'}")
+    # without XML declaration, which some readers of notebooks refuse in the middle of a page
+    svg = done.stdout[done.stdout.index("<svg"):]
+    title = f"<title>{_escaped(what)}</title>"
+    svg = re.sub(r"<title>.*?</title>\s*<desc>.*?</desc>", lambda _: title, svg, 1, re.S)
+    return Picture(svg, what)
