@@ -127,7 +127,7 @@ BOOST_AUTO_TEST_CASE(a_planted_error_of_rotor_or_friction_is_seen) {
     BOOST_TEST(!lost.isSame(quantity), name(quantity));
     backward.fast.plan.links[k].spin = -backward.fast.plan.links[k].spin;
     BOOST_TEST(!backward.isSame(quantity), name(quantity));
-    if (quantity == Quantity::kM) continue;  // knows neither friction nor special joints
+    if (quantity == Quantity::kM) continue;  // knows no rates
     unfelt.fast.plan.has_specials = false;
     BOOST_TEST(!unfelt.isSame(quantity), name(quantity));
     const scene::Scene rubbing = scene::findScene("puma_560_friction");

@@ -121,7 +121,7 @@ struct MassMatrixWorkspace {
     Vec<T> h;
     Symmetric3<T> I;
   };
-  /// In world axes: forces of accelerations of joints outboard, and moments about the link at hand.
+  /// In world axes: forces of the accelerations of joints, and moments about each joint's own origin.
   struct Columns {
     T f_x[kBlock], f_y[kBlock], f_z[kBlock], n_x[kBlock], n_y[kBlock], n_z[kBlock];
   };
@@ -183,7 +183,7 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
   using Columns = typename MassMatrixWorkspace<T>::Columns;
   const int n = static_cast<int>(plan.links.size());
   const std::size_t dof = plan.dof;
-  // by pointers: what is stored through them could otherwise be the vectors' own, and be read anew each time
+  // pointers of our own: a compiler must think that what is stored might be those of the vectors
   const Link<T>* const links = plan.links.data();
   Frame* const frames = ws.frames.data();
   Columns* const columns = ws.columns.data();
@@ -237,7 +237,8 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
         m.scatterThree(block.n_x + column % kBlock, kBlock);
       };
       if constexpr (isTurn(kStep)) {                                                   // (2)
-        setColumn(link.column, h.x * e_y - h.y * e_x, I.xz * e_x + I.yz * e_y + (I.zz + link.spin) * e_z);
+        setColumn(link.column, h.x * e_y - h.y * e_x,
+                  I.xz * e_x + I.yz * e_y + (I.zz + link.spin) * e_z);
         M[link.dof * dof + link.dof] = I.zz + link.rotor;
       } else if constexpr (isSlide(kStep)) {
         setColumn(link.column, I_C.mass * e_z, h.y * e_x - h.x * e_y + link.spin * e_z);
@@ -295,9 +296,12 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
     while (link->parent > 0) {
       const Link<T>* const next = links + (link->parent - 1);
       const Frame* const inboard = frames + link->parent;
-      if (link->column + link->axes > block.begin) {  // its columns join: until now, their forces had no lever
+      if (link->column + link->axes > block.begin) {
+        // its columns join; the force of those inboard is left out, and their moment stays what it was
         const int lane = link->column - block.begin;
-        f_x = Pack::loadFrom(lane, F.f_x), f_y = Pack::loadFrom(lane, F.f_y), f_z = Pack::loadFrom(lane, F.f_z);
+        f_x = Pack::loadFrom(lane, F.f_x);
+        f_y = Pack::loadFrom(lane, F.f_y);
+        f_z = Pack::loadFrom(lane, F.f_z);
       }
       if (link->is_apart) {                                                             // (3)
         const T* const p = frame->p;
@@ -335,7 +339,7 @@ DYNWITNESS_FOR_AVX2 inline void massMatrixForAvx2(const Plan<double>& plan, cons
 /** M(q), n x n, both halves, a symmetric matrix row by row or column by column; as recursive::massMatrix.
         (1)  I_C of p  +=  R' I_C R shifted by p            everything outboard of a joint as one body
         (2)  F = I_C Z,  M_ii = Z' F + d                    the column that moves joint i alone
-        (3)  all columns outboard of a joint are carried inward together, four a block; M_ij = Z_j' F
+        (3)  columns are carried inward together, four a block;  M_ij = Z_j' F
     A gyroscopic rotor of the joint, spun up, needs the moment h z of the parent: F has it from there on.
     Columns keep to the world's axes, so that a joint turns none of them: n += p x f is all.
     @param M  n n numbers, written whole */
