@@ -47,7 +47,8 @@ class Witness {
   /** The quantity at a state:  M(q);  c(q, qd), velocity products only;  g = dV/dq;
       tau = M qdd + c + g + friction(qd) - Q;  qdd from M qdd + c + g + friction(qd) = tau + Q, with Q the
       scene's loads;
-      momentum of all links in world axes about the world's origin, linear part first;
+      momentum of all moving links, with the rotors that they carry, in world axes about the world's
+      origin, linear part first;
       reactions at q, qd, qdd: for every joint of the scene, fixed ones too, in the order of the links
       (all but the root), the wrench that the parent exerts on the link through the joint [N, N m],
       linear part first, about the origin of the moved joint frame and in its axes. It is all that

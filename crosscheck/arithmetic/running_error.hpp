@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include <Eigen/Core>
@@ -86,10 +88,12 @@ class RunningError {
     const double own = exact_operation ? 0.0 : kUnitRoundoff * std::abs(value);
     return {value, (carried + own) * kInflate + 3 * kTiny};
   }
+  /// Of normal numbers: no digit after the leading one. (Products and quotients that leave the normal range
+  /// are sorted out by their callers.)
   static bool isPowerOfTwo(double x) {
-    int exponent = 0;
-    const double mantissa = std::frexp(x, &exponent);
-    return mantissa == 0.5 || mantissa == -0.5;
+    std::uint64_t bits;
+    std::memcpy(&bits, &x, sizeof bits);
+    return (bits & ((std::uint64_t{1} << 52) - 1)) == 0;
   }
 
   double value_ = 0, bound_ = 0;

@@ -76,7 +76,7 @@ std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOption
              "# last-level cache: {}\n# machine: {}\n",
              options.seed, 4096, options.most_links_with_truth,
              cache > 0 ? fmt::format("{:.0f} MB, room for {}", cache / (1 << 20), fits) : "not known",
-             oneLine(thisEnvironment().cpu)) +
+             oneLine(cpuModel())) +
          failures +
          "family,links,method,id_ns_per_link,fd_ns_per_link,scene_ns_per_link,build_ns_per_link,"
          "bytes_per_link,peak_bytes_per_link,fd_error\n" +
@@ -114,7 +114,7 @@ std::string growthJson(const std::vector<GrowthPoint>& points, const GrowthOptio
     fits[family] = fit > 0 ? Json(fit) : Json(nullptr);
   }
   const Json all = {{"dynwitness", version},
-                    {"machine", oneLine(thisEnvironment().cpu)},
+                    {"machine", oneLine(cpuModel())},
                     {"seed", options.seed},
                     {"cache_bytes", cache > 0 ? Json(cache) : Json(nullptr)},
                     {"links_in_cache", fits},
