@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "crosscheck/archive.hpp"
-#include "crosscheck/digits.hpp"
-#include "crosscheck/drift.hpp"
-#include "crosscheck/exact.hpp"
+#include "crosscheck/digits/digits.hpp"
+#include "crosscheck/motion/drift.hpp"
+#include "crosscheck/exact/exact.hpp"
 #include "crosscheck/processes.hpp"
 #include "crosscheck/tables.hpp"
 #include "symbolic/derivation.hpp"

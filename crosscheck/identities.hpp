@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "crosscheck/arithmetic/dual.hpp"
-#include "crosscheck/gauss_value.hpp"
-#include "crosscheck/two_sides.hpp"
+#include "crosscheck/studies/gauss_value.hpp"
+#include "crosscheck/exact/two_sides.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/composite_body.hpp"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crosscheck/pendulum_period.hpp"
+#include "crosscheck/motion/pendulum_period.hpp"
 #include "crosscheck/tally.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
 

@@ -2,7 +2,7 @@
 // Hamilton's principle on simulated motions, and conjugate times against closed forms.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE action
-#include "crosscheck/hamilton.hpp"
+#include "crosscheck/studies/hamilton.hpp"
 
 #include <algorithm>
 #include <cmath>

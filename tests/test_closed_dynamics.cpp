@@ -12,8 +12,8 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/inquiry.hpp"
-#include "crosscheck/random_mechanism.hpp"
+#include "crosscheck/exact/inquiry.hpp"
+#include "crosscheck/exact/random_mechanism.hpp"
 #include "fixtures.hpp"
 #include "recursive/acceleration_constraints.hpp"
 #include "recursive/hybrid_dynamics.hpp"

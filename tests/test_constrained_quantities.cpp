@@ -3,7 +3,7 @@
 // the chapter's question about N_0 in numbers.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE constrained_quantities
-#include "crosscheck/constrained_quantities.hpp"
+#include "crosscheck/studies/constrained_quantities.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -15,7 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/audit/audit.hpp"
-#include "crosscheck/simulate.hpp"
+#include "crosscheck/motion/simulate.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;

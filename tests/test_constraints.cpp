@@ -12,9 +12,9 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/exact.hpp"
-#include "crosscheck/random_mechanism.hpp"
-#include "crosscheck/simulate.hpp"
+#include "crosscheck/exact/exact.hpp"
+#include "crosscheck/exact/random_mechanism.hpp"
+#include "crosscheck/motion/simulate.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "recursive/constrained_solver.hpp"
 #include "recursive/factorization.hpp"

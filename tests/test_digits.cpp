@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "crosscheck/digits.hpp"
+#include "crosscheck/digits/digits.hpp"
 #include "crosscheck/tables.hpp"
 
 using namespace dynwitness;

@@ -18,9 +18,9 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/arithmetic/prime_field.hpp"
-#include "crosscheck/formulations.hpp"
-#include "crosscheck/motion_tables.hpp"
-#include "crosscheck/random_mechanism.hpp"
+#include "crosscheck/motion/formulations.hpp"
+#include "crosscheck/motion/motion_tables.hpp"
+#include "crosscheck/exact/random_mechanism.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE exact
-#include "crosscheck/exact.hpp"
+#include "crosscheck/exact/exact.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -14,7 +14,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/random_mechanism.hpp"
+#include "crosscheck/exact/random_mechanism.hpp"
 #include "crosscheck/states.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"

@@ -2,7 +2,7 @@
 // The kinetic metric: its laws over the field, closed forms by other roads, and what it refuses.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE geometry
-#include "crosscheck/geometry.hpp"
+#include "crosscheck/studies/geometry.hpp"
 
 #include <ostream>
 #include <string>
@@ -11,7 +11,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/kinetic_metric.hpp"
+#include "crosscheck/studies/kinetic_metric.hpp"
 #include "fixtures.hpp"
 #include "recursive/build_model.hpp"
 

@@ -7,8 +7,8 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/exact.hpp"
-#include "crosscheck/rotor_models.hpp"
+#include "crosscheck/exact/exact.hpp"
+#include "crosscheck/studies/rotor_models.hpp"
 #include "fixtures.hpp"
 #include "recursive/reactions.hpp"
 

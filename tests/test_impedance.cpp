@@ -2,7 +2,7 @@
 // Impedances: laws over the field in the bundled trees, closed forms by hand, and mistakes.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE impedance
-#include "crosscheck/impedance.hpp"
+#include "crosscheck/studies/impedance.hpp"
 
 #include <cmath>
 #include <ostream>
@@ -12,7 +12,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/impedance_laws.hpp"
+#include "crosscheck/studies/impedance_laws.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;

@@ -2,7 +2,7 @@
 // Impulses: laws over the field in every bundled scene, textbook blows, and mistakes that are seen.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE impulse
-#include "crosscheck/impulse.hpp"
+#include "crosscheck/studies/impulse.hpp"
 
 #include <cmath>
 #include <ostream>
@@ -12,7 +12,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/impulse_laws.hpp"
+#include "crosscheck/studies/impulse_laws.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;

@@ -166,10 +166,10 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/cli/crosscheck_command.cpp", {"1e-300"}},  // least --error-probability
       {"crosscheck/growth/growth.cpp", {"1e-9"}},              // seconds in a nanosecond
       {"crosscheck/crosscheck.hpp", {"1e-30"}},               // default of --error-probability
-      {"crosscheck/exact.hpp", {"1e-30"}},                    // the same
+      {"crosscheck/exact/exact.hpp", {"1e-30"}},                    // the same
       {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same
-      {"crosscheck/simulate.hpp", {"1e-10"}},                 // default of --step-error
-      {"crosscheck/simulate.cpp", {"1e-12"}},                 // a step [s] at which integration is given up
+      {"crosscheck/motion/simulate.hpp", {"1e-10"}},                 // default of --step-error
+      {"crosscheck/motion/simulate.cpp", {"1e-12"}},                 // a step [s] at which integration is given up
       {"crosscheck/parameters/parameters.hpp", {"1e-30", "1e-9"}},  // chances of error, defaults
       {"crosscheck/states.cpp", {"0x1p-53"}},                 // 53 random bits to [0, 1)
       {"crosscheck/witnesses/dart.cpp", {"1e-100"}},          // a time step that drops out

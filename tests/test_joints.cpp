@@ -8,7 +8,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/arithmetic/dual.hpp"
-#include "crosscheck/exact.hpp"
+#include "crosscheck/exact/exact.hpp"
 #include "crosscheck/states.hpp"
 #include "fixtures.hpp"
 #include "recursive/articulated_body.hpp"

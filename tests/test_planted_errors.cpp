@@ -7,7 +7,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/exact.hpp"
+#include "crosscheck/exact/exact.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::crosscheck;

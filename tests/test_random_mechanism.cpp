@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE random_mechanism
-#include "crosscheck/random_mechanism.hpp"
+#include "crosscheck/exact/random_mechanism.hpp"
 
 #include <algorithm>
 #include <set>

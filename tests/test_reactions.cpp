@@ -13,8 +13,8 @@
 
 #include "crosscheck/arithmetic/dual.hpp"
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/exact.hpp"
-#include "crosscheck/random_mechanism.hpp"
+#include "crosscheck/exact/exact.hpp"
+#include "crosscheck/exact/random_mechanism.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "fixtures.hpp"
 #include "symbolic/program.hpp"

@@ -15,7 +15,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/exact.hpp"
+#include "crosscheck/exact/exact.hpp"
 #include "fixtures.hpp"
 
 namespace data = boost::unit_test::data;

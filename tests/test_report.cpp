@@ -79,9 +79,7 @@ SceneResult pendulum() {
   scene.parents = {-1, 0};
   scene.equations.summary = "closed form, 3 terms";
   scene.equations.kinetic = formula(
-      "<mi>T</mi><mo>=</mo><mfrac><mn>1</mn><mn>2</mn></mfrac><mi>m</mi><msup><mi>l</mi><mn>2</"
-      "mn></msup>"
-      "<msup><mover><mi>q</mi><mo>˙</mo></mover><mn>2</mn></msup>");
+      "<mi>T</mi><mo>=</mo><mfrac><mn>1</mn><mn>2</mn></mfrac><mi>m</mi><msup><mi>l</mi><mn>2</mn></msup><msup><mover><mi>q</mi><mo>˙</mo></mover><mn>2</mn></msup>");
   scene.equations.potential =
       formula("<mi>V</mi><mo>=</mo><mo>−</mo><mi>m</mi><mi>g</mi><mi>l</mi>");
   scene.equations.lines = {formula("<msub><mi>M</mi><mn>11</mn></msub><mo>=</mo><mi>J</mi>")};

@@ -16,7 +16,7 @@
 #include "crosscheck/kernel/factor.hpp"
 #include "crosscheck/kernel/lean_sweeps.hpp"
 #include "crosscheck/kernel/roads.hpp"
-#include "crosscheck/random_mechanism.hpp"
+#include "crosscheck/exact/random_mechanism.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "recursive/build_model.hpp"
 #include "scene/scene.hpp"

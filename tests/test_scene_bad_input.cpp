@@ -314,8 +314,7 @@ const Bad kSound[] = {
      oneLink("mass = \"2*pi\"\ninertia = { yy = \"2*pi*0.3^2/12\", zz = \"2*pi*0.3^2/12\" }"), ""},
     {"point mass given about the origin",
      oneLink("mass = 2\ncom = [1, 2, 3]\ninertia = { about = \"origin\", xx = 26, yy = 20, zz = "
-             "10, xy = "
-             "-4, xz = -6, yz = -12 }"),
+             "10, xy = -4, xz = -6, yz = -12 }"),
      ""},
     // a point mass on the axis that the axes are turned about, so that the turn changes nothing
     {"point mass given about the origin in axes turned by 0.3",

@@ -9,8 +9,8 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/arithmetic/prime_field.hpp"
-#include "crosscheck/gauss_value.hpp"
-#include "crosscheck/shared_subtrees.hpp"
+#include "crosscheck/studies/gauss_value.hpp"
+#include "crosscheck/exact/shared_subtrees.hpp"
 #include "recursive/build_model.hpp"
 #include "scene/scene.hpp"
 

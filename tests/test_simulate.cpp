@@ -4,7 +4,7 @@
 // the comment derives; exact solutions come from Jacobi's elliptic functions in Boost.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE simulate
-#include "crosscheck/simulate.hpp"
+#include "crosscheck/motion/simulate.hpp"
 
 #include <cmath>
 
@@ -18,7 +18,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/motion_tables.hpp"
+#include "crosscheck/motion/motion_tables.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;

@@ -11,7 +11,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/arithmetic/prime_field.hpp"
-#include "crosscheck/simulate.hpp"
+#include "crosscheck/motion/simulate.hpp"
 #include "recursive/closed_dynamics.hpp"
 #include "recursive/constrained_solver.hpp"
 #include "recursive/hybrid_dynamics.hpp"

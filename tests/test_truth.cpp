@@ -10,7 +10,7 @@
 #include <boost/multiprecision/cpp_dec_float.hpp>
 
 #include "crosscheck/states.hpp"
-#include "crosscheck/truth.hpp"
+#include "crosscheck/digits/truth.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
 

@@ -46,10 +46,8 @@ std::vector<Claim> inverseDynamics() {
                        at.equal("inertia about the last joint", six.D[0], robot.massMatrix()(0, 0));
                      }))
           .why("A sweep that starts with nothing at the tip never sees the last link, and divides "
-               "by 0 at "
-               "its joint when there is no rotor. The recursion (49) adds the link's own inertia, "
-               "so it is "
-               "the link after the last that starts with zero.")
+               "by 0 at its joint when there is no rotor. The recursion (49) adds the link's own "
+               "inertia, so it is the link after the last that starts with zero.")
           .in("recursive/articulated_body.hpp"));
 
   claims.push_back(
@@ -98,14 +96,10 @@ std::vector<Claim> inverseDynamics() {
                        }
                      }))
           .why("An articulated inertia is felt when the joints outboard are free to give way; in "
-               "inverse "
-               "dynamics their motion is prescribed. Three things go wrong: the acceleration that "
-               "the "
-               "proximal link hands on is subtracted (and gravity with it), the rotor's share is "
-               "missing, "
-               "and F_i contains the torques of the joints outboard, which an outward sweep does "
-               "not "
-               "know yet.")
+               "inverse dynamics their motion is prescribed. Three things go wrong: the "
+               "acceleration that the proximal link hands on is subtracted (and gravity with it), "
+               "the rotor's share is missing, and F_i contains the torques of the joints outboard, "
+               "which an outward sweep does not know yet.")
           .in("recursive/newton_euler.hpp"));
 
   claims.push_back(
@@ -134,8 +128,7 @@ std::vector<Claim> inverseDynamics() {
                                                                 six.Z[1] * (tau_2 / six.D[1])));
                      }))
           .why("What a motor pushes with at joint 2, link 1 feels through the joint. In inverse "
-               "dynamics "
-               "tau_2 is an unknown, so link 1 has to wait for it.")
+               "dynamics tau_2 is an unknown, so link 1 has to wait for it.")
           .in("recursive/newton_euler.hpp"));
 
   claims.push_back(
@@ -164,8 +157,7 @@ std::vector<Claim> inverseDynamics() {
                 at.equal("columns 5 and 6", robot.jacobian(5).col(4), robot.jacobian(5).col(5));
               }))
           .why("The number of joints is necessary, not sufficient: when two axes fall into one "
-               "line the arm "
-               "loses a direction, however many joints it has.")
+               "line the arm loses a direction, however many joints it has.")
           .in("recursive/operational_space.hpp"));
   return claims;
 }
@@ -226,9 +218,8 @@ std::vector<Claim> forwardDynamicsClaims() {
                        }
                      }))
           .why("The link would move with T_V Xdd_(i-1) + A_i if its joint did not accelerate; both "
-               "the "
-               "change of reference point and the bias acceleration A_i of a moving robot belong "
-               "to it.")
+               "the change of reference point and the bias acceleration A_i of a moving robot "
+               "belong to it.")
           .in("recursive/articulated_body.hpp"));
 
   claims.push_back(
@@ -248,18 +239,15 @@ std::vector<Claim> forwardDynamicsClaims() {
                                 robot.forces(robot.qdd));
                      }))
           .why("A robot that stands in a field g feels what it would feel without the field in a "
-               "lift that "
-               "accelerates upward, against g. With the other sign a robot at rest would need "
-               "torques "
-               "that push it down.")
+               "lift that accelerates upward, against g. With the other sign a robot at rest would "
+               "need torques that push it down.")
           .in("recursive/newton_euler.hpp"));
 
   claims.push_back(
       Claim("inertia_sweep_shared", "9.2",
             "The same inertia sweep for inverse and forward dynamics")
           .printed("step 2, the articulated inertias, is a step of both: `tau_1` of a given motion "
-                   "depends "
-                   "on `M_A,1`, and with it on the rotor of joint 2 even where `qdd_2 = 0`",
+                   "depends on `M_A,1`, and with it on the rotor of joint 2 even where `qdd_2 = 0`",
                    differs([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, {kTurn, kTurn});
@@ -285,8 +273,8 @@ std::vector<Claim> forwardDynamicsClaims() {
                      at.equal("tau_1", robot.forces(robot.qdd)(0), other.forces(other.qdd)(0));
                    })))
           .why("Articulated inertias answer what happens when joints are free. A given motion "
-               "leaves "
-               "nothing free: rigid inertias suffice, and the sweep of step 2 is wasted work.")
+               "leaves nothing free: rigid inertias suffice, and the sweep of step 2 is wasted "
+               "work.")
           .in("recursive/newton_euler.hpp"));
   return claims;
 }

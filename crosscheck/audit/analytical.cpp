@@ -44,8 +44,7 @@ std::vector<Claim> form() {
       Claim("linear_terms", "14", "How accelerations, velocities and gravity enter")
           .printed(
               "tau is linear in `qdd`, not linear in `qd` (its velocity products are quadratic), "
-              "and "
-              "linear in gravity",
+              "and linear in gravity",
               both(exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, kMixed);
@@ -75,14 +74,12 @@ std::vector<Claim> form() {
                          scaled<T>(robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()), s));
                    })))
           .why("Places depend on q alone, so velocities are linear in qd and accelerations in qdd, "
-               "with "
-               "products of two velocities beside them.")
+               "with products of two velocities beside them.")
           .in("recursive/newton_euler.hpp"));
   claims.push_back(
       Claim("parameter_linearity", "14", "Which linearity helps to estimate parameters")
           .printed("tau is linear in the parameters of section 6, `m`, `r_c` and `I_c`: the mean "
-                   "of `r_c + s` "
-                   "and `r_c - s` gives the mean of the forces",
+                   "of `r_c + s` and `r_c - s` gives the mean of the forces",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      auto robot = anyRobot(at, {kTurn, kTurn});
@@ -97,8 +94,7 @@ std::vector<Claim> form() {
                    }))
           .corrected(
               "tau is linear in `m`, `m r_c` and the inertia about the link frame's origin: those "
-              "of two "
-              "bodies on one link add up, and so do their forces",
+              "of two bodies on one link add up, and so do their forces",
               exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
                 const auto first = anyRobot(at, kMixed, Rotors::kNone);
@@ -118,10 +114,8 @@ std::vector<Claim> form() {
                          together.forces(first.qdd));
               }))
           .why("That accelerations and gravity enter linearly does not help an estimator; that the "
-               "unknown "
-               "parameters do, does. The inertia about the joint grows with the square of r_c, "
-               "which is why "
-               "one estimates m r_c and the inertia about the origin.")
+               "unknown parameters do, does. The inertia about the joint grows with the square of "
+               "r_c, which is why one estimates m r_c and the inertia about the origin.")
           .in("recursive/spatial.hpp"));
 
   claims.push_back(
@@ -142,14 +136,12 @@ std::vector<Claim> form() {
                                          Robot<T>::column(g)));
                    }))
           .why("M by composite bodies, c and g by Newton-Euler, their sum by virtual work on point "
-               "masses. "
-               "Rotors are in M; forces from outside would be subtracted as J' F.")
+               "masses. Rotors are in M; forces from outside would be subtracted as J' F.")
           .in("recursive/composite_body.hpp"));
   claims.push_back(
       Claim("eq62", "14", "The same in components")
           .printed("`tau_i = sum M_ij qdd_j + sum C_ijk qd_j qd_k + g_i`, with `C_ijk` the "
-                   "Christoffel symbols "
-                   "`1/2 (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)`",
+                   "Christoffel symbols `1/2 (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)`",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, kMixed);
@@ -164,8 +156,7 @@ std::vector<Claim> form() {
                      at.equal("c", c, robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()));
                    }))
           .why("Only the part of C_ijk that is symmetric in j and k matters, so the C_ijk are not "
-               "unique; "
-               "the Christoffel symbols are the symmetric choice.")
+               "unique; the Christoffel symbols are the symmetric choice.")
           .in("recursive/composite_body.hpp"));
   claims.push_back(
       Claim("coriolis_choice", "14", "A matrix C with c = C qd")
@@ -200,9 +191,8 @@ std::vector<Claim> form() {
                 at.zero("S + S'", MatrixX<T>(S + S.transpose()));
               }))
           .why("C qd fixes C only up to matrices that annihilate qd. That qd' (dM/dt - 2 C) qd = 0 "
-               "holds for "
-               "all of them (it is the power balance); skewness is a choice, and controllers need "
-               "it.")
+               "holds for all of them (it is the power balance); skewness is a choice, and "
+               "controllers need it.")
           .in("recursive/composite_body.hpp"));
   claims.push_back(
       Claim("static_gravity", "14", "Gravity forces")
@@ -261,8 +251,7 @@ std::vector<Claim> form() {
                            VectorX<T>(M.col(i) + robot.forces(robot.qd, robot.qd, robot.gravity)));
                    }))
           .why("The other way round it is not: a unit torque at joint i alone gives the column of "
-               "the "
-               "inverse of M, and moves all joints.")
+               "the inverse of M, and moves all joints.")
           .in("recursive/composite_body.hpp"));
   claims.push_back(Claim("eq63", "14", "Kinetic energy")
                        .printed("`T = qd' M qd`", exact([](auto& at) {
@@ -274,8 +263,7 @@ std::vector<Claim> form() {
                                     compareEnergy(at, robot, 2);
                                   }))
                        .why("The form is that of 1/2 m v^2, and so is the factor: without it the "
-                            "torque from Lagrange's "
-                            "equations would be twice what Newton says.")
+                            "torque from Lagrange's equations would be twice what Newton says.")
                        .in("recursive/energy.hpp"));
   return claims;
 }
@@ -404,8 +392,7 @@ std::vector<Claim> compositeBodies() {
           .open()
           .printed(
               "Our answer: `M_ij = Z_i' X_ji' I_C,j Z_j` for i inboard of j (plus `d_i` on the "
-              "diagonal), "
-              "`I_C,j = M_j + sum over children of X' I_C X`",
+              "diagonal), `I_C,j = M_j + sum over children of X' I_C X`",
               exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
                 const auto robot = anyRobot(at, {kTurn, kSlide, kTurn}, Rotors::kAll, {-1, 0, 0});
@@ -424,8 +411,7 @@ std::vector<Claim> compositeBodies() {
                 at.zero("different branches", M(1, 2));
               }))
           .why("When joint j alone accelerates, everything outboard moves as one rigid body; the "
-               "force that "
-               "this takes is carried inward and read off at each joint on the way.")
+               "force that this takes is carried inward and read off at each joint on the way.")
           .in("recursive/composite_body.hpp"));
   claims.push_back(
       Claim("composite_order", "14.1", "Cost of the composite inertia method")
@@ -439,8 +425,7 @@ std::vector<Claim> compositeBodies() {
                      both(growsWithDegree(2, &Cost::mass_matrix, "M by composite bodies"),
                           growsWithDegree(3, &Cost::solve, "bias forces, L D L' and its solution")))
           .why("Each joint's force passes every joint inboard of it once: n (n + 1) / 2 steps. On "
-               "branching "
-               "trees it is n times the depth.")
+               "branching trees it is n times the depth.")
           .in("recursive/composite_body.hpp"));
   return claims;
 }
@@ -457,26 +442,23 @@ std::vector<Claim> analytical() {
           .condition("every entry of M, c and g is written out to the end",
                      explicitAgainstSweep(Form::kWritten, Composite::kDearer))
           .corrected("with each repeated term computed once and given a name, the explicit M, c "
-                     "and g of a six-axis "
-                     "arm take fewer operations than a general sweep",
+                     "and g of a six-axis arm take fewer operations than a general sweep",
                      explicitAgainstSweep(Form::kNamed, Composite::kCheaper))
           .why("It is the repetition that costs, not the form; and formulas for one robot leave "
-               "out every "
-               "product with 0 and 1, which a general sweep carries out.")
+               "out every product with 0 and 1, which a general sweep carries out.")
           .in("symbolic/program.hpp"));
   claims.push_back(
       Claim("composite_efficiency", "14.1", "Composite bodies against the linear-time recursion")
           .printed("forward dynamics by composite bodies takes more operations than by articulated "
-                   "bodies, "
-                   "for every n",
+                   "bodies, for every n",
                    composite(Composite::kDearer, 1, kLongest))
           .condition("long chains: n = 20 and more (counted up to 24)",
                      composite(Composite::kDearer, 20, kLongest))
           .corrected("chains of 2 to 8 joints are cheaper by composite bodies",
                      composite(Composite::kCheaper, 2, 8))
           .why("A cubic with a small factor lies below a line with a large one while n is small. "
-               "Counted on "
-               "our own sweeps, without the shortcuts that either method has for special frames.")
+               "Counted on our own sweeps, without the shortcuts that either method has for special "
+               "frames.")
           .in("recursive/articulated_body.hpp"));
   return claims;
 }

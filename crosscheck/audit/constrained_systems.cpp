@@ -78,8 +78,8 @@ std::vector<Claim> constrainedSystems() {
       Claim("constraint_levels", "10", "TODO: constraints on position, velocity and acceleration")
           .open()
           .printed("Our answer: one constraint at three levels, `phi(q) = 0`, `A' Xd = 0`, `A' Xdd "
-                   "= b`: "
-                   "`d phi/dt = A' Xd` and `d2 phi/dt2 = A' Xdd - b` with b the velocity products",
+                   "= b`: `d phi/dt = A' Xd` and `d2 phi/dt2 = A' Xdd - b` with b the velocity "
+                   "products",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
@@ -93,17 +93,15 @@ std::vector<Claim> constrainedSystems() {
                               T(held.A.col(0).dot(robot.accelerationOf(path)) - held.b(0)));
                    }))
           .why("A hard constraint on positions can be obeyed through accelerations only if "
-               "position and "
-               "velocity obey it at the start, and only as long as integration errors are small.")
+               "position and velocity obey it at the start, and only as long as integration errors "
+               "are small.")
           .in("recursive/constrained_dynamics.hpp"));
   claims.push_back(
       Claim("dae_index", "10", "TODO: index of the differential-algebraic equations")
           .open()
           .printed("Our answer: `M qdd + h = tau + (dphi/dq)' nu`, `phi(q) = 0` has index 3: nu is "
-                   "in neither "
-                   "phi nor its rate, `d2 phi/dt2` has it with the factor `(dphi/dq) M^-1 "
-                   "(dphi/dq)'`, which is "
-                   "not 0; one differentiation more makes an ODE for nu",
+                   "in neither phi nor its rate, `d2 phi/dt2` has it with the factor `(dphi/dq) "
+                   "M^-1 (dphi/dq)'`, which is not 0; one differentiation more makes an ODE for nu",
                    both(exact([](auto& at) {
                           using T = ScalarOf<decltype(at)>;
                           const auto robot = anyRobot(at, {kTurn, kTurn});
@@ -125,10 +123,8 @@ std::vector<Claim> constrainedSystems() {
                           at.zero("J M^-1 J'", T(J.dot(solveDense<T>(robot.massMatrix(), J))));
                         })))
           .why("The index counts differentiations until every unknown has an ODE. Solving for nu "
-               "at the "
-               "acceleration level leaves index 1 (algebraic in nu), which is what the sweeps of "
-               "section "
-               "11 do.")
+               "at the acceleration level leaves index 1 (algebraic in nu), which is what the "
+               "sweeps of section 11 do.")
           .in("recursive/constrained_dynamics.hpp"));
   claims.push_back(
       Claim("baumgarte", "10", "TODO: Baumgarte stabilization")
@@ -147,8 +143,8 @@ std::vector<Claim> constrainedSystems() {
                 at.equal("second rate", plane.phi(robot, swept.qdd).derivative.derivative, wanted);
               }))
           .why("With a = k = 0 an error grows like phi_0 + t phid_0. The gains are no physics: "
-               "they pull the "
-               "state back onto the constraint while the constraint forces do a little work.")
+               "they pull the state back onto the constraint while the constraint forces do a "
+               "little work.")
           .in("recursive/constrained_dynamics.hpp"));
   claims.push_back(
       Claim("soft_constraint", "10", "TODO: soft and hard constraints")
@@ -177,17 +173,14 @@ std::vector<Claim> constrainedSystems() {
                 at.equal("missed", T(w * missed), nu);
               }))
           .why("A soft constraint is a compliance 1/w added to N, so it is never redundant: N + "
-               "1/w is "
-               "definite where N is only semidefinite.")
+               "1/w is definite where N is only semidefinite.")
           .in("recursive/constrained_dynamics.hpp"));
   claims.push_back(
       Claim("local_constraint", "10", "TODO: what a local constraint is")
           .open()
           .printed("Our answer: m constraints between links whose common ancestor is link k are "
-                   "solved there: "
-                   "`M_A,k + E N^-1 E'` and `F_k - E N^-1 (b - beta)` replace the ancestor's "
-                   "inertia and bias "
-                   "force, and the sweeps inboard never see them",
+                   "solved there: `M_A,k + E N^-1 E'` and `F_k - E N^-1 (b - beta)` replace the "
+                   "ancestor's inertia and bias force, and the sweeps inboard never see them",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      auto robot = anyRobot(at, {kTurn, kTurn, kSlide}, Rotors::kAll, {-1, 0, 0});

@@ -27,9 +27,8 @@ std::vector<Claim> underConstrained() {
                      at.equal("u' xdd", T(A.dot(Xdd) - b), T(u.dot(xdd)));
                    }))
           .why("The second derivative of a contact is linear in the acceleration; what depends on "
-               "the "
-               "velocity goes to the right. The column of A is the unit force that the plane would "
-               "exert.")
+               "the velocity goes to the right. The column of A is the unit force that the plane "
+               "would exert.")
           .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(
@@ -47,8 +46,7 @@ std::vector<Claim> underConstrained() {
                 at.equal("b", b, T(tangential.dot(tangential)));
               }))
           .corrected("the motion along a great circle has geodesic curvature 0 and `b = n' xdd = "
-                     "-v' v / rho`, "
-                     "the normal curvature of the constraint times `v' v`",
+                     "-v' v / rho`, the normal curvature of the constraint times `v' v`",
                      exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        // the great circle as a function of time, x = rho R (cos, sin, 0)
@@ -68,10 +66,8 @@ std::vector<Claim> underConstrained() {
                        at.zero("tangential acceleration", Vector3<T>(xdd - n * n.dot(xdd)));
                      }))
           .why("b may be negative, so it is no square. It is the acceleration that the "
-               "constraint's own "
-               "curvature forces on the motion; the geodesic curvature is what the motion bends "
-               "within "
-               "the constraint, and for a free motion that is zero.")
+               "constraint's own curvature forces on the motion; the geodesic curvature is what the "
+               "motion bends within the constraint, and for a free motion that is zero.")
           .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(
@@ -97,10 +93,8 @@ std::vector<Claim> underConstrained() {
                 at.equal("A' a", constrainedAcceleration(robot, held, swept.qdd), held.b);
               }))
           .why("A is 6 x m in (53) and E nu has one column, so the printed equation fits only for "
-               "m = 1 and "
-               "nu = 1. What is meant is a name for the force; an ideal constraint pushes along "
-               "the same "
-               "directions in which it prescribes the acceleration.")
+               "m = 1 and nu = 1. What is meant is a name for the force; an ideal constraint pushes "
+               "along the same directions in which it prescribes the acceleration.")
           .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(
@@ -124,8 +118,7 @@ std::vector<Claim> underConstrained() {
                          responseToBase(robot, held));
               }))
           .why("P_(i+1) E_(i+1) is expressed at joint i+1; link i feels it at its own reference "
-               "point. "
-               "Equations (49) and (50) have the transformation.")
+               "point. Equations (49) and (50) have the transformation.")
           .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(
@@ -158,15 +151,14 @@ std::vector<Claim> underConstrained() {
               }))
           .why(
               "E is 6 x m, so only its transpose makes m numbers of an acceleration. And while the "
-              "sweep "
-              "runs inward no acceleration is known yet: what each joint adds without its proximal "
-              "link accelerating is its bias acceleration. Then beta_N = 0 is the right start.")
+              "sweep runs inward no acceleration is known yet: what each joint adds without its "
+              "proximal link accelerating is its bias acceleration. Then beta_N = 0 is the right "
+              "start.")
           .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(Claim("eq57", "11.1", "Constraint acceleration of unit constraint forces")
                        .printed("`N_i = N_(i+1) - E_(i+1)' Z D^-1 Z' E_(i+1)`, `N_N = 0` (the E of "
-                                "the corrected (55)): "
-                                "`N_0 = -A' J M^-1 J' A`",
+                                "the corrected (55)): `N_0 = -A' J M^-1 J' A`",
                                 exact([](auto& at) {
                                   using T = ScalarOf<decltype(at)>;
                                   const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
@@ -177,17 +169,14 @@ std::vector<Claim> underConstrained() {
                                                         J.transpose())));
                                 }))
                        .why("nu is the load that the link puts on its environment, so the force on "
-                            "the link is -E nu and "
-                            "its acceleration the negative of what E would cause. N_0 is the "
-                            "inverse of the task's "
-                            "inertia, formed without M.")
+                            "the link is -E nu and its acceleration the negative of what E would "
+                            "cause. N_0 is the inverse of the task's inertia, formed without M.")
                        .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(
       Claim("balance", "11.1", "Constraint forces from the balance at the base")
           .printed("`N_0 nu = b_N - E_0' Xdd_0 - beta_0` with `Xdd_0` the gravity, for a "
-                   "constraint on the "
-                   "acceleration that one sees",
+                   "constraint on the acceleration that one sees",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, {kTurn, kTurn, kTurn});
@@ -210,8 +199,7 @@ std::vector<Claim> underConstrained() {
                                 VectorX<T>(held.b - inward.beta_0));
                      }))
           .corrected("`N_0 nu = (b_N - A_N' g_N) - E_0' Xdd_0 - beta_0` with `Xdd_0 = -g` and "
-                     "`g_N` gravity "
-                     "in the axes of link N",
+                     "`g_N` gravity in the axes of link N",
                      exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
@@ -226,10 +214,8 @@ std::vector<Claim> underConstrained() {
                                            inward.E_0.transpose() * Xdd_0 - inward.beta_0));
                      }))
           .why("With gravity as an acceleration of the base, every acceleration in the sweeps is "
-               "the true "
-               "one minus g. The constraint must be shifted alike, or b = 0 would let the "
-               "constrained link "
-               "fall freely.")
+               "the true one minus g. The constraint must be shifted alike, or b = 0 would let the "
+               "constrained link fall freely.")
           .in("recursive/constrained_dynamics.hpp"));
   return claims;
 }
@@ -259,9 +245,8 @@ std::vector<Claim> definiteness() {
                        at.positive("-y' N_0 y", -y.dot(VectorX<Ball>(inward.N_0.lazyProduct(y))));
                      }))
           .corrected("`-y' N_0 y = sum of D_i^-1 (Z_i' E_i y)^2 = (J' A y)' M^-1 (J' A y)`: "
-                     "semidefinite, and 0 "
-                     "exactly for forces with `J' A y = 0`, which redundant constraints and "
-                     "singular poses have",
+                     "semidefinite, and 0 exactly for forces with `J' A y = 0`, which redundant "
+                     "constraints and singular poses have",
                      both(exact([](auto& at) {
                             using T = ScalarOf<decltype(at)>;
                             const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
@@ -296,9 +281,8 @@ std::vector<Claim> definiteness() {
           .why(
               "No: nothing in the construction makes the unit forces independent. A force that the "
               "structure carries without any joint noticing (along a stretched arm, or a "
-              "combination of "
-              "doubled constraints) accelerates nothing; then nu is not unique, though qdd still "
-              "is.")
+              "combination of doubled constraints) accelerates nothing; then nu is not unique, "
+              "though qdd still is.")
           .numbers(definitenessNumbers)
           .in("recursive/constrained_dynamics.hpp"));
 
@@ -306,8 +290,7 @@ std::vector<Claim> definiteness() {
       Claim("redundant_qdd", "11.1", "The motion under redundant constraints")
           .open()
           .printed("with the same constraint twice `N_0` is singular, yet every solution nu of the "
-                   "balance "
-                   "gives the same `qdd`",
+                   "balance gives the same `qdd`",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, {kTurn, kTurn});
@@ -324,8 +307,7 @@ std::vector<Claim> definiteness() {
                      at.equal("A' a", constrainedAcceleration(robot, once, swept.qdd), once.b);
                    }))
           .why("The sum that the two share is determined, their shares are not: rigid bodies "
-               "cannot say how "
-               "four legs of a table share a load.")
+               "cannot say how four legs of a table share a load.")
           .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(
@@ -341,12 +323,9 @@ std::vector<Claim> definiteness() {
                        compareOutward(at, robot, anyConstraint<1>(at, 2), Printed::kNo);
                      }))
           .why("Xdd_i contains the unknown qdd_i, so the printed right-hand side cannot be "
-               "evaluated; with the "
-               "values that it should have, it is not qdd_i either: the link's share of Xdd_(i-1) "
-               "is "
-               "subtracted where (52) adds it. What the constraint adds is the joint force Z_i' "
-               "E_i nu, "
-               "not the six-vector E_i nu.")
+               "evaluated; with the values that it should have, it is not qdd_i either: the link's "
+               "share of Xdd_(i-1) is subtracted where (52) adds it. What the constraint adds is "
+               "the joint force Z_i' E_i nu, not the six-vector E_i nu.")
           .in("recursive/constrained_dynamics.hpp"));
   return claims;
 }

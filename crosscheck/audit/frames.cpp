@@ -88,8 +88,7 @@ void addForces(std::vector<Claim>* claims) {
                      at.equal("our code", F_1, Transform<T>{one<T>(), -r_12} * F_2);
                    }))
           .why("A moment about 1 counts each force with its lever from 1, which is the lever from "
-               "2 plus "
-               "the vector from 1 to 2.")
+               "2 plus the vector from 1 to 2.")
           .in("recursive/spatial.hpp"));
 
   claims->push_back(
@@ -110,8 +109,7 @@ void addForces(std::vector<Claim>* claims) {
                      at.equal("power", F.vector().dot(path.velocity().vector()), power);
                    }))
           .why("Linear part first in both, so that no permutation stands between a force and the "
-               "motion "
-               "that it works on.")
+               "motion that it works on.")
           .in("recursive/spatial.hpp"));
 
   claims->push_back(
@@ -159,8 +157,7 @@ void addForces(std::vector<Claim>* claims) {
   claims->push_back(
       Claim("inverse_reason", "5.2", "Why that inverse is simple")
           .printed("The inverse has this form because `hat(r)` is antisymmetric, `A' = -A`: for an "
-                   "`A` with "
-                   "another symmetry, `[1, 0; A, 1] [1, 0; -A, 1]` is not the unit matrix",
+                   "`A` with another symmetry, `[1, 0; A, 1] [1, 0; -A, 1]` is not the unit matrix",
                    differs([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const Matrix3<T> A = at.template matrix<3, 3>();
@@ -181,8 +178,7 @@ void addForces(std::vector<Claim>* claims) {
                          Matrix6<T>::Identity());
               }))
           .why(
-              "Antisymmetry is not used. What is used is that a shift changes moments by forces "
-              "and "
+              "Antisymmetry is not used. What is used is that a shift changes moments by forces and "
               "forces by nothing. The step from `-hat(r_12)` to `hat(r_21)` is that hat is linear.")
           .in("recursive/spatial.hpp"));
 
@@ -202,8 +198,7 @@ void addForces(std::vector<Claim>* claims) {
                 at.equal("our code", T_F, X_21.inverse().forceMatrix());
               }))
           .why("Turn into the axes of 1 first, then add the moment of the force with the lever in "
-               "those "
-               "axes.")
+               "those axes.")
           .in("recursive/spatial.hpp"));
 
   claims->push_back(
@@ -226,8 +221,7 @@ void addForces(std::vector<Claim>* claims) {
       Claim("momentum_transformation", "5.3", "TODO: transformation of momentum")
           .open()
           .printed("Momentum `(l, h)`, with `h` about the origin, is carried between frames by the "
-                   "matrix "
-                   "of forces, (6)",
+                   "matrix of forces, (6)",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      // momenta m v of points, as vectors at places, and the linear ones of their
@@ -247,8 +241,7 @@ void addForces(std::vector<Claim>* claims) {
                          X_21.inverse().forceMatrix() * frames.in_2(momenta.about(frames.p_2)));
                    }))
           .why("The section is empty in the chapter. Force is the rate of momentum, so both are "
-               "carried "
-               "alike; the momentum of a body is `M Xd`.")
+               "carried alike; the momentum of a body is `M Xd`.")
           .in("recursive/spatial.hpp"));
 }
 
@@ -373,8 +366,7 @@ void addMotions(std::vector<Claim>* claims) {
                      at.equal("(w, v)", w_v_y, X.forceMatrix() * w_v_x);
                    }))
           .why("Angular velocity is a free-standing vector like force, and the velocity of a point "
-               "changes "
-               "with the point as a moment does.")
+               "changes with the point as a moment does.")
           .in("recursive/spatial.hpp"));
 
   const auto accelerations = [](auto& at, const Path<ScalarOf<decltype(at)>>& path) {
@@ -407,9 +399,8 @@ void addMotions(std::vector<Claim>* claims) {
                 at.equal("spatial", a_1, Transform<T>{one<T>(), -r_12} * a_2);
               }))
           .why("Differentiating (8), `r_12` moves with the body too: its rate is `w x r_12`. (15) "
-               "and (46) "
-               "need `vd`, the acceleration of a point of the body; (19) and (49) need what "
-               "transforms.")
+               "and (46) need `vd`, the acceleration of a point of the body; (19) and (49) need "
+               "what transforms.")
           .in("recursive/spatial.hpp"));
 
   claims->push_back(

@@ -82,8 +82,7 @@ std::vector<Claim> impedances() {
                    }))
           .condition(
               "wrenches are listed moment first, w = (m, f), against twists (v, w): then both have "
-              "the "
-              "same S",
+              "the same S",
               exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
                 const auto springs = anySprings(at);
@@ -101,8 +100,7 @@ std::vector<Claim> impedances() {
                                 Matrix6<T>(S * springs.compliance() * S.transpose()));
                      }))
           .why("Wrenches change with the dual matrix, w_i = S' w_f, as (13) says. The result is a "
-               "congruence "
-               "and keeps C symmetric, which a similarity does not.")
+               "congruence and keeps C symmetric, which a similarity does not.")
           .in("recursive/spatial.hpp"));
   claims.push_back(
       Claim("similarity", "16.1", "What a similarity transformation leaves unchanged")
@@ -116,8 +114,7 @@ std::vector<Claim> impedances() {
                      at.equal("C_f v", Vector6<T>(C_f * v), Vector6<T>(v * y.dot(v)));
                    }))
           .corrected(
-              "a similarity leaves eigenvalues and takes eigenvectors to `S v`; the congruence "
-              "that "
+              "a similarity leaves eigenvalues and takes eigenvectors to `S v`; the congruence that "
               "compliances obey leaves neither. What stays is the energy `1/2 w' C w`, and of two "
               "impedances the eigenvalues of `C M`",
               both(exact([](auto& at) {
@@ -147,8 +144,7 @@ std::vector<Claim> impedances() {
                               T(springs.compliance().trace()));
                    })))
           .why("Eigenvalues of a compliance alone add N/m to N m/rad: they depend on the choice of "
-               "the origin "
-               "and mean nothing. Those of C M are squared periods, and do.")
+               "the origin and mean nothing. Those of C M are squared periods, and do.")
           .in("recursive/spatial.hpp"));
   claims.push_back(
       Claim("other_impedances", "16.1", "Stiffness and inertia in another frame")
@@ -177,8 +173,7 @@ std::vector<Claim> impedances() {
                                 Matrix6<T>(S_back.transpose() * massMatrix6(body) * S_back));
                      }))
           .why("They take motions to forces, so the motion goes in with S^-1 and the force comes "
-               "out with the "
-               "dual S^-T. The chapter's own (19) is of this form.")
+               "out with the dual S^-T. The chapter's own (19) is of this form.")
           .in("recursive/spatial.hpp"));
   return claims;
 }
@@ -208,8 +203,7 @@ std::vector<Claim> metric() {
       Claim("christoffel", "17", "Connection of the kinetic energy")
           .open()
           .printed("Our answer: with M as metric, `1/2 (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) = "
-                   "sum of m "
-                   "(dx/dq_i)' (d2x/dq_j dq_k)` over all points, symmetric in j and k",
+                   "sum of m (dx/dq_i)' (d2x/dq_j dq_k)` over all points, symmetric in j and k",
                    exact([](auto& at) {
                      const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
                      const auto metric = metricOf(robot);
@@ -221,10 +215,9 @@ std::vector<Claim> metric() {
                            weighted(robot, firstPartials(robot, i), secondPartials(robot, j, k)));
                    }))
           .why("The robot moves on a surface in the flat space of all its points, each direction "
-               "weighted by "
-               "its mass. Left: from M alone, as one who lives on the surface sees it. Right: from "
-               "outside.")
-          .in("crosscheck/kinetic_metric.hpp"));
+               "weighted by its mass. Left: from M alone, as one who lives on the surface sees it. "
+               "Right: from outside.")
+          .in("crosscheck/studies/kinetic_metric.hpp"));
   claims.push_back(
       Claim("metric_compatible", "17", "The connection keeps the metric")
           .open()
@@ -241,7 +234,7 @@ std::vector<Claim> metric() {
                          at.equal("dM", metric.gradient()[k](i, 2), T(C(i, 2, k) + C(2, i, k)));
                    }))
           .why("This is dM/dt - 2 C being skew-symmetric, in the language of geometry.")
-          .in("crosscheck/kinetic_metric.hpp"));
+          .in("crosscheck/studies/kinetic_metric.hpp"));
   claims.push_back(
       Claim("geodesic", "17", "Motion without forces")
           .open()
@@ -270,18 +263,15 @@ std::vector<Claim> metric() {
                 at.zero("rate of 2 T", rate);
               }))
           .why("Coriolis and centrifugal forces are not forces of anything: they are what the "
-               "coordinates make "
-               "of going straight on.")
+               "coordinates make of going straight on.")
           .in("recursive/composite_body.hpp"));
   claims.push_back(
       Claim("curvature", "17", "Curvature of the configuration space")
           .open()
           .printed(
               "Our answer: `R_1212` from M and its derivatives equals what Gauss's equation gives "
-              "from "
-              "outside, `II_11 II_22 - II_12^2` with the parts of `d2x/dq_j dq_k` normal to the "
-              "surface; for "
-              "two slides it is 0",
+              "from outside, `II_11 II_22 - II_12^2` with the parts of `d2x/dq_j dq_k` normal to "
+              "the surface; for two slides it is 0",
               exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
                 const auto robot = anyRobot(at, {kTurn, kTurn});
@@ -300,16 +290,14 @@ std::vector<Claim> metric() {
                 at.zero("R_1212 of two slides", riemann(anyRobot(at, {kSlide, kSlide})));
               }))
           .why("Gauss's remarkable theorem: bending seen from outside is felt inside. Two slides "
-               "move on a "
-               "plane, so nothing bends.")
-          .in("crosscheck/kinetic_metric.hpp"));
+               "move on a plane, so nothing bends.")
+          .in("crosscheck/studies/kinetic_metric.hpp"));
   claims.push_back(Claim("planar_curvature", "17", "Curvature of a planar arm with two joints")
                        .open()
                        .printed("Our answer: with `M = (a + 2 b cos q2, e + b cos q2; e + b cos "
-                                "q2, e)` (q2 from the stretched "
-                                "pose) the Gaussian curvature is `b cos q2 (a e - e^2 - b^2) / "
-                                "(det M)^2`: positive towards "
-                                "the stretched pose, negative towards the folded one",
+                                "q2, e)` (q2 from the stretched pose) the Gaussian curvature is `b "
+                                "cos q2 (a e - e^2 - b^2) / (det M)^2`: positive towards the "
+                                "stretched pose, negative towards the folded one",
                                 exact([](auto& at) {
                                   using T = ScalarOf<decltype(at)>;
                                   Robot<T> robot = planarArm(at);
@@ -332,9 +320,8 @@ std::vector<Claim> metric() {
                                            T(b * c * (a * e - e * e - b * b) / (det * det)));
                                 }))
                        .why("Where the curvature is negative, free motions that start side by side "
-                            "run apart; where "
-                            "it is positive they draw together.")
-                       .in("crosscheck/kinetic_metric.hpp"));
+                            "run apart; where it is positive they draw together.")
+                       .in("crosscheck/studies/kinetic_metric.hpp"));
   return claims;
 }
 

@@ -297,8 +297,7 @@ std::vector<Claim> hamilton() {
   claims.push_back(
       Claim("eq64", "15", "Hamilton's principle")
           .printed("the action of the motion is a local minimum or maximum: all variations change "
-                   "it with the "
-                   "same sign (an oscillator over more than half a period)",
+                   "it with the same sign (an oscillator over more than half a period)",
                    certified([](RealPoint& at) {
                      const Oscillator oscillator(at, 3.3, 6);
                      at.positive("(slow) (fast)", oscillator.slow() * oscillator.fast());
@@ -314,13 +313,12 @@ std::vector<Claim> hamilton() {
                 at.positive("any", oscillator.excess(any));
               }))
           .corrected("the action is stationary: `I(q + r) - I(q)` has no part of first order in r; "
-                     "over more "
-                     "than half a period a slow variation lowers it and a fast one raises it",
+                     "over more than half a period a slow variation lowers it and a fast one raises "
+                     "it",
                      both(stationary, saddle))
           .why("Beyond half a period (a conjugate point) the motion is a saddle of the action. A "
-               "maximum it "
-               "never is: fast wiggles cost kinetic energy without end. Lagrange's equations say "
-               "stationary and nothing more, so with that word both are equivalent.")
+               "maximum it never is: fast wiggles cost kinetic energy without end. Lagrange's "
+               "equations say stationary and nothing more, so with that word both are equivalent.")
           .in("crosscheck/audit/lagrange.cpp"));
   claims.push_back(
       Claim("least_action", "15", "The physical path and its neighbours")
@@ -337,8 +335,7 @@ std::vector<Claim> hamilton() {
                        at.positive("I(q) - I(q + r)", -Oscillator(at, 3.3, 6).slow());
                      }))
           .why("The bump r = t (t2 - t) makes it smaller: over a long time, the potential energy "
-               "that a slow "
-               "detour gains outweighs the kinetic energy that it costs.")
+               "that a slow detour gains outweighs the kinetic energy that it costs.")
           .in("crosscheck/audit/lagrange.cpp"));
   claims.push_back(Claim("eq65", "15", "The Lagrangian")
                        .printed("`L = T - V` gives the equations of motion", exact([](auto& at) {
@@ -347,8 +344,8 @@ std::vector<Claim> hamilton() {
                                            robot.forces(robot.qdd));
                                 }))
                        .why("T and V by sweeps, differentiated by nested dual numbers, against "
-                            "virtual work on point "
-                            "masses. T + V, the energy, would turn the sign of gravity.")
+                            "virtual work on point masses. T + V, the energy, would turn the sign "
+                            "of gravity.")
                        .in("recursive/energy.hpp"));
   claims.push_back(
       Claim("eq66", "15", "Forces without potential in the Lagrangian")
@@ -378,8 +375,7 @@ std::vector<Claim> hamilton() {
                            [&](const T&) { return Q; });
                      }))
           .corrected("`d/dt dL/dqd - dL/dq = Q` with `L = T - V`; for the integral: the variation "
-                     "of the action "
-                     "plus the integral of the virtual work `Q r` vanishes",
+                     "of the action plus the integral of the virtual work `Q r` vanishes",
                      exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        // any polynomial path q; Q(t) is what it takes: m qdd + k q
@@ -392,10 +388,8 @@ std::vector<Claim> hamilton() {
                        at.zero("variation and virtual work", T(slope + (Q * r).integral(t1, t2)));
                      }))
           .why("The term -b qd q is the rate of -b q^2 / 2, so it drops out of the equations and "
-               "the friction "
-               "with it. Work depends on the path; what enters is virtual work, Q times the "
-               "variation, not the "
-               "variation of a function W.")
+               "the friction with it. Work depends on the path; what enters is virtual work, Q "
+               "times the variation, not the variation of a function W.")
           .in("recursive/newton_euler.hpp"));
   return claims;
 }
@@ -445,14 +439,12 @@ std::vector<Claim> variations() {
                                     .integral(v.t1, v.t2));
                      }))
           .why("eps' r is a scalar product, one number, and cannot be added to a vector. (70) is "
-               "what comes of "
-               "varying each coordinate by its own eps_i r_i.")
+               "what comes of varying each coordinate by its own eps_i r_i.")
           .in("crosscheck/audit/lagrange.cpp"));
   claims.push_back(
       Claim("eq69", "15.1", "First variation")
           .printed("`0 = eps_1 dPhi/deps_1 + ...`, each derivative taken at its own `eps_i = 0`, "
-                   "the other eps "
-                   "being anything (a path that makes Phi stationary)",
+                   "the other eps being anything (a path that makes Phi stationary)",
                    exact([](auto& at) { compareFirstVariation(at, false); }))
           .corrected("all derivatives at `eps = 0`",
                      exact([](auto& at) { compareFirstVariation(at, true); }))
@@ -482,8 +474,7 @@ std::vector<Claim> variations() {
   claims.push_back(
       Claim("eq71", "15.1", "Integration by parts")
           .printed("`integral of eps_i (dL/dq_i r_i + dL/dqd_i rd_i) = [eps_i r_i dL/dqd_i] + "
-                   "integral of eps_i "
-                   "r_i (dL/dq_i - d/dt dL/dqd_i)`",
+                   "integral of eps_i r_i (dL/dq_i - d/dt dL/dqd_i)`",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto v = anyVaried(at);
@@ -517,8 +508,7 @@ std::vector<Claim> comparison() {
   claims.push_back(
       Claim("invariance", "16", "Lagrange's equations under another representation")
           .printed("they keep their form under any change of representation, angular velocities "
-                   "for rates of "
-                   "coordinates included: `d/dt dT/dw = moment`",
+                   "for rates of coordinates included: `d/dt dT/dw = moment`",
                    exact([](auto& at) { compareRotation(at, false); }))
           .condition("a change of coordinates, q = f(x): `E_x = (df/dx)' E_q`", exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
@@ -578,8 +568,7 @@ std::vector<Claim> comparison() {
   claims.push_back(
       Claim("cartesian_local", "16", "End-effector coordinates as generalised coordinates")
           .printed("six end-effector coordinates are only local: where two axes coincide, `J M^-1 "
-                   "J'`, the "
-                   "inverse of their mass matrix, is singular",
+                   "J'`, the inverse of their mass matrix, is singular",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      auto robot = anyRobot(at, {kTurn, kTurn, kTurn});

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "crosscheck/audit/robot.hpp"
-#include "crosscheck/kinetic_metric.hpp"
+#include "crosscheck/studies/kinetic_metric.hpp"
 
 namespace dynwitness::audit {
 

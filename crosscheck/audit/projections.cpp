@@ -63,8 +63,7 @@ void addInertia(std::vector<Claim>* claims) {
                                             one.alpha() + z * joint.qdd);
                                  }))
                         .why("Both accelerations are at the joint's point. In motion the bias "
-                             "acceleration of (48) is "
-                             "added.")
+                             "acceleration of (48) is added.")
                         .in("recursive/articulated_body.hpp"));
 
   claims->push_back(Claim("eq21", "7.1", "What a free joint cannot transmit")
@@ -83,8 +82,8 @@ void addInertia(std::vector<Claim>* claims) {
                                    at.zero("Z' F", dot(Z, F));
                                  }))
                         .why("Forces through points of the axis have no moment about it. In "
-                             "general: an ideal joint does "
-                             "no work on the motion that it leaves free.")
+                             "general: an ideal joint does no work on the motion that it leaves "
+                             "free.")
                         .in("recursive/articulated_body.hpp"));
 
   claims->push_back(Claim("eq22", "7.1", "Equation for the joint's acceleration")
@@ -149,8 +148,7 @@ void addInertia(std::vector<Claim>* claims) {
                               M_A1 * problem.Xdd_1);
                    }))
           .why("The bracket has to close before the last `M_2` (extracted text loses it): "
-               "otherwise a mass "
-               "would be subtracted from a number without unit.")
+               "otherwise a mass would be subtracted from a number without unit.")
           .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("eq27", "7.1", "The projection")
@@ -195,8 +193,7 @@ void addInertia(std::vector<Claim>* claims) {
                           at.equal("M P' and P M", M * P.transpose(), P * M);
                         })))
           .why("Forces of different kinds (N and N m) have no angle between them until a mass "
-               "gives them "
-               "one.")
+               "gives them one.")
           .in("recursive/projection.hpp"));
   claims->push_back(Claim("eq29", "7.1", "Own inertia and projected part")
                         .printed("`M_A1 = M_1 + P_2 M_2`", exact([](auto& at) {
@@ -221,8 +218,7 @@ void addInertia(std::vector<Claim>* claims) {
                                    at.equal("symmetric", P * M, (P * M).transpose());
                                  }))
                         .why("`P M = M P'` and `P P = P`. With a rotor `P M` is still symmetric "
-                             "and this equation is "
-                             "wrong, see rotor_projection.")
+                             "and this equation is wrong, see rotor_projection.")
                         .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("heavier", "7.1", "The joint makes link 1 heavier")
@@ -246,8 +242,7 @@ void addInertia(std::vector<Claim>* claims) {
                      at.positive("x' P_2 M_2 x", x.dot(P_M * x));
                    })))
           .why("`P_2 M_2` has rank five for a joint with one degree of freedom: positive "
-               "semidefinite, not "
-               "definite. Heavier, then, in five directions of six.")
+               "semidefinite, not definite. Heavier, then, in five directions of six.")
           .in("recursive/projection.hpp"));
 
   claims->push_back(
@@ -301,10 +296,8 @@ void addInertia(std::vector<Claim>* claims) {
                        at.equal("our code", A.minusOuter(U, T(1) / U.moment.z()).matrix(), P_M);
                      }))
           .why("(31) times `M_2` subtracts from row `i` the multiple `m_i6/m_66` of the last row. "
-               "The "
-               "printed matrix is right only where `m_i6 = 0`: an axis through the centre of mass "
-               "along a "
-               "principal axis.")
+               "The printed matrix is right only where `m_i6 = 0`: an axis through the centre of "
+               "mass along a principal axis.")
           .in("recursive/spatial.hpp"));
   claims->push_back(
       Claim("free_projection", "7.1", "Cost of projecting the inertia")
@@ -377,9 +370,8 @@ void addJointKinds(std::vector<Claim>* claims) {
       Claim("spherical_joint", "7.1.1", "TODO: P M for a spherical joint")
           .open()
           .printed("For a spherical joint, `Z = [0; 1]`, the general formula gives `P_2 M_2` "
-                   "explicitly: "
-                   "`[A - B C^-1 B', 0; 0, 0]` for `M_2 = [A, B; B', C]`; for one rigid link "
-                   "`m 1 + m^2 hat(r_c) I^-1 hat(r_c)` in the corner",
+                   "explicitly: `[A - B C^-1 B', 0; 0, 0]` for `M_2 = [A, B; B', C]`; for one rigid "
+                   "link `m 1 + m^2 hat(r_c) I^-1 hat(r_c)` in the corner",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      MatrixX<T> Z = MatrixX<T>::Constant(6, 3, T(0));
@@ -406,8 +398,7 @@ void addJointKinds(std::vector<Claim>* claims) {
                      at.equal("any inertia", transmittedThrough<T>(M, Z, Xdd_1), passed);
                    }))
           .why("Only a force passes, no moment. What is left of a rigid link is its effective mass "
-               "at the "
-               "joint: the mass alone when the joint is at its centre of mass, `r_c = 0`.")
+               "at the joint: the mass alone when the joint is at its centre of mass, `r_c = 0`.")
           .in("crosscheck/audit/projections.cpp"));
 
   claims->push_back(
@@ -457,8 +448,7 @@ void addJointKinds(std::vector<Claim>* claims) {
                               (problem.M_2 - loss) * problem.Xdd_1);
                    }))
           .why("The rotor holds the joint back, so more of link 2 is felt. As everywhere in the "
-               "chapter, "
-               "the shaft's gyroscopic moment on link 1 is neglected.")
+               "chapter, the shaft's gyroscopic moment on link 1 is neglected.")
           .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("eq35", "7.1.2", "The projection with a rotor")
@@ -506,8 +496,7 @@ void addJointKinds(std::vector<Claim>* claims) {
                 at.equal("symmetric", P * M, (P * M).transpose());
               }))
           .why("A rotor gives way only in part: of a moment about the axis the share `d/D` passes, "
-               "and of "
-               "that again the share `d/D` through the same joint.")
+               "and of that again the share `d/D` through the same joint.")
           .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("eq36", "7.1.2", "P with a rotor in joint coordinates")
@@ -530,8 +519,7 @@ void addJointKinds(std::vector<Claim>* claims) {
                        at.equal("P", P, forceProjection<T>(M, axisZ<T>(), d));
                      }))
           .why("A moment about the axis is not lost when there is a rotor: the share that the "
-               "rotor holds "
-               "passes to link 1.")
+               "rotor holds passes to link 1.")
           .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("rotor_cost", "7.1.2", "What a rotor costs")
@@ -580,8 +568,7 @@ void addJointKinds(std::vector<Claim>* claims) {
                 at.equal("what was counted", projectThroughZ<T>(M, d, true), P_M);
               }))
           .why("With `d` large the joint is locked and all of `M_2` is felt; with `d = 0` it is "
-               "(32), "
-               "corrected.")
+               "(32), corrected.")
           .in("recursive/projection.hpp"));
 }
 
@@ -630,8 +617,7 @@ void addOutAndIn(std::vector<Claim>* claims) {
                                 problem.Xdd_1 - problem.Z * qdd);
                      }))
           .why("It stands after the section on rotors and goes back to (23), which has none; (39) "
-               "with the "
-               "`P_2` of (35) is right in both cases.")
+               "with the `P_2` of (35) is right in both cases.")
           .in("recursive/articulated_body.hpp"));
   claims->push_back(Claim("eq39", "7.2", "The outward projection")
                         .printed("`Xdd_2 = P_2' Xdd_1`", exact([](auto& at) {
@@ -643,8 +629,7 @@ void addOutAndIn(std::vector<Claim>* claims) {
                                                 problem.Xdd_1);
                                  }))
                         .why("Acceleration passes by the transpose of what force passes by, as "
-                             "power demands; here with "
-                             "a rotor, `P_2` from (35).")
+                             "power demands; here with a rotor, `P_2` from (35).")
                         .in("recursive/projection.hpp"));
 
   claims->push_back(Claim("force_steps", "7.3", "How a force is lost in a joint")
@@ -678,8 +663,7 @@ void addOutAndIn(std::vector<Claim>* claims) {
                                             problem.applied - lost);
                                  }))
                         .why("What is not used up by accelerating link 2. No rotor here: with one, "
-                             "`d + Z' M_2 Z`, which "
-                             "(41) says when `P_2` is that of (35).")
+                             "`d + Z' M_2 Z`, which (41) says when `P_2` is that of (35).")
                         .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("eq41", "7.3", "The inward projection of force")
@@ -706,8 +690,7 @@ void addOutAndIn(std::vector<Claim>* claims) {
                               problem.applied - problem.Z * problem.Z.dot(problem.applied));
                    }))
           .why("Turning about the axis makes inertial forces in other directions, through the last "
-               "column "
-               "of `M_2`.")
+               "column of `M_2`.")
           .in("recursive/projection.hpp"));
 }
 

@@ -216,8 +216,7 @@ void addMotions(std::vector<Claim>* claims) {
               "`Xdd_i+1 = T_V_i+1,i Xdd_i + qdd Z + A` with `A = (w_i x (w_i x r), w_i x qd z)`",
               exact([](auto& at) { printedAcceleration(at, Joint::kRevolute); }))
           .why("So it is for revolute joints and `Xdd = (vd, wd)` of the links' points. For slides "
-               "see "
-               "prismatic_acceleration, for spatial acceleration spatial_recursion.")
+               "see prismatic_acceleration, for spatial acceleration spatial_recursion.")
           .in("crosscheck/audit/recursions.cpp"));
   claims->push_back(
       Claim("prismatic_acceleration", "8.3", "(48) on a slide")
@@ -235,8 +234,7 @@ void addMotions(std::vector<Claim>* claims) {
                                     axis<T>(Joint::kPrismatic, links.z()) * links.joint.qdd + A);
                      }))
           .why("The Coriolis acceleration `2 w x v_rel`: once because the slide turns, once "
-               "because the "
-               "place on it changes. A slide has no bias in `wd`.")
+               "because the place on it changes. A slide has no bias in `wd`.")
           .in("recursive/newton_euler.hpp"));
   claims->push_back(
       Claim("spatial_recursion", "8.3", "(48) with the acceleration that (14) transforms")
@@ -274,8 +272,7 @@ void addMotions(std::vector<Claim>* claims) {
                 }
               }))
           .why("Spatial acceleration is the derivative of a vector field, not of a point's "
-               "velocity; the "
-               "centripetal term moves into the definition. Our sweeps use it.")
+               "velocity; the centripetal term moves into the definition. Our sweeps use it.")
           .in("recursive/newton_euler.hpp"));
 }
 
@@ -356,8 +353,7 @@ void addInertiaAndForce(std::vector<Claim>* claims) {
           .printed("`M_Ai = M_i + T_F_i,i+1 P_i+1 M_Ai+1 T_F_i,i+1'`",
                    exact([articulated](auto& at) { articulated(at, 1); }))
           .why("`T_F' = T_V_i+1,i` carries the acceleration outward, `P M_A` makes a force of it, "
-               "`T_F` "
-               "carries that back. The last link of a branch starts it with its own `M_i`.")
+               "`T_F` carries that back. The last link of a branch starts it with its own `M_i`.")
           .in("recursive/articulated_body.hpp"));
   claims->push_back(Claim("branches", "8.4", "Branches of a tree")
                         .printed("Where the tree branches, (49) contains the sum over the "
@@ -389,8 +385,7 @@ void addInertiaAndForce(std::vector<Claim>* claims) {
   claims->push_back(
       Claim("eq50", "8.5", "Inward recursion of force")
           .printed("`F_i = T_F (P_i+1 F_i+1 - M_A Z (d + Z' M_A Z)^-1 tau) + F_b + F_e`, used in "
-                   "(52) as "
-                   "`tau_i = Z' (F_i + M_A Xdd)`",
+                   "(52) as `tau_i = Z' (F_i + M_A Xdd)`",
                    exact([inward, printedForce](auto& at) { inward(at, printedForce); }))
           .corrected(
               "`F_i = T_F (P_i+1 (F_i+1 + M_A A) + M_A Z (d + Z' M_A Z)^-1 tau) + F_b - F_e`, with "
@@ -406,11 +401,9 @@ void addInertiaAndForce(std::vector<Claim>* claims) {
                 });
               }))
           .why("A force that link i needs and a force that acts on it have opposite signs: `F_b` "
-               "is of the "
-               "first kind, `F_e` of the second. The term `P M_A A`, the force that the joint's "
-               "velocity "
-               "products need, is missing. Without torques, external forces and `A` it would be "
-               "right. No reading of `F` makes all signs right: see force_signs.")
+               "is of the first kind, `F_e` of the second. The term `P M_A A`, the force that the "
+               "joint's velocity products need, is missing. Without torques, external forces and "
+               "`A` it would be right. No reading of `F` makes all signs right: see force_signs.")
           .in("recursive/articulated_body.hpp"));
   claims->push_back(
       Claim("force_signs", "8.5", "(50) with F as the force that acts")
@@ -432,8 +425,7 @@ void addInertiaAndForce(std::vector<Claim>* claims) {
                 });
               }))
           .corrected("`F_i = T_F (P_i+1 F_i+1 - M_A Z (d + Z' M_A Z)^-1 tau) - F_b + F_e` for `A = "
-                     "0`: then "
-                     "`F_b` has the wrong sign, and (52) too",
+                     "0`: then `F_b` has the wrong sign, and (52) too",
                      exact([inward](auto& at) {
                        inward(at, [](auto& at, auto child, const auto&, const auto& F_b,
                                      const auto& F_e, const auto&) {
@@ -450,8 +442,7 @@ void addInertiaAndForce(std::vector<Claim>* claims) {
                        });
                      }))
           .why("The text gives the minus of the joint torque as its reaction on link i: that is "
-               "this "
-               "reading. It contradicts the plus of the bias force.")
+               "this reading. It contradicts the plus of the bias force.")
           .in("recursive/articulated_body.hpp"));
   claims->push_back(
       Claim("torque_reaction", "8.5", "What link i feels of a joint torque")
@@ -563,15 +554,13 @@ void addTrees(std::vector<Claim>* claims) {
                      at.equal("Xdd_2", Xdd_2, Xdd_1 + Z * qdd);
                    }))
           .why("The joint's axis and torque change their sign together, and Newton's laws know no "
-               "root. "
-               "(A rotor is an exception: `d` belongs to the link that carries the motor.)")
+               "root. (A rotor is an exception: `d` belongs to the link that carries the motor.)")
           .in("recursive/projection.hpp"));
   claims->push_back(
       Claim("shared_subtree", "4", "TODO: branches that join again (DAG)")
           .open()
           .printed("A link that two branches share is treated almost as in a tree: its inertia is "
-                   "projected "
-                   "inward through each of its joints, `M_A1 = M_1 + P_a M_3 + P_b M_3`",
+                   "projected inward through each of its joints, `M_A1 = M_1 + P_a M_3 + P_b M_3`",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const Matrix6<T> M_3 = at.template symmetric<6>();
@@ -605,16 +594,15 @@ void addTrees(std::vector<Claim>* claims) {
                          inertiaProjection<T>(M_3, Z_a, T(0)) * Xdd_1);
               }))
           .why("Projecting through both joints counts the shared link twice. Section 10 would have "
-               "to treat "
-               "the loop.")
+               "to treat the loop.")
           .in("crosscheck/audit/recursions.cpp"));
   claims->push_back(
       Claim("stored_results", "4", "TODO: dynamic programming, storing intermediate results")
           .open()
           .printed(
               "Storing each link's result for the next makes the sweeps linear in the number of "
-              "links; "
-              "without the store, each link goes back to the base, n (n + 1)/2 transformations",
+              "links; without the store, each link goes back to the base, n (n + 1)/2 "
+              "transformations",
               decided("count of operations",
                       [] {
                         const long a = sweepCost(20).total() - sweepCost(10).total();

@@ -75,10 +75,8 @@ void addEquationsOfMotion(std::vector<Claim>* claims) {
                          moving.M() * moving.path.acceleration().vector() + moving.printedBias());
                    }))
           .why("So it is when `Xdd = (vd, wd)` is the acceleration of the body's point at the "
-               "origin, and "
-               "moments are about that point. It is not the `Xdd` that (14) carries between "
-               "frames: see "
-               "eq15_spatial.")
+               "origin, and moments are about that point. It is not the `Xdd` that (14) carries "
+               "between frames: see eq15_spatial.")
           .in("recursive/spatial.hpp"));
 
   const auto spatialBias = [](auto& at, const Path<ScalarOf<decltype(at)>>& path) {
@@ -117,8 +115,7 @@ void addEquationsOfMotion(std::vector<Claim>* claims) {
                                 moving.M() * a.vector() + moving.printedBias() + gained.vector());
                      }))
           .why("(14) and (15) use one letter for two accelerations. They differ by `w x v`, and "
-               "the bias "
-               "force has to follow the choice.")
+               "the bias force has to follow the choice.")
           .in("recursive/spatial.hpp"));
 
   claims->push_back(
@@ -144,8 +141,7 @@ void addEquationsOfMotion(std::vector<Claim>* claims) {
                 at.equal("twice as fast", Moving<T>{fast, one.body}.force(), one.force() * T(4));
               }))
           .why("The bias force has two factors of velocity in each term; walking a path twice as "
-               "fast "
-               "needs four times the force.")
+               "fast needs four times the force.")
           .in("recursive/spatial.hpp"));
 
   claims->push_back(
@@ -186,15 +182,13 @@ void addEquationsOfMotion(std::vector<Claim>* claims) {
                      at.zero("w x I w of any other w", Vector3<T>(w.cross(Vector3<T>(I * w))));
                    })))
           .why("A well-made wheel is no sphere and has no bias force: it spins about a principal "
-               "axis "
-               "through its centre of mass. Balancing a tyre is making that so.")
+               "axis through its centre of mass. Balancing a tyre is making that so.")
           .in("recursive/spatial.hpp"));
 
   claims->push_back(
       Claim("centripetal", "6", "Direction of the bias force")
           .printed("The centripetal force moves the object away from the axis: `F_b . r > 0`, `r` "
-                   "from the "
-                   "axis to the object",
+                   "from the axis to the object",
                    certified([](RealPoint& at) {
                      const Vector3<Ball> w = at.vector(), h = at.vector();
                      const Vector3<Ball> r = h - w * (w.dot(h) / w.dot(w));
@@ -229,8 +223,7 @@ void addMassMatrix(std::vector<Claim>* claims) {
                                                 .I.matrix());
                                  }))
                         .why("The parallel axis theorem; `-hat(r) hat(r) = r'r 1 - r r'` is not "
-                             "negative, so inertia is "
-                             "least about the centre of mass.")
+                             "negative, so inertia is least about the centre of mass.")
                         .in("recursive/spatial.hpp"));
 
   const auto aboutCenter = [](auto& at, Start start, bool with_bias) {
@@ -256,8 +249,7 @@ void addMassMatrix(std::vector<Claim>* claims) {
           .corrected("`f_c = m vd_c`, `m_c = I_c wd + w x I_c w`",
                      exact([aboutCenter](auto& at) { aboutCenter(at, Start::kMoving, true); }))
           .why("Angular momentum `I_c w` also changes because the body turns under it. Euler's "
-               "equation "
-               "has this term, and (15) has it back.")
+               "equation has this term, and (15) has it back.")
           .in("recursive/spatial.hpp"));
 
   claims->push_back(Claim("eq18", "6", "The 6 x 6 mass matrix")
@@ -281,8 +273,7 @@ void addMassMatrix(std::vector<Claim>* claims) {
                                    at.equal("our code", momentum, body.inertia() * x);
                                  }))
                         .why("The first row: the centre of mass moves with `v - r_c x w`. The "
-                             "second: its momentum has "
-                             "the lever `r_c`.")
+                             "second: its momentum has the lever `r_c`.")
                         .in("recursive/spatial.hpp"));
 
   claims->push_back(Claim("symmetric_mass", "6", "Symmetry of I and M")
@@ -303,8 +294,7 @@ void addMassMatrix(std::vector<Claim>* claims) {
   claims->push_back(
       Claim("diagonal_mass", "6", "When M is diagonal")
           .printed("`M` is diagonal in one case only, at the centre of a perfect sphere: `M` "
-                   "diagonal says "
-                   "`I_xx = I_yy = I_zz`",
+                   "diagonal says `I_xx = I_yy = I_zz`",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      // a brick: masses at the corners of a box, seen from its middle along its
@@ -323,8 +313,8 @@ void addMassMatrix(std::vector<Claim>* claims) {
                      at.equal("I_yy and I_zz", M(4, 4), M(5, 5));
                    }))
           .corrected("`M` is diagonal for every body, in the principal axes at its centre of mass. "
-                     "It stays "
-                     "so however the axes are turned when `I_c = k 1`, as for a sphere or a cube",
+                     "It stays so however the axes are turned when `I_c = k 1`, as for a sphere or "
+                     "a cube",
                      exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        const Matrix3<T> I = diagonal3<T>(at.number(), at.number(), at.number());
@@ -343,15 +333,13 @@ void addMassMatrix(std::vector<Claim>* claims) {
                                                          at.rotation(), Vector3<T>::Zero()))));
                      }))
           .why("A symmetric `I_c` always has principal axes. A brick, seen from its middle along "
-               "its "
-               "edges, has a diagonal `M`.")
+               "its edges, has a diagonal `M`.")
           .in("recursive/spatial.hpp"));
 
   claims->push_back(
       Claim("coupling_force", "6", "One force component, all accelerations")
           .printed(
-              "Unless the body is a sphere seen from its centre, a force along one axis "
-              "accelerates "
+              "Unless the body is a sphere seen from its centre, a force along one axis accelerates "
               "along all six: no component of `M^-1 e_1` is 0, for an `M` that is not diagonal",
               certified([](RealPoint& at) {
                 // seen from the centre of mass, in axes that are not principal
@@ -369,8 +357,7 @@ void addMassMatrix(std::vector<Claim>* claims) {
               }))
           .corrected(
               "Seen from the centre of mass, force and turning are not coupled at all: a force "
-              "along "
-              "an axis accelerates along that axis alone, and a moment only turns",
+              "along an axis accelerates along that axis alone, and a moment only turns",
               exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
                 const T m = at.number();
@@ -382,15 +369,13 @@ void addMassMatrix(std::vector<Claim>* claims) {
                 at.zero("moment to acceleration", Matrix3<T>(M_inverse.template block<3, 3>(0, 3)));
               }))
           .why("That `M` has entries off its diagonal does not say that all of them are there: the "
-               "blocks "
-               "that couple force with turning are zero at the centre of mass.")
+               "blocks that couple force with turning are zero at the centre of mass.")
           .in("recursive/spatial.hpp"));
 
   claims->push_back(
       Claim("coupling_acceleration", "6", "One acceleration component, all forces")
           .printed("Unless the body is a sphere seen from its centre, an acceleration along one "
-                   "axis alone "
-                   "needs a force in all six components: no entry of `M e_i` is 0",
+                   "axis alone needs a force in all six components: no entry of `M e_i` is 0",
                    certified([](RealPoint& at) {
                      const Vector3<Ball> h = at.vector(0.1, 1);
                      Matrix3<Ball> I = diagonal3<Ball>(2, 3, 4);
@@ -401,8 +386,7 @@ void addMassMatrix(std::vector<Claim>* claims) {
                    }))
           .corrected(
               "No body does: `M e_i` has at least one 0 for each `i`. A linear acceleration needs "
-              "at "
-              "most its own force and two moments, an angular one at most two forces and three "
+              "at most its own force and two moments, an angular one at most two forces and three "
               "moments",
               exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
@@ -461,8 +445,7 @@ void addMassMatrix(std::vector<Claim>* claims) {
                         .matrix());
               }))
           .why(
-              "`I` is about the frame's origin, so it changes when the origin moves, by (16) "
-              "twice. "
+              "`I` is about the frame's origin, so it changes when the origin moves, by (16) twice. "
               "Kinetic energy `Xd' M Xd / 2` does not know the frame: that gives the part for `M`.")
           .in("recursive/spatial.hpp"));
 
@@ -480,8 +463,7 @@ void addMassMatrix(std::vector<Claim>* claims) {
                      at.equal("M", M, massMatrix6<T>(M(0, 0), h, I));
                    }))
           .why("Of the 21 numbers of a symmetric 6 x 6 matrix a rigid body uses ten; the "
-               "articulated "
-               "inertia of section 7 uses more.")
+               "articulated inertia of section 7 uses more.")
           .in("recursive/spatial.hpp"));
 }
 

@@ -85,8 +85,7 @@ std::vector<Claim> bases() {
   claims.push_back(
       Claim("eq59", "11.2", "Acceleration of a floating base")
           .printed("`Xdd_0 = -M_A,0^-1 (F_0 + A_0 nu)`, with `A_0` the constraint directions seen "
-                   "from the "
-                   "base",
+                   "from the base",
                    exact([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = floatingRobot(at, {kTurn});
@@ -113,9 +112,8 @@ std::vector<Claim> bases() {
                                 Vector6<T>(-base.F));
                      }))
           .corrected("`Xdd_0 - g = -M_A,0^-1 (F_0 + E_0 nu)` with the projected `E_0`, and, since "
-                     "the base "
-                     "yields, `(N_0 - E_0' M_A,0^-1 E_0) nu = b_N - A_N' g_N + E_0' M_A,0^-1 F_0 - "
-                     "beta_0`",
+                     "the base yields, `(N_0 - E_0' M_A,0^-1 E_0) nu = b_N - A_N' g_N + E_0' "
+                     "M_A,0^-1 F_0 - beta_0`",
                      exact([](auto& at) {
                        using T = ScalarOf<decltype(at)>;
                        const auto robot = floatingRobot(at, {kTurn, kSlide});
@@ -133,10 +131,9 @@ std::vector<Claim> bases() {
                                            base.inward.beta_0));
                      }))
           .why("What the base feels of the constraint forces has passed the joints: E_0, not A. "
-               "And the "
-               "base gives way to them, which makes the constraint softer: the balance of section "
-               "11.1 "
-               "gets the term E_0' M_A,0^-1 E_0, or nu is that of a robot with a fixed base.")
+               "And the base gives way to them, which makes the constraint softer: the balance of "
+               "section 11.1 gets the term E_0' M_A,0^-1 E_0, or nu is that of a robot with a fixed "
+               "base.")
           .in("crosscheck/audit/tasks.cpp"));
 
   claims.push_back(Claim("eq60", "11.3", "Constraint on the base")
@@ -145,17 +142,15 @@ std::vector<Claim> bases() {
                        .corrected("`A_0` has 6 rows and k columns, one a constraint force",
                                   transposeFits(MatrixX<double>::Zero(6, 2)))
                        .why("Each column is a wrench of six numbers, as in (53); the transpose "
-                            "then makes k numbers of "
-                            "the acceleration.")
+                            "then makes k numbers of the acceleration.")
                        .in("crosscheck/audit/tasks.cpp"));
 
   claims.push_back(
       Claim("base_optimum", "11.3", "The optimization problem that the chapter leaves out")
           .open()
           .printed(
-              "Our answer, least constraint: minimize `1/2 a' M_A,0 a + a' (F_0 + E_0 nu)` over "
-              "`a = Xdd_0 - g` under `A_0' Xdd_0 = b_0`, that is `M_A,0 a + F_0 + E_0 nu = A_0 "
-              "kappa`, "
+              "Our answer, least constraint: minimize `1/2 a' M_A,0 a + a' (F_0 + E_0 nu)` over `a "
+              "= Xdd_0 - g` under `A_0' Xdd_0 = b_0`, that is `M_A,0 a + F_0 + E_0 nu = A_0 kappa`, "
               "together with `N_0 nu = b_N - A_N' g_N - E_0' a - beta_0`",
               exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
@@ -179,11 +174,9 @@ std::vector<Claim> bases() {
                 at.equal("kappa", VectorX<T>(x.tail(2)), truth.kappa);
               }))
           .why("Gauss: of all accelerations that the constraints allow, the true one is nearest to "
-               "the free "
-               "one, distance being measured by the inertia. Seen from the base, the whole robot "
-               "has the "
-               "inertia M_A,0 and wants to move with -M_A,0^-1 F_0. Nine unknowns here instead of "
-               "all.")
+               "the free one, distance being measured by the inertia. Seen from the base, the whole "
+               "robot has the inertia M_A,0 and wants to move with -M_A,0^-1 F_0. Nine unknowns "
+               "here instead of all.")
           .in("crosscheck/audit/tasks.cpp"));
   return claims;
 }
@@ -256,10 +249,8 @@ std::vector<Claim> specifiedAccelerations() {
                      "`A_(i-1) = T_F A_i` without projection",
                      exact([](auto& at) { compareTaskTorques(at, false); }))
           .why("E_i has lost what free joints outboard do not transmit. The sweep needs that for "
-               "the "
-               "accelerations; a motor that replaces the virtual force must supply its whole "
-               "component "
-               "at the joint, J' A nu.")
+               "the accelerations; a motor that replaces the virtual force must supply its whole "
+               "component at the joint, J' A nu.")
           .in("recursive/operational_space.hpp"));
   claims.push_back(
       Claim("null_torque", "12", "Joint torques beside a specified acceleration")
@@ -273,8 +264,7 @@ std::vector<Claim> specifiedAccelerations() {
   claims.push_back(
       Claim("null_motion", "12", "Null-space motion")
           .printed("such `tau_i` make the links move, in the robot of section 9.1 with as many "
-                   "joints as "
-                   "task accelerations",
+                   "joints as task accelerations",
                    differs([](auto& at) {
                      compareNullMotion(at, {kTurn, kTurn}, true);
                    }))
@@ -287,16 +277,14 @@ std::vector<Claim> specifiedAccelerations() {
                        compareNullMotion(at, {kTurn, kTurn}, true);
                      }))
           .why("A regular square J has no null space: the task fixes every joint, and torques "
-               "change the "
-               "constraint forces only.")
+               "change the constraint forces only.")
           .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(
       Claim("E0_rank", "12", "Question: is A_0 always of full rank?")
           .open()
           .printed("with `A_N = 1`, the projected matrix at the base is invertible: `det E_0 /= 0` "
-                   "(joints "
-                   "without rotors)",
+                   "(joints without rotors)",
                    differs([](auto& at) {
                      using T = ScalarOf<decltype(at)>;
                      const auto robot = anyRobot(at, {kTurn, kSlide}, Rotors::kNone);
@@ -324,8 +312,7 @@ std::vector<Claim> specifiedAccelerations() {
                        at.equal("det E_0", determinant<T>(carriedInward(six, held).E_0), product);
                      }))
           .why("A free joint without a rotor transmits no force along itself, so each projection "
-               "has "
-               "determinant 0; with a rotor it is d/D. Frame changes have determinant 1.")
+               "has determinant 0; with a rotor it is d/D. Frame changes have determinant 1.")
           .in("recursive/projection.hpp"));
   claims.push_back(
       Claim("E0_overconstrained", "12",
@@ -341,8 +328,7 @@ std::vector<Claim> specifiedAccelerations() {
                              determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
                    }))
           .corrected("`E_0` does not show it; `N_0` does: `det N_0 = 0` as soon as there are more "
-                     "constraints "
-                     "than joints",
+                     "constraints than joints",
                      both(differs([](auto& at) {
                             using T = ScalarOf<decltype(at)>;
                             const auto robot = anyRobot(at, {kTurn, kTurn});
@@ -358,14 +344,12 @@ std::vector<Claim> specifiedAccelerations() {
                                     determinant<T>(carriedInward(SixVectors<T>(robot), held).N_0));
                           })))
           .why("What E_0 loses it loses joint by joint, to rotors of zero inertia. Too many "
-               "constraints are a "
-               "matter of rank A' J <= n, and that is the rank of N_0.")
+               "constraints are a matter of rank A' J <= n, and that is the rank of N_0.")
           .in("recursive/constrained_dynamics.hpp"));
   claims.push_back(Claim("E0_weighted", "12", "Question: is A_0 also weighted by the mass matrix?")
                        .open()
                        .printed("Our answer, yes: `E_0' = A' (X_N0 - J M^-1 H)`, H the joint "
-                                "forces of unit accelerations "
-                                "of the base",
+                                "forces of unit accelerations of the base",
                                 exact([](auto& at) {
                                   using T = ScalarOf<decltype(at)>;
                                   auto robot = anyRobot(at, {kTurn, kSlide});
@@ -386,16 +370,14 @@ std::vector<Claim> specifiedAccelerations() {
                                            MatrixX<T>(held.A.transpose() * response));
                                 }))
                        .why("X_N0 is what a locked robot would pass on; M^-1 H is how the joints "
-                            "give way, and inertia "
-                            "decides that.")
+                            "give way, and inertia decides that.")
                        .in("recursive/constrained_dynamics.hpp"));
   claims.push_back(Claim("posture_control", "12", "XXX: null-space posture control")
                        .open()
                        .printed("Our answer: `qdd = Jbar (b - Jd qd) + (1 - Jbar J) qdd_p` does "
-                                "the task, and is nearest to "
-                                "the posture's `qdd_p`: `|x - qdd_p|^2 = |qdd - qdd_p|^2 + |x - "
-                                "qdd|^2` for every x that does "
-                                "the task, with `|y|^2 = y' M y`",
+                                "the task, and is nearest to the posture's `qdd_p`: `|x - qdd_p|^2 "
+                                "= |qdd - qdd_p|^2 + |x - qdd|^2` for every x that does the task, "
+                                "with `|y|^2 = y' M y`",
                                 exact([](auto& at) {
                                   using T = ScalarOf<decltype(at)>;
                                   const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
@@ -416,18 +398,15 @@ std::vector<Claim> specifiedAccelerations() {
                                            T(norm(qdd - posture) + norm(x - qdd)));
                                 }))
                        .why("The posture gets exactly what the task leaves over, and the right "
-                            "angle is the one that the "
-                            "inertia defines.")
+                            "angle is the one that the inertia defines.")
                        .in("recursive/operational_space.hpp"));
   claims.push_back(
       Claim("branch_merge", "12", "XXX: merging constraint recursions from two branches")
           .open()
           .printed(
               "Our answer: where branches meet, the columns of E are put side by side (they share "
-              "one "
-              "6 x m matrix that adds up), and N of both is one m x m matrix that couples them "
-              "from there "
-              "inward: `N = J M^-1 J'` for constraints on two tips",
+              "one 6 x m matrix that adds up), and N of both is one m x m matrix that couples them "
+              "from there inward: `N = J M^-1 J'` for constraints on two tips",
               exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
                 const auto robot = anyRobot(at, {kTurn, kTurn, kSlide}, Rotors::kAll, {-1, 0, 0});
@@ -444,8 +423,7 @@ std::vector<Claim> specifiedAccelerations() {
                 at.equal("right", constrainedAcceleration(robot, right, swept.qdd), right.b);
               }))
           .why("Constraints on different branches do not notice each other until they push on a "
-               "common "
-               "link; from there on the joints see both.")
+               "common link; from there on the joints see both.")
           .in("recursive/constrained_dynamics.hpp"));
   return claims;
 }
@@ -515,8 +493,7 @@ std::vector<Claim> consistentInverse() {
                          MatrixX<T>(-mobility * rest.transpose()));
               }))
           .why("J+ measures joint velocities by their squares in rad and m added up, which is no "
-               "property of "
-               "the robot; the mass matrix is the metric that the dynamics knows.")
+               "property of the robot; the mass matrix is the metric that the dynamics knows.")
           .in("recursive/operational_space.hpp"));
   claims.push_back(
       Claim("least_kinetic_energy", "13", "What the consistent inverse makes least")

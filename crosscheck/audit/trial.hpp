@@ -11,7 +11,7 @@
 #include "crosscheck/arithmetic/dual.hpp"
 #include "crosscheck/arithmetic/prime_field.hpp"
 #include "crosscheck/audit/audit.hpp"
-#include "crosscheck/degree.hpp"
+#include "crosscheck/exact/degree.hpp"
 #include "crosscheck/states.hpp"
 #include "recursive/spatial.hpp"
 

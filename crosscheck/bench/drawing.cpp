@@ -156,14 +156,11 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
         // of the CSV: 4 time, 5 times MuJoCo, 7 what the goal grants [ns]
         text += fmt::format(
             "{0}'bench.csv' using ({1} && strlen(strcol(7)) ? $7 / {2:g} : NaN):({3} - "
-            "0.38):(0):(0.76) "
-            "with vectors nohead linetype 20 dashtype 1 linewidth 2 notitle, \\\n     "
+            "0.38):(0):(0.76) with vectors nohead linetype 20 dashtype 1 linewidth 2 notitle, \\\n     "
             "'bench.csv' using ({1} ? $4 / {2:g} : NaN):({3}) with points linetype {4} notitle, "
-            "\\\n     "
-            "'bench.csv' using ({1} && strlen(strcol(5)) ? {5:g} : NaN):({3}):"
-            "(sprintf($5 < 1 ? '%.2g' : $5 < 10 ? '%.1f' : '%.0f', $5)) with labels right font "
-            "',11' "
-            "textcolor rgb ink notitle",
+            "\\\n     'bench.csv' using ({1} && strlen(strcol(5)) ? {5:g} : NaN):({3}):(sprintf($5 "
+            "< 1 ? '%.2g' : $5 < 10 ? '%.1f' : '%.0f', $5)) with labels right font ',11' textcolor "
+            "rgb ink notitle",
             first ? "" : ", \\\n     ", chosen, kNanoseconds, i + 1, lineType(contenders[i].name),
             most * 7 / kNanoseconds);
         first = false;

@@ -113,10 +113,9 @@ std::string goalsSentence(const BenchResult& result) {
 
 std::string how(const BenchResult& result, const char* line_end) {
   return fmt::format(
-      "Nanoseconds a state, cosines and sines included: fastest of {0} repetitions in random "
-      "order, {1} states{2}"
-      "cycled. × MuJoCo, × Simbody: how many times faster than these engines, called as their "
-      "users call them",
+      "Nanoseconds a state, cosines and sines included: fastest of {0} repetitions in random order, "
+      "{1} states{2}cycled. × MuJoCo, × Simbody: how many times faster than these engines, called "
+      "as their users call them",
       result.repetitions, result.states, line_end);
 }
 

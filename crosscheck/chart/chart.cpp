@@ -12,7 +12,7 @@
 #include "crosscheck/chart/methods.hpp"
 #include "crosscheck/report/environment.hpp"
 #include "crosscheck/states.hpp"
-#include "crosscheck/truth.hpp"
+#include "crosscheck/digits/truth.hpp"
 #include "scene/error.hpp"
 #include "symbolic/closed_form.hpp"
 

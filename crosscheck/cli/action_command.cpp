@@ -7,7 +7,7 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/findings.hpp"
-#include "crosscheck/hamilton.hpp"
+#include "crosscheck/studies/hamilton.hpp"
 #include "crosscheck/report/files.hpp"
 
 namespace dynwitness::cli {

@@ -12,7 +12,7 @@
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/processes.hpp"
-#include "crosscheck/random_mechanism.hpp"
+#include "crosscheck/exact/random_mechanism.hpp"
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/report.hpp"

@@ -8,7 +8,7 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/report/files.hpp"
-#include "crosscheck/shared_subtrees.hpp"
+#include "crosscheck/exact/shared_subtrees.hpp"
 #include "recursive/build_model.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/derivation.hpp"

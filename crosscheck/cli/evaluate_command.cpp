@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
-#include "crosscheck/constrained_quantities.hpp"
+#include "crosscheck/studies/constrained_quantities.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/report/files.hpp"
 #include "crosscheck/states_file.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/exact.hpp"
+#include "crosscheck/exact/exact.hpp"
 #include "crosscheck/report/json.hpp"
 
 namespace dynwitness::cli {

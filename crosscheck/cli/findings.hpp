@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crosscheck/geometry.hpp"
+#include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/result.hpp"
 #include "scene/error.hpp"
 #include "scene/scene.hpp"

@@ -7,8 +7,8 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/findings.hpp"
-#include "crosscheck/geometry.hpp"
-#include "crosscheck/hamilton.hpp"
+#include "crosscheck/studies/geometry.hpp"
+#include "crosscheck/studies/hamilton.hpp"
 #include "crosscheck/report/files.hpp"
 
 namespace dynwitness::cli {

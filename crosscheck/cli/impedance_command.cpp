@@ -7,7 +7,7 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/findings.hpp"
-#include "crosscheck/impedance.hpp"
+#include "crosscheck/studies/impedance.hpp"
 #include "crosscheck/report/files.hpp"
 
 namespace dynwitness::cli {

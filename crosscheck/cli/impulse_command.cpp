@@ -6,7 +6,7 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/findings.hpp"
-#include "crosscheck/impulse.hpp"
+#include "crosscheck/studies/impulse.hpp"
 #include "crosscheck/report/files.hpp"
 
 namespace dynwitness::cli {

@@ -8,7 +8,7 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/report/files.hpp"
-#include "crosscheck/rotor_models.hpp"
+#include "crosscheck/studies/rotor_models.hpp"
 
 namespace dynwitness::cli {
 namespace {

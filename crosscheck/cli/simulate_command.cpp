@@ -9,8 +9,8 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/formulations.hpp"
-#include "crosscheck/motion_tables.hpp"
+#include "crosscheck/motion/formulations.hpp"
+#include "crosscheck/motion/motion_tables.hpp"
 #include "crosscheck/report/files.hpp"
 
 namespace dynwitness::cli {

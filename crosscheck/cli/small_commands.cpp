@@ -9,7 +9,7 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/drift.hpp"
+#include "crosscheck/motion/drift.hpp"
 #include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/environment.hpp"
 #include "crosscheck/report/files.hpp"

@@ -19,7 +19,7 @@
 
 #include "crosscheck/growth/ours.hpp"
 #include "crosscheck/states.hpp"
-#include "crosscheck/truth.hpp"
+#include "crosscheck/digits/truth.hpp"
 #include "scene/families.hpp"
 
 namespace dynwitness::crosscheck {

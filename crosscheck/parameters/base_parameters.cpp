@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/arithmetic/prime_field.hpp"
-#include "crosscheck/degree.hpp"
+#include "crosscheck/exact/degree.hpp"
 #include "crosscheck/parameters/certified_solve.hpp"
 #include "recursive/composite_body.hpp"
 #include "recursive/regressor.hpp"

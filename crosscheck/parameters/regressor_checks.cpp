@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "crosscheck/inquiry.hpp"
+#include "crosscheck/exact/inquiry.hpp"
 #include "recursive/regressor.hpp"
 #include "symbolic/program.hpp"
 #include "symbolic/regressor.hpp"

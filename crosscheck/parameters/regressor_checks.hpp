@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "crosscheck/exact.hpp"
+#include "crosscheck/exact/exact.hpp"
 
 namespace dynwitness::crosscheck {
 

@@ -142,17 +142,16 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
             "corrections hold."
           : "<strong>Not every correction was found to hold</strong>: the entries say which.");
   put(&page,
-      "<details><summary>How to read a residual</summary>\n<p>Both sides of an equation are "
-      "computed by "
-      "different roads, at random points and modulo random 63-bit primes. There a difference is 0 "
-      "or it "
-      "is not, without rounding; “chance of error” bounds how probable it is that different "
-      "formulas "
-      "passed. One point with a difference refutes. Inequalities are decided with certified "
-      "digits.</p>\n<p>The truth comes from point masses that obey Newton’s law, from positions "
-      "differentiated twice, and from linear systems of all bodies and joints together. Symbols: "
-      "{} is a velocity or force’s six numbers, linear part first; {} transforms velocities and {} "
-      "forces.</p></details>\n</header>\n",
+      "<details><summary>How to read a residual</summary>\n"
+      "<p>Both sides of an equation are computed by different roads, at random points and modulo "
+      "random 63-bit primes. There a difference is 0 or it is not, without rounding; “chance of "
+      "error” bounds how probable it is that different formulas passed. One point with a difference "
+      "refutes. Inequalities are decided with certified digits.</p>\n"
+      "<p>The truth comes from point masses that obey Newton’s law, from positions differentiated "
+      "twice, and from linear systems of all bodies and joints together. Symbols: {} is a velocity "
+      "or force’s six numbers, linear part first; {} transforms velocities and {} "
+      "forces.</p></details>\n"
+      "</header>\n",
       textWithMath("`Xd = (v, w)`, `F = (f, m)`"), mathMl("T_V"), mathMl("T_F"));
   putIndex(&page, audit, Holds::kFalse, "Wrong");
   putIndex(&page, audit, Holds::kUnderCondition, "Right under a condition");

@@ -288,16 +288,14 @@ constexpr const char* kConventions =
     "gravity: setGravity takes the acceleration of a falling body, as in the scene; g comes from "
     "inverse dynamics at rest, so that the springs are in it\n"
     "springs: those of an implicit integrator, -stiffness (q + h qd - rest), and h^2 stiffness "
-    "added "
-    "to M in forward dynamics; the time step h is 1e-100 s here\n"
+    "added to M in forward dynamics; the time step h is 1e-100 s here\n"
     "friction: its own is off; viscous and Coulomb friction are added here\n"
-    "rotors: DART has none; each is a body pinned to the world that turns gear_ratio times as "
-    "fast\n"
+    "rotors: DART has none; each is a body pinned to the world that turns gear_ratio times as fast\n"
     "loads: addExtForce and addExtTorque, at a point in link axes\n"
     "momentum: body by body in link axes, moved to the world's origin here\n"
     "potential: summed here over DART's centres of mass and joints, since its "
-    "computePotentialEnergy "
-    "takes the link's origin for the centre of mass (dartsim/dart issue 1681, open in 6.12.1)\n"
+    "computePotentialEnergy takes the link's origin for the centre of mass (dartsim/dart issue "
+    "1681, open in 6.12.1)\n"
     "known loss: none";
 
 WitnessKind kind() {

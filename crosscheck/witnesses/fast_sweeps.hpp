@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "crosscheck/exact.hpp"
+#include "crosscheck/exact/exact.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "recursive/fast/forward_dynamics.hpp"
 #include "recursive/fast/inverse_dynamics.hpp"

@@ -331,8 +331,7 @@ constexpr const char* kConventions =
     "loads: wrenches on segments, in the axes of the segment\n"
     "branches: M column by column from inverse dynamics, and M qdd = tau - bias solved here, since "
     "KDL's solvers for both take chains only\n"
-    "energies, momentum: KDL has no functions for them; T = qd' M qd / 2 with its M, the others "
-    "are "
+    "energies, momentum: KDL has no functions for them; T = qd' M qd / 2 with its M, the others are "
     "summed here over its frames, jacobians and inertias\n"
     "known loss: none";
 

@@ -526,13 +526,12 @@ std::string conventions(Inertias inertias) {
     card +=
         "known loss: products of inertia. The compiler turns each inertia into its principal axes "
         "by Jacobi turns (mju_eig3) and stops when the cosine of the next turn exceeds 1 - 1e-12, "
-        "that is with up to 1.4e-6 rad still to turn; what is left off the diagonal is dropped. "
-        "The inertia is wrong by up to 1.4e-6 (largest - smallest moment)\n"
+        "that is with up to 1.4e-6 rad still to turn; what is left off the diagonal is dropped. The "
+        "inertia is wrong by up to 1.4e-6 (largest - smallest moment)\n"
         "limit: the rounding of the algorithm, plus what the inertias in mjModel, where that rule "
         "explains them, do to the answer\n"
         "remedy: write each inertia in its principal axes (URDF: <inertial><origin rpy>; MJCF: "
-        "diaginertia and quat instead of fullinertia), as the witness mujoco_principal does; or "
-        "set "
+        "diaginertia and quat instead of fullinertia), as the witness mujoco_principal does; or set "
         "body_inertia and body_iquat after loading";
   else
     card +=

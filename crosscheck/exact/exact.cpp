@@ -1,0 +1,445 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/exact/exact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "crosscheck/exact/inquiry.hpp"
+#include "crosscheck/kernel/roads.hpp"
+#include "crosscheck/parameters/regressor_checks.hpp"
+#include "crosscheck/tally.hpp"
+#include "crosscheck/witnesses/fast_sweeps.hpp"
+#include "crosscheck/witnesses/lagrange.hpp"
+#include "recursive/constraints.hpp"
+#include "symbolic/equations.hpp"
+#include "symbolic/program.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+/// Points without a value in a row before a check is given up: a divisor that is not zero as a
+/// formula vanishes at a point with the chance r of errorProbability(), at all of these with r^8.
+/// Giving up costs an answer; it never gives a wrong one.
+constexpr int kPatience = 8;
+
+// ---- deciding -----------------------------------------------------------------------------------
+
+/// One check on its way to a verdict.
+class Trial {
+ public:
+  Trial(CheckResult check, const ExactOptions& options) : check_(std::move(check)) {
+    check_.unit = "exact";
+    check_.seed = options.seed;
+    exact_.parameters = name(options.parameters);
+  }
+
+  /// How many points it takes, from the size of the formulas.
+  void size(const TwoSides<DegreeBound>& sides, const DegreeBound::Divisors& divisors, double target) {
+    if (!sides.failure.empty()) return giveUp(sides.failure);
+    if (!sameShape(sides)) return;
+    double chance = 0;
+    for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
+      for (Eigen::Index i = 0; i < sides.left.rows(); ++i) {
+        const DegreeBound difference = sides.left(i, j) - sides.right(i, j);
+        exact_.degree = std::max(exact_.degree, difference.degree());
+        chance = std::max(chance, errorProbability(difference, divisors));
+      }
+    }
+    if (!(chance < 1))
+      return giveUp(fmt::format("a degree of up to {:.2g} is too large for primes below 2^63",
+                                exact_.degree));
+    chance_ = chance;
+    needed_ = pointsNeeded(chance, target);
+  }
+
+  void add(int index, const TwoSides<PrimeField>& sides) {
+    if (done_) return;
+    exact_.prime = PrimeField::modulus();
+    if (!sides.failure.empty()) {
+      ++exact_.discarded;
+      if (++discarded_in_a_row == kPatience)
+        giveUp(fmt::format("no value at {} points: {}", kPatience, sides.failure));
+      return;
+    }
+    discarded_in_a_row = 0;
+    ++exact_.points;
+    if (!sameShape(sides)) return;
+    for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
+      for (Eigen::Index i = 0; i < sides.left.rows(); ++i) {
+        if (sides.left(i, j) == sides.right(i, j)) continue;
+        check_.worst_entry = entryName(check_.quantity, i, j, sides.left);
+        check_.worst_state = index;
+        return disagree(fmt::format("{} differs at point {} of seed {}: {} and {} modulo {}",
+                                    check_.worst_entry, index, check_.seed,
+                                    sides.left(i, j).residue(), sides.right(i, j).residue(),
+                                    exact_.prime));
+      }
+    }
+    done_ = exact_.points == needed_;
+  }
+
+  bool done() const { return done_; }
+  CheckResult result() const {
+    CheckResult out = check_;
+    out.states = exact_.points;
+    if (out.verdict == Verdict::kNotAnswerable) return out;
+    out.exact = exact_;
+    out.exact->residual_zero = out.verdict == Verdict::kAgree;
+    out.exact->error_probability = std::pow(chance_, exact_.points);
+    return out;
+  }
+
+ private:
+  void giveUp(const std::string& reason) {
+    check_.verdict = Verdict::kNotAnswerable;
+    check_.reason = reason;
+    done_ = true;
+  }
+  void disagree(const std::string& reason) {
+    check_.verdict = Verdict::kDisagree;
+    check_.reason = reason;
+    check_.ratio = check_.worst = std::numeric_limits<double>::infinity();
+    done_ = true;
+  }
+  template <typename T>
+  bool sameShape(const TwoSides<T>& sides) {
+    const bool same = sides.left.rows() == sides.right.rows() &&
+                      sides.left.cols() == sides.right.cols();
+    if (!same)
+      disagree(fmt::format("shapes differ: {} x {} and {} x {}", sides.left.rows(),
+                           sides.left.cols(), sides.right.rows(), sides.right.cols()));
+    return same;
+  }
+
+  CheckResult check_;
+  CheckResult::Exact exact_;
+  double chance_ = 0;
+  int needed_ = 1, discarded_in_a_row = 0;
+  bool done_ = false;
+};
+
+}  // namespace
+
+std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquiry,
+                                const ExactOptions& options) {
+  std::vector<Trial> trials;
+  for (const CheckResult& check : inquiry.checks) trials.emplace_back(check, options);
+  {
+    const DegreeBound::Divisors divisors;
+    const DegreeSource source;
+    const SidesOfAll<DegreeBound> sides =
+        inquiry.in_degrees(DegreeNumbers(scene.mechanism, source, options.parameters),
+                           indeterminateState(scene.mechanism, source));
+    for (std::size_t i = 0; i < trials.size(); ++i)
+      trials[i].size(sides[i], divisors, options.error_probability);
+  }
+  const auto isDone = [](const Trial& trial) { return trial.done(); };
+  for (int index = 0; !std::all_of(trials.begin(), trials.end(), isDone); ++index) {
+    const PrimeField::Modulus modulus(drawPrime(scene.name, options.seed, index));
+    const FieldSource source(scene.name, options.seed, index);
+    SidesOfAll<PrimeField> sides(trials.size());
+    try {
+      sides = inquiry.in_field(FieldNumbers(scene.mechanism, source, options.parameters),
+                               indeterminateState(scene.mechanism, source));
+    } catch (const DivisionByZero& error) {  // the prime divides a number of the scene
+      for (TwoSides<PrimeField>& failed : sides) failed.failure = error.what();
+    }
+    for (std::size_t i = 0; i < trials.size(); ++i) trials[i].add(index, sides[i]);
+  }
+  std::vector<CheckResult> results;
+  for (const Trial& trial : trials) results.push_back(trial.result());
+  return results;
+}
+
+namespace {
+
+// ---- witnesses ----------------------------------------------------------------------------------
+
+ExactWitness lagrangeWitness(const scene::Scene& scene, Parameters parameters) {
+  const auto derived = std::make_shared<const DerivedPrograms>(
+      scene.mechanism, parameters == Parameters::kAsWritten);
+  const auto on = [derived](const auto& number) {
+    using Numbers = std::decay_t<decltype(number)>;
+    return [derived, answer = DerivedAnswers<typename Numbers::Scalar>(*derived, number)](
+               Quantity quantity, const auto& state) mutable { return answer(quantity, state); };
+  };
+  return {"lagrange", DerivedPrograms::answers, on, on};
+}
+
+/// The programs that kernels are compiled from.
+struct KernelPrograms {
+  explicit KernelPrograms(const scene::Mechanism& mechanism) : dof(mechanism.dof()) {
+    using kernel::Formula;
+    for (const auto& [quantity, formula] :
+         {std::pair(Quantity::kM, Formula::kMassMatrix),
+          std::pair(Quantity::kTau, Formula::kInverseDynamics),
+          std::pair(Quantity::kQdd, Formula::kForwardDynamics)}) {
+      try {
+        programs.emplace(quantity, kernel::smallestRoad(mechanism, formula).program);
+      } catch (const std::domain_error& error) {
+        failures.emplace(quantity, error.what());
+      }
+    }
+  }
+  static bool answers(Quantity quantity) {
+    return quantity == Quantity::kM || quantity == Quantity::kTau || quantity == Quantity::kQdd;
+  }
+  std::map<Quantity, symbolic::Program> programs;
+  std::map<Quantity, std::string> failures;  ///< why there is none
+  int dof;
+};
+
+/// The same in one arithmetic.
+template <typename T>
+class KernelAnswers {
+ public:
+  template <typename Numbers>
+  KernelAnswers(std::shared_ptr<const KernelPrograms> programs, const Numbers& number)
+      : programs_(std::move(programs)) {
+    for (const auto& [quantity, program] : programs_->programs)
+      runs_.emplace(quantity, symbolic::ProgramRun<T>(program, number));
+  }
+  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
+    if (const auto it = programs_->failures.find(quantity); it != programs_->failures.end())
+      throw DivisionByZero(it->second);
+    const std::vector<T> out = runs_.at(quantity)(state);
+    return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        out.data(), programs_->dof, quantity == Quantity::kM ? programs_->dof : 1);
+  }
+
+ private:
+  std::shared_ptr<const KernelPrograms> programs_;
+  std::map<Quantity, symbolic::ProgramRun<T>> runs_;
+};
+
+}  // namespace
+
+ExactWitness kernelWitness(const scene::Scene& scene) {
+  const auto programs = std::make_shared<const KernelPrograms>(scene.mechanism);
+  const auto on = [programs](const auto& number) {
+    using Numbers = std::decay_t<decltype(number)>;
+    return KernelAnswers<typename Numbers::Scalar>(programs, number);
+  };
+  return {"kernel", KernelPrograms::answers, on, on};
+}
+
+namespace {
+
+// ---- comparisons --------------------------------------------------------------------------------
+
+/// Every quantity and every pair of witnesses that answer it.
+struct Pair {
+  Quantity quantity;
+  std::size_t left, right;
+};
+
+std::vector<Pair> pairsOf(const std::vector<ExactWitness>& witnesses) {
+  std::vector<Pair> pairs;
+  for (const Quantity quantity : kAllQuantities)
+    for (std::size_t a = 0; a < witnesses.size(); ++a)
+      for (std::size_t b = a + 1; b < witnesses.size(); ++b)
+        if (witnesses[a].answers(quantity) && witnesses[b].answers(quantity))
+          pairs.push_back({quantity, a, b});
+  return pairs;
+}
+
+/// What all witnesses say about all quantities, asked once each, then pair by pair.
+template <typename T>
+SidesOfAll<T> ask(const std::vector<Pair>& pairs,
+                  const std::vector<ExactWitness::Answers<T>>& witnesses,
+                  const scene::State<T>& state) {
+  struct Testimony {
+    MatrixOf<T> answer;
+    std::string failure;
+  };
+  std::map<std::pair<Quantity, std::size_t>, Testimony> said;
+  const auto hear = [&](Quantity quantity, std::size_t witness) -> const Testimony& {
+    const auto [it, is_new] = said.try_emplace({quantity, witness});
+    if (is_new) {
+      try {
+        it->second.answer = witnesses[witness](quantity, state);
+      } catch (const DivisionByZero& error) {
+        it->second.failure = error.what();
+      }
+    }
+    return it->second;
+  };
+  SidesOfAll<T> all;
+  for (const Pair& pair : pairs) {
+    const Testimony &left = hear(pair.quantity, pair.left), &right = hear(pair.quantity, pair.right);
+    all.push_back({left.answer, right.answer, left.failure.empty() ? right.failure : left.failure});
+  }
+  return all;
+}
+
+Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
+  const std::vector<Pair> pairs = pairsOf(witnesses);
+  Inquiry inquiry;
+  for (const Pair& pair : pairs) {
+    CheckResult check;
+    check.check = "same";
+    check.quantity = name(pair.quantity);
+    check.left = witnesses[pair.left].name;
+    check.right = witnesses[pair.right].name;
+    check.statement = fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
+    inquiry.checks.push_back(check);
+  }
+  inquiry.in_field = [=](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    std::vector<ExactWitness::Answers<PrimeField>> built;
+    for (const ExactWitness& witness : witnesses) built.push_back(witness.in_field(number));
+    return ask<PrimeField>(pairs, built, state);
+  };
+  inquiry.in_degrees = [=](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
+    std::vector<ExactWitness::Answers<DegreeBound>> built;
+    for (const ExactWitness& witness : witnesses) built.push_back(witness.in_degrees(number));
+    return ask<DegreeBound>(pairs, built, state);
+  };
+  return inquiry;
+}
+
+// ---- closures -----------------------------------------------------------------------------------
+
+/// phi, J and gamma, derived from phi and from the sweeps.
+Inquiry closures(const scene::Mechanism& mechanism, Parameters parameters) {
+  constexpr int kParts = 3;
+  constexpr const char* kNames[kParts] = {"phi", "J", "gamma"};
+  constexpr const char* kStatements[kParts] = {
+      "closures: phi by lagrange = phi by the sweeps",
+      "closures: J = dphi/dq by lagrange = J by the sweeps",
+      "closures: (dJ/dt) qd by lagrange = by the sweeps"};
+  Inquiry inquiry;
+  for (int k = 0; k < kParts; ++k) {
+    CheckResult check;
+    check.check = "closures";
+    check.statement = kStatements[k];
+    check.quantity = kNames[k];
+    check.left = "lagrange";
+    check.right = "sweeps";
+    inquiry.checks.push_back(check);
+  }
+  symbolic::Options options;
+  options.fold_parameters = parameters == Parameters::kAsWritten;
+  symbolic::Equations equations = symbolic::derive(mechanism, options);
+  const symbolic::ClosureEquations derived =
+      symbolic::closureEquations(mechanism, options, equations);
+  std::vector<symbolic::Node> outputs = derived.phi;
+  for (const auto& row : derived.J) outputs.insert(outputs.end(), row.begin(), row.end());
+  outputs.insert(outputs.end(), derived.gamma.begin(), derived.gamma.end());
+  const auto program =
+      std::make_shared<const symbolic::Program>(symbolic::compile(equations.graph, outputs));
+  const auto ask = [program, &mechanism](const auto& number, const auto& state) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    SidesOfAll<T> all(kParts);
+    try {
+      const auto model = recursive::buildModel(mechanism, number);
+      recursive::Workspace<T> ws(model);
+      auto sweeps = recursive::buildConstraints(mechanism, number, model);
+      recursive::constraintEquations(model, state.x, state.qd, ws, sweeps);
+      const std::vector<T> values = symbolic::ProgramRun<T>(*program, number)(state);
+      const Eigen::Index m = sweeps.rows(), n = model.dof();
+      const MatrixOf<T> right[kParts] = {sweeps.phi, sweeps.J, sweeps.gamma};
+      const T* from = values.data();
+      for (int k = 0; k < kParts; ++k) {
+        const Eigen::Index columns = k == 1 ? n : 1;
+        all[k].right = right[k];
+        all[k].left.resize(m, columns);
+        for (Eigen::Index i = 0; i < m; ++i)
+          for (Eigen::Index j = 0; j < columns; ++j) all[k].left(i, j) = *from++;
+      }
+    } catch (const DivisionByZero& error) {
+      for (TwoSides<T>& failed : all) failed.failure = error.what();
+    }
+    return all;
+  };
+  inquiry.in_field = ask;
+  inquiry.in_degrees = ask;
+  return inquiry;
+}
+
+/// The checks of both, asked at the same points.
+Inquiry both(const Inquiry& a, const Inquiry& b) {
+  Inquiry inquiry{a.checks, {}, {}};
+  inquiry.checks.insert(inquiry.checks.end(), b.checks.begin(), b.checks.end());
+  const auto joined = [](auto left, auto right) {
+    return [=](const auto& number, const auto& state) {
+      auto sides = left(number, state);
+      for (auto& more : right(number, state)) sides.push_back(std::move(more));
+      return sides;
+    };
+  };
+  inquiry.in_field = joined(a.in_field, b.in_field);
+  inquiry.in_degrees = joined(a.in_degrees, b.in_degrees);
+  return inquiry;
+}
+
+}  // namespace
+
+std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
+                                         const std::vector<std::string>& names) {
+  std::vector<ExactWitness> witnesses;
+  const auto isAsked = [&](const std::string& name) {
+    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const auto sweep = [&](auto algorithm) {
+    using Algorithm = decltype(algorithm);
+    if (isAsked(Algorithm::kName))
+      witnesses.push_back(sweepWitness<Algorithm>(scene, [](auto&, const auto&) {}));
+  };
+  if (isAsked("lagrange")) witnesses.push_back(lagrangeWitness(scene, parameters));
+  sweep(NewtonEuler());
+  sweep(CompositeBody());
+  sweep(ArticulatedBody());
+  if (isAsked(RecursiveLagrange<PrimeField>::kName))
+    witnesses.push_back(recursiveLagrangeWitness(scene, [](auto&, const auto&) {}));
+  if (isAsked("fast")) witnesses.push_back(fastWitness(scene));
+  // a kernel is made for the numbers of its scene, and has no signs
+  if (parameters == Parameters::kAsWritten && scene.mechanism.isOpenTree() &&
+      !scene.mechanism.hasCoulombFriction() && isAsked("kernel"))
+    witnesses.push_back(kernelWitness(scene));
+  return witnesses;
+}
+
+std::vector<CheckResult> compareExactly(const scene::Scene& scene,
+                                        const std::vector<ExactWitness>& witnesses,
+                                        const ExactOptions& options) {
+  return decide(scene, comparisons(witnesses), options);
+}
+
+std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
+                                                const ExactOptions& options) {
+  return decide(scene, identityInquiry(scene.mechanism), options);
+}
+
+std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
+                                              const ExactOptions& options) {
+  if (scene.mechanism.closures.empty()) return {};
+  return decide(scene, closures(scene.mechanism, options.parameters), options);
+}
+
+std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options) {
+  std::vector<CheckResult> checks =
+      decide(scene,
+             both(comparisons(exactWitnesses(scene, options.parameters, options.witnesses)),
+                  identityInquiry(scene.mechanism)),
+             options);
+  for (const CheckResult& check : checkClosuresExactly(scene, options)) checks.push_back(check);
+  for (const CheckResult& check : checkRegressorExactly(scene, options)) checks.push_back(check);
+  for (const CheckResult& check : checkConstrainedExactly(scene, options)) checks.push_back(check);
+  return checks;
+}
+
+std::string describeExact(const CheckResult::Exact& exact) {
+  if (!exact.residual_zero) return fmt::format("residual not zero modulo {}", exact.prime);
+  return fmt::format(
+      "residual zero at {} points modulo 63-bit primes; chance that different formulas pass at most "
+      "{:.1e}",
+      exact.points, exact.error_probability);
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The identities over the prime field: apart from exact.cpp, because both are long to compile.
+#include "crosscheck/identities.hpp"
+#include "crosscheck/exact/inquiry.hpp"
+
+namespace dynwitness::crosscheck {
+
+Inquiry identityInquiry(const scene::Mechanism& mechanism) {
+  Inquiry inquiry;
+  inquiry.checks = inWords(kIdentities);
+  inquiry.in_field = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    return Identities<FieldNumbers>(mechanism, number).evaluate(state);
+  };
+  inquiry.in_degrees = [&](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
+    return Identities<DegreeNumbers>(mechanism, number).evaluate(state);
+  };
+  return inquiry;
+}
+
+}  // namespace dynwitness::crosscheck

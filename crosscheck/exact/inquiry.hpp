@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How a question is asked over the prime field: what it takes to add an exact check.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "crosscheck/exact/exact.hpp"
+#include "crosscheck/exact/two_sides.hpp"
+
+namespace dynwitness::crosscheck {
+
+template <typename T>
+using SidesOfAll = std::vector<TwoSides<T>>;
+
+/// Some checks that are asked together: both sides of each, in the field for their values and in
+/// DegreeBound for the size of their formulas. Where a side cannot be had, `failure` says why.
+struct Inquiry {
+  std::vector<CheckResult> checks;  ///< what is asked, in words
+  std::function<SidesOfAll<PrimeField>(const FieldNumbers&, const scene::State<PrimeField>&)> in_field;
+  std::function<SidesOfAll<DegreeBound>(const DegreeNumbers&, const scene::State<DegreeBound>&)>
+      in_degrees;
+};
+
+/// The identities of identities.hpp; the mechanism must outlive it.
+Inquiry identityInquiry(const scene::Mechanism& mechanism);
+
+/// Asks at as many points as options.error_probability takes.
+std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquiry,
+                                const ExactOptions& options);
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/motion/closed_motion.hpp"
+
+#include <algorithm>
+
+#include "recursive/energy.hpp"
+#include "recursive/newton_euler.hpp"
+#include "scene/motion.hpp"
+
+namespace dynwitness::crosscheck {
+
+ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate)
+    : number_(scene.mechanism),
+      model_(recursive::buildModel(scene.mechanism, number_)),
+      ws_(model_),
+      constraints_(recursive::buildConstraints(scene.mechanism, number_, model_)),
+      springs_(recursive::buildPointSprings(scene.mechanism, number_, model_)),
+      baumgarte_(baumgarte_rate),
+      x_(model_.positions),
+      qd_(dof()),
+      q_rate_(model_.positions),
+      tau_(dof()),
+      bias_(dof()),
+      given_(dof(), 0.0),
+      M_(dof(), dof()) {
+  int rate = 0, slot = 0;
+  for (const scene::Link& link : scene.mechanism.links) {
+    const int rates = scene::degreesOfFreedom(link.joint.kind);
+    const int slots = static_cast<int>(scene::positionSlots(link.joint.kind).size());
+    if (link.joint.motion.empty()) {
+      for (int k = 0; k < rates; ++k) free_.push_back(rate + k);
+      for (int k = 0; k < slots; ++k) free_slots_.push_back(slot + k);
+    } else {
+      for (int k = 0; k < rates; ++k) drives_.push_back({rate + k, slot + k, link.joint.motion[k]});
+    }
+    rate += rates;
+    slot += slots;
+  }
+}
+
+ClosedMotion::State ClosedMotion::start(const scene::Scene& scene) const {
+  State y;
+  for (const scene::Number& q : scene.start_q) y.push_back(number_(q));
+  for (const scene::Number& qd : scene.start_qd) y.push_back(number_(qd));
+  y.push_back(0);
+  impose(0, &y);
+  return y;
+}
+
+void ClosedMotion::impose(double time, State* y) const {
+  for (const Drive& drive : drives_) {
+    const scene::Jet<double> q = scene::motionAt(drive.motion, number_, time);
+    (*y)[drive.slot] = q.value;
+    (*y)[positions() + drive.rate] = q.rate;
+  }
+}
+
+void ClosedMotion::equations(const State& y, double time) {
+  for (int i = 0; i < positions(); ++i) x_[i].q = y[i];
+  std::copy_n(y.begin() + positions(), dof(), qd_.begin());
+  for (const Drive& drive : drives_) {
+    const scene::Jet<double> q = scene::motionAt(drive.motion, number_, time);
+    x_[drive.slot].q = q.value;
+    qd_[drive.rate] = q.rate;
+    given_[drive.rate] = q.second;
+  }
+  for (auto& x : x_) x = scene::jointPosition(x.q);
+  recursive::constraintEquations(model_, x_, qd_, ws_, constraints_);
+}
+
+void ClosedMotion::operator()(const State& y, State& rate, double time) {
+  ++evaluations;
+  const Solution result = accelerations(y, time);
+  recursive::positionRates(model_, x_, qd_, q_rate_);
+  std::copy(q_rate_.begin(), q_rate_.end(), rate.begin());
+  for (int i = 0; i < dof(); ++i) rate[positions() + i] = result.qdd(i);
+  double power = loadPower() - spring_.dissipation - recursive::frictionPower(model_, qd_);
+  for (const Drive& drive : drives_) power += result.drive(drive.rate) * qd_[drive.rate];
+  rate.back() = power;
+}
+
+void ClosedMotion::choose(const State& y, double time) {
+  equations(y, time);
+  recursive::massMatrix(model_, x_, ws_, M_);
+  solver_.factorize(M_(free_, free_), constraints_.J(Eigen::all, free_));
+  chosen_ = solver_.independentRows();
+}
+
+ClosedMotion::Solution ClosedMotion::accelerations(const State& y, double time) {
+  equations(y, time);
+  return solved(false);
+}
+ClosedMotion::Solution ClosedMotion::accelerationsOfAll(const State& y, double time) {
+  equations(y, time);
+  return solved(true);
+}
+
+ClosedMotion::Vector ClosedMotion::forces() {
+  std::fill(tau_.begin(), tau_.end(), 0.0);
+  spring_ = recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_);
+  recursive::inverseDynamics(model_, x_, qd_, given_, ws_, bias_);
+  Vector f(dof());
+  for (int i = 0; i < dof(); ++i) f(i) = tau_[i] - bias_[i];
+  return f;
+}
+
+ClosedMotion::Solution ClosedMotion::solved(bool all) {
+  const Vector f = forces();
+  const Eigen::Map<const Vector> given(given_.data(), dof());
+  const Vector b = -constraints_.gamma - constraints_.J * given - 2 * baumgarte_ * phiRate() -
+                   baumgarte_ * baumgarte_ * constraints_.phi;
+  Solution out;
+  out.lambda = Vector::Zero(rows());
+  if (all) {
+    recursive::massMatrix(model_, x_, ws_, M_);
+    solver_.factorize(M_(free_, free_), constraints_.J(Eigen::all, free_));
+    const auto result = solver_.solve(f(free_), b);
+    out.qdd = ofAll(result.qdd);
+    out.lambda = result.lambda;
+    out.determined = result.determined;
+    out.contradiction = result.contradiction;
+  } else {
+    factorizeChosen();
+    const auto result = solver_.solve(f(free_), b(chosen_));
+    out.qdd = ofAll(result.qdd);
+    out.lambda(chosen_) = result.lambda;
+    out.determined.assign(rows(), chosen_.size() == static_cast<std::size_t>(rows()));
+    out.contradiction = result.contradiction;
+  }
+  out.drive = Vector::Zero(dof());
+  if (drives_.empty()) return out;
+  const Vector taken = M_ * out.qdd - f - constraints_.J.transpose() * out.lambda;  // f has no M qdd_f
+  for (const Drive& drive : drives_) out.drive(drive.rate) = taken(drive.rate);
+  out.qdd += given;
+  return out;
+}
+
+ClosedMotion::Residuals ClosedMotion::residuals(const State& y, const Vector& qdd, const Vector& lambda,
+                                                const Vector& mu, double time) {
+  ++evaluations;
+  equations(y, time);
+  Residuals out;
+  Vector all = Eigen::Map<const Vector>(given_.data(), dof());
+  all(free_) = qdd;
+  std::fill(tau_.begin(), tau_.end(), 0.0);
+  spring_ = recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_);
+  recursive::inverseDynamics(model_, x_, qd_, std::vector<double>(all.data(), all.data() + dof()), ws_,
+                             bias_);
+  const recursive::MatrixX<double> J = constraints_.J(chosen_, Eigen::all);
+  out.force = Eigen::Map<const Vector>(bias_.data(), dof()) -
+              Eigen::Map<const Vector>(tau_.data(), dof()) - J.transpose() * lambda;
+  out.phi = constraints_.phi(chosen_);
+  out.rate = phiRate()(chosen_);
+  out.second = J * all + constraints_.gamma(chosen_) + 2 * baumgarte_ * out.rate +
+               baumgarte_ * baumgarte_ * out.phi;
+  Vector rates = Eigen::Map<const Vector>(qd_.data(), dof());
+  if (mu.size() > 0) rates -= J.transpose() * mu;
+  recursive::positionRates(model_, x_, std::vector<double>(rates.data(), rates.data() + dof()), q_rate_);
+  out.position_rates = Eigen::Map<const Vector>(q_rate_.data(), positions());
+  out.power = loadPower() - spring_.dissipation - recursive::frictionPower(model_, qd_);
+  for (const Drive& drive : drives_) out.power += out.force(drive.rate) * qd_[drive.rate];
+  return out;
+}
+
+void ClosedMotion::project(State* y, double time) {
+  if (rows() == 0) return;
+  equations(*y, time);
+  constexpr int kMostSteps = 25;
+  for (int k = 0; k < kMostSteps; ++k) {
+    const double before = phi();
+    if (before == 0) break;
+    factorizeChosen();
+    const Vector dq = ofAll(solver_.shortest(-constraints_.phi(chosen_)));
+    State moved = *y;
+    recursive::positionRates(model_, x_, std::vector<double>(dq.data(), dq.data() + dof()), q_rate_);
+    for (int i = 0; i < positions(); ++i) moved[i] += q_rate_[i];
+    equations(moved, time);
+    if (!(phi() < before)) break;
+    *y = moved;
+    if (phi() > before / 2) break;
+  }
+  equations(*y, time);
+  factorizeChosen();
+  const Vector dqd = ofAll(solver_.shortest(-phiRate()(chosen_)));
+  for (int i = 0; i < dof(); ++i) (*y)[positions() + i] += dqd(i);
+}
+
+double ClosedMotion::balance(const State& y, double time) {
+  equations(y, time);
+  std::fill(tau_.begin(), tau_.end(), 0.0);
+  const double springs =
+      recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_).energy;
+  kinetic_ = recursive::kineticEnergy(model_, x_, qd_, ws_);
+  return kinetic_ + recursive::potentialEnergy(model_, x_, ws_) + springs - y.back();
+}
+
+std::array<double, 3> ClosedMotion::place(const State& y, double time, const scene::Attachment& point) {
+  equations(y, time);
+  const auto& in_model = model_.places[point.link];
+  const recursive::Transform<double> X =
+      in_model.link < 0 ? in_model.X : in_model.X * constraints_.X_W[in_model.link];
+  const recursive::Vector3<double> p =
+      X.p + X.R.transpose() * recursive::detail::vector<double>(point.xyz, number_);
+  return {p.x(), p.y(), p.z()};
+}
+
+/// With the chosen rows alone, whatever their rank is here.
+void ClosedMotion::factorizeChosen() {
+  recursive::massMatrix(model_, x_, ws_, M_);
+  solver_.factorize(M_(free_, free_), constraints_.J(chosen_, free_), 0);
+}
+
+ClosedMotion::Vector ClosedMotion::ofAll(const Vector& of_free) const {
+  Vector all = Vector::Zero(dof());
+  all(free_) = of_free;
+  return all;
+}
+
+/// Of the wrenches, at the velocities of the last equations().
+double ClosedMotion::loadPower() {
+  for (auto& f : ws_.f) f = recursive::Force<double>::zero();
+  recursive::subtractLoads(model_, ws_, ws_.f);
+  double power = 0;
+  for (std::size_t i = 0; i < model_.links.size(); ++i) power -= dot(ws_.v[i], ws_.f[i]);
+  return power;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/motion/formulations.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dynwitness::crosscheck {
+
+const char* name(Formulation formulation) {
+  static constexpr const char* kNames[] = {"index1", "index2", "index3", "ggl"};
+  return kNames[static_cast<int>(formulation)];
+}
+
+const char* name(Stabilisation stabilisation) {
+  static constexpr const char* kNames[] = {"none", "baumgarte", "projection"};
+  return kNames[static_cast<int>(stabilisation)];
+}
+
+namespace {
+
+void measure(const Simulation& reference, FormulationRun* run) {
+  const auto worse = [](double* worst, double a, double b) {
+    const double error = std::abs(a - b);
+    if (!(error <= *worst)) *worst = error;  // NaN counts as the worst
+  };
+  double lambda = 0;
+  for (std::size_t k = 0; k < reference.points.size(); ++k) {
+    const Simulation::Point &right = reference.points[k], &ours = run->result.points[k];
+    for (std::size_t i = 0; i < right.q.size(); ++i) worse(&run->q_error, ours.q[i], right.q[i]);
+    for (std::size_t i = 0; i < right.qd.size(); ++i) worse(&run->qd_error, ours.qd[i], right.qd[i]);
+    for (std::size_t i = 0; k > 0 && i < right.lambda.size(); ++i)
+      if (right.determined[i]) {
+        worse(&lambda, ours.lambda[i], right.lambda[i]);
+        run->lambda_error = lambda;
+      }
+  }
+}
+
+}  // namespace
+
+FormulationComparison compareFormulations(const scene::Scene& scene, const SimulateOptions& options) {
+  constexpr double kLeastStepError = 1000 * std::numeric_limits<double>::epsilon();
+  FormulationComparison out;
+  out.reference = options;
+  out.reference.formulation = Formulation::kIndex1;
+  out.reference.stabilisation = Stabilisation::kProjection;
+  out.reference.method = "runge_kutta_fehlberg78";
+  out.reference.step_error = kLeastStepError;
+  const Simulation reference = simulate(scene, out.reference);
+  for (const Simulation::Point& point : reference.points)
+    for (std::size_t i = 0; i < point.lambda.size(); ++i)
+      if (point.determined[i]) out.most_lambda = std::max(out.most_lambda, std::abs(point.lambda[i]));
+
+  const std::string implicit =
+      options.method.rfind("runge_kutta", 0) == 0 ? "radau_iia_5" : options.method;
+  const std::string explicit_one =
+      options.method == implicit ? "runge_kutta_fehlberg78" : options.method;
+  using F = Formulation;
+  using S = Stabilisation;
+  const std::tuple<F, S, std::string> all[kComparedFormulations] = {
+      {F::kIndex1, S::kNone, explicit_one},       {F::kIndex1, S::kBaumgarte, explicit_one},
+      {F::kIndex1, S::kProjection, explicit_one}, {F::kIndex1, S::kNone, implicit},
+      {F::kIndex1, S::kProjection, implicit},     {F::kIndex2, S::kNone, implicit},
+      {F::kIndex3, S::kNone, implicit},           {F::kGgl, S::kNone, implicit}};
+  for (const auto& [formulation, stabilisation, method] : all) {
+    FormulationRun run;
+    run.formulation = formulation;
+    run.stabilisation = stabilisation;
+    run.method = method;
+    SimulateOptions with = options;
+    with.formulation = formulation;
+    with.stabilisation = stabilisation;
+    with.method = method;
+    try {
+      run.result = simulate(scene, with);
+      measure(reference, &run);
+    } catch (const std::runtime_error& error) {
+      if (dynamic_cast<const scene::InputError*>(&error)) throw;
+      run.failure = error.what();
+    }
+    out.runs.push_back(std::move(run));
+  }
+  return out;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/motion/simulate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <limits>
+
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/generation.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <fmt/format.h>
+
+#include "crosscheck/motion/closed_motion.hpp"
+#include "crosscheck/motion/implicit.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+namespace odeint = boost::numeric::odeint;
+using State = ClosedMotion::State;
+
+constexpr double kSmallestStep = 1e-12;  // [s]
+constexpr long kMostSteps = 1000000;
+constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();  // of differences of times, relative to these
+
+Simulation::Point pointAt(ClosedMotion& motion, const State& y, double time, double start_balance) {
+  Simulation::Point point;
+  const double error = std::abs(motion.balance(y, time) - start_balance);
+  point.time = time;
+  point.q.assign(y.begin(), y.begin() + motion.positions());
+  point.qd.assign(y.begin() + motion.positions(), y.end() - 1);
+  point.phi = motion.phi();
+  point.phi_rate = motion.phiRateSize();
+  point.energy_error = error;
+  return point;
+}
+
+template <typename Stepper>
+void forgetDerivative(odeint::controlled_runge_kutta<Stepper>&, odeint::explicit_error_stepper_tag) {}
+/// A method that carries the last derivative over to the next step must hear that y was moved.
+template <typename Controlled>
+void forgetDerivative(Controlled& stepper, odeint::explicit_error_stepper_fsal_tag) {
+  stepper.reset();
+}
+
+std::vector<double> outputTimes(const SimulateOptions& options) {
+  std::vector<double> times;
+  for (int k = 1; k <= options.outputs; ++k)
+    times.push_back(options.duration * k / options.outputs);
+  for (const double time : options.more_times)
+    if (time > 0 && time <= options.duration) times.push_back(time);
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
+/// Watches a simulation: what is kept of it, and how far it was off.
+class Watch {
+ public:
+  Watch(ClosedMotion& motion, const State& y, const SimulateOptions& options, Simulation* out)
+      : motion_(motion), options_(options), out_(out), E_0_(motion.balance(y, 0)) {
+    look(y, 0, true);
+    begin_ = std::clock();
+    paused_ = 0;
+  }
+  /// After a step. Its time is not the integrator's. @param keep  whether the state is an output
+  void look(const State& y, double time, bool keep, const Eigen::VectorXd* lambda = nullptr) {
+    const std::clock_t pause = std::clock();
+    Simulation::Point point = pointAt(motion_, y, time, E_0_);
+    const auto worse = [](double* worst, double value) {  // NaN counts as the worst
+      if (!(value <= *worst)) *worst = value;
+    };
+    worse(&out_->worst_phi, point.phi);
+    worse(&out_->worst_phi_rate, point.phi_rate);
+    worse(&out_->worst_energy, point.energy_error);
+    worse(&out_->most_kinetic, motion_.kinetic());
+    if (keep) {
+      const auto solution = motion_.accelerationsOfAll(y, time);
+      const Eigen::VectorXd& l = lambda ? *lambda : solution.lambda;
+      point.lambda.assign(l.data(), l.data() + l.size());
+      point.determined = solution.determined;
+      out_->points.push_back(std::move(point));
+    }
+    paused_ += std::clock() - pause;
+  }
+  double seconds() const {
+    return static_cast<double>(std::clock() - begin_ - paused_) / CLOCKS_PER_SEC;
+  }
+  void stepped(double time) {
+    ++out_->steps;
+    if (out_->steps > kMostSteps)
+      throw std::runtime_error(fmt::format("simulate: {} steps and only {} of {} s done", kMostSteps,
+                                           time, options_.duration));
+    if (options_.progress) options_.progress(time);
+  }
+  void settled() {
+    out_->rank_lowest = std::min(out_->rank_lowest, motion_.rank());
+    out_->rank_highest = std::max(out_->rank_highest, motion_.rank());
+  }
+
+ private:
+  ClosedMotion& motion_;
+  const SimulateOptions& options_;
+  Simulation* out_;
+  double E_0_;
+  std::clock_t begin_ = 0, paused_ = 0;
+};
+
+bool isFinite(const State& y) {
+  return std::all_of(y.begin(), y.end(), [](double v) { return std::isfinite(v); });
+}
+
+template <typename Stepper>
+void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Simulation* out) {
+  auto stepper = odeint::make_controlled(options.step_error, options.step_error, Stepper());
+  Watch watch(motion, y, options, out);
+  double time = 0, step = options.duration / options.outputs / 100;
+  for (const double end : outputTimes(options)) {
+    while (time < end) {
+      // the last step before an output is cut to it, and does not teach the next one its size
+      const bool cut = time + step >= end;
+      double dt = cut ? end - time : step, t = time;
+      if (stepper.try_step(std::ref(motion), y, t, dt) != odeint::success || !isFinite(y)) {
+        ++out->rejected;
+        step = dt;
+        if (!(step > kSmallestStep))
+          throw std::runtime_error(fmt::format("simulate: the step fell below {} s at t = {} s",
+                                               kSmallestStep, time));
+        continue;
+      }
+      watch.stepped(time);
+      time = cut ? end : t;
+      if (!cut || dt < step) step = dt;
+      motion.impose(time, &y);
+      if (options.stabilisation == Stabilisation::kProjection && motion.rows() > 0) {
+        motion.project(&y, time);
+        motion.choose(y, time);
+        forgetDerivative(stepper, typename Stepper::stepper_category());
+        watch.settled();
+      }
+      watch.look(y, time, cut);
+    }
+  }
+  out->cpu_s = watch.seconds();
+}
+
+/// Radau IIA with steps as long as asked: equal ones between outputs.
+template <int Stages>
+void integrateImplicitly(ClosedMotion& motion, State y, const SimulateOptions& options, Simulation* out) {
+  RadauIIA radau(motion, Stages, options.formulation);
+  radau.start(y, 0);
+  Watch watch(motion, y, options, out);
+  double time = 0;
+  for (const double end : outputTimes(options)) {
+    const double from = time;
+    const auto count = static_cast<long>(std::ceil((end - from - kRounding * end) / options.step));
+    for (long k = 1; k <= count; ++k) {
+      const double next = k == count ? end : from + (end - from) * static_cast<double>(k) / count;
+      radau.step(&y, time, next);
+      if (!isFinite(y))
+        throw std::runtime_error(fmt::format("simulate: not finite at t = {} s", next));
+      watch.stepped(time);
+      time = next;
+      if (options.stabilisation == Stabilisation::kProjection && motion.rows() > 0) {
+        motion.project(&y, time);
+        motion.choose(y, time);
+        watch.settled();
+      }
+      watch.look(y, time, k == count, &radau.multipliers());
+    }
+  }
+  out->cpu_s = watch.seconds();
+}
+
+struct Method {
+  const char* name;
+  bool implicit;
+  void (*integrate)(ClosedMotion&, State, const SimulateOptions&, Simulation*);
+};
+const Method kMethods[] = {
+    {"runge_kutta_fehlberg78", false, integrate<odeint::runge_kutta_fehlberg78<State>>},
+    {"runge_kutta_dopri5", false, integrate<odeint::runge_kutta_dopri5<State>>},
+    {"radau_iia_5", true, integrateImplicitly<3>},
+    {"radau_iia_3", true, integrateImplicitly<2>},
+    {"implicit_euler", true, integrateImplicitly<1>},
+};
+
+const Method& methodNamed(const std::string& name) {
+  std::string names;
+  for (const Method& method : kMethods) {
+    if (name == method.name) return method;
+    names += std::string(names.empty() ? "" : ", ") + method.name;
+  }
+  throw scene::InputError({}, fmt::format("unknown method '{}', allowed: {}", name, names));
+}
+
+void require(bool holds, const char* what, double value, const char* allowed) {
+  if (!holds) throw scene::InputError({}, fmt::format("{} is {}, allowed: {}", what, value, allowed));
+}
+
+}  // namespace
+
+std::vector<std::string> simulateMethods() {
+  std::vector<std::string> names;
+  for (const Method& method : kMethods) names.emplace_back(method.name);
+  return names;
+}
+
+Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
+  const Method& method = methodNamed(options.method);
+  require(options.duration > 0 && std::isfinite(options.duration), "duration", options.duration,
+          "positive");
+  require(options.outputs > 0, "number of outputs", options.outputs, "one or more");
+  require(options.step_error > 0 && options.step_error < 1, "step_error", options.step_error,
+          "between 0 and 1");
+  require(options.baumgarte_rate >= 0 && std::isfinite(options.baumgarte_rate), "Baumgarte's rate",
+          options.baumgarte_rate, "zero or more");
+  if (options.formulation != Formulation::kIndex1 && !method.implicit)
+    throw scene::InputError({}, fmt::format("method '{}' with index 2 or 3, allowed: radau_iia_5, radau_iia_3, "
+                                            "implicit_euler; {} solves index 1 only",
+                                            options.method, options.method));
+  if (options.formulation != Formulation::kIndex1 && options.stabilisation != Stabilisation::kNone)
+    throw scene::InputError({}, "stabilisation with index 2 or 3, allowed: none, for these keep what they "
+                                "solve for; index 1 alone is stabilised");
+  if (method.implicit)
+    require(options.step > 0 && std::isfinite(options.step), "step", options.step, "positive");
+  ClosedMotion motion(scene, options.stabilisation == Stabilisation::kBaumgarte ? options.baumgarte_rate : 0);
+  if (motion.freedoms() == 0)
+    throw scene::InputError({scene.file.string(), 0},
+                            "all joints are driven, allowed: at least one that is free to move");
+  State y = motion.start(scene);
+  motion.equations(y, 0);
+  Simulation out;
+  out.constraints = motion.rows();
+  out.start_residual = std::max(motion.phi(), motion.phiRateSize());
+  motion.choose(y, 0);
+  motion.project(&y, 0);
+  motion.choose(y, 0);
+  // Newton's method squares what is left with each step: from below the root of eps [m, rad, 1/s] the
+  // next one ends at rounding; where it stays above, it did not arrive
+  const double kOnConstraints = std::sqrt(std::numeric_limits<double>::epsilon());
+  if (!(motion.phi() <= kOnConstraints) || !(motion.phiRateSize() <= kOnConstraints))
+    throw scene::InputError(
+        {scene.file.string(), 0},
+        fmt::format("start: the closures are {:.3g} apart and no small change of q and qd closes "
+                    "them ({:.3g} is left), allowed: a start near a closed position",
+                    out.start_residual, std::max(motion.phi(), motion.phiRateSize())));
+  out.rank_lowest = out.rank_highest = motion.rank();
+  motion.evaluations = 0;
+  method.integrate(motion, y, options, &out);
+  out.evaluations = motion.evaluations;
+  return out;
+}
+
+ConstrainedState constrainedAccelerations(const scene::Scene& scene, const std::vector<double>& q,
+                                          const std::vector<double>& qd, double time) {
+  ClosedMotion motion(scene, 0);
+  State y = q;
+  y.insert(y.end(), qd.begin(), qd.end());
+  y.push_back(0);
+  if (static_cast<int>(q.size()) != motion.positions() || static_cast<int>(qd.size()) != motion.dof())
+    throw std::invalid_argument(
+        fmt::format("constrainedAccelerations: q, qd: expected {} and {} joint values, got {} and {}",
+                    motion.positions(), motion.dof(), q.size(), qd.size()));
+  const auto result = motion.accelerationsOfAll(y, time);
+  const auto values = [](const Eigen::VectorXd& v) {
+    return std::vector<double>(v.data(), v.data() + v.size());
+  };
+  return {values(result.qdd), values(result.lambda), values(result.drive), result.determined, motion.rank()};
+}
+
+std::vector<std::array<double, 3>> pathOf(const scene::Scene& scene, const Simulation& simulation,
+                                          const scene::Attachment& point) {
+  ClosedMotion motion(scene, 0);
+  std::vector<std::array<double, 3>> path;
+  for (const Simulation::Point& state : simulation.points) {
+    State y = state.q;
+    y.insert(y.end(), state.qd.begin(), state.qd.end());
+    y.push_back(0);
+    path.push_back(motion.place(y, state.time, point));
+  }
+  return path;
+}
+
+}  // namespace dynwitness::crosscheck

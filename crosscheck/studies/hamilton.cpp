@@ -1,0 +1,758 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/studies/hamilton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <boost/math/constants/constants.hpp>
+
+#include "crosscheck/motion/flow.hpp"
+#include "crosscheck/studies/geometry.hpp"
+#include "crosscheck/states.hpp"
+#include "recursive/build_model.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using recursive::Terms;
+using D = Dual<double>;
+using DD = Dual<D>;
+using Values = std::vector<double>;
+
+constexpr double kPi = boost::math::constants::pi<double>();
+constexpr int kFirstSteps = 64, kMostSteps = 8192;
+constexpr int kOrder = 4;            // of the steps and of Simpson's sums
+constexpr int kSines = 3;            // a joint, in a varied path
+constexpr int kModes = 8;            // sines a joint, among which a slow one is sought
+constexpr int kMostDof = 10;         // whose second variation is formed
+constexpr double kAmplitude = 0.01;  // of varied paths [rad, m]
+constexpr double kSharp =
+    1000;  // steps are halved until conjugate times are known to duration / this
+
+/// The motion at one instant.
+struct Node {
+  double time, weight;  ///< Simpson's [s]
+  Values slots, slot_rates, qd, Q;
+};
+
+/// What stays the same over all step sizes.
+struct Problem {
+  recursive::Model<double> model;
+  Terms terms;
+  double damping, duration;
+  bool coordinates;  ///< rates are the derivatives of q
+  bool conservative;
+  Moment<double> start;
+
+  int n() const { return model.dof(); }
+};
+
+// ---- T - V and Q near the motion ----------------------------------------------------------------
+
+/** Energies and forces at q + B(q) zeta, B taking rates to rates of slots: what a variation zeta
+   with rates zeta' makes of the motion, in any scalar. */
+template <typename S>
+class Near {
+ public:
+  explicit Near(const Problem& problem)
+      : problem_(problem),
+        model_(lifted<S>(problem.model)),
+        ws_(model_),
+        moving_(lifted<Dual<S>>(problem.model)) {}
+
+  /// Positions and rates of the varied path.
+  void at(const Node& node, const std::vector<S>& zeta, const std::vector<S>& zeta_rate) {
+    const int positions = model_.positions;
+    if (problem_.coordinates) {
+      std::vector<S> slots;
+      qd_.clear();
+      for (int i = 0; i < positions; ++i) {
+        slots.push_back(S(node.slots[i]) + zeta[i]);
+        qd_.push_back(S(node.qd[i]) + zeta_rate[i]);
+      }
+      x_ = slotPositions(slots);
+      return;
+    }
+    using T = Dual<S>;  // along time
+    std::vector<T> slots, zeta_moving, change(positions, T(S(0)));
+    for (int i = 0; i < positions; ++i)
+      slots.push_back(T(S(node.slots[i]), S(node.slot_rates[i])));
+    for (int i = 0; i < problem_.n(); ++i) zeta_moving.push_back(T(zeta[i], zeta_rate[i]));
+    recursive::positionRates(moving_, slotPositions(slots), zeta_moving, change);
+    std::vector<S> now, rates;
+    for (int i = 0; i < positions; ++i) {
+      const T varied = slots[i] + change[i];
+      now.push_back(varied.value);
+      rates.push_back(varied.derivative);
+    }
+    x_ = slotPositions(now);
+    qd_ = ratesOfSlots(model_, x_, rates);
+  }
+  S lagrangian() {
+    S L = recursive::kineticEnergy(model_, x_, qd_, ws_);
+    if (problem_.terms.gravity) L -= recursive::potentialEnergy(model_, x_, ws_);
+    return L;
+  }
+  /// Q' qd of loads and dampers.
+  S power() {
+    S sum = S(0);
+    const std::vector<S> Q = forces();
+    for (int i = 0; i < problem_.n(); ++i) sum += Q[i] * qd_[i];
+    return sum;
+  }
+  /// Forces that have no potential here: loads and dampers.
+  std::vector<S> forces() {
+    const std::vector<S> rest(problem_.n(), S(0));
+    std::vector<S> Q(problem_.n(), S(0));
+    recursive::inverseDynamics(model_, x_, rest, rest, ws_, Q,
+                               {false, false, problem_.terms.loads});
+    for (int i = 0; i < problem_.n(); ++i) Q[i] = -Q[i] - S(problem_.damping) * qd_[i];
+    return Q;
+  }
+
+ private:
+  const Problem& problem_;
+  recursive::Model<S> model_;
+  recursive::Workspace<S> ws_;
+  recursive::Model<Dual<S>> moving_;
+  std::vector<scene::JointPosition<S>> x_;
+  std::vector<S> qd_;
+};
+
+// ---- the motion ---------------------------------------------------------------------------------
+
+std::vector<Node> motionOf(const Problem& problem, int steps) {
+  Flow<double> flow(problem.model, problem.terms, problem.damping);
+  Near<double> near(problem);
+  const double h = problem.duration / steps;
+  const Values none(problem.n(), 0.0);
+  std::vector<Node> nodes;
+  Moment<double> y = problem.start;
+  for (int k = 0; k <= steps; ++k) {
+    if (k > 0) y = flow.step(y, h);
+    const double share = k == 0 || k == steps ? 1 : k % 2 == 1 ? 4 : 2;
+    Node node = {h * k, share * h / 3, y.slots, flow.slotRates(y), y.qd, {}};
+    near.at(node, none, none);
+    node.Q = near.forces();
+    nodes.push_back(node);
+  }
+  return nodes;
+}
+
+/// zeta_i(t) = sum of a_im sin(m pi t / duration), m = 1, 2, ...
+struct Sines {
+  std::vector<Values> a;  ///< by joint
+  double value(int i, double phase) const {
+    double sum = 0;
+    for (std::size_t m = 0; m < a[i].size(); ++m) sum += a[i][m] * std::sin((m + 1) * phase);
+    return sum;
+  }
+  double rate(int i, double phase, double duration) const {
+    double sum = 0;
+    for (std::size_t m = 0; m < a[i].size(); ++m)
+      sum += a[i][m] * (m + 1) * kPi / duration * std::cos((m + 1) * phase);
+    return sum;
+  }
+};
+
+/// sin(k pi) is exactly 0 at the last node: the ends are kept.
+double phaseOf(const Problem& problem, const Node& node, const std::vector<Node>& nodes) {
+  return &node == &nodes.back() ? 0 : kPi * node.time / problem.duration;
+}
+
+struct FirstVariation {
+  double action = 0;       ///< dS
+  double with_forces = 0;  ///< dS + integral of Q' zeta
+  double with_work = 0;    ///< d(S + integral of W)
+  double size = 0;         ///< sum of the magnitudes that it was summed from
+};
+
+FirstVariation firstVariation(const Problem& problem, const std::vector<Node>& nodes,
+                              const Sines& zeta) {
+  Near<D> near(problem);
+  FirstVariation out;
+  const int n = problem.n();
+  for (const Node& node : nodes) {
+    const double phase = phaseOf(problem, node, nodes);
+    std::vector<D> z, z_rate;
+    double forces = 0;
+    for (int i = 0; i < n; ++i) {
+      const double value = zeta.value(i, phase);
+      const double rate = zeta.rate(i, kPi * node.time / problem.duration, problem.duration);
+      z.push_back(D(0.0, value));
+      z_rate.push_back(D(0.0, rate));
+      forces += node.Q[i] * value;
+    }
+    near.at(node, z, z_rate);
+    const double dL = near.lagrangian().derivative;
+    out.action += node.weight * dL;
+    out.with_forces += node.weight * (dL + forces);
+    // W at all later times, integrated over them
+    out.with_work += node.weight * (dL + (problem.duration - node.time) * near.power().derivative);
+    out.size += node.weight * (std::abs(dL) + std::abs(forces));
+  }
+  return out;
+}
+
+double actionOf(const Problem& problem, const std::vector<Node>& nodes, const Sines* zeta,
+                double amplitude) {
+  Near<double> near(problem);
+  const int n = problem.n();
+  double S = 0;
+  Values z(n, 0.0), z_rate(n, 0.0);
+  for (const Node& node : nodes) {
+    if (zeta != nullptr)
+      for (int i = 0; i < n; ++i) {
+        z[i] = amplitude * zeta->value(i, phaseOf(problem, node, nodes));
+        z_rate[i] = amplitude * zeta->rate(i, kPi * node.time / problem.duration, problem.duration);
+      }
+    near.at(node, z, z_rate);
+    S += node.weight * near.lagrangian();
+  }
+  return S;
+}
+
+// ---- second variation ---------------------------------------------------------------------------
+
+/// Second derivatives of L by (zeta, zeta') at each node, 2 n x 2 n.
+std::vector<Eigen::MatrixXd> hessians(const Problem& problem, const std::vector<Node>& nodes) {
+  const int n = problem.n();
+  Near<DD> near(problem);
+  std::vector<Eigen::MatrixXd> out;
+  for (const Node& node : nodes) {
+    Eigen::MatrixXd H(2 * n, 2 * n);
+    for (int a = 0; a < 2 * n; ++a)
+      for (int b = 0; b <= a; ++b) {
+        std::vector<DD> z[2] = {std::vector<DD>(n, DD(D(0.0))), std::vector<DD>(n, DD(D(0.0)))};
+        z[a / n][a % n] += DD(D(0.0, 1.0));
+        z[b / n][b % n] += DD(D(0.0), D(1.0));
+        near.at(node, z[0], z[1]);
+        H(a, b) = H(b, a) = near.lagrangian().derivative.derivative;
+      }
+    out.push_back(H);
+  }
+  return out;
+}
+
+/** Negative directions of the second variation on all variations that are straight between every
+    `2 stride`-th node and 0 at both ends. Block by block, M = L D L' of a block-tridiagonal matrix:
+   as many as the blocks of D have negative eigenvalues (Sylvester). A subspace can miss a direction
+   of the true second variation, never add one; the finer it is, the fewer it misses. */
+int negativeDirections(const Problem& problem, const std::vector<Node>& nodes,
+                       const std::vector<Eigen::MatrixXd>& H, int stride) {
+  const int n = problem.n(), last = static_cast<int>(nodes.size()) - 1;
+  const double width =
+      2 * stride * problem.duration / last;  // of an element, Simpson's three nodes
+  int negative = 0;
+  Eigen::MatrixXd carried = Eigen::MatrixXd::Zero(n, n);  // of the elements to the left
+  for (int k = 0; k < last; k += 2 * stride) {
+    Eigen::MatrixXd left = Eigen::MatrixXd::Zero(n, n), right = left, across = left;
+    for (int point = 0; point < 3; ++point) {
+      const Eigen::MatrixXd& h = H[k + point * stride];
+      const Eigen::MatrixXd qq = h.topLeftCorner(n, n), qv = h.topRightCorner(n, n),
+                            vv = h.bottomRightCorner(n, n);
+      const double weight = (point == 1 ? 4 : 1) * width / 6, up = point / 2.0, down = 1 - up,
+                   slope = 1 / width;
+      left +=
+          weight * (down * down * qq - down * slope * (qv + qv.transpose()) + slope * slope * vv);
+      right += weight * (up * up * qq + up * slope * (qv + qv.transpose()) + slope * slope * vv);
+      across += weight * (down * up * qq + down * slope * qv - up * slope * qv.transpose() -
+                          slope * slope * vv);
+    }
+    if (k > 0) {  // the node between this element and the last is free
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> D(carried + left);
+      negative += static_cast<int>((D.eigenvalues().array() < 0).count());
+      right -= across.transpose() * D.eigenvectors() * D.eigenvalues().cwiseInverse().asDiagonal() *
+               D.eigenvectors().transpose() * across;
+    }
+    carried = right;
+  }
+  return negative;
+}
+
+struct SecondVariation {
+  double lowest;  ///< eigenvalue, over the kinetic part: 1 for a free particle
+  Sines slowest;  ///< its variation, of amplitude 1
+};
+
+/// Among `modes` sines a joint.
+SecondVariation secondVariation(const Problem& problem, const std::vector<Node>& nodes,
+                                const std::vector<Eigen::MatrixXd>& H, int modes) {
+  const int n = problem.n(), size = n * modes;
+  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(size, size), kinetic = second;
+  const int last = static_cast<int>(nodes.size()) - 1;
+  for (int k = 0; k <= last; ++k) {
+    const double weight = nodes[k].weight, phase = kPi * nodes[k].time / problem.duration;
+    Eigen::VectorXd s(modes), c(modes);  // of unit rate in the mean square
+    for (int m = 0; m < modes; ++m) {
+      const double w = (m + 1) * kPi / problem.duration,
+                   scale = std::sqrt(2 / problem.duration) / w;
+      s(m) = k == last ? 0 : scale * std::sin((m + 1) * phase);
+      c(m) = scale * w * std::cos((m + 1) * phase);
+    }
+    const Eigen::MatrixXd L_qq = H[k].topLeftCorner(n, n), L_qv = H[k].topRightCorner(n, n),
+                          L_vv = H[k].bottomRightCorner(n, n);
+    for (int a = 0; a < modes; ++a)
+      for (int b = 0; b < modes; ++b) {
+        second.block(a * n, b * n, n, n) +=
+            weight * (s(a) * s(b) * L_qq + s(a) * c(b) * L_qv + c(a) * s(b) * L_qv.transpose() +
+                      c(a) * c(b) * L_vv);
+        kinetic.block(a * n, b * n, n, n) += weight * c(a) * c(b) * L_vv;
+      }
+  }
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(second, kinetic);
+  SecondVariation out;
+  out.lowest = solver.eigenvalues()(0);
+  out.slowest.a.assign(n, Values(modes));
+  const Eigen::VectorXd v = solver.eigenvectors().col(0);
+  double largest = 0;
+  for (int m = 0; m < modes; ++m)
+    for (int i = 0; i < n; ++i) {
+      out.slowest.a[i][m] = v(m * n + i) / (m + 1);
+      largest = std::max(largest, std::abs(out.slowest.a[i][m]));
+    }
+  for (Values& a : out.slowest.a)
+    for (double& value : a) value /= largest;
+  return out;
+}
+
+// ---- neighbouring motions -----------------------------------------------------------------------
+
+/// Motions that start at the same place with another velocity, and the same motion a little later.
+struct Neighbours {
+  explicit Neighbours(const Problem& problem)
+      : problem(problem), flow(lifted<D>(problem.model), problem.terms, problem.damping) {
+    Flow<double> plain(problem.model, problem.terms, problem.damping);
+    const Values slot_rates = plain.slotRates(problem.start),
+                 qdd = plain.accelerations(problem.start);
+    for (int k = 0; k <= problem.n(); ++k) {
+      Moment<D> y;
+      const bool later = k == problem.n();
+      for (std::size_t i = 0; i < problem.start.slots.size(); ++i)
+        y.slots.push_back(D(problem.start.slots[i], later ? slot_rates[i] : 0.0));
+      for (int i = 0; i < problem.n(); ++i)
+        y.qd.push_back(D(problem.start.qd[i], later ? qdd[i] : k == i ? 1.0 : 0.0));
+      now.push_back(y);
+    }
+  }
+  void step(double h) {
+    for (Moment<D>& y : now) y = flow.step(y, h);
+  }
+  /// A(t), column k: where the k-th neighbour is, seen from the motion, n x n.
+  Eigen::MatrixXd places() const {
+    Eigen::MatrixXd A(problem.n(), problem.n());
+    for (int k = 0; k < problem.n(); ++k) {
+      const Moment<D>& y = now[k];
+      Values slots, aside;
+      for (const D& q : y.slots) {
+        slots.push_back(q.value);
+        aside.push_back(q.derivative);
+      }
+      const Values change = ratesOfSlots(problem.model, slotPositions(slots), aside);
+      for (int i = 0; i < problem.n(); ++i) A(i, k) = change[i];
+    }
+    return A;
+  }
+  /// dp, p = M qd, in coordinates; column k of the k-th neighbour.
+  Eigen::MatrixXd momenta() {
+    const recursive::Model<D>& model = flow.model();
+    recursive::Workspace<D> ws(model);
+    recursive::MatrixX<D> M(problem.n(), problem.n());
+    Eigen::MatrixXd P(problem.n(), problem.n());
+    for (int k = 0; k < problem.n(); ++k) {
+      recursive::massMatrix(model, slotPositions(now[k].slots), ws, M);
+      for (int i = 0; i < problem.n(); ++i) {
+        D p(0.0);
+        for (int j = 0; j < problem.n(); ++j) p += M(i, j) * now[k].qd[j];
+        P(i, k) = p.derivative;
+      }
+    }
+    return P;
+  }
+
+  const Problem& problem;
+  Flow<D> flow;
+  std::vector<Moment<D>> now;  ///< n neighbours by velocity, then the motion a little later
+};
+
+struct JacobiFields {
+  std::vector<Action::Conjugate> conjugates;
+  double unsymmetric = 0, late = 0;  ///< largest |A'P - P'A|, |J - (q', qd')| of the later motion
+  double size_symmetric = 0, size_late = 0;
+  double size_state = 0, growth = 1;  ///< largest |q|, |qd|; largest entry of a neighbour
+};
+
+/** How many singular values of A vanish together within two steps after `from`. Each passes 0 as |t
+   - t*|; the least of the smallest is sought by golden sections, and one that would reach 0 within
+   duration / kSharp of there counts. */
+Action::Conjugate manyMeet(Neighbours* neighbours, const std::vector<Moment<D>>& from, double start,
+                           double h) {
+  const auto values = [&](double later) {
+    neighbours->now = from;
+    neighbours->step(later);
+    return Eigen::VectorXd(
+        Eigen::JacobiSVD<Eigen::MatrixXd>(neighbours->places()).singularValues().reverse());
+  };
+  const double golden = (std::sqrt(5.0) - 1) / 2;
+  double low = 0, high = 2 * h;
+  while (high - low > h / kSharp) {
+    const double a = high - golden * (high - low), b = low + golden * (high - low);
+    (values(a)(0) < values(b)(0) ? high : low) = values(a)(0) < values(b)(0) ? b : a;
+  }
+  const double at = (low + high) / 2;
+  const Eigen::VectorXd least = values(at), before = values(0), after = values(2 * h);
+  Action::Conjugate out = {start + at, 0, 0};
+  for (Eigen::Index i = 0; i < least.size(); ++i) {
+    const double slope =
+        std::max((before(i) - least(i)) / at, (after(i) - least(i)) / (2 * h - at));
+    if (slope > 0 && least(i) / slope < neighbours->problem.duration / kSharp) ++out.multiplicity;
+  }
+  return out;
+}
+
+JacobiFields jacobiFields(const Problem& problem, int steps) {
+  JacobiFields out;
+  Neighbours neighbours(problem);
+  Flow<double> plain(problem.model, problem.terms, problem.damping);
+  const double h = problem.duration / steps;
+  const auto determinant = [](const Eigen::MatrixXd& A, double t) {
+    return (A / t).eval().determinant();
+  };
+  double before = 0, earlier = 0;       // determinants at the last two nodes
+  std::vector<Moment<D>> last_but_one;  // neighbours at the node before the last
+  for (int k = 1; k <= steps; ++k) {
+    const std::vector<Moment<D>> from = neighbours.now;
+    neighbours.step(h);
+    const std::vector<Moment<D>> to = neighbours.now;
+    const double time = h * k, det = determinant(neighbours.places(), time);
+    if (k > 1 && before * det < 0) {  // between: halve the step until nothing is left of it
+      double low = 0, high = h;
+      for (double middle = h / 2; middle > low && middle < high; middle = low + (high - low) / 2) {
+        neighbours.now = from;
+        neighbours.step(middle);
+        const double at = determinant(neighbours.places(), time - h + middle);
+        (before * at > 0 ? low : high) = middle;
+      }
+      out.conjugates.push_back({time - h + low, 0, 1});
+    } else if (k > 2 && std::abs(before) < std::min(std::abs(earlier), std::abs(det)) &&
+               earlier * before > 0) {
+      // it came near 0 and turned back: several neighbours may meet at once, which changes no sign
+      const Action::Conjugate meeting = manyMeet(&neighbours, last_but_one, time - 2 * h, h);
+      if (meeting.multiplicity >= 2) out.conjugates.push_back(meeting);
+    }
+    neighbours.now = to;
+    last_but_one = from;
+    earlier = before;
+    before = det;
+    const Eigen::MatrixXd A = neighbours.places();
+
+    // neighbours stay Lagrangian: A'P = P'A
+    if (problem.coordinates) {
+      const Eigen::MatrixXd P = neighbours.momenta(), product = A.transpose() * P;
+      out.unsymmetric =
+          std::max(out.unsymmetric, (product - product.transpose()).cwiseAbs().maxCoeff());
+      out.size_symmetric = std::max(out.size_symmetric, product.cwiseAbs().maxCoeff());
+    }
+    // the motion a little later is a neighbour: its place is ahead by qd
+    const Moment<D>& later = neighbours.now.back();
+    Moment<double> y;
+    for (const D& q : later.slots) y.slots.push_back(q.value);
+    for (const D& qd : later.qd) y.qd.push_back(qd.value);
+    for (const Values* values : {&y.slots, &y.qd})
+      for (const double value : *values) out.size_state = std::max(out.size_state, std::abs(value));
+    for (int k = 0; k < problem.n(); ++k)
+      for (const auto* values : {&neighbours.now[k].slots, &neighbours.now[k].qd})
+        for (const D& value : *values)
+          out.growth = std::max(out.growth, std::abs(value.derivative));
+    const Values slot_rates = plain.slotRates(y), qdd = plain.accelerations(y);
+    const auto compare = [&](const D& found, double expected) {
+      out.late = std::max(out.late, std::abs(found.derivative - expected));
+      out.size_late = std::max(out.size_late, std::abs(expected));
+    };
+    for (std::size_t i = 0; i < y.slots.size(); ++i) compare(later.slots[i], slot_rates[i]);
+    for (int i = 0; i < problem.n(); ++i) compare(later.qd[i], qdd[i]);
+  }
+  return out;
+}
+
+// ---- verdicts -----------------------------------------------------------------------------------
+
+CheckResult describe(const char* name, const char* statement, const char* quantity,
+                     const char* left) {
+  CheckResult check;
+  check.check = name;
+  check.statement = statement;
+  check.quantity = quantity;
+  check.left = left;
+  check.states = 1;
+  return check;
+}
+
+/** What is 0 in truth falls with the order of the method as the steps are halved: an order above
+    kOrder - 1, or all that is left is rounding, an eps of the largest term a step. */
+void judgeOrder(CheckResult* check, double coarse, double fine, double size, int steps) {
+  const double floor = std::numeric_limits<double>::epsilon() * size * steps;
+  const double order = std::log2(coarse / fine);
+  check->limit = kOrder - 1;
+  check->unit = "observed order (at least)";
+  check->worst = order;
+  if (fine <= floor) {
+    check->unit = "rounding of the steps";
+    check->worst = floor > 0 ? fine / floor : 0;
+    check->limit = 1;
+    check->ratio = check->worst;
+  } else if (order > check->limit) {
+    check->ratio = check->limit / order;
+  } else {
+    check->ratio = std::numeric_limits<double>::infinity();
+    check->verdict = Verdict::kDisagree;
+    check->reason = fmt::format("falls with order {:.2f} to {:.3g} at {} steps; {} is expected",
+                                order, fine, steps, kOrder);
+  }
+}
+
+void require(bool holds, const std::string& message) {
+  if (!holds) throw scene::InputError({}, message);
+}
+
+Problem problemOf(const scene::Scene& scene, const ActionOptions& options) {
+  requireOpenTree(scene);
+  require(!scene.mechanism.hasFriction(),
+          "the scene has joint friction, allowed: none; --damping gives every joint the same");
+  const scene::RealNumbers<double> number(scene.mechanism);
+  Problem problem = {recursive::buildModel(scene.mechanism, number),
+                     options.potential ? Terms::all() : Terms::none(),
+                     options.damping,
+                     options.duration,
+                     true,
+                     true,
+                     {}};
+  require(options.duration > 0 && std::isfinite(options.duration),
+          fmt::format("duration is {} s, allowed: positive", options.duration));
+  require(options.damping >= 0 && std::isfinite(options.damping),
+          fmt::format("damping is {}, allowed: zero or more", options.damping));
+  require(options.paths >= 1, fmt::format("{} paths, allowed: one or more", options.paths));
+  const auto start = [&](const char* what, const Values& given, const auto& own, int count) {
+    if (given.empty()) {
+      Values values;
+      for (const scene::Number& x : own) values.push_back(number(x));
+      return values;
+    }
+    require(static_cast<int>(given.size()) == count,
+            fmt::format("{}: {} values, allowed: {}", what, given.size(), count));
+    return given;
+  };
+  problem.start.slots = start("start q", options.q, scene.start_q, problem.model.positions);
+  problem.start.qd = start("start qd", options.qd, scene.start_qd, problem.n());
+  for (const auto& link : problem.model.links)
+    if (recursive::axisCount(link.kind) > 1) problem.coordinates = false;
+  problem.conservative =
+      options.damping == 0 && (!options.potential || scene.mechanism.wrenches.empty());
+  return problem;
+}
+
+Sines variation(const scene::Scene& scene, int n, std::uint64_t seed, int index) {
+  RandomStream random(scene.name + " variation", seed, index);
+  Sines zeta;
+  for (int i = 0; i < n; ++i) {
+    zeta.a.emplace_back();
+    for (int m = 0; m < kSines; ++m) zeta.a[i].push_back(random.uniform(-1, 1) / kSines);
+  }
+  return zeta;
+}
+
+bool isFinite(const std::vector<Node>& nodes) {
+  for (const double x : nodes.back().slots)
+    if (!std::isfinite(x)) return false;
+  for (const double x : nodes.back().qd)
+    if (!std::isfinite(x)) return false;
+  return true;
+}
+
+/// The second variation: how many directions lower the action.
+void countDirections(const Problem& problem, const std::vector<Node>& nodes, Action* out,
+                     Sines* slowest) {
+  CheckResult check =
+      describe("directions that lower the action",
+               "negative eigenvalues of the second variation = conjugate times", "S", "T - V");
+  check.right = "articulated_body";
+  check.unit = "directions";
+  if (problem.n() > kMostDof) {
+    check.verdict = Verdict::kNotAnswerable;
+    check.reason = fmt::format("{} freedoms; the second variation is formed for at most {}",
+                               problem.n(), kMostDof);
+    out->checks.push_back(check);
+    return;
+  }
+  const std::vector<Eigen::MatrixXd> H = hessians(problem, nodes);
+  int expected = 0;
+  for (const Action::Conjugate& conjugate : out->conjugates) expected += conjugate.multiplicity;
+  // lines from node to node can miss a direction, never add one: finer ones until none is missed
+  int coarse = negativeDirections(problem, nodes, H, 2);
+  out->negative = negativeDirections(problem, nodes, H, 1);
+  for (int steps = 2 * out->steps; out->negative < expected && steps <= kMostSteps; steps *= 2) {
+    const std::vector<Node> finer = motionOf(problem, steps);
+    coarse = out->negative;
+    out->negative = negativeDirections(problem, finer, hessians(problem, finer), 1);
+  }
+  const SecondVariation sines = secondVariation(problem, nodes, H, kModes);
+  *slowest = sines.slowest;
+  out->lowest = sines.lowest;
+  check.worst = std::abs(out->negative - expected);
+  check.limit = 0;
+  if (out->negative != expected && out->negative != coarse) {
+    check.verdict = Verdict::kNotAnswerable;
+    check.reason = "the end is a conjugate time, as far as these steps can tell";
+  } else if (out->negative != expected) {
+    check.verdict = Verdict::kDisagree;
+    check.ratio = std::numeric_limits<double>::infinity();
+    check.reason =
+        fmt::format("{} negative eigenvalues, {} conjugate times", out->negative, expected);
+  }
+  out->checks.push_back(check);
+}
+
+}  // namespace
+
+Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
+  const Problem problem = problemOf(scene, options);
+  const int n = problem.n();
+  std::vector<Sines> variations;
+  for (int k = 0; k < options.paths; ++k)
+    variations.push_back(variation(scene, n, options.seed, k));
+
+  Action out;
+  out.dof = n;
+  out.duration = options.duration;
+  out.conservative = problem.conservative;
+
+  // finer steps until what must vanish is seen to vanish
+  std::vector<Node> nodes;
+  std::vector<FirstVariation> fine, coarse;
+  JacobiFields fields, fields_coarse;
+  std::vector<CheckResult> checks;
+  for (int steps = kFirstSteps; steps <= kMostSteps; steps *= 2) {
+    nodes = motionOf(problem, steps);
+    require(isFinite(nodes), "the motion leaves the numbers: M is singular on its way");
+    coarse = fine;
+    fine.clear();
+    for (const Sines& zeta : variations) fine.push_back(firstVariation(problem, nodes, zeta));
+    out.steps = steps;
+    if (problem.conservative) {
+      fields_coarse = fields;
+      fields = jacobiFields(problem, steps);
+    }
+    if (coarse.empty()) continue;
+    checks.clear();
+    const auto largest = [](const std::vector<FirstVariation>& all, auto member) {
+      double most = 0;
+      for (const FirstVariation& one : all) most = std::max(most, std::abs(one.*member));
+      return most;
+    };
+    CheckResult hamilton =
+        problem.conservative
+            ? describe("Hamilton's principle",
+                       "dS(eta) = 0 for every eta that vanishes at both ends", "dS", "T - V")
+            : describe("d'Alembert's and Lagrange's principle",
+                       "dS(eta) + integral of Q' eta = 0 for every eta that vanishes at both ends",
+                       "dS", "T - V, Q");
+    hamilton.right = "articulated_body";
+    hamilton.seed = options.seed;
+    hamilton.states = options.paths;
+    judgeOrder(&hamilton, largest(coarse, &FirstVariation::with_forces),
+               largest(fine, &FirstVariation::with_forces), largest(fine, &FirstVariation::size),
+               steps);
+    checks.push_back(hamilton);
+    if (!problem.conservative) {
+      out.with_work = largest(fine, &FirstVariation::with_work);
+      out.with_work_coarse = largest(coarse, &FirstVariation::with_work);
+    } else {
+      CheckResult late =
+          describe("a motion and the same a little later are neighbours",
+                   "(qd, qdd) solves the variational equation", "J", "articulated_body");
+      // each step rounds the state, and neighbours say how far that carries
+      judgeOrder(&late, fields_coarse.late, fields.late,
+                 fields.size_late + fields.size_state * fields.growth, steps);
+      checks.push_back(late);
+      if (problem.coordinates) {
+        CheckResult symmetric = describe("neighbours of one place stay Lagrangian",
+                                         "A'P = P'A, P the momenta of A", "J", "articulated_body");
+        symmetric.right = "composite_body";
+        judgeOrder(&symmetric, fields_coarse.unsymmetric, fields.unsymmetric, fields.size_symmetric,
+                   steps);
+        checks.push_back(symmetric);
+      }
+    }
+    out.conjugates = fields.conjugates;
+    bool sharp = fields.conjugates.size() == fields_coarse.conjugates.size();
+    for (std::size_t k = 0; k < out.conjugates.size(); ++k) {
+      out.conjugates[k].error =
+          sharp ? std::abs(out.conjugates[k].time - fields_coarse.conjugates[k].time)
+                : std::numeric_limits<double>::infinity();
+      sharp = sharp && out.conjugates[k].error <= options.duration / kSharp;
+    }
+    if (sharp && std::all_of(checks.begin(), checks.end(),
+                             [](const CheckResult& c) { return c.verdict == Verdict::kAgree; }))
+      break;
+  }
+  out.checks = checks;
+
+  out.action = actionOf(problem, nodes, nullptr, 0);
+  Sines slowest;
+  if (problem.conservative) {
+    countDirections(problem, nodes, &out, &slowest);
+    Near<double> near(problem);
+    const Values none(n, 0.0);
+    recursive::Workspace<double> ws(problem.model);
+    double E_0 = 0;
+    for (const Node& node : nodes) {
+      const auto x = slotPositions(node.slots);
+      double E = recursive::kineticEnergy(problem.model, x, node.qd, ws);
+      if (problem.terms.gravity) E += recursive::potentialEnergy(problem.model, x, ws);
+      if (&node == &nodes.front()) E_0 = E;
+      out.energy_drift = std::max(out.energy_drift, std::abs(E - E_0));
+    }
+  }
+  const auto add = [&](const std::string& name, const Sines& zeta, double first) {
+    out.paths.push_back(
+        {name, kAmplitude, first, actionOf(problem, nodes, &zeta, kAmplitude) - out.action});
+  };
+  for (int k = 0; k < options.paths; ++k)
+    add(fmt::format("path {}", k + 1), variations[k], fine[k].with_forces);
+  if (!problem.conservative || out.negative < 0) return out;
+
+  // what the second variation says of all paths near by, shown on some
+  CheckResult nearby =
+      out.negative == 0
+          ? describe("the action is smallest", "S(q + eta) > S(q)", "S", "T - V")
+          : describe("the action is a saddle", "S(q + slow) < S(q) < S(q + fast)", "S", "T - V");
+  nearby.unit = "paths";
+  nearby.limit = 0;
+  if (out.negative > 0 && out.lowest < 0) {
+    add("slow", slowest, firstVariation(problem, nodes, slowest).with_forces);
+    Sines fast;
+    fast.a.assign(n, Values(4 * kModes, 0.0));
+    fast.a[n - 1].back() = 1;
+    add("fast", fast, firstVariation(problem, nodes, fast).with_forces);
+  }
+  nearby.states = static_cast<int>(out.paths.size());
+  for (const Action::Path& path : out.paths) {
+    const bool lower = path.change < 0;
+    if ((out.negative == 0 && lower) || (path.name == "slow" && !lower) ||
+        (path.name == "fast" && lower)) {
+      nearby.worst += 1;
+      nearby.verdict = Verdict::kDisagree;
+      nearby.ratio = std::numeric_limits<double>::infinity();
+      nearby.reason += fmt::format("{}: S changes by {:.3g} J s; ", path.name, path.change);
+    }
+  }
+  out.checks.push_back(nearby);
+  return out;
+}
+
+}  // namespace dynwitness::crosscheck
