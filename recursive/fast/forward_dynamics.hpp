@@ -181,7 +181,7 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
     });
   }
   subtractWorldLoads(plan, x, ws.others, ws.axes, ws.records);
-  addRotors(plan, qd, static_cast<const T*>(nullptr), ws.others, ws.records);
+  addRotors(plan, qd, static_cast<const T*>(nullptr), ws.others, ws.records, ws.records);
 
   // inward: what each link feels of its subtree
   Articulated<T> M;  // of the link at hand; between two, what the link before hands inward

@@ -10,16 +10,21 @@ namespace dynwitness::recursive::fast {
 template <typename T>
 struct InverseDynamicsWorkspace {
   explicit InverseDynamicsWorkspace(const Plan<T>& plan)
-      : records(plan.links.size() + 1),
+      : motions(plan.links.size() + 1),
+        records(plan.links.size() + 1),
         axes(plan.world_loads.empty() ? 0 : plan.links.size() + 1),
         others(plan) {}
-  struct Record {
-    T c, s;           ///< of the joint's angle
+  /// Apart from what the inward sweep needs: with very many links, memory is what takes the time.
+  struct Motion {
     Vec<T> w, wd, a;  ///< angular velocity and acceleration; acceleration of the origin's body point
     Mat<T> U;         ///< a point r of the link accelerates by a + U r
-    Vec<T> f, n;      ///< force through the joint and moment about it
   };
-  std::vector<Record> records;     ///< the first is the world
+  struct Record {
+    T c, s;       ///< of the joint's angle
+    Vec<T> f, n;  ///< force through the joint and moment about it
+  };
+  std::vector<Motion> motions;     ///< the first is the world
+  std::vector<Record> records;     ///< the same
   std::vector<Mat<T>> axes;        ///< columns: world axes in link axes
   OtherJoints<T> others;
 };
@@ -62,26 +67,46 @@ void addParentsTurn(const Plan<T>& plan, const InverseDynamicsWorkspace<T>& ws, 
       constexpr Step kStep = decltype(step)::value;
       const auto& r = ws.records[i + 1];
       const auto way = wayBack<kStep>(plan, link, r.c, r.s, ws.others);
-      tau[link.dof] = tau[link.dof] + link.spin * way.outward(ws.records[link.parent].wd).z;
+      tau[link.dof] = tau[link.dof] + link.spin * way.outward(ws.motions[link.parent].wd).z;
     });
   }
 }
 
+/// From so many links on, what a sweep reads and writes (560 bytes a link) does not fit into most caches ...
+inline constexpr int kManyLinks = 20000;
+/// ... and is asked for some links before its turn.
+inline constexpr int kAhead = 6;
+template <typename X>
+DYNWITNESS_INLINE void fetch(const X& x) {
+  constexpr std::size_t kLine = 64;
+  for (std::size_t at = 0; at < sizeof x; at += kLine)
+    __builtin_prefetch(reinterpret_cast<const char*>(&x) + at);
+}
 
 template <typename T>
-DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* qdd,
-                     InverseDynamicsWorkspace<T>& ws, T* tau) {
+DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x, const T* qd,
+                                           const T* qdd, InverseDynamicsWorkspace<T>& ws, T* tau) {
+  using Motion = typename InverseDynamicsWorkspace<T>::Motion;
   using Record = typename InverseDynamicsWorkspace<T>::Record;
   const int n = static_cast<int>(plan.links.size());
+  const Link<T>* const links = plan.links.data();
+  Motion* const motions = ws.motions.data();
   Record* const records = ws.records.data();
-  records[0].w = records[0].wd = Vec<T>::zero();
-  records[0].a = Vec<T>::zero() - plan.gravity;
-  records[0].U = {T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0)};
+  motions[0].w = motions[0].wd = Vec<T>::zero();
+  motions[0].a = Vec<T>::zero() - plan.gravity;
+  motions[0].U = {T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0)};
 
   // outward: how each link moves, and what it alone needs
   for (int i = 0; i < n; ++i) {
-    const Link<T>& link = plan.links[i];
-    const Record& parent = records[link.parent];
+    if (n > kManyLinks) {
+      const int ahead = std::min(i + kAhead, n - 1);
+      fetch(links[ahead]);
+      fetch(motions[ahead + 1]);
+      fetch(records[ahead + 1]);
+    }
+    const Link<T>& link = links[i];
+    const Motion& parent = motions[link.parent];
+    Motion& motion = motions[i + 1];
     Record& r = records[i + 1];
     withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
       constexpr Step kStep = decltype(step)::value;
@@ -114,10 +139,7 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
                         yz - wd.x, xz - wd.y, yz + wd.x, -xx - yy};
       const Vec<T>& h = link.h;
       const Symmetric3<T>& I = link.I;
-      r.w = w;
-      r.wd = wd;
-      r.a = a;
-      r.U = U;
+      motion = {w, wd, a, U};
       r.f = times(U, h) + a * link.mass;                                              // (2)
       // I w' + w x I w, with the products of w taken together
       r.n = Vec<T>{I.xx * wd.x + link.D.x * yz + I.yz * (yy - zz) - I.xy * U.zx + I.xz * U.yx,
@@ -131,11 +153,16 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
     });
   }
   subtractWorldLoads(plan, x, ws.others, ws.axes, ws.records);
-  addRotors(plan, qd, qdd, ws.others, ws.records);
+  addRotors(plan, qd, qdd, ws.others, ws.motions, ws.records);
 
   // inward: what passes through each joint
   for (int i = n - 1; i >= 0; --i) {
-    const Link<T>& link = plan.links[i];
+    if (n > kManyLinks) {
+      const int ahead = std::max(i - kAhead, 0);
+      fetch(links[ahead]);
+      fetch(records[ahead + 1]);
+    }
+    const Link<T>& link = links[i];
     const Record& r = records[i + 1];
     withStep(link.step, [&](auto step) DYNWITNESS_INLINE_LAMBDA {
       constexpr Step kStep = decltype(step)::value;
@@ -160,8 +187,10 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
   addParentsTurn(plan, ws, tau);
 }
 
-DYNWITNESS_FOR_AVX2 inline void inverseDynamicsForAvx2(const Plan<double>& plan, const JointPosition<double>* x, const double* qd, const double* qdd,
-                     InverseDynamicsWorkspace<double>& ws, double* tau) {
+DYNWITNESS_FOR_AVX2 inline void inverseDynamicsForAvx2(const Plan<double>& plan,
+                                                       const JointPosition<double>* x, const double* qd,
+                                                       const double* qdd,
+                                                       InverseDynamicsWorkspace<double>& ws, double* tau) {
   inverseDynamicsBody(plan, x, qd, qdd, ws, tau);
 }
 

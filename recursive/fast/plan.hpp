@@ -496,10 +496,10 @@ DYNWITNESS_INLINE Vec<T> jointPlace(const Link<T>& link, const JointPosition<T>*
 
 /// Onto each parent's moment what the gyroscopic rotors of its children's joints ask of it:
 ///     h (z qdd + w_p x z qd),
-/// qdd left out where there is none. The records hold w of the link itself, which differs along z only.
-template <typename T, typename Record>
+/// qdd left out where there is none. The motions hold w of the link itself, which differs along z only.
+template <typename T, typename Motion, typename Record>
 void addRotors(const Plan<T>& plan, const T* qd, const T* qdd, const OtherJoints<T>& others,
-               std::vector<Record>& records) {
+               const std::vector<Motion>& motions, std::vector<Record>& records) {
   if (!plan.has_specials) return;
   for (std::size_t i = 0; i < plan.links.size(); ++i) {
     const Link<T>& link = plan.links[i];
@@ -507,7 +507,8 @@ void addRotors(const Plan<T>& plan, const T* qd, const T* qdd, const OtherJoints
     withStep(link.step, [&](auto step) {
       constexpr Step kStep = decltype(step)::value;
       const Record& r = records[i + 1];
-      Vec<T> rotor = Vec<T>{r.w.y, -r.w.x, T(0)} * (link.spin * qd[link.dof]);
+      const Vec<T>& w = motions[i + 1].w;
+      Vec<T> rotor = Vec<T>{w.y, -w.x, T(0)} * (link.spin * qd[link.dof]);
       if (qdd) rotor.z = link.spin * qdd[link.dof];
       wayBack<kStep>(plan, link, r.c, r.s, others).inward(rotor);
       records[link.parent].n = records[link.parent].n + rotor;
