@@ -281,5 +281,6 @@ def plot(what, commands, size=(760, 360), **data):
     # without XML declaration, which some readers of notebooks refuse in the middle of a page
     svg = done.stdout[done.stdout.index("<svg"):]
     title = f"<title>{_escaped(what)}</title>"
-    svg = re.sub(r"<title>.*?</title>\s*<desc>.*?</desc>", lambda _: title, svg, 1, re.S)
+    svg = re.sub(r"<title>.*?</title>\s*<desc>.*?</desc>", lambda _: title, svg,
+                 count=1, flags=re.S)
     return Picture(svg, what)

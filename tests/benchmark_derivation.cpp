@@ -2,10 +2,13 @@
 // How long the derivation of M, c and g takes, and how much memory, with SymPy's beside it.
 #include "benchmark_parts.hpp"
 
+#include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
@@ -48,16 +51,25 @@ symbolic::Program derivedProgram(const scene::Mechanism& mechanism) {
 double memoryOf(const scene::Mechanism& mechanism) {
   const auto peak = [&](bool derives) {
     const pid_t process = fork();
+    if (process < 0) throw std::runtime_error("no process to measure the derivation's memory in");
     if (process == 0) {
-      if (derives) derivedProgram(mechanism);
-      _exit(0);
+      try {
+        if (derives) derivedProgram(mechanism);
+        _exit(0);
+      } catch (...) {
+        _exit(1);
+      }
     }
     rusage used{};
-    wait4(process, nullptr, 0, &used);
+    int status = 0;
+    while (wait4(process, &status, 0, &used) < 0 && errno == EINTR) {
+    }
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+      throw std::runtime_error("the derivation failed where its memory was to be measured");
     return used.ru_maxrss / 1024.0;
   };
   const double before = peak(false);
-  return peak(true) - before;
+  return std::max(peak(true) - before, 0.0);
 }
 
 void derive(benchmark::State& run, const scene::Scene& scene, double megabytes) {

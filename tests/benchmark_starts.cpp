@@ -6,11 +6,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -88,8 +88,10 @@ void crosscheckOf(benchmark::State& run, const char* scene) {
               static_cast<char*>(nullptr));
       _exit(127);
     }
+    if (process < 0) return run.SkipWithError("no process");
     int status = 0;
-    waitpid(process, &status, 0);
+    while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+    }
     run.SetIterationTime(seconds() - start);
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
       return run.SkipWithError("the crosscheck failed");

@@ -389,7 +389,7 @@ void registerSweeps(BenchResult* result) {
   const std::vector<KernelCompiler> compilers = kernelCompilers(&result->left_out);
   for (const KernelCompiler& c : compilers)
     add(result, {std::string("kernel") + c.suffix, "kernel, " + c.label, true}, kernelOne, c);
-  const std::string lanes = fmt::format("kernel, {} lanes", kernel::widestLanes());
+  const std::string lanes = fmt::format("kernel, {} lanes", kernel::chosenLanes());
   for (const KernelCompiler& c : compilers)
     add(result, {std::string("kernel_lanes") + c.suffix, lanes + ", " + c.label, true}, kernelMany,
         c);

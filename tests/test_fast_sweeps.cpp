@@ -20,6 +20,7 @@
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/fast/dynamics.hpp"
+#include "scene/families.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
@@ -95,6 +96,19 @@ BOOST_AUTO_TEST_CASE(they_are_the_same_functions_as_the_textbook_sweeps) {
   BOOST_TEST(with_friction.size() >= 6u);
   BOOST_TEST(branches > 0);
   BOOST_TEST(world_loads > 0);
+}
+
+// With so many links inverse dynamics asks for data ahead of time.
+BOOST_DATA_TEST_CASE(they_are_so_beyond_the_caches, data::make({"chain_20001", "tree_20001"}), name) {
+  scene::Scene scene;
+  BOOST_REQUIRE(scene::findFamily(name, &scene));
+  Point point(scene, 0);
+  BOOST_REQUIRE(point.fast.plan.links.size() > static_cast<std::size_t>(recursive::fast::detail::kManyLinks));
+  BOOST_TEST(point.isSame(Quantity::kTau));
+  auto& link = point.fast.plan.links[20000];
+  link.mass += PrimeField(1);
+  link.h.x += PrimeField(1);
+  BOOST_TEST(!point.isSame(Quantity::kTau));
 }
 
 BOOST_AUTO_TEST_CASE(a_planted_error_is_seen) {

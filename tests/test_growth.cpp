@@ -114,6 +114,8 @@ BOOST_AUTO_TEST_CASE(what_is_missing_is_not_called_reached) {
   BOOST_TEST(goalOf(goals, "FD a link, within").isReached());
   BOOST_TEST(!goalOf(goals, "kept").isReached());
   BOOST_TEST(!goalOf(goals, "certified digits").isReached());
+  const GrowthPoint unbuilt = fast(64, 20, 50, kNothing, 1000, 0), large = fast(16384, 20, 50, 4000, 1000, 0);
+  BOOST_TEST(!goalOf(growthGoals({unbuilt, large}, 1 << 20), "scene and model").isMeasured());
   BOOST_TEST(growthGoals({}, 1 << 20).empty());
 }
 

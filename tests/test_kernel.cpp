@@ -424,7 +424,10 @@ BOOST_AUTO_TEST_CASE(odd_lanes_and_formulas_are_refused) {
 }
 
 BOOST_AUTO_TEST_CASE(fewer_lanes_than_the_widest_can_be_chosen) {
-  BOOST_TEST(chosenLanes() == widestLanes());
+  {
+    const Setting none("DYNWITNESS_LANES", "");
+    BOOST_TEST(chosenLanes() == widestLanes());
+  }
   {
     const Setting two("DYNWITNESS_LANES", "2");
     BOOST_TEST(chosenLanes() == 2);

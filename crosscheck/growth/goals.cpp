@@ -110,10 +110,10 @@ std::vector<GrowthGoal> growthGoals(const std::vector<GrowthPoint>& points, doub
       beyond.is_time = true;
       if (fit > 0) takeLargest(fast, fit + 1.0, kNoEnd, ratio, &beyond);
     }
-    double least_build = kNoEnd;
+    double least_build = kNothing;
     const auto build = [](const GrowthPoint& p) { return p.scene_ns + p.build_ns; };
     for (const GrowthPoint& p : fast)
-      if (p.links >= kFirst && p.links <= kBuildAt) least_build = std::min(least_build, build(p));
+      if (p.links >= kFirst && p.links <= kBuildAt) least_build = std::fmin(least_build, build(p));
     GrowthGoal& built = begin("scene and model a link, beyond 4096 links", "times", kBeyond);
     built.is_time = true;
     takeLargest(fast, kBuildAt + 1, kNoEnd, [&](const GrowthPoint& p) { return build(p) / least_build; }, &built);

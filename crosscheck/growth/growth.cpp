@@ -26,7 +26,7 @@ namespace dynwitness::crosscheck {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-constexpr rlim_t kMostMemory = rlim_t{8} << 30;  // of a process [bytes]: the machine is shared
+constexpr rlim_t kMostMemory = rlim_t{8} << 30;  // of a process [bytes]: before it takes all there is
 constexpr long kMostBits = 1 << 16;  // of the certified truth: the balls of a chain take 4 a link
 constexpr int kFewestWithBytes = 16;  // links: below, the heap's own bookkeeping shows
 constexpr int kFewestWithPeak = 4096;  // links: below, what the system counts is mostly the program
@@ -161,6 +161,8 @@ std::string apart(const Work& work, int patience, Numbers* out) {
     close(ends[0]);
     const rlimit memory = {kMostMemory, kMostMemory};
     setrlimit(RLIMIT_AS, &memory);
+    const rlimit no_core = {0, 0};
+    setrlimit(RLIMIT_CORE, &no_core);
     if (patience > 0) {
       const rlimit time = {static_cast<rlim_t>(patience), static_cast<rlim_t>(patience) + 1};
       setrlimit(RLIMIT_CPU, &time);
@@ -179,7 +181,13 @@ std::string apart(const Work& work, int patience, Numbers* out) {
   }
   close(ends[1]);
   int stages = 0;
-  for (Numbers numbers; read(ends[0], &numbers, sizeof numbers) == sizeof numbers; ++stages) *out = numbers;
+  const auto next = [&](Numbers* numbers) {  // a few doubles: they come in one piece or not at all
+    ssize_t count;
+    while ((count = read(ends[0], numbers, sizeof *numbers)) < 0 && errno == EINTR) {
+    }
+    return count == sizeof *numbers;
+  };
+  for (Numbers numbers; next(&numbers); ++stages) *out = numbers;
   close(ends[0]);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {

@@ -104,12 +104,11 @@ bool isParallel(const LeanLink& link) {
   return isUnit(link.R(2, 2));
 }
 
-/** The axes of a link in a pose, its figures in those, and the way of vectors and moments to the
-   parent.
+/** The axes of a link in a pose, its figures in those, and the way of vectors and moments to the parent.
 
-    The axes of a link that turns ride with it, or stay those of the unturned joint: then its
-   figures turn, and what passes through it does not. A child about a parallel axis goes on from
-   there: it turns by the sum of both angles (by their difference, where the axes are opposite). */
+    The axes of a link that turns ride with it, or stay those of the unturned joint: then its figures turn, and
+    what passes through it does not. A child about a parallel axis goes on from there: it turns by the sum of
+    both angles (by their difference, where the axes are opposite). */
 class Passage {
  public:
   Passage(const LeanModel& model, const std::vector<Passage>& inboard, int i,

@@ -57,10 +57,9 @@ struct Rod {
   Traced mass, h, S;
 };
 
-/** Gives a turning link a rod along its axis and takes it off the parent, of which it is a part
-   too. It undoes a part of regroup(), where that pays: a point mass at the origin can take the
-   first moment of the parent off it that lies along the way to the link; h_z and S_zz, those along
-   the axis. */
+/** Gives a turning link a rod along its axis and takes it off the parent, of which it is a part too. It
+    undoes a part of regroup(), where that pays: a point mass at the origin can take the first moment of the
+    parent off it that lies along the way to the link; h_z and S_zz, those along the axis. */
 void takeRod(LeanModel& model, int link, const Rod& rod);
 
 /// Moves the origin of a link by t along its own z axis, along which any point would have done.
@@ -78,16 +77,16 @@ struct LeanTerms {
 /// by one matrix that is the product of both.
 enum class Turning { kInSteps, kByMatrix };
 
-/** tau = M qdd + c + g - loads by Newton-Euler sweeps that carry the acceleration a of the body's
-   point at the origin and the matrix U = [w']x + [w]x [w]x, so that r has the acceleration a + U r:
+/** tau = M qdd + c + g - loads by Newton-Euler sweeps that carry the acceleration a of the body's point at
+    the origin and the matrix U = [w']x + [w]x [w]x, so that r has the acceleration a + U r:
         (1)  w_i = R w_p + z qd,  w'_i = R w'_p + w_i x z qd + z qdd,  a_i = R (a_p + U_p p)
         (2)  F = m a + U h,       N = h x a + integral of r x U r dm
-        (3)  f_p += R' f,         n_p += R' n + p x R' f,              tau_i = n_z + d qdd + k (q -
-   rest) Points on a turning joint's axis z move with both links, so that U_i z = R U_p z. Where z
-   is an axis of the parent's, that column is there, and brings most of w' and U with it: (4)  U_xz,
-   U_yz, U_zz = R U_p z,  w'_y = U_xz - w_x w_z = w_x w_z - U_zx,  w'_x likewise Of N_z only w_x w_y
-   and w'_z are needed, if nothing else asks for both U_xy and U_yx: (5)  S_xx U_yx - S_yy U_xy =
-   (S_xx - S_yy) w_x w_y + (S_xx + S_yy) w'_z */
+        (3)  f_p += R' f,         n_p += R' n + p x R' f,   tau_i = n_z + d qdd + k (q - rest)
+    Points on a turning joint's axis z move with both links, so that U_i z = R U_p z. Where z is an axis of the
+    parent's, that column is there, and brings most of w' and U with it:
+        (4)  U_xz, U_yz, U_zz = R U_p z,  w'_y = U_xz - w_x w_z = w_x w_z - U_zx,  w'_x likewise
+    Of N_z only w_x w_y and w'_z are needed, if nothing else asks for both U_xy and U_yx:
+        (5)  S_xx U_yx - S_yy U_xy = (S_xx - S_yy) w_x w_y + (S_xx + S_yy) w'_z */
 std::vector<Traced> inverseDynamics(const LeanModel& model, const scene::State<Traced>& state,
                                     LeanTerms terms = {}, Turning turning = Turning::kInSteps);
 

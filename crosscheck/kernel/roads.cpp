@@ -279,7 +279,8 @@ std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula) {
 }
 
 Road smallestRoad(const scene::Mechanism& mechanism, Formula formula) {
-  // A crosscheck of a scene comes here for its two kernels, its exact checks and its tables.
+  // A crosscheck of a scene comes here for its two kernels, its exact checks and its tables (each process
+  // for those that it was given).
   static std::string last;
   static std::map<Formula, Road> known;
   scene::Scene asked;
