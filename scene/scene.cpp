@@ -96,7 +96,12 @@ Scene fourBars(int windows) {
 
 fs::path dataFolder() {
   const char* set = std::getenv("DYNWITNESS_DATA");
-  return set && *set ? fs::path(set) : fs::path(DYNWITNESS_DATA_DIR);
+  if (!set || !*set) return DYNWITNESS_DATA_DIR;
+  std::error_code error;
+  if (!fs::is_directory(set, error))
+    throw InputError({}, "DYNWITNESS_DATA: '" + std::string(set) +
+                             "' is no folder, allowed: one with the folders scenes and reference");
+  return set;
 }
 
 Scene readScene(const fs::path& file) {

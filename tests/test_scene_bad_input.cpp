@@ -466,11 +466,17 @@ BOOST_AUTO_TEST_CASE(a_file_that_cannot_be_read_is_named) {
 
 BOOST_AUTO_TEST_CASE(an_unknown_scene_is_answered_with_the_known_ones) {
   const auto folder = std::filesystem::temp_directory_path() / "dynwitness_no_scenes_here";
+  std::filesystem::remove_all(folder);
   ::setenv("DYNWITNESS_DATA", folder.c_str(), 1);
+  requireComplaint(complaint([] { bundledScenes(); }),
+                   "DYNWITNESS_DATA: '" + folder.string() + "' is no folder, allowed: one with the folders "
+                   "scenes and reference");
+  std::filesystem::create_directory(folder);
   BOOST_TEST(bundledScenes().empty());
   requireComplaint(complaint([] { findScene("pendulm"); }),
                    "no scene and no file is called \"pendulm\", allowed: the path of a file");
   ::unsetenv("DYNWITNESS_DATA");
+  std::filesystem::remove(folder);
 }
 
 BOOST_AUTO_TEST_CASE(a_mechanism_built_in_a_program_is_held_to_the_same_rules) {

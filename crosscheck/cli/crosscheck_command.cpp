@@ -11,8 +11,9 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/processes.hpp"
 #include "crosscheck/exact/random_mechanism.hpp"
+#include "crosscheck/kernel/compiled.hpp"
+#include "crosscheck/processes.hpp"
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/report.hpp"
@@ -145,7 +146,18 @@ int runRandom(const Arguments& arguments) {
   return campaign.failures.empty() ? 0 : 1;
 }
 
+/// Two witnesses are missed without a compiler, or a folder for what it makes: the reason is told.
+void tellMissingKernels() {
+  try {
+    kernel::findCompiler();
+    kernel::cacheFolder();
+  } catch (const kernel::CannotCompile& error) {
+    fmt::print(stderr, "dynwitness: kernels are left out: {}\n", error.what());
+  }
+}
+
 int run(const Arguments& arguments) {
+  tellMissingKernels();
   if (arguments.random > 0) return runRandom(arguments);
   const std::vector<WitnessKind> kinds = selectWitnesses(arguments.options.witnesses);
   const std::vector<scene::Scene> scenes = scenesOf(arguments);

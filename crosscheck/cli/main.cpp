@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "Help of all subcommands");
   app.footer(
+      "The wrapper ./dynwitness knows two more words: test builds and runs all tests, bench the benchmarks.\n"
       "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file or a\n"
       "URDF file. Exit status: 0 all agree; 1 a disagreement was found; 2 bad usage or bad input;\n"
       "3 a failure of dynwitness itself.");

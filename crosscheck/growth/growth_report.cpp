@@ -162,7 +162,7 @@ std::string growthScript(const std::vector<GrowthPoint>& points, const std::stri
   const std::string edge =
       fit > 0 && fit < most
           ? fmt::format("set arrow 1 from {0}, graph 0 to {0}, graph 1 nohead linetype 20\n"
-                        "set label 2 '{1:.0f} MB of cache left' at {0}, graph 0.95 right offset -0.5,0 "
+                        "set label 2 '{1:.0f} MB of cache end here' at {0}, graph 0.95 right offset -0.5,0 "
                         "textcolor rgb soft font ',11'\n",
                         fit, cache / (1 << 20))
           : std::string();
