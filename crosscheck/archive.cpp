@@ -25,17 +25,19 @@ namespace dynwitness::crosscheck {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckResult::Exact, prime, points, discarded, degree,
                                    error_probability, residual_zero, parameters)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckResult, check, statement, quantity, left, right, unit, states,
-                                   worst, limit, ratio, worst_state, worst_entry, seed, verdict, reason,
-                                   exact, digits, known_loss)
+                                   voided, excused, first_voided, voided_reason, worst, limit, ratio, seen,
+                                   loosest, worst_state, worst_entry, seed, verdict, reason, exact, no_exact,
+                                   digits, condition, known_loss)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DigitsResult, witness, quantity, scalar, states, worst, median,
                                    worst_single, worst_state, worst_entry)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Control, quantity, size, found, missed, blind, nothing)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Finding, kind, scene, quantity, witness, text, digits)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Drift::Path, step, worst, time, error)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Drift, method, method_order, duration, scale, observed_order, paths)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Equations, summary, kinetic, potential, lines)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SceneResult, name, title, source, file, dof, links, link_names,
                                    joint_labels, parents, not_modelled, equations, checks, digits,
-                                   findings, drift)
+                                   findings, controls, drift)
 
 namespace {
 
@@ -61,7 +63,7 @@ void from_json(const nlohmann::json& from, RandomCampaign::Failure& to) {
   from.at("findings").get_to(to.findings);
 }
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RandomCampaign, mechanisms, joints, checks, not_answerable,
-                                   error_probability, failures)
+                                   error_probability, plain, comparisons, asked, unanswered, failures)
 
 std::string archived(const SceneResult& result) { return bytesOf(result); }
 std::string archived(const RandomCampaign& campaign) { return bytesOf(campaign); }

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "crosscheck/exact/random_mechanism.hpp"
+#include "crosscheck/campaign.hpp"
 #include "crosscheck/result.hpp"
 
 namespace dynwitness::crosscheck {

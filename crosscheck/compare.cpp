@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Witnesses against each other, pair by pair, and who stands alone.
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -14,6 +15,20 @@ namespace dynwitness::crosscheck {
 namespace {
 
 constexpr const char* kSame = "same";
+
+/// M (x - y) of two answers qdd, in the equations: within what both may leave of these.
+void compareResiduals(int index, const Testimony& x, const Testimony& y, const std::string& excuse,
+                      Tally& tally) {
+  if (!excuse.empty()) return tally.fail(index, excuse, excuse);  // M is singular: nothing is the same
+  const MatrixOf<Ball> difference = x.residual->value - y.residual->value;
+  // what is proven of it; of an answer that is no number, nothing is
+  const Eigen::MatrixXd at_least = difference.unaryExpr([](const Ball& ball) {
+    return ball.isFinite() ? ball.atLeast() : std::numeric_limits<double>::infinity();
+  });
+  tally.addDifference(index, at_least, x.answer.residual_bound + y.answer.residual_bound,
+                      std::max(x.residual->ulp, y.residual->ulp));
+  tally.addCondition(x.condition);
+}
 
 }  // namespace
 
@@ -44,24 +59,28 @@ PairComparison::PairComparison(Quantity quantity, const std::vector<std::string>
       check.quantity = name(quantity);
       check.left = witnesses[a];
       check.right = witnesses[b];
-      check.statement = fmt::format("{} by {} = {} by {}", check.quantity, check.left, check.quantity,
-                                    check.right);
+      check.statement = quantity == Quantity::kQdd
+                            ? fmt::format("M (qdd by {} - qdd by {}) = 0, in forces", check.left, check.right)
+                            : fmt::format("{} by {} = {} by {}", check.quantity, check.left,
+                                          check.quantity, check.right);
       check.seed = options.seed;
       tallies_.emplace_back(check);
     }
   }
 }
 
-void PairComparison::add(int index, const std::vector<Testimony>& said) {
+void PairComparison::add(int index, const std::vector<Testimony>& said, const std::string& excuse) {
   std::size_t pair = 0;
   for (std::size_t a = 0; a < said.size(); ++a) {
     for (std::size_t b = a + 1; b < said.size(); ++b, ++pair) {
       const Testimony& failed = said[a].failure.empty() ? said[b] : said[a];
       if (!failed.failure.empty())
-        tallies_[pair].fail(index, fmt::format("{}: {}", failed.witness, failed.failure));
+        tallies_[pair].fail(index, fmt::format("{}: {}", failed.witness, failed.failure), excuse);
+      else if (said[a].residual && said[b].residual)
+        compareResiduals(index, said[a], said[b], excuse, tallies_[pair]);
       else
         tallies_[pair].add(index, said[a].answer.value, said[b].answer.value,
-                           said[a].answer.bound + said[b].answer.bound);
+                           said[a].answer.bound + said[b].answer.bound, excuse);
     }
   }
 }

@@ -19,6 +19,7 @@
 #include "recursive/reactions.hpp"
 #include "recursive/regressor.hpp"
 #include "recursive/reroot.hpp"
+#include "scene/mimic.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -74,9 +75,13 @@ class Identities {
   Identities(const scene::Mechanism& mechanism, const Numbers& numbers)
       : model_(recursive::buildModel(mechanism, numbers)),
         kept_(recursive::buildModel(mechanism, numbers, recursive::FixedJoints::kKept)),
+        free_(mechanism.hasMimics()
+                  ? recursive::buildModel(scene::withoutMimics(mechanism), numbers)
+                  : model_),
         moving_(recursive::buildModel(mechanism, DualNumbers<Numbers>(numbers),
                                       recursive::FixedJoints::kKept)),
         ws_(model_),
+        ws_free_(free_),
         ws_kept_(kept_),
         ws_moving_(moving_),
         parameters_(scene::inertialParameters(mechanism)),
@@ -169,10 +174,11 @@ class Identities {
     out.push_back({Y * columnOf(pi_), inverse(state, state.qd, state.qdd, {true, false, false, false})});
 
     append(out, 1, [&] {
-      std::vector<T> qdd(n, T(0));
+      std::vector<T> qdd(free_.dof(), T(0));
       // any forces will do
-      recursive::forwardDynamics(model_, state.x, state.qd, state.qdd, ws_, qdd, {true, true, true, false});
-      return Laws{{sweptGauss(model_, ws_), leastGauss(model_, state.x, state.qd, state.qdd, ws_)}};
+      const std::vector<T> rates = letGo(state.qd), forces = letGo(state.qdd);
+      recursive::forwardDynamics(free_, state.x, rates, forces, ws_free_, qdd, {true, true, true, false});
+      return Laws{{sweptGauss(free_, ws_free_), leastGauss(free_, state.x, rates, forces, ws_free_)}};
     });
     return out;
   }
@@ -210,20 +216,32 @@ class Identities {
     return columnOf(tau);
   }
 
-  /// The identities of section 7 of the chapter at every moving joint, stacked: 6 rows a joint.
+  /// The same rates with one for every joint, where joints that follow others are let go.
+  std::vector<T> letGo(const std::vector<T>& rates) const {
+    std::vector<T> out(free_.dof(), T(0));
+    for (std::size_t i = 0; i < free_.links.size(); ++i) {
+      const recursive::LinkModel<T>& link = model_.links[i];
+      for (int k = 0; k < recursive::axisCount(link.kind); ++k)
+        out[free_.links[i].dof + k] = link.follows ? T(link.ratio * rates[link.dof]) : rates[link.dof + k];
+    }
+    return out;
+  }
+
+  /// The identities of section 7 of the chapter at every moving joint, stacked: 6 rows a joint. They are of
+  /// joints that are passed one by one, each with a rate of its own.
   Laws projections(const scene::State<T>& state) {
-    const int n = model_.dof();
+    const int n = free_.dof();
     std::vector<T> qdd(n, T(0));
     // the articulated inertias do not depend on velocities and forces
-    recursive::forwardDynamics(model_, state.x, qdd, qdd, ws_, qdd);
+    recursive::forwardDynamics(free_, state.x, qdd, qdd, ws_free_, qdd);
     const std::vector<int> moving = movingLinks();
     const int rows = 6 * static_cast<int>(moving.size());
     TwoSides<T> projector = blank(rows), symmetric = blank(rows), twice = blank(rows),
                 force = blank(n);
     for (std::size_t k = 0; k < moving.size(); ++k) {
-      const recursive::LinkModel<T>& link = model_.links[moving[k]];
+      const recursive::LinkModel<T>& link = free_.links[moving[k]];
       const int axes = recursive::axisCount(link.kind);
-      const Matrix6 M = ws_.M_A[moving[k]].matrix();
+      const Matrix6 M = ws_free_.M_A[moving[k]].matrix();
       recursive::JointAxes<T> Z(6, axes);
       for (int axis = 0; axis < axes; ++axis) Z.col(axis) = recursive::jointAxis(link, axis);
       const MatrixX d = MatrixX::Identity(axes, axes) * link.rotor;
@@ -276,10 +294,10 @@ class Identities {
       for (int j = joint.link, end = inboardLink(i); j != end; j = kept_.links[j].parent) {
         const recursive::LinkModel<T>& part = kept_.links[j];
         for (int k = 0; k < recursive::axisCount(part.kind); ++k)
-          sides.left(part.dof + k, 0) = recursive::AnyJoints::force(part, k, through);
+          sides.left(part.dof + k, 0) += recursive::AnyJoints::force(part, k, through);
         if (part.dof >= 0) {
           T taken = part.rotor * state.qdd[part.dof] +
-                    part.stiffness * (state.x[part.slot].q - part.rest);
+                    part.stiffness * (state.x[part.slot + part.spring_from].q - part.rest);
           if (part.parent >= 0)
             taken += dot(ws_kept_.X_up[j] * ws_kept_.a[part.parent], recursive::spinAxis(part));
           sides.right(part.dof, 0) -= taken;
@@ -338,15 +356,15 @@ class Identities {
   }
 
   /** The mechanism on a base that floats (its own, or what rests in the world is let go), and once more
-      with its last link as the root. A base let go gets an inertia, a pose and a twist: any
+      with its last link as the root; joints that follow others are let go in both. A base let go gets an inertia, a pose and a twist: any
       will do. */
   TwoSides<T> otherRoot(const scene::State<T>& state) const {
     using namespace recursive;
     const RigidInertia<T> body = {T(7), {T(1), T(-2), T(3)}, {T(20), T(30), T(40), T(1), T(-2), T(3)}};
-    const bool floats = model_.links[0].kind == scene::JointKind::kFloating &&
-                        std::count_if(model_.links.begin(), model_.links.end(),
+    const bool floats = free_.links[0].kind == scene::JointKind::kFloating &&
+                        std::count_if(free_.links.begin(), free_.links.end(),
                                       [](const auto& link) { return link.parent < 0; }) == 1;
-    const Model<T> model = floats ? model_ : onFloatingBase(model_, body);
+    const Model<T> model = floats ? free_ : onFloatingBase(free_, body);
     const int links = static_cast<int>(model.links.size());
     if (links == 1) return {{}, {}, "a single body: there is no other link"};
     const Rerooted<T> tree = reroot(model, links - 1);
@@ -356,9 +374,10 @@ class Identities {
     const int pose[] = {1, -2, 3, 2, 1, -1, 3}, twist[] = {1, 2, -1, -3, 1, 2};
     for (int k = 0; k < 7; ++k) x[k].q = T(pose[k]);
     for (int k = 0; k < 6; ++k) qd[k] = T(twist[k]);
+    const std::vector<T> rates = letGo(state.qd), forces = letGo(state.qdd);
     std::copy(state.x.begin(), state.x.end(), x.end() - state.x.size());
-    std::copy(state.qd.begin(), state.qd.end(), qd.end() - state.qd.size());
-    std::copy(state.qdd.begin(), state.qdd.end(), tau.end() - state.qdd.size());  // any forces will do
+    std::copy(rates.begin(), rates.end(), qd.end() - rates.size());
+    std::copy(forces.begin(), forces.end(), tau.end() - forces.size());  // any forces will do
     std::fill(tau.begin(), tau.begin() + 6, T(0));  // those on the base would be on another link
 
     Workspace<T> ws(model), ws_rooted(tree.model);
@@ -404,8 +423,9 @@ class Identities {
   }
 
   recursive::Model<T> model_, kept_;
+  recursive::Model<T> free_;  ///< joints that follow others let go
   recursive::Model<Dual<T>> moving_;
-  recursive::Workspace<T> ws_, ws_kept_;
+  recursive::Workspace<T> ws_, ws_free_, ws_kept_;
   recursive::Workspace<Dual<T>> ws_moving_;
   std::vector<scene::InertialParameter> parameters_;
   std::vector<T> pi_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -18,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "crosscheck/leaving.hpp"
 #include "scene/error.hpp"
 
 namespace dynwitness::crosscheck {
@@ -86,6 +86,7 @@ struct Copy {
   int file = -1;       ///< where its answers come from; -1 at their end
   int task = -1;       ///< what it is at; -1: nothing
   std::string unread;  ///< the beginning of what it says next
+  EndsWithUs ends_with_us = {};
 };
 
 /// Stops what is left of the copies, however this ends.
@@ -98,8 +99,7 @@ struct Copies {
     for (Copy& copy : all) {
       if (copy.file >= 0) close(copy.file);
       if (copy.process < 0) continue;
-      kill(copy.process, SIGKILL);
-      waitFor(copy);
+      endCopy(copy.process);
     }
   }
   static int waitFor(Copy& copy) {
@@ -107,6 +107,7 @@ struct Copies {
     while (waitpid(copy.process, &status, 0) < 0 && errno == EINTR) {
     }
     copy.process = -1;
+    copy.ends_with_us = {};
     return status;
   }
 };
@@ -115,14 +116,22 @@ void start(Copies& copies, int count, Counter& counter,
            const std::function<std::string(int)>& work) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error(fmt::format("pipe: {}", std::strerror(errno)));
-  const pid_t process = fork();
+  pid_t process;
+  EndsWithUs ends_with_us;
+  {
+    const SignalsHeld held;
+    const pid_t self = getpid();
+    process = fork();
+    if (process == 0) endWithParent(self);
+    else if (process > 0) ends_with_us = EndsWithUs(process, SIGTERM);
+  }
   if (process == 0) {
     close(ends[0]);
     for (const Copy& earlier : copies.all) close(earlier.file);
     runCopy(ends[1], count, counter, work);
   }
   close(ends[1]);
-  copies.all.push_back({process, ends[0], -1, {}});
+  copies.all.push_back({process, ends[0], -1, {}, std::move(ends_with_us)});
   if (process < 0) throw std::runtime_error(fmt::format("fork: {}", std::strerror(errno)));
 }
 
@@ -192,7 +201,9 @@ std::vector<std::string> inProcesses(int processes, int count,
         if (copy.task >= 0)
           throw std::runtime_error(
               fmt::format("task {} of {} ended its process{}", copy.task + 1, count,
-                          WIFSIGNALED(status) ? fmt::format(": {}", strsignal(WTERMSIG(status))) : ""));
+                          WIFSIGNALED(status) ? fmt::format(": {}", strsignal(WTERMSIG(status)))
+                                              : ", for want of memory or by a fault of ours; its words, if "
+                                                "any, are above"));
       } else if (errno != EINTR) {
         throw std::runtime_error(fmt::format("read: {}", std::strerror(errno)));
       }

@@ -13,7 +13,24 @@ enum class Verdict { kAgree, kDisagree, kNotAnswerable };
 /// "agree", "disagree", "not answerable"
 const char* name(Verdict verdict);
 
+/// What a whole run says. Each but the first two outweighs those before it.
+enum class RunVerdict {
+  kAgree,          ///< everything that can be compared was, and agrees
+  kNotAnswerable,  ///< nothing could be compared
+  kIncomplete,     ///< what was compared agrees; too much that can be compared was not (Coverage)
+  kProvesNothing,  ///< the run's own control, a known fault, was not found (Control)
+  kDisagree,
+};
+/// "agree", "not answerable", "incomplete", "proves nothing", "disagree"
+const char* name(RunVerdict verdict);
+/// Of the program: 0; 3; 1; 3; 1.
+int exitStatus(RunVerdict verdict);
+
 /** One check over all states.
+
+    A state at which nothing can be judged is voided: it is counted, and says nothing about the others.
+    The check is not answerable when that leaves none. A voided state is excused when there is nothing
+    that could be compared, whoever tried; Coverage says when.
 
     Residuals are counted in ulp: |left - right| / (eps * scale), eps = 2^-52, scale = the largest
     magnitude in the compared vector or matrix. `limit` is the error bound of the same computation at
@@ -36,20 +53,77 @@ struct CheckResult {
   std::string quantity;   ///< "M", "c", "g", "tau", "qdd", "kinetic", ...
   std::string left, right;  ///< witnesses; right is empty for an identity of one witness
   std::string unit = "ulp";  ///< of worst and limit; a published table counts in its last digit
-  int states = 0;
+  int states = 0;            ///< at which it was asked; cases of a table, points over the field
+  int voided = 0;            ///< of them: not judged, or not in all entries
+  int excused = 0;           ///< of the voided: there is nothing to compare
+  int first_voided =
+      0;  ///< index of the first voided state that is not excused, or else of the first
+  std::string voided_reason;  ///< of that state
   double worst = 0;       ///< residual that uses the largest share of its limit [unit]
   double limit = 0;       ///< that limit [unit]
   double ratio = 0;       ///< largest residual / limit over all states and entries
+  double seen = 0;        ///< largest residual of any entry at any state [unit]
+  double loosest = 0;     ///< largest limit of any entry at any state [unit]
   int worst_state = 0;    ///< index of the state of `ratio`; with the seed it can be drawn again
   std::string worst_entry;  ///< "M[1,2]": where in the vector or matrix `ratio` is
   std::uint64_t seed = 0;
   Verdict verdict = Verdict::kAgree;
   std::string reason;     ///< for kDisagree and kNotAnswerable
   std::optional<Exact> exact;
+  std::string no_exact;          ///< why the field, which was asked, could not decide
   std::optional<double> digits;  ///< fewest correct ones, where the check is against the truth
+  std::optional<double> condition;  ///< of M, the largest met, where M is solved with (backward_error.hpp)
   /// Beyond rounding, within what a witness documents as its loss: agrees, and its limit hides more than
   /// others do.
   bool known_loss = false;
+
+  /// States that were judged.
+  int judged() const { return states - voided; }
+  /// Counts a voided state; there is nothing to compare when `excused`.
+  void addVoided(int state, const std::string& why, bool is_excused);
+
+  /** How much wider the loosest limit is than the largest residual: what the check can miss, counted in
+      what it sees. Less than one ulp of the largest entry cannot be expected of any computation
+      in double, so a smaller residual counts as one. Empty where nothing is counted in ulp. */
+  std::optional<double> limitOverSeen() const;
+};
+
+/** How much of one quantity was compared. A comparison is one check at one state.
+
+    Every comparison ought to be possible but these, which are excused:
+    - those of a witness that cannot hold the scene at all (a kind of joint that it does not have, loads,
+      a scene that its format cannot spell): the check "witness" gives the reason, and none of its
+      comparisons is asked;
+    - those of a quantity that does not exist: M is singular at the state, certified by the enclosure of
+      a pivot, and qdd and the laws that divide by an inertia have no value; over the field, a divisor
+      that is zero as a formula; a law that needs more than the mechanism has (another root, where there
+      is one body);
+    - energy along a path where nothing moves, or which the fixed steps do not resolve.
+    An error bound that runs away, a witness that throws at a state that others answer, an enclosure
+    that does not get sharp are held against the run: when more than a tenth of the comparisons of a
+    quantity of a scene are missing in this way, the run is incomplete. */
+struct Coverage {
+  std::string quantity;
+  long asked = 0, voided = 0, excused = 0;
+  std::string reason;  ///< of the first voided comparison, missing ones before excused ones
+
+  long missing() const { return voided - excused; }
+  bool isThin() const { return 10 * missing() > asked - excused; }
+};
+/// By quantity, in the order of the checks.
+std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks);
+
+/** The run's own control: a witness whose kilogram is too heavy by `size`. Then M, c, g, tau, reactions,
+    energies and momentum are too large by just that, entry by entry (they have the dimension of a mass),
+    and qdd for given forces is that of forces too small by it. It is judged as the witnesses are, and
+    must be found; crosscheck/control.hpp says how large it is. */
+struct Control {
+  std::string quantity;
+  double size = 0;                         ///< relative; the largest planted
+  std::vector<std::string> found, missed;  ///< by "pairs", "truth", "field", "table"
+  std::vector<std::string>
+      blind;            ///< witnesses whose pairs with the control have limits too wide for it
+  std::string nothing;  ///< why nothing can be planted; empty: something was
 };
 
 /** What is left of one quantity by one witness, over the states of a crosscheck.
@@ -114,15 +188,18 @@ struct SceneResult {
   std::vector<CheckResult> checks;
   std::vector<DigitsResult> digits;
   std::vector<Finding> findings;
+  std::vector<Control> controls;  ///< by quantity
   std::optional<Drift> drift;
 };
 
 struct WitnessInfo {
   std::string name, version, method;  ///< method: one line, how it computes
-  bool present = true;                ///< false: not found when dynwitness was configured
+  bool present = true;  ///< false: not found when dynwitness was configured, or as absent says
   /// The convention card: lines "label: text", how this witness spells what all are asked about, how it
   /// reads the mechanism, and where it is known to lose digits, why, and what removes that.
   std::string conventions = {};
+  std::string absent =
+      {};  ///< why it is not present, where that is not how dynwitness was configured
 
   /// The text of the card's line of this label, or "".
   std::string convention(const std::string& label) const;
@@ -138,8 +215,15 @@ struct CrosscheckResult {
   int checkCount() const;  ///< answered checks
   int exactCount() const;  ///< checks whose residual is zero over the prime field
   int count(Verdict verdict) const;
-  Verdict verdict() const;  ///< kDisagree when any check disagrees
-  /// The check with the largest ratio, and its scene. Limits that contain a known loss do not compete:
+  RunVerdict verdict() const;
+  /// Over all scenes.
+  std::vector<Coverage> coverage() const;
+  /// Quantities of a scene of which too much is missing: "qdd of chain".
+  std::vector<std::string> thinlyCovered() const;
+  /// "control: a kilogram off by 1e-10 was found in M, c, ... of all 46 scenes by pairs, truth, field"
+  std::string controlLine() const;
+  bool controlMissed() const;
+  /// The check in ulp with the largest ratio, and its scene. Limits that contain a known loss do not compete:
   /// they say nothing about rounding.
   std::pair<const SceneResult*, const CheckResult*> worst() const;
   /// A witness that loses digits as it documents: the worst finding, and the number of scenes.
@@ -149,7 +233,7 @@ struct CrosscheckResult {
     int scenes;
   };
   std::vector<KnownLoss> knownLosses() const;
-  /// "14 scenes, 1212 checks, all agree; worst 7.4 ulp: ..."
+  /// "14 scenes, 1212 checks, all agree; not answered: qdd 3 of 660 comparisons (..); closest .."
   std::string headline() const;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/states.hpp"
 
+#include "scene/mimic.hpp"
+
 namespace dynwitness::crosscheck {
 namespace {
 
@@ -46,6 +48,10 @@ scene::State<double> drawState(const scene::Mechanism& mechanism, const std::str
   scene::State<double> state;
   for (const int i : mechanism.movingLinks()) {
     const scene::JointKind kind = mechanism.links[i].joint.kind;
+    if (mechanism.links[i].joint.mimic) {  // where its leader will put it
+      state.x.push_back({});
+      continue;
+    }
     for (const scene::SlotKind slot : scene::positionSlots(kind)) {
       if (slot == scene::SlotKind::kQuaternion) break;  // they come last
       const double reach = slot == scene::SlotKind::kLength ? 1.0 : kPi;
@@ -58,6 +64,7 @@ scene::State<double> drawState(const scene::Mechanism& mechanism, const std::str
       state.tau.push_back(random.uniform(-10, 10));
     }
   }
+  scene::followLeaders(mechanism, &state.x);
   return state;
 }
 

@@ -1,22 +1,42 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// States from a CSV file.
+// States from a CSV file, one after the other.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
-#include <vector>
+#include <memory>
+#include <string>
 
 #include "scene/mechanism.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
 
-/** Reads states of a mechanism. The first line names the columns, in any order: q1 .. q(positions) and
-    qd1 .. qdn, then qdd1 .. qddn and/or tau1 .. taun, n its degrees of freedom. A group that is left
-    out (except q) is zero. Quaternions need not be of length 1.
-    Lines that start with # and empty lines are passed over.
-    @throws scene::InputError  `file:line: ...` on unknown, doubled or missing columns, on a row of
-    another length, on entries that are not finite numbers and on quaternions that are zero */
-std::vector<scene::State<double>> readStates(const std::filesystem::path& file,
-                                             const scene::Mechanism& mechanism);
+/** Reads states of a mechanism, row by row: millions take no more memory than one. The first line names the
+    columns, in any order: q1 .. q(positions) and qd1 .. qdn, then qdd1 .. qddn and/or tau1 .. taun, n its
+    degrees of freedom. A group that is left out (except q) is zero. Quaternions need not be of length 1.
+    Lines that start with # and empty lines are passed over. */
+class StatesReader {
+ public:
+  /** Reads the header.
+      @param file       a regular file, or "-": standard input, which may be a pipe
+      @param mechanism  must outlive the reader
+      @throws scene::InputError  `file:line: ...` on unknown, doubled or missing columns */
+  StatesReader(const std::filesystem::path& file, const scene::Mechanism& mechanism);
+  ~StatesReader();
+
+  /** The next state into *state; false at the end.
+      @throws scene::InputError  `file:line: ...` on a row of another length, on entries that are not
+      finite numbers, on quaternions that are zero, and on lines longer than any row can be */
+  bool next(scene::State<double>* state);
+  /// Whether the header names the columns of "qd", "qdd" or "tau".
+  bool gives(const std::string& group) const;
+  /// How much of the file is read, from 0 to 1; negative when nobody knows how long it is.
+  double fraction() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 }  // namespace dynwitness::crosscheck

@@ -12,6 +12,7 @@
 #include "crosscheck/motion/pendulum_period.hpp"
 #include "crosscheck/tally.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -271,7 +272,7 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
                               source = there(rounding);
         if (!own.allFinite())
           throw std::runtime_error("no error bound: a divisor is zero within rounding");
-        ++out.states;
+        const int index = out.states++;
         const std::size_t columns = printed[0].is_array() ? printed[0].size() : 1;
         if (printed.size() != static_cast<std::size_t>(theirs.rows()) ||
             columns != static_cast<std::size_t>(theirs.cols()))
@@ -295,7 +296,7 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
             const double unit = limit.unit > 0 ? limit.unit : allowed;
             out.worst = residual == 0 ? 0 : residual / unit;
             out.limit = allowed > 0 ? allowed / unit : 1;
-            out.worst_state = out.states - 1;
+            out.worst_state = index;
             out.worst_entry = entryName(quantity, i, j, theirs);
             if (!(used <= 1)) {
               out.verdict = Verdict::kDisagree;
@@ -321,13 +322,16 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
           throw;
         } catch (const std::exception& error) {
           CheckResult& out = check(quantity, witness->name());
-          if (out.verdict == Verdict::kAgree) {
-            out.verdict = Verdict::kNotAnswerable;
-            out.reason = error.what();
-          }
+          out.addVoided(out.states++, error.what(),
+                        dynamic_cast<const RefusedWitness*>(witness.get()) != nullptr);
         }
       }
     }
+  }
+  for (CheckResult& check : results) {
+    if (check.judged() > 0 || check.verdict != Verdict::kAgree) continue;
+    check.verdict = Verdict::kNotAnswerable;
+    check.reason = check.voided_reason;
   }
   return results;
 }

@@ -26,40 +26,57 @@ std::string entryName(const std::string& quantity, Eigen::Index row, Eigen::Inde
 }
 
 void Tally::add(int state, const Eigen::MatrixXd& left, const Eigen::MatrixXd& right,
-                const Eigen::MatrixXd& limit) {
-  ++result_.states;
+                const Eigen::MatrixXd& limit, const std::string& excuse) {
   if (left.rows() != right.rows() || left.cols() != right.cols()) {
     result_.verdict = Verdict::kDisagree;
     result_.reason = fmt::format("shapes differ: {} x {} and {} x {}", left.rows(), left.cols(),
                                  right.rows(), right.cols());
+    ++result_.states;
     return;
   }
   const double scale = std::max(left.cwiseAbs().maxCoeff(), right.cwiseAbs().maxCoeff());
   const double ulp = std::numeric_limits<double>::epsilon() *
                      (scale > 0 && std::isfinite(scale) ? scale : 1.0);
-  for (Eigen::Index j = 0; j < left.cols(); ++j) {
-    for (Eigen::Index i = 0; i < left.rows(); ++i) {
-      const double residual = std::abs(left(i, j) - right(i, j));
+  addDifference(state, left - right, limit, ulp, excuse);
+}
+
+void Tally::addDifference(int state, const Eigen::MatrixXd& difference, const Eigen::MatrixXd& limit,
+                          double ulp, const std::string& excuse) {
+  ++result_.states;
+  std::string unbounded;  // the first entry without a limit
+  for (Eigen::Index j = 0; j < difference.cols(); ++j) {
+    for (Eigen::Index i = 0; i < difference.rows(); ++i) {
+      const double residual = std::abs(difference(i, j));
       if (!std::isfinite(limit(i, j))) {
-        unanswered_ = fmt::format("no error bound for {} at state {}: a divisor is zero within rounding",
-                                  entryName(result_.quantity, i, j, left), state);
+        if (unbounded.empty()) unbounded = entryName(result_.quantity, i, j, difference);
         continue;
       }
+      result_.seen = std::max(result_.seen, residual / ulp);
+      result_.loosest = std::max(result_.loosest, limit(i, j) / ulp);
       const double used = share(residual, limit(i, j));
       if (result_.worst_entry.empty() || used > result_.ratio) {
         result_.ratio = used;
         result_.worst = residual / ulp;
         result_.limit = limit(i, j) / ulp;
         result_.worst_state = state;
-        result_.worst_entry = entryName(result_.quantity, i, j, left);
+        result_.worst_entry = entryName(result_.quantity, i, j, difference);
       }
     }
   }
+  if (unbounded.empty()) return;
+  const std::string reason = fmt::format(
+      "no error bound for {} at state {}: a divisor is zero within rounding", unbounded, state);
+  result_.addVoided(state, excuse.empty() ? reason : excuse, !excuse.empty());
 }
 
-void Tally::fail(int state, const std::string& reason) {
+void Tally::addCondition(double condition) {
+  result_.condition = std::max(result_.condition.value_or(0), condition);
+}
+
+void Tally::fail(int state, const std::string& reason, const std::string& excuse) {
   ++result_.states;
-  unanswered_ = fmt::format("state {}: {}", state, reason);
+  result_.addVoided(state, excuse.empty() ? fmt::format("state {}: {}", state, reason) : excuse,
+                    !excuse.empty());
 }
 
 CheckResult Tally::result() const {
@@ -68,9 +85,9 @@ CheckResult Tally::result() const {
     out.verdict = Verdict::kDisagree;
     out.reason = fmt::format("{} differs by {:.3g} ulp at state {}, limit {:.3g} ulp",
                              out.worst_entry, out.worst, out.worst_state, out.limit);
-  } else if (out.verdict == Verdict::kAgree && !unanswered_.empty()) {
+  } else if (out.verdict == Verdict::kAgree && out.judged() == 0) {
     out.verdict = Verdict::kNotAnswerable;
-    out.reason = unanswered_;
+    out.reason = out.states > 0 ? out.voided_reason : "asked at no state";
   }
   return out;
 }

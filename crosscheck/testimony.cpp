@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/testimony.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "crosscheck/states.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 
 namespace dynwitness::crosscheck {
+namespace {
+
+/// Of M with unit diagonal, in double: far from where double can tell it from singular (2^52).
+constexpr double kDoubtful = 0x1p40;
+
+}  // namespace
 
 Hearing::Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
                  const Options& options)
@@ -15,22 +23,30 @@ Hearing::Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kind
 }
 
 std::vector<CheckResult> Hearing::dismissRefused() {
+  const auto refusal = [&](const Witness& witness, const std::string& statement, const std::string& reason) {
+    CheckResult check;
+    check.check = "witness";
+    check.statement = witness.name() + " " + statement;
+    check.left = witness.name();
+    check.seed = options_.seed;
+    check.verdict = Verdict::kNotAnswerable;
+    check.reason = reason;
+    return check;
+  };
   std::vector<CheckResult> refusals;
   std::vector<std::unique_ptr<Witness>> others;
   for (auto& witness : witnesses_) {
     const auto* refused = dynamic_cast<const RefusedWitness*>(witness.get());
-    if (refused == nullptr) {
-      others.push_back(std::move(witness));
+    if (refused != nullptr) {
+      refusals.push_back(refusal(*refused, "can hold the scene", refused->reason()));
       continue;
     }
-    CheckResult check;
-    check.check = "witness";
-    check.statement = fmt::format("{} can hold the scene", refused->name());
-    check.left = refused->name();
-    check.seed = options_.seed;
-    check.verdict = Verdict::kNotAnswerable;
-    check.reason = refused->reason();
-    refusals.push_back(check);
+    if (const auto* partial = dynamic_cast<const PartialWitness*>(witness.get()))
+      for (const auto& [quantity, reason] : partial->leftOut()) {
+        refusals.push_back(refusal(*partial, fmt::format("answers {}", crosscheck::name(quantity)), reason));
+        refusals.back().quantity = crosscheck::name(quantity);
+      }
+    others.push_back(std::move(witness));
   }
   witnesses_ = std::move(others);
   return refusals;
@@ -41,6 +57,33 @@ std::vector<std::string> Hearing::answering(Quantity quantity) const {
   for (const auto& witness : witnesses_)
     if (witness->answers(quantity)) names.push_back(witness->name());
   return names;
+}
+
+void Hearing::putIntoEquations(const scene::State<double>& state, std::vector<Testimony>& said) {
+  const bool asked = std::any_of(said.begin(), said.end(), [](const Testimony& one) {
+    return one.failure.empty() && !one.residual && one.answer.residual_bound.size() > 0;
+  });
+  if (!asked) return;
+  if (!backward_error_) backward_error_ = std::make_unique<BackwardError>(scene_.mechanism);
+  backward_error_->at(state);
+  const double condition = backward_error_->condition();
+  // where M may be singular, whether it is: then nothing that anybody says means anything
+  const bool doubtful =
+      condition > kDoubtful || std::any_of(said.begin(), said.end(), [](const Testimony& one) {
+        return one.failure.empty() && !one.answer.value.allFinite();
+      });
+  if (doubtful) {
+    if (!truth_) truth_ = std::make_unique<Truth>(scene_.mechanism);
+    if (const Certified exact = (*truth_)(Quantity::kQdd, state); exact.is_impossible) {
+      for (Testimony& one : said) one.failure = "no certified truth: " + exact.reason;
+      return;
+    }
+  }
+  for (Testimony& one : said) {
+    if (!one.failure.empty() || one.residual || one.answer.residual_bound.size() == 0) continue;
+    one.residual = (*backward_error_)(one.answer.value);
+    one.condition = condition;
+  }
 }
 
 void Hearing::hear(Quantity quantity, const Listener& listener) {
@@ -56,6 +99,7 @@ void Hearing::hear(Quantity quantity, const Listener& listener) {
         said.back().failure = error.what();
       }
     }
+    if (quantity == Quantity::kQdd) putIntoEquations(state, said);
     listener(k, state, said);
   }
 }

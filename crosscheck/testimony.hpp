@@ -4,10 +4,13 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "crosscheck/crosscheck.hpp"
+#include "crosscheck/digits/backward_error.hpp"
+#include "crosscheck/digits/truth.hpp"
 #include "crosscheck/tally.hpp"
 #include "crosscheck/witness.hpp"
 #include "scene/scene.hpp"
@@ -19,6 +22,9 @@ struct Testimony {
   std::string witness;
   Answer answer;
   std::string failure;  ///< not empty: the witness threw this, and there is no answer
+  /// Of qdd with a bound in the equations (Answer::residual_bound), which is then what judges it.
+  std::optional<Residual> residual = {};
+  double condition = 0;  ///< BackwardError::condition(), where there is a residual
 };
 
 /// All witnesses of a scene.
@@ -26,7 +32,8 @@ class Hearing {
  public:
   Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kinds, const Options& options);
 
-  /// Takes the witnesses out that cannot hold the scene: one check each, not answerable, says why.
+  /// Takes the witnesses out that cannot hold the scene: one check each, not answerable, says why; and
+  /// one for each quantity that another leaves out for this scene.
   std::vector<CheckResult> dismissRefused();
 
   /// Names of the witnesses that answer the quantity, in the order of their testimonies.
@@ -37,17 +44,24 @@ class Hearing {
   /// Asks each of them at each of the options' states.
   void hear(Quantity quantity, const Listener& listener);
 
+  /// The residuals of answers qdd that bring a limit for them; hear() has done it for those it asks.
+  void putIntoEquations(const scene::State<double>& state, std::vector<Testimony>& said);
+
  private:
+
   const scene::Scene& scene_;
   const Options& options_;
   std::vector<std::unique_ptr<Witness>> witnesses_;
+  std::unique_ptr<BackwardError> backward_error_;
+  std::unique_ptr<Truth> truth_;
 };
 
 /// One quantity, each pair of the witnesses that answer it.
 class PairComparison {
  public:
   PairComparison(Quantity quantity, const std::vector<std::string>& witnesses, const Options& options);
-  void add(int index, const std::vector<Testimony>& said);
+  /// @param excuse  why the quantity does not exist at this state; empty: it does
+  void add(int index, const std::vector<Testimony>& said, const std::string& excuse = {});
   std::vector<CheckResult> results() const;
 
  private:

@@ -37,6 +37,10 @@ struct Answer {
   /// The part of `bound` that is no rounding but a loss which the witness's convention card documents.
   /// Empty: none.
   Eigen::MatrixXd known_loss = {};
+  /// Of qdd alone, the same two in the equations that it solves: how far
+  ///     M value + c + g + friction - tau - Q
+  /// may be from 0 [N m, N] (solve_bound.hpp). Empty for other quantities.
+  Eigen::MatrixXd residual_bound = {}, residual_loss = {};
 };
 
 class Witness {

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "recursive/coupled_dynamics.hpp"
 #include "recursive/model.hpp"
 
 namespace dynwitness::recursive {
@@ -30,6 +31,7 @@ namespace dynwitness::recursive {
     @param  qdd   accelerations, length n [rad/s^2, m/s^2]
     @param  terms gravity, springs, loads and friction can be left out
     @throws std::invalid_argument  a vector is not of length n
+    Joints that follow others: coupled_dynamics.hpp, which allocates.
     D = 0 (a massless subtree without rotor inertia) divides by zero: scene validation refuses it.
     @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, p. 132 */
 template <typename T>
@@ -40,6 +42,7 @@ void forwardDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
   requireSize(model, "forwardDynamics", "qd", qd.size());
   requireSize(model, "forwardDynamics", "tau", tau.size());
   requireSize(model, "forwardDynamics", "qdd", qdd.size());
+  if (model.coupled) return detail::coupledForwardDynamics(model, x, qd, tau, ws, qdd, terms);
   const int n = static_cast<int>(model.links.size());
   Motion<T> a_0 = Motion<T>::zero();
   if (terms.gravity) a_0.linear = -model.gravity;
@@ -68,7 +71,7 @@ void forwardDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
         ws.U[d] = Joints::column(link, k, M_a);                                      // (3)
         ws.D[d] = link.rotor + Joints::force(link, k, ws.U[d]);
         ws.u[d] = tau[d] - Joints::force(link, k, f_a);
-        if (terms.springs) ws.u[d] -= link.stiffness * (x[link.slot].q - link.rest);
+        if (terms.springs) ws.u[d] -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
         if (model.friction && terms.friction) ws.u[d] -= frictionForce(link, qd[d]);
         if (model.gyroscopic && link.parent >= 0) ws.U[d] = ws.U[d] + spinAxis(link);
         const T inverse_D = T(1) / ws.D[d];

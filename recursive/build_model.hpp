@@ -3,6 +3,7 @@
 #pragma once
 
 #include "recursive/model.hpp"
+#include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::recursive {
@@ -92,6 +93,26 @@ RigidInertia<T> rigidInertia(const scene::MassProperties& m, const Numbers& numb
   return {mass, r_c * mass, I};
 }
 
+/// Writes what goes with a follower's rate in its leader's (LinkModel).
+template <typename T, typename Numbers>
+void follow(const scene::Follower& follower, const Numbers& number, LinkModel<T>& link) {
+  const T k = number(scene::Number(follower.multiplier));
+  const bool forward = follower.multiplier > 0;
+  const T size = forward ? k : -k, positive = link.positive, negative = link.negative;
+  link.follows = true;
+  link.ratio = k;
+  link.dof = follower.rate;
+  link.spring_from = follower.leader_slot - follower.slot;
+  link.rotor = k * k * link.rotor;
+  link.spin = k * link.spin;
+  link.viscous = k * k * link.viscous;
+  link.positive = size * (forward ? positive : negative);
+  link.negative = size * (forward ? negative : positive);
+  // stiffness (k q + offset - rest)^2 = k^2 stiffness (q - (rest - offset) / k)^2
+  link.stiffness = k * k * link.stiffness;
+  link.rest = (link.rest - number(follower.offset)) / k;
+}
+
 }  // namespace detail
 
 /** Builds the model of a mechanism, its cylindrical, universal and planar joints as chains of massless
@@ -106,6 +127,10 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
   // scene link -> model link that carries it (-1: the world), and carrier frame -> scene link frame
   std::vector<int> carrier(mechanism.links.size(), -1);
   std::vector<Transform<T>> X_carrier(mechanism.links.size(), Transform<T>::identity());
+
+  const std::vector<scene::Follower> followers = scene::followers(mechanism);
+  auto follower = followers.begin();
+  model.coupled = !followers.empty();
 
   for (std::size_t i = 0; i < mechanism.links.size(); ++i) {
     const scene::Link& link = mechanism.links[i];
@@ -152,8 +177,13 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
           model.positions += part.slots;
           model.plain_joints = model.plain_joints && (part.kind == JointKind::kRevolute ||
                                                       part.kind == JointKind::kPrismatic);
-          model.link_of_dof.insert(model.link_of_dof.end(), axisCount(part.kind),
-                                   static_cast<int>(model.links.size()));
+          if (link.joint.mimic) {
+            detail::follow(*follower++, number, out);
+            model.plain_joints = false;
+          } else {
+            model.link_of_dof.insert(model.link_of_dof.end(), axisCount(part.kind),
+                                     static_cast<int>(model.links.size()));
+          }
         }
         carrier[i] = static_cast<int>(model.links.size());
         model.links.push_back(out);
@@ -169,6 +199,12 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
 
   for (std::size_t i = 0; i < mechanism.links.size(); ++i)
     model.places.push_back({carrier[i], X_carrier[i]});
+  std::vector<char> seen(model.coupled ? model.dof() : 0, 0);
+  for (std::size_t i = model.links.size(); model.coupled && i-- > 0;)
+    if (LinkModel<T>& link = model.links[i]; link.dof >= 0) {
+      link.adds = seen[link.dof] != 0;
+      seen[link.dof] = 1;
+    }
 
   for (const scene::Wrench& wrench : mechanism.wrenches) {
     if (carrier[wrench.link] < 0) continue;  // on the world: moves nothing

@@ -118,6 +118,7 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::ve
   requirePositions(model, "closedForwardDynamics", x.size());
   requireSize(model, "closedForwardDynamics", "qd", qd.size());
   requireSize(model, "closedForwardDynamics", "tau", tau.size());
+  requireOwnRates(model, "closedForwardDynamics");
   const int n = static_cast<int>(model.links.size());
   ClosedMotionResult<T> out;
   out.qdd.assign(model.dof(), T(0));
@@ -215,7 +216,7 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::ve
     for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
       ws.U[d] = AnyJoints::column(link, k, M_a);
       ws.D[d] = link.rotor + AnyJoints::force(link, k, ws.U[d]);
-      ws.u[d] = tau[d] - AnyJoints::force(link, k, f_a) - link.stiffness * (x[link.slot].q - link.rest);
+      ws.u[d] = tau[d] - AnyJoints::force(link, k, f_a) - link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
       if (model.friction) ws.u[d] -= frictionForce(link, qd[d]);
       if (model.gyroscopic && link.parent >= 0) ws.U[d] = ws.U[d] + spinAxis(link);
       const T inverse_D = T(1) / ws.D[d];

@@ -35,13 +35,17 @@ void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, W
       ws.I_C[i] = model.links[i].M;
     }
     M.setConstant(T(0));  // joints on different branches do not feel each other
+    const auto put = [&](int row, int column, const T& entry) {
+      if (Joints::kMayFollow && model.coupled) M(row, column) += entry;
+      else M(row, column) = entry;
+    };
     for (int i = n - 1; i >= 0; --i) {
       const LinkModel<T>& link = model.links[i];
       if (link.parent >= 0)
         ws.I_C[link.parent] = ws.I_C[link.parent] + ws.X_up[i].inverseTimes(ws.I_C[i]);  // (1)
       for (int k = 0, d = link.dof; k < Joints::axes(link); ++k, ++d) {
         Force<T> F = Joints::column(link, k, ws.I_C[i]);
-        M(d, d) = Joints::force(link, k, F) + link.rotor;                               // (2)
+        put(d, d, Joints::force(link, k, F) + link.rotor);                              // (2)
         for (int l = 0, e = link.dof; l < k; ++l, ++e)
           M(d, e) = M(e, d) = Joints::force(link, l, F);
         if (model.gyroscopic) F = F + spinAxis(link);
@@ -49,8 +53,9 @@ void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, W
           F = ws.X_up[b].inverseTimes(F);
           const LinkModel<T>& inboard = model.links[j];
           for (int l = 0, e = inboard.dof; l < Joints::axes(inboard); ++l, ++e) {
-            M(d, e) = Joints::force(inboard, l, F);                                     // (3)
-            M(e, d) = M(d, e);
+            const T entry = Joints::force(inboard, l, F);                               // (3)
+            put(d, e, entry);
+            put(e, d, entry);
           }
         }
       }
@@ -131,7 +136,8 @@ MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition
   requirePositions(model, "coriolisMatrix", x.size());
   requireSize(model, "coriolisMatrix", "qd", qd.size());
   const int n = static_cast<int>(model.links.size());
-  std::vector<Vector6<T>> Z(model.dof()), dZ(model.dof());
+  std::vector<Vector6<T>> Z, dZ;
+  std::vector<int> first;  // of a link's axes in these
   std::vector<Matrix6<T>> I_C(n), B_C(n), X_up(n);
   for (int i = 0; i < n; ++i) {
     const LinkModel<T>& link = model.links[i];
@@ -139,9 +145,11 @@ MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition
     const Motion<T> v_J = AnyJoints::motion(link, qd);
     ws.v[i] = link.parent < 0 ? v_J : ws.X_up[i] * ws.v[link.parent] + v_J;
     X_up[i] = ws.X_up[i].motionMatrix();
-    for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
-      Z[d] = jointAxis(link, k);
-      dZ[d] = cross(ws.v[i], Motion<T>{Z[d].template head<3>(), Z[d].template tail<3>()}).vector();
+    first.push_back(static_cast<int>(Z.size()));
+    for (int k = 0; k < AnyJoints::axes(link); ++k) {
+      Z.push_back(jointAxis(link, k));
+      const Vector6<T>& z = Z.back();
+      dZ.push_back(cross(ws.v[i], Motion<T>{z.template head<3>(), z.template tail<3>()}).vector());
     }
     I_C[i] = ArticulatedInertia<T>::fromRigid(link.M).matrix();
     B_C[i] = detail::bodyCoriolis(link.M, ws.v[i]);
@@ -149,19 +157,21 @@ MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition
   MatrixX<T> C = MatrixX<T>::Constant(model.dof(), model.dof(), T(0));
   for (int b = n - 1; b >= 0; --b) {
     const LinkModel<T>& link = model.links[b];
-    for (int j = link.dof; j < link.dof + AnyJoints::axes(link); ++j) {
-      Vector6<T> F_1 = I_C[b] * dZ[j] + B_C[b] * Z[j];
-      Vector6<T> F_2 = I_C[b] * Z[j];
-      Vector6<T> F_3 = B_C[b].transpose() * Z[j];                               // (1)
-      for (int i = link.dof; i < link.dof + AnyJoints::axes(link); ++i) C(i, j) = Z[i].dot(F_1);
+    for (int k = 0, j = link.dof; k < AnyJoints::axes(link); ++k, ++j) {
+      const Vector6<T>&z = Z[first[b] + k], &dz = dZ[first[b] + k];
+      Vector6<T> F_1 = I_C[b] * dz + B_C[b] * z;
+      Vector6<T> F_2 = I_C[b] * z;
+      Vector6<T> F_3 = B_C[b].transpose() * z;                                  // (1)
+      for (int l = 0; l < AnyJoints::axes(link); ++l) C(link.dof + l, j) += Z[first[b] + l].dot(F_1);
       for (int a = b, p = link.parent; p >= 0; a = p, p = model.links[p].parent) {
         F_1 = X_up[a].transpose() * F_1;
         F_2 = X_up[a].transpose() * F_2;
         F_3 = X_up[a].transpose() * F_3;
         const LinkModel<T>& inboard = model.links[p];
-        for (int i = inboard.dof; i < inboard.dof + AnyJoints::axes(inboard); ++i) {
-          C(i, j) = Z[i].dot(F_1);
-          C(j, i) = dZ[i].dot(F_2) + Z[i].dot(F_3);                             // (2)
+        for (int l = 0, i = inboard.dof; l < AnyJoints::axes(inboard); ++l, ++i) {
+          const int at = first[p] + l;
+          C(i, j) += Z[at].dot(F_1);
+          C(j, i) += dZ[at].dot(F_2) + Z[at].dot(F_3);                          // (2)
         }
       }
     }

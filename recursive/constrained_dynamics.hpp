@@ -78,6 +78,7 @@ template <typename T>
 void propagateConstraints(const Model<T>& model, const std::vector<LinkConstraint<T>>& constraints,
                           const Workspace<T>& ws, ConstraintWorkspace<T>& cws,
                           const std::vector<char>& driven = {}) {
+  requireOwnRates(model, "propagateConstraints");
   const int n = static_cast<int>(model.links.size());
   for (auto& E : cws.E) E.setConstant(T(0));
   int column = 0;

@@ -155,7 +155,7 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
           AnyJoints::addMotion(link, j, T(1), Z);
           const Motion<T> at_A = X_AW * out.X_W[i].inverseTimes(Z);
           detail::closureRates(closure.kind, at_A, X_BA, [&](int k, const T& rate) {
-            out.J(closure.row + k, link.dof + j) = side == 2 ? rate : -rate;       // (3)
+            out.J(closure.row + k, link.dof + j) += side == 2 ? rate : -rate;      // (3)
           });
         }
       }

@@ -75,7 +75,7 @@ T potentialEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
       ws.I_C[link.parent].h += h;
     }
     if (link.dof >= 0) {
-      const T stretch = x[link.slot].q - link.rest;
+      const T stretch = x[link.slot + link.spring_from].q - link.rest;
       twice_springs += link.stiffness * stretch * stretch;
     }
   }
@@ -112,7 +112,7 @@ void positionRates(const Model<T>& model, const std::vector<JointPosition<T>>& x
   for (const LinkModel<T>& link : model.links) {
     if (link.dof < 0) continue;
     int slot = link.slot, dof = link.dof;
-    if (axisCount(link.kind) == 1) rates[slot] = qd[dof];
+    if (axisCount(link.kind) == 1) rates[slot] = link.follows ? T(link.ratio * qd[dof]) : qd[dof];
     if (link.kind == JointKind::kFloating) {
       const Vector3<T> p_rate = rotation(&x[slot + 3]) * Vector3<T>(qd[dof], qd[dof + 1], qd[dof + 2]);
       for (int k = 0; k < 3; ++k) rates[slot + k] = p_rate(k);

@@ -36,6 +36,7 @@ void hybridDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& 
   requireSize(model, "hybridDynamics", "driven", driven.size());
   requireSize(model, "hybridDynamics", "qdd", qdd.size());
   requireSize(model, "hybridDynamics", "tau", tau.size());
+  requireOwnRates(model, "hybridDynamics");
   const int n = static_cast<int>(model.links.size());
   Motion<T> a_0 = Motion<T>::zero();
   if (terms.gravity) a_0.linear = -model.gravity;
@@ -66,7 +67,7 @@ void hybridDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& 
       ws.U[d] = AnyJoints::column(link, k, M_a);
       ws.D[d] = link.rotor + AnyJoints::force(link, k, ws.U[d]);
       ws.u[d] = tau[d] - AnyJoints::force(link, k, f_a);
-      if (terms.springs) ws.u[d] -= link.stiffness * (x[link.slot].q - link.rest);
+      if (terms.springs) ws.u[d] -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
       if (model.friction && terms.friction) ws.u[d] -= frictionForce(link, qd[d]);
       if (model.gyroscopic && link.parent >= 0) ws.U[d] = ws.U[d] + spinAxis(link);
       const T inverse_D = T(1) / ws.D[d];

@@ -66,6 +66,7 @@ void baseConstrainedDynamics(const Model<T>& model, const std::vector<JointPosit
                              Eigen::Matrix<T, Eigen::Dynamic, 1>* force) {
   if (model.links.empty() || model.links[0].kind != JointKind::kFloating || base.link != 0)
     throw std::invalid_argument("baseConstrainedDynamics: expected a floating link 0, and a constraint on it");
+  requireOwnRates(model, "baseConstrainedDynamics");
   forwardDynamics(model, x, qd, tau, ws, qdd);
   MatrixX<T> M(6, 6), A = base.A;
   using Vector = Eigen::Matrix<T, Eigen::Dynamic, 1>;

@@ -23,12 +23,21 @@ using scene::JointPosition;
     A joint's axes Z_k are columns of the motion that it passes on, v_J = sum of Z_k qd_k, constant in
     the link's frame: e_z to turn about or to slide along, both for a screw; the three turns of a
     spherical joint; the three slides and three turns of a floating one. Cylindrical, universal and
-    planar joints are chains of links with one axis each, massless but for the last (buildModel). */
+    planar joints are chains of links with one axis each, massless but for the last (buildModel).
+
+    A follower (scene::Mimic) moves with its leader's rate: its axis is k Z, k the ratio of the rates, and
+    what else goes with a rate is written in the leader's: k^2 d, k h, k^2 viscous, |k| Coulomb (of the other
+    direction where k < 0), and the spring as one of k^2 stiffness on the leader's position. So the sweeps'
+    formulas stay what they are; only entries of a rate are sums over its joints. */
 template <typename T>
 struct LinkModel {
   int parent = -1;  ///< -1: the world
   int dof = -1;     ///< index of the joint's first rate in qd; -1: fixed
   int slot = -1;    ///< index of the joint's first position in q
+  int spring_from = 0;   ///< slots to the position that its spring measures: to a follower's leader
+  bool follows = false;  ///< with `ratio`
+  bool adds = false;     ///< a link further outboard in the list has the same rate
+  T ratio = T(1);        ///< of its rate to the leader's
   JointKind kind = JointKind::kFixed;
   Transform<T> X_tree = Transform<T>::identity();  ///< parent link frame to unmoved joint frame
   RigidInertia<T> M = RigidInertia<T>::zero();
@@ -65,6 +74,7 @@ struct Model {
   int positions = 0;         ///< how many slots q has: dof(), and one a quaternion
   bool plain_joints = true;  ///< all are fixed, revolute or prismatic
   bool gyroscopic = false, friction = false;  ///< any of spin, any friction
+  bool coupled = false;  ///< some joints follow others
   /// What rests in the world: it enters the potential energy only.
   RigidInertia<T> base = RigidInertia<T>::zero();
   Vector3<T> gravity = Vector3<T>::Zero();  ///< [m/s^2], world axes
@@ -125,6 +135,15 @@ void requirePositions(const Model<T>& model, const char* function, std::size_t s
                                 std::to_string(size));
 }
 
+/// For sweeps that solve for each joint where they pass it.
+/// @throws std::invalid_argument  joints follow others
+template <typename T>
+void requireOwnRates(const Model<T>& model, const char* function) {
+  if (model.coupled)
+    throw std::invalid_argument(std::string(function) + ": model: joints follow others (mimic), expected joints "
+                                                        "with rates of their own");
+}
+
 /// What the sweeps write on: sized once for a model, then reused without allocation.
 template <typename T>
 struct Workspace {
@@ -177,6 +196,8 @@ Matrix3<T> rotation(const JointPosition<T>* x) {
         column      M Z_k: the column of an inertia, rigid or articulated
     all in link coordinates. */
 struct AnyJoints {
+  static constexpr bool kMayFollow = true;
+
   template <typename T>
   static int axes(const LinkModel<T>& link) {
     return axisCount(link.kind);
@@ -204,6 +225,29 @@ struct AnyJoints {
 
   template <typename T>
   static void addMotion(const LinkModel<T>& link, int k, const T& rate, Motion<T>& x) {
+    if (link.follows) addOwnMotion(link, k, T(link.ratio * rate), x);
+    else addOwnMotion(link, k, rate, x);
+  }
+  template <typename T>
+  static Motion<T> motion(const LinkModel<T>& link, const std::vector<T>& rates) {
+    Motion<T> x = Motion<T>::zero();
+    for (int k = 0; k < axes(link); ++k) addMotion(link, k, rates[link.dof + k], x);
+    return x;
+  }
+  template <typename T>
+  static T force(const LinkModel<T>& link, int k, const Force<T>& f) {
+    if (link.follows) return link.ratio * ownForce(link, k, f);
+    return ownForce(link, k, f);
+  }
+  template <typename T, typename Inertia>
+  static Force<T> column(const LinkModel<T>& link, int k, const Inertia& M) {
+    if (link.follows) return ownColumn(link, k, M) * link.ratio;
+    return ownColumn(link, k, M);
+  }
+
+ private:  // of the joint's own rate
+  template <typename T>
+  static void addOwnMotion(const LinkModel<T>& link, int k, const T& rate, Motion<T>& x) {
     switch (link.kind) {
       case JointKind::kHelical: x.linear.z() += link.pitch * rate; [[fallthrough]];
       case JointKind::kRevolute: x.angular.z() += rate; break;
@@ -214,14 +258,7 @@ struct AnyJoints {
     }
   }
   template <typename T>
-  static Motion<T> motion(const LinkModel<T>& link, const std::vector<T>& rates) {
-    Motion<T> x = Motion<T>::zero();
-    for (int k = 0; k < axes(link); ++k) addMotion(link, k, rates[link.dof + k], x);
-    return x;
-  }
-
-  template <typename T>
-  static T force(const LinkModel<T>& link, int k, const Force<T>& f) {
+  static T ownForce(const LinkModel<T>& link, int k, const Force<T>& f) {
     switch (link.kind) {
       case JointKind::kPrismatic: return f.force.z();
       case JointKind::kHelical: return f.moment.z() + link.pitch * f.force.z();
@@ -232,7 +269,7 @@ struct AnyJoints {
   }
 
   template <typename T, typename Inertia>
-  static Force<T> column(const LinkModel<T>& link, int k, const Inertia& M) {
+  static Force<T> ownColumn(const LinkModel<T>& link, int k, const Inertia& M) {
     switch (link.kind) {
       case JointKind::kPrismatic: return M.linearColumn(2);
       case JointKind::kHelical: return M.angularColumn(2) + M.linearColumn(2) * link.pitch;
@@ -247,6 +284,8 @@ struct AnyJoints {
     that most mechanisms pay nothing for the kinds that they do not have (with AnyJoints alone, sweeps
     of a 7R arm took 8 to 25 % more instructions). */
 struct PlainJoints {
+  static constexpr bool kMayFollow = false;
+
   template <typename T>
   static int axes(const LinkModel<T>& link) {
     return link.dof >= 0 ? 1 : 0;

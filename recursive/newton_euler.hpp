@@ -62,10 +62,13 @@ void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
     // inward: what passes through each joint
     for (int i = n - 1; i >= 0; --i) {
       const LinkModel<T>& link = model.links[i];
-      for (int k = 0, d = link.dof; k < Joints::axes(link); ++k, ++d)
-        tau[d] = Joints::force(link, k, ws.f[i]) + link.rotor * qdd[d];               // (4)
+      for (int k = 0, d = link.dof; k < Joints::axes(link); ++k, ++d) {
+        const T own = Joints::force(link, k, ws.f[i]) + link.rotor * qdd[d];          // (4)
+        if (Joints::kMayFollow && link.adds) tau[d] += own;
+        else tau[d] = own;
+      }
       if (terms.springs && link.dof >= 0)
-        tau[link.dof] += link.stiffness * (x[link.slot].q - link.rest);
+        tau[link.dof] += link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
       if (model.friction && terms.friction && link.dof >= 0)
         tau[link.dof] += frictionForce(link, qd[link.dof]);
       if (link.parent < 0) continue;

@@ -21,7 +21,7 @@ void taskJacobian(const Model<T>& model, const std::vector<LinkConstraint<T>>& t
       for (int i = task.link; i >= 0; i = model.links[i].parent) {
         const LinkModel<T>& link = model.links[i];
         for (int axis = 0; axis < AnyJoints::axes(link); ++axis)
-          J(row, link.dof + axis) = AnyJoints::force(link, axis, f);
+          J(row, link.dof + axis) += AnyJoints::force(link, axis, f);
         f = ws.X_up[i].inverseTimes(f);
       }
     }

@@ -94,9 +94,10 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
     Force<T> f = Force<T>::zero();
     if (parameter.kind == scene::InertialParameter::Kind::kRotor) {
       const LinkModel<T>& link = model.links[i];
-      Y(link.dof, j) = qdd[link.dof];                                                 // (4)
+      const T k2 = link.follows ? T(link.ratio * link.ratio) : T(1);  // as in link.rotor
+      Y(link.dof, j) = k2 * qdd[link.dof];                                            // (4)
       if (!model.gyroscopic || link.parent < 0) continue;
-      const T per_rotor = T(1) / link.rotor;
+      const T per_rotor = k2 / link.rotor;
       const Motion<T> v_p = ws.X_up[i] * ws.v[link.parent], a_p = ws.X_up[i] * ws.a[link.parent];
       Y(link.dof, j) += dot(a_p, spinAxis(link)) * per_rotor;                         // (5)
       f = ws.X_up[i].inverseTimes(spinForce(link, qd[link.dof], qdd[link.dof], v_p) * per_rotor);
@@ -107,7 +108,7 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
     }
     for (; i >= 0; f = ws.X_up[i].inverseTimes(f), i = model.links[i].parent)
       for (int k = 0; k < AnyJoints::axes(model.links[i]); ++k)
-        Y(model.links[i].dof + k, j) = AnyJoints::force(model.links[i], k, f);        // (3)
+        Y(model.links[i].dof + k, j) += AnyJoints::force(model.links[i], k, f);       // (3)
   }
 }
 
@@ -142,8 +143,9 @@ void setInertialValues(Model<T>& model, const std::vector<scene::InertialParamet
     const ScenePlace<T>& place = model.places[parameters[j].link];
     LinkModel<T>& link = model.links[place.link];
     if (parameters[j].kind == scene::InertialParameter::Kind::kRotor) {
-      if (model.gyroscopic) link.spin *= pi[j] / link.rotor;
-      link.rotor = pi[j];
+      const T rotor = link.follows ? T(link.ratio * link.ratio * pi[j]) : pi[j];
+      if (model.gyroscopic) link.spin *= rotor / link.rotor;
+      link.rotor = rotor;
     }
     if (parameters[j].kind != scene::InertialParameter::Kind::kMass) continue;
     const T* k = &pi[j];

@@ -70,6 +70,7 @@ struct Rerooted {
     @throws std::invalid_argument  link 0 does not float, or there is no such link */
 template <typename T>
 Rerooted<T> reroot(const Model<T>& model, int new_root) {
+  requireOwnRates(model, "reroot");
   const int n = static_cast<int>(model.links.size());
   if (n == 0 || model.links[0].kind != JointKind::kFloating || model.links[0].dof != 0)
     throw std::invalid_argument("reroot: model: expected a floating link 0");

@@ -14,11 +14,14 @@ std::string cycleAbove(std::size_t start, const std::vector<NamedLink>& links,
   std::vector<bool> seen(links.size(), false);
   std::size_t i = start;
   for (; !seen[i]; i = static_cast<std::size_t>(parents[i])) seen[i] = true;
+  constexpr int kMostNames = 10;
+  int count = 1;
   std::string names = '"' + links[i].link.name + '"';
   for (auto j = static_cast<std::size_t>(parents[i]); j != i;
-       j = static_cast<std::size_t>(parents[j])) {
-    names += ", child of \"" + links[j].link.name + '"';
+       j = static_cast<std::size_t>(parents[j]), ++count) {
+    if (count < kMostNames) names += ", child of \"" + links[j].link.name + '"';
   }
+  if (count > kMostNames) names += ", and so on through " + std::to_string(count) + " links";
   return names + ", child of \"" + links[i].link.name + '"';
 }
 

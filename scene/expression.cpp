@@ -550,8 +550,12 @@ struct ExactEvaluation {
         const auto found = values.find(e.parameter());
         if (found != values.end()) return found->second;
         std::string names;
-        for (const auto& [name, unused] : values) names += (names.empty() ? "" : ", ") + name;
-        fail("parameter \"" + e.parameter() + "\" is not defined, allowed: " +
+        constexpr std::size_t kMostLetters = 500;
+        for (const auto& [name, unused] : values) {
+          if (names.size() < kMostLetters) names += (names.empty() ? "" : ", ") + name;
+          else if (names.compare(names.size() - 3, 3, "...") != 0) names += ", ...";
+        }
+        fail("parameter \"" + excerpt(e.parameter()) + "\" is not defined, allowed: " +
              (names.empty() ? "pi (there are no parameters)" : names + ", pi"));
       }
       case Kind::kNegate: {

@@ -18,7 +18,8 @@ void startAtRest(Scene& scene) {
 
 /** All links are copies of two, whose numbers they share: a million take no more numbers than two, and no
     more validation than the first few, which have every placement that occurs and a tip. */
-Scene familyOf(const std::string& name, const std::string& title, int links, int (*parentOf)(int)) {
+Scene familyOf(const std::string& name, const std::string& title, int links, int (*parentOf)(int),
+               bool planar = false) {
   Scene scene;
   scene.name = name;
   scene.title = title;
@@ -45,7 +46,7 @@ Scene familyOf(const std::string& name, const std::string& title, int links, int
   const Number end = decimal("0.1"), quarter[2] = {decimal("pi/2"), decimal("-pi/2")};
   for (int k = 0; k < 2; ++k) turned[k].joint.placement.rpy[0] = quarter[k];
   for (int k = 0; k < links; ++k) {
-    Link link = turned[k % 2];
+    Link link = planar && k > 0 ? model : turned[k % 2];  // the plane is upright
     link.name = "link" + std::to_string(k + 1);
     link.joint.name = "joint" + std::to_string(k + 1);
     link.parent = k == 0 ? 0 : parentOf(k) + 1;
@@ -67,13 +68,19 @@ Scene chainOf(int links) {
   return familyOf("chain_" + n, "Chain of " + n + " links", links, [](int k) { return k - 1; });
 }
 
+Scene flatChainOf(int links) {
+  const std::string n = std::to_string(links);
+  return familyOf("flat_chain_" + n, "Flat chain of " + n + " links", links, [](int k) { return k - 1; },
+                  true);
+}
+
 Scene treeOf(int links) {
   const std::string n = std::to_string(links);
   return familyOf("tree_" + n, "Binary tree of " + n + " links", links, [](int k) { return (k - 1) / 2; });
 }
 
 bool findFamily(const std::string& name, Scene* scene) {
-  for (const char* prefix : {"chain_", "tree_"}) {
+  for (const char* prefix : {"chain_", "flat_chain_", "tree_"}) {
     const std::string start = prefix;
     if (name.compare(0, start.size(), start) != 0) continue;
     const std::string digits = name.substr(start.size());
@@ -82,7 +89,7 @@ bool findFamily(const std::string& name, Scene* scene) {
       return false;
     const int links = std::stoi(digits);
     if (links > kMostFamilyLinks) return false;
-    *scene = start == "chain_" ? chainOf(links) : treeOf(links);
+    *scene = start == "chain_" ? chainOf(links) : start == "tree_" ? treeOf(links) : flatChainOf(links);
     return true;
   }
   return false;

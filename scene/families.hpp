@@ -14,10 +14,13 @@ inline constexpr int kMostFamilyLinks = 1000000;
     across each other; 0.1 m and 1 kg each, their centres of mass and inertias in no symmetry. */
 Scene chainOf(int links);
 
+/// The same with parallel axes, in an upright plane: the worse M is to solve with, the longer it is.
+Scene flatChainOf(int links);
+
 /// The same links as a balanced binary tree: link k hangs on the end of link (k - 1) / 2.
 Scene treeOf(int links);
 
-/// chain_N or tree_N with N from 1 to kMostFamilyLinks, as findScene() knows them.
+/// chain_N, flat_chain_N or tree_N with N from 1 to kMostFamilyLinks, as findScene() knows them.
 /// @return whether the name is one of them
 bool findFamily(const std::string& name, Scene* scene);
 

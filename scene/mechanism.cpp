@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "scene/mimic.hpp"
+
 namespace dynwitness::scene {
 namespace {
 
@@ -167,7 +169,7 @@ std::vector<Step> Placement::afterJoint() const {
 std::vector<const Expression*> Mechanism::motions() const {
   std::vector<const Expression*> all;
   for (const Link& link : links) {
-    const int n = degreesOfFreedom(link.joint.kind);
+    const int n = link.joint.ownRates();
     for (int k = 0; k < n; ++k)
       all.push_back(link.joint.motion.empty() ? nullptr : &link.joint.motion[static_cast<std::size_t>(k)]);
   }
@@ -181,7 +183,7 @@ bool Mechanism::isDriven() const {
 
 int Mechanism::dof() const {
   int n = 0;
-  for (const Link& link : links) n += degreesOfFreedom(link.joint.kind);
+  for (const Link& link : links) n += link.joint.ownRates();
   return n;
 }
 
@@ -200,9 +202,11 @@ std::vector<SlotKind> Mechanism::slots() const {
 
 std::vector<std::string> Mechanism::rateLabels() const {
   std::vector<std::string> labels;
-  for (const Link& link : links)
+  for (const Link& link : links) {
+    if (link.joint.mimic) continue;
     for (const std::string& rate : rateNames(link.joint.kind))
       labels.push_back(link.joint.name + (rate.empty() ? "" : "." + rate));
+  }
   return labels;
 }
 
@@ -216,7 +220,13 @@ std::vector<Number> Mechanism::restPosition() const {
       q.push_back(is_w ? one : zero);
     }
   }
+  followLeaders(followers(*this), &q);
   return q;
+}
+
+bool Mechanism::hasMimics() const {
+  return std::any_of(links.begin(), links.end(),
+                     [](const Link& link) { return link.joint.mimic.has_value(); });
 }
 
 bool Mechanism::hasFriction() const {

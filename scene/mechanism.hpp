@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -95,6 +96,17 @@ struct Friction {
   bool isNone() const { return viscous.isLiteralZero() && !isCoulomb(); }
 };
 
+/** A joint that follows another one, its leader:  q = multiplier q_leader + offset. Both have one position
+    (revolute, prismatic, helical), and the leader may stand anywhere in the tree, or follow a third joint.
+    A follower is no unknown: rates, accelerations and forces are those of the other joints, and what it
+    takes to move a follower is part of its leader's force (scene/mimic.hpp). The multiplier is a rational
+    number other than 0, and is not a parameter: it decides which functions of q there are. */
+struct Mimic {
+  std::string joint;     ///< the leader's name
+  Number multiplier{1};  ///< [rad/rad], [m/rad], ...
+  Number offset{0};      ///< [rad], [m]
+};
+
 /** A joint: the link moves about or along `axis`, given in the joint frame and of any non-zero length
     (revolute, prismatic, helical, cylindrical; the normal of a planar joint, whose x and y are those
     of the joint frame turned by AxisTurn). The others move in the joint frame as it stands. A rotor of
@@ -121,6 +133,10 @@ struct Joint {
   Friction friction;
   Number stiffness{0}, rest{0};
   std::vector<Expression> motion;  ///< of t [rad], [m]; none: the joint is free
+  std::optional<Mimic> mimic;      ///< none: it follows no other
+
+  /// How many rates it brings along: those of its kind, but a follower none.
+  int ownRates() const { return mimic ? 0 : degreesOfFreedom(kind); }
 };
 
 /** Mass [kg], centre of mass [m] in the link frame, and the rotational inertia [kg m^2]
@@ -232,14 +248,15 @@ struct Mechanism {
   std::vector<Spring> springs;  ///< between two points; those of joints stand with the joint
   std::vector<AccelerationConstraint> acceleration_constraints;
 
-  int dof() const;        ///< how many rates qd there are
-  int positions() const;  ///< how many position slots q there are: dof(), and one a quaternion
+  int dof() const;        ///< how many rates qd there are; followers have none
+  int positions() const;  ///< how many position slots there are: one a rate, a quaternion and a follower
+  bool hasMimics() const;
   /// True when the tree alone is the whole mechanism: no closures, no springs between points.
   bool isOpenTree() const { return closures.empty() && springs.empty(); }
   bool hasFriction() const;
   bool hasCoulombFriction() const;
   bool hasGyroscopicRotors() const;
-  /// Indices of the links whose joints move, in the order of q.
+  /// Indices of the links whose joints move, in the order of q; those of followers among them.
   std::vector<int> movingLinks() const;
   /// By degree of freedom: the driven ones' functions of t, nullptr for the free.
   std::vector<const Expression*> motions() const;
@@ -248,7 +265,7 @@ struct Mechanism {
   std::vector<SlotKind> slots() const;
   /// Names of the degrees of freedom, in the order of qd: that of the joint, or "joint.turn".
   std::vector<std::string> rateLabels() const;
-  /// All q zero, orientations that of the joint frame: (1, 0, 0, 0).
+  /// All q zero, orientations that of the joint frame: (1, 0, 0, 0). Followers are where that puts them.
   std::vector<Number> restPosition() const;
   /// Exact values of all parameters.
   ParameterValues parameterValues() const;

@@ -8,9 +8,10 @@ namespace dynwitness::scene {
 void validateMotions(const Scene& scene) {
   const Mechanism& mechanism = scene.mechanism;
   const RealNumbers<double> number(mechanism);
+  const ParameterValues values = mechanism.parameterValues();
   for (const Link& link : mechanism.links) {
     const std::string what = "joint \"" + link.joint.name + "\" of link \"" + link.name + "\": motion";
-    if (!link.joint.motion.empty() && mechanism.parameterValues().count("t") > 0)
+    if (!link.joint.motion.empty() && values.count("t") > 0)
       throw InputError(link.where, what + ": t is the time, and a parameter has the same name, allowed: "
                                           "any other name for the parameter");
     for (const Expression& f : link.joint.motion) {
@@ -25,7 +26,6 @@ void validateMotions(const Scene& scene) {
         throw InputError(link.where, what + ": \"" + f.text() + "\" or its rates are not finite at t = 0");
     }
   }
-  const ParameterValues values = mechanism.parameterValues();
   for (const AccelerationConstraint& held : mechanism.acceleration_constraints) {
     const std::string what = "acceleration_constraint \"" + held.name + '"';
     if (held.link <= 0 || held.link >= static_cast<int>(mechanism.links.size()))

@@ -1,33 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/scene.hpp"
 #include "scene/families.hpp"
+#include "scene/text_file.hpp"
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 
 namespace dynwitness::scene {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string readFile(const fs::path& file) {
-  std::error_code error;
-  if (fs::is_directory(file, error)) {
-    throw InputError({file.string(), 0}, "is a folder, allowed: a TOML or URDF file");
-  }
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    throw InputError({file.string(), 0},
-                     "cannot be read: " + std::string(std::strerror(errno ? errno : ENOENT)));
-  }
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
 
 /// XML starts with '<', and TOML cannot.
 bool looksLikeXml(const std::string& text) {
@@ -105,7 +88,7 @@ fs::path dataFolder() {
 }
 
 Scene readScene(const fs::path& file) {
-  const std::string text = readFile(file);
+  const std::string text = readTextFile(file, "a TOML or URDF file");
   return looksLikeXml(text) ? readSceneUrdf(text, file) : readSceneToml(text, file);
 }
 
@@ -140,7 +123,7 @@ Scene findScene(const std::string& name_or_path) {
   throw InputError({}, "no scene and no file is called \"" + name_or_path + "\", allowed: " +
                            (names.empty() ? "" : names + ", four_bars_N with N from 1 to " +
                                                      std::to_string(kMostWindows) +
-                                                     ", chain_N or tree_N with N from 1 to " +
+                                                     ", chain_N, flat_chain_N or tree_N with N from 1 to " +
                                                      std::to_string(kMostFamilyLinks) + ", or ") +
                            "the path of a file");
 }

@@ -16,7 +16,8 @@ struct Scene {
   std::string source;  ///< where the figures come from
   std::filesystem::path file;
   Mechanism mechanism;
-  std::vector<Number> start_q;   ///< one a position slot; default Mechanism::restPosition()
+  /// One a position slot, followers where their leaders put them; default Mechanism::restPosition()
+  std::vector<Number> start_q;
   std::vector<Number> start_qd;  ///< one a degree of freedom; default 0
   std::vector<std::string> not_modelled;  ///< what the file says and dynwitness leaves out
 };
@@ -42,7 +43,8 @@ std::string writeSceneToml(const Scene& scene);
 std::string writeSceneUrdf(const Scene& scene);
 
 /// The URDF for a program that reads URDF itself: the scene's own file where it is one and still says
-/// what the scene says, without its shapes; otherwise writeSceneUrdf().
+/// what the scene says, without its shapes; otherwise writeSceneUrdf(). Joints that follow others are let go in
+/// it: engines read <mimic> as a servo or not at all, and are asked for the tree (witnesses/coupled.hpp).
 std::string urdfForEngines(const Scene& scene);
 
 /// Checks that need the whole mechanism: names, masses, inertias, axes, singular leaves.

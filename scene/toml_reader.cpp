@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <unordered_map>
 
 #include "scene/arrange.hpp"
+#include "scene/mimic.hpp"
 #include "scene/scene.hpp"
+#include "scene/text_file.hpp"
 
 namespace dynwitness::scene {
 namespace {
@@ -32,6 +35,73 @@ std::string typeName(const toml::node& node) {
       return "a boolean";
     default:
       return "a date or time";
+  }
+}
+
+// ---------------------------------------------------------------------------- text to a TOML table
+
+std::string withoutMark(const std::string& text) {
+  return text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? text.substr(3) : text;  // byte order mark
+}
+
+/** @throws InputError on keys of many parts (a.b.c...) and on values deep inside one another. toml++ makes a
+    table of each part and takes tables apart by recursion: a key of 10^5 parts ends on the stack's end.
+    Deepest allowed is a table header of kMostParts, then kMostDepth tables with as many in the key of each. */
+void requireShallow(const std::string& text, const std::string& file) {
+  constexpr int kMostParts = 16, kMostDepth = 16;  // a scene needs 2 and 4
+  int line = 1, parts = 1, depth = 0;
+  const auto require = [&](int count, int most, const char* what) {
+    if (count > most)
+      throw InputError({file, line}, "more than " + std::to_string(most) + " " + what);
+  };
+  const auto skipTo = [&](std::size_t from, std::string_view end) {
+    const std::size_t to = std::min(text.find(end, from), text.size());
+    line += static_cast<int>(std::count(text.begin() + static_cast<std::ptrdiff_t>(from),
+                                        text.begin() + static_cast<std::ptrdiff_t>(to), '\n'));
+    return to;
+  };
+  // past a string that begins at `from`, and past what a backslash makes a part of it
+  const auto skipString = [&](std::size_t from) {
+    const std::string_view quote = std::string_view(text).substr(from, 1);
+    const bool is_long = text.compare(from, 3, std::string(3, quote[0])) == 0;
+    const std::string_view end = std::string_view(text).substr(from, is_long ? 3 : 1);
+    std::size_t at = from + end.size();
+    for (; at < text.size() && text.compare(at, end.size(), end) != 0; ++at) {
+      if (text[at] == '\n' && !is_long) return at;
+      if (text[at] == '\\' && quote == "\"") ++at;
+      if (at < text.size() && text[at] == '\n') ++line;
+    }
+    at += end.size();
+    for (int more = 0; is_long && more < 2 && text.compare(at < text.size() ? at : text.size(), 1, quote) == 0;
+         ++more)
+      ++at;  // up to two quotes may stand before the three that end it
+    return at;
+  };
+  for (std::size_t at = 0; at < text.size();) {
+    switch (text[at]) {
+      case '#': at = skipTo(at, "\n"); continue;
+      case '"':
+      case '\'': at = skipString(at); continue;
+      case '.': require(++parts, kMostParts, "parts in a key"); break;
+      case '[':
+      case '{': require(++depth, kMostDepth, "tables and arrays inside one another"); break;
+      case ']':
+      case '}': depth = std::max(0, depth - 1); break;
+      case '\n': ++line; break;
+      default: break;
+    }
+    if (std::strchr("=,[]{}\n", text[at]) != nullptr) parts = 1;
+    ++at;
+  }
+}
+
+toml::table parsed(const std::string& text, const std::string& file) {
+  requireShallow(text, file);
+  try {
+    return toml::parse(std::string_view(text), std::string_view(file));
+  } catch (const toml::parse_error& error) {
+    throw InputError({file, static_cast<int>(error.source().begin.line)},
+                     "not TOML: " + std::string(error.description()));
   }
 }
 
@@ -84,6 +154,7 @@ class TomlReader {
   void checkJointKeys(const toml::table& table, const std::string& what, JointKind kind) const;
   Placement readPlacement(const toml::table& table, const std::string& what) const;
   Friction readFriction(const toml::table& table, const std::string& what) const;
+  Mimic readMimic(const toml::table& table, const std::string& what) const;
   void readInertia(const toml::table& table, const std::string& what,
                    MassProperties* inertia) const;
   /// A link of this scene by name, as an index.
@@ -100,7 +171,10 @@ class TomlReader {
 
   std::string file_;
   std::vector<std::string> lines_;
+  mutable toml::source_index columns_of_ = 0;      ///< the line of:
+  mutable std::vector<std::size_t> columns_;  ///< where its characters begin; toml++ counts code points
   Scene scene_;
+  std::unordered_map<std::string, int> link_index_;
   ParameterValues values_;
 };
 
@@ -161,10 +235,13 @@ const toml::node& TomlReader::required(const toml::table& table, const std::stri
 std::string TomlReader::literal(const toml::node& node) const {
   const toml::source_position begin = node.source().begin;
   const std::string& line = lines_.at(begin.line - 1);
-  std::size_t at = 0;
-  for (toml::source_index column = 1; column < begin.column; ++at) {  // columns count code points
-    if ((static_cast<unsigned char>(line[at + 1]) & 0xC0) != 0x80) ++column;
+  if (columns_of_ != begin.line) {
+    columns_of_ = begin.line;
+    columns_.clear();
+    for (std::size_t i = 0; i < line.size(); ++i)
+      if ((static_cast<unsigned char>(line[i]) & 0xC0) != 0x80) columns_.push_back(i);
   }
+  std::size_t at = columns_.at(begin.column - 1);
   std::string result;
   for (; at < line.size(); ++at) {
     const char c = line[at];
@@ -333,7 +410,7 @@ void TomlReader::checkJointKeys(const toml::table& table, const std::string& wha
     case JointKind::kRevolute:
     case JointKind::kPrismatic:
       allow({"axis", "dh", "mdh", "rotor_inertia", "gear_ratio", "gyroscopic", "stiffness", "rest",
-             "friction"});
+             "friction", "mimic"});
       break;
     case JointKind::kCylindrical: allow({"axis", "dh", "mdh"}); break;
     case JointKind::kPlanar: allow({"axis"}); break;
@@ -344,7 +421,7 @@ void TomlReader::checkJointKeys(const toml::table& table, const std::string& wha
   if (degreesOfFreedom(kind) > 0 && ratesArePositionDerivatives(kind)) allow({"motion"});
   if (degreesOfFreedom(kind) > 1) {
     for (const char* key :
-         {"rotor_inertia", "gear_ratio", "gyroscopic", "stiffness", "rest", "friction"}) {
+         {"rotor_inertia", "gear_ratio", "gyroscopic", "stiffness", "rest", "friction", "mimic"}) {
       if (const toml::node* node = table.get(key))
         throw InputError(where(*node), of_kind + ": has " + key +
                                            ", allowed: only with revolute, prismatic and helical "
@@ -376,6 +453,8 @@ Joint TomlReader::readJoint(const toml::table& table, const std::string& link) c
   }
   if (const toml::node* friction = table.get("friction"))
     joint.friction = readFriction(asTable(*friction, what + ": friction"), what + ": friction");
+  if (const toml::node* mimic = table.get("mimic"))
+    joint.mimic = readMimic(asTable(*mimic, what + ": mimic"), what + ": mimic");
   if (const toml::node* motion = table.get("motion"))
     joint.motion = readMotion(*motion, what + ": motion", degreesOfFreedom(joint.kind));
   return joint;
@@ -396,6 +475,15 @@ Friction TomlReader::readFriction(const toml::table& table, const std::string& w
   friction.positive = optionalNumber(sides, what + ": coulomb", "positive");
   friction.negative = optionalNumber(sides, what + ": coulomb", "negative");
   return friction;
+}
+
+Mimic TomlReader::readMimic(const toml::table& table, const std::string& what) const {
+  checkKeys(table, what, {"joint", "multiplier", "offset"});
+  Mimic mimic;
+  mimic.joint = string(required(table, what, "joint", "the name of another joint"), what + ": joint");
+  mimic.multiplier = optionalNumber(table, what, "multiplier", 1);
+  mimic.offset = optionalNumber(table, what, "offset");
+  return mimic;
 }
 
 Placement TomlReader::readPlacement(const toml::table& table, const std::string& what) const {
@@ -446,13 +534,11 @@ void TomlReader::readInertia(const toml::table& table, const std::string& what,
 
 int TomlReader::linkNamed(const toml::node& node, const std::string& what) const {
   const std::string name = string(node, what + ": link");
-  const std::vector<Link>& links = scene_.mechanism.links;
-  const auto found = std::find_if(links.begin(), links.end(),
-                                  [&name](const Link& link) { return link.name == name; });
-  if (found == links.end()) {
+  const auto found = link_index_.find(name);
+  if (found == link_index_.end()) {
     throw InputError(where(node), what + ": \"" + name + "\" is not a link of this scene");
   }
-  return static_cast<int>(found - links.begin());
+  return found->second;
 }
 
 Wrench TomlReader::readWrench(const toml::table& table) const {
@@ -593,8 +679,14 @@ void TomlReader::readStart(const toml::node& node) {
   const toml::table& table = asTable(node, "start");
   checkKeys(table, "start", {"q", "qd"});
   const auto dof = static_cast<std::size_t>(scene_.mechanism.dof());
-  const auto positions = static_cast<std::size_t>(scene_.mechanism.positions());
-  if (const toml::node* q = table.get("q")) scene_.start_q = numbers(*q, "start: q", positions);
+  const std::vector<int> given = givenSlots(scene_.mechanism);
+  if (const toml::node* q = table.get("q")) {
+    const std::vector<Number> read = numbers(*q, "start: q", given.size());
+    scene_.start_q.resize(static_cast<std::size_t>(scene_.mechanism.positions()));
+    for (std::size_t k = 0; k < given.size(); ++k)
+      scene_.start_q[static_cast<std::size_t>(given[k])] = read[k];
+    followLeaders(followers(scene_.mechanism), &scene_.start_q);
+  }
   if (const toml::node* qd = table.get("qd")) scene_.start_qd = numbers(*qd, "start: qd", dof);
 }
 
@@ -608,21 +700,13 @@ void TomlReader::readLike(const toml::node& node, const toml::table& top) {
     throw InputError(where(node), "like is \"" + name + "\", allowed: the name of a TOML scene in this file's "
                                                      "folder, without .toml");
   }
-  std::ifstream in(other);
-  std::ostringstream text;
-  text << in.rdbuf();
-  toml::table of_other;
-  try {
-    of_other = toml::parse(text.str(), other.string());
-  } catch (const toml::parse_error& error) {
-    throw InputError({other.string(), static_cast<int>(error.source().begin.line)},
-                     "not TOML: " + std::string(error.description()));
-  }
+  const std::string text = withoutMark(readTextFile(other, "a TOML scene"));
+  const toml::table of_other = parsed(text, other.string());
   if (of_other.get("like")) {
     throw InputError(where(node), "like is \"" + name + "\", which is like a third scene itself, allowed: one "
                                                      "that stands alone");
   }
-  TomlReader reader(text.str(), other.string());
+  TomlReader reader(text, other.string());
   scene_ = reader.read(of_other);
   values_ = scene_.mechanism.parameterValues();
 }
@@ -645,6 +729,8 @@ Scene TomlReader::read(const toml::table& top) {
     for (const toml::table* table : tables(top, "link")) links.push_back(readLink(*table));
     mechanism.links = arrange(links, file_);
   }
+  for (const Link& link : mechanism.links)
+    link_index_.emplace(link.name, static_cast<int>(link_index_.size()));
   for (const toml::table* table : tables(top, "wrench")) {
     mechanism.wrenches.push_back(readWrench(*table));
   }
@@ -670,15 +756,8 @@ Scene TomlReader::read(const toml::table& top) {
 
 Scene readSceneToml(const std::string& text, const std::filesystem::path& file) {
   const std::string name = file.string();
-  const bool has_mark = text.compare(0, 3, "\xEF\xBB\xBF") == 0;  // byte order mark
-  const std::string content = has_mark ? text.substr(3) : text;
-  toml::table top;
-  try {
-    top = toml::parse(std::string_view(content), std::string_view(name));
-  } catch (const toml::parse_error& error) {
-    throw InputError({name, static_cast<int>(error.source().begin.line)},
-                     "not TOML: " + std::string(error.description()));
-  }
+  const std::string content = withoutMark(text);
+  const toml::table top = parsed(content, name);
   Scene scene = TomlReader(content, name).read(top);
   scene.file = file;
   scene.name = file.stem().string();

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <optional>
 #include <sstream>
+#include <unordered_map>
 
 #include "scene/arrange.hpp"
 #include "scene/scene.hpp"
@@ -113,6 +114,21 @@ class Element {
     const char* text = xml_->Attribute(key);
     return text ? text : "";
   }
+  std::string kind() const { return xml_->ValueStr(); }
+  /// The number between the element's tags.
+  Number numberInside() const {
+    const char* text = xml_->GetText();
+    std::istringstream words(text ? text : "");
+    std::string word, more;
+    if (!(words >> word) || words >> more) fail("expected one number between its tags");
+    return decimal(word, "text");
+  }
+  std::vector<Element> children() const {
+    std::vector<Element> found;
+    for (const TiXmlElement* e = xml_->FirstChildElement(); e; e = e->NextSiblingElement())
+      found.emplace_back(e, file_);
+    return found;
+  }
   std::string attribute(const char* key) const {
     const char* text = xml_->Attribute(key);
     if (!text) fail("has no " + std::string(key));
@@ -120,8 +136,8 @@ class Element {
   }
 
   Number number(const char* key) const { return decimals(key, 1)[0]; }
-  Number optionalNumber(const char* key) const {
-    return xml_->Attribute(key) ? number(key) : Number(0);
+  Number optionalNumber(const char* key, const Number& otherwise = Number(0)) const {
+    return xml_->Attribute(key) ? number(key) : otherwise;
   }
   Vector optionalVector(const char* key) const {
     if (!xml_->Attribute(key)) return {};
@@ -234,6 +250,11 @@ Joint readJoint(const Element& element) {
       joint.friction.positive = joint.friction.negative = dynamics->optionalNumber("friction");
     }
   }
+  if (const std::optional<Element> mimic = element.child("mimic")) {
+    joint.mimic = Mimic{mimic->attribute("joint"), mimic->optionalNumber("multiplier", 1),
+                        mimic->optionalNumber("offset")};
+    if (joint.kind == JointKind::kRevolute) joint.mimic->offset = angleOf(joint.mimic->offset);
+  }
   return joint;
 }
 
@@ -248,11 +269,55 @@ std::string notModelled(const Element& element) {
       if (!exactValue(n, {}).isZero()) add(std::string(key) + " " + n.text());
     }
   }
-  if (const std::optional<Element> mimic = element.child("mimic")) {
-    add("mimic of " + mimic->attribute("joint") + " (the joint moves freely)");
-  }
+  if (readJointKind(element, element.attribute("name")) == JointKind::kFixed && element.child("mimic"))
+    add("mimic (the joint is fixed)");
   if (said.empty()) return said;
   return "joint " + element.attribute("name") + ": " + said + " not modelled";
+}
+
+/** A rotor stands in <transmission><actuator> as Drake writes it: <drake:rotor_inertia value> and
+    <drake:gear_ratio value>, for which <mechanicalReduction> stands in. A reduction without an inertia moves
+    nothing, and what else speaks of inertia is not known; both are told. */
+void readTransmission(const Element& element, std::vector<NamedLink>& links,
+                      std::vector<std::string>* not_modelled) {
+  const std::string name = element.optionalAttribute("name");
+  std::optional<Number> inertia, gear, reduction;
+  const auto look = [&](const Element& child) {
+    const std::string kind = child.kind();
+    if (kind == "drake:rotor_inertia") inertia = child.number("value");
+    else if (kind == "drake:gear_ratio") gear = child.number("value");
+    else if (kind == "mechanicalReduction") reduction = child.numberInside();
+    else if (kind.find("nertia") != std::string::npos)
+      not_modelled->push_back("transmission " + name + ": <" + kind + "> not modelled");
+  };
+  std::string joint;
+  for (const Element& child : element.children()) {
+    look(child);
+    if (child.kind() == "joint") {
+      joint = child.attribute("name");
+      for (const Element& inner : child.children()) look(inner);
+    }
+    if (child.kind() == "actuator")
+      for (const Element& inner : child.children()) look(inner);
+  }
+  if (!inertia) {
+    if (const std::optional<Number>& ratio = gear ? gear : reduction;
+        ratio && !(exactValue(*ratio, {}) == Exact{1, 0}))
+      not_modelled->push_back("transmission " + name + ": reduction " + ratio->text() +
+                              " not modelled (no rotor inertia is given)");
+    return;
+  }
+  const auto found = std::find_if(links.begin(), links.end(), [&](const NamedLink& named) {
+    return named.parent && named.link.joint.name == joint;
+  });
+  if (found == links.end()) element.fail("joint \"" + joint + "\" is not a joint of this robot");
+  if (!hasOnePosition(found->link.joint.kind)) {
+    not_modelled->push_back("transmission " + name + ": rotor of joint " + joint + " not modelled (the joint is " +
+                            scene::name(found->link.joint.kind) + ")");
+    return;
+  }
+  found->link.joint.rotor_inertia = *inertia;
+  if (gear || reduction) found->link.joint.gear_ratio = gear ? *gear : *reduction;
 }
 
 // ----------------------------------------------------------------------- urdfdom's own verdict
@@ -273,9 +338,16 @@ class Listener : public console_bridge::OutputHandler {
   std::string complaints;
 };
 
+/// After arrange(): of what is no tree, urdfdom would let go link by link, each inside the one before.
 void requireValidUrdf(const std::string& text, const std::string& file) {
   Listener listener;
   const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text);
+  // a link owns its children: let go one after the other, or a long chain's end is the stack's
+  if (model)
+    for (const auto& [name, link] : model->links_) {
+      link->child_links.clear();
+      link->child_joints.clear();
+    }
   if (model && listener.complaints.empty()) return;
   throw InputError({file, 0}, "not valid URDF: " + listener.complaints);
 }
@@ -305,19 +377,21 @@ Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) 
   scene.source = "URDF file " + file.filename().string();
 
   std::vector<NamedLink> links;
+  std::unordered_map<std::string, std::size_t> index;
   bool has_limits = false;
-  for (const Element& element : robot.children("link"))
+  for (const Element& element : robot.children("link")) {
     links.push_back({readLink(element), {}, {}});
+    index.emplace(links.back().link.name, links.size() - 1);
+  }
   for (const Element& element : robot.children("joint")) {
     const Joint joint = readJoint(element);
     const Element child = element.requiredChild("child"), parent = element.requiredChild("parent");
     const std::string child_name = child.attribute("link");
-    const auto found = std::find_if(links.begin(), links.end(), [&](const NamedLink& named) {
-      return named.link.name == child_name;
-    });
-    if (found == links.end()) {
+    const auto place = index.find(child_name);
+    if (place == index.end()) {
       child.fail("joint \"" + joint.name + "\": child \"" + child_name + "\" is not a link");
     }
+    NamedLink* const found = &links[place->second];
     if (found->parent) {
       child.fail("joint \"" + joint.name + "\": link \"" + child_name +
                  "\" is the child of joint \"" + found->link.joint.name +
@@ -330,6 +404,8 @@ Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) 
     if (!left_out.empty()) scene.not_modelled.push_back(left_out);
     has_limits = has_limits || element.child("limit");
   }
+  for (const Element& element : robot.children("transmission"))
+    readTransmission(element, links, &scene.not_modelled);
   if (has_limits) {
     scene.not_modelled.push_back("joint limits (position, velocity, effort) not modelled");
   }

@@ -7,7 +7,6 @@
 #include <tinyxml.h>
 
 #include <array>
-#include <fstream>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -15,8 +14,10 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/eigen.hpp>
 
+#include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
 #include "scene/scene.hpp"
+#include "scene/text_file.hpp"
 
 namespace dynwitness::scene {
 namespace {
@@ -156,6 +157,17 @@ std::string dynamics(const Joint& joint, const Numbers& number) {
   return words.empty() ? "" : "<dynamics" + words + "/>";
 }
 
+std::string mimic(const Joint& joint, const Numbers& number) {
+  if (!joint.mimic) return "";
+  const auto attribute = [&](const char* key, const Number& n, int otherwise) {
+    const Real x = number(n);
+    return x == otherwise ? std::string() : fmt::format(" {}=\"{}\"", key, text(x));
+  };
+  return fmt::format("<mimic joint=\"{}\"{}{}/>", escaped(joint.mimic->joint),
+                     attribute("multiplier", joint.mimic->multiplier, 1),
+                     attribute("offset", joint.mimic->offset, 0));
+}
+
 /// What URDF calls a moving joint.
 const char* urdfType(const Link& link) {
   switch (link.joint.kind) {
@@ -189,7 +201,7 @@ std::string linkAndJoint(const Mechanism& mechanism, const Link& link, const Num
   if (joint.kind == JointKind::kPrismatic)  // URDF has no slide without ends
     axis += R"(<limit lower="-1e9" upper="1e9" effort="1e9" velocity="1e9"/>)";
   if (joint.kind == JointKind::kFloating) axis.clear();
-  axis += dynamics(joint, number);
+  axis += dynamics(joint, number) + mimic(joint, number);
   const Origin after = composed(after_joint, number);
   if (after.text().empty())
     return element + jointElement(joint.name, type, parent, link.name, before, axis);
@@ -218,8 +230,8 @@ std::string leftOut(const Mechanism& mechanism, const Numbers& number) {
   return what;
 }
 
-/// The file without <visual> and <collision>; empty when it is not a URDF file.
-std::string withoutGeometry(const std::string& file_text) {
+/// The file without <visual>, <collision> and <mimic>; empty when it is not a URDF file.
+std::string withoutGeometryAndMimics(const std::string& file_text) {
   TiXmlDocument document;
   document.Parse(file_text.c_str());
   TiXmlElement* robot = document.RootElement();
@@ -229,6 +241,9 @@ std::string withoutGeometry(const std::string& file_text) {
     for (const char* geometry : {"visual", "collision"})
       while (TiXmlElement* found = link->FirstChildElement(geometry)) link->RemoveChild(found);
   }
+  for (TiXmlElement* joint = robot->FirstChildElement("joint"); joint;
+       joint = joint->NextSiblingElement("joint"))
+    while (TiXmlElement* found = joint->FirstChildElement("mimic")) joint->RemoveChild(found);
   TiXmlPrinter printer;
   document.Accept(&printer);
   return printer.Str();
@@ -246,14 +261,18 @@ std::string writeSceneUrdf(const Scene& scene) {
   return out + "</robot>\n";
 }
 
-std::string urdfForEngines(const Scene& scene) {
-  if (scene.file.extension() == ".urdf") {
-    std::ifstream file(scene.file);
-    const std::string original{std::istreambuf_iterator<char>(file), {}};
-    const std::string kept = withoutGeometry(original);
-    if (!kept.empty() &&
-        writeSceneUrdf(readSceneUrdf(original, scene.file)) == writeSceneUrdf(scene))
-      return kept;
+std::string urdfForEngines(const Scene& with_mimics) {
+  Scene scene = with_mimics;
+  scene.mechanism = withoutMimics(scene.mechanism);
+  std::error_code error;
+  if (scene.file.extension() == ".urdf" && std::filesystem::is_regular_file(scene.file, error)) {
+    const std::string original = readTextFile(scene.file, "a URDF file");
+    const std::string kept = withoutGeometryAndMimics(original);
+    if (!kept.empty()) {
+      Scene read = readSceneUrdf(original, scene.file);
+      read.mechanism = withoutMimics(read.mechanism);
+      if (writeSceneUrdf(read) == writeSceneUrdf(scene)) return kept;
+    }
   }
   return writeSceneUrdf(scene);
 }

@@ -8,13 +8,16 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <limits>
 #include <map>
 #include <tuple>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include "scene/arrange.hpp"
+#include "scene/mimic.hpp"
 #include "scene/motion.hpp"
 #include "scene/scene.hpp"
 
@@ -62,6 +65,20 @@ bool isPositiveSemidefinite(const RationalMatrix& m) {
     if (m[i][i] < 0 || m[i][i] * m[j][j] < m[i][j] * m[j][i]) return false;
   }
   return dot(m[0], cross(m[1], m[2])) >= 0;
+}
+
+/** The number itself while it is short; of a long one its first 256 bits, and *is_exact is false then. Sums and
+    products over many links grow by the denominators of all: without this a row of 1000 fixed links takes
+    hours. n roundings of 2^-256 stay below the slack of 1e-40 for any n. */
+Rational bounded(const Rational& x, bool* is_exact) {
+  constexpr unsigned kMostBits = 2048, kKeptBits = 256;
+  if (x.is_zero()) return x;
+  const unsigned above = msb(abs(numerator(x))), below = msb(denominator(x));
+  if (above <= kMostBits && below <= kMostBits) return x;
+  *is_exact = false;
+  const int shift = static_cast<int>(kKeptBits) + static_cast<int>(below) - static_cast<int>(above);
+  if (shift >= 0) return Rational((numerator(x) << shift) / denominator(x), Integer(1) << shift);
+  return Rational(numerator(x) / (denominator(x) << -shift)) * (Integer(1) << -shift);
 }
 
 struct SineAndCosine {
@@ -187,7 +204,7 @@ class Validator {
   }
   RationalVector vector(const Vector& v) { return {value(v[0]), value(v[1]), value(v[2])}; }
 
-  void requireTree() const;
+  void requireTree();
   void requireValues() const;
   void requireJoint(const Link& link);
   void requireCarriers();
@@ -196,6 +213,14 @@ class Validator {
   void requireEnds(const std::string& what, int a, int b, const SourceLocation& where) const;
   void requireSpring(const Spring& spring) const;
 
+  Rational shortened(const Rational& x) { return bounded(x, &is_exact_); }
+  Frame shortened(Frame f) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      f.p[i] = shortened(f.p[i]);
+      for (Rational& element : f.R[i]) element = shortened(element);
+    }
+    return f;
+  }
   Frame frame(const std::vector<Step>& steps);
   RationalMatrix turnOf(const Vector& rpy);
   static void requireRealizable(const Link& link, const RationalMatrix& inertia,
@@ -203,6 +228,7 @@ class Validator {
   Body body(const Link& link);
   Rational slack(const Rational& scale) const;
   std::vector<Twist> motionsOf(const Joint& joint);
+  bool surelyMovesInertia(std::size_t leaf);
   bool movesInertia(std::size_t leaf);
 
   const Scene& scene_;
@@ -211,10 +237,11 @@ class Validator {
   ParameterValues values_;
   std::vector<Body> bodies_;
   std::vector<int> first_child_, next_child_;  ///< of each link; -1: none
+  std::vector<int> carriers_;  ///< of each link the link that moves it; 0, the root: none does
   bool is_exact_ = true;  ///< no rounding in the decision that is being made
 };
 
-void Validator::requireTree() const {
+void Validator::requireTree() {
   const std::vector<Link>& links = mechanism_.links;
   if (links.empty()) throw InputError(file_, "no root: there is no link at all");
   for (std::size_t i = 0; i < links.size(); ++i) {
@@ -226,6 +253,8 @@ void Validator::requireTree() const {
                                      i, parent));
     }
     if (i > 0 && links[i].joint.name.empty()) failLink(links[i], "its joint has no name");
+    const bool moves = i > 0 && degreesOfFreedom(links[i].joint.kind) > 0;
+    carriers_.push_back(i == 0 ? 0 : moves ? static_cast<int>(i) : carriers_[static_cast<std::size_t>(parent)]);
   }
   const auto dof = static_cast<std::size_t>(mechanism_.dof());
   const auto positions = static_cast<std::size_t>(mechanism_.positions());
@@ -250,6 +279,9 @@ void Validator::requireValues() const {
   require(scene_.start_qd, file_);
   for (const Wrench& w : mechanism_.wrenches) {
     for (const Vector& v : {w.force, w.moment, w.at}) require(v, file_);
+  }
+  for (const Link& link : mechanism_.links) {
+    if (link.joint.mimic) exactValue(link.joint.mimic->offset, values_, link.where);
   }
   for (const Closure& c : mechanism_.closures) {
     for (const Vector& v : {c.a.xyz, c.a.rpy, c.b.xyz, c.b.rpy}) require(v, c.where);
@@ -477,6 +509,67 @@ void Validator::requireStart() const {
   }
 }
 
+/** movesInertia() in doubles, which for a row of 1000 fixed links are a thousand times faster: true where
+    that is certain. n links and their frames add up in at most 1024 n roundings of the unit u = 2^-53, each
+    relative to `scale`, and the smallest eigenvalue of the block must exceed what these can do to it. */
+bool Validator::surelyMovesInertia(std::size_t leaf) {
+  const std::vector<Link>& links = mechanism_.links;
+  const auto real = [](const Rational& x) { return Exact{x, 0}.toDouble(); };
+  const auto vectorOf = [&](const RationalVector& v) { return Eigen::Vector3d(real(v[0]), real(v[1]), real(v[2])); };
+  const auto number = [this](const Number& n) { return exactValue(n, values_, file_).toDouble(); };
+  const auto placed = [&](Eigen::Isometry3d X, const std::vector<Step>& steps) {
+    for (const Step& step : steps) {
+      const Vector& t = step.translation;
+      if (step.kind == Step::Kind::kTranslate) {
+        X.translate(Eigen::Vector3d(number(t[0]), number(t[1]), number(t[2])));
+      } else {
+        const int axis = step.kind == Step::Kind::kRotateX ? 0 : step.kind == Step::Kind::kRotateY ? 1 : 2;
+        X.rotate(Eigen::AngleAxisd(number(step.angle), Eigen::Vector3d::Unit(axis)));
+      }
+    }
+    return X;
+  };
+  std::vector<std::pair<std::size_t, Eigen::Isometry3d>> to_visit = {
+      {leaf, placed(Eigen::Isometry3d::Identity(), links[leaf].joint.placement.afterJoint())}};
+  double mass = 0, size = 0, count = 0;
+  Eigen::Vector3d h = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d I = Eigen::Matrix3d::Zero();
+  for (; !to_visit.empty(); ++count) {
+    const auto [i, X] = to_visit.back();
+    to_visit.pop_back();
+    for (int child = first_child_[i]; child >= 0; child = next_child_[static_cast<std::size_t>(child)]) {
+      const Placement& placement = links[static_cast<std::size_t>(child)].joint.placement;
+      to_visit.push_back({static_cast<std::size_t>(child),
+                          placed(placed(X, placement.beforeJoint()), placement.afterJoint())});
+    }
+    const Body& b = bodies_[i];
+    const double m = real(b.mass);
+    const Eigen::Vector3d p = X * vectorOf(b.com);
+    Eigen::Matrix3d I_b;
+    for (Eigen::Index k = 0; k < 3; ++k) I_b.row(k) = vectorOf(b.inertia[static_cast<std::size_t>(k)]);
+    mass += m;
+    h += m * p;
+    I += X.linear() * I_b * X.linear().transpose() +
+         m * (p.squaredNorm() * Eigen::Matrix3d::Identity() - p * p.transpose());
+    size += m * p.squaredNorm() + I_b.trace();
+  }
+  const std::vector<Twist> motions = motionsOf(links[leaf].joint);
+  const auto n = static_cast<Eigen::Index>(motions.size());
+  Eigen::MatrixXd block(n, n);
+  double scale = 0;
+  for (Eigen::Index l = 0; l < n; ++l) {
+    const Eigen::Vector3d v = vectorOf(motions[static_cast<std::size_t>(l)].v),
+                          w = vectorOf(motions[static_cast<std::size_t>(l)].w);
+    const Eigen::Vector3d linear = mass * v + w.cross(h), angular = h.cross(v) + I * w;
+    for (Eigen::Index k = 0; k < n; ++k)
+      block(k, l) = vectorOf(motions[static_cast<std::size_t>(k)].v).dot(linear) +
+                    vectorOf(motions[static_cast<std::size_t>(k)].w).dot(angular);
+    scale += v.squaredNorm() * mass + w.squaredNorm() * size;
+  }
+  constexpr double kUnit = std::numeric_limits<double>::epsilon() / 2;
+  return block.selfadjointView<Eigen::Lower>().eigenvalues()[0] > 1024 * count * kUnit * scale * static_cast<double>(n);
+}
+
 /** Whether every motion of a joint that carries no other moving joint moves mass: the joint's own
     block of M is positive definite. (Of a universal joint only the outer axis is looked at: whether
     the inner one moves mass depends on the position.) */
@@ -500,19 +593,20 @@ bool Validator::movesInertia(std::size_t leaf) {
     for (int child = first_child_[i]; child >= 0; child = next_child_[static_cast<std::size_t>(child)]) {
       const Placement& placement = links[static_cast<std::size_t>(child)].joint.placement;
       to_visit.push_back({static_cast<std::size_t>(child),
-                          in_joint * frame(placement.beforeJoint()) * frame(placement.afterJoint())});
+                          shortened(in_joint * frame(placement.beforeJoint()) * frame(placement.afterJoint()))});
     }
     const Body& b = bodies_[i];
     is_exact_ = is_exact_ && b.is_exact;
     const Frame com = in_joint * Frame{identity(), b.com};
     const RationalMatrix turned = com.R * b.inertia * transpose(com.R);
     const Rational p2 = dot(com.p, com.p);
-    mass += b.mass;
-    size += b.mass * p2 + b.inertia[0][0] + b.inertia[1][1] + b.inertia[2][2];
+    mass = shortened(mass + b.mass);
+    size = shortened(size + b.mass * p2 + b.inertia[0][0] + b.inertia[1][1] + b.inertia[2][2]);
     for (std::size_t k = 0; k < 3; ++k) {
-      h[k] += b.mass * com.p[k];
+      h[k] = shortened(h[k] + b.mass * com.p[k]);
       for (std::size_t l = 0; l < 3; ++l)
-        I[k][l] += turned[k][l] + b.mass * ((k == l ? p2 : Rational(0)) - com.p[k] * com.p[l]);
+        I[k][l] = shortened(I[k][l] + turned[k][l] +
+                            b.mass * ((k == l ? p2 : Rational(0)) - com.p[k] * com.p[l]));
     }
   }
 
@@ -570,7 +664,7 @@ std::vector<Twist> Validator::motionsOf(const Joint& joint) {
 
 /** A joint that moves no inertia leaves a zero on the diagonal of M: forward dynamics is singular
    in every state. (That M is singular in some states, or for two joints together, is not looked for
-    here.) */
+    here.) Of joints that follow each other one that moves inertia is enough. */
 void Validator::requireInertiaOutboard() {
   const std::vector<Link>& links = mechanism_.links;
   std::vector<bool> carries_mass(links.size(), false), carries_joint(links.size(), false);
@@ -581,6 +675,11 @@ void Validator::requireInertiaOutboard() {
     next_child_[i] = first;
     first = static_cast<int>(i);
   }
+  std::vector<std::size_t> leader(links.size());
+  for (std::size_t i = 0; i < links.size(); ++i) leader[i] = i;
+  for (const Follower& f : followers(mechanism_)) leader[f.link] = static_cast<std::size_t>(f.leader);
+  std::map<std::size_t, std::vector<std::pair<std::size_t, std::string>>> idle;  // by leader
+  std::map<std::size_t, std::size_t> members;
   for (std::size_t i = links.size(); i-- > 1;) {
     const Link& link = links[i];
     const auto parent = static_cast<std::size_t>(link.parent);
@@ -588,23 +687,30 @@ void Validator::requireInertiaOutboard() {
     if (carries_mass[i]) carries_mass[parent] = true;
     const bool moves = degreesOfFreedom(link.joint.kind) > 0;
     if (moves || carries_joint[i]) carries_joint[parent] = true;
-    if (!moves || value(link.joint.rotor_inertia) > 0) continue;
+    if (!moves) continue;
+    ++members[leader[i]];
+    if (value(link.joint.rotor_inertia) > 0) continue;
     if (!carries_mass[i]) {
-      failJoint(link,
-                "nothing that it carries has mass and it has no rotor_inertia, so forward "
-                "dynamics is singular, allowed: a mass, or a rotor_inertia");
+      idle[leader[i]].emplace_back(i,
+                                   "nothing that it carries has mass and it has no rotor_inertia, so forward "
+                                   "dynamics is singular, allowed: a mass, or a rotor_inertia");
+      continue;
     }
-    if (carries_joint[i] || movesInertia(i)) continue;
+    if (carries_joint[i] || surelyMovesInertia(i) || movesInertia(i)) continue;
     if (degreesOfFreedom(link.joint.kind) > 1) {
-      failJoint(link, std::string("is ") + name(link.joint.kind) +
-                          ", and some of its motions move no inertia, so forward dynamics is "
-                          "singular, allowed: a link with inertia about every axis of the joint");
+      idle[leader[i]].emplace_back(i, std::string("is ") + name(link.joint.kind) +
+                                          ", and some of its motions move no inertia, so forward dynamics is "
+                                          "singular, allowed: a link with inertia about every axis of the joint");
+      continue;
     }
-    failJoint(link,
-              "what it carries has no inertia about the joint's axis and it has no "
-              "rotor_inertia, so forward dynamics is singular, allowed: inertia about the "
-              "axis, or a rotor_inertia");
+    idle[leader[i]].emplace_back(i,
+                                 "what it carries has no inertia about the joint's axis and it has no "
+                                 "rotor_inertia, so forward dynamics is singular, allowed: inertia about the "
+                                 "axis, or a rotor_inertia");
   }
+  for (auto group = idle.rbegin(); group != idle.rend(); ++group)
+    if (group->second.size() == members[group->first])
+      failJoint(links[group->second.front().first], group->second.front().second);
 }
 
 /// What joins two links must be able to do something: they exist, and a joint between them moves.
@@ -615,13 +721,7 @@ void Validator::requireEnds(const std::string& what, int a, int b,
     if (link >= 0 && link < static_cast<int>(links.size())) continue;
     throw InputError(where, what + fmt::format(": there is no link of index {}", link));
   }
-  const auto carrier = [&links](int link) {  // the link that moves this one, the root: none does
-    while (link > 0 && degreesOfFreedom(links[static_cast<std::size_t>(link)].joint.kind) == 0) {
-      link = links[static_cast<std::size_t>(link)].parent;
-    }
-    return link;
-  };
-  if (carrier(a) != carrier(b)) return;
+  if (carriers_[static_cast<std::size_t>(a)] != carriers_[static_cast<std::size_t>(b)]) return;
   const auto name = [&links](int link) { return links[static_cast<std::size_t>(link)].name; };
   throw InputError(where, what + ": no joint moves between links \"" + name(a) + "\" and \"" +
                               name(b) + "\", allowed: two links that move on each other");

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "scene/mimic.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::scene {
@@ -172,6 +173,11 @@ void writeJoint(const Link& link, Lines* lines) {
   lines->scalar("stiffness", joint.stiffness);
   lines->scalar("rest", joint.rest);
   if (!joint.motion.empty()) lines->value("motion", array(joint.motion));
+  if (joint.mimic) {
+    std::string table = "joint = " + quoted(joint.mimic->joint);
+    if (!isLiteral(joint.mimic->multiplier, 1)) table += ", multiplier = " + number(joint.mimic->multiplier);
+    lines->value("mimic", inlineTable(table, {{"offset", &joint.mimic->offset}}));
+  }
   const Friction& friction = joint.friction;
   if (friction.isNone()) return;
   std::string table = inlineTable("", {{"viscous", &friction.viscous}});
@@ -242,8 +248,14 @@ std::string writeSceneToml(const Scene& scene) {
     lines.scalar("value", held.value);
     lines.scalar("compliance", held.compliance);
   }
-  const std::string q = array(scene.start_q);
-  const bool at_rest = q == array(mechanism.restPosition());
+  const auto given = [&mechanism](const std::vector<Number>& all) {
+    if (!mechanism.hasMimics()) return array(all);
+    std::vector<Number> some;
+    for (const int slot : givenSlots(mechanism)) some.push_back(all[static_cast<std::size_t>(slot)]);
+    return array(some);
+  };
+  const std::string q = given(scene.start_q);
+  const bool at_rest = q == given(mechanism.restPosition());
   if (!at_rest || !allZero(scene.start_qd)) lines.raw("\n[start]");
   if (!at_rest) lines.value("q", q);
   lines.list("qd", scene.start_qd);

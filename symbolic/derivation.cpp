@@ -5,6 +5,8 @@
 #include <functional>
 #include <set>
 
+#include "scene/mimic.hpp"
+#include "scene/work.hpp"
 #include "symbolic/closed_form.hpp"
 #include "symbolic/exact_points.hpp"
 #include "symbolic/print.hpp"
@@ -244,8 +246,12 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
   const int n = e.dof();
   Graph& graph = e.graph;
   const std::string at = " at " + std::to_string(points) + " random rational points";
+  constexpr int kChecks = 7;
+  scene::Work work("checks of the steps at rational points", kChecks, 3);
   const auto check = [&](const std::vector<Node>& residuals) {
-    return vanish(e, residuals, mechanism, points);
+    const bool holds = vanish(e, residuals, mechanism, points);
+    work.done();
+    return holds;
   };
   const auto velocity = [&](int i) { return graph.input(Input::kVelocity, i); };
 
@@ -383,21 +389,40 @@ std::string escaped(const std::string& text, Style style) {
   return out;
 }
 
+/// Which positions are no unknowns; empty without followers.
+std::string followersSentence(const scene::Mechanism& mechanism) {
+  std::string text;
+  for (const scene::Follower& f : scene::followers(mechanism)) {
+    const auto name = [&](int link) { return mechanism.links[static_cast<std::size_t>(link)].joint.name; };
+    const std::string offset = f.offset.isLiteralZero() ? "" : " + " + f.offset.text();
+    text += " Joint " + name(f.link) + " follows " + name(f.leader) + ": q" + std::to_string(f.slot + 1) +
+            " = " + f.multiplier.str() + " q" + std::to_string(f.leader_slot + 1) + offset +
+            ", and it has no rate of its own.";
+  }
+  return text;
+}
+
 }  // namespace
 
 bool Derivation::holds() const {
   return std::all_of(steps.begin(), steps.end(), [](const Step& s) { return s.holds; });
 }
 
+bool hasClosedForm(const scene::Mechanism& mechanism) {
+  return mechanism.dof() <= kClosedFormJoints && mechanism.dof() == mechanism.positions();
+}
+
 Derivation derivation(const scene::Mechanism& mechanism, int points) {
   Options options;
   options.regroup_inertias = false;  // the energy of a link is to be that link's
+  scene::Work work("", 4);
   Equations equations = derive(mechanism, options);
   Derivation result;
   result.joints = equations.joints;
-  result.closed_form = equations.dof() <= kClosedFormJoints && equations.quasi.empty();
+  result.closed_form = hasClosedForm(mechanism);
   result.steps =
       result.closed_form ? closedSteps(equations) : programSteps(equations, mechanism, points);
+  if (!result.steps.empty()) result.steps.front().sentence += followersSentence(mechanism);
   return result;
 }
 
@@ -436,7 +461,7 @@ std::vector<ShownEquation> shortClosedForm(const scene::Mechanism& mechanism, st
   Options options;
   options.regroup_inertias = false;
   const Equations e = derive(mechanism, options);
-  if (!e.quasi.empty()) return {};
+  if (!e.quasi.empty() || e.hasFollowers()) return {};
   ClosedAlgebra algebra(e);
   std::vector<std::pair<std::string, Node>> wanted = {{"T", e.kinetic}, {"V", e.potential}};
   for (int i = 0; i < e.dof(); ++i)

@@ -28,6 +28,9 @@ struct Derivation {
   bool holds() const;
 };
 
+/// Whether derivation() of this mechanism lists closed forms, a step an equation.
+bool hasClosedForm(const scene::Mechanism& mechanism);
+
 /** Derives M, c and g of a mechanism step by step. Up to kClosedFormJoints joints the steps are
     closed forms, derived by GiNaC and compared with the graph's derivatives by normal form. Beyond,
     they list named intermediates, and identities are evaluated in exact rational arithmetic at

@@ -55,7 +55,10 @@ struct QuasiJoint {
 
         c_i = sum_j (X_j p_i) qd_j - X_i T + sum_jk b_ijk qd_j p_k                              (3')
 
-    which for a body that turns about a fixed point is Euler's  dp/dt + w x p. */
+    which for a body that turns about a fixed point is Euler's  dp/dt + w x p.
+
+    A joint that follows another (scene::Mimic) has no rate: T and V are written with  qd = k qd_leader, and
+    the leader's direction moves both positions, so that all above holds as it stands. */
 struct Equations {
   Graph graph;
   std::vector<std::string> joints;  ///< names of the rates: that of the joint, or "joint.turn"
@@ -77,7 +80,9 @@ struct Equations {
   std::vector<std::vector<Node>> M;
 
   int dof() const { return static_cast<int>(joints.size()); }
-  int positions() const { return dof() + static_cast<int>(quasi.size()); }
+  int slots = 0;  ///< how many positions there are, those of followers among them
+  int positions() const { return slots; }
+  bool hasFollowers() const { return slots != dof() + static_cast<int>(quasi.size()); }
 };
 
 /** Forms T and V of a mechanism with 3-D frames and velocities, and derives the rest. T is formed
@@ -85,6 +90,11 @@ struct Equations {
     the composite bodies outboard of each joint, which suits (2). That both are the same function
     is a check of the derivation. */
 Equations derive(const scene::Mechanism& mechanism, const Options& options = {});
+
+/// derive() without M, which alone takes more than O(n) operations: O(n^2) for a chain of n joints.
+Equations deriveForces(const scene::Mechanism& mechanism, const Options& options = {});
+/// Adds M to what deriveForces() made of the same mechanism with the same options.
+void addMassMatrix(const scene::Mechanism& mechanism, const Options& options, Equations& equations);
 
 /// X_i f for all rates i.
 std::vector<Node> positionGradient(Equations& equations, Node f);

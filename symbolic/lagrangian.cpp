@@ -2,9 +2,13 @@
 #include "symbolic/lagrangian.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "scene/numbers.hpp"
+#include "scene/work.hpp"
 
 namespace dynwitness::symbolic {
 
@@ -146,6 +150,16 @@ struct Placed {
     return v_B[0] * columns[0] + v_B[1] * columns[1] + v_B[2] * columns[2];
   }
 };
+
+/** The steps themselves while they are few; of many a shift and a turn that stand for all. Along a row of fixed
+    links each would otherwise carry the steps of all before it. */
+std::vector<FrameStep> shortened(Graph* graph, std::vector<FrameStep> steps) {
+  constexpr std::size_t kMostSteps = 16;  // four fixed joints in a row, each with xyz and rpy
+  if (steps.size() <= kMostSteps) return steps;
+  const Value zero{graph, graph->constant(0)}, one{graph, graph->constant(1)};
+  const Placed placed(graph, steps);
+  return {{false, 0, one, zero, placed.p_AB}, {true, -1, one, zero, {zero, zero, zero}, placed.columns}};
+}
 
 bool squareRoot(const Rational& square, Rational* root) {
   using boost::multiprecision::sqrt;
@@ -324,7 +338,8 @@ Lagrangian::Lagrangian(const scene::Mechanism& mechanism, const Options& options
     : mechanism_(mechanism),
       options_(options),
       graph_(graph),
-      values_(mechanism.parameterValues()) {
+      values_(mechanism.parameterValues()),
+      followers_(scene::followers(mechanism)) {
   const Value zero = constant(0);
   const MassMoments nothing{zero, {zero, zero, zero}, {zero, zero, zero, zero, zero, zero}};
   world_ = nothing;
@@ -340,6 +355,7 @@ Lagrangian::Lagrangian(const scene::Mechanism& mechanism, const Options& options
     WorldOrBodyFrame frame{-1, {}};
     if (link.parent >= 0) frame = frames_[link.parent];
     append(&frame.offset, steps(link.joint.placement.beforeJoint()));
+    frame.offset = shortened(graph_, std::move(frame.offset));
     if (scene::degreesOfFreedom(link.joint.kind) > 0) addBodies(link, &frame);
     append(&frame.offset, steps(link.joint.placement.afterJoint()));
     const MassMoments moments = movedBack(frame.offset, linkMoments(link.inertia));
@@ -376,13 +392,18 @@ void Lagrangian::addBodies(const scene::Link& link, WorldOrBodyFrame* frame) {
   for (std::size_t k = 0; k < parts.size(); ++k) {
     Body body{link.name, joint.name, frame->body, parts[k].first, 0, 0, parts[k].second, false,
               frame->offset, nothing, rotor, spin, number(joint.stiffness), number(joint.rest),
-              number(joint.pitch)};
+              number(joint.pitch), constant(1)};
     if (parts.size() > 1) body.joint_name += "." + rates[k];
     if (k + 1 < parts.size()) body.name += "." + rates[k];
-    if (!bodies_.empty()) {
-      const Body& last = bodies_.back();
-      body.rate = last.rate + last.rates();
-      body.slot = last.slot + last.rates() + (last.hasOneRate() ? 0 : 1);
+    body.rate = rates_;
+    body.slot = slots_;
+    slots_ += body.rates() + (body.hasOneRate() ? 0 : 1);
+    if (!joint.mimic) rates_ += body.rates();
+    if (joint.mimic) {
+      const scene::Follower& f = followers_[next_follower_++];
+      body.follows = true;
+      body.rate = f.rate;
+      body.ratio = constant(f.multiplier);
     }
     if (k == 0 && joint.kind == JointKind::kPlanar) {
       to_axis = uprightSteps(joint.axis);  // which x and y are matters
@@ -452,7 +473,8 @@ std::vector<Lagrangian::Axis> Lagrangian::axesOf(int i) {
   const Body& body = bodies_[i];
   std::vector<Axis> axes;
   for (int k = 0; k < body.rates(); ++k) {
-    const Value qd{graph_, graph_->input(Input::kVelocity, body.rate + k)};
+    Value qd{graph_, graph_->input(Input::kVelocity, body.rate + k)};
+    if (body.follows) qd = body.ratio * qd;
     if (body.hasOneRate()) {
       const bool shifts = body.joint == Body::Joint::kSlide || body.joint == Body::Joint::kScrew;
       axes.push_back({body.axis, body.turns(), shifts, body.rate, body.reversed ? -qd : qd});
@@ -502,6 +524,7 @@ std::vector<Direction> Lagrangian::directions() {
   std::vector<Direction> all;
   for (int i = 0; i < bodyCount(); ++i) {
     const Body& body = bodies_[i];
+    if (body.follows) continue;
     if (body.hasOneRate()) {
       all.push_back({{{Input::kPosition, body.slot}, one}});
       continue;
@@ -526,6 +549,8 @@ std::vector<Direction> Lagrangian::directions() {
       }
     }
   }
+  for (const Body& body : bodies_)  // a leader's rate moves its followers too
+    if (body.follows) all[body.rate].push_back({{Input::kPosition, body.slot}, body.ratio.node});
   return all;
 }
 
@@ -739,9 +764,13 @@ Value Lagrangian::dissipation() {
   for (std::size_t i = 0; i < mechanism_.links.size(); ++i) {
     const scene::Friction& friction = mechanism_.links[i].joint.friction;
     if (friction.isNone()) continue;
-    const int rate = bodies_[frames_[i].body].rate;
-    const Value qd{graph_, graph_->input(Input::kVelocity, rate)};
-    const Value sign{graph_, graph_->input(Input::kDirection, rate)};
+    const Body& body = bodies_[frames_[i].body];
+    Value qd{graph_, graph_->input(Input::kVelocity, body.rate)};
+    Value sign{graph_, graph_->input(Input::kDirection, body.rate)};
+    if (body.follows) {
+      qd = body.ratio * qd;
+      if (graph_->value(body.ratio.node) < 0) sign = -sign;
+    }
     const Value positive = number(friction.positive), negative = number(friction.negative);
     R += half * number(friction.viscous) * (qd * qd);
     // positive at sign 1, -negative at sign -1, 0 at 0
@@ -897,15 +926,17 @@ void formEnergies(const scene::Mechanism& mechanism, Lagrangian& lagrangian, Equ
     e.links.push_back(body.name);
     if (!body.hasOneRate())
       e.quasi.push_back({body.joint_name, body.joint == Body::Joint::kFree, body.rate, body.quaternion()});
-    for (int k = 0; k < body.rates(); ++k)
+    for (int k = 0; k < body.rates() && !body.follows; ++k)
       e.revolute.push_back(body.hasOneRate() ? body.turns() : k + 3 >= body.rates());
   }
+  e.slots = lagrangian.slots();
   e.joints = mechanism.rateLabels();
   e.directions = lagrangian.directions();
   std::vector<Variable> qd;
   for (int i = 0; i < e.dof(); ++i) {
     // angles add up where bodies, rates and positions are counted alike
-    e.parallel_inboard.push_back(e.quasi.empty() ? lagrangian.parallelInboard(i) : -1);
+    e.parallel_inboard.push_back(
+        e.quasi.empty() && !mechanism.hasMimics() ? lagrangian.parallelInboard(i) : -1);
     qd.push_back({Input::kVelocity, i});
   }
 
@@ -926,42 +957,90 @@ void formForces(Lagrangian& lagrangian, Equations& e) {
   for (int i = 0; i < e.dof(); ++i) e.Q[i] = e.graph.subtract(e.Q[i], e.friction[i]);
 }
 
-Equations derive(const scene::Mechanism& mechanism, const Options& options) {
-  Equations e;
-  Graph& graph = e.graph;
-  Lagrangian lagrangian(mechanism, options, &graph);
-  formEnergies(mechanism, lagrangian, e);
-  const std::vector<Body>& bodies = lagrangian.bodies();
-  const int n = e.dof();
-  std::vector<int> body_of_rate;
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    body_of_rate.insert(body_of_rate.end(), bodies[b].rates(), static_cast<int>(b));
-  std::vector<Variable> qd;
-  for (int i = 0; i < n; ++i) qd.push_back({Input::kVelocity, i});
+namespace {
 
+/// Of a chain of 100 joints M derived, compiled and printed took 24 kB an entry.
+constexpr double kBytesOfMassEntry = 24e3, kMostMassEntries = 80200;
+
+void formCoriolisAndGravity(Lagrangian& lagrangian, Equations& e) {
+  Graph& graph = e.graph;
   const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion(e));
   const std::vector<Node> dT_dq = positionGradient(e, e.kinetic);
   const std::vector<Node> structure = structureTerms(e, e.p);
-  for (int i = 0; i < n; ++i)
+  for (int i = 0; i < e.dof(); ++i)
     e.c.push_back(graph.add(graph.subtract(p_rate[i], dT_dq[i]), structure[i]));  // (3), (3')
   e.g = positionGradient(e, e.potential);                                         // (4)
   formForces(lagrangian, e);
+}
 
-  // (2): column j is the momentum that a unit rate of joint j alone gives to itself and to the
-  // joints inboard of it; the other joints follow from symmetry, or share no body with j
+void formMassMatrix(Lagrangian& lagrangian, Equations& e) {
+  Graph& graph = e.graph;
+  const std::vector<Body>& bodies = lagrangian.bodies();
+  const int n = e.dof();
+  std::vector<std::vector<int>> bodies_of_rate(n);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (int k = 0; k < bodies[b].rates(); ++k)
+      bodies_of_rate[bodies[b].rate + k].push_back(static_cast<int>(b));
+  // pairs of a rate and one inboard of it or the same
+  double entries = 0;
+  std::vector<int> rates_inboard;
+  for (const Body& body : bodies) {
+    rates_inboard.push_back(body.rates() + (body.parent < 0 ? 0 : rates_inboard[body.parent]));
+    entries += body.rates() * rates_inboard.back();
+  }
+  if (entries > kMostMassEntries)
+    throw scene::InputError({}, fmt::format("M has {:.0f} entries to derive on and above its diagonal, {:.1f} GB of "
+                                            "operations; allowed: {:.0f}, such as those of a chain of 400 joints",
+                                            entries, entries * kBytesOfMassEntry / 1e9, kMostMassEntries));
+  std::vector<Variable> qd;
+  for (int i = 0; i < n; ++i) qd.push_back({Input::kVelocity, i});
+
+  // (2): column j is the momentum that a unit rate of joint j alone (and of those that follow it) gives to
+  // itself and to the joints inboard of it; the others come from symmetry, or share no body with j
   const std::vector<Node> p_composite =
       graph.gradient(lagrangian.kineticByCompositeBodies().node, qd);
   e.M.assign(n, std::vector<Node>(n));
+  scene::Work work("M derived", entries, 1);
   for (int j = 0; j < n; ++j) {
     std::vector<int> inboard;
-    for (int b = body_of_rate[j]; b >= 0; b = bodies[b].parent)
-      for (int k = 0; k < bodies[b].rates(); ++k) inboard.push_back(bodies[b].rate + k);
+    for (const int body : bodies_of_rate[j])
+      for (int b = body; b >= 0; b = bodies[b].parent)
+        for (int k = 0; k < bodies[b].rates(); ++k) inboard.push_back(bodies[b].rate + k);
+    work.done(static_cast<double>(inboard.size()));
+    if (e.hasFollowers()) {
+      // the joints of one rate may hang on those of another, and the other way round: all pairs are asked
+      inboard.resize(n);
+      std::iota(inboard.begin(), inboard.end(), 0);
+    }
     std::vector<Node> p;
     for (int i : inboard) p.push_back(p_composite[i]);
     const std::vector<Node> columns = graph.directionalDerivative(p, {{qd[j], graph.constant(1)}});
     for (std::size_t k = 0; k < inboard.size(); ++k)
       e.M[inboard[k]][j] = e.M[j][inboard[k]] = columns[k];
   }
+}
+
+}  // namespace
+
+Equations deriveForces(const scene::Mechanism& mechanism, const Options& options) {
+  Equations e;
+  Lagrangian lagrangian(mechanism, options, &e.graph);
+  formEnergies(mechanism, lagrangian, e);
+  formCoriolisAndGravity(lagrangian, e);
+  return e;
+}
+
+void addMassMatrix(const scene::Mechanism& mechanism, const Options& options, Equations& e) {
+  Lagrangian lagrangian(mechanism, options, &e.graph);  // finds the nodes that it made before
+  formMassMatrix(lagrangian, e);
+}
+
+Equations derive(const scene::Mechanism& mechanism, const Options& options) {
+  Equations e;
+  Lagrangian lagrangian(mechanism, options, &e.graph);
+  formEnergies(mechanism, lagrangian, e);
+  formCoriolisAndGravity(lagrangian, e);
+  formMassMatrix(lagrangian, e);
   return e;
 }
 

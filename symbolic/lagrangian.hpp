@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scene/mechanism.hpp"
+#include "scene/mimic.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/graph.hpp"
 
@@ -49,7 +50,7 @@ struct Body {
   std::string name, joint_name;
   int parent;  ///< body, -1: the world
   Joint joint;
-  int rate, slot;                 ///< the joint's first rate and position
+  int rate, slot;                 ///< the joint's first rate (of a follower: its leader's) and position
   int axis;                       ///< of the joint in the body's frame: 0, 1, 2
   bool reversed;                  ///< the joint's direction is minus that axis
   std::vector<FrameStep> before;  ///< parent body's frame to this body's frame at q = 0
@@ -57,6 +58,8 @@ struct Body {
   Value rotor;  ///< gear_ratio^2 rotor_inertia
   Value spin;   ///< gear_ratio rotor_inertia of a gyroscopic rotor, otherwise 0
   Value stiffness, rest, pitch;
+  Value ratio;           ///< of a follower's rate to its leader's
+  bool follows = false;  ///< another joint: it has no rate of its own
 
   bool turns() const { return joint != Joint::kSlide; }
   bool hasOneRate() const { return joint != Joint::kBall && joint != Joint::kFree; }
@@ -70,6 +73,7 @@ class Lagrangian {
   Lagrangian(const scene::Mechanism& mechanism, const Options& options, Graph* graph);
 
   const std::vector<Body>& bodies() const { return bodies_; }
+  int slots() const { return slots_; }
 
   /// X_i of each rate.
   std::vector<Direction> directions();
@@ -149,6 +153,9 @@ class Lagrangian {
   std::map<std::string, std::pair<scene::Number, bool>> angles_;
   std::map<std::string, int> axes_;  ///< axis -> the joint that names its angles
   std::vector<Body> bodies_;
+  std::vector<scene::Follower> followers_;
+  std::size_t next_follower_ = 0;
+  int rates_ = 0, slots_ = 0;  ///< of the bodies so far
   std::vector<WorldOrBodyFrame> frames_;  ///< of the scene's links
   MassMoments world_;                     ///< what is fixed to the world
   Vector3 gravity_;

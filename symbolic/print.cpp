@@ -6,13 +6,17 @@
 #include <set>
 #include <stdexcept>
 
+#include "scene/mimic.hpp"
+
 namespace dynwitness::symbolic {
 
 namespace {
 
 /// R_ij of the quaternion (w, x, y, z) that starts at a slot, for a formula in C or Python.
-std::string rotationCode(int entry) {
-  const auto q = [&](int k) { return "q[" + std::to_string(entry / 9 + k) + "]"; };
+/// @param position  what a position slot is called
+template <typename Position>
+std::string rotationCode(int entry, const Position& position) {
+  const auto q = [&](int k) { return position(entry / 9 + k); };
   const auto square = [&](int k) { return q(k) + "*" + q(k); };
   const std::string n = "(" + square(0) + " + " + square(1) + " + " + square(2) + " + " + square(3) + ")";
   const int i = entry % 9 / 3, j = entry % 3, k = 3 - i - j;
@@ -197,6 +201,20 @@ std::vector<std::string> bodyLines(const Equations& equations, const scene::Mech
   for (const Atom& atom : program.atoms)
     for (const scene::Number& n : {atom.number, atom.axis[0], atom.axis[1], atom.axis[2]})
       for (const std::string& name : n.parameters()) read.insert(name);
+  // q has no followers in it: they are formed where they are read
+  std::map<int, std::string> position_of;
+  const std::vector<int> given = scene::givenSlots(mechanism);
+  for (std::size_t k = 0; k < given.size(); ++k) position_of[given[k]] = "q[" + std::to_string(k) + "]";
+  for (const scene::Follower& f : scene::followers(mechanism)) {
+    const auto code = [&](const scene::Number& n) {
+      return scene::evaluateIn<Code>(n, CodeAlgebra{language.style}).text;
+    };
+    position_of[f.slot] = "(" + code(scene::Number(f.multiplier)) + "*" + position_of.at(f.leader_slot);
+    if (!f.offset.isLiteralZero()) position_of[f.slot] += " + " + code(f.offset);
+    position_of[f.slot] += ")";
+    for (const std::string& name : f.offset.parameters()) read.insert(name);
+  }
+  const auto position = [&](int slot) { return position_of.at(slot); };
   for (std::size_t i = 0; i < mechanism.parameters.size(); ++i)
     if (read.count(mechanism.parameters[i].name) > 0)
       let(identifier(mechanism.parameters[i].name), "parameters[" + std::to_string(i) + "]");
@@ -208,13 +226,13 @@ std::vector<std::string> bodyLines(const Equations& equations, const scene::Mech
     const std::string name = print(Formula::ofInput(load.input, load.joint), language.style);
     switch (load.input) {
       case Input::kPosition:
-        let(name, "q" + index);
+        let(name, position(load.joint));
         break;
       case Input::kCos:
-        let(name, "cos(q" + index + ")");
+        let(name, "cos(" + position(load.joint) + ")");
         break;
       case Input::kSin:
-        let(name, "sin(q" + index + ")");
+        let(name, "sin(" + position(load.joint) + ")");
         break;
       case Input::kVelocity:
         let(name, "qd" + index);
@@ -229,7 +247,7 @@ std::vector<std::string> bodyLines(const Equations& equations, const scene::Mech
         let(name, "(qd" + index + " > 0) - (qd" + index + " < 0)");
         break;
       case Input::kRotation:
-        let(name, rotationCode(load.joint));
+        let(name, rotationCode(load.joint, position));
         break;
     }
   }
@@ -301,8 +319,12 @@ Formula leafFormula(const Program& program, int slot, Style style) {
 /// What a reader of the code must know beyond the names of joints: lines, each with this in front.
 std::string notes(const scene::Mechanism& mechanism, const std::string& indent) {
   std::string text;
-  if (mechanism.positions() != mechanism.dof())
-    text += indent + "q: " + std::to_string(mechanism.positions()) + " positions, qd: " +
+  const std::size_t positions = scene::givenSlots(mechanism).size();
+  for (const scene::Follower& f : scene::followers(mechanism))
+    text += indent + "joint " + mechanism.links[f.link].joint.name + " follows " +
+            mechanism.links[f.leader].joint.name + ": it has no entry in q and qd\n";
+  if (static_cast<int>(positions) != mechanism.dof())
+    text += indent + "q: " + std::to_string(positions) + " positions, qd: " +
             std::to_string(mechanism.dof()) + " rates. A spherical joint has a quaternion (w, x, y, z) of any\n" +
             indent + "length but 0 in q, a floating one x, y, z [m] and then a quaternion; their rates are the\n" +
             indent + "body's own, in its axes: (wx, wy, wz), or (vx, vy, vz, wx, wy, wz)\n";

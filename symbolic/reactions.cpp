@@ -24,7 +24,7 @@ Freed freed(const scene::Mechanism& mechanism) {
   int rates = 0, slots = 0;
   const auto append = [&](scene::Link link, bool is_cut) {
     const auto kind = link.joint.kind;
-    for (int k = 0; k < scene::degreesOfFreedom(kind); ++k) out.rate.push_back(is_cut ? -1 : rates++);
+    for (int k = 0; k < link.joint.ownRates(); ++k) out.rate.push_back(is_cut ? -1 : rates++);
     for (std::size_t k = 0; k < scene::positionSlots(kind).size(); ++k)
       out.slot.push_back(is_cut ? -1 : slots++);
     out.mechanism.links.push_back(std::move(link));

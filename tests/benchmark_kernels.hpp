@@ -67,7 +67,7 @@ inline std::vector<KernelCompiler> kernelCompilers(std::vector<std::string>* lef
   namespace kernel = crosscheck::kernel;
   std::vector<KernelCompiler> all;
   try {
-    const std::string command = kernel::findCompiler();
+    const std::string command = kernel::findCompiler()[0];
     kernel::cacheFolder();
     all.push_back({command, compilerLabel(command), ""});
   } catch (const kernel::CannotCompile& error) {
@@ -80,7 +80,7 @@ inline std::vector<KernelCompiler> kernelCompilers(std::vector<std::string>* lef
   for (const std::string& other : others) {
     const KernelEnvironment environment(other);
     try {
-      const std::string command = kernel::findCompiler();
+      const std::string command = kernel::findCompiler()[0];
       all.push_back({command, compilerLabel(command), "_second"});
       return all;
     } catch (const kernel::CannotCompile&) {

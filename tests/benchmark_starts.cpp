@@ -17,6 +17,7 @@
 
 #include "benchmark_kernels.hpp"
 #include "counted_arms.hpp"
+#include "files.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::benchmarks {
@@ -24,23 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace crosscheck;
+using files::TemporaryFolder;
 
 double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-
-struct TemporaryFolder {
-  fs::path path;
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "dynwitness-bench-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
-    path = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
 
 /// From the scene in memory to its three functions, ready to be called, with nothing in the cache.
 void makeKernel(benchmark::State& run, const std::string& name, const KernelCompiler& compiler) {

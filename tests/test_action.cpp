@@ -15,6 +15,8 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include "crosscheck/features.hpp"
+
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
 using namespace dynwitness::crosscheck;
@@ -47,8 +49,9 @@ std::vector<std::string> trees() {
   std::vector<std::string> names;
   for (const auto& file : scene::bundledScenes()) {
     const scene::Scene scene = scene::readScene(file);
-    // the humanoids take minutes; friction is refused
-    if (!scene.mechanism.hasFriction() && scene.mechanism.isOpenTree() && scene.mechanism.dof() <= 9) names.push_back(scene.name);
+    // the humanoids take minutes
+    if (refusals(scene, Command::kAction).empty() && scene.mechanism.dof() <= 9)
+      names.push_back(scene.name);
   }
   return names;
 }

@@ -39,7 +39,7 @@ scene::Vector vector(std::mt19937& random) {
 /// A random tree with at least so many degrees of freedom.
 scene::Scene randomTree(unsigned seed, int least) {
   for (std::uint64_t index = 0;; ++index) {
-    scene::Scene scene = randomScene(seed, index, 8);
+    scene::Scene scene = randomTreeScene(seed, index, 8);
     if (scene.mechanism.dof() >= least) return scene;
   }
 }

@@ -5,74 +5,20 @@
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <regex>
 #include <string>
 #include <vector>
 
-#include <sys/wait.h>
-#include <unistd.h>
+#include "program.hpp"
 
 namespace fs = std::filesystem;
-
-namespace {
-
-struct Outcome {
-  int status;
-  std::string out;  // standard output and standard error
-};
-
-/// Runs the program in a folder of its own.
-class Program {
- public:
-  Program() : folder_(fs::temp_directory_path() / ("dynwitness_cli_" + std::to_string(getpid()))) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~Program() { fs::remove_all(folder_); }
-
-  Outcome run(const std::string& words, const std::string& redirect = "2>&1") const {
-    const std::string command = "cd '" + folder_.string() + "' && " + DYNWITNESS_PROGRAM + " " +
-                                words + " " + redirect;
-    FILE* pipe = popen(command.c_str(), "r");
-    BOOST_REQUIRE(pipe != nullptr);
-    Outcome outcome{0, ""};
-    std::array<char, 4096> buffer;
-    for (std::size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
-      outcome.out.append(buffer.data(), n);
-    outcome.status = WEXITSTATUS(pclose(pipe));
-    return outcome;
-  }
-  void write(const std::string& file, const std::string& text) const {
-    std::ofstream(folder_ / file) << text;
-  }
-  std::string read(const std::string& file) const {
-    std::ifstream in(folder_ / file);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  bool exists(const std::string& file) const { return fs::exists(folder_ / file); }
-  std::size_t fileCount(const std::string& folder = "") const {
-    return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(folder_ / folder), fs::directory_iterator()));
-  }
-
- private:
-  fs::path folder_;
-};
-
-void refuses(const Program& program, const std::string& words, const std::string& part) {
-  const Outcome outcome = program.run(words);
-  BOOST_TEST_CONTEXT(words << "\n" << outcome.out) {
-    BOOST_TEST(outcome.status == 2);
-    BOOST_TEST(outcome.out.find(part) != std::string::npos);
-  }
-}
-
-}  // namespace
+using dynwitness::fixtures::Outcome;
+using dynwitness::fixtures::Program;
+using dynwitness::fixtures::refuses;
 
 BOOST_AUTO_TEST_SUITE(bad_input)
 
@@ -313,6 +259,25 @@ BOOST_AUTO_TEST_CASE(exact_checks_take_the_parameters_as_asked_and_say_so) {
   BOOST_TEST(random.find("--parameters random") != std::string::npos);  // the command of the report
   refuses(program, "crosscheck acrobot --parameters none", "as-written");
   refuses(program, "crosscheck --random 1 --parameters random", "--parameters");
+}
+
+BOOST_AUTO_TEST_CASE(campaigns_say_the_same_in_words_and_as_json_however_many_processes) {
+  const Program program;
+  const std::string words = "crosscheck --random 12 --joints 3 --states 2 --witness newton_euler,composite_body,simbody ";
+  const Outcome one = program.run(words + "--processes 1 --json one.json"),
+                three = program.run(words + "--processes 3 --json three.json");
+  BOOST_TEST(one.status == 0);
+  const auto withoutProgress = [](const std::string& text) {
+    return std::regex_replace(text, std::regex("\\[[0-9]+/20\\][^\n]*\n"), "");
+  };
+  BOOST_TEST(withoutProgress(one.out) == withoutProgress(three.out));
+  BOOST_TEST(one.out.find("in double at 2 states each") != std::string::npos);
+  BOOST_TEST(one.out.find("mechanisms asked about: composite_body 12, newton_euler 12, simbody 12") !=
+             std::string::npos);
+  const std::string json = program.read("one.json");
+  BOOST_TEST(json == program.read("three.json"));
+  BOOST_TEST(json.find("\"verdict\": \"agree\"") != std::string::npos);
+  BOOST_TEST(json.find("\"mechanisms\": 12") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(another_seed_draws_other_states) {

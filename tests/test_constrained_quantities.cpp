@@ -98,7 +98,7 @@ BOOST_AUTO_TEST_CASE(tasks_have_a_consistent_inverse) {
 BOOST_AUTO_TEST_CASE(the_program_answers_and_refuses) {
   auto [status, text] = program("evaluate two_handed --quantity qdd,nu,tau_drive");
   BOOST_TEST(status == 0, text);
-  BOOST_TEST(text.rfind("qdd1,qdd2,qdd3,qdd4,qdd5,nu1,nu2,nu3,nu4,tau_drive1", 0) == 0u);
+  BOOST_TEST(text.find("\nqdd1,qdd2,qdd3,qdd4,qdd5,nu1,nu2,nu3,nu4,tau_drive1") != std::string::npos);  // after what is told
   std::tie(status, text) = program("evaluate andrews_squeezer --quantity qdd,lambda");
   BOOST_TEST(status == 0, text);
   BOOST_TEST(text.find("\n14222.44391") != std::string::npos);  // published (test_constraints)

@@ -50,7 +50,7 @@ int depth(const scene::Mechanism& mechanism, int link) {
 /// A random tree with a moving link at least so deep, its closures left to the caller.
 scene::Scene randomTree(unsigned seed, int least_depth) {
   for (std::uint64_t index = 0;; ++index) {
-    scene::Scene scene = randomScene(seed, index, 9);
+    scene::Scene scene = randomTreeScene(seed, index, 9);
     for (const int link : scene.mechanism.movingLinks())
       if (depth(scene.mechanism, link) >= least_depth) return scene;
   }

@@ -233,20 +233,25 @@ BOOST_AUTO_TEST_CASE(an_answer_of_another_shape_disagrees) {
   BOOST_TEST(contains(check.reason, "5 x 1 numbers at state 3, expected 6 x 1"), check.reason);
 }
 
-BOOST_AUTO_TEST_CASE(an_answer_without_a_finite_bound_cannot_be_judged) {
+BOOST_AUTO_TEST_CASE(an_answer_without_a_finite_bound_voids_its_state) {
   const CheckResult check =
       spoiledDigits([](Answer& a) { a.bound(0, 0) = std::numeric_limits<double>::infinity(); })
           .check;
-  BOOST_TEST((check.verdict == Verdict::kNotAnswerable));
-  BOOST_TEST(contains(check.reason, "no error bound for tau[1] (joint 'joint_1') at state 3"),
-             check.reason);
+  BOOST_TEST((check.verdict == Verdict::kAgree));
+  BOOST_TEST(check.voided == 1);
+  BOOST_TEST(check.excused == 0);
+  BOOST_TEST(check.first_voided == 3);
+  BOOST_TEST(
+      contains(check.voided_reason, "no error bound for tau[1] (joint 'joint_1') at state 3"),
+      check.voided_reason);
 }
 
-BOOST_AUTO_TEST_CASE(a_witness_that_throws_cannot_be_judged) {
+BOOST_AUTO_TEST_CASE(a_witness_that_throws_voids_its_state) {
   const auto [d, check] =
       spoiledDigits([](Answer&) { throw std::runtime_error("out of patience"); });
-  BOOST_TEST((check.verdict == Verdict::kNotAnswerable));
-  BOOST_TEST(check.reason == "state 3: out of patience");
+  BOOST_TEST((check.verdict == Verdict::kAgree));
+  BOOST_TEST(check.voided == 1);
+  BOOST_TEST(check.voided_reason == "state 3: out of patience");
   BOOST_TEST(d.states == 9);
 }
 
@@ -259,6 +264,7 @@ BOOST_AUTO_TEST_CASE(without_a_truth_there_are_no_digits_and_the_reason_is_passe
   BOOST_TEST((check.verdict == Verdict::kNotAnswerable));
   BOOST_TEST(contains(check.reason, "no certified truth: M is singular: joint 'elbow'"),
              check.reason);
+  BOOST_TEST(check.excused == 3);  // there is nothing that could be answered
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -159,7 +159,7 @@ BOOST_AUTO_TEST_SUITE(accelerated_frames)
 // Einstein's lift: on a base that accelerates by a along x, whatever its place and speed, everything moves
 // as under gravity g - a.
 BOOST_DATA_TEST_CASE(an_accelerated_base_is_another_gravity, data::xrange(6u), seed) {
-  const scene::Scene still = randomScene(seed, 0, 6);
+  const scene::Scene still = randomTreeScene(seed, 0, 6);
   if (still.mechanism.dof() == 0) return;
   scene::Scene lift = still;
   std::vector<scene::Link>& links = lift.mechanism.links;

@@ -152,15 +152,13 @@ BOOST_AUTO_TEST_SUITE(conservation)
 // E falls; with what friction has taken it stays, to the integrator's order.
 BOOST_AUTO_TEST_CASE(viscous_friction_takes_what_is_missing) {
   const scene::Scene scene = pendulum("{ viscous = 0.5 }");
-  BOOST_TEST(conservesEnergy(scene.mechanism));
   const Drift drift = measureDrift(scene, {});
-  BOOST_TEST((checkDrift(drift).verdict == Verdict::kAgree));
+  BOOST_TEST((checkDrift(scene, drift).verdict == Verdict::kAgree));
   BOOST_TEST(drift.observed_order > 3);
 }
 
 BOOST_AUTO_TEST_CASE(nobody_claims_energy_with_coulomb_friction) {
   const scene::Scene scene = pendulum("{ coulomb = 0.5 }");
-  BOOST_TEST(!conservesEnergy(scene.mechanism));
   BOOST_CHECK_EXCEPTION(measureDrift(scene, {}), scene::InputError, [](const auto& e) {
     return std::string(e.what()).find("has Coulomb friction") != std::string::npos;
   });

@@ -11,6 +11,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include "crosscheck/features.hpp"
 #include "crosscheck/studies/kinetic_metric.hpp"
 #include "fixtures.hpp"
 #include "recursive/build_model.hpp"
@@ -27,19 +28,11 @@ using D = Dual<Q>;
 using DD = Dual<D>;
 using VectorQ = recursive::VectorX<Q>;
 
-/// Whether the laws apply to a scene.
-bool hasCoordinates(const scene::Scene& scene) {
-  try {
-    requireCoordinates(scene);
-    return true;
-  } catch (const scene::InputError&) {
-    return false;
-  }
-}
 std::vector<std::string> namesWithCoordinates() {
   std::vector<std::string> names;
   for (const auto& file : scene::bundledScenes())
-    if (hasCoordinates(scene::readScene(file))) names.push_back(file.stem().string());
+    if (refusals(scene::readScene(file), Command::kGeometry).empty())
+      names.push_back(file.stem().string());
   return names;
 }
 

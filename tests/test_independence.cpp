@@ -161,6 +161,12 @@ BOOST_AUTO_TEST_CASE(no_source_of_the_crosscheck_speaks_of_a_tolerance) {
 // Small numbers in code are where limits chosen by hand would be: these are all, and what they are.
 BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
   const std::map<std::string, std::set<std::string>> known = {
+      {"crosscheck/digits/backward_error.cpp", {"0x1p-20"}},  // of an ulp: how narrow balls are asked to be
+      {"crosscheck/identities_in_balls.cpp", {"0x1p-20"}},    // the same
+      {"crosscheck/kernel/kernel.cpp", {"0x1p-52"}},          // an operand of the program that tells compilers apart
+      {"crosscheck/motion/drift.cpp", {"1e-6", "1e-8", "1e-10"}},  // asked of adaptive steps
+      {"crosscheck/report/page.cpp", {"1e-10"}},              // words about the control
+      {"crosscheck/witnesses/simbody.cpp", {"1e-100"}},       // a mass [kg] that drops out
       {"crosscheck/chart/chart.cpp", {"1e-9"}},                // seconds in a nanosecond
       {"crosscheck/chart/drawing.cpp", {"1e-9"}},              // the same
       {"crosscheck/cli/crosscheck_command.cpp", {"1e-300"}},  // least --error-probability

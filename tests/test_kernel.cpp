@@ -28,6 +28,7 @@
 #include "crosscheck/kernel/emit.hpp"
 #include "crosscheck/kernel/kernel.hpp"
 #include "crosscheck/states.hpp"
+#include "crosscheck/testimony.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/program.hpp"
@@ -295,10 +296,10 @@ struct CountingCompiler {
     const fs::path script = cache().folder / "counting_cc";
     calls = cache().folder / "calls.txt";
     fs::remove(calls);
-    std::ofstream(script) << "#!/bin/sh\necho call >> '" << calls.string() << "'\nexec '" << findCompiler()
+    std::ofstream(script) << "#!/bin/sh\necho call >> '" << calls.string() << "'\nexec '" << findCompiler()[0]
                           << "' \"$@\"\n";
     fs::permissions(script, fs::perms::owner_all);
-    options = {script.string(), {"-shared", "-fPIC"}, cacheFolder()};
+    options = {{script.string()}, {"-shared", "-fPIC"}, cacheFolder()};
   }
   int count() const {
     std::ifstream in(calls);
@@ -411,6 +412,49 @@ BOOST_AUTO_TEST_CASE(a_folder_that_cannot_be_used_is_named) {
   chmod(open.c_str(), 0777);
   const Setting shared("DYNWITNESS_CACHE", open.string());
   BOOST_TEST(says(refusal([] { cacheFolder(); }), "others can write there"));
+}
+
+BOOST_AUTO_TEST_CASE(a_formula_whose_straight_line_is_too_long_has_no_code_and_says_why) {
+  const scene::Scene humanoid = scene::findScene("humanoid");
+  const Kernel kernel(humanoid.mechanism);
+  BOOST_TEST(kernel.has(Formula::kInverseDynamics));
+  BOOST_TEST(!kernel.has(Formula::kForwardDynamics));
+  BOOST_CHECK_THROW(kernel.road(Formula::kForwardDynamics), std::invalid_argument);
+  const std::string why = kernel.notUsed().at(Formula::kForwardDynamics);
+  BOOST_TEST(says(why, "no kernel of FD is used"), why);
+  const auto witness = makeWitness(kernelKind(), humanoid);
+  BOOST_TEST(witness->answers(Quantity::kTau));
+  BOOST_TEST(!witness->answers(Quantity::kQdd));
+  BOOST_TEST(!witness->answers(Quantity::kKinetic));
+  // the report has the reason, once a witness and quantity
+  Options options;
+  options.states = 1;
+  Hearing hearing(humanoid, {kernelKind()}, options);
+  std::vector<std::string> quantities;
+  for (const CheckResult& check : hearing.dismissRefused()) {
+    BOOST_TEST((check.verdict == Verdict::kNotAnswerable));
+    BOOST_TEST(says(check.reason, "no kernel of"), check.reason);
+    quantities.push_back(check.quantity);
+  }
+  BOOST_TEST(quantities == (std::vector<std::string>{"M", "qdd"}), boost::test_tools::per_element());
+
+  const scene::Scene chain = scene::findScene("chain_64");
+  BOOST_CHECK_THROW(Kernel(chain.mechanism), NotUsed);
+  BOOST_CHECK_EXCEPTION(
+      makeWitness(kernelKind(), chain)->answer(Quantity::kM, drawState(chain.mechanism, chain.name, 1, 0)),
+      std::runtime_error, [](const std::exception& e) { return says(e.what(), "no kernel of M is used"); });
+}
+
+BOOST_AUTO_TEST_CASE(a_library_that_fails_its_trial_is_neither_kept_nor_loaded) {
+  const CompileOptions options{findCompiler(), {"-shared", "-fPIC"}, cacheFolder()};
+  const std::string source = "int answer(void) { return 9; }\n";
+  const auto with = [&](const Trial& trial) { return refusal([&] { compileAndLoad({source}, options, trial); }); };
+  BOOST_TEST(says(with([](const SharedObject&, std::size_t) { return "it is odd"; }), "of no use: it is odd"));
+  const CompileOptions again{findCompiler(), {"-shared", "-fPIC", "-O1"}, cacheFolder()};
+  const std::string crashed = refusal([&] {
+    compileAndLoad({source}, again, [](const SharedObject&, std::size_t) -> std::string { std::abort(); });
+  });
+  BOOST_TEST(says(crashed, "signal"), crashed);
 }
 
 BOOST_AUTO_TEST_CASE(odd_lanes_and_formulas_are_refused) {

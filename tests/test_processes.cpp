@@ -13,7 +13,7 @@
 
 #include "crosscheck/archive.hpp"
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/exact/random_mechanism.hpp"
+#include "crosscheck/campaign.hpp"
 #include "crosscheck/report/json.hpp"
 #include "scene/error.hpp"
 #include "scene/scene.hpp"

@@ -10,8 +10,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/crosscheck.hpp"
-#include "crosscheck/identities.hpp"
+#include "scene/scene.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
@@ -53,6 +52,7 @@ BOOST_AUTO_TEST_CASE(everything_that_a_scene_can_have_occurs) {
       if (!joint.rotor_inertia.isLiteralZero()) seen.insert("rotor");
       if (!joint.stiffness.isLiteralZero()) seen.insert("spring");
       if (joint.gyroscopic) seen.insert("gyroscopic");
+      if (joint.mimic) seen.insert("follower");
       if (!joint.friction.viscous.isLiteralZero()) seen.insert("viscous");
       if (joint.friction.isCoulomb()) seen.insert("coulomb");
       if (link.inertia.mass.isLiteralZero()) seen.insert("massless");
@@ -64,7 +64,7 @@ BOOST_AUTO_TEST_CASE(everything_that_a_scene_can_have_occurs) {
        {"gravity", "no gravity", "world load", "link load", "fixed", "revolute", "prismatic",
         "helical", "cylindrical", "universal", "planar", "spherical", "floating",
         "placement 0", "placement 1", "placement 2", "branch", "rotor", "spring", "massless",
-        "gyroscopic", "viscous", "coulomb",
+        "gyroscopic", "viscous", "coulomb", "follower",
         "turned inertia", "about origin"})
     BOOST_TEST(seen.count(wanted) == 1u, wanted << " never occurs");
   BOOST_TEST(dofs.size() == 12u);  // 1 to 12 joints, each number
@@ -72,83 +72,19 @@ BOOST_AUTO_TEST_CASE(everything_that_a_scene_can_have_occurs) {
   BOOST_TEST(*dofs.rbegin() == 12);
 }
 
+BOOST_DATA_TEST_CASE(a_plain_mechanism_has_what_every_engine_builds, data::xrange(40), index) {
+  const scene::Scene scene = randomScene(1, index, 12, JointKinds::kPlain);
+  for (const scene::Link& link : scene.mechanism.links) {
+    const scene::JointKind kind = link.joint.kind;
+    BOOST_TEST((kind == scene::JointKind::kFixed || kind == scene::JointKind::kRevolute ||
+                kind == scene::JointKind::kPrismatic));
+    BOOST_TEST(!link.joint.gyroscopic);
+  }
+  BOOST_TEST(scene::writeSceneToml(scene) != scene::writeSceneToml(randomScene(1, index, 12)));
+}
+
 BOOST_AUTO_TEST_CASE(a_mechanism_without_joints_is_refused) {
   BOOST_CHECK_THROW(randomScene(1, 0, 0), std::invalid_argument);
-}
-
-BOOST_AUTO_TEST_SUITE_END()
-
-BOOST_AUTO_TEST_SUITE(campaigns)
-
-BOOST_AUTO_TEST_CASE(all_residuals_of_random_mechanisms_are_zero) {
-  ExactOptions options;
-  options.seed = 3;
-  int calls = 0;
-  const RandomCampaign campaign = crosscheckRandom(25, 12, options, 1, [&](int done) {
-    BOOST_TEST(done == 5 * ++calls);
-  });
-  BOOST_TEST(calls == 5);
-  BOOST_TEST(campaign.mechanisms == 25);
-  BOOST_TEST(campaign.joints >= 25);
-  // pairs of five or six witnesses (one refuses gyroscopic rotors), the regressor and the identities;
-  // some trees have no other root
-  BOOST_TEST(campaign.checks > 25 * (12 + kIdentityCount));
-  BOOST_TEST(campaign.checks <= 25 * (41 + kIdentityCount));
-  BOOST_TEST(campaign.not_answerable == 0);
-  BOOST_TEST(campaign.error_probability <= 1e-30);
-  BOOST_TEST(campaign.error_probability > 0);
-  for (const RandomCampaign::Failure& failure : campaign.failures)
-    BOOST_ERROR(describeFailure(failure));
-}
-
-BOOST_AUTO_TEST_CASE(kernels_take_part_when_they_are_named) {
-  ExactOptions options;
-  options.witnesses = {"newton_euler"};
-  const RandomCampaign without = crosscheckRandom(3, 6, options);
-  options.witnesses.push_back("kernel");
-  const RandomCampaign with = crosscheckRandom(3, 6, options, 2);
-  int kernels = 0;  // which have no sign for Coulomb's friction
-  for (int index = 0; index < 3; ++index)
-    kernels += randomScene(options.seed, index, 6).mechanism.hasCoulombFriction() ? 0 : 1;
-  BOOST_TEST(kernels > 0);
-  BOOST_TEST(with.checks == without.checks + kernels * 2);  // M and tau, which both answer
-  BOOST_TEST(with.failures.empty());
-}
-
-BOOST_AUTO_TEST_CASE(an_error_of_one_part_in_a_million_million_million_fails_in_every_mechanism) {
-  for (int index = 0; index < 10; ++index) {
-    const scene::Scene scene = randomScene(5, index, 6);
-    const auto change = [](auto& model, const auto& number) {
-      using T = typename std::decay_t<decltype(number)>::Scalar;
-      model.links.back().M.mass *= T(1) + T(1) / T(1000000000) / T(1000000000);
-      model.links.back().rotor += T(1) / T(1000000000) / T(1000000000);
-    };
-    std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten);
-    witnesses[2] = sweepWitness<CompositeBody>(scene, change);
-    RandomCampaign::Failure failure{scene, {}, {}};
-    const auto checks = compareExactly(scene, witnesses, {});
-    for (const CheckResult& check : checks)
-      if (check.verdict == Verdict::kDisagree) failure.checks.push_back(check);
-    failure.findings = findOutliers(scene.name, checks);
-    std::size_t others = 0;  // that answer M or qdd
-    for (const ExactWitness& witness : witnesses)
-      for (const Quantity quantity : {Quantity::kM, Quantity::kQdd})
-        others += witness.name != "composite_body" && witness.answers(quantity) ? 1 : 0;
-    BOOST_TEST_REQUIRE(failure.checks.size() == others);
-    BOOST_TEST(std::all_of(failure.findings.begin(), failure.findings.end(), [](const Finding& f) {
-      return f.witness == "composite_body";
-    }));
-
-    // what is printed is enough to see it again
-    const std::string text = describeFailure(failure);
-    BOOST_TEST(text.find("composite_body stands alone") != std::string::npos);
-    BOOST_TEST(text.find("dynwitness crosscheck " + scene.name + ".toml --seed 1\n") !=
-               std::string::npos);
-    const std::size_t file = text.find("title = ");
-    BOOST_TEST_REQUIRE(file != std::string::npos);
-    BOOST_TEST(scene::readSceneToml(text.substr(file), scene.file).mechanism.dof() ==
-               scene.mechanism.dof());
-  }
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -28,10 +28,14 @@
 #include "crosscheck/report/report.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/report/tree_svg.hpp"
+#include "files.hpp"
 #include "scene/error.hpp"
 
 namespace fs = std::filesystem;
 using namespace dynwitness::crosscheck;
+using dynwitness::files::contains;
+using dynwitness::files::read;
+using dynwitness::files::TemporaryFolder;
 using dynwitness::scene::InputError;
 
 namespace {
@@ -116,7 +120,8 @@ CrosscheckResult sample() {
   result.witnesses = {{"lagrange", "0.1.0", "T and V, differentiated; " + kAwkward},
                       {"simbody", "3.7", "Simbody's matter subsystem", true,
                        "known loss: " + kAwkward + "\nremedy: none"},
-                      {"mujoco", "", "reads the URDF itself", false}};
+                      {"mujoco", "", "reads the URDF itself", false},
+                      {"kernel", "0.1.0", "compiled", false, "", "no compiler: " + kAwkward}};
   result.scenes.push_back(pendulum());
 
   SceneResult awkward = pendulum();
@@ -131,6 +136,17 @@ CrosscheckResult sample() {
   awkward.checks[2].verdict = Verdict::kDisagree;
   awkward.checks[3].verdict = Verdict::kNotAnswerable;
   awkward.checks[3].reason = "no table: " + kAwkward;
+  awkward.checks[4].addVoided(2, "M is singular", true);
+  awkward.checks[4].addVoided(3, "a bound ran away: " + kAwkward, false);
+  awkward.checks[4].no_exact = "too large: " + kAwkward;
+  Control control;
+  control.quantity = "M";
+  control.size = 1e-8;
+  control.found = {"pairs", "field"};
+  control.blind = {kAwkward};
+  awkward.controls = {control, {}};
+  awkward.controls[1].quantity = "c";
+  awkward.controls[1].nothing = "is zero: " + kAwkward;
   Finding alone;
   alone.scene = awkward.name;
   alone.quantity = "M";
@@ -167,14 +183,6 @@ bool haveGnuplot() {
   return gnuplotVersion() != "not found";
 }
 
-std::string read(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  BOOST_REQUIRE_MESSAGE(stream, "cannot read " << file);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 /// Every file below a folder with its content.
 std::map<std::string, std::string> contents(const fs::path& folder) {
   std::map<std::string, std::string> files;
@@ -189,20 +197,6 @@ int countOf(const std::string& text, const std::string& part) {
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
   return n;
 }
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-struct TemporaryFolder {
-  fs::path path;
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "dynwitness-report-XXXXXX").string();
-    BOOST_REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-    path = pattern;
-  }
-  ~TemporaryFolder() { fs::remove_all(path); }
-};
 
 /// While this lives no file can grow beyond `bytes`, as on a disk that is about to be full.
 struct FullDisk {
@@ -453,11 +447,49 @@ BOOST_AUTO_TEST_CASE(junit_is_well_formed_and_counts_what_it_holds) {
       }
     }
   }
-  BOOST_TEST(suite_count == 3);
+  BOOST_TEST(suite_count == 4);  // one a scene, and that of the run
   BOOST_TEST(cases == suites.get<int>("<xmlattr>.tests"));
   BOOST_TEST(failures == 2);
   BOOST_TEST(skipped == 1);
   for (const auto& [test_name, n] : names) BOOST_TEST(n == 1, test_name);
+}
+
+BOOST_AUTO_TEST_CASE(what_was_not_answered_and_the_control_are_in_every_form) {
+  const CrosscheckResult result = sample();
+  const auto report = nlohmann::json::parse(reportJson(result, environment()));
+  const auto& scene = report["scenes"][1];
+  const auto& voided = scene["checks"][4]["voided"];
+  BOOST_TEST(voided["states"] == 2);
+  BOOST_TEST(voided["excused"] == 1);
+  BOOST_TEST(voided["first"] == 3);  // not the excused one before it
+  BOOST_TEST(voided["reason"] == "a bound ran away: " + kAwkward);
+  BOOST_TEST(!scene["checks"][0].contains("voided"));
+  BOOST_TEST(scene["checks"][4]["no_exact"] == "too large: " + kAwkward);
+  BOOST_TEST(scene["controls"][0]["size"] == 1e-8);
+  BOOST_TEST(scene["controls"][0]["blind"][0] == kAwkward);
+  BOOST_TEST(scene["controls"][1]["nothing"] == "is zero: " + kAwkward);
+  BOOST_TEST(report["control"] == result.controlLine());
+  BOOST_TEST(report["witnesses"][3]["absent"] == "no compiler: " + kAwkward);
+  const auto& coverage = report["coverage"];
+  const auto c = std::find_if(coverage.begin(), coverage.end(),
+                              [](const auto& one) { return one["quantity"] == "c"; });
+  BOOST_REQUIRE(c != coverage.end());
+  BOOST_TEST((*c)["not_answered"] == 3);  // one was not asked at all
+  BOOST_TEST((*c)["excused"] == 2);
+  const std::string page =
+      reportPage(result, environment(), std::vector<SceneFiles>(result.scenes.size()));
+  for (const char* text :
+       {"2 of 100 states not judged, the first 3: a bound ran away", "id=\"coverage\"",
+        "found at 1e-08 by pairs, field", "nothing to plant: is zero", "absent: no compiler",
+        "control: a kilogram too heavy by 1e-08"})
+    BOOST_TEST(contains(page, text), text);
+  const std::string xml = reportJUnit(result, environment());
+  BOOST_TEST(
+      contains(xml, "<system-out>2 of 100 states not judged, the first 3: a bound ran away"));
+  BOOST_TEST(contains(xml, "name=\"control\"><system-out>control: "));
+  CrosscheckResult missed = result;
+  missed.scenes[1].controls[0].missed = {"truth"};
+  BOOST_TEST(contains(reportJUnit(missed, environment()), "name=\"control\"><failure"));
 }
 
 BOOST_AUTO_TEST_CASE(names_of_equal_checks_are_made_different) {

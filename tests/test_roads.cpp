@@ -14,6 +14,7 @@
 #include "counted_arms.hpp"
 #include "crosscheck/arithmetic/prime_field.hpp"
 #include "crosscheck/kernel/factor.hpp"
+#include "crosscheck/kernel/general_cost.hpp"
 #include "crosscheck/kernel/lean_sweeps.hpp"
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/exact/random_mechanism.hpp"
@@ -104,7 +105,7 @@ BOOST_DATA_TEST_CASE(every_road_is_the_same_function_for_bundled_scenes, data::m
 
 // branches, slides, slanted axes, springs, loads in link and world axes
 BOOST_DATA_TEST_CASE(every_road_is_the_same_function_for_random_trees, data::xrange(12), index) {
-  scene::Scene scene = randomScene(11, static_cast<std::uint64_t>(index), 5);
+  scene::Scene scene = randomTreeScene(11, static_cast<std::uint64_t>(index), 5);
   for (scene::Link& link : scene.mechanism.links)  // a program has no sign for Coulomb's part
     link.joint.friction.positive = link.joint.friction.negative = scene::Number(0);
   everyRoadIsTheSameFunction(scene);
@@ -225,6 +226,74 @@ BOOST_AUTO_TEST_CASE(closures_and_springs_between_points_are_refused) {
                         std::runtime_error, [](const std::exception& e) {
                           return std::string(e.what()).find("open trees") != std::string::npos;
                         });
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(bounds)
+
+std::string refusal(const std::string& scene, Formula formula) {
+  try {
+    smallestRoad(scene::findScene(scene).mechanism, formula);
+  } catch (const NotUsed& why) {
+    return why.what();
+  }
+  return "";
+}
+
+BOOST_AUTO_TEST_CASE(straight_lines_that_are_too_long_are_not_used) {
+  for (const Formula formula :
+       {Formula::kInverseDynamics, Formula::kMassMatrix, Formula::kForwardDynamics}) {
+    BOOST_TEST(refusal("chain_64", formula).find("no kernel of " + std::string(name(formula))) == 0u);
+    BOOST_TEST(refusal("chain_1000", formula).find("1000 degrees of freedom, at most 256") != std::string::npos);
+    BOOST_TEST(refusal("puma_560", formula) == "");
+  }
+}
+
+BOOST_AUTO_TEST_CASE(no_program_is_larger_than_what_it_replaces_or_than_what_is_compiled) {
+  for (const char* scene : {"chain_16", "planar_chain_5", "humanoid", "heavy_top", "simple_pendulum"})
+    for (const Formula formula :
+         {Formula::kInverseDynamics, Formula::kMassMatrix, Formula::kForwardDynamics}) {
+      const scene::Mechanism mechanism = scene::findScene(scene).mechanism;
+      if (!refusal(scene, formula).empty()) continue;
+      const int operations = smallestRoad(mechanism, formula).operations();
+      BOOST_TEST(operations <= kMostOperations);
+      BOOST_TEST(operations < generalOperations(mechanism, formula));
+    }
+}
+
+// the same links over and over, so that each adds the same: a count that depended on anything else would not
+BOOST_AUTO_TEST_CASE(general_operations_grow_with_the_links_and_with_the_entries_of_M) {
+  const auto count = [](int links, Formula formula) {
+    return generalOperations(scene::findScene("chain_" + std::to_string(links)).mechanism, formula);
+  };
+  for (const Formula formula : {Formula::kInverseDynamics, Formula::kForwardDynamics})
+    BOOST_TEST(count(96, formula) - count(64, formula) == count(64, formula) - count(32, formula));
+  const long m32 = count(32, Formula::kMassMatrix), m64 = count(64, Formula::kMassMatrix),
+             m96 = count(96, Formula::kMassMatrix), m128 = count(128, Formula::kMassMatrix);
+  BOOST_TEST((m128 - m96) - (m96 - m64) == (m96 - m64) - (m64 - m32));
+  BOOST_TEST(m64 > 2 * m32);
+}
+
+// Sums of six of eight values each, another eight every time: twice as many sums are twice the work. (Pairs were once
+// counted anew after each that was shared, which made it four times.)
+BOOST_AUTO_TEST_CASE(sharing_pairs_takes_no_more_than_the_sums_are_long) {
+  const auto steps = [](int sums) {
+    symbolic::Graph graph;
+    std::vector<symbolic::Node> outputs;
+    for (int k = 0; k < sums; ++k) {
+      symbolic::Node total;
+      for (int i = 0; i < 8; ++i)
+        if (i != k % 8 && i != (k / 8) % 8) total = graph.add(total, graph.input(symbolic::Input::kVelocity, k / 8 * 8 + i));
+      outputs.push_back(total);
+    }
+    long done = 0;
+    factored(graph, outputs, Effort::kQuick, &done);
+    return done;
+  };
+  const double ratio = static_cast<double>(steps(256)) / static_cast<double>(steps(128));
+  BOOST_TEST(ratio < 2.5);
+  BOOST_TEST(ratio > 1.5);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

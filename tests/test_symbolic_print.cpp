@@ -19,6 +19,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include "scene/mimic.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/derivation.hpp"
 #include "symbolic/print.hpp"
@@ -81,6 +82,15 @@ DoubleState randomState(int n, unsigned seed, int positions = 0) {
     s.state.x.push_back(scene::jointPosition(s.q.back()));
   }
   s.state.qd = s.qd;
+  return s;
+}
+
+/// The same of a mechanism: q as the code takes it, without joints that follow others.
+DoubleState randomState(const scene::Mechanism& m, unsigned seed) {
+  const std::size_t given = scene::givenSlots(m).size();
+  DoubleState s = randomState(m.dof(), seed, static_cast<int>(given));
+  s.state.x.clear();
+  for (const double q : scene::allPositions(m, s.q)) s.state.x.push_back(scene::jointPosition(q));
   return s;
 }
 
@@ -235,7 +245,7 @@ BOOST_DATA_TEST_CASE(c_computes_what_the_program_computes,
   const auto function = reinterpret_cast<Function>(dlsym(library, "eom"));
   const auto parameters = static_cast<const double*>(dlsym(library, "eom_parameters"));
   for (unsigned seed = 0; seed < 5; ++seed) {
-    const DoubleState s = randomState(n, seed, m.positions());
+    const DoubleState s = randomState(m, seed);
     std::vector<double> result(n * (n + 2));
     function(s.q.data(), s.qd.data(), parameters, result.data(), result.data() + n * n,
              result.data() + n * (n + 1));
@@ -249,7 +259,7 @@ BOOST_DATA_TEST_CASE(python_computes_what_the_program_computes, data::make(scene
   const Equations e = derive(m);
   const int n = e.dof();
   const Folder folder;
-  const DoubleState s = randomState(n, 3, m.positions());
+  const DoubleState s = randomState(m, 3);
   const auto list = [](const std::vector<double>& v) {
     std::ostringstream text;
     text.precision(17);

@@ -152,16 +152,57 @@ BOOST_AUTO_TEST_CASE(different_shapes_disagree) {
              result.reason);
 }
 
-BOOST_AUTO_TEST_CASE(a_witness_that_fails_leaves_the_check_unanswered) {
+BOOST_AUTO_TEST_CASE(a_witness_that_fails_at_one_state_voids_that_state_alone) {
   Tally tally = tallyOf("tau");
   tally.add(0, column(1, 2), column(1, 2), column(1, 1));
   tally.fail(1, "simbody: no convergence");
   const CheckResult result = tally.result();
-  BOOST_TEST((result.verdict == Verdict::kNotAnswerable));
+  BOOST_TEST((result.verdict == Verdict::kAgree));
   BOOST_TEST(result.states == 2);
-  BOOST_TEST((result.reason.find("simbody: no convergence") != std::string::npos), result.reason);
+  BOOST_TEST(result.voided == 1);
+  BOOST_TEST(result.judged() == 1);
+  BOOST_TEST(result.excused == 0);
+  BOOST_TEST(result.first_voided == 1);
+  BOOST_TEST((result.voided_reason.find("simbody: no convergence") != std::string::npos),
+             result.voided_reason);
   tally.add(2, column(1, 2), column(1, 3), column(0, 0));
   BOOST_TEST((tally.result().verdict == Verdict::kDisagree));
+}
+
+BOOST_AUTO_TEST_CASE(a_state_without_limit_voids_that_state_alone) {
+  Tally tally = tallyOf("qdd");
+  tally.add(0, column(1, 2), column(1, 2.5), column(0, kInfinity));
+  tally.add(1, column(1, 2), column(1, 2), column(1, 1));
+  const CheckResult result = tally.result();
+  BOOST_TEST((result.verdict == Verdict::kAgree));
+  BOOST_TEST(result.voided == 1);
+  BOOST_TEST((result.voided_reason.find("qdd[2] at state 0") != std::string::npos),
+             result.voided_reason);
+}
+
+// An entry without a limit does not excuse the others of its state.
+BOOST_AUTO_TEST_CASE(a_disagreement_in_a_voided_state_is_one) {
+  Tally tally = tallyOf("qdd");
+  tally.add(0, column(1, 2), column(1.5, 2.5), column(0.1, kInfinity));
+  BOOST_TEST((tally.result().verdict == Verdict::kDisagree));
+  BOOST_TEST(tally.result().worst_entry == "qdd[1]");
+}
+
+BOOST_AUTO_TEST_CASE(where_there_is_nothing_to_compare_the_state_is_excused) {
+  Tally tally = tallyOf("qdd");
+  tally.add(0, column(1, 2), column(1, 2.5), column(0, kInfinity), "M is singular");
+  tally.fail(1, "simbody: infinite", "M is singular");
+  tally.add(2, column(1, 2), column(1, 2), column(1, 1),
+            "M is singular");  // it has a limit all the same
+  const CheckResult result = tally.result();
+  BOOST_TEST((result.verdict == Verdict::kAgree));
+  BOOST_TEST(result.voided == 2);
+  BOOST_TEST(result.excused == 2);
+  BOOST_TEST(result.voided_reason == "M is singular");
+}
+
+BOOST_AUTO_TEST_CASE(a_check_that_was_asked_at_no_state_does_not_agree) {
+  BOOST_TEST((tallyOf("tau").result().verdict == Verdict::kNotAnswerable));
 }
 
 BOOST_AUTO_TEST_SUITE_END()

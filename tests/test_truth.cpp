@@ -167,7 +167,7 @@ BOOST_DATA_TEST_CASE(truth_overlaps_the_derived_programs_on_balls, data::make(sc
       BOOST_REQUIRE(certified.exists());
       MatrixOf<Ball> by_sweep = certified.value;
       by_sweep.transposeInPlace();  // the program's M is written row by row
-      const std::vector<Ball> by_program = run(ballState(at));
+      const std::vector<Ball> by_program = run(ballState(at, scene.mechanism));
       for (std::size_t i = 0; i < by_program.size(); ++i)
         BOOST_TEST((by_program[i] - by_sweep.data()[i]).containsZero(),
                    crosscheck::name(quantity)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/arithmetic/ball.hpp"
 
+#include "scene/mimic.hpp"
+
 #include <iterator>
 #include <vector>
 
@@ -180,6 +182,17 @@ scene::State<Ball> ballState(const scene::State<double>& state) {
   out.qd.assign(state.qd.begin(), state.qd.end());
   out.qdd.assign(state.qdd.begin(), state.qdd.end());
   out.tau.assign(state.tau.begin(), state.tau.end());
+  return out;
+}
+
+scene::State<Ball> ballState(const scene::State<double>& state, const scene::Mechanism& mechanism) {
+  scene::State<Ball> out = ballState(state);
+  const BallNumbers number(mechanism);
+  for (const scene::Follower& f : scene::followers(mechanism)) {
+    const Ball q = number(scene::Number(f.multiplier)) * out.x[f.leader_slot].q + number(f.offset);
+    scene::CosSin<Ball> point = cosSin(q);
+    out.x[f.slot] = {q, std::move(point.c), std::move(point.s)};
+  }
   return out;
 }
 

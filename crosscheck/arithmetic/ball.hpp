@@ -91,6 +91,9 @@ class Ball {
   Ball& operator*=(const Ball& b) { return *this = *this * b; }
   Ball& operator/=(const Ball& b) { return *this = *this / b; }
 
+  /// Certainly the same number: both exact. (Eigen asks it of imaginary parts.)
+  friend bool operator==(const Ball& a, const Ball& b) { return arb_eq(a.x_, b.x_); }
+
   friend Ball abs(const Ball& a);
   friend Ball sqrt(const Ball& a);
   friend scene::CosSin<Ball> cosSin(const Ball& angle);
@@ -140,6 +143,9 @@ class BallNumbers {
 
 /// A state of doubles as exact input, with cos q and sin q enclosed at the precision of the moment.
 scene::State<Ball> ballState(const scene::State<double>& state);
+/// The same of a mechanism where joints may follow others: those are where the leaders' doubles put them, and
+/// not at the doubles beside that.
+scene::State<Ball> ballState(const scene::State<double>& state, const scene::Mechanism& mechanism);
 
 }  // namespace dynwitness::crosscheck
 

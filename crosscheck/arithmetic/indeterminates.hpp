@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -157,11 +158,16 @@ class IndeterminateNumbers {
   mutable std::map<std::string, Point> points_;  ///< angles that were asked for, by their text
 };
 
-/// A state of indeterminates: joint positions as points of the circle beside an element for q (which is
-/// all that a component of a quaternion has), and elements for velocities, accelerations and forces.
+/** A state of indeterminates: joint positions as points of the circle beside an element for q (which is
+    all that a component of a quaternion has), and elements for velocities, accelerations and forces.
+
+    The q of a joint that follows another is  multiplier q_leader + offset;  its point is one of its own. No
+    formula knows the offset but through that point (and q), and whatever the point, some offset leads to it:
+    what holds for every point holds for every offset. */
 template <typename Source>
-scene::State<typename Source::Scalar> indeterminateState(const scene::Mechanism& mechanism,
-                                                         const Source& source) {
+scene::State<typename Source::Scalar> indeterminateState(
+    const scene::Mechanism& mechanism, const Source& source,
+    Parameters parameters = Parameters::kAsWritten) {
   scene::State<typename Source::Scalar> state;
   const std::vector<scene::SlotKind> slots = mechanism.slots();
   for (std::size_t i = 0; i < slots.size(); ++i) {
@@ -176,6 +182,11 @@ scene::State<typename Source::Scalar> indeterminateState(const scene::Mechanism&
     state.qdd.push_back(source.element("qdd" + joint));
     state.tau.push_back(source.element("tau" + joint));
   }
+  if (!mechanism.hasMimics()) return state;
+  const IndeterminateNumbers<Source> number(mechanism, source, parameters);
+  for (const scene::Follower& f : scene::followers(mechanism))
+    state.x[f.slot].q =
+        number(scene::Number(f.multiplier)) * state.x[f.leader_slot].q + number(f.offset);
   return state;
 }
 

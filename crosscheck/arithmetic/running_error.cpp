@@ -47,6 +47,10 @@ scene::AxisTurn<RunningError> RunningErrorNumbers::axisTurn(const scene::Vector&
 }
 
 scene::JointPosition<RunningError> runningErrorPosition(double q) {
+  return runningErrorPosition(RunningError(q));
+}
+
+scene::JointPosition<RunningError> runningErrorPosition(const RunningError& q) {
   const scene::CosSin<RunningError> point = cosSin(q);
   return {q, point.c, point.s};
 }

@@ -117,6 +117,8 @@ class RunningErrorNumbers {
 /// The joint position q with cos q and sin q from the C library, whose error glibc states as below
 /// 1 ulp (2 u) on this platform.
 scene::JointPosition<RunningError> runningErrorPosition(double q);
+/// The same for a position that is not known exactly.
+scene::JointPosition<RunningError> runningErrorPosition(const RunningError& q);
 
 }  // namespace dynwitness::crosscheck
 

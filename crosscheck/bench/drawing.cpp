@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/bench/results.hpp"
+#include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
 
 namespace dynwitness::crosscheck {
@@ -13,16 +14,11 @@ namespace {
 
 constexpr double kNanoseconds = 1e9;  // in a second
 
-bool isTimed(const Measurement& m) {
-  return m.unit == "ns" &&
-         std::find(std::begin(kTimed), std::end(kTimed), m.what) != std::end(kTimed);
-}
-
 /// Scenes that were timed, in the order in which they were measured.
 std::vector<std::string> timedScenes(const BenchResult& result) {
   std::vector<std::string> scenes;
   for (const Measurement& m : result.measured)
-    if (isTimed(m) && std::find(scenes.begin(), scenes.end(), m.subject) == scenes.end())
+    if (m.isTime() && std::find(scenes.begin(), scenes.end(), m.subject) == scenes.end())
       scenes.push_back(m.subject);
   return scenes;
 }
@@ -42,7 +38,7 @@ std::vector<Contender> timedContenders(const BenchResult& result) {
   std::vector<Contender> all;
   for (const Contender& c : result.contenders)
     if (std::any_of(result.measured.begin(), result.measured.end(),
-                    [&](const Measurement& m) { return isTimed(m) && m.by == c.name; }))
+                    [&](const Measurement& m) { return m.isTime() && m.by == c.name; }))
       all.push_back(c);
   return all;
 }
@@ -50,10 +46,7 @@ std::vector<Contender> timedContenders(const BenchResult& result) {
 /// Colour and marker: an engine's as in the other charts; ours by what it is, whoever compiled it.
 int lineType(const std::string& contender) {
   const auto starts = [&](const char* word) { return contender.rfind(word, 0) == 0; };
-  if (starts("mujoco")) return 15;
-  if (starts("simbody")) return 11;
-  if (starts("dart")) return 13;
-  if (starts("kdl")) return 14;
+  if (const auto engine = lineTypeOfEngine(contender.substr(0, contender.rfind("_raw")))) return *engine;
   if (starts("recursive")) return 5;
   if (starts("fast")) return 1;
   if (starts("kernel_lanes")) return 3;
@@ -81,7 +74,7 @@ std::string benchCsv(const BenchResult& result) {
     return x ? fmt::format("{:.4g}", *x) : std::string();
   };
   for (const Measurement& m : result.measured) {
-    if (!isTimed(m)) continue;
+    if (!m.isTime()) continue;
     text += fmt::format("{},{},{},{:.5g},{},{},{}\n", oneLine(m.subject), m.what, oneLine(m.by),
                         m.value, number(result.timesFaster(kRawMujoco, m.what, m.subject, m.by)),
                         number(result.timesFaster(kRawSimbody, m.what, m.subject, m.by)),
@@ -121,7 +114,7 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     double least = std::numeric_limits<double>::infinity(), most = 0;
     for (const Measurement& m : result.measured) {
-      if (!isTimed(m) || m.subject != scenes[s]) continue;
+      if (!m.isTime() || m.subject != scenes[s]) continue;
       least = std::min({least, m.value, granted(result, m).value_or(m.value)});
       most = std::max(most, m.value);
     }

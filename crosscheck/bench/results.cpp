@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/text.hpp"
 #include "scene/error.hpp"
+#include "scene/text_file.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -169,6 +169,10 @@ void requireConsistent(const Json& read, const BenchResult& result) {
 
 }  // namespace
 
+bool Measurement::isTime() const {
+  return unit == "ns" && std::find(std::begin(kTimed), std::end(kTimed), what) != std::end(kTimed);
+}
+
 std::optional<double> BenchResult::value(const std::string& what, const std::string& subject,
                                          const std::string& by, const std::string& unit) const {
   for (const Measurement& m : measured)
@@ -263,12 +267,7 @@ std::string benchJson(const BenchResult& result) {
 }
 
 BenchResult readBench(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file))
-    throw scene::InputError({file.string()},
-                            "cannot be read; expected a file that `dynwitness bench` wrote");
-  const std::string text((std::istreambuf_iterator<char>(stream)),
-                         std::istreambuf_iterator<char>());
+  const std::string text = scene::readTextFile(file, "a file that `dynwitness bench` wrote");
   Json json;
   try {
     json = Json::parse(text);

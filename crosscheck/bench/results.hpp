@@ -30,6 +30,8 @@ struct Contender {
 struct Measurement {
   std::string what, subject, by, unit;
   double value = 0;
+
+  bool isTime() const;  ///< of kTimed
 };
 
 struct Goal {

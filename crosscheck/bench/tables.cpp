@@ -26,11 +26,6 @@ std::string figure(const std::optional<double>& x) {
   return x ? figure(*x) : "-";
 }
 
-bool isTime(const Measurement& m) {
-  return m.unit == "ns" &&
-         std::find(std::begin(kTimed), std::end(kTimed), m.what) != std::end(kTimed);
-}
-
 /// One contender at one scene: a cell a formula.
 struct Row {
   std::string label;
@@ -47,7 +42,7 @@ std::vector<SceneTable> sceneTables(const BenchResult& result) {
   std::vector<SceneTable> tables;
   for (const Measurement& m : result.measured) {
     const bool is_new =
-        isTime(m) && std::none_of(tables.begin(), tables.end(),
+        m.isTime() && std::none_of(tables.begin(), tables.end(),
                                   [&](const SceneTable& t) { return t.scene == m.subject; });
     if (!is_new) continue;
     tables.push_back({m.subject, {}});
@@ -73,7 +68,7 @@ struct OtherNumbers {
 std::vector<OtherNumbers> otherNumbers(const BenchResult& result) {
   std::vector<OtherNumbers> lines;
   for (const Measurement& m : result.measured) {
-    if (isTime(m)) continue;
+    if (m.isTime()) continue;
     const std::string label = result.label(m.by),
                       value = fmt::format("{} {}", figure(m.value), m.unit);
     const auto found = std::find_if(lines.begin(), lines.end(), [&](const OtherNumbers& o) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "crosscheck/states.hpp"
 #include "crosscheck/digits/truth.hpp"
 #include "scene/error.hpp"
+#include "scene/work.hpp"
 #include "symbolic/closed_form.hpp"
 
 namespace dynwitness::crosscheck {
@@ -42,7 +44,11 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
   else
     chart->left_out.push_back(fmt::format("{}: more than {} joints", MethodName::kClosedForm,
                                           symbolic::kClosedFormJoints));
-  methods.push_back(programMethod(quantity, mechanism, states));
+  try {
+    methods.push_back(programMethod(quantity, mechanism, states));
+  } catch (const scene::InputError& error) {  // too large to be derived
+    chart->left_out.push_back(fmt::format("{}: {}", MethodName::kProgram, error.what()));
+  }
   if (quantity == Quantity::kTau) addSweeps(Sweep::kNewtonEuler, mechanism, states, &methods);
   if (quantity == Quantity::kM) addSweeps(Sweep::kCompositeBody, mechanism, states, &methods);
   if (quantity == Quantity::kQdd) {
@@ -50,6 +56,13 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
     addSweeps(Sweep::kArticulatedBody, mechanism, states, &methods);
   }
   for (const WitnessKind& kind : kinds) {
+    if (kind.info.name == "kernel") {
+      try {
+        methods.push_back(kernelMethod(quantity, mechanism, states));
+      } catch (const std::exception& error) {
+        chart->left_out.push_back(fmt::format("{}: {}", MethodName::kKernel, error.what()));
+      }
+    }
     if (kind.info.version == DYNWITNESS_VERSION) continue;  // ours: above, without their bounds
     if (!kind.info.present) {
       chart->left_out.push_back(kind.info.name + ": absent from this build");
@@ -120,7 +133,9 @@ Chart speedAccuracy(const scene::Scene& scene, Quantity quantity,
   States drawn;
   std::vector<MatrixOf<Ball>> truths;
   Truth truth(scene.mechanism, kChartTruthBits);
-  for (int k = 0; k < states; ++k) {
+  scene::Work work("", 10);
+  std::optional<scene::Work> part(std::in_place, "certified truth", states, 5);
+  for (int k = 0; k < states; ++k, part->done()) {
     drawn.push_back(drawState(scene.mechanism, scene.name, seed, k));
     Certified certified = truth(quantity, drawn.back());
     if (!certified.exists())
@@ -131,6 +146,7 @@ Chart speedAccuracy(const scene::Scene& scene, Quantity quantity,
     truths.push_back(std::move(certified.value));
   }
 
+  part.reset();
   Methods methods;
   for (auto& method : methodsFor(scene, quantity, kinds, drawn, &chart)) {
     std::vector<double> errors;
@@ -150,7 +166,9 @@ Chart speedAccuracy(const scene::Scene& scene, Quantity quantity,
 
   std::vector<std::vector<double>> times(methods.size());
   std::vector<double> spent(methods.size(), 0.0);
-  for (int round = 0; round < kChartRounds; ++round) {
+  work.doneTo(0.7);
+  part.emplace("times", kChartRounds, 3);
+  for (int round = 0; round < kChartRounds; ++round, part->done()) {
     for (std::size_t i = 0; i < methods.size(); ++i) {
       if (spent[i] > kEnoughSeconds) continue;
       const double start = cpuSeconds();

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/chart/methods.hpp"
+#include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
 
 namespace dynwitness::crosscheck {
@@ -49,13 +50,9 @@ int lineType(const std::string& method) {
                                                    {MethodName::kCompositeBody, 4},
                                                    {MethodName::kCompositeBodySolved, 4},
                                                    {MethodName::kArticulatedBody, 5},
-                                                   {"simbody", 11},
-                                                   {"mujoco_principal", 12},
-                                                   {"dart", 13},
-                                                   {"kdl", 14},
-                                                   {"mujoco", 15}};
+                                                   {MethodName::kKernel, 6}};
   const auto found = known.find(method);
-  return found != known.end() ? found->second : 16;
+  return found != known.end() ? found->second : lineTypeOfEngine(method).value_or(16);
 }
 
 /// What is seen of the points: decades of error and of time [s]; an exact answer, which has no

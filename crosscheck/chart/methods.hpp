@@ -34,6 +34,7 @@ struct MethodName {
   static constexpr const char* kCompositeBody = "composite-body sweep";
   static constexpr const char* kCompositeBodySolved = "mass matrix and L D L'";
   static constexpr const char* kArticulatedBody = "articulated-body sweep";
+  static constexpr const char* kKernel = "the scene's kernel";
 };
 
 /// The closed form, entry by entry, as `dynwitness derive` prints it; qdd by L D L'.
@@ -43,6 +44,10 @@ std::unique_ptr<Method> closedFormMethod(Quantity quantity, const scene::Mechani
 /// The derived equations as a straight-line program: nothing is computed twice. qdd by L D L'.
 std::unique_ptr<Method> programMethod(Quantity quantity, const scene::Mechanism& mechanism,
                                       const States& states);
+
+/// The scene's own compiled code. @throws std::runtime_error  why there is none, or why it is not used
+std::unique_ptr<Method> kernelMethod(Quantity quantity, const scene::Mechanism& mechanism,
+                                     const States& states);
 
 /// An outside engine behind the interface of witnesses.
 std::unique_ptr<Method> engineMethod(std::unique_ptr<Witness> witness, Quantity quantity,

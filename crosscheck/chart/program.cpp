@@ -35,8 +35,9 @@ class ProgramMethod : public DerivedMethod {
   static symbolic::Program programFor(Quantity quantity, const scene::Mechanism& mechanism) {
     symbolic::Options options;
     options.fold_parameters = true;
-    symbolic::Equations e = symbolic::derive(mechanism, options);
+    symbolic::Equations e = symbolic::deriveForces(mechanism, options);
     if (quantity == Quantity::kTau) return symbolic::compile(e.graph, symbolic::inverseDynamics(e));
+    symbolic::addMassMatrix(mechanism, options, e);
     std::vector<symbolic::Node> nodes;
     for (const auto& row : e.M) nodes.insert(nodes.end(), row.begin(), row.end());
     if (quantity == Quantity::kQdd)

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness action: Hamilton's principle on a simulated motion.
+#include <array>
 #include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/findings.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
 #include "crosscheck/studies/hamilton.hpp"
 #include "crosscheck/report/files.hpp"
+#include "crosscheck/studies/hamilton.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -50,9 +55,15 @@ Json toJson(const Action& action) {
 }
 
 int run(const Arguments& arguments) {
-  const scene::Scene scene = scene::findScene(arguments.scene);
   requireWritableFile(arguments.json);
-  const Action action = measureAction(scene, arguments.options);
+  const scene::Scene scene = admitted(arguments.scene, Command::kAction);
+  const Action action = [&] {
+    const Progress progress("action of " + scene.name);
+    return measureAction(scene, arguments.options);
+  }();
+  requireFinite("the action", std::array{action.action, action.energy_drift, action.with_work, action.lowest});
+  for (const Action::Path& path : action.paths)
+    requireFinite("the action of a varied path", std::array{path.first, path.change});
   fmt::print("{}: {} s in {} steps of order 4\n", scene.name, action.duration, action.steps);
   fmt::print("action       S = integral of T - V = {:.12g} J s\n", action.action);
   fmt::print(
@@ -65,7 +76,7 @@ int run(const Arguments& arguments) {
     if (action.conjugates.empty())
       fmt::print("conjugate    no conjugate time in {} s: the action is least\n", action.duration);
     for (const Action::Conjugate& conjugate : action.conjugates)
-      fmt::print("conjugate    t = {:.10g} s +- {:.2g} s\n", conjugate.time, conjugate.error);
+      fmt::print("conjugate    t = {:.10g} s {} s\n", conjugate.time, boundText(conjugate.error));
     if (action.negative >= 0)
       fmt::print(
           "second       variation: {} negative directions; lowest eigenvalue in sines {:.6g} of "
@@ -94,19 +105,25 @@ Run addAction(CLI::App& app) {
       "Hamilton's principle: the action of a motion and of the paths near it, conjugate times");
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command->add_option("--duration", arguments->options.duration, "Time between the end points [s]")
+      ->check(positive())
       ->capture_default_str();
   command
       ->add_option("--state", arguments->options.q, "Start q, e.g. 0.1,0.2 (default: the scene's)")
+      ->check(finite())
       ->delimiter(',');
   command->add_option("--velocity", arguments->options.qd, "Start qd (default: the scene's)")
+      ->check(finite())
       ->delimiter(',');
   command
       ->add_option("--damping", arguments->options.damping,
                    "Friction of every joint, force -damping qd [N m s/rad, N s/m]")
+      ->check(nonNegative())
       ->capture_default_str();
   command->add_option("--paths", arguments->options.paths, "How many varied paths")
+      ->check(whole(1, 10000))
       ->capture_default_str();
   command->add_option("--seed", arguments->options.seed, "Seed of the varied paths")
+      ->check(seed())
       ->capture_default_str();
   command->add_option("--json", arguments->json, "Write the result to this file");
   command->footer(

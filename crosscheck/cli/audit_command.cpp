@@ -7,6 +7,7 @@
 
 #include "crosscheck/audit/audit.hpp"
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/report/audit_report.hpp"
 #include "crosscheck/report/files.hpp"
 #include "scene/error.hpp"
@@ -139,6 +140,7 @@ Run addAudit(CLI::App& app) {
   command->add_option("--report", arguments->report,
                       "Write a page and audit.json into this folder");
   command->add_option("--seed", arguments->seed, "Seed of the random points")
+      ->check(seed())
       ->capture_default_str();
   command->footer(
       "Every verdict is computed when the command runs: both sides of an equation at random points "

@@ -11,6 +11,8 @@
 #include "crosscheck/chart/chart.hpp"
 #include "crosscheck/chart/drawing.hpp"
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/report/assets.hpp"
@@ -75,7 +77,7 @@ void writeCharts(const std::vector<Chart>& charts, const fs::path& folder) {
 }
 
 int run(const Arguments& arguments) {
-  const scene::Scene scene = scene::findScene(arguments.scene);
+  const scene::Scene scene = admitted(arguments.scene, Command::kChart);
   requireMotion(scene);
   // without names the absent ones too: the table says that they are
   const std::vector<WitnessKind> kinds =
@@ -113,10 +115,10 @@ Run addChart(CLI::App& app) {
       ->check(CLI::IsMember(allowed));
   command->add_option("--states", arguments->states, "Seeded states that each method is run at")
       ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
+      ->check(whole(1, 100000));
   command->add_option("--seed", arguments->seed, "Seed of the states")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(seed());
   command
       ->add_option("--witness", arguments->witnesses,
                    "Outside engines beside our own methods; without: all that are there")

@@ -7,13 +7,20 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/campaign.hpp"
 #include "crosscheck/chart/chart.hpp"
+#include "crosscheck/cli/campaign.hpp"
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/exact/random_mechanism.hpp"
 #include "crosscheck/kernel/compiled.hpp"
+#include "crosscheck/kernel/kernel.hpp"
+#include "crosscheck/plan.hpp"
 #include "crosscheck/processes.hpp"
+#include "crosscheck/report/files.hpp"
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/report.hpp"
@@ -32,6 +39,7 @@ struct Arguments {
   Options options;
   std::string parameters = kAsWritten;
   int random = 0, joints = 12;  ///< random mechanisms instead of scenes
+  bool states_given = false;
   int processes = availableProcessors();
   bool charts = true;
 };
@@ -42,7 +50,11 @@ constexpr int kMostChartStates = 100;
 /// The scenes asked for, or all that are bundled with those of the tables.
 std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
   std::vector<scene::Scene> scenes;
-  for (const std::string& name : arguments.scenes) scenes.push_back(scene::findScene(name));
+  for (const std::string& name : arguments.scenes) {
+    scenes.push_back(scene::findScene(name));
+    for (const std::string& what : scenes.back().not_modelled)
+      tell(fmt::format("{}: {}\n", scenes.back().name, what));
+  }
   if (!arguments.scenes.empty()) return scenes;
   for (const auto& file : scene::bundledScenes()) scenes.push_back(scene::readScene(file));
   for (const auto& table : bundledTables())
@@ -66,16 +78,17 @@ std::string reproduce(const Arguments& arguments) {
 }
 
 void printTable(const CrosscheckResult& result) {
-  fmt::print("{}\n\n", result.headline());
+  fmt::print("{}\n{}\n\n", result.headline(), result.controlLine());
   fmt::print("{:<30} {:>4} {:>6} {:>7}  {:<15} {}\n", "scene", "dof", "links", "checks", "verdict",
-             "closest to its limit");
+             "closest to its limit, in any unit");
   for (const SceneResult& scene : result.scenes) {
-    int disagreeing = 0, answered = 0;
+    int disagreeing = 0, answered = 0, partly = 0;
     const CheckResult* closest = nullptr;
     for (const CheckResult& check : scene.checks) {
       if (check.verdict == Verdict::kNotAnswerable) continue;
       ++answered;
       disagreeing += check.verdict == Verdict::kDisagree ? 1 : 0;
+      partly += check.voided > 0 ? 1 : 0;
       if (!check.known_loss && (closest == nullptr || check.ratio > closest->ratio)) closest = &check;
     }
     const std::string verdict = disagreeing == 0 ? answered > 0 ? "agree" : "not answerable"
@@ -85,6 +98,7 @@ void printTable(const CrosscheckResult& result) {
     if (closest != nullptr)
       fmt::print("{:.0f}% of {} {}, {}{}{}", 100 * closest->ratio, closest->check, closest->quantity,
                  closest->left, closest->right.empty() ? "" : "/", closest->right);
+    if (partly > 0) fmt::print("; {} check{} not at all states", partly, partly == 1 ? "" : "s");
     fmt::print("\n");
   }
   for (const SceneResult& scene : result.scenes) {
@@ -112,47 +126,43 @@ void printTable(const CrosscheckResult& result) {
   fmt::print("\n");
 }
 
-/// --random: mechanisms instead of scenes, exact checks instead of rounded ones, no report.
+/// Witnesses that the options name, or all that are present but kernels, whose making is slow.
+CampaignOptions campaignOptions(const Arguments& arguments) {
+  CampaignOptions options;
+  options.exact.seed = arguments.options.seed;
+  options.exact.error_probability = arguments.options.error_probability;
+  if (arguments.states_given) options.states = arguments.options.states;
+  for (const WitnessKind& kind : selectWitnesses(arguments.options.witnesses)) {
+    const bool named = !arguments.options.witnesses.empty();
+    if (named) options.exact.witnesses.push_back(kind.info.name);
+    if (named || kind.info.name.rfind("kernel", 0) != 0) options.in_double.push_back(kind);
+  }
+  return options;
+}
+
+/// --random: mechanisms instead of scenes, and no report.
 int runRandom(const Arguments& arguments) {
   if (!arguments.scenes.empty())
     throw scene::InputError({}, "--random draws its own mechanisms: leave the scenes out");
-  ExactOptions options;
-  options.seed = arguments.options.seed;
-  options.error_probability = arguments.options.error_probability;
-  for (const WitnessKind& kind : selectWitnesses(arguments.options.witnesses))
-    if (!arguments.options.witnesses.empty()) options.witnesses.push_back(kind.info.name);
+  requireWritableFile(arguments.json);
+  const CampaignOptions options = campaignOptions(arguments);
   RandomCampaign campaign;
   {
-    constexpr int kStages = 20;
-    Progress progress(kStages);
-    int stage = 0;
-    const auto show = [&](int done) {
-      for (; stage < kStages && 1L * done * kStages >= (stage + 1L) * arguments.random; ++stage)
-        progress.stage(fmt::format("{} mechanisms", done));
-    };
-    campaign =
-        crosscheckRandom(arguments.random, arguments.joints, options, arguments.processes, show);
+    CampaignProgress progress(arguments.random);
+    campaign = crosscheckRandom(arguments.random, arguments.joints, options, arguments.processes,
+                                [&](int done) { progress.show(done); });
   }
-  fmt::print("{} random mechanisms, {} joints, {} exact checks, {}{}; chance that a wrong formula passes "
-             "one at most {:.1g} (seed {})\n",
-             campaign.mechanisms, campaign.joints, campaign.checks,
-             campaign.failures.empty() ? "all agree"
-                                       : fmt::format("{} mechanisms DISAGREE", campaign.failures.size()),
-             campaign.not_answerable > 0
-                 ? fmt::format(", {} not answerable", campaign.not_answerable) : "",
-             campaign.error_probability, arguments.options.seed);
-  for (const RandomCampaign::Failure& failure : campaign.failures)
-    fmt::print("\n{}\n", describeFailure(failure));
+  if (!arguments.json.empty()) writeWholeFile(arguments.json, campaignJson(campaign, options, arguments.joints));
+  printCampaign(campaign, options);
   return campaign.failures.empty() ? 0 : 1;
 }
 
 /// Two witnesses are missed without a compiler, or a folder for what it makes: the reason is told.
 void tellMissingKernels() {
   try {
-    kernel::findCompiler();
-    kernel::cacheFolder();
+    kernel::requireCompiler();
   } catch (const kernel::CannotCompile& error) {
-    fmt::print(stderr, "dynwitness: kernels are left out: {}\n", error.what());
+    tell(fmt::format("dynwitness: kernels are left out: {}\n", error.what()));
   }
 }
 
@@ -161,7 +171,12 @@ int run(const Arguments& arguments) {
   if (arguments.random > 0) return runRandom(arguments);
   const std::vector<WitnessKind> kinds = selectWitnesses(arguments.options.witnesses);
   const std::vector<scene::Scene> scenes = scenesOf(arguments);
-  for (const scene::Scene& scene : scenes) requireMotion(scene);
+  for (const scene::Scene& scene : scenes) {
+    requireMotion(scene);
+    admit(scene, {Command::kCrosscheck});
+    for (const std::string& told : planFor(scene, arguments.options).told)
+      tell(fmt::format("{}: {}\n", scene.name, told));
+  }
   std::optional<BenchResult> bench;
   if (!arguments.bench.empty()) bench = readBench(arguments.bench);
   requireWritable(arguments.report);
@@ -186,14 +201,18 @@ int run(const Arguments& arguments) {
   std::vector<Chart> charts;
   {
     const int count = static_cast<int>(scenes.size());
-    Progress progress(count + (arguments.charts ? 2 : 1));
+    Progress progress(count + (arguments.charts ? 2 : 1), 0, false);
+    scene::Work work("", 1.25 * count);  // the charts are the last fifth
     result.scenes = crosscheckScenes(scenes, kinds, arguments.options, arguments.processes,
                                      [&](int i) { progress.stage(scenes[i].name); });
     if (arguments.charts) progress.stage("charts");  // timed alone on the machine, one by one
-    for (int i = 0; i < count && arguments.charts; ++i)
-      charts.push_back(speedAccuracy(scenes[i], Quantity::kTau, kinds,
-                                     std::min(arguments.options.states, kMostChartStates),
-                                     arguments.options.seed));
+    scene::Work charts_work("charts", count, 0.25 * count);
+    for (int i = 0; i < count && arguments.charts; ++i, charts_work.done())
+      charts.push_back(refusals(scenes[i], Command::kChart).empty()
+                           ? speedAccuracy(scenes[i], Quantity::kTau, kinds,
+                                           std::min(arguments.options.states, kMostChartStates),
+                                           arguments.options.seed)
+                           : Chart());  // not drawn
     progress.stage("report");
     const Environment environment = thisEnvironment(libraries, gnuplot());
     writeReport(result, environment, arguments.report, charts, bench ? &*bench : nullptr);
@@ -202,9 +221,12 @@ int run(const Arguments& arguments) {
   }
   printTable(result);
   fmt::print("report: {}\n", (std::filesystem::path(arguments.report) / "index.html").string());
-  if (result.verdict() == Verdict::kNotAnswerable)
+  const RunVerdict verdict = result.verdict();
+  if (verdict == RunVerdict::kNotAnswerable)
     throw std::runtime_error("no check could be answered; the report says why");
-  return result.verdict() == Verdict::kDisagree ? 1 : 0;
+  if (verdict == RunVerdict::kProvesNothing)
+    throw std::runtime_error("the run proves nothing: " + result.controlLine());
+  return exitStatus(verdict);
 }
 
 }  // namespace
@@ -213,9 +235,18 @@ Run addCrosscheck(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "crosscheck", "Let all witnesses testify about scenes, and write a report");
+  command->footer(
+      "Exit status: 0 what can be compared was, and agrees; 1 a disagreement, or more than a tenth of the\n"
+      "comparisons of a quantity of a scene is missing (\"incomplete\"); 2 bad usage or input; 3 a failure of\n"
+      "dynwitness itself, among them that its own control, a known fault, was not found (\"proves nothing\").\n"
+      "\n"
+      "A comparison is one check at one state, and every one ought to be possible but: those of a witness that\n"
+      "cannot hold the scene at all; those of a quantity that does not exist there (M is singular, certified; a\n"
+      "law that the mechanism has no parts for); energy where nothing moves or the steps do not resolve the\n"
+      "motion. An error bound that runs away or a witness that fails at a state is held against the run.");
   command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
   command->add_option("--report", arguments->report, "Folder of the report")->capture_default_str();
-  command->add_option("--json", arguments->json, "Write report.json to this file as well");
+  command->add_option("--json", arguments->json, "Write report.json to this file as well; with --random, its result");
   command->add_option("--bench", arguments->bench,
                       "Show speed as well: a bench.json that `./dynwitness bench` wrote");
   command
@@ -223,17 +254,21 @@ Run addCrosscheck(CLI::App& app) {
                    "Compare these witnesses only; laws of mechanics are tested on our sweeps "
                    "whoever is named")
       ->delimiter(',');
-  command->add_option("--states", arguments->options.states, "Seeded states a check")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
+  const CLI::Option* states =
+      command
+          ->add_option("--states", arguments->options.states,
+                       "Seeded states a check. Of more than 64 joints fewer are taken where this is not given, of more "
+                       "than 128 witnesses alone are compared, and both are told")
+          ->capture_default_str()
+          ->check(whole(1, 1000000));
   command->add_option("--seed", arguments->options.seed, "Seed of the states")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(seed());
   command
       ->add_option("--error-probability", arguments->options.error_probability,
                    "Chance at most that an exact check passes a wrong formula")
       ->capture_default_str()
-      ->check(CLI::Range(1e-300, 0.5));
+      ->check(between(1e-300, 0.5));
   command
       ->add_option(
           "--parameters", arguments->parameters,
@@ -243,22 +278,24 @@ Run addCrosscheck(CLI::App& app) {
       ->check(CLI::IsMember({kAsWritten, kRandom}));
   command
       ->add_option("--random", arguments->random,
-                   "Check this many random mechanisms exactly, instead of scenes; no report. Kernels "
-                   "take part when --witness names them")
-      ->excludes("--json", "--states", "--parameters", "--bench")
-      ->check(CLI::Range(1, 100000000));
+                   "Check this many random mechanisms, exactly and with all witnesses in double at 3 states "
+                   "each (or --states), instead of scenes; no report. Kernels take part when --witness "
+                   "names them")
+      ->excludes("--parameters", "--bench")
+      ->check(whole(1, 100000000));
   command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
       ->capture_default_str()
       ->needs("--random")
-      ->check(CLI::Range(1, 1000));
+      ->check(whole(1, 1000));
   command->add_option("--processes", arguments->processes, "How many processes share the work")
       ->capture_default_str()
-      ->check(CLI::Range(1, 1024));
+      ->check(whole(1, 1024));
   command->add_flag("!--no-drift", arguments->options.drift, "Leave out the 10 s simulations");
   command->add_flag("!--no-charts", arguments->charts,
                     "Leave out the charts of speed against accuracy, the only part that a clock "
                     "measures");
-  return [arguments] {
+  return [arguments, states] {
+    arguments->states_given = states->count() > 0;
     if (arguments->parameters == kRandom) arguments->options.parameters = Parameters::kRandom;
     return run(*arguments);
   };

@@ -2,13 +2,17 @@
 // dynwitness derive: the equations of motion from T and V, to be read or to be compiled.
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/exact/shared_subtrees.hpp"
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/report/files.hpp"
-#include "crosscheck/exact/shared_subtrees.hpp"
 #include "recursive/build_model.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/derivation.hpp"
@@ -67,6 +71,12 @@ std::string htmlPage(const std::string& title, const std::string& body) {
       title, body);
 }
 
+[[noreturn]] void refuseOnly(const std::string& quantity) {
+  throw scene::InputError({}, fmt::format("{}: the derivation of this scene is one program of named "
+                                          "intermediates, not a step a quantity; allowed: --quantity all, "
+                                          "or --format c or python", quantity));
+}
+
 /// The steps that a quantity needs last: its own.
 symbolic::Derivation only(symbolic::Derivation derivation, const std::string& quantity) {
   if (quantity == "all") return derivation;
@@ -75,33 +85,32 @@ symbolic::Derivation only(symbolic::Derivation derivation, const std::string& qu
     if (step.name.rfind(quantity + "_", 0) == 0 ||
         (quantity == "c" && step.name.rfind("Christoffel", 0) == 0))
       kept.push_back(step);
-  if (kept.empty())
-    throw scene::InputError({}, fmt::format("{}: the derivation of this scene is one program of named "
-                                            "intermediates, not a step a quantity; allowed: --quantity all, "
-                                            "or --format c or python", quantity));
+  if (kept.empty()) refuseOnly(quantity);
   derivation.steps = kept;
   return derivation;
 }
 
 int run(const Arguments& arguments) {
   crosscheck::requireWritableFile(arguments.output);
-  const scene::Scene scene = scene::findScene(arguments.scene);
-  if (!scene.mechanism.isOpenTree())
-    fmt::print(stderr,
-               "{}: the equations are those of the tree alone, without closures and springs between "
-               "points\n",
-               scene.name);
+  const bool is_program = arguments.format == "c" || arguments.format == "python";
+  using crosscheck::Command;
+  const scene::Scene scene =
+      admitted(arguments.scene, arguments.operations ? Command::kDeriveOperations
+                                : is_program         ? Command::kDerivePrograms
+                                                     : Command::kDerive);
   std::string text;
   bool holds = true;
+  std::optional<Progress> progress(std::in_place, "derivation of " + scene.name);
   if (arguments.operations) {
     text = operationsTable(scene);
-  } else if (arguments.format == "c" || arguments.format == "python") {
+  } else if (is_program) {
     if (arguments.quantity != "all")
       throw scene::InputError({}, "--quantity: programs compute all of M, c, g: allowed is 'all'");
     symbolic::Equations equations = symbolic::derive(scene.mechanism);
     text = arguments.format == "c" ? symbolic::emitC(equations, scene.mechanism, scene.name)
                                    : symbolic::emitPython(equations, scene.mechanism, scene.name);
   } else {
+    if (arguments.quantity != "all" && !symbolic::hasClosedForm(scene.mechanism)) refuseOnly(arguments.quantity);
     const symbolic::Derivation whole = symbolic::derivation(scene.mechanism);
     holds = whole.holds();
     const symbolic::Derivation shown = only(whole, arguments.quantity);
@@ -111,9 +120,10 @@ int run(const Arguments& arguments) {
       text = symbolic::print(shown, arguments.format == "latex" ? symbolic::Style::kLatex
                                                                 : symbolic::Style::kText);
   }
+  progress.reset();
   if (arguments.output.empty()) fmt::print("{}", text);
   else crosscheck::writeWholeFile(arguments.output, text);
-  if (!holds) fmt::print(stderr, "dynwitness: a step of the derivation does not hold\n");
+  if (!holds) tell("dynwitness: a step of the derivation does not hold\n");
   return holds ? 0 : 1;
 }
 

@@ -1,15 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness evaluate: quantities of a scene at given states, as a table.
 #include <algorithm>
+#include <charconv>
+#include <chrono>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "crosscheck/cli/commands.hpp"
-#include "crosscheck/studies/constrained_quantities.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/report/files.hpp"
+#include "crosscheck/report/growing_file.hpp"
 #include "crosscheck/states_file.hpp"
+#include "crosscheck/studies/closure_gap.hpp"
+#include "crosscheck/studies/constrained_quantities.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -63,63 +72,265 @@ std::string usualWitness(Quantity quantity) {
   return "newton_euler";
 }
 
+/// What a quantity is asked at, beside q and qd.
+enum class Needs { kNothing, kQdd, kTau };
+
+Needs needsOf(const std::string& quantity) {
+  for (const char* name : {"tau", "reactions"})
+    if (quantity == name) return Needs::kQdd;
+  for (const char* name : {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque"})
+    if (quantity == name) return Needs::kTau;
+  return Needs::kNothing;
+}
+
+/// Which row of the table of features a quantity belongs to.
+Command commandOf(const std::string& quantity) {
+  for (const char* name : {"tau", "reactions"})
+    if (quantity == name) return Command::kEvaluateForces;
+  for (const char* name : {"qdd", "lambda", "nu", "tau_drive"})
+    if (quantity == name) return Command::kEvaluateMotion;
+  for (const char* name : {"N", "Lambda", "J", "Jbar", "task_torque", "null_torque"})
+    if (quantity == name) return Command::kEvaluateTasks;
+  return Command::kEvaluateTree;
+}
+
+void admitFor(const scene::Scene& scene, const std::vector<std::string>& quantities) {
+  std::vector<Command> commands;
+  for (const std::string& text : quantities) commands.push_back(commandOf(text));
+  admit(scene, commands);
+}
+
+/// Which groups of columns the states have; q is always there.
+struct GivenColumns {
+  bool qd = false, qdd = false, tau = false;
+};
+
+/** Whether qdd has to be found from tau before tau or reactions are asked about, and says so.
+    @throws scene::InputError  neither is given, or not what the quantities need */
+bool findsQddFirst(const scene::Scene& scene, const Arguments& arguments,
+                   const GivenColumns& given) {
+  const scene::SourceLocation file{arguments.states, 0};
+  const bool from_file = !arguments.states.empty();
+  bool first = false, asks_qdd = false, asks_tau = false;
+  for (const std::string& quantity : arguments.quantities) {
+    const Needs needs = needsOf(quantity);
+    if (needs == Needs::kQdd && !given.qdd && !given.tau)
+      throw scene::InputError(
+          file, quantity +
+                    " asked, and neither qdd nor tau given, allowed: columns qdd1.. (or "
+                    "tau1.., and qdd is found first)");
+    if (needs == Needs::kTau && !given.tau)
+      throw scene::InputError(
+          file, quantity +
+                    " asked, and no tau given, allowed: columns tau1.. (zeros: no joint "
+                    "forces)");
+    asks_qdd = asks_qdd || needs == Needs::kQdd;
+    asks_tau = asks_tau || needs == Needs::kTau;
+    first = first || (needs == Needs::kQdd && !given.qdd);
+    if (from_file && !given.qdd && scene.mechanism.isDriven() &&
+        commandOf(quantity) != Command::kEvaluateTasks && needs != Needs::kNothing)
+      throw scene::InputError(
+          file, quantity +
+                    " asked of a scene with driven joints, and no qdd given, allowed: "
+                    "columns qdd1.. too, of which those of driven joints count");
+  }
+  if (!from_file && (asks_qdd || asks_tau))
+    tell(fmt::format("{}: no --states: the scene's start, without joint forces (tau = 0)\n", scene.name));
+  if (from_file && !given.qd)
+    tell(fmt::format("{}: no qd given: at rest (qd = 0)\n", scene.name));
+  if (first)
+    tell(fmt::format("{}: no qdd given: it is found from tau first, by forward dynamics\n", scene.name));
+  else if (asks_qdd && asks_tau)
+    tell(fmt::format("{}: both given: tau and reactions belong to qdd as given, what is found from tau to another "
+                     "motion\n",
+                     scene.name));
+  return first;
+}
+
+/// Watches states that leave closures open.
+class OpenStates {
+ public:
+  explicit OpenStates(const scene::Scene& scene) : scene_(scene) {
+    if (!scene.mechanism.closures.empty()) gaps_ = std::make_unique<ClosureGaps>(scene);
+  }
+  void see(const scene::State<double>& state) {
+    ++row_;
+    if (!gaps_) return;
+    const ClosureGap gap = gaps_->at(state);
+    if (!gap.is_open) return;
+    ++open_;
+    if (!(gap.phi <= phi_)) phi_ = gap.phi, phi_row_ = row_;
+    if (!(gap.phi_rate <= rate_)) rate_ = gap.phi_rate, rate_row_ = row_;
+  }
+  void tell() const {
+    if (open_ == 0) return;
+    cli::tell(fmt::format("{}: closures are open at {} of {} states, worst |phi| = {:.3g}{}, |J qd| = {:.3g}{}: "
+                          "what is said of these is not about the closed mechanism\n",
+                          scene_.name, open_, row_, phi_, inRow(phi_row_), rate_, inRow(rate_row_)));
+  }
+
+ private:
+  static std::string inRow(long row) { return row == 0 ? "" : fmt::format(" (state {})", row); }
+  const scene::Scene& scene_;
+  std::unique_ptr<ClosureGaps> gaps_;  ///< none: no closures
+  long row_ = 0, open_ = 0, phi_row_ = 0, rate_row_ = 0;
+  double phi_ = 0, rate_ = 0;
+};
+
+/// A number at full double precision, behind a comma where it is not the first of the row.
+void append(double value, std::string* row) {
+  char digits[32];  // 17 digits, a sign, a point and an exponent are 24
+  const auto end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 17).ptr;
+  if (!row->empty() && row->back() != '\n') *row += ',';
+  row->append(digits, end);
+}
+
+/// What constraints need, built when it is first asked for.
+class Constrained {
+ public:
+  explicit Constrained(const scene::Scene& scene) : scene_(scene) {}
+  const ConstrainedQuantities* operator->() {
+    if (!built_) built_.emplace(scene_);
+    return &*built_;
+  }
+
+ private:
+  const scene::Scene& scene_;
+  std::optional<ConstrainedQuantities> built_;
+};
+
+/// The states of the file, one after the other; without a file the scene's start alone.
+class States {
+ public:
+  States(const Arguments& arguments, const scene::Scene& scene, Constrained& constrained) {
+    if (!arguments.states.empty()) reader_.emplace(arguments.states, scene.mechanism);
+    has_state_ = reader_ ? reader_->next(&state_) : true;
+    if (!reader_) state_ = constrained->start();
+  }
+  /// The state that the next() below goes on from; nullptr: there is none left.
+  scene::State<double>* current() { return has_state_ ? &state_ : nullptr; }
+  void next() {
+    has_state_ = reader_ && reader_->next(&state_);
+    ++rows_;
+  }
+  GivenColumns given() const {
+    if (!reader_) return {true, false, true};
+    return {reader_->gives("qd"), reader_->gives("qdd"), reader_->gives("tau")};
+  }
+  double fraction() const { return reader_ ? reader_->fraction() : 0; }
+  long rows() const { return rows_; }
+
+ private:
+  std::optional<StatesReader> reader_;
+  scene::State<double> state_;
+  bool has_state_ = false;
+  long rows_ = 0;
+};
+
+struct Column {
+  Quantity quantity;
+  std::unique_ptr<Witness> witness;  ///< none: asked of the constrained quantities by name
+  std::string name;
+};
+
+/// One quantity at one state, finite.
+Eigen::MatrixXd valueOf(Column& column, Constrained& constrained, const scene::State<double>& state, long row) {
+  Eigen::MatrixXd value =
+      column.witness ? column.witness->value(column.quantity, state) : constrained->answer(column.name, state);
+  if (!value.allFinite())
+    throw scene::InputError(
+        {}, fmt::format("{} is not finite at state {}: M is singular there, or numbers are too "
+                        "large; allowed: states where it has a value",
+                        column.name, row));
+  return value;
+}
+
+/** One row a state, into a file that is there only when all are.
+    @param finds_qdd  what is asked needs qdd, which is found from tau first */
+void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& columns, Constrained& constrained,
+               bool finds_qdd, const std::string& header, const std::string& output) {
+  constexpr std::size_t kPiece = std::size_t{1} << 18;
+  constexpr long kBetweenNotes = 256;
+  // rows that scroll by on a terminal are progress enough
+  std::optional<Progress> progress;
+  if (!output.empty() || isatty(STDOUT_FILENO) == 0) progress.emplace("evaluate");
+  scene::Work work("", states.fraction() < 0 ? 0 : 1);
+  const auto begin = std::chrono::steady_clock::now();
+  auto noted = begin;
+  GrowingFile file(output);
+  std::string rows = header + "\n";
+  OpenStates open(scene);
+  for (; scene::State<double>* state = states.current(); states.next()) {
+    open.see(*state);
+    if (finds_qdd) {
+      const Eigen::MatrixXd qdd = constrained->answer("qdd", *state);
+      state->qdd.assign(qdd.data(), qdd.data() + qdd.size());
+    }
+    for (Column& column : columns) {
+      const Eigen::MatrixXd value = valueOf(column, constrained, *state, states.rows() + 1);
+      for (Eigen::Index i = 0; i < value.rows(); ++i)
+        for (Eigen::Index j = 0; j < value.cols(); ++j) append(value(i, j), &rows);
+    }
+    rows += '\n';
+    if (rows.size() > kPiece) {
+      file.write(rows);
+      rows.clear();
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (states.rows() % kBetweenNotes == kBetweenNotes - 1 || now - noted > std::chrono::milliseconds(200)) {
+      noted = now;
+      const std::chrono::duration<double> elapsed = now - begin;
+      const auto done = static_cast<double>(states.rows() + 1);
+      if (progress) progress->note(fmt::format("{} rows, {:.0f} a second", states.rows() + 1, done / elapsed.count()));
+      work.doneTo(states.fraction());
+    }
+  }
+  file.write(rows);
+  file.finish();
+  progress.reset();
+  open.tell();
+}
+
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.output);
   const scene::Scene scene = scene::findScene(arguments.scene);
   requireMotion(scene);
-  const ConstrainedQuantities constrained(scene);
-  const std::vector<scene::State<double>> states =
-      arguments.states.empty() ? std::vector<scene::State<double>>{constrained.start()}
-                               : readStates(arguments.states, scene.mechanism);
+  Constrained constrained(scene);
+  States states(arguments, scene, constrained);
 
-  struct Column {
-    Quantity quantity;
-    std::unique_ptr<Witness> witness;  ///< none: asked of `constrained` by name
-    std::string name;
-  };
   std::vector<Column> columns;
-  std::string header;
   for (const std::string& text : arguments.quantities) {
     const auto& special = ConstrainedQuantities::names();
     const bool is_special = std::find(special.begin(), special.end(), text) != special.end();
-    if (is_special && (text != "qdd" || constrained.isConstrained())) {
+    if (is_special && (text != "qdd" || ConstrainedQuantities::isConstrained(scene.mechanism))) {
       if (!arguments.witness.empty())
-        throw scene::InputError({}, fmt::format("--witness with {} of a constrained scene, allowed: without", text));
-      const Eigen::MatrixXd first = states.empty() ? Eigen::MatrixXd() : constrained.answer(text, states.front());
-      for (const std::string& column : columnNames(text, first.rows(), first.cols()))
-        header += (header.empty() ? "" : ",") + column;
+        throw scene::InputError(
+            {}, fmt::format("--witness with {} of a constrained scene, allowed: without", text));
       columns.push_back({Quantity::kQdd, nullptr, text});
       continue;
     }
     const Quantity quantity = quantityNamed(text);
-    if (!scene.mechanism.isOpenTree() && (quantity == Quantity::kTau || quantity == Quantity::kReactions))
-      throw scene::InputError({scene.file.string(), 0},
-                              "has closures, or springs between points: " + text +
-                                  " is not that of its tree, allowed: qdd, lambda, and M, c, g, kinetic, "
-                                  "potential, momentum of the tree");
     const std::string who = arguments.witness.empty() ? usualWitness(quantity) : arguments.witness;
     std::unique_ptr<Witness> witness = selectWitnesses({who}).front().make(scene);
     if (!witness->answers(quantity))
       throw scene::InputError({}, fmt::format("witness '{}' does not answer {}", who, text));
     columns.push_back({quantity, std::move(witness), text});
-    for (const std::string& column : columnNames(quantity, scene.mechanism))
-      header += (header.empty() ? "" : ",") + column;
   }
-
-  std::string table = header + "\n";
-  for (const scene::State<double>& state : states) {
-    std::string row;
-    for (Column& column : columns) {
-      const Eigen::MatrixXd value = column.witness ? column.witness->answer(column.quantity, state).value
-                                                   : constrained.answer(column.name, state);
-      for (Eigen::Index i = 0; i < value.rows(); ++i)
-        for (Eigen::Index j = 0; j < value.cols(); ++j)
-          row += fmt::format("{}{:.17g}", row.empty() ? "" : ",", value(i, j));
+  const bool finds_qdd = findsQddFirst(scene, arguments, states.given());
+  admitFor(scene, arguments.quantities);
+  std::string header;
+  for (const Column& column : columns) {
+    std::vector<std::string> names;
+    if (column.witness) {
+      names = columnNames(column.quantity, scene.mechanism);
+    } else {
+      const Eigen::MatrixXd shape =
+          states.current() == nullptr ? Eigen::MatrixXd() : constrained->answer(column.name, *states.current());
+      names = columnNames(column.name, shape.rows(), shape.cols());
     }
-    table += row + "\n";
+    for (const std::string& name : names) header += (header.empty() ? "" : ",") + name;
   }
-  if (arguments.output.empty()) fmt::print("{}", table);
-  else writeWholeFile(arguments.output, table);
+  writeRows(scene, states, columns, constrained, finds_qdd, header, arguments.output);
   return 0;
 }
 
@@ -135,8 +346,10 @@ Run addEvaluate(CLI::App& app) {
   command->add_option("scene", arguments->scene, "Scene")->required();
   command
       ->add_option("--states", arguments->states,
-                   "CSV file: q1..q(positions), qd1..qdn, and qdd1..qddn or tau1..taun; without: the "
-                   "scene's start");
+                   "CSV file, or - for standard input: q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "
+                   "reactions) or tau1..taun (of qdd, lambda, nu, ...; for tau and reactions qdd is found first); "
+                   "joints that follow others have none of these. Without: the scene's start, no joint forces. "
+                   "Read and answered row by row");
   command
       ->add_option("--quantity", arguments->quantities,
                    "M, c, g, tau, qdd, kinetic, potential, momentum, reactions; with closures, driven joints or acceleration "

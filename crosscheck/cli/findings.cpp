@@ -50,6 +50,18 @@ std::string findingsJson(const std::string& command, const scene::Scene& scene, 
   return json.dump(2) + "\n";
 }
 
+void requireFinite(const char* what, const Eigen::MatrixXd& values) {
+  if (!values.allFinite())
+    throw scene::InputError({},
+                            std::string(what) +
+                                " would not be finite: M is singular at this state, or numbers are "
+                                "too large; allowed: states and numbers that have an answer");
+}
+
+std::string boundText(double bound) {
+  return std::isfinite(bound) ? fmt::format("+- {:.2g}", bound) : "+- unknown";
+}
+
 Json toJson(const crosscheck::Bounded& m) {
   const auto rows = [](const Eigen::MatrixXd& of) {
     Json all = Json::array();

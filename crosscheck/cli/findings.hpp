@@ -29,6 +29,17 @@ std::string findingsJson(const std::string& command, const scene::Scene& scene, 
 /// A matrix with its bounds, row by row; a bound that is none is the string "inf".
 Json toJson(const crosscheck::Bounded& m);
 
+/// @throws scene::InputError naming the numbers that are not finite
+void requireFinite(const char* what, const Eigen::MatrixXd& values);
+template <typename Values>
+void requireFinite(const char* what, const Values& values) {
+  requireFinite(what, Eigen::MatrixXd(Eigen::Map<const Eigen::VectorXd>(
+                          values.data(), static_cast<Eigen::Index>(values.size()))));
+}
+
+/// "+- 1e-16", or that no bound is known.
+std::string boundText(double bound);
+
 /// The numbers of an option, as many as `to` has; none: `to` stays.
 /// @throws scene::InputError naming the option, on another count
 template <std::size_t kCount>

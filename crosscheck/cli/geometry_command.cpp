@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness geometry: the mass matrix as a metric.
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/findings.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/report/files.hpp"
 #include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/studies/hamilton.hpp"
-#include "crosscheck/report/files.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -32,9 +37,8 @@ Json toJson(const std::vector<Bounded>& all) {
 }
 
 int run(Arguments arguments) {
-  const scene::Scene scene = scene::findScene(arguments.scene);
-  requireCoordinates(scene);
   requireWritableFile(arguments.json);
+  const scene::Scene scene = admitted(arguments.scene, Command::kGeometry);
   const scene::RealNumbers<double> number(scene.mechanism);
   if (arguments.q.empty())
     for (const scene::Number& q : scene.start_q) arguments.q.push_back(number(q));
@@ -48,9 +52,19 @@ int run(Arguments arguments) {
   if (rests) options.qd.assign(n, 1.0);
   options.potential = false;
 
+  std::optional<Progress> progress(std::in_place, 3, 1.0);
+  progress->stage("metric of " + scene.name);
   const MetricAt at = metricAt(scene, arguments.q);
+  progress->stage("geodesic");
   const Action geodesic = measureAction(scene, options);
+  requireFinite("M", at.M.value);
+  for (const auto* symbols : {&at.first, &at.second})
+    for (const Bounded& m : *symbols) requireFinite("Christoffel symbols", m.value);
+  requireFinite("curvature", at.sectional.value);
+  requireFinite("the geodesic's energy", std::array{geodesic.energy_drift});
+  progress->stage("exact checks");
   std::vector<CheckResult> checks = checkGeometryExactly(scene, {});
+  progress.reset();
   for (const CheckResult& check : geodesic.checks) checks.push_back(check);
 
   fmt::print("{}: {} joints, q = {}\n", scene.name, n, fmt::join(arguments.q, ", "));
@@ -80,8 +94,8 @@ int run(Arguments arguments) {
     for (int i = 0; i < n; ++i)
       for (int j = i + 1; j < n; ++j)
         if (n <= 2 * kMostShown)
-          fmt::print("   {}{} {:>14.8g} +- {:.1g}   {}, {}\n", i + 1, j + 1,
-                     at.sectional.value(i, j), at.sectional.bound(i, j), names[i], names[j]);
+          fmt::print("   {}{} {:>14.8g} {}   {}, {}\n", i + 1, j + 1, at.sectional.value(i, j),
+                     boundText(at.sectional.bound(i, j)), names[i], names[j]);
     if (n > 2 * kMostShown)
       fmt::print("   from {:.6g} to {:.6g} over {} planes\n", at.sectional.value.minCoeff(),
                  at.sectional.value.maxCoeff(), n * (n - 1) / 2);
@@ -92,9 +106,8 @@ int run(Arguments arguments) {
   if (geodesic.conjugates.empty())
     fmt::print("             no conjugate point: nothing near it is shorter\n");
   for (const Action::Conjugate& conjugate : geodesic.conjugates)
-    fmt::print(
-        "             conjugate point at t = {:.10g} s +- {:.2g} s: neighbours meet it there\n",
-        conjugate.time, conjugate.error);
+    fmt::print("             conjugate point at t = {:.10g} s {} s: neighbours meet it there\n",
+               conjugate.time, boundText(conjugate.error));
   const int status = printFindings(checks);
   if (!arguments.json.empty()) {
     Json json{{"q", arguments.q},
@@ -125,12 +138,15 @@ Run addGeometry(CLI::App& app) {
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command
       ->add_option("--state", arguments->q, "Position q, e.g. 0.1,0.2 (default: the scene's start)")
+      ->check(finite())
       ->delimiter(',');
   command
       ->add_option("--velocity", arguments->geodesic.qd,
                    "qd that the geodesic starts with (default: the scene's, or 1 each)")
+      ->check(finite())
       ->delimiter(',');
   command->add_option("--duration", arguments->geodesic.duration, "Of the geodesic [s]")
+      ->check(positive())
       ->capture_default_str();
   command->add_option("--json", arguments->json, "Write the result to this file");
   command->footer(

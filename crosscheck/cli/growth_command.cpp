@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/growth/growth.hpp"
@@ -62,11 +63,10 @@ int run(const Arguments& arguments) {
     if (kind.info.version != DYNWITNESS_VERSION) engines.push_back(kind);
   if (!arguments.output.empty()) requireWritableFolder(arguments.output);
   requireWritableFile(arguments.json);
-  int sizes = 1;
-  for (long n = 1; n < arguments.options.most_links; n *= 4) ++sizes;
+  const std::size_t sizes = growthSizes(arguments.options.most_links).size();
   std::vector<GrowthPoint> points;
   {
-    Progress progress(sizes * static_cast<int>(arguments.options.families.size()));
+    Progress progress(static_cast<int>(sizes * arguments.options.families.size()));
     points = growth(engines, arguments.options, [&](const std::string& what) { progress.stage(what); });
   }
   const double cache = lastLevelCache();
@@ -94,22 +94,25 @@ Run addGrowth(CLI::App& app) {
       ->capture_default_str()
       ->delimiter(',')
       ->check(CLI::IsMember({"chain", "tree"}));
-  command->add_option("--links", arguments->options.most_links, "Most links; smaller ones by powers of 4")
+  command
+      ->add_option("--links", arguments->options.most_links,
+                   "Most links; smaller ones by powers of 4")
       ->capture_default_str()
-      ->check(CLI::Range(1, scene::kMostFamilyLinks));
+      ->check(whole(1, scene::kMostFamilyLinks));
   command
       ->add_option("--truth", arguments->options.most_links_with_truth,
                    "Most links whose error is measured: certifying 4096 takes seconds")
       ->capture_default_str()
-      ->check(CLI::Range(0, scene::kMostFamilyLinks));
+      ->check(whole(0, scene::kMostFamilyLinks));
   command
-      ->add_option("--patience", arguments->options.patience,
-                   "CPU time [s] for an engine at one size; one that needs more is asked for no larger one")
+      ->add_option(
+          "--patience", arguments->options.patience,
+          "CPU time [s] for an engine at one size; one that needs more is asked for no larger one")
       ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
+      ->check(between(1, 100000));
   command->add_option("--seed", arguments->options.seed, "Seed of the state")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(seed());
   command
       ->add_option("--witness", arguments->witnesses,
                    "Outside engines beside our own sweeps; without: all that are there")

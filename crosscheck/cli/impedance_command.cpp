@@ -2,13 +2,18 @@
 // dynwitness impedance: stiffness, damping, compliance and inertia between joints and a point.
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/findings.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
 #include "crosscheck/studies/impedance.hpp"
 #include "crosscheck/report/files.hpp"
+#include "crosscheck/studies/impedance.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -31,18 +36,33 @@ void print(const char* name, const char* what, const Bounded& m) {
   }
 }
 
+/// Whether the point can move every way.
+bool hasInertia(const ImpedanceAt& at) {
+  return at.inertia.bound.allFinite() && at.inertia.value.allFinite();
+}
+
 int run(Arguments arguments) {
-  const scene::Scene scene = scene::findScene(arguments.scene);
   requireWritableFile(arguments.json);
+  const scene::Scene scene = admitted(arguments.scene, Command::kImpedance);
   ImpedanceOptions& options = arguments.options;
   put("--at", arguments.at, &options.at);
   put("--stiffness", arguments.stiffness, &options.stiffness);
   put("--damping", arguments.damping, &options.damping);
   put("--stretch", arguments.stretch, &options.stretch);
+  std::optional<Progress> progress(std::in_place, 2, 1.0);
+  progress->stage("impedance of " + scene.name);
   const ImpedanceAt at = impedanceAt(scene, options);
+  requireFinite("the Jacobian", at.J.value);
+  requireFinite("stiffness", at.stiffness.value);
+  requireFinite("geometric stiffness", at.geometric.value);
+  requireFinite("damping", at.damping.value);
+  requireFinite("compliance", at.compliance.value);
+  requireFinite("mobility", at.mobility.value);
   std::vector<CheckResult> checks = at.checks;
+  progress->stage("exact checks");
   for (const CheckResult& check : checkImpedanceExactly(scene, options.link, {}))
     checks.push_back(check);
+  progress.reset();
 
   fmt::print("{}: link {}, world axes, linear part first\n", scene.name,
              options.link.empty() ? scene.mechanism.links.back().name : options.link);
@@ -53,7 +73,7 @@ int run(Arguments arguments) {
   print("damping", "J' D J, of the joints [N m s/rad, N s/m]", at.damping);
   print("compliance", "J C_q J', of the point [m/N, rad/N; rad/N, rad/(N m)]", at.compliance);
   print("mobility", "J M^-1 J', of the point [1/kg ...]", at.mobility);
-  if (at.inertia.bound.allFinite())
+  if (hasInertia(at))
     print("inertia", "(J M^-1 J')^-1, of the point [kg]", at.inertia);
   else
     fmt::print("inertia      the point cannot move every way: some directions have none\n");
@@ -65,7 +85,7 @@ int run(Arguments arguments) {
               {"compliance", toJson(at.compliance)},
               {"mobility", toJson(at.mobility)}};
     if (at.geometric.value.size() > 0) json["geometric_stiffness"] = toJson(at.geometric);
-    if (at.inertia.bound.allFinite()) json["inertia"] = toJson(at.inertia);
+    if (hasInertia(at)) json["inertia"] = toJson(at.inertia);
     writeWholeFile(arguments.json, findingsJson("impedance", scene, json, checks));
   }
   return status;
@@ -80,23 +100,30 @@ Run addImpedance(CLI::App& app) {
       "Stiffness, damping, compliance and inertia of a link's point, seen from the joints");
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command->add_option("--link", arguments->options.link, "Link (default: the last)");
-  command->add_option("--at", arguments->at, "Point of the link, its frame [m]")->delimiter(',');
+  command->add_option("--at", arguments->at, "Point of the link, its frame [m]")
+      ->check(finite())
+      ->delimiter(',');
   command
       ->add_option("--stiffness", arguments->stiffness,
                    "Of a spring at the point, along and about world axes [N/m, N m/rad] "
                    "(default: 1,1,1,0,0,0)")
+      ->check(finite())
       ->delimiter(',');
   command->add_option("--stretch", arguments->stretch, "How far that spring is stretched [m]")
+      ->check(finite())
       ->delimiter(',');
   command
       ->add_option("--damping", arguments->damping,
                    "Of a damper there [N s/m, N m s/rad] (default: 1,1,1,0,0,0)")
+      ->check(finite())
       ->delimiter(',');
   command
       ->add_option("--joint-compliance", arguments->options.joint_compliance,
                    "Of the joints [rad/(N m), m/N] (default: 1 each)")
+      ->check(finite())
       ->delimiter(',');
   command->add_option("--state", arguments->options.q, "Position q (default: the scene's start)")
+      ->check(finite())
       ->delimiter(',');
   command->add_option("--json", arguments->json, "Write the result to this file");
   command->footer(

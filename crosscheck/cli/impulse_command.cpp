@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness impulse: what a blow does to velocities, momentum and energy.
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/findings.hpp"
-#include "crosscheck/studies/impulse.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
 #include "crosscheck/report/files.hpp"
+#include "crosscheck/studies/closure_gap.hpp"
+#include "crosscheck/studies/constrained_quantities.hpp"
+#include "crosscheck/studies/impulse.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -20,9 +26,24 @@ struct Arguments {
   ImpulseOptions options;
 };
 
+/// Closures may be torn at by rates, which the blow then takes; but their positions have to be closed.
+void tellOpenClosures(const scene::Scene& scene, const std::vector<double>& q) {
+  if (scene.mechanism.closures.empty()) return;
+  scene::State<double> state = ConstrainedQuantities(scene).start();
+  if (q.size() == state.x.size())
+    for (std::size_t i = 0; i < q.size(); ++i) state.x[i] = scene::jointPosition(q[i]);
+  state.qd.assign(state.qd.size(), 0.0);
+  const ClosureGap gap = ClosureGaps(scene).at(state);
+  if (gap.is_open)
+    fmt::print(
+        stderr,
+        "{}: closures are open, |phi| = {:.3g}: what is said is not about the closed mechanism\n",
+        scene.name, gap.phi);
+}
+
 int run(Arguments arguments) {
-  const scene::Scene scene = scene::findScene(arguments.scene);
   requireWritableFile(arguments.json);
+  const scene::Scene scene = admitted(arguments.scene, Command::kImpulse);
   ImpulseOptions& options = arguments.options;
   put("--at", arguments.at, &options.at);
   put("--impulse", arguments.force, &options.force);
@@ -39,10 +60,22 @@ int run(Arguments arguments) {
   if (!is_impact && arguments.force.empty() && arguments.moment.empty() && options.joints.empty() &&
       scene.mechanism.closures.empty())
     options.force = {0, 0, 1};  // something to look at
+  tellOpenClosures(scene, options.q);
+  std::optional<Progress> progress(std::in_place, 2, 1.0);
+  progress->stage("impulse of " + scene.name);
   const ImpulseResult result = strike(scene, options);
+  requireFinite("qd after the blow", result.after);
+  requireFinite("the impulse", result.impulse);
+  requireFinite("impulses of closures", result.closures);
+  requireFinite("momentum", result.momentum_jump);
+  requireFinite("impulses to the world", result.support);
+  requireFinite("energy",
+                std::array{result.energy_before, result.energy_after, result.effective_mass});
   std::vector<CheckResult> checks = result.checks;
+  progress->stage("exact checks");
   for (const CheckResult& check : checkImpulsesExactly(scene, options.link, {}))
     checks.push_back(check);
+  progress.reset();
 
   fmt::print("{}: impulse {:.6g} N s, {:.6g} N m s at the point, world axes\n", scene.name,
              fmt::join(result.impulse.begin(), result.impulse.begin() + 3, ", "),
@@ -50,8 +83,8 @@ int run(Arguments arguments) {
   const std::vector<std::string> names = scene.mechanism.rateLabels();
   fmt::print("velocities   before, after [rad/s, m/s]\n");
   for (std::size_t i = 0; i < result.before.size(); ++i)
-    fmt::print("   {:>14.8g} {:>14.8g} +- {:.1g}   {}\n", result.before[i], result.after[i],
-               result.after_bound[i], names[i]);
+    fmt::print("   {:>14.8g} {:>14.8g} {}   {}\n", result.before[i], result.after[i],
+               boundText(result.after_bound[i]), names[i]);
   fmt::print("point        before ({:.6g}), after ({:.6g}) m/s\n",
              fmt::join(result.point_before, ", "), fmt::join(result.point_after, ", "));
   if (is_impact)
@@ -97,24 +130,32 @@ Run addImpulse(CLI::App& app) {
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--link", arguments->options.link, "Link that is struck (default: the last)");
   command->add_option("--at", arguments->at, "Point of the link, its frame [m], e.g. 0,0,0.1")
+      ->check(finite())
       ->delimiter(',');
   command->add_option("--impulse", arguments->force, "Impulse at the point, world axes [N s]")
+      ->check(finite())
       ->delimiter(',');
   command->add_option("--moment", arguments->moment, "Impulse of a moment, world axes [N m s]")
+      ->check(finite())
       ->delimiter(',');
   command->add_option("--joints", arguments->options.joints, "Impulses of the joints [N m s, N s]")
+      ->check(finite())
       ->delimiter(',');
   command
       ->add_option("--wall", arguments->direction,
                    "The point hits a wall with this normal, world axes: the impulse is sought")
+      ->check(finite())
       ->delimiter(',');
   command
       ->add_option("--restitution", arguments->options.restitution,
                    "Of the impact: 0 plastic, 1 elastic")
+      ->check(between(0, 1))
       ->capture_default_str();
   command->add_option("--state", arguments->options.q, "Position q (default: the scene's start)")
+      ->check(finite())
       ->delimiter(',');
   command->add_option("--velocity", arguments->options.qd, "qd before (default: the scene's start)")
+      ->check(finite())
       ->delimiter(',');
   command->add_option("--json", arguments->json, "Write the result to this file");
   command->footer(

@@ -1,22 +1,44 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The command line.
 #include <cstdio>
+#include <new>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/leaving.hpp"
 #include "scene/error.hpp"
 
 namespace {
 
 constexpr int kBadInput = 2, kOwnFailure = 3;
 
+/// The status of some work, or of how it failed, which is told.
+template <typename Work>
+int orFailure(const Work& work) {
+  using dynwitness::cli::tell;
+  try {
+    return work();
+  } catch (const dynwitness::scene::InputError& error) {
+    tell(fmt::format("dynwitness: {}\n", error.what()));
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    tell("dynwitness: failed: not enough memory\n");  // and without asking for any
+  } catch (const std::exception& error) {
+    tell(fmt::format("dynwitness: failed: {}{}\n", std::ferror(stdout) ? "standard output: " : "", error.what()));
+  }
+  return kOwnFailure;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace dynwitness;
+  cli::occupyStandardFiles();
+  crosscheck::leaveNothingBehind();
   CLI::App app("Independent computations of a mechanism's dynamics testify against each other.",
                "dynwitness");
   app.require_subcommand(1);
@@ -24,8 +46,8 @@ int main(int argc, char** argv) {
   app.footer(
       "The wrapper ./dynwitness knows two more words: test builds and runs all tests, bench the benchmarks.\n"
       "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file or a\n"
-      "URDF file. Exit status: 0 all agree; 1 a disagreement was found; 2 bad usage or bad input;\n"
-      "3 a failure of dynwitness itself.");
+      "URDF file. Exit status: 0 all agree; 1 a disagreement was found, or too little could be compared;\n"
+      "2 bad usage or bad input; 3 a failure of dynwitness itself.");
   std::vector<std::pair<const char*, cli::Run>> commands = {
       {"crosscheck", cli::addCrosscheck(app)}, {"derive", cli::addDerive(app)},
       {"evaluate", cli::addEvaluate(app)},     {"drift", cli::addDrift(app)},
@@ -38,24 +60,22 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
-    return app.exit(help);
+    return orFailure([&] {
+      const int status = app.exit(help);
+      cli::requireOutputWritten();
+      return status;
+    });
   } catch (const CLI::ParseError& error) {
     app.exit(error);
     return kBadInput;
   }
-  try {
+  return orFailure([&] {
     for (const auto& [name, run] : commands)
       if (app.got_subcommand(name)) {
         const int status = run();
-        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-          throw std::runtime_error("standard output could not be written");
+        cli::requireOutputWritten();
         return status;
       }
-  } catch (const scene::InputError& error) {
-    fmt::print(stderr, "dynwitness: {}\n", error.what());
-    return kBadInput;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "dynwitness: failed: {}\n", error.what());
-  }
-  return kOwnFailure;
+    return kOwnFailure;
+  });
 }

@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
 #include "crosscheck/parameters/parameters.hpp"
 #include "crosscheck/report/files.hpp"
 #include "crosscheck/report/parameters_report.hpp"
@@ -20,11 +23,11 @@ struct Arguments {
 
 int run(const Arguments& arguments) {
   crosscheck::requireWritableFile(arguments.json);
-  const scene::Scene scene = scene::findScene(arguments.scene);
-  if (!scene.mechanism.isOpenTree())
-    fmt::print(stderr, "{}: the parameters are those of the tree alone, without closures\n", scene.name);
-  const crosscheck::ParametersResult result =
-      crosscheck::examineParameters(scene, arguments.options);
+  const scene::Scene scene = admitted(arguments.scene, crosscheck::Command::kParameters);
+  const crosscheck::ParametersResult result = [&] {
+    const Progress progress("parameters of " + scene.name);
+    return crosscheck::examineParameters(scene, arguments.options);
+  }();
   fmt::print("{}", crosscheck::parametersText(result));
   if (!arguments.json.empty())
     crosscheck::writeWholeFile(arguments.json, crosscheck::parametersJson(result, DYNWITNESS_VERSION));
@@ -40,14 +43,16 @@ Run addParameters(CLI::App& app) {
       "parameters", "Which inertial parameters the motion of a scene knows, and what their errors do");
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--states", options.states, "Seeded states to stack Y over")
-      ->check(CLI::Range(1, 10000))
+      ->check(whole(1, 10000))
       ->capture_default_str();
-  command->add_option("--seed", options.seed, "Seed of points, states and draws")->capture_default_str();
+  command->add_option("--seed", options.seed, "Seed of points, states and draws")
+      ->check(seed())
+      ->capture_default_str();
   command->add_option("--uncertainty", options.uncertainty,
                       "Standard deviations: NAME=NUMBER,... of mass, inertia, rotor (relative), com, xyz [m], "
                       "rpy [rad]");
   command->add_option("--samples", options.samples, "Monte Carlo draws for --uncertainty")
-      ->check(CLI::Range(100, 10000000))
+      ->check(whole(100, 10000000))
       ->capture_default_str();
   command->add_option("--json", arguments->json, "Write the result to this file");
   command->footer(

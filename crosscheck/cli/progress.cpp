@@ -1,36 +1,122 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/cli/progress.hpp"
 
-#include <cstdio>
+#include <algorithm>
+#include <csignal>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 namespace dynwitness::cli {
+namespace {
 
-Progress::Progress(int stages, double quiet_s)
-    : stages_(stages),
-      terminal_(isatty(STDERR_FILENO) != 0),
-      shown_from_(std::chrono::steady_clock::now() +
-                  std::chrono::milliseconds(static_cast<long>(1000 * quiet_s))) {}
+constexpr double kQuiet_s = 1, kBetweenLines_s = 30, kBetweenBars_s = 0.25;
+constexpr int kWidth = 24;
+
+std::chrono::milliseconds milliseconds(double seconds) {
+  return std::chrono::milliseconds(static_cast<long>(1000 * seconds));
+}
+
+}  // namespace
+
+std::string duration(double seconds) {
+  if (seconds < 100) return fmt::format("{:.0f} s", std::max(1.0, seconds));
+  if (seconds < 6000) return fmt::format("{:.0f} min", seconds / 60);
+  if (seconds < 48 * 3600) return fmt::format("{:.0f} h", seconds / 3600);
+  return fmt::format("{:.0f} days", seconds / 86400);
+}
+
+Progress::Progress(const std::string& name) : name_(name), terminal_(isatty(STDERR_FILENO) != 0) {
+  startWatching();
+}
+
+Progress::Progress(int stages, double quiet_s, bool counts)
+    : stages_(stages), terminal_(isatty(STDERR_FILENO) != 0) {
+  if (counts) work_ = std::make_unique<scene::Work>("", stages);
+  startWatching();
+  shown_from_ = begin_ + milliseconds(quiet_s);
+}
+
+void Progress::startWatching() {
+  begin_ = shown_from_ = Clock::now();
+  // signals are for the thread that does the work
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  try {
+    watcher_ = std::thread([this] { watch(); });
+  } catch (const std::system_error&) {  // no memory for a thread: stages are still told
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
 
 Progress::~Progress() {
-  if (terminal_ && shown_) fmt::print(stderr, "\r\033[K");  // the results take the bar's place
+  {
+    const std::lock_guard<std::mutex> hold(lock_);
+    over_ = true;
+  }
+  ended_.notify_all();
+  if (watcher_.joinable()) watcher_.join();
+  if (terminal_ && shown_) show("\r\033[K");  // the results take the bar's place
+}
+
+/// In one piece, and not through a stream, whose lock a copy of this process would inherit.
+void Progress::show(const std::string& line) {
+  for (std::size_t at = 0; at < line.size();) {
+    const ssize_t written = write(STDERR_FILENO, line.data() + at, line.size() - at);
+    if (written <= 0) return;  // nobody is there to read it
+    at += static_cast<std::size_t>(written);
+  }
+}
+
+std::string Progress::status() const {
+  const scene::WorkSeen seen = scene::seenWork();
+  const double elapsed = std::chrono::duration<double>(Clock::now() - begin_).count();
+  std::string text = seen.fraction > 0
+                         ? fmt::format("{:.{}f} %, {} of about {}", 100 * seen.fraction, seen.fraction < 0.1 ? 1 : 0,
+                                       duration(elapsed), duration(elapsed / seen.fraction))
+                         : fmt::format("{}, the end is not known yet", duration(elapsed));
+  for (const std::string& more : {seen.what, note_})
+    if (!more.empty()) text += ", " + more;
+  return text;
+}
+
+void Progress::watch() {
+  std::unique_lock<std::mutex> hold(lock_);
+  const auto ended = [this] { return over_; };
+  if (ended_.wait_for(hold, milliseconds(kQuiet_s), ended)) return;
+  bool estimated = false;
+  for (Clock::time_point next = Clock::now();;) {
+    const double fraction = scene::seenWork().fraction;
+    if (terminal_) {
+      const int filled = static_cast<int>(kWidth * std::max(0.0, fraction));
+      show(fmt::format("\r\033[K[{}{}] {} {}", std::string(filled, '#'), std::string(kWidth - filled, '.'), name_,
+                       status()));
+      shown_ = true;
+    } else if (Clock::now() >= next || (!estimated && fraction > 0)) {
+      show(fmt::format("{}: {}\n", name_, status()));
+      estimated = fraction > 0;
+      next = Clock::now() + milliseconds(kBetweenLines_s);
+    }
+    if (ended_.wait_for(hold, milliseconds(kBetweenBars_s), ended)) return;
+  }
 }
 
 void Progress::stage(const std::string& what) {
+  const std::lock_guard<std::mutex> hold(lock_);
+  if (begun_ > 0 && work_) work_->done();
   ++begun_;
-  if (std::chrono::steady_clock::now() < shown_from_) return;
+  name_ = fmt::format("[{}/{}] {}", begun_, stages_, what);
+  if (Clock::now() < shown_from_) return;
   shown_ = true;
-  if (!terminal_) {
-    fmt::print(stderr, "[{}/{}] {}\n", begun_, stages_, what);
-    return;
-  }
-  constexpr int kWidth = 24;
-  const int filled = kWidth * (begun_ - 1) / stages_;
-  fmt::print(stderr, "\r\033[K[{}{}] {}/{} {}", std::string(filled, '#'),
-             std::string(kWidth - filled, '.'), begun_, stages_, what);
-  std::fflush(stderr);
+  if (terminal_) show(fmt::format("\r\033[K{}", name_));
+  else show(name_ + "\n");
+}
+
+void Progress::note(const std::string& text) {
+  const std::lock_guard<std::mutex> hold(lock_);
+  note_ = text;
 }
 
 }  // namespace dynwitness::cli

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness rotors: what the model d = n^2 J of a rotor leaves out.
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/report/files.hpp"
 #include "crosscheck/studies/rotor_models.hpp"
@@ -37,9 +40,14 @@ std::string jsonOf(const scene::Scene& scene, const RotorModels& models) {
 
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.json);
-  const scene::Scene scene = scene::findScene(arguments.scene);
+  const scene::Scene scene = admitted(arguments.scene, Command::kRotors);
   requireMotion(scene);
   const RotorModels models = compareRotorModels(scene, arguments.states, arguments.seed);
+  for (const RotorModels::Joint& joint : models.joints)
+    if (!std::isfinite(joint.largest) || !std::isfinite(joint.at_ten_times) ||
+        !std::isfinite(joint.share()))
+      throw scene::InputError({scene.file.string()},
+                              joint.name + ": tau is not finite, allowed: numbers that have one");
   fmt::print("{}: tau with gyroscopic rotors less tau with n^2 J alone, {} states of seed {}\n"
              "(N m, N for slides; the last column: 10 times the gear ratio, n^2 J as it is)\n\n"
              "{:<24} {:>12} {:>8} {:>12} {:>10} {:>12}\n",
@@ -63,9 +71,11 @@ Run addRotors(CLI::App& app) {
       "rotors", "How much the gyroscopic coupling of rotors is, which d = n^2 J leaves out");
   command->add_option("scene", arguments->scene, "Scene with rotors")->required();
   command->add_option("--states", arguments->states, "Random states")
-      ->check(CLI::Range(1, 1000000))
+      ->check(whole(1, 1000000))
       ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Seed of the states")->capture_default_str();
+  command->add_option("--seed", arguments->seed, "Seed of the states")
+      ->check(seed())
+      ->capture_default_str();
   command->add_option("--json", arguments->json, "The table for programs, as a file");
   command->footer("Examples:\n  dynwitness rotors puma_560\n"
                   "  dynwitness rotors gyroscopic_wrist --states 1000 --json rotors.json");

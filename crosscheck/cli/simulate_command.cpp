@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness simulate: the motion of a scene with its closures, springs and loads.
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/motion_tables.hpp"
 #include "crosscheck/report/files.hpp"
+#include "crosscheck/studies/closure_gap.hpp"
+#include "scene/mimic.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -148,16 +153,18 @@ int compareAll(const scene::Scene& scene, SimulateOptions options, const std::ve
 }
 
 /// One row an output: time, q, qd, multipliers, and how far constraints and energy are off.
-std::string csvOf(const Simulation& simulation) {
+std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism) {
   const Simulation::Point& first = simulation.points.front();
+  const std::vector<int> given = scene::givenSlots(mechanism);  // what a states file may say
   std::string csv = "time_s";
-  for (std::size_t i = 1; i <= first.q.size(); ++i) csv += fmt::format(",q{}", i);
+  for (std::size_t i = 1; i <= given.size(); ++i) csv += fmt::format(",q{}", i);
   for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",qd{}", i);
   for (std::size_t i = 1; i <= first.lambda.size(); ++i) csv += fmt::format(",lambda{}", i);
   csv += ",phi,phi_rate,energy_error_J\n";
   for (const Simulation::Point& point : simulation.points) {
     csv += fmt::format("{:.17g}", point.time);
-    for (const auto* values : {&point.q, &point.qd, &point.lambda})
+    for (const int slot : given) csv += fmt::format(",{:.17g}", point.q[slot]);
+    for (const auto* values : {&point.qd, &point.lambda})
       for (const double v : *values) csv += fmt::format(",{:.17g}", v);
     csv += fmt::format(",{:.3g},{:.3g},{:.3g}\n", point.phi, point.phi_rate, point.energy_error);
   }
@@ -165,12 +172,14 @@ std::string csvOf(const Simulation& simulation) {
 }
 
 int run(const Arguments& arguments) {
-  const scene::Scene scene = scene::findScene(arguments.scene);
+  for (const std::string& file : {arguments.csv, arguments.json}) requireWritableFile(file);
+  const scene::Scene scene = admitted(arguments.scene, Command::kSimulate);
   requireMotion(scene);
   const std::vector<MotionTable> tables = motionTables(scene);
   SimulateOptions options = completed(arguments, tables);
-  if (!scene.mechanism.acceleration_constraints.empty())
-    fmt::print(stderr, "{}: constraints on accelerations are for evaluate, and not simulated\n", scene.name);
+  if (const ClosureGap gap = ClosureGaps::ofStart(scene); gap.is_open)
+    fmt::print(stderr, "{}: the start leaves closures open, {}: it is moved onto them first\n",
+               scene.name, gap.text());
   if (arguments.compare) return compareAll(scene, options, tables, arguments.json);
   Simulation result;
   {
@@ -178,6 +187,10 @@ int run(const Arguments& arguments) {
     options.progress = [&](double time) { runs.at(time); };
     result = simulate(scene, options);
   }
+  for (const double error :
+       {result.worst_phi, result.worst_phi_rate, result.worst_energy, result.most_kinetic})
+    if (!std::isfinite(error))
+      throw std::runtime_error("simulate: energy or constraints are not finite along the motion");
   nlohmann::json all = jsonHead(scene, options);
   all["formulation"] = name(options.formulation);
   all["stabilisation"] = name(options.stabilisation);
@@ -227,7 +240,7 @@ int run(const Arguments& arguments) {
                table.title, verdict.values, verdict.ratio <= 1 ? "agree" : "DISAGREE",
                verdict.worst, 100 * verdict.ratio, verdict.worst_time);
   }
-  if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csvOf(result));
+  if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csvOf(result, scene.mechanism));
   if (!arguments.json.empty()) writeWholeFile(arguments.json, all.dump(2) + "\n");
   return agree ? 0 : 1;
 }
@@ -243,6 +256,7 @@ Run addSimulate(CLI::App& app) {
                   "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare");
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--duration", arguments->options.duration, "Simulated time [s]")
+      ->check(positive())
       ->capture_default_str();
   std::string methods;
   for (const std::string& method : simulateMethods()) methods += (methods.empty() ? "" : ", ") + method;
@@ -254,22 +268,29 @@ Run addSimulate(CLI::App& app) {
   command->add_option("--method", arguments->method,
                       "Integrator: " + methods +
                           " [runge_kutta_fehlberg78; radau_iia_5 where the formulation is not index1]");
-  command->add_option("--step-error", arguments->step_error,
-                      "Error of a step of explicit methods, relative and absolute [1e-10, or what a published "
-                      "motion of the scene takes]");
+  command
+      ->add_option(
+          "--step-error", arguments->step_error,
+          "Error of a step of explicit methods, relative and absolute [1e-10, or what a published "
+          "motion of the scene takes]")
+      ->check(positive());
   command->add_option("--step", arguments->options.step, "Step of implicit methods [s]")
+      ->check(positive())
       ->capture_default_str();
   command->add_option("--stabilisation", arguments->stabilisation,
                       "How index 1 keeps closures: none, baumgarte, or projection after each step "
                       "[projection; none for the others]")
       ->check(CLI::IsMember({"none", "baumgarte", "projection"}));
-  command->add_option("--baumgarte-rate", arguments->options.baumgarte_rate,
-                      "w [1/s] in phi'' + 2 w phi' + w^2 phi = 0")
+  command
+      ->add_option("--baumgarte-rate", arguments->options.baumgarte_rate,
+                   "w [1/s] in phi'' + 2 w phi' + w^2 phi = 0")
+      ->check(nonNegative())
       ->capture_default_str();
   command->add_flag("--compare", arguments->compare,
                     "All formulations in one table: cost, drift, energy, errors of q, qd and multipliers");
   command->add_option("--json", arguments->json, "File: ranks, drift, cost and published motions; with --compare its table");
   command->add_option("--outputs", arguments->options.outputs, "Rows of the CSV file")
+      ->check(whole(1, 1000000))
       ->capture_default_str();
   command->add_option("--csv", arguments->csv, "File: time, q, qd, multipliers, drift");
   return [arguments] { return run(*arguments); };

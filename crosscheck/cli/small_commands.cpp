@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness scenes, version and drift.
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -7,6 +9,8 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/motion/drift.hpp"
@@ -21,14 +25,22 @@ namespace dynwitness::cli {
 using namespace crosscheck;
 
 Run addScenes(CLI::App& app) {
-  app.add_subcommand("scenes", "List the bundled scenes");
-  return [] {
+  auto features = std::make_shared<bool>(false);
+  CLI::App* command = app.add_subcommand("scenes", "List the bundled scenes");
+  command->add_flag("--features", *features,
+                    "What each command makes of each part of a scene, in markdown");
+  return [features] {
+    if (*features) {
+      fmt::print("{}", featuresMarkdown());
+      return 0;
+    }
     for (const auto& file : scene::bundledScenes()) {
       const scene::Scene scene = scene::readScene(file);
       fmt::print("{:<24} {:>2} dof  {}\n", scene.name, scene.mechanism.dof(), scene.title);
     }
     fmt::print("{:<24}         N = 1 to 200 four-bar windows (IFToMM A02)\n", "four_bars_N");
     fmt::print("{:<24}         N = 1 to 1000000 equal links, in a row or as a binary tree\n", "chain_N, tree_N");
+    fmt::print("{:<24}         the same row with all axes parallel\n", "flat_chain_N");
     return 0;
   };
 }
@@ -77,18 +89,49 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
   writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
 }
 
+/// What is to be said about a drift beside its numbers. @return false: its qdd is wrong
+bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift& drift,
+            std::string* text) {
+  for (const Drift::Path& path : drift.paths)
+    if (!std::isfinite(path.worst))
+      *text += fmt::format(
+          "# {}: not answerable by this step: at {} s the motion leaves the numbers (NaN or "
+          "infinite energy)\n",
+          drift.method, path.step);
+  const bool is_judged = drift.paths.size() > 1 || !std::isfinite(drift.paths.back().worst);
+  if (isResolved(drift) || drift.scale == 0 || !is_judged) {
+    *text += fmt::format("# {}: observed order {}, its own {}\n", drift.method,
+                         drift.observed_order > 0 ? fmt::format("{:.2f}", drift.observed_order)
+                                                  : "not to be seen at these steps",
+                         drift.method_order);
+    return true;
+  }
+  const CheckResult check = checkDrift(scene, drift, options);
+  if (check.verdict == Verdict::kAgree)
+    *text += fmt::format("# {}: not answerable by these steps, qdd is not to blame: {}\n",
+                         drift.method, check.statement);
+  else
+    *text += fmt::format("# {}: {}{}\n", drift.method,
+                         check.verdict == Verdict::kDisagree ? "DISAGREE: " : "", check.reason);
+  return check.verdict != Verdict::kDisagree;
+}
+
 int runDrift(const DriftArguments& arguments) {
   for (const std::string& file : {arguments.csv, arguments.plot}) requireWritableFile(file);
-  const scene::Scene scene = scene::findScene(arguments.scene);
+  const scene::Scene scene = admitted(arguments.scene, Command::kDrift);
   requireMotion(scene);
   Progress progress(static_cast<int>(arguments.methods.size()));
   std::vector<Drift> drifts;
+  std::string remarks;
+  bool agree = true;
   for (const std::string& method : arguments.methods) {
     progress.stage(method);
     DriftOptions options = arguments.options;
     options.method = method;
     drifts.push_back(measureDrift(scene, options));
     if (drifts.back().paths.empty()) throw scene::InputError({scene.file.string()}, kNoMotion);
+    agree = remark(scene, options, drifts.back(), &remarks) && agree;
+    eraseLostPaths(drifts.back());
   }
   std::string csv = fmt::format(
       "# {}: largest |E - E0| along {} s from the start state, over the largest kinetic energy\n"
@@ -97,15 +140,17 @@ int runDrift(const DriftArguments& arguments) {
   for (const Drift& drift : drifts)
     for (const Drift::Path& path : drift.paths)
       csv += fmt::format("{},{},{},{}\n", drift.method, path.step, path.worst, drift.scale);
-  fmt::print("{}", csv);
-  for (const Drift& drift : drifts)
-    fmt::print("# {}: observed order {}, its own {}\n", drift.method,
-               drift.observed_order > 0 ? fmt::format("{:.2f}", drift.observed_order)
-                                        : "not to be seen at these steps",
-               drift.method_order);
+  if (std::all_of(drifts.begin(), drifts.end(),
+                  [](const Drift& drift) { return drift.paths.empty(); }))
+    throw scene::InputError(
+        {scene.file.string()},
+        "no step follows the motion, allowed: shorter ones (--step), or 'dynwitness simulate', "
+        "whose steps adapt\n" +
+            remarks);
+  fmt::print("{}{}", csv, remarks);
   if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csv);
   if (!arguments.plot.empty()) plotDrift(scene, drifts.front(), arguments.plot);
-  return 0;
+  return agree ? 0 : 1;
 }
 
 }  // namespace
@@ -119,10 +164,13 @@ Run addDrift(CLI::App& app) {
   for (const auto& [method, order] : driftMethods())
     methods += fmt::format("{}{} (order {})", methods.empty() ? "" : ", ", method, order);
   command->add_option("--method", arguments->methods, "Integrators: " + methods)->delimiter(',');
-  command->add_option("--step", arguments->options.steps,
-                      "Step sizes [s]; without any: 0.01 halved until the order shows")
+  command
+      ->add_option("--step", arguments->options.steps,
+                   "Step sizes [s]; without any: 0.01 halved until the order shows")
+      ->check(positive())
       ->delimiter(',');
   command->add_option("--duration", arguments->options.duration, "Simulated time [s]")
+      ->check(positive())
       ->capture_default_str();
   command->add_option("--plot", arguments->plot, "Chart of the first method, as SVG");
   command->add_option("--csv", arguments->csv, "The printed table, as a file");

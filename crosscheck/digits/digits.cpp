@@ -47,8 +47,10 @@ class DigitsTally {
 
   /// An answer, exactly as it is, against the truth; `bounds` are its bounds, if it has any.
   void add(int state, const MatrixOf<Ball>& answer, const Certified& truth, const Answer* bounds);
-  /// The witness could not answer at this state.
-  void fail(int state, const std::string& reason);
+  /// An answer qdd by what it leaves of the equations; its digits are counted by add().
+  void judge(int state, const Testimony& said);
+  /// The witness could not answer at this state; there is no answer when `is_excused`.
+  void fail(int state, const std::string& reason, bool is_excused);
 
   DigitsResult digits() const;
   CheckResult check() const;
@@ -61,6 +63,14 @@ class DigitsTally {
   double digitsWithoutLoss() const { return digits_without_loss_; }
 
  private:
+  /// An entry at a state; size: what shares are counted of.
+  struct Place {
+    int state;
+    std::string entry, joints;
+    double size, ulp;
+  };
+  void judge(const Place& at, double at_least, double bound, double loss);
+  void closeState(int state);
   double digitsOf(double error, double size) const;
   std::string entry(Eigen::Index row, Eigen::Index column, const Eigen::MatrixXd& shape) const;
   std::string joints(Eigen::Index row, Eigen::Index column) const;
@@ -70,7 +80,7 @@ class DigitsTally {
   const std::vector<std::string>& joint_names_;
   double max_digits_;
   std::vector<double> by_state_;
-  std::string disagreement_, undecided_, loss_at_;
+  std::string disagreement_, loss_at_, unbounded_;
   double largest_loss_ = 0, digits_without_loss_ = 0;
 };
 
@@ -80,7 +90,11 @@ DigitsTally::DigitsTally(DigitsResult description, const std::vector<std::string
   check_.check = "truth";
   check_.quantity = result_.quantity;
   check_.left = result_.witness;
-  check_.statement = fmt::format("|{} by {} - truth| <= its error bound", result_.quantity, result_.witness);
+  check_.statement =
+      result_.quantity == name(Quantity::kQdd)
+          ? fmt::format("|M qdd + c + g + friction - tau - Q| <= what solving may leave, qdd by {}",
+                        result_.witness)
+          : fmt::format("|{} by {} - truth| <= its error bound", result_.quantity, result_.witness);
   check_.seed = seed;
 }
 
@@ -117,14 +131,15 @@ std::string DigitsTally::joints(Eigen::Index row, Eigen::Index column) const {
 
 void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& truth,
                       const Answer* bounds) {
-  if (!truth.exists()) return fail(state, "no certified truth: " + truth.reason);
-  ++check_.states;
+  if (!truth.exists())
+    return fail(state, "no certified truth: " + truth.reason, truth.is_impossible);
   if (answer.rows() != truth.value.rows() || answer.cols() != truth.value.cols()) {
     disagreement_ = fmt::format("{} x {} numbers at state {}, expected {} x {}", answer.rows(),
                                 answer.cols(), state, truth.value.rows(), truth.value.cols());
     return;
   }
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  if (bounds != nullptr) ++check_.states;
   const BallPrecision precision(kDistanceBits);
   const Eigen::MatrixXd shape(answer.rows(), answer.cols());
   double size = 0;
@@ -148,34 +163,11 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
       if (bounds == nullptr) continue;
       // what is proven: the distance to the nearest point of the enclosure
       const double at_least = distance.isFinite() ? distance.atLeast() : kInfinite;
-      const double bound = bounds->bound(i, j);
-      const auto where = [&] { return entry(i, j, shape) + joints(i, j); };
-      if (!std::isfinite(bound)) {
-        undecided_ = fmt::format(
-            "no error bound for {} at state {}: a divisor is zero within rounding", where(), state);
-        continue;
-      }
-      if (bounds->known_loss.size() > 0) {
-        const double rounding = bound - bounds->known_loss(i, j);
-        if (at_least > rounding && at_least <= bound && size > 0 && at_least / size > largest_loss_) {
-          largest_loss_ = at_least / size;
-          loss_at_ = fmt::format("{} at state {}", where(), state);
-          digits_without_loss_ = digitsOf(rounding, size);
-        }
-      }
-      const double ratio = at_least == 0 ? 0 : at_least / bound;
-      if (!check_.worst_entry.empty() && !(ratio > check_.ratio)) continue;
-      check_.ratio = ratio;
-      check_.worst = at_least / ulp;
-      check_.limit = bound / ulp;
-      check_.worst_state = state;
-      check_.worst_entry = entry(i, j, shape);
-      if (at_least > bound)
-        disagreement_ = fmt::format(
-            "{} is {:.3g} ulp from the truth at state {}, {:.3g} times its bound of {:.3g} ulp",
-            where(), check_.worst, state, ratio, check_.limit);
+      const double loss = bounds->known_loss.size() > 0 ? bounds->known_loss(i, j) : 0;
+      judge({state, entry(i, j, shape), joints(i, j), size, ulp}, at_least, bounds->bound(i, j), loss);
     }
   }
+  closeState(state);
   if (size == 0) return;  // nothing to count digits of
   const double kept = digitsOf(farthest, size);
   if (!result_.worst || kept < *result_.worst) {
@@ -187,9 +179,65 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
   by_state_.push_back(kept);
 }
 
-void DigitsTally::fail(int state, const std::string& reason) {
+void DigitsTally::judge(int state, const Testimony& said) {
+  const Residual& residual = *said.residual;
   ++check_.states;
-  if (undecided_.empty()) undecided_ = fmt::format("state {}: {}", state, reason);
+  check_.condition = std::max(check_.condition.value_or(0), said.condition);
+  const Eigen::MatrixXd shape(residual.value.rows(), 1);
+  const double size = residual.ulp / std::numeric_limits<double>::epsilon();
+  for (Eigen::Index i = 0; i < shape.rows(); ++i) {
+    const Ball& r = residual.value(i, 0);
+    const double loss = said.answer.residual_loss.size() > 0 ? said.answer.residual_loss(i, 0) : 0;
+    judge({state, entry(i, 0, shape), joints(i, 0), size, residual.ulp},
+          r.isFinite() ? r.atLeast() : std::numeric_limits<double>::infinity(),
+          said.answer.residual_bound(i, 0), loss);
+  }
+  closeState(state);
+}
+
+void DigitsTally::judge(const Place& at, double at_least, double bound, double loss) {
+  const std::string where = at.entry + at.joints;
+  if (!std::isfinite(bound)) {
+    if (unbounded_.empty()) unbounded_ = where;
+    return;
+  }
+  const double rounding = bound - loss;
+  if (loss > 0 && at_least > rounding && at_least <= bound && at.size > 0 &&
+      at_least / at.size > largest_loss_) {
+    largest_loss_ = at_least / at.size;
+    loss_at_ = fmt::format("{} at state {}", where, at.state);
+    digits_without_loss_ = digitsOf(rounding, at.size);
+  }
+  check_.seen = std::max(check_.seen, at_least / at.ulp);
+  check_.loosest = std::max(check_.loosest, bound / at.ulp);
+  const double ratio = at_least == 0 ? 0 : at_least / bound;
+  if (!check_.worst_entry.empty() && !(ratio > check_.ratio)) return;
+  check_.ratio = ratio;
+  check_.worst = at_least / at.ulp;
+  check_.limit = bound / at.ulp;
+  check_.worst_state = at.state;
+  check_.worst_entry = at.entry;
+  if (at_least > bound)
+    disagreement_ = fmt::format(
+        "{} {} at state {}, {:.3g} times its bound of {:.3g} ulp", where,
+        check_.condition ? fmt::format("leaves {:.3g} ulp of its equation", check_.worst)
+                         : fmt::format("is {:.3g} ulp from the truth", check_.worst),
+        at.state, ratio, check_.limit);
+}
+
+/// After the entries of a state: one without a bound voids it.
+void DigitsTally::closeState(int state) {
+  if (!unbounded_.empty())
+    check_.addVoided(state,
+                     fmt::format("no error bound for {} at state {}: a divisor is zero within rounding",
+                                 unbounded_, state),
+                     false);
+  unbounded_.clear();
+}
+
+void DigitsTally::fail(int state, const std::string& reason, bool is_excused) {
+  ++check_.states;
+  check_.addVoided(state, fmt::format("state {}: {}", state, reason), is_excused);
 }
 
 DigitsResult DigitsTally::digits() const {
@@ -208,11 +256,13 @@ CheckResult DigitsTally::check() const {
   CheckResult out = check_;
   out.digits = result_.worst;
   out.known_loss = !loss_at_.empty();
-  out.reason = !disagreement_.empty() ? disagreement_ : undecided_;
-  if (!disagreement_.empty())
+  if (!disagreement_.empty()) {
     out.verdict = Verdict::kDisagree;
-  else if (!undecided_.empty())
+    out.reason = disagreement_;
+  } else if (out.judged() == 0) {
     out.verdict = Verdict::kNotAnswerable;
+    out.reason = out.voided_reason;
+  }
   return out;
 }
 
@@ -261,6 +311,7 @@ struct DigitsCount::Impl {
     for (const DigitsTally& tally : tallies) {
       if (tally.lossAt().empty()) continue;
       const DigitsResult digits = tally.digits();
+      const Quantity quantity = quantityNamed(digits.quantity);
       Finding finding;
       finding.kind = Finding::Kind::kKnownLoss;
       finding.scene = scene.name;
@@ -268,10 +319,10 @@ struct DigitsCount::Impl {
       finding.witness = digits.witness;
       finding.digits = digits.worst.value_or(0);
       finding.text = fmt::format(
-          "{}: {} keeps {:.1f} digits of {}; {} is off by {:.1e} of the largest entry, where rounding "
+          "{}: {} keeps {:.1f} digits of {}; {} is off by {:.1e} of the largest {}, where rounding "
           "alone would leave {:.1f} digits",
-          scene.name, digits.witness, *finding.digits, digits.quantity, tally.lossAt(),
-          tally.largestLoss(), tally.digitsWithoutLoss());
+          scene.name, digits.witness, *finding.digits, digits.quantity, tally.lossAt(), tally.largestLoss(),
+          quantity == Quantity::kQdd ? "force in the equations" : "entry", tally.digitsWithoutLoss());
       const auto same = std::find_if(findings.begin(), findings.end(), [&](const Finding& f) {
         return f.witness == finding.witness;
       });
@@ -297,15 +348,22 @@ DigitsCount::DigitsCount(const scene::Scene& scene, const Options& options)
     : impl_(new Impl(scene, options)) {}
 DigitsCount::~DigitsCount() = default;
 
+Certified DigitsCount::truth(Quantity quantity, const scene::State<double>& state) {
+  return impl_->truth(quantity, state);
+}
+
 void DigitsCount::add(Quantity quantity, int index, const scene::State<double>& state,
-                      const std::vector<Testimony>& said) {
-  const Certified exact = impl_->truth(quantity, state);
+                      const std::vector<Testimony>& said, const Certified& exact) {
   for (const Testimony& one : said) {
     DigitsTally& tally = impl_->tally<double>(one.witness, quantity, kInDouble);
-    if (one.failure.empty())
+    if (!one.failure.empty()) {
+      tally.fail(index, one.failure, exact.is_impossible);
+    } else if (one.residual && exact.exists()) {
+      tally.add(index, exactly(one.answer.value), exact, nullptr);
+      tally.judge(index, one);
+    } else {
       tally.add(index, exactly(one.answer.value), exact, &one.answer);
-    else
-      tally.fail(index, one.failure);
+    }
   }
   impl_->runSweep<NewtonEuler>(quantity, index, state, exact);
   impl_->runSweep<CompositeBody>(quantity, index, state, exact);
@@ -330,7 +388,7 @@ DigitsFound measureDigits(const scene::Scene& scene, const std::vector<WitnessKi
   for (const Quantity quantity : kAllQuantities)
     hearing.hear(quantity, [&](int index, const scene::State<double>& state,
                                const std::vector<Testimony>& said) {
-      count.add(quantity, index, state, said);
+      count.add(quantity, index, state, said, count.truth(quantity, state));
     });
   return count.found();
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "crosscheck/crosscheck.hpp"
+#include "crosscheck/digits/truth.hpp"
 #include "crosscheck/testimony.hpp"
 
 namespace dynwitness::crosscheck {
@@ -28,8 +29,10 @@ class DigitsCount {
  public:
   DigitsCount(const scene::Scene& scene, const Options& options);
   ~DigitsCount();
+  /// The truth at that state, whatever is said.
+  Certified truth(Quantity quantity, const scene::State<double>& state);
   void add(Quantity quantity, int index, const scene::State<double>& state,
-           const std::vector<Testimony>& said);
+           const std::vector<Testimony>& said, const Certified& exact);
   DigitsFound found() const;
 
  private:
@@ -40,5 +43,11 @@ class DigitsCount {
 /// Every quantity that the witnesses answer, at the options' states.
 DigitsFound measureDigits(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
                           const Options& options);
+
+/// The same, and each pair of witnesses into `checks`; those that cannot hold the scene come first there.
+/// What became of the faults planted for control goes into `controls`.
+DigitsFound askWitnesses(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+                         const Options& options, std::vector<CheckResult>& checks,
+                         std::vector<Control>& controls);
 
 }  // namespace dynwitness::crosscheck

@@ -82,7 +82,7 @@ struct Truth::Impl {
 
   Attempt attempt(Quantity quantity, const scene::State<double>& state, long bits) {
     const BallPrecision precision(bits);
-    MatrixOf<Ball> value = evaluate(setup(), quantity, ballState(state));
+    MatrixOf<Ball> value = evaluate(setup(), quantity, ballState(state, mechanism));
     Attempt out =
         isFinite(value) ? judged(quantity, std::move(value), accuracy) : unbounded(quantity);
     out.result.bits = bits;
@@ -103,6 +103,7 @@ struct Truth::Impl {
       const Ball& D = s.ws.D[dof];
       const std::string joint = mechanism.rateLabels()[dof];
       out.final = D.isZero();
+      out.result.is_impossible = D.atMost() < kSmallestDouble;
       out.result.reason = fmt::format(
           "M is singular: joint '{}' moves no inertia while the joints beyond it are free (D {})",
           joint,

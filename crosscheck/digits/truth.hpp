@@ -19,6 +19,9 @@ struct Certified {
   long bits = 0;          ///< precision of the last attempt
   int sharp_entries = 0;  ///< that are known to the accuracy asked, exact zeros included
   std::string reason;     ///< why there is no enclosure, or which entry is not sharp
+  /// There is no such number: M is singular, the pivot that says so being zero, or less than the smallest
+  /// normal double.
+  bool is_impossible = false;
 
   bool exists() const { return value.size() > 0; }
   /// Every entry is exact or relatively as accurate as was asked.

@@ -14,8 +14,10 @@
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/parameters/regressor_checks.hpp"
 #include "crosscheck/tally.hpp"
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
+#include "scene/work.hpp"
 #include "recursive/constraints.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
@@ -41,7 +43,7 @@ class Trial {
 
   /// How many points it takes, from the size of the formulas.
   void size(const TwoSides<DegreeBound>& sides, const DegreeBound::Divisors& divisors, double target) {
-    if (!sides.failure.empty()) return giveUp(sides.failure);
+    if (!sides.failure.empty()) return giveUp(sides.failure, true);
     if (!sameShape(sides)) return;
     double chance = 0;
     for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
@@ -52,8 +54,9 @@ class Trial {
       }
     }
     if (!(chance < 1))
-      return giveUp(fmt::format("a degree of up to {:.2g} is too large for primes below 2^63",
-                                exact_.degree));
+      return giveUp(
+          fmt::format("a degree of up to {:.2g} is too large for primes below 2^63", exact_.degree),
+          false);
     chance_ = chance;
     needed_ = pointsNeeded(chance, target);
   }
@@ -64,7 +67,7 @@ class Trial {
     if (!sides.failure.empty()) {
       ++exact_.discarded;
       if (++discarded_in_a_row == kPatience)
-        giveUp(fmt::format("no value at {} points: {}", kPatience, sides.failure));
+        giveUp(fmt::format("no value at {} points: {}", kPatience, sides.failure), true);
       return;
     }
     discarded_in_a_row = 0;
@@ -85,9 +88,10 @@ class Trial {
   }
 
   bool done() const { return done_; }
+  int needed() const { return needed_; }  ///< points
   CheckResult result() const {
     CheckResult out = check_;
-    out.states = exact_.points;
+    out.states = std::max(exact_.points, out.voided);
     if (out.verdict == Verdict::kNotAnswerable) return out;
     out.exact = exact_;
     out.exact->residual_zero = out.verdict == Verdict::kAgree;
@@ -96,7 +100,9 @@ class Trial {
   }
 
  private:
-  void giveUp(const std::string& reason) {
+  /// @param has_none  there is no number to compare: a divisor is zero as a formula, or there is no law
+  void giveUp(const std::string& reason, bool has_none) {
+    check_.addVoided(0, reason, has_none);
     check_.verdict = Verdict::kNotAnswerable;
     check_.reason = reason;
     done_ = true;
@@ -135,18 +141,21 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
     const DegreeSource source;
     const SidesOfAll<DegreeBound> sides =
         inquiry.in_degrees(DegreeNumbers(scene.mechanism, source, options.parameters),
-                           indeterminateState(scene.mechanism, source));
+                           indeterminateState(scene.mechanism, source, options.parameters));
     for (std::size_t i = 0; i < trials.size(); ++i)
       trials[i].size(sides[i], divisors, options.error_probability);
   }
+  int points = 1;
+  for (const Trial& trial : trials) points = std::max(points, trial.needed());
+  scene::Work work("formulas over prime fields", points);
   const auto isDone = [](const Trial& trial) { return trial.done(); };
-  for (int index = 0; !std::all_of(trials.begin(), trials.end(), isDone); ++index) {
+  for (int index = 0; !std::all_of(trials.begin(), trials.end(), isDone); ++index, work.done()) {
     const PrimeField::Modulus modulus(drawPrime(scene.name, options.seed, index));
     const FieldSource source(scene.name, options.seed, index);
     SidesOfAll<PrimeField> sides(trials.size());
     try {
       sides = inquiry.in_field(FieldNumbers(scene.mechanism, source, options.parameters),
-                               indeterminateState(scene.mechanism, source));
+                               indeterminateState(scene.mechanism, source, options.parameters));
     } catch (const DivisionByZero& error) {  // the prime divides a number of the scene
       for (TwoSides<PrimeField>& failed : sides) failed.failure = error.what();
     }
@@ -184,12 +193,11 @@ struct KernelPrograms {
         programs.emplace(quantity, kernel::smallestRoad(mechanism, formula).program);
       } catch (const std::domain_error& error) {
         failures.emplace(quantity, error.what());
+      } catch (const kernel::NotUsed&) {  // the kernel's own witness says why
       }
     }
   }
-  static bool answers(Quantity quantity) {
-    return quantity == Quantity::kM || quantity == Quantity::kTau || quantity == Quantity::kQdd;
-  }
+  bool answers(Quantity quantity) const { return programs.count(quantity) + failures.count(quantity) > 0; }
   std::map<Quantity, symbolic::Program> programs;
   std::map<Quantity, std::string> failures;  ///< why there is none
   int dof;
@@ -221,12 +229,17 @@ class KernelAnswers {
 }  // namespace
 
 ExactWitness kernelWitness(const scene::Scene& scene) {
-  const auto programs = std::make_shared<const KernelPrograms>(scene.mechanism);
-  const auto on = [programs](const auto& number) {
-    using Numbers = std::decay_t<decltype(number)>;
-    return KernelAnswers<typename Numbers::Scalar>(programs, number);
+  const auto programs =
+      std::make_shared<const KernelPrograms>(scene::withoutMimics(scene.mechanism));
+  const auto on = [programs, mechanism = scene.mechanism](const auto& number) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    return [answers = KernelAnswers<T>(programs, number), coupled = mechanism.hasMimics(),
+            coupling = Coupling<T>(mechanism, number)](
+               Quantity quantity, const scene::State<T>& state) mutable -> MatrixOf<T> {
+      return coupled ? coupling(quantity, state, answers) : answers(quantity, state);
+    };
   };
-  return {"kernel", KernelPrograms::answers, on, on};
+  return {"kernel", [programs](Quantity quantity) { return programs->answers(quantity); }, on, on};
 }
 
 namespace {
@@ -306,7 +319,8 @@ Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
 // ---- closures -----------------------------------------------------------------------------------
 
 /// phi, J and gamma, derived from phi and from the sweeps.
-Inquiry closures(const scene::Mechanism& mechanism, Parameters parameters) {
+Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& derived_from,
+                 Parameters parameters) {
   constexpr int kParts = 3;
   constexpr const char* kNames[kParts] = {"phi", "J", "gamma"};
   constexpr const char* kStatements[kParts] = {
@@ -325,9 +339,9 @@ Inquiry closures(const scene::Mechanism& mechanism, Parameters parameters) {
   }
   symbolic::Options options;
   options.fold_parameters = parameters == Parameters::kAsWritten;
-  symbolic::Equations equations = symbolic::derive(mechanism, options);
+  symbolic::Equations equations = symbolic::derive(derived_from, options);
   const symbolic::ClosureEquations derived =
-      symbolic::closureEquations(mechanism, options, equations);
+      symbolic::closureEquations(derived_from, options, equations);
   std::vector<symbolic::Node> outputs = derived.phi;
   for (const auto& row : derived.J) outputs.insert(outputs.end(), row.begin(), row.end());
   outputs.insert(outputs.end(), derived.gamma.begin(), derived.gamma.end());
@@ -417,20 +431,25 @@ std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
 }
 
 std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
-                                              const ExactOptions& options) {
+                                              const ExactOptions& options,
+                                              const scene::Mechanism* derived) {
   if (scene.mechanism.closures.empty()) return {};
-  return decide(scene, closures(scene.mechanism, options.parameters), options);
+  return decide(scene,
+                closures(scene.mechanism, derived ? *derived : scene.mechanism, options.parameters),
+                options);
 }
 
 std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options) {
+  scene::Work work("", 4);
   std::vector<CheckResult> checks =
       decide(scene,
              both(comparisons(exactWitnesses(scene, options.parameters, options.witnesses)),
                   identityInquiry(scene.mechanism)),
              options);
-  for (const CheckResult& check : checkClosuresExactly(scene, options)) checks.push_back(check);
-  for (const CheckResult& check : checkRegressorExactly(scene, options)) checks.push_back(check);
-  for (const CheckResult& check : checkConstrainedExactly(scene, options)) checks.push_back(check);
+  for (const auto more : {checkClosuresExactly, checkRegressorExactly, checkConstrainedExactly}) {
+    work.done();
+    for (const CheckResult& check : more(scene, options, nullptr)) checks.push_back(check);
+  }
   return checks;
 }
 

@@ -102,12 +102,16 @@ std::vector<CheckResult> compareExactly(const scene::Scene& scene,
 std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
                                                 const ExactOptions& options);
 /// phi, J and (dJ/dt) qd of the closures, by lagrange and by the sweeps; none without closures.
+/// @param derived  what Lagrange's side is derived from instead of the scene: tests plant their errors there
 std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
-                                              const ExactOptions& options);
+                                              const ExactOptions& options,
+                                              const scene::Mechanism* derived = nullptr);
 
 /// What of the constrained motion the scene has to show: closures, driven joints, acceleration constraints.
-/// No checks where it has none of them.
-std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene, const ExactOptions& options);
+/// No checks where it has none of them; `derived` as above.
+std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
+                                                 const ExactOptions& options,
+                                                 const scene::Mechanism* derived = nullptr);
 
 /// "residual zero at 2 points modulo 63-bit primes; chance that different formulas pass at most 3e-34"
 std::string describeExact(const CheckResult::Exact& exact);

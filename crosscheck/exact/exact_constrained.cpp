@@ -300,11 +300,22 @@ bool holdsItsBase(const scene::Mechanism& mechanism) {
 
 }  // namespace
 
-std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene, const ExactOptions& options) {
+std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
+                                                 const ExactOptions& options,
+                                                 const scene::Mechanism* derived) {
   const scene::Mechanism& mechanism = scene.mechanism;
   const bool is_held = mechanism.isDriven() || !mechanism.acceleration_constraints.empty();
   if (mechanism.closures.empty() && !is_held) return {};
-  const auto dense = std::make_shared<const DenseProgram>(mechanism, options.parameters);
+  if (mechanism.hasMimics()) {
+    CheckResult check = question("closed and hybrid dynamics", "qdd",
+                                 "constrained motion by the sweeps = one dense system");
+    check.seed = options.seed;
+    check.verdict = Verdict::kNotAnswerable;
+    check.reason = "joints follow others (mimic), and the constrained sweeps solve for each joint where they pass it";
+    return {check};
+  }
+  const auto dense =
+      std::make_shared<const DenseProgram>(derived ? *derived : mechanism, options.parameters);
   std::vector<CheckResult> checks;
   if (!mechanism.closures.empty()) checks = decide(scene, loops(mechanism, dense), options);
   if (is_held)

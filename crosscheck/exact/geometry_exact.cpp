@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The laws of the kinetic metric as two sides, over the field.
 #include "crosscheck/exact/inquiry.hpp"
+#include "crosscheck/features.hpp"
 #include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/studies/kinetic_metric.hpp"
 #include "recursive/articulated_body.hpp"
@@ -110,7 +111,7 @@ std::vector<TwoSides<T>> laws(const scene::Mechanism& mechanism, const Numbers& 
 
 std::vector<CheckResult> checkGeometryExactly(const scene::Scene& scene,
                                               const ExactOptions& options) {
-  requireCoordinates(scene);
+  requireTreated(scene, Command::kGeometry);
   Inquiry inquiry;
   inquiry.checks = inWords(kLaws);
   const auto ask = [&](const auto& number, const auto& state) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The laws of impedances over the field.
 #include "crosscheck/exact/inquiry.hpp"
+#include "crosscheck/features.hpp"
 #include "crosscheck/studies/impedance.hpp"
 #include "crosscheck/studies/impedance_laws.hpp"
 
@@ -20,7 +21,7 @@ recursive::Matrix6<T> symmetric(Powers<T>* any, int free) {
 
 std::vector<CheckResult> checkImpedanceExactly(const scene::Scene& scene, const std::string& link,
                                                const ExactOptions& options) {
-  requireOpenTree(scene);
+  requireTreated(scene, Command::kImpedance);
   const int seen = linkNamed(scene, link);
   Inquiry inquiry;
   inquiry.checks = inWords(kImpedanceLaws);

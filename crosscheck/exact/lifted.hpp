@@ -26,12 +26,17 @@ recursive::Model<S> lifted(const recursive::Model<T>& model) {
   out.plain_joints = model.plain_joints;
   out.gyroscopic = model.gyroscopic;
   out.friction = model.friction;
+  out.coupled = model.coupled;
   out.base = inertia(model.base);
   for (const recursive::LinkModel<T>& link : model.links) {
     recursive::LinkModel<S> l;
     l.parent = link.parent;
     l.dof = link.dof;
     l.slot = link.slot;
+    l.spring_from = link.spring_from;
+    l.follows = link.follows;
+    l.adds = link.adds;
+    l.ratio = S(link.ratio);
     l.kind = link.kind;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) l.X_tree.R(i, j) = S(link.X_tree.R(i, j));

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/exact/random_mechanism.hpp"
 
-#include <algorithm>
 #include <array>
-#include <iterator>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "crosscheck/archive.hpp"
-#include "crosscheck/crosscheck.hpp"
-#include "crosscheck/processes.hpp"
 #include "crosscheck/states.hpp"
+#include "scene/mimic.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -25,7 +21,10 @@ using Convention = scene::Placement::Convention;
 /// Draws the parts of one mechanism.
 class Drawing {
  public:
-  Drawing(std::uint64_t seed, std::uint64_t index) : random_("random mechanism", seed, index) {}
+  Drawing(std::uint64_t seed, std::uint64_t index, JointKinds kinds)
+      : kinds_(kinds),
+        random_(kinds == JointKinds::kAll ? "random mechanism" : "random plain mechanism", seed, index),
+        followers_("random followers", seed, index) {}
 
   scene::Mechanism mechanism(int max_joints) {
     scene::Mechanism out;
@@ -53,10 +52,30 @@ class Drawing {
       wrench.axes = chance(50) ? scene::Wrench::Axes::kWorld : scene::Wrench::Axes::kLink;
       out.wrenches.push_back(wrench);
     }
+    follow(out);
     return out;
   }
 
  private:
+  /// Lets some joints of one position follow others, from a stream of its own: what else is drawn stays.
+  void follow(scene::Mechanism& mechanism) {
+    static constexpr const char* kMultipliers[] = {"1", "-1", "-0.5", "2", "0.7", "-3", "1/3", "-1.25"};
+    static constexpr const char* kOffsets[] = {"0", "0", "0.1", "-0.25", "pi/4", "1.2"};
+    const auto draw = [this](std::size_t n) { return followers_.next() % n; };
+    std::vector<int> joints;
+    for (std::size_t i = 1; i < mechanism.links.size(); ++i)
+      if (scene::degreesOfFreedom(mechanism.links[i].joint.kind) == 1) joints.push_back(static_cast<int>(i));
+    if (joints.size() < 2 || draw(100) >= 35) return;
+    for (std::size_t k = joints.size(); k > 1; --k) std::swap(joints[k - 1], joints[draw(k)]);
+    // each follows one that stands before it in this order, so that there is no circle; the first leads
+    for (std::size_t k = 1; k < joints.size(); ++k) {
+      if (draw(100) >= 50 && k + 1 < joints.size()) continue;
+      const std::string& leader = mechanism.links[joints[draw(k)]].joint.name;
+      mechanism.links[joints[k]].joint.mimic =
+          scene::Mimic{leader, Number::parse(kMultipliers[draw(8)]), Number::parse(kOffsets[draw(6)])};
+    }
+  }
+
   int below(int n) { return static_cast<int>(random_.next() % static_cast<std::uint64_t>(n)); }
   bool chance(int percent) { return below(100) < percent; }
 
@@ -152,7 +171,7 @@ class Drawing {
     static constexpr JointKind kRare[] = {JointKind::kHelical,   JointKind::kCylindrical,
                                           JointKind::kUniversal, JointKind::kPlanar,
                                           JointKind::kSpherical, JointKind::kFloating};
-    if (chance(30)) return kRare[below(6)];
+    if (kinds_ == JointKinds::kAll && chance(30)) return kRare[below(6)];
     return chance(70) ? JointKind::kRevolute : JointKind::kPrismatic;
   }
 
@@ -179,7 +198,7 @@ class Drawing {
       joint.stiffness = decimal(0, 5000);
       joint.rest = joint.kind != JointKind::kPrismatic ? angle() : decimal(-50, 50);
     }
-    joint.gyroscopic = has_rotor && chance(30);
+    joint.gyroscopic = kinds_ == JointKinds::kAll && has_rotor && chance(30);
     if (has_one_q && chance(20)) {
       joint.friction.viscous = decimal(0, 300);
       if (chance(50)) joint.friction.positive = joint.friction.negative = decimal(0, 300);
@@ -190,21 +209,23 @@ class Drawing {
     return out;
   }
 
-  RandomStream random_;
+  JointKinds kinds_;
+  RandomStream random_, followers_;
 };
 
 }  // namespace
 
-scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints) {
+scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints, JointKinds kinds) {
   if (max_joints < 1)
     throw std::invalid_argument(
         fmt::format("randomScene: max_joints: expected 1 or more, got {}", max_joints));
-  Drawing drawing(seed, index);
+  Drawing drawing(seed, index, kinds);
+  const char* plain = kinds == JointKinds::kAll ? "" : "plain ";
   scene::Scene out;
-  out.name = fmt::format("random_{}_{}", seed, index);
-  out.title = fmt::format("Random mechanism {}", index);
-  out.source = fmt::format("dynwitness, random mechanism {} of seed {} with up to {} joints", index,
-                           seed, max_joints);
+  out.name = fmt::format("random_{}{}_{}", kinds == JointKinds::kAll ? "" : "plain_", seed, index);
+  out.title = fmt::format("Random {}mechanism {}", plain, index);
+  out.source = fmt::format("dynwitness, random {}mechanism {} of seed {} with up to {} joints", plain,
+                           index, seed, max_joints);
   out.file = out.name + ".toml";
   while (true) {
     out.mechanism = drawing.mechanism(max_joints);
@@ -218,78 +239,12 @@ scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints
   }
 }
 
-namespace {
-
-void checkOne(int index, int max_joints, const ExactOptions& options, RandomCampaign& campaign) {
-  RandomCampaign::Failure failure{randomScene(options.seed, index, max_joints), {}, {}};
-  const std::vector<CheckResult> checks = exactChecks(failure.scene, options);
-  for (const CheckResult& check : checks) {
-    // a single body has no other root, and there is nothing to ask
-    if (check.verdict == Verdict::kNotAnswerable && check.check == "independence of the chosen root")
-      continue;
-    if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);
-    if (check.verdict == Verdict::kNotAnswerable) {
-      ++campaign.not_answerable;
-      continue;
-    }
-    ++campaign.checks;
-    campaign.error_probability = std::max(campaign.error_probability, check.exact->error_probability);
-  }
-  ++campaign.mechanisms;
-  campaign.joints += failure.scene.mechanism.dof();
-  failure.findings = findOutliers(failure.scene.name, checks);
-  if (!failure.checks.empty()) campaign.failures.push_back(std::move(failure));
-}
-
-void append(RandomCampaign& all, RandomCampaign more) {
-  all.mechanisms += more.mechanisms;
-  all.joints += more.joints;
-  all.checks += more.checks;
-  all.not_answerable += more.not_answerable;
-  all.error_probability = std::max(all.error_probability, more.error_probability);
-  std::move(more.failures.begin(), more.failures.end(), std::back_inserter(all.failures));
-}
-
-}  // namespace
-
-RandomCampaign crosscheckRandom(int count, int max_joints, const ExactOptions& options, int processes,
-                                const std::function<void(int)>& progress) {
-  ExactOptions asked = options;
-  if (asked.witnesses.empty())
-    for (const WitnessKind& kind : witnessKinds())
-      if (kind.info.name.rfind("kernel", 0) != 0) asked.witnesses.push_back(kind.info.name);
-  constexpr int kBlock = 5;  // mechanisms a task
-  int done = 0;
-  const auto size = [=](int block) { return std::min(kBlock, count - block * kBlock); };
-  const std::vector<std::string> parts = inProcesses(
-      processes, (count + kBlock - 1) / kBlock,
-      [&](int block) {
-        RandomCampaign part;
-        for (int i = 0; i < size(block); ++i)
-          checkOne(block * kBlock + i, max_joints, asked, part);
-        return archived(part);
-      },
-      [&](int block) {
-        done += size(block);
-        if (progress) progress(done);
-      });
-  RandomCampaign campaign;
-  for (const std::string& part : parts) append(campaign, randomCampaignOf(part));
-  return campaign;
-}
-
-std::string describeFailure(const RandomCampaign::Failure& failure) {
-  std::string text;
-  for (const Finding& finding : failure.findings) text += finding.text + "\n";
-  for (const CheckResult& check : failure.checks)
-    text += fmt::format("{}: {}: {}, {} ({}{}{}): {}\n", failure.scene.name, name(check.verdict),
-                        check.check, check.quantity, check.left, check.right.empty() ? "" : " and ",
-                        check.right, check.reason);
-  return text + fmt::format(
-                    "to see it again: write the scene below to {0}, then\n"
-                    "  dynwitness crosscheck {0} --seed {1}\n\n{2}",
-                    failure.scene.file.string(), failure.checks.front().seed,
-                    scene::writeSceneToml(failure.scene));
+scene::Scene randomTreeScene(std::uint64_t seed, std::uint64_t index, int max_joints) {
+  scene::Scene out = randomScene(seed, index, max_joints);
+  out.mechanism = scene::withoutMimics(out.mechanism);
+  out.start_q = out.mechanism.restPosition();
+  out.start_qd.assign(out.mechanism.dof(), Number(0));
+  return out;
 }
 
 }  // namespace dynwitness::crosscheck

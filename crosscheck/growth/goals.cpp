@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <set>
 
 #include "crosscheck/growth/growth.hpp"
 #include "crosscheck/growth/ours.hpp"
@@ -16,9 +15,8 @@ namespace dynwitness::crosscheck {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-constexpr int kFirst = 64;     // links from which a link's share is looked at
-constexpr int kDigitsAt = 4096, kBuildAt = 4096;
-constexpr double kWithin = 1.5, kBeyond = 3;  // times what it takes at kFirst
+constexpr int kDigitsAt = 4096;
+constexpr double kWithin = 1.5, kBeyond = 3;  // times what it takes at kGrowthFrom links
 constexpr double kMostBytes = 1500;           // a link
 constexpr double kMostOfAll = 4e9;            // [bytes] at kMostFamilyLinks
 constexpr double kDigits = 14;
@@ -76,7 +74,7 @@ double lastLevelCache() {
 int linksInCache(const std::vector<GrowthPoint>& points, const std::string& family, double cache) {
   const std::vector<GrowthPoint> fast = fastOf(points, family);
   for (auto p = fast.rbegin(); p != fast.rend(); ++p)
-    if (p->links >= kFirst && !std::isnan(p->bytes)) return static_cast<int>(cache / (p->bytes + kCallersArrays));
+    if (p->links >= kGrowthFrom && !std::isnan(p->bytes)) return static_cast<int>(cache / (p->bytes + kCallersArrays));
   return 0;
 }
 
@@ -101,11 +99,11 @@ std::vector<GrowthGoal> growthGoals(const std::vector<GrowthPoint>& points, doub
                                    std::pair<const char*, Value>{"FD", &GrowthPoint::fd_ns}}) {
       double first = kNothing;
       for (const GrowthPoint& p : fast)
-        if (p.links == kFirst) first = p.*ns;
+        if (p.links == kGrowthFrom) first = p.*ns;
       const auto ratio = [&, value = ns](const GrowthPoint& p) { return p.*value / first; };
       GrowthGoal& within = begin(name + std::string(" a link, within the last-level cache"), "times", kWithin);
       within.is_time = true;
-      if (fit > 0) takeLargest(fast, kFirst, fit, ratio, &within);
+      if (fit > 0) takeLargest(fast, kGrowthFrom, fit, ratio, &within);
       GrowthGoal& beyond = begin(name + std::string(" a link, beyond that cache"), "times", kBeyond);
       beyond.is_time = true;
       if (fit > 0) takeLargest(fast, fit + 1.0, kNoEnd, ratio, &beyond);
@@ -113,11 +111,11 @@ std::vector<GrowthGoal> growthGoals(const std::vector<GrowthPoint>& points, doub
     double least_build = kNothing;
     const auto build = [](const GrowthPoint& p) { return p.scene_ns + p.build_ns; };
     for (const GrowthPoint& p : fast)
-      if (p.links >= kFirst && p.links <= kBuildAt) least_build = std::fmin(least_build, build(p));
+      if (p.links >= kGrowthFrom && p.links <= kGrowthBuildTo) least_build = std::fmin(least_build, build(p));
     GrowthGoal& built = begin("scene and model a link, beyond 4096 links", "times", kBeyond);
     built.is_time = true;
-    takeLargest(fast, kBuildAt + 1, kNoEnd, [&](const GrowthPoint& p) { return build(p) / least_build; }, &built);
-    takeLargest(fast, kFirst, kNoEnd, [](const GrowthPoint& p) { return p.bytes; },
+    takeLargest(fast, kGrowthBuildTo + 1, kNoEnd, [&](const GrowthPoint& p) { return build(p) / least_build; }, &built);
+    takeLargest(fast, kGrowthFrom, kNoEnd, [](const GrowthPoint& p) { return p.bytes; },
                 &begin("kept for ID, M and FD", "bytes a link", kMostBytes));
     takeLargest(fast, scene::kMostFamilyLinks, kNoEnd,
                 [](const GrowthPoint& p) { return p.links * p.peak_bytes; },

@@ -28,8 +28,6 @@ namespace {
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 constexpr rlim_t kMostMemory = rlim_t{8} << 30;  // of a process [bytes]: before it takes all there is
 constexpr long kMostBits = 1 << 16;  // of the certified truth: the balls of a chain take 4 a link
-constexpr int kFewestWithBytes = 16;  // links: below, the heap's own bookkeeping shows
-constexpr int kFewestWithPeak = 4096;  // links: below, what the system counts is mostly the program
 
 double cpuSeconds() {
   timespec now{};
@@ -201,13 +199,6 @@ std::string apart(const Work& work, int patience, Numbers* out) {
   return WEXITSTATUS(status) == 0 ? "" : at + ": refused";
 }
 
-std::vector<int> sizesUpTo(int most) {
-  std::vector<int> sizes;
-  for (long n = 1; n < most; n *= 4) sizes.push_back(static_cast<int>(n));
-  sizes.push_back(most);
-  return sizes;
-}
-
 /// One family at one size: what all methods are asked.
 struct Question {
   Question(const std::string& family, int links, const GrowthOptions& options) {
@@ -232,12 +223,19 @@ struct Question {
 
 }  // namespace
 
+std::vector<int> growthSizes(int most_links) {
+  std::vector<int> sizes;
+  for (long n = 1; n < most_links; n *= 4) sizes.push_back(static_cast<int>(n));
+  sizes.push_back(most_links);
+  return sizes;
+}
+
 std::vector<GrowthPoint> growth(const std::vector<WitnessKind>& engines, const GrowthOptions& options,
                                 const std::function<void(const std::string&)>& progress) {
   std::vector<GrowthPoint> points;
   for (const std::string& family : options.families) {
     std::set<std::string> given_up;
-    for (const int links : sizesUpTo(options.most_links)) {
+    for (const int links : growthSizes(options.most_links)) {
       if (progress) progress(fmt::format("{}_{}", family, links));
       const Question question(family, links, options);
       const auto add = [&](const std::string& method, const Effort& effort, int patience, const auto& make) {
@@ -252,9 +250,9 @@ std::vector<GrowthPoint> growth(const std::vector<WitnessKind>& engines, const G
         point.fd_ns = numbers.fd_ns / links;
         point.scene_ns = question.scene_ns / links;
         point.build_ns = numbers.build_ns / links;
-        point.bytes = links < kFewestWithBytes ? kNothing : numbers.bytes / links;
+        point.bytes = links < kGrowthBytesFrom ? kNothing : numbers.bytes / links;
         point.peak_bytes =
-            links < kFewestWithPeak ? kNothing : (numbers.peak_bytes + question.scene_bytes) / links;
+            links < kGrowthPeakFrom ? kNothing : (numbers.peak_bytes + question.scene_bytes) / links;
         point.fd_error = numbers.fd_error;
         points.push_back(point);
       };

@@ -11,6 +11,12 @@
 
 namespace dynwitness::crosscheck {
 
+/// What the growth goals compare with: a link's share where there are so many; the model's, up to so many.
+inline constexpr int kGrowthFrom = 64, kGrowthBuildTo = 4096;
+/// Links from which memory kept is told (below, the heap's own bookkeeping shows), and memory of the whole
+/// process (below, it is mostly the program).
+inline constexpr int kGrowthBytesFrom = 16, kGrowthPeakFrom = 4096;
+
 /// One method at one number of links. What was not measured is not-a-number.
 struct GrowthPoint {
   std::string family;  ///< "chain", "tree"
@@ -20,9 +26,9 @@ struct GrowthPoint {
   double scene_ns = 0;          ///< from nothing to the scene, a link [ns]
   double build_ns = 0;          ///< from the scene to what is asked, a link [ns]
   /// Kept on the heap to be asked again, a link; without the scene, and without the caller's arrays;
-  /// from 16 links.
+  /// from kGrowthBytesFrom links.
   double bytes = 0;
-  /// The most that scene, building and asking take of the process together, a link; from 4096 links.
+  /// The most that scene, building and asking take of the process together, a link; from kGrowthPeakFrom.
   double peak_bytes = 0;
   /// Of forward dynamics: largest |entry - truth| / largest |truth|, certified from above.
   double fd_error = 0;
@@ -39,7 +45,10 @@ struct GrowthOptions {
   int patience = 10;
 };
 
-/** Powers of four from 1 to options.most_links, and that number itself: chain_N and tree_N of
+/// Powers of four from 1 on below the largest, and that.
+std::vector<int> growthSizes(int most_links);
+
+/** At growthSizes(options.most_links): chain_N and tree_N of
     scene/families.hpp at their first seeded state.
 
     Every measurement runs in a process of its own: its memory is its own, and an engine that dies

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,6 +8,7 @@
 #include "crosscheck/growth/growth.hpp"
 #include "crosscheck/growth/ours.hpp"
 #include "crosscheck/report/environment.hpp"
+#include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
 
 namespace dynwitness::crosscheck {
@@ -42,7 +42,8 @@ std::string goalsText(const std::vector<GrowthPoint>& points, double cache) {
     text += fmt::format("# {:<6} {:<42} {:>3}{:>9.4g} {:>14}  {:<12} {:>8}  {}\n", goal.family, goal.goal,
                         goal.is_least ? ">=" : "<=", goal.limit, measured, goal.unit, at, verdict(goal));
   }
-  return text + "# times: against 64 links; the model against its fastest from 64 to 4096 links\n";
+  return text + fmt::format("# times: against {0} links; the model against its fastest from {0} to {1} links\n",
+                            kGrowthFrom, kGrowthBuildTo);
 }
 
 }  // namespace
@@ -74,7 +75,7 @@ std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOption
              "# fd_error: largest |qdd - truth| / largest |truth|, an upper bound certified by ball "
              "arithmetic, up to {} links\n"
              "# last-level cache: {}\n# machine: {}\n",
-             options.seed, 4096, options.most_links_with_truth,
+             options.seed, kGrowthPeakFrom, options.most_links_with_truth,
              cache > 0 ? fmt::format("{:.0f} MB, room for {}", cache / (1 << 20), fits) : "not known",
              oneLine(cpuModel())) +
          failures +
@@ -125,10 +126,9 @@ std::string growthJson(const std::vector<GrowthPoint>& points, const GrowthOptio
 
 std::string growthScript(const std::vector<GrowthPoint>& points, const std::string& family, double cache,
                          const std::string& style) {
-  // colour and marker of a method as in the other charts
-  static const std::map<std::string, int> kLines = {{kFastMethod, 1}, {kTextbookMethod, 5}, {"simbody", 11},
-                                                    {"mujoco_principal", 12}, {"dart", 13},
-                                                    {"kdl", 14}, {"mujoco", 15}};
+  const auto lineType = [](const std::string& method) {
+    return method == kFastMethod ? 1 : method == kTextbookMethod ? 5 : lineTypeOfEngine(method).value_or(16);
+  };
   std::vector<std::string> methods;
   int most = 1;
   for (const GrowthPoint& p : points) {
@@ -139,13 +139,12 @@ std::string growthScript(const std::vector<GrowthPoint>& points, const std::stri
   const auto plot = [&](int column, bool is_time, bool with_titles) {
     std::string text = "plot ";
     for (std::size_t i = 0; i < methods.size(); ++i) {
-      const auto line = kLines.find(methods[i]);
       text += fmt::format(
           "{}'growth.csv' using (strcol(1) eq '{}' && strcol(3) eq {} && strlen(strcol({})) ? $2 : NaN):{} "
           "with linespoints linetype {} {}",
           i == 0 ? "" : ", \\\n     ", family, gnuplotString(methods[i]), column,
           is_time ? fmt::format("(1e-9 * ${})", column) : std::to_string(column),
-          line != kLines.end() ? line->second : 16,
+          lineType(methods[i]),
           with_titles ? "title " + gnuplotString(methods[i]) : std::string("notitle"));
     }
     return text + "\n";

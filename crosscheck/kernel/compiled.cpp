@@ -3,20 +3,22 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <map>
+#include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
 
-extern char** environ;
+#include "crosscheck/children.hpp"
+#include "crosscheck/leaving.hpp"
 
 namespace dynwitness::crosscheck::kernel {
 namespace {
@@ -40,7 +42,7 @@ fs::path inPath(const std::string& command) {
   return {};
 }
 
-/// 128 bits of FNV-1a from two starts. Files are compared besides, so a collision costs time alone.
+/// 128 bits of FNV-1a from two starts: against accidents, not against a user's own malice.
 std::string hashOf(const std::string& text) {
   std::uint64_t a = 0xcbf29ce484222325u, b = 0x84222325cbf29ce4u;
   for (const unsigned char c : text) {
@@ -50,98 +52,138 @@ std::string hashOf(const std::string& text) {
   return fmt::format("{:016x}{:016x}", a, b);
 }
 
-std::string contents(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+/// More than any kernel has.
+constexpr off_t kLargestObject = 64 << 20;
+
+/// What is in a plain file of this user's own (or of root's) that nobody else may write to; nothing is waited
+/// for, and no link is followed. Nothing: there is no such file, or it is larger than expected
+std::optional<std::string> contents(const fs::path& file, off_t most) {
+  const int in = open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (in < 0) return {};
+  struct stat about;
+  std::string text;
+  bool good = fstat(in, &about) == 0 && S_ISREG(about.st_mode) && about.st_size <= most &&
+              (about.st_uid == geteuid() || about.st_uid == 0) && !(about.st_mode & (S_IWGRP | S_IWOTH));
+  if (good) {
+    text.resize(static_cast<std::size_t>(about.st_size));
+    std::size_t at = 0;
+    for (ssize_t got; at < text.size() && (got = read(in, &text[at], text.size() - at)) > 0;)
+      at += static_cast<std::size_t>(got);
+    good = at == text.size();
+  }
+  close(in);
+  if (!good) return {};
+  return text;
 }
 
+/// Writes a file that nobody else may change. @throws CannotCompile
 void write(const fs::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  if (!out.flush()) throw CannotCompile(fmt::format("{}: cannot be written", file.string()));
+  const int out = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600);
+  std::size_t at = 0;
+  for (ssize_t done; out >= 0 && at < text.size() && (done = ::write(out, &text[at], text.size() - at)) > 0;)
+    at += static_cast<std::size_t>(done);
+  const int error = errno;
+  if (out < 0 || close(out) != 0 || at < text.size())
+    throw CannotCompile(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(error)));
+}
+
+std::string inWords(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
 }
 
 /// One source on its way.
 struct Job {
   std::string source;
-  fs::path name;                           ///< in the folder, without extension
-  fs::path draft, c, object, messages;     ///< drafts, unique to this process
-  pid_t process = -1;
+  fs::path name;  ///< in the folder, without extension
+  std::string draft;  ///< name of its files in the temporary folder, without extension
+  std::optional<Child> compiler;
   std::shared_ptr<SharedObject> result;
 
   fs::path with(const char* extension) const { return fs::path(name) += extension; }
+  /// The source as it is kept.
+  std::string record(const std::string& object) const {
+    return fmt::format("{}/* {} bytes, {} */\n", source, object.size(), hashOf(object));
+  }
 
   bool fromFolder() {
-    if (contents(with(".c")) != source) return false;
+    const std::optional<std::string> kept = contents(with(".c"), static_cast<off_t>(source.size()) + 100);
+    if (!kept || kept->compare(0, source.size(), source) != 0) return false;
+    const std::optional<std::string> object = contents(with(".so"), kLargestObject);
+    if (!object || *kept != record(*object)) return false;
     try {
-      result = std::make_shared<SharedObject>(with(".so"));
+      result = std::make_shared<SharedObject>(*object);
       return true;
     } catch (const std::runtime_error&) {
-      return false;  // cut off, or of another machine: made again
+      return false;  // made by another machine's compiler
     }
   }
 };
 
-void start(Job& job, const CompileOptions& options) {
-  static int counter = 0;
-  job.draft = fs::path(job.name) += fmt::format(".{}.{}", getpid(), ++counter);
-  job.c = fs::path(job.draft) += ".c";
-  job.object = fs::path(job.draft) += ".so";
-  job.messages = fs::path(job.draft) += ".txt";
-  write(job.c, job.source);
-  std::vector<std::string> words = {options.compiler};
+void start(Job& job, const CompileOptions& options, const fs::path& drafts) {
+  write(drafts / (job.draft + ".c"), job.source);
+  std::vector<std::string> words = options.compiler;
   words.insert(words.end(), options.flags.begin(), options.flags.end());
-  for (const std::string& word : {std::string("-o"), job.object.string(), job.c.string(), std::string("-lm")})
+  for (const std::string& word : {std::string("-o"), job.draft + ".so", job.draft + ".c", std::string("-lm")})
     words.push_back(word);
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, job.messages.c_str(),
-                                   O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  const int failed =
-      posix_spawn(&job.process, options.compiler.c_str(), &files, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  if (failed) {
-    job.process = -1;
-    throw CannotCompile(fmt::format("{}: cannot be run: {}", options.compiler, std::strerror(failed)));
-  }
+  ChildOptions how;
+  how.folder = drafts;
+  how.seconds = kMostCompileSeconds;
+  how.environment = {{"TMPDIR", drafts.string()}, {"LC_ALL", "C"}};  // its drafts go with ours
+  job.compiler.emplace(words, how);
 }
 
-/// Waits for the compiler. @return what it said when it failed, else ""
-std::string finish(Job& job) {
-  if (job.process < 0) return "";
-  int status = 0;
-  while (waitpid(job.process, &status, 0) < 0 && errno == EINTR) {
-  }
-  job.process = -1;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
-  const std::string said = contents(job.messages).substr(0, 600);
-  return said.empty() ? "it failed without a word" : said;
+/// The object that the compiler has made, loaded. @throws CannotCompile
+std::string finish(Job& job, const CompileOptions& options, const fs::path& drafts, const Trial& trial,
+                   std::size_t index) {
+  const Ending ending = job.compiler->wait();
+  if (!ending.problem.empty()) throw CannotCompile(ending.problem);
+  const fs::path file = drafts / (job.draft + ".so");
+  chmod(file.c_str(), 0700);
+  const std::optional<std::string> object = contents(file, kLargestObject);
+  const auto refuse = [&](const std::string& why) {
+    throw CannotCompile(fmt::format("{}: {}", inWords(options.compiler), why));
+  };
+  if (!object) refuse("it wrote no shared object");
+  const std::string problem = triedInCopy(
+      [&] {
+        const SharedObject loaded(*object);
+        return trial ? trial(loaded, index) : std::string();
+      },
+      kMostCompileSeconds);
+  if (!problem.empty()) refuse("what it wrote is of no use: " + problem);
+  job.result = std::make_shared<SharedObject>(*object);
+  return *object;
 }
 
-void removeDrafts(const Job& job) {
-  std::error_code ignored;
-  for (const fs::path& file : {job.c, job.object, job.messages})
-    if (!file.empty()) fs::remove(file, ignored);
+/// Keeps an object for the next time. Where that is not possible, it is made again the next time.
+void keep(const Job& job, const std::string& object, const fs::path& drafts) {
+  try {
+    const fs::path record = drafts / (job.draft + ".txt");
+    write(record, job.record(object));
+    // the object first: a source whose object is another's is made again
+    fs::rename(drafts / (job.draft + ".so"), job.with(".so"));
+    fs::rename(record, job.with(".c"));
+  } catch (const std::exception&) {
+  }
 }
 
 }  // namespace
 
-std::string findCompiler() {
-  const std::string chosen = environment("DYNWITNESS_CC");
-  if (!chosen.empty()) {
-    const fs::path file = inPath(chosen);
+std::vector<std::string> findCompiler() {
+  std::istringstream chosen(environment("DYNWITNESS_CC"));
+  std::vector<std::string> words;
+  for (std::string word; chosen >> word;) words.push_back(word);
+  if (!words.empty()) {
+    const fs::path file = inPath(words[0]);
     if (file.empty())
-      throw CannotCompile(fmt::format("DYNWITNESS_CC: '{}' is no program that can be run", chosen));
-    return file.string();
+      throw CannotCompile(fmt::format("DYNWITNESS_CC: '{}' is no program that can be run", words[0]));
+    words[0] = file.string();
+    return words;
   }
   for (const char* command : {"cc", "gcc", "clang"})
-    if (const fs::path file = inPath(command); !file.empty()) return file.string();
+    if (const fs::path file = inPath(command); !file.empty()) return {file.string()};
   throw CannotCompile(
       "no C compiler: looked for cc, gcc and clang in PATH (install gcc, or name one in DYNWITNESS_CC)");
 }
@@ -168,10 +210,24 @@ fs::path cacheFolder() {
   return folder;
 }
 
-SharedObject::SharedObject(const fs::path& file) : handle_(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
-  if (!handle_) throw std::runtime_error(dlerror());
+SharedObject::SharedObject(const std::string& bytes) : file_(memfd_create("dynwitness-kernel", MFD_CLOEXEC)) {
+  if (file_ < 0) throw std::runtime_error(fmt::format("memfd_create: {}", std::strerror(errno)));
+  std::size_t at = 0;
+  for (ssize_t done; at < bytes.size() && (done = ::write(file_, &bytes[at], bytes.size() - at)) > 0;)
+    at += static_cast<std::size_t>(done);
+  // open for as long as it is loaded: the loader knows it by this name
+  handle_ = at == bytes.size() ? dlopen(fmt::format("/proc/self/fd/{}", file_).c_str(), RTLD_NOW | RTLD_LOCAL)
+                               : nullptr;
+  if (!handle_) {
+    const std::string error = at == bytes.size() ? dlerror() : std::strerror(errno);
+    close(file_);
+    throw std::runtime_error(error);
+  }
 }
-SharedObject::~SharedObject() { dlclose(handle_); }
+SharedObject::~SharedObject() {
+  dlclose(handle_);
+  close(file_);
+}
 
 void* SharedObject::symbol(const std::string& name) const {
   void* address = dlsym(handle_, name.c_str());
@@ -180,45 +236,39 @@ void* SharedObject::symbol(const std::string& name) const {
 }
 
 std::vector<std::shared_ptr<SharedObject>> compileAndLoad(const std::vector<std::string>& sources,
-                                                          const CompileOptions& options) {
-  std::string how = options.compiler;
-  for (const std::string& flag : options.flags) how += " " + flag;
+                                                          const CompileOptions& options,
+                                                          const Trial& trial) {
+  const std::string how = inWords(options.compiler) + " " + inWords(options.flags);
+  // one that has failed is not asked again: it may be one that hangs
+  static std::map<std::string, std::string> failures;
+  std::optional<DraftFolder> drafts;  // goes after the compilers that write there
   std::vector<Job> jobs(sources.size());
-  std::string failure;
-  try {
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-      // the first line says how, so that the kept source tells other flags apart
-      jobs[i].source = fmt::format("/* {} */\n{}", how, sources[i]);
-      jobs[i].name = options.folder / hashOf(jobs[i].source);
-      if (!jobs[i].fromFolder()) start(jobs[i], options);
-    }
-  } catch (const CannotCompile& error) {
-    failure = error.what();
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    // the first line says how, so that the kept source tells other flags apart
+    jobs[i].source = fmt::format("/* {} */\n{}", how, sources[i]);
+    jobs[i].name = options.folder / hashOf(jobs[i].source);
+    jobs[i].draft = fmt::format("kernel{}", i);
+    if (!jobs[i].fromFolder()) missing.push_back(i);
   }
-  for (Job& job : jobs) {
-    const std::string said = finish(job);
-    if (!said.empty() && failure.empty()) failure = options.compiler + ": " + said;
-  }
-  if (failure.empty()) {
-    for (Job& job : jobs) {
-      if (job.result) continue;
-      // the object first: who finds the source finds the object that belongs to it
-      std::error_code error;
-      fs::rename(job.object, job.with(".so"), error);
-      if (!error) fs::rename(job.c, job.with(".c"), error);
-      if (error) {
-        failure = fmt::format("{}: {}", job.with(".so").string(), error.message());
-        break;
+  if (!missing.empty()) {
+    for (const std::size_t i : missing)
+      if (const auto it = failures.find(jobs[i].source); it != failures.end()) throw CannotCompile(it->second);
+    std::size_t at = 0;
+    try {
+      drafts.emplace(options.folder, "draft");
+      for (const std::size_t i : missing) start(jobs[i], options, drafts->path());
+      for (; at < missing.size(); ++at) {
+        Job& job = jobs[missing[at]];
+        keep(job, finish(job, options, drafts->path(), trial, missing[at]), drafts->path());
       }
-      job.result = std::make_shared<SharedObject>(job.with(".so"));
+    } catch (const std::exception& error) {
+      if (at < missing.size()) failures[jobs[missing[at]].source] = error.what();
+      throw CannotCompile(error.what());
     }
   }
   std::vector<std::shared_ptr<SharedObject>> results;
-  for (Job& job : jobs) {
-    removeDrafts(job);
-    results.push_back(job.result);
-  }
-  if (!failure.empty()) throw CannotCompile(failure);
+  for (Job& job : jobs) results.push_back(job.result);
   return results;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -61,10 +62,11 @@ class Regrouping {
       while (isSum(values_[i]) && factorOut(static_cast<int>(i))) {
       }
     if (longest_ > 0 && !expand()) return false;
-    while (sharePair()) {
-    }
+    sharePairs();
     return true;
   }
+
+  long steps() const { return steps_ + 8 * static_cast<long>(values_.size()); }
 
   std::vector<Node> nodes() {
     made_.assign(values_.size(), {});
@@ -163,6 +165,7 @@ class Regrouping {
       }
     }
     for (const Node& n : outputs) outputs_.push_back(term_of[n.index]);
+    steps_ += static_cast<long>(needed.size());
   }
 
   void countUses() {
@@ -319,47 +322,79 @@ class Regrouping {
   }
 
   // ---- (2)
-  bool sharePair() {
-    using Pair = std::tuple<int, int, bool>;  // two values and whether their signs differ
-    std::map<Pair, int> count;
-    for (const Value& value : values_) {
-      if (!isSum(value)) continue;
-      for (std::size_t i = 0; i < value.terms.size(); ++i)
-        for (std::size_t j = i + 1; j < value.terms.size(); ++j) ++count[key(value.terms[i], value.terms[j])];
-    }
-    const auto best = std::max_element(
-        count.begin(), count.end(),
-        [](const auto& x, const auto& y) { return x.second < y.second; });
-    if (best == count.end() || best->second < 2) return false;
-    const auto [a, b, differ] = best->first;
+  /// Two values, the smaller index first, and whether their signs differ.
+  using Pair = std::tuple<int, int, bool>;
 
+  /// Counts the pairs of all sums, then shares the most frequent one until none occurs twice. Only the
+  /// sums that change are counted anew.
+  void sharePairs() {
+    users_.resize(values_.size());
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      if (!isSum(values_[i])) continue;
+      countPairs(values_[i], 1);
+      for (const Term& term : values_[i].terms) users_[term.value].push_back(static_cast<int>(i));
+    }
+    while (!frequent_.empty()) share(frequent_.begin()->second);
+  }
+  void countPairs(const Value& value, int by) {
+    for (std::size_t i = 0; i < value.terms.size(); ++i)
+      for (std::size_t j = i + 1; j < value.terms.size(); ++j) {
+        const Pair pair = key(value.terms[i], value.terms[j]);
+        int& count = count_[pair];
+        if (count > 1) frequent_.erase({-count, pair});
+        count += by;
+        if (count > 1) frequent_.insert({-count, pair});
+        if (count == 0) count_.erase(pair);
+        ++steps_;
+      }
+  }
+  void share(const Pair shared) {
+    const auto [a, b, differ] = shared;
+    std::vector<int> sums;  // those that have the pair
+    std::sort(users_[a].begin(), users_[a].end());
+    users_[a].erase(std::unique(users_[a].begin(), users_[a].end()), users_[a].end());
+    for (const int i : users_[a])
+      if (has(values_[i], shared)) sums.push_back(i);
     // a sum that is the pair and nothing else may serve the others
-    int pair = -1;
-    for (std::size_t i = 0; i < values_.size() && pair < 0; ++i)
-      if (isSum(values_[i]) && values_[i].terms.size() == 2 &&
-          key(values_[i].terms[0], values_[i].terms[1]) == best->first)
-        pair = static_cast<int>(i);
-    if (pair < 0) pair = sum({{a, false}, {b, differ}});
+    const auto same = std::find_if(sums.begin(), sums.end(),
+                                   [&](int i) { return values_[i].terms.size() == 2; });
+    int pair = same == sums.end() ? -1 : *same;
+    if (pair < 0) {
+      pair = sum({{a, false}, {b, differ}});
+      users_.resize(values_.size());
+      countPairs(values_[pair], 1);
+      users_[a].push_back(pair);
+      users_[b].push_back(pair);
+    }
     const Term first = values_[pair].terms[0];
     const bool pair_sign = first.value == a ? first.negative : values_[pair].terms[1].negative;
-    for (std::size_t i = 0; i < values_.size(); ++i) {
-      Value& value = values_[i];
-      if (static_cast<int>(i) == pair || !isSum(value)) continue;
-      std::vector<Term>& terms = value.terms;
+    for (const int i : sums) {
+      if (i == pair) continue;
+      countPairs(values_[i], -1);
+      std::vector<Term>& terms = values_[i].terms;
       for (std::size_t x = 0; x < terms.size(); ++x) {
         for (std::size_t y = x + 1; y < terms.size(); ++y) {
-          if (key(terms[x], terms[y]) != best->first) continue;
+          if (key(terms[x], terms[y]) != shared) continue;
           const bool sign = terms[x].value == a ? terms[x].negative : terms[y].negative;
           terms.erase(terms.begin() + static_cast<std::ptrdiff_t>(y));
           terms[x] = {pair, sign != pair_sign};
           ++values_[pair].uses;
+          users_[pair].push_back(i);
           break;
         }
       }
+      countPairs(values_[i], 1);
     }
-    return true;
   }
-  static std::tuple<int, int, bool> key(Term x, Term y) {
+  bool has(const Value& value, const Pair& pair) {
+    if (!isSum(value)) return false;
+    steps_ += static_cast<long>(value.terms.size());
+    for (std::size_t i = 0; i < value.terms.size(); ++i)
+      for (std::size_t j = i + 1; j < value.terms.size(); ++j)
+        if (key(value.terms[i], value.terms[j]) == pair) return true;
+    return false;
+  }
+  static Pair key(Term x, Term y) {
     if (y.value < x.value) std::swap(x, y);
     return {x.value, y.value, x.negative != y.negative};
   }
@@ -416,6 +451,10 @@ class Regrouping {
   std::vector<Term> outputs_;
   std::vector<Node> made_;
   std::vector<char> is_made_;
+  std::map<Pair, int> count_;                  ///< of each pair in all sums
+  std::set<std::pair<int, Pair>> frequent_;    ///< those that occur twice or more, by their count's opposite
+  std::vector<std::vector<int>> users_;        ///< sums that have (or had) a value as a term
+  long steps_ = 0;
 };
 
 int operations(const Program& program) {
@@ -425,14 +464,18 @@ int operations(const Program& program) {
 
 }  // namespace
 
-Program factored(Graph& graph, const std::vector<Node>& outputs, Effort effort) {
+Program factored(Graph& graph, const std::vector<Node>& outputs, Effort effort, long* steps) {
   Program best = symbolic::compile(graph, outputs);
   for (const std::size_t longest : kLongest) {
     if (effort == Effort::kQuick && longest != kUsuallyBest) continue;
     Regrouping regrouping(graph, outputs, longest);
-    if (!regrouping.run()) break;
-    Program small = symbolic::compile(graph, regrouping.nodes());
-    if (operations(small) < operations(best)) best = std::move(small);
+    const bool is_small = regrouping.run();
+    if (is_small) {
+      Program small = symbolic::compile(graph, regrouping.nodes());
+      if (operations(small) < operations(best)) best = std::move(small);
+    }
+    if (steps) *steps += regrouping.steps();
+    if (!is_small) break;
   }
   return best;
 }

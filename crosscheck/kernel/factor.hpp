@@ -19,10 +19,11 @@ enum class Effort { kQuick, kFull };
            the trace of an inertia, for one, does not notice the turn of a joint
     Sums are taken as sets of terms, so that none of these depends on the order in which they were
     written. Greedy, the largest saving first; programs of more than some thousand terms are left as
-    they are, because (2) looks at all pairs. The functions stay the same; roundings do not, so whoever
+    they are, because (2) looks at all pairs of a sum's terms. The functions stay the same; roundings do not, so whoever
     bounds them must bound those of the program that comes out.
-    @param graph  gets the new nodes */
+    @param graph  gets the new nodes
+    @param steps  counts the work: nodes looked at and pairs compared, some ten million a second; may be null */
 symbolic::Program factored(symbolic::Graph& graph, const std::vector<symbolic::Node>& outputs,
-                           Effort effort = Effort::kFull);
+                           Effort effort = Effort::kFull, long* steps = nullptr);
 
 }  // namespace dynwitness::crosscheck::kernel

@@ -2,6 +2,7 @@
 // A scene's own kernel: inverse dynamics, M and forward dynamics as compiled straight-line code.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,6 +19,13 @@ int widestLanes();
 /// @throws scene::InputError  it names a width that is not there
 int chosenLanes();
 
+/** Looks for a C compiler and a cache folder, and has a small program compiled (once, then it is kept) whose
+    bits show whether sums are reordered, products fused with sums, divisions done by reciprocals, or small
+    numbers flushed to zero.
+    @throws CannotCompile  there is none, or what it makes does not compute as written; asked once, the answer
+                           stays the same for the same compiler */
+void requireCompiler();
+
 struct KernelOptions {
   std::vector<Formula> formulas = {Formula::kInverseDynamics, Formula::kMassMatrix,
                                    Formula::kForwardDynamics};
@@ -25,20 +33,25 @@ struct KernelOptions {
 };
 
 /** The smallest programs of a mechanism (smallestRoad), emitted as C, compiled by the system's compiler
-    and loaded. Compiled code is kept (cacheFolder()), so that the second time costs the tracing alone.
+    and loaded, after a trial: it must give the very bits of the interpreted program, in every lane. Compiled
+    code is kept (cacheFolder()), so that the second time costs the tracing alone.
+    A formula whose straight line would not be worth having (NotUsed) has no code, and must not be called.
 
     All functions may be called from several threads at once; they allocate nothing. q has one
     entry a position slot, the others one a degree of freedom; SI units. Of `many` states, component i
     of state k is at [i * count + k]. */
 class Kernel {
  public:
-  /// @throws CannotCompile (compiled.hpp) where there is no compiler or no cache folder, and what
-  ///         smallestRoad() throws
+  /// @throws CannotCompile (compiled.hpp) where there is no compiler or no cache folder; NotUsed when no
+  ///         formula has code; and what else smallestRoad() throws
   explicit Kernel(const scene::Mechanism& mechanism, const KernelOptions& options = {});
 
   int dof() const { return dof_; }
   int lanes() const { return lanes_; }
-  /// The program that a formula's code was made of. @throws std::invalid_argument when it was not asked for
+  bool has(Formula formula) const;  ///< whether a formula has code
+  /// For each formula that was asked for and has no code, why.
+  const std::map<Formula, std::string>& notUsed() const { return not_used_; }
+  /// The program that a formula's code was made of. @throws std::invalid_argument when there is none
   const Road& road(Formula formula) const;
 
   /// tau = M qdd + c + g - loads
@@ -71,7 +84,8 @@ class Kernel {
   };
 
   int dof_, lanes_;
-  std::vector<std::pair<Formula, Road>> roads_;
+  std::map<Formula, Road> roads_;
+  std::map<Formula, std::string> not_used_;
   std::vector<std::shared_ptr<class SharedObject>> objects_;
   Code id_, m_, fd_;
 };

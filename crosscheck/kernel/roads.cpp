@@ -6,7 +6,10 @@
 #include <map>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "crosscheck/kernel/factor.hpp"
+#include "crosscheck/kernel/general_cost.hpp"
 #include "crosscheck/kernel/lean_sweeps.hpp"
 #include "crosscheck/kernel/traced_sweeps.hpp"
 #include "recursive/build_model.hpp"
@@ -18,6 +21,9 @@ namespace {
 
 using symbolic::Node;
 using symbolic::Program;
+
+/// Links beyond which nothing is searched and no Lagrangian derived: both grow with their square.
+constexpr std::size_t kLargestSearched = 20;
 
 constexpr LeanTerms kCoriolisTerms{false, true, false, false, false};
 constexpr LeanTerms kBiasTerms{false, true, true, true, true};
@@ -81,7 +87,7 @@ class LeanSearch {
   }
 
   Program run() {
-    if (best_.links.size() > kLargest) return factored(Traced::graph(), outputs());
+    if (best_.links.size() > kLargestSearched) return factored(Traced::graph(), outputs());
     for (int round = 0, before = cost_ + 1; cost_ < before && round < 4; ++round) {
       before = cost_;
       for (int i = static_cast<int>(best_.links.size()) - 1; i >= 0; --i) {
@@ -97,15 +103,19 @@ class LeanSearch {
   }
 
  private:
-  /// Links beyond which the search, which grows with their square, is not worth its time.
-  static constexpr std::size_t kLargest = 20;
+  /** Steps (of factored()) after which the search is content with what it has: 0.4 s here, of which
+      the bundled arms need half at most. Steps are counted and no clock is asked, so that a scene has the
+      same program on every machine. */
+  static constexpr long kMostSteps = 4'000'000;
 
+  bool isSpent() const { return steps_ > kMostSteps; }
   std::vector<Node> outputs() const { return nodes(leanSweep(best_, formula_, state_, turning_)); }
   int cost(const LeanModel& model, Turning turning) const {
     return operations(factored(Traced::graph(), nodes(leanSweep(model, formula_, state_, turning)),
-                               Effort::kQuick));
+                               Effort::kQuick, &steps_));
   }
   void consider(const LeanModel& model) {
+    if (isSpent()) return;
     const int c = cost(model, turning_);
     if (c >= cost_) return;
     cost_ = c;
@@ -169,6 +179,7 @@ class LeanSearch {
     }
   }
   void tryTurning() {
+    if (isSpent()) return;
     const int c = cost(best_, Turning::kByMatrix);
     if (c >= cost_) return;
     cost_ = c;
@@ -196,6 +207,7 @@ class LeanSearch {
   const scene::State<Traced>& state_;
   Turning turning_ = Turning::kInSteps;
   int cost_ = 0;
+  mutable long steps_ = 0;
 };
 
 std::vector<Node> lagrange(symbolic::Equations& equations, Formula formula,
@@ -221,13 +233,20 @@ std::vector<Node> lagrange(symbolic::Equations& equations, Formula formula,
   return nodes(solve(entries, b, parent_dof));
 }
 
+/// @throws std::runtime_error, std::domain_error  as roads() does
+void requireProgram(const scene::Mechanism& mechanism) {
+  if (!mechanism.isOpenTree())
+    throw std::runtime_error("kernels are made for open trees, without closures or springs between points");
+  if (mechanism.hasMimics())
+    throw std::domain_error("programs are made for joints that follow no others");
+  if (mechanism.hasCoulombFriction())
+    throw std::domain_error("kernels compute with + - * / alone, and have no sign for Coulomb friction");
+}
+
 /// Calls use(name, make) for each road, where make() writes its program.
 template <typename Use>
 void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& use) {
-  if (!mechanism.isOpenTree())
-    throw std::runtime_error("kernels are made for open trees, without closures or springs between points");
-  if (mechanism.hasCoulombFriction())
-    throw std::domain_error("kernels compute with + - * / alone, and have no sign for Coulomb friction");
+  requireProgram(mechanism);
   symbolic::Graph graph;
   const Traced::Recording recording(graph);
   const recursive::Model<Traced> model =
@@ -278,25 +297,66 @@ std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula) {
   return all;
 }
 
+namespace {
+
+/// A road, or the reason why there is none that is worth having.
+struct Made {
+  Road road;
+  std::string reason;
+};
+
+Made makeSmallestRoad(const scene::Mechanism& mechanism, Formula formula) {
+  const auto not_used = [&](const std::string& why) {
+    return Made{{}, fmt::format("no kernel of {} is used: {}; `fast` runs loops",
+                                name(formula), why)};
+  };
+  const bool is_counted = formula == Formula::kInverseDynamics || formula == Formula::kMassMatrix ||
+                          formula == Formula::kForwardDynamics;
+  long general = 0;
+  if (is_counted) {
+    if (mechanism.dof() > kMostDof)
+      return not_used(fmt::format("{} degrees of freedom, at most {} are written out in a straight line",
+                                  mechanism.dof(), kMostDof));
+    requireProgram(mechanism);
+    general = generalOperations(mechanism, formula);
+    if (general > kMostSaved * kMostOperations)
+      return not_used(fmt::format("{} operations in the general sweep, which a straight line would not bring "
+                                  "down to {}", general, kMostOperations));
+  }
+  std::vector<Road> all;
+  forEachRoad(mechanism, formula, [&](const std::string& road, const auto& make) {
+    if (road == "Lagrange" && mechanism.links.size() > kLargestSearched) return;
+    if (road.rfind("traced", 0) != 0 || all.empty()) all.push_back({road, make()});
+  });
+  const Road& best = *std::min_element(all.begin(), all.end(), [](const Road& a, const Road& b) {
+    return a.operations() < b.operations();
+  });
+  if (is_counted && best.operations() > kMostOperations)
+    return not_used(fmt::format("{} operations in a straight line, at most {} are compiled", best.operations(),
+                                kMostOperations));
+  if (is_counted && best.operations() >= general)
+    return not_used(fmt::format("its {} operations are not fewer than the {} of the general sweep",
+                                best.operations(), general));
+  return {best, ""};
+}
+
+}  // namespace
+
 Road smallestRoad(const scene::Mechanism& mechanism, Formula formula) {
   // A crosscheck of a scene comes here for its two kernels, its exact checks and its tables (each process
   // for those that it was given).
   static std::string last;
-  static std::map<Formula, Road> known;
+  static std::map<Formula, Made> known;
   scene::Scene asked;
   asked.mechanism = mechanism;
   if (const std::string text = scene::writeSceneToml(asked); text != last) {
     known.clear();
     last = text;
   }
-  if (const auto it = known.find(formula); it != known.end()) return it->second;
-  std::vector<Road> all;
-  forEachRoad(mechanism, formula, [&](const std::string& road, const auto& make) {
-    if (road.rfind("traced", 0) != 0 || all.empty()) all.push_back({road, make()});
-  });
-  return known[formula] = *std::min_element(all.begin(), all.end(), [](const Road& a, const Road& b) {
-    return a.operations() < b.operations();
-  });
+  auto it = known.find(formula);
+  if (it == known.end()) it = known.emplace(formula, makeSmallestRoad(mechanism, formula)).first;
+  if (!it->second.reason.empty()) throw NotUsed(it->second.reason);
+  return it->second.road;
 }
 
 }  // namespace dynwitness::crosscheck::kernel

@@ -25,7 +25,7 @@ ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate)
       M_(dof(), dof()) {
   int rate = 0, slot = 0;
   for (const scene::Link& link : scene.mechanism.links) {
-    const int rates = scene::degreesOfFreedom(link.joint.kind);
+    const int rates = link.joint.ownRates();  // followers' positions are integrated with the others
     const int slots = static_cast<int>(scene::positionSlots(link.joint.kind).size());
     if (link.joint.motion.empty()) {
       for (int k = 0; k < rates; ++k) free_.push_back(rate + k);

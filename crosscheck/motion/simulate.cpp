@@ -12,8 +12,10 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <fmt/format.h>
 
+#include "crosscheck/features.hpp"
 #include "crosscheck/motion/closed_motion.hpp"
 #include "crosscheck/motion/implicit.hpp"
+#include "crosscheck/motion/method_named.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -187,15 +189,6 @@ const Method kMethods[] = {
     {"implicit_euler", true, integrateImplicitly<1>},
 };
 
-const Method& methodNamed(const std::string& name) {
-  std::string names;
-  for (const Method& method : kMethods) {
-    if (name == method.name) return method;
-    names += std::string(names.empty() ? "" : ", ") + method.name;
-  }
-  throw scene::InputError({}, fmt::format("unknown method '{}', allowed: {}", name, names));
-}
-
 void require(bool holds, const char* what, double value, const char* allowed) {
   if (!holds) throw scene::InputError({}, fmt::format("{} is {}, allowed: {}", what, value, allowed));
 }
@@ -209,7 +202,8 @@ std::vector<std::string> simulateMethods() {
 }
 
 Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
-  const Method& method = methodNamed(options.method);
+  const Method& method = methodNamed(kMethods, options.method);
+  requireTreated(scene, Command::kSimulate);
   require(options.duration > 0 && std::isfinite(options.duration), "duration", options.duration,
           "positive");
   require(options.outputs > 0, "number of outputs", options.outputs, "one or more");

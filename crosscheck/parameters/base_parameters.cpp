@@ -14,6 +14,7 @@
 #include "crosscheck/parameters/certified_solve.hpp"
 #include "recursive/composite_body.hpp"
 #include "recursive/regressor.hpp"
+#include "scene/work.hpp"
 #include "symbolic/program.hpp"
 #include "symbolic/regressor.hpp"
 
@@ -102,6 +103,7 @@ Stack stackRegressor(const scene::Scene& scene, const std::vector<scene::Inertia
   recursive::Workspace<PrimeField> ws(model);
   recursive::MatrixX<PrimeField> Y(model.dof(), parameters.size());
   Stack out{Echelon(eliminationOrder(parameters)), 0};
+  scene::Work work("forces over the field", 1, 1);
   for (bool grows = true; grows; ++out.states) {
     const auto state =
         indeterminateState(scene.mechanism, sourceOf(scene, seed, trial, out.states));
@@ -111,6 +113,8 @@ Stack stackRegressor(const scene::Scene& scene, const std::vector<scene::Inertia
       std::vector<PrimeField> row;
       for (Eigen::Index j = 0; j < Y.cols(); ++j) row.push_back(Y(i, j));
       grows = out.echelon.add(row) || grows;
+      const double share = out.echelon.rank() / static_cast<double>(parameters.size());
+      work.doneTo(share * share);  // a row costs as much as there are rows before it
     }
   }
   return out;
@@ -331,7 +335,8 @@ int energyRank(const scene::Scene& scene, const BaseParameters& base, std::uint6
   const int p = echelon.columns();
   const std::vector<PrimeField> reference = row(0);
   Echelon rank(eliminationOrder(base.parameters));
-  for (int k = 1; k <= p + 1; ++k) {
+  scene::Work work("energy over the field", p + 1, 4);
+  for (int k = 1; k <= p + 1; ++k, work.done()) {
     std::vector<PrimeField> change = row(k);
     for (int j = 0; j < p; ++j) change[j] -= reference[j];
     // of the energy, each dependent column must be the sum that it is of the forces
@@ -347,12 +352,17 @@ int energyRank(const scene::Scene& scene, const BaseParameters& base, std::uint6
 }
 
 std::optional<int> mayedaCount(const scene::Mechanism& mechanism) {
+  // a universal joint is two revolute ones, with no link between them that has parameters
+  for (const scene::Link& link : mechanism.links)
+    if (link.joint.kind != scene::JointKind::kRevolute &&
+        link.joint.kind != scene::JointKind::kFixed)
+      return {};
   const scene::RealNumbers<double> number(mechanism);
   const auto model = recursive::buildModel(mechanism, number);
   int parallel = 0;
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     const auto& link = model.links[i];
-    if (link.kind != scene::JointKind::kRevolute || link.parent != static_cast<int>(i) - 1) return {};
+    if (link.parent != static_cast<int>(i) - 1) return {};
     const double cosine = i == 0 ? 1 : link.X_tree.R(2, 2);  // between this axis and the last
     if (cosine != 0 && std::abs(cosine) != 1) return {};
     if (cosine != 0 && parallel == static_cast<int>(i)) ++parallel;

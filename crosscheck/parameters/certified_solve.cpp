@@ -10,6 +10,7 @@
 #include "crosscheck/states.hpp"
 #include "recursive/composite_body.hpp"
 #include "recursive/regressor.hpp"
+#include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -21,7 +22,8 @@ const double kNothing = std::ldexp(1, -kSharpBits);
 /// Rows of Y as balls, with the columns of Y_1 eliminated to the unit matrix: what K is then stands in
 /// the first rows. @return false: a pivot contains zero, more precision is needed
 bool eliminate(std::vector<std::vector<Ball>>& rows, const std::vector<int>& columns) {
-  for (std::size_t k = 0; k < columns.size(); ++k) {
+  scene::Work work("coefficients enclosed", static_cast<double>(columns.size()), 30);
+  for (std::size_t k = 0; k < columns.size(); ++k, work.done()) {
     const int j = columns[k];
     std::size_t best = k;
     for (std::size_t i = k; i < rows.size(); ++i)
@@ -47,7 +49,8 @@ std::vector<std::vector<Ball>> stackRows(const scene::Scene& scene, std::uint64_
   recursive::MatrixX<Ball> Y(model.dof(), base.parameters.size());
   std::vector<std::vector<Ball>> rows;
   for (int k = 0; k < 2 * base.states; ++k) {  // twice as many as generic states need
-    const auto state = ballState(drawState(scene.mechanism, scene.name, seed, k));
+    const auto state =
+        ballState(drawState(scene.mechanism, scene.name, seed, k), scene.mechanism);
     recursive::regressor(model, base.parameters, state.x, state.qd, state.qdd, ws, Y);
     for (Eigen::Index i = 0; i < Y.rows(); ++i) {
       rows.emplace_back();

@@ -32,7 +32,9 @@ TwoSides<T> sides(const scene::Mechanism& mechanism, const symbolic::Program& de
 
 }  // namespace
 
-std::vector<CheckResult> checkRegressorExactly(const scene::Scene& scene, const ExactOptions& options) {
+std::vector<CheckResult> checkRegressorExactly(const scene::Scene& scene,
+                                               const ExactOptions& options,
+                                               const scene::Mechanism* derived_from) {
   Inquiry inquiry;
   CheckResult check;
   check.check = "regressor";
@@ -41,7 +43,8 @@ std::vector<CheckResult> checkRegressorExactly(const scene::Scene& scene, const 
   check.left = "sweeps";
   check.right = "lagrange";
   inquiry.checks = {check};
-  symbolic::InertialSymbols symbols = symbolic::inertialSymbols(scene.mechanism);
+  symbolic::InertialSymbols symbols =
+      symbolic::inertialSymbols(derived_from ? *derived_from : scene.mechanism);
   const std::vector<symbolic::Node> outputs = symbolic::weightedRegressor(symbols);
   const auto derived = std::make_shared<const symbolic::Program>(
       symbolic::compile(symbols.equations.graph, outputs));

@@ -10,7 +10,9 @@
 #include <stdexcept>
 #include <system_error>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "scene/error.hpp"
@@ -106,21 +108,38 @@ fs::path nearestExisting(fs::path path) {
   return path;
 }
 
-/// Makes a new folder with a name that nobody uses.
-fs::path makeUnique(const fs::path& parent, const std::string& stem) {
-  for (int k = 0; k < 1000; ++k) {
-    const fs::path path = parent / fmt::format("{}-{}-{}", stem, ::getpid(), k);
-    std::error_code error;
-    if (fs::create_directory(path, error)) return path;
-    if (error) fail(path, "create", error.value());
-  }
-  fail(parent / stem, "create", EEXIST);
+/// Whether a folder holds nothing but these files.
+bool holdsOnly(const fs::path& folder, const std::set<fs::path>& files) {
+  const auto is_ours = [&](const fs::directory_entry& entry) {
+    return entry.symlink_status().type() == fs::file_type::directory ||
+           files.count(entry.path().lexically_relative(folder)) > 0;
+  };
+  return std::all_of(fs::recursive_directory_iterator(folder), fs::recursive_directory_iterator(), is_ours);
 }
+
+/// Whether `path` is `folder` or lies in it.
+bool isInside(const fs::path& path, const fs::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
+/// Whether files can be renamed from one folder to the other, as far as the kernel says.
+bool sameMount(const fs::path& a, const fs::path& b) {
+  struct statx here, there;
+  return statx(AT_FDCWD, a.c_str(), 0, STATX_MNT_ID, &here) == 0 &&
+         statx(AT_FDCWD, b.c_str(), 0, STATX_MNT_ID, &there) == 0 &&
+         (here.stx_mask & there.stx_mask & STATX_MNT_ID) && here.stx_mnt_id == there.stx_mnt_id;
+}
+
+constexpr const char* kUnfinished = "unfinished";
 
 }  // namespace
 
 void writeWholeFile(const fs::path& file, std::string_view text) {
-  const fs::path unfinished = file.string() + fmt::format(".unfinished-{}", ::getpid());
+  const std::string prefix = fmt::format("{}.{}-", file.filename().string(), kUnfinished);
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  sweepLeftovers(folder, prefix);
+  const fs::path unfinished = folder / (prefix + std::to_string(::getpid()));
+  const RemovedWithUs removed(unfinished);
   try {
     writeText(unfinished, text);
     moveTo(unfinished, file);
@@ -140,7 +159,7 @@ void requireWritableFile(const fs::path& file) {
     // a file is replaced by renaming another to its name, which would do away with a device
     if (!file.has_filename() || (fs::exists(file) && !fs::is_regular_file(file)))
       refuse(file, "cannot be written: expected the name of a file, new or to be replaced");
-    fs::remove(makeUnique(folder, ".dynwitness-try"));
+    DraftFolder(folder, ".dynwitness-try");
   } catch (const scene::InputError&) {
     throw;
   } catch (const std::exception& e) {
@@ -156,8 +175,7 @@ void requireWritableFolder(const fs::path& given) {
       refuse(given, fmt::format("cannot be a folder to write to: {} is not a folder",
                                 existing.string()));
     // asking the system to do it is the only answer that holds for root and read-only disks too
-    std::error_code error;
-    fs::remove(makeUnique(existing, ".dynwitness-try"), error);
+    DraftFolder(existing, ".dynwitness-try");
   } catch (const scene::InputError&) {
     throw;
   } catch (const std::exception& e) {
@@ -178,44 +196,55 @@ void requireWritable(const fs::path& given) {
 
 UnfinishedFolder::UnfinishedFolder(const fs::path& folder) : folder_(tidy(folder)) {
   existed_ = fs::is_directory(folder_);
-  if (existed_) {
-    // inside: the same file system even when the folder is a mount point or a link
-    unfinished_ = makeUnique(folder_, ".unfinished");
-    return;
+  if (existed_) folder_ = fs::canonical(folder_);
+  const fs::path absolute = fs::absolute(folder_), parent = absolute.parent_path();
+  for (fs::path p = parent; !fs::exists(p); p = p.parent_path()) first_created_ = p;
+  fs::create_directories(parent);
+  if (existed_) sweepLeftovers(folder_, fmt::format(".{}-", kUnfinished));
+  try {
+    draft_.emplace(parent, fmt::format(".{}-{}", absolute.filename().string(), kUnfinished));
+    if (!existed_ || sameMount(path(), folder_)) return;
+  } catch (const std::runtime_error&) {
+    if (!existed_) throw;
   }
-  const fs::path absolute = fs::absolute(folder_);
-  for (fs::path p = absolute.parent_path(); !fs::exists(p); p = p.parent_path()) first_created_ = p;
-  fs::create_directories(absolute.parent_path());
-  unfinished_ =
-      makeUnique(absolute.parent_path(), "." + absolute.filename().string() + "-unfinished");
+  // inside: the same disk even when the folder is a mount point
+  draft_.emplace(folder_, fmt::format(".{}", kUnfinished));
 }
 
 UnfinishedFolder::~UnfinishedFolder() {
-  std::error_code ignored;
-  fs::remove_all(unfinished_, ignored);
+  draft_.reset();
   if (moved_ || first_created_.empty()) return;
   // take back the parent folders that we made, as long as they are empty
+  std::error_code ignored;
   for (fs::path p = fs::absolute(folder_).parent_path();; p = p.parent_path()) {
     if (!fs::remove(p, ignored) || p == first_created_) break;
   }
 }
 
 void UnfinishedFolder::write(const fs::path& relative, std::string_view text) const {
-  const fs::path file = unfinished_ / relative;
+  const fs::path file = path() / relative;
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
   if (error) fail(file.parent_path(), "create", error.value());
   writeText(file, text);
 }
 
+bool UnfinishedFolder::exchange() {
+  if (path().parent_path() != folder_.parent_path() || isInside(fs::current_path(), folder_)) return false;
+  struct stat there;
+  if (stat(folder_.c_str(), &there) != 0 || there.st_uid != geteuid()) return false;
+  chmod(path().c_str(), there.st_mode & 07777);
+  return renameat2(AT_FDCWD, path().c_str(), AT_FDCWD, folder_.c_str(), RENAME_EXCHANGE) == 0;
+}
+
 void UnfinishedFolder::moveIntoPlace(const fs::path& last) {
   std::set<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(unfinished_))
-    if (entry.is_regular_file()) files.insert(entry.path().lexically_relative(unfinished_));
+  for (const auto& entry : fs::recursive_directory_iterator(path()))
+    if (entry.is_regular_file()) files.insert(entry.path().lexically_relative(path()));
 
   if (!existed_) {
-    writeContents(unfinished_, files);
-    moveTo(unfinished_, folder_);
+    writeContents(path(), files);
+    moveTo(path(), folder_);
     moved_ = true;
     return;
   }
@@ -224,6 +253,16 @@ void UnfinishedFolder::moveIntoPlace(const fs::path& last) {
   for (const fs::path& file : files) requireOurs(folder_, file, before);
   requireOurs(folder_, kContents, before);
 
+  if (holdsOnly(folder_, before)) {
+    writeContents(path(), files);
+    if (exchange()) {
+      moved_ = true;
+      return;  // what was the earlier report is the draft now, and goes with it
+    }
+    fs::remove(path() / kContents);
+  }
+
+  const SignalsHeld held;
   // cut off half-way, the list still names everything that is ours
   std::set<fs::path> both = before;
   both.insert(files.begin(), files.end());
@@ -235,7 +274,7 @@ void UnfinishedFolder::moveIntoPlace(const fs::path& last) {
     std::error_code error;
     fs::create_directories((folder_ / file).parent_path(), error);
     if (error) fail((folder_ / file).parent_path(), "create", error.value());
-    moveTo(unfinished_ / file, folder_ / file);
+    moveTo(path() / file, folder_ / file);
   }
 
   // what only the earlier report had, and the folders that this leaves empty

@@ -3,14 +3,18 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "crosscheck/leaving.hpp"
+
 namespace dynwitness::crosscheck {
 
 /// Writes one file: first beside it under another name, then renamed into place.
-/// @throws std::runtime_error  naming the file and the system's reason; nothing is left behind
+/// @throws std::runtime_error  naming the file and the system's reason; nothing is left behind, and what a
+///                             KILL left behind goes with the next writing of that file
 void writeWholeFile(const std::filesystem::path& file, std::string_view text);
 
 /** Looks whether writeWholeFile() can write this file, without leaving anything there: for calling
@@ -37,8 +41,13 @@ void requireWritable(const std::filesystem::path& folder);
 /** A folder in the making, beside (or inside) the place where it will appear.
 
     Everything is written here first; moveIntoPlace() then renames it into place. Destroyed without
-    that, it vanishes. A folder that exists keeps all files that an earlier report did not list in
-    its contents.txt. */
+    that, it vanishes; after a KILL, with the next report. A folder that exists keeps all files that an earlier
+    report did not list in its contents.txt.
+
+    Where a folder holds nothing but an earlier report, the two are exchanged in one step, so that even a KILL
+    finds one of them whole. Where other files are in it, where it is the working directory, somebody else's, or on
+    another disk than the folder around it, its files are exchanged one by one, and INT, TERM and HUP wait for
+    that. */
 class UnfinishedFolder {
  public:
   explicit UnfinishedFolder(const std::filesystem::path& folder);
@@ -47,7 +56,7 @@ class UnfinishedFolder {
   UnfinishedFolder& operator=(const UnfinishedFolder&) = delete;
 
   /// Where to write, for programs that write their files themselves.
-  const std::filesystem::path& path() const { return unfinished_; }
+  const std::filesystem::path& path() const { return draft_->path(); }
   /// Writes a file, making its parent folders. @throws std::runtime_error
   void write(const std::filesystem::path& relative, std::string_view text) const;
   /// `last` (the page that the user opens) is renamed after all others.
@@ -56,7 +65,10 @@ class UnfinishedFolder {
   void moveIntoPlace(const std::filesystem::path& last);
 
  private:
-  std::filesystem::path folder_, unfinished_, first_created_;
+  bool exchange();  ///< @return false: not possible, and nothing was changed
+
+  std::filesystem::path folder_, first_created_;
+  std::optional<DraftFolder> draft_;
   bool existed_ = false, moved_ = false;
 };
 

@@ -30,6 +30,13 @@ Json texts(const std::vector<std::string>& list) {
   return array;
 }
 
+void putVoided(Json* json, const CheckResult& check) {
+  if (check.voided == 0) return;
+  (*json)["voided"] = {{"states", check.voided}, {"first", check.first_voided}};
+  if (check.excused > 0) (*json)["voided"]["excused"] = check.excused;
+  putText(&(*json)["voided"], "reason", check.voided_reason);
+}
+
 Json toJson(const CheckResult& check) {
   Json json{{"check", cleanText(check.check)}};
   putText(&json, "statement", check.statement);
@@ -38,16 +45,24 @@ Json toJson(const CheckResult& check) {
   putText(&json, "right", check.right);
   if (check.verdict != Verdict::kNotAnswerable) {
     json["states"] = check.states;
+    putVoided(&json, check);
     json["unit"] = cleanText(check.unit);
     json["worst"] = number(check.worst);
     json["limit"] = number(check.limit);
     json["ratio"] = number(check.ratio);
     json["worst_state"] = check.worst_state;
     putText(&json, "worst_entry", check.worst_entry);
+    if (const std::optional<double> room = check.limitOverSeen()) {
+      json["seen"] = number(check.seen);
+      json["loosest_limit"] = number(check.loosest);
+      json["limit_over_seen"] = number(*room);
+    }
     if (check.digits) json["digits"] = number(*check.digits);
+    if (check.condition) json["condition"] = number(*check.condition);
     if (check.known_loss) json["known_loss"] = true;
     json["seed"] = check.seed;
   }
+  putText(&json, "no_exact", check.no_exact);
   if (check.exact) {
     json["exact"] = {{"prime", check.exact->prime},
                      {"points", check.exact->points},
@@ -59,6 +74,27 @@ Json toJson(const CheckResult& check) {
   }
   json["verdict"] = name(check.verdict);
   if (check.verdict != Verdict::kAgree) putText(&json, "reason", check.reason);
+  return json;
+}
+
+Json toJson(const Coverage& coverage) {
+  Json json{{"quantity", cleanText(coverage.quantity)},
+            {"comparisons", coverage.asked},
+            {"not_answered", coverage.voided},
+            {"excused", coverage.excused}};
+  putText(&json, "reason", coverage.reason);
+  return json;
+}
+
+Json toJson(const Control& control) {
+  Json json{{"quantity", cleanText(control.quantity)}};
+  if (control.size > 0) {
+    json["size"] = number(control.size);
+    json["found"] = texts(control.found);
+    json["missed"] = texts(control.missed);
+  }
+  if (!control.blind.empty()) json["blind"] = texts(control.blind);
+  putText(&json, "nothing", control.nothing);
   return json;
 }
 
@@ -118,6 +154,10 @@ Json toJson(const SceneResult& scene) {
     json["findings"] = Json::array();
     for (const Finding& finding : scene.findings) json["findings"].push_back(toJson(finding));
   }
+  if (!scene.controls.empty()) {
+    json["controls"] = Json::array();
+    for (const Control& control : scene.controls) json["controls"].push_back(toJson(control));
+  }
   if (scene.drift) json["drift"] = toJson(*scene.drift);
   return json;
 }
@@ -153,6 +193,7 @@ std::string reportJson(const CrosscheckResult& result, const Environment& enviro
     putText(&entry, "method", witness.method);
     putText(&entry, "conventions", witness.conventions);
     entry["present"] = witness.present;
+    putText(&entry, "absent", witness.absent);
     json["witnesses"].push_back(entry);
   }
   json["seed"] = result.seed;
@@ -162,18 +203,50 @@ std::string reportJson(const CrosscheckResult& result, const Environment& enviro
   json["scenes"] = Json::array();
   for (const SceneResult& scene : result.scenes) json["scenes"].push_back(toJson(scene));
   if (!speed.empty()) json["speed"] = Json::parse(speed);
+  json["coverage"] = Json::array();
+  for (const Coverage& coverage : result.coverage()) json["coverage"].push_back(toJson(coverage));
+  json["control"] = cleanText(result.controlLine());
   json["verdict"] = name(result.verdict());
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+namespace {
+
+/// The run's own control and its coverage as test cases: what makes the verdict no agreement is a failure.
+std::string ownSuite(const CrosscheckResult& result) {
+  const std::vector<std::string> thin = result.thinlyCovered();
+  std::string list;
+  for (const std::string& one : thin) list += (list.empty() ? "" : ", ") + one;
+  const auto testCase = [](const char* what, bool failed, const std::string& text) {
+    return fmt::format(
+        "    <testcase classname=\"dynwitness.run\" name=\"{}\">{}</testcase>\n", what,
+        failed ? fmt::format("<failure type=\"{0}\" message=\"{1}\"/>", what, escapeMarkup(text))
+               : fmt::format("<system-out>{}</system-out>", escapeMarkup(text)));
+  };
+  return fmt::format(
+      "  <testsuite name=\"the run itself\" tests=\"2\" failures=\"{}\" errors=\"0\" "
+      "skipped=\"0\">\n{}{}  </testsuite>\n",
+      (result.controlMissed() ? 1 : 0) + (thin.empty() ? 0 : 1),
+      testCase("control", result.controlMissed(), result.controlLine()),
+      testCase("coverage", !thin.empty(),
+               thin.empty() ? "no quantity lacks more than a tenth of its comparisons"
+                            : "more than a tenth is missing: " + list));
+}
+
+}  // namespace
+
 std::string reportJUnit(const CrosscheckResult& result, const Environment& environment) {
-  int tests = 0;
+  int tests = 2;
   for (const SceneResult& scene : result.scenes) tests += static_cast<int>(scene.checks.size());
   std::string xml = fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<testsuites name=\"dynwitness crosscheck\" tests=\"{}\" failures=\"{}\" errors=\"0\" "
       "skipped=\"{}\">\n",
-      tests, result.count(Verdict::kDisagree), result.count(Verdict::kNotAnswerable));
+      tests,
+      result.count(Verdict::kDisagree) + (result.controlMissed() ? 1 : 0) +
+          (result.thinlyCovered().empty() ? 0 : 1),
+      result.count(Verdict::kNotAnswerable));
+  xml += ownSuite(result);
   const auto out = std::back_inserter(xml);
   for (const SceneResult& scene : result.scenes) {
     int failures = 0, skipped = 0;
@@ -197,7 +270,11 @@ std::string reportJUnit(const CrosscheckResult& result, const Environment& envir
                      escapeMarkup(scene.name), escapeMarkup(title));
       switch (check.verdict) {
         case Verdict::kAgree:
-          fmt::format_to(out, "/>\n");
+          if (check.voided > 0)
+            fmt::format_to(out, "><system-out>{}</system-out></testcase>\n",
+                           escapeMarkup(voidedText(check)));
+          else
+            fmt::format_to(out, "/>\n");
           break;
         case Verdict::kDisagree:
           fmt::format_to(

@@ -48,6 +48,20 @@ const char* cssClass(Verdict verdict) {
   return "none";
 }
 
+const char* cssClass(RunVerdict verdict) {
+  switch (verdict) {
+    case RunVerdict::kAgree:
+      return "agree";
+    case RunVerdict::kNotAnswerable:
+      return "none";
+    case RunVerdict::kIncomplete:
+    case RunVerdict::kProvesNothing:
+    case RunVerdict::kDisagree:
+      break;
+  }
+  return "disagree";
+}
+
 std::string badge(Verdict verdict, const std::string& word) {
   return crosscheck::badge(cssClass(verdict), word);
 }
@@ -170,7 +184,10 @@ std::string worstAt(const CheckResult& check) {
 
 /// The verdict over the prime field, or a dash where the check has none (an engine, a table).
 std::string exactly(const CheckResult& check) {
-  if (!check.exact) return "–";
+  if (!check.exact)
+    return check.no_exact.empty()
+               ? "–"
+               : fmt::format("–<span class=\"sub\">{}</span>", esc(check.no_exact));
   return fmt::format("{}<span class=\"sub\">{} point{}, chance {}</span>",
                      check.exact->residual_zero ? "zero" : "<strong>not zero</strong>",
                      check.exact->points, check.exact->points == 1 ? "" : "s",
@@ -185,6 +202,7 @@ void putCheckRow(std::string* page, const CheckResult& check) {
   if (statement != check.check) put(page, "<span class=\"sub\">{}</span>", esc(check.check));
   if (bad && !check.reason.empty())
     put(page, "<span class=\"sub reason\">{}</span>", esc(check.reason));
+  if (check.voided > 0) put(page, "<span class=\"sub\">{}</span>", esc(voidedText(check)));
   put(page,
       "</th><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"unit\">{}</td>"
       "<td class=\"share\">{}</td><td class=\"nowrap\">{}</td><td "
@@ -236,7 +254,7 @@ Rows digest(const Rows& rows) {
 // ---- sections ----------------------------------------------------------------------------------
 
 void putHead(std::string* page, const CrosscheckResult& result, const Environment& environment) {
-  const char* sign = result.verdict() == Verdict::kDisagree ? "✗" : "✓";
+  const char* sign = exitStatus(result.verdict()) == 0 ? "✓" : "✗";
   *page += pageHead(sign + (" " + result.headline()), environment.version, treeStyle(), "scenes",
                     "Skip to the scenes");
 }
@@ -261,12 +279,17 @@ void putVerdict(std::string* page, const CrosscheckResult& result, const Environ
   put(page, "<li><b>{}</b> witness{}</li>\n", present, present == 1 ? "" : "es");
   put(page, "<li><b>{}</b> random state{} a scene</li>\n<li>seed <b>{}</b></li>\n", result.states,
       result.states == 1 ? "" : "s", result.seed);
-  put(page, "<li>{}</li>\n</ul>\n</header>\n", esc(environment.date));
+  put(page, "<li>{}</li>\n</ul>\n<p class=\"soft small\">{}{}</p>\n</header>\n",
+      esc(environment.date),
+      badge(result.controlMissed() ? Verdict::kDisagree : Verdict::kAgree,
+            result.controlMissed() ? "control missed" : "control") +
+          " ",
+      esc(result.controlLine()));
 }
 
 void putDisagreements(std::string* page, const CrosscheckResult& result,
                       const std::vector<SceneFiles>& files) {
-  if (result.verdict() != Verdict::kDisagree) return;
+  if (result.verdict() != RunVerdict::kDisagree) return;
   put(page,
       "<section aria-labelledby=\"disagreements\">\n<h2 id=\"disagreements\">What "
       "disagrees</h2>\n");
@@ -343,6 +366,38 @@ void putKnownLosses(std::string* page, const CrosscheckResult& result) {
   put(page, "</section>\n");
 }
 
+/// What was not answered, by quantity, and why; what ought to be and was not comes first.
+void putCoverage(std::string* page, const CrosscheckResult& result) {
+  std::vector<Coverage> gaps;
+  for (const Coverage& coverage : result.coverage())
+    if (coverage.voided > 0) gaps.push_back(coverage);
+  if (gaps.empty()) return;
+  std::stable_sort(gaps.begin(), gaps.end(),
+                   [](const Coverage& a, const Coverage& b) { return a.missing() > b.missing(); });
+  put(page, "<section aria-labelledby=\"coverage\">\n<h2 id=\"coverage\">Not answered</h2>\n");
+  const std::vector<std::string> thin = result.thinlyCovered();
+  if (!thin.empty()) {
+    put(page,
+        "<div class=\"finding\"><p>More than a tenth of the comparisons that ought to be possible is "
+        "missing:</p><ul class=\"reasons\">");
+    for (const std::string& one : thin) put(page, "<li>{}</li>", esc(one));
+    put(page, "</ul></div>\n");
+  }
+  openScroll(page, "Table of comparisons not answered");
+  put(page,
+      "<table>\n<caption><span>A comparison is one check at one state. Those at which the quantity does not "
+      "exist are excused; the others ought to be possible.</span></caption>\n<thead><tr>"
+      "<th scope=\"col\">Quantity</th><th scope=\"col\" class=\"n\">Comparisons</th>"
+      "<th scope=\"col\" class=\"n\">Not answered</th><th scope=\"col\" class=\"n\">of these excused</th>"
+      "<th scope=\"col\">The first</th></tr></thead>\n<tbody>\n");
+  for (const Coverage& gap : gaps)
+    put(page,
+        "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td>"
+        "<td class=\"n\">{}</td><td>{}</td></tr>\n",
+        esc(quantityWords(gap.quantity)), gap.asked, gap.voided, gap.excused, esc(gap.reason));
+  put(page, "</tbody>\n</table>\n</div>\n</section>\n");
+}
+
 void putSceneTable(std::string* page, const CrosscheckResult& result,
                    const std::vector<SceneFiles>& files) {
   put(page, "<section aria-labelledby=\"scenes\">\n<h2 id=\"scenes\">Scenes</h2>\n");
@@ -408,6 +463,10 @@ void putHowToRead(std::string* page) {
       "arithmetic, which encloses the exact number, with the precision doubled until the enclosure is "
       "below 2<sup>−80</sup> of it. The check <em>truth</em> holds each witness to its own error bound "
       "there.</p>\n"
+      "<p>A state at which a check has no bound, no truth or no answer of a witness is left out of that check "
+      "and counted. Every run carries its own <em>control</em>: a witness whose kilogram is too heavy, by "
+      "1e-10 where rounding leaves room for that. It is judged by the same code and has to be found, in every "
+      "quantity of every scene; otherwise the run proves nothing.</p>\n"
       "</section>\n");
 }
 
@@ -441,7 +500,9 @@ void putWitnesses(std::string* page, const CrosscheckResult& result) {
         witness.version.empty() ? "–" : esc(witness.version), esc(witness.method));
     if (!witness.present)
       put(page, " {}",
-          badge(Verdict::kNotAnswerable, "absent: not found when dynwitness was built"));
+          badge(Verdict::kNotAnswerable,
+                "absent: " + (witness.absent.empty() ? "not found when dynwitness was built"
+                                                     : witness.absent)));
     if (!witness.conventions.empty()) putConventions(page, witness.conventions);
     put(page, "</td></tr>\n");
   }
@@ -532,6 +593,32 @@ void putChecks(std::string* page, const SceneResult& scene) {
       put(page, "{}{}", i > 0 ? "; " : "", esc(checks[i]));
     put(page, "</span></li>\n");
   }
+  put(page, "</ul>\n</details>\n");
+}
+
+/// What of the control says more than "found by all at the usual size".
+void putControls(std::string* page, const SceneResult& scene) {
+  std::vector<std::string> lines;
+  for (const Control& control : scene.controls) {
+    std::string line;
+    const auto add = [&line](const std::string& more) {
+      line += (line.empty() ? "" : "; ") + more;
+    };
+    const auto joined = [](const std::vector<std::string>& words) {
+      std::string text;
+      for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+      return text;
+    };
+    if (!control.missed.empty()) add("not found by " + joined(control.missed));
+    if (control.size > 1e-10 * 1.5)
+      add(fmt::format("found at {:.0e} by {}", control.size, joined(control.found)));
+    if (!control.blind.empty()) add("hidden by the limits of pairs with " + joined(control.blind));
+    if (!control.nothing.empty()) add("nothing to plant: " + control.nothing);
+    if (!line.empty()) lines.push_back(control.quantity + ": " + line);
+  }
+  if (lines.empty()) return;
+  put(page, "<details>\n<summary>Control</summary>\n<ul class=\"reasons\">\n");
+  for (const std::string& line : lines) put(page, "<li>{}</li>\n", esc(line));
   put(page, "</ul>\n</details>\n");
 }
 
@@ -670,6 +757,7 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
   putTree(page, scene, files);
   putEquations(page, scene);
   putChecks(page, scene);
+  putControls(page, scene);
   putDigits(page, scene);
   putDrift(page, scene, files);
   putChart(page, files);
@@ -708,6 +796,7 @@ std::string reportPage(const CrosscheckResult& result, const Environment& enviro
   putVerdict(&page, result, environment);
   putDisagreements(&page, result, files);
   putKnownLosses(&page, result);
+  putCoverage(&page, result);
   putSceneTable(&page, result, files);
   putHowToRead(&page);
   putWitnesses(&page, result);

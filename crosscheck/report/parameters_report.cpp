@@ -32,6 +32,7 @@ std::vector<std::string> forceUnits(const scene::Mechanism& mechanism) {
   std::vector<std::string> units;
   for (const int i : mechanism.movingLinks()) {
     const scene::JointKind kind = mechanism.links[i].joint.kind;
+    if (mechanism.links[i].joint.mimic) continue;
     for (const std::string& rate : scene::rateNames(kind)) {
       const bool slides = kind == scene::JointKind::kPrismatic || rate == "slide" || rate[0] == 'v' ||
                           (kind == scene::JointKind::kPlanar && rate != "turn");

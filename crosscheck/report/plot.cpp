@@ -2,101 +2,30 @@
 #include "crosscheck/report/plot.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <chrono>
 #include <cmath>
-#include <csignal>
-#include <cstring>
 #include <fstream>
 #include <limits>
+#include <map>
+#include <memory>
 #include <system_error>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include "crosscheck/children.hpp"
 #include "crosscheck/report/text.hpp"
 
-extern char** environ;
-
 namespace dynwitness::crosscheck {
+
+std::optional<int> lineTypeOfEngine(const std::string& witness) {
+  static const std::map<std::string, int> known = {
+      {"simbody", 11}, {"mujoco_principal", 12}, {"dart", 13}, {"kdl", 14}, {"mujoco", 15}};
+  const auto found = known.find(witness);
+  if (found == known.end()) return std::nullopt;
+  return found->second;
+}
+
 namespace fs = std::filesystem;
 namespace {
-
-struct Outcome {
-  int status = -1;  // exit status; -1: killed
-  int spawn_error = 0;
-  std::string output;  // standard output and standard error
-};
-
-struct Running {
-  pid_t child = 0;
-  int file = -1;  // its output
-  int spawn_error = 0;
-};
-
-/// Starts a program found on the PATH.
-Running start(std::vector<std::string> arguments, const fs::path& folder) {
-  Running running;
-  int pipe_ends[2];
-  if (::pipe2(pipe_ends, O_CLOEXEC) != 0) {
-    running.spawn_error = errno;
-    return running;
-  }
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], 1);
-  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], 2);
-  if (!folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-  running.spawn_error = posix_spawnp(&running.child, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  ::close(pipe_ends[1]);
-  running.file = pipe_ends[0];
-  return running;
-}
-
-/// Waits for its end, for at most a minute.
-Outcome finish(const Running& running) {
-  Outcome outcome;
-  outcome.spawn_error = running.spawn_error;
-  if (running.spawn_error != 0) {
-    if (running.file >= 0) ::close(running.file);
-    return outcome;
-  }
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
-                          end - std::chrono::steady_clock::now())
-                          .count();
-    if (left <= 0) {
-      outcome.output += "\nstopped after a minute";
-      ::kill(running.child, SIGKILL);
-      break;
-    }
-    pollfd ready{running.file, POLLIN, 0};
-    const int count = ::poll(&ready, 1, static_cast<int>(left));
-    if (count < 0 && errno != EINTR) break;
-    if (count <= 0) continue;
-    char buffer[4096];
-    const ssize_t size = ::read(running.file, buffer, sizeof buffer);
-    if (size < 0 && errno == EINTR) continue;
-    if (size <= 0) break;
-    outcome.output.append(buffer, static_cast<std::size_t>(size));
-  }
-  ::close(running.file);
-  int status = 0;
-  while (::waitpid(running.child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (WIFEXITED(status)) outcome.status = WEXITSTATUS(status);
-  return outcome;
-}
 
 std::string heading(const SceneResult& scene) {
   const Drift& drift = *scene.drift;
@@ -125,10 +54,11 @@ bool wholeSvg(const fs::path& file) {
 }  // namespace
 
 std::function<std::string()> askGnuplotVersion() {
-  return [running = start({"gnuplot", "--version"}, {})]() -> std::string {
-    const Outcome outcome = finish(running);
-    if (outcome.spawn_error != 0 || outcome.status != 0) return "not found";
-    std::string version = outcome.output.substr(0, outcome.output.find('\n'));
+  const auto gnuplot = std::make_shared<Child>(std::vector<std::string>{"gnuplot", "--version"});
+  return [gnuplot]() -> std::string {
+    const Ending ending = gnuplot->wait();
+    if (!ending.problem.empty()) return "not found";
+    std::string version = ending.output.substr(0, ending.output.find('\n'));
     constexpr std::string_view kName = "gnuplot ";
     if (version.rfind(kName, 0) == 0) version.erase(0, kName.size());
     return version;
@@ -236,14 +166,11 @@ std::string driftScript(const SceneResult& scene) {
 std::optional<std::string> runGnuplot(const fs::path& folder, const std::string& script,
                                       const std::vector<std::string>& pictures) {
   // -d: without the user's own start-up file, so that everybody's picture looks the same
-  const Outcome outcome = finish(start({"gnuplot", "-d", script}, folder));
-  std::string problem;
-  if (outcome.spawn_error == ENOENT)
-    problem = "gnuplot was not found (Debian: apt install gnuplot-nox)";
-  else if (outcome.spawn_error != 0)
-    problem = fmt::format("gnuplot could not be started: {}", std::strerror(outcome.spawn_error));
-  else if (outcome.status != 0)
-    problem = "gnuplot failed: " + oneLine(outcome.output.substr(0, 500));
+  ChildOptions here;
+  here.folder = folder;
+  const Ending ending = Child({"gnuplot", "-d", script}, here).wait();
+  std::string problem = oneLine(ending.problem);
+  if (ending.not_found) problem = "gnuplot was not found (Debian: apt install gnuplot-nox)";
   for (const std::string& picture : pictures)
     if (problem.empty() && !wholeSvg(folder / picture))
       problem = "gnuplot did not finish " + picture;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/report/report.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <future>
 #include <stdexcept>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -89,11 +91,16 @@ namespace {
 /// All tasks, some at a time: they wait for gnuplot, which is a process of its own.
 void inThreads(const std::vector<std::function<void()>>& tasks) {
   std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i; (i = next++) < tasks.size();) tasks[i]();
+  };
   std::vector<std::future<void>> workers;
-  for (int k = 0; k < availableProcessors(); ++k)
-    workers.push_back(std::async(std::launch::async, [&] {
-      for (std::size_t i; (i = next++) < tasks.size();) tasks[i]();
-    }));
+  try {
+    for (std::size_t k = 1; k < std::min<std::size_t>(availableProcessors(), tasks.size()); ++k)
+      workers.push_back(std::async(std::launch::async, work));
+  } catch (const std::system_error&) {  // no room for another thread: those that are there do it
+  }
+  work();
   for (std::future<void>& worker : workers) worker.get();
 }
 
@@ -121,7 +128,7 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
     }
     if (scene.drift)
       drawings.push_back([&, i, scene_folder] { writeDrift(scene, scene_folder, out, &files[i]); });
-    if (!charts.empty())
+    if (!charts.empty() && !charts[i].points.empty())
       drawings.push_back([&, i, scene_folder] { writeChart(charts[i], scene_folder, out, &files[i]); });
   }
   BenchFiles bench_files;

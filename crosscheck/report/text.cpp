@@ -177,6 +177,12 @@ std::vector<std::string> safeNames(const std::vector<SceneResult>& scenes) {
   return names;
 }
 
+std::string voidedText(const CheckResult& check) {
+  if (check.voided == 0) return {};
+  return fmt::format("{} of {} states not judged, the first {}: {}", check.voided, check.states,
+                     check.first_voided, check.voided_reason);
+}
+
 std::string describe(const CheckResult& check) {
   std::string text = check.check;
   if (!check.quantity.empty()) text += " " + check.quantity;

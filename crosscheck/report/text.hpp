@@ -42,6 +42,9 @@ std::string safeName(std::string_view name);
 /// safeName of each scene, different from each other: repeated names get "_2", "_3", ...
 std::vector<std::string> safeNames(const std::vector<SceneResult>& scenes);
 
+/// "3 of 100 states not judged, the first 17: no error bound ..", or "" where all were.
+std::string voidedText(const CheckResult& check);
+
 /// "same c: lagrange and simbody" or "symmetric M: composite_body"
 std::string describe(const CheckResult& check);
 

@@ -52,8 +52,7 @@ ConstrainedQuantities::ConstrainedQuantities(const scene::Scene& scene)
     : parts_(std::make_unique<Parts>(scene)) {}
 ConstrainedQuantities::~ConstrainedQuantities() = default;
 
-bool ConstrainedQuantities::isConstrained() const {
-  const scene::Mechanism& mechanism = parts_->scene.mechanism;
+bool ConstrainedQuantities::isConstrained(const scene::Mechanism& mechanism) {
   return !mechanism.isOpenTree() || mechanism.isDriven() || !mechanism.acceleration_constraints.empty();
 }
 
@@ -61,7 +60,8 @@ ConstrainedRoad ConstrainedQuantities::usualRoad() const {
   const scene::Mechanism& mechanism = parts_->scene.mechanism;
   const bool both = !mechanism.closures.empty() &&
                     (mechanism.isDriven() || !mechanism.acceleration_constraints.empty());
-  return both ? ConstrainedRoad::kDense : ConstrainedRoad::kSweeps;
+  // the constrained sweeps solve for each joint where they pass it, which a follower does not allow
+  return both || mechanism.hasMimics() ? ConstrainedRoad::kDense : ConstrainedRoad::kSweeps;
 }
 
 namespace {
@@ -87,8 +87,8 @@ ConstrainedMotion ConstrainedQuantities::motion(const scene::State<double>& stat
   out.nu = Vector(m);
   if (road == ConstrainedRoad::kSweeps) {
     if (usualRoad() == ConstrainedRoad::kDense)
-      throw std::invalid_argument("motion: closures with driven joints or acceleration constraints: expected "
-                                  "the dense road");
+      throw std::invalid_argument("motion: closures with driven joints or acceleration constraints, or joints "
+                                  "that follow others: expected the dense road");
     if (m_c > 0) {
       const auto swept = recursive::closedForwardDynamics(p.model, state.x, state.qd, tau, p.closures, p.ws);
       out.qdd = vectorOf(swept.qdd);
@@ -185,6 +185,10 @@ Eigen::MatrixXd ConstrainedQuantities::answer(const std::string& name, const sce
     return motion(state, usualRoad()).tau;
   }
   require(!held.empty(), "acceleration_constraint");
+  if (p.scene.mechanism.hasMimics())
+    throw scene::InputError({p.scene.file.string(), 0},
+                            name + ": joints follow others (mimic), which the sweeps of tasks do not know, "
+                                   "allowed: qdd, lambda, nu, tau_drive");
   auto tasks = held;
   for (auto& task : tasks) task.compliance.resize(0);
   const int n = p.model.dof(), m = static_cast<int>(tasks.size());
@@ -234,7 +238,7 @@ scene::State<double> ConstrainedQuantities::start() const {
       state.qd[rate + k] = jet.rate;
       state.qdd[rate + k] = jet.second;
     }
-    rate += static_cast<std::size_t>(scene::degreesOfFreedom(link.joint.kind));
+    rate += static_cast<std::size_t>(link.joint.ownRates());
     slot += scene::positionSlots(link.joint.kind).size();
   }
   for (const double x : q) state.x.push_back(scene::jointPosition(x));

@@ -34,7 +34,7 @@ class ConstrainedQuantities {
   ~ConstrainedQuantities();
 
   /// Whether the scene has closures, springs between points, driven joints or acceleration constraints.
-  bool isConstrained() const;
+  static bool isConstrained(const scene::Mechanism& mechanism);
   /// @throws std::invalid_argument  the sweeps are asked for what only the dense system has
   ConstrainedMotion motion(const scene::State<double>& state, ConstrainedRoad road) const;
   /// Which road motion() can go.

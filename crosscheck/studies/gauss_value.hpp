@@ -67,7 +67,7 @@ recursive::MatrixX<T> leastGauss(const recursive::Model<T>& model,
           A[j].col(u) += jointAxis(link, k);
           H(u, u) += link.rotor;
           T drive = tau[link.dof + k];
-          if (axisCount(link.kind) == 1) drive -= link.stiffness * (x[link.slot].q - link.rest);
+          if (axisCount(link.kind) == 1) drive -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
           H(u, size) -= drive;
         }
         if (model.gyroscopic) {

@@ -15,12 +15,6 @@
 
 namespace dynwitness::crosscheck {
 
-/// @throws scene::InputError unless the scene is a tree with a joint that moves
-void requireOpenTree(const scene::Scene& scene);
-/// @throws scene::InputError unless the scene is a tree whose joints' rates are derivatives of q:
-/// where a joint is spherical or floating, M is no metric in coordinates q
-void requireCoordinates(const scene::Scene& scene);
-
 /// A matrix with the running error bound of each entry.
 struct Bounded {
   Eigen::MatrixXd value, bound;
@@ -32,7 +26,8 @@ struct MetricAt {
   std::vector<Bounded> first, second;  ///< by i: Gamma_i,jk and Gamma^i_jk as n x n
   Bounded sectional;                   ///< n x n: plane of q_i and q_j [1/(kg m^2)]; diagonal 0
 };
-/// @param x  position, one a joint
+/// @param q  position, one a joint
+/// @throws scene::InputError  what Command::kGeometry refuses, another number of joints
 MetricAt metricAt(const scene::Scene& scene, const std::vector<double>& q);
 
 /** The laws of the metric, decided over the field for every state, M by composite bodies and its

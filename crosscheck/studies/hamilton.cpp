@@ -11,10 +11,12 @@
 #include <Eigen/LU>
 #include <boost/math/constants/constants.hpp>
 
+#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/features.hpp"
 #include "crosscheck/motion/flow.hpp"
-#include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/states.hpp"
 #include "recursive/build_model.hpp"
+#include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -415,7 +417,8 @@ Action::Conjugate manyMeet(Neighbours* neighbours, const std::vector<Moment<D>>&
   return out;
 }
 
-JacobiFields jacobiFields(const Problem& problem, int steps) {
+/// @param work  of all numbers of steps up to this one: 1, 2, 4, ... times the first
+JacobiFields jacobiFields(const Problem& problem, int steps, scene::Work& work) {
   JacobiFields out;
   Neighbours neighbours(problem);
   Flow<double> plain(problem.model, problem.terms, problem.damping);
@@ -428,6 +431,7 @@ JacobiFields jacobiFields(const Problem& problem, int steps) {
   for (int k = 1; k <= steps; ++k) {
     const std::vector<Moment<D>> from = neighbours.now;
     neighbours.step(h);
+    work.doneTo((steps - kFirstSteps + k) / (2.0 * std::max(steps, 2 * kFirstSteps) - kFirstSteps));
     const std::vector<Moment<D>> to = neighbours.now;
     const double time = h * k, det = determinant(neighbours.places(), time);
     if (k > 1 && before * det < 0) {  // between: halve the step until nothing is left of it
@@ -521,9 +525,8 @@ void require(bool holds, const std::string& message) {
 }
 
 Problem problemOf(const scene::Scene& scene, const ActionOptions& options) {
-  requireOpenTree(scene);
-  require(!scene.mechanism.hasFriction(),
-          "the scene has joint friction, allowed: none; --damping gives every joint the same");
+  requireTreated(scene, options.potential ? Command::kAction : Command::kGeometry);
+  requireMotion(scene);
   const scene::RealNumbers<double> number(scene.mechanism);
   Problem problem = {recursive::buildModel(scene.mechanism, number),
                      options.potential ? Terms::all() : Terms::none(),
@@ -636,6 +639,7 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
   std::vector<FirstVariation> fine, coarse;
   JacobiFields fields, fields_coarse;
   std::vector<CheckResult> checks;
+  scene::Work work("neighbouring motions, with twice the steps until they tell", 1);
   for (int steps = kFirstSteps; steps <= kMostSteps; steps *= 2) {
     nodes = motionOf(problem, steps);
     require(isFinite(nodes), "the motion leaves the numbers: M is singular on its way");
@@ -645,7 +649,7 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
     out.steps = steps;
     if (problem.conservative) {
       fields_coarse = fields;
-      fields = jacobiFields(problem, steps);
+      fields = jacobiFields(problem, steps, work);
     }
     if (coarse.empty()) continue;
     checks.clear();

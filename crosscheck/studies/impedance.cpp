@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/studies/impedance.hpp"
 
+#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/features.hpp"
 #include "crosscheck/studies/impedance_laws.hpp"
 
 namespace dynwitness::crosscheck {
@@ -25,7 +27,8 @@ recursive::Matrix6<Error> diagonal(const std::array<double, 6>& d) {
 
 ImpedanceAt impedanceAt(const scene::Scene& scene, const ImpedanceOptions& options) {
   const scene::Mechanism& mechanism = scene.mechanism;
-  requireOpenTree(scene);
+  requireTreated(scene, Command::kImpedance);
+  requireMotion(scene);
   const scene::RealNumbers<double> number(mechanism);
   std::vector<double> q = options.q;
   if (q.empty())

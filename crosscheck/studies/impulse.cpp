@@ -3,8 +3,11 @@
 
 #include <cmath>
 
+#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/features.hpp"
 #include "crosscheck/studies/impulse_laws.hpp"
 #include "recursive/constrained_solver.hpp"
+#include "scene/mimic.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -39,8 +42,12 @@ std::vector<double> given(const char* what, const std::vector<double>& values,
 
 ImpulseResult strike(const scene::Scene& scene, const ImpulseOptions& options) {
   const scene::Mechanism& mechanism = scene.mechanism;
+  requireTreated(scene, Command::kImpulse);
+  requireMotion(scene);
   scene::State<double> state;
-  for (const double q : given("q", options.q, scene.start_q, mechanism))
+  std::vector<scene::Number> own;  // one a position that is given: followers are where their leaders put them
+  for (const int slot : scene::givenSlots(mechanism)) own.push_back(scene.start_q[slot]);
+  for (const double q : scene::allPositions(mechanism, given("q", options.q, own, mechanism)))
     state.x.push_back(scene::jointPosition(q));
   state.qd = given("qd", options.qd, scene.start_qd, mechanism);
   state.qdd.assign(state.qd.size(), 0.0);
@@ -68,7 +75,7 @@ ImpulseResult strike(const scene::Scene& scene, const ImpulseOptions& options) {
 
   ImpulseModel<Error> with_bounds(mechanism, RunningErrorNumbers(mechanism),
                                   solver.independentRows());
-  const scene::State<Error> at = runningErrorState(state);
+  const scene::State<Error> at = runningErrorState(state, mechanism);
   Impulse<Error> impulse;
   impulse.point = {linkNamed(scene, options.link), vector(options.at)};
   impulse.p = {vector(options.force), vector(options.moment)};

@@ -7,6 +7,7 @@
 #include "crosscheck/states.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/newton_euler.hpp"
+#include "scene/mimic.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -51,6 +52,8 @@ const RotorModels::Joint& RotorModels::worst() const {
 
 RotorModels compareRotorModels(const scene::Scene& scene, int states, std::uint64_t seed) {
   constexpr int kFaster = 10;
+  scene::requireNoMimics({scene.file.string(), 0}, scene.mechanism,
+                         "the rotors are told apart by the force of their own joints");
   RotorModels out;
   out.states = states;
   out.seed = seed;

@@ -6,6 +6,7 @@
 
 #include "crosscheck/arithmetic/running_error.hpp"
 #include "crosscheck/witness.hpp"
+#include "scene/mimic.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -30,6 +31,18 @@ inline scene::State<RunningError> runningErrorState(const scene::State<double>& 
   out.qd.assign(state.qd.begin(), state.qd.end());
   out.qdd.assign(state.qdd.begin(), state.qdd.end());
   out.tau.assign(state.tau.begin(), state.tau.end());
+  return out;
+}
+
+/// The same of a mechanism where joints may follow others: their positions are rounded where they are formed.
+inline scene::State<RunningError> runningErrorState(const scene::State<double>& state,
+                                                    const scene::Mechanism& mechanism) {
+  scene::State<RunningError> out = runningErrorState(state);
+  if (!mechanism.hasMimics()) return out;
+  const RunningErrorNumbers number(mechanism);
+  for (const scene::Follower& f : scene::followers(mechanism))
+    out.x[f.slot] = runningErrorPosition(number(scene::Number(f.multiplier)) * out.x[f.leader_slot].q +
+                                         number(f.offset));
   return out;
 }
 

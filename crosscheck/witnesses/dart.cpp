@@ -8,8 +8,10 @@
 //
 // Debian's DART was compiled for plain x86-64: this file must not be compiled with -march=native,
 // which would change the alignment of Eigen's types in DART's classes.
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 #ifdef DYNWITNESS_HAS_DART
@@ -76,7 +78,7 @@ SkeletonPtr loaded(const scene::Scene& scene) {
 class DartWitness : public Witness {
  public:
   explicit DartWitness(const scene::Scene& scene)
-      : friction_(scene.mechanism), skeleton_(loaded(scene)) {
+      : friction_(scene.mechanism), bound_(scene.mechanism), skeleton_(loaded(scene)) {
     const scene::Mechanism& mechanism = scene.mechanism;
     requirePlainRotors(mechanism);
     const RealNumbers<double> number(mechanism);
@@ -88,15 +90,18 @@ class DartWitness : public Witness {
       wrenches_.push_back({links_[w.link], w.axes == scene::Wrench::Axes::kLink,
                            vector(w.force, number), vector(w.moment, number),
                            vector(w.at, number)});
-    bound_ = std::make_unique<EngineBound>(
-        mechanism, has_rotors_ ? ForwardDynamicsBy::kMassMatrix : ForwardDynamicsBy::kSweep);
+    solve_bound_ = std::make_unique<SolveBound>(
+        mechanism, has_rotors_ ? SolvedBy::kMassMatrix : SolvedBy::kSweep, kEngineTurns);
   }
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
-    return {value(quantity, state), (*bound_)(quantity, state)};
+    Answer out{value(quantity, state), bound_(quantity, state)};
+    if (quantity == Quantity::kQdd)
+      solve_bound_->judge(state, bound_(Quantity::kTau, moving(state, out.value)), out);
+    return out;
   }
 
  private:
@@ -271,12 +276,13 @@ class DartWitness : public Witness {
 
   std::string name_ = kName;
   JointFriction friction_;
+  EngineBound bound_;
   SkeletonPtr skeleton_;
   bool has_rotors_ = false;
   std::vector<BodyNode*> links_;  ///< one a scene link; null: the world
   std::vector<Joint> joints_;     ///< one a degree of freedom
   std::vector<AppliedWrench> wrenches_;
-  std::unique_ptr<EngineBound> bound_;
+  std::unique_ptr<SolveBound> solve_bound_;
 };
 
 constexpr const char* kConventions =
@@ -304,7 +310,7 @@ WitnessKind kind() {
   info.version = DART_VERSION;
   info.method = kMethod;
   info.conventions = kConventions;
-  return engineKind<DartWitness>(info);
+  return overTree(engineKind<DartWitness>(info));
 }
 #else
 WitnessKind kind() {

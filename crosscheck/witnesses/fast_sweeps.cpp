@@ -3,6 +3,9 @@
 // sweeps on RunningError.
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 
+#include "crosscheck/witnesses/sharp_bounds.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/fast/dynamics.hpp"
@@ -15,12 +18,30 @@ class FastWitness : public Witness {
   explicit FastWitness(const scene::Scene& scene)
       : in_double_(recursive::buildModel(scene.mechanism,
                                          scene::RealNumbers<double>(scene.mechanism))),
-        with_bounds_(recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism))) {}
+        with_bounds_(recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism))),
+        sharp_([mechanism = scene.mechanism] {
+          return std::make_unique<FastSweeps<AdjointError>>(
+              recursive::buildModel(mechanism, AdjointErrorNumbers(mechanism)));
+        }),
+        solve_bound_(scene.mechanism, SolvedBy::kSweep, 1) {}
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return FastSweeps<double>::answers(quantity); }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
-    return boundedAnswer(value(quantity, state), with_bounds_(quantity, runningErrorState(state)));
+    const scene::State<RunningError> bounded_state = runningErrorState(state);
+    const MatrixOf<RunningError> bounded = with_bounds_(quantity, bounded_state);
+    Answer out = boundedAnswer(value(quantity, state), bounded);
+    if (quantity == Quantity::kM) out.bound = solve_bound_.sharper(bounded, state);
+    if (quantity == Quantity::kTau)
+      out.bound = sharp_(bounded, [&](FastSweeps<AdjointError>& sweeps) {
+        return sweeps(quantity, adjointState(bounded_state));
+      });
+    if (quantity == Quantity::kQdd)
+      solve_bound_.judge(state, answer(Quantity::kTau, moving(state, out.value)).bound, out, sharp_,
+                         [&](FastSweeps<AdjointError>& sweeps) {
+                           return sweeps(quantity, adjointState(bounded_state));
+                         });
+    return out;
   }
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
     q_.clear();
@@ -39,16 +60,19 @@ class FastWitness : public Witness {
   std::string name_ = kFastName;
   recursive::fast::Dynamics in_double_;
   FastSweeps<RunningError> with_bounds_;
+  SharpBounds<FastSweeps<AdjointError>> sharp_;
+  SolveBound solve_bound_;
   std::vector<double> q_;
 };
 
 }  // namespace
 
 WitnessKind fastKind() {
-  return {{kFastName, DYNWITNESS_VERSION, "the sweeps of recursive/fast/, for any mechanism, made for speed"},
-          [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            return std::make_unique<FastWitness>(scene);
-          }};
+  return overTree(
+      {{kFastName, DYNWITNESS_VERSION, "the sweeps of recursive/fast/, for any mechanism, made for speed"},
+       [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
+         return std::make_unique<FastWitness>(scene);
+       }});
 }
 
 }  // namespace dynwitness::crosscheck

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "crosscheck/arithmetic/adjoint_error.hpp"
 #include "crosscheck/exact/exact.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "recursive/fast/forward_dynamics.hpp"
@@ -14,6 +15,7 @@ namespace dynwitness::crosscheck {
 
 /// Zero without doubt: what a plan may leave out.
 inline bool isExactlyZero(const RunningError& x) { return x.value() == 0 && x.bound() == 0; }
+inline bool isExactlyZero(const AdjointError& x) { return isExactlyZero(x.running()); }
 
 inline constexpr const char* kFastName = "fast";
 

@@ -1,17 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The fast sweeps over the prime field and in degrees. Compiled without much optimisation: all of a sweep
 // is inlined, which takes a compiler minutes for a scalar that is no double.
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "recursive/build_model.hpp"
 
 namespace dynwitness::crosscheck {
+namespace {
+
+/// The tree without followers. Over the field every rate has the sign 1 (scene::directionOf), and of a joint
+/// that moves backward when its leader moves forward the tree does not know: it is told by its friction.
+scene::Mechanism treeOf(const scene::Mechanism& mechanism) {
+  scene::Mechanism tree = scene::withoutMimics(mechanism);
+  for (const scene::Follower& f : scene::followers(mechanism)) {
+    scene::Friction& friction = tree.links[f.link].joint.friction;
+    if (f.multiplier < 0 && friction.isCoulomb())
+      friction.positive = scene::Number::parse("-(" + friction.negative.text() + ")");
+  }
+  return tree;
+}
+
+}  // namespace
 
 ExactWitness fastWitness(const scene::Scene& scene) {
   const auto on = [mechanism = scene.mechanism](const auto& number) {
     using T = typename std::decay_t<decltype(number)>::Scalar;
-    return [sweeps = FastSweeps<T>(recursive::buildModel(mechanism, number))](
-               Quantity quantity, const scene::State<T>& state) mutable {
-      return sweeps(quantity, state);
+    return [sweeps = FastSweeps<T>(recursive::buildModel(treeOf(mechanism), number)),
+            coupled = mechanism.hasMimics(), coupling = Coupling<T>(mechanism, number)](
+               Quantity quantity, const scene::State<T>& state) mutable -> MatrixOf<T> {
+      return coupled ? coupling(quantity, state, sweeps) : sweeps(quantity, state);
     };
   };
   return {kFastName, FastSweeps<double>::answers, on, on};

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orocos KDL as a witness. The tree is built from KDL's own joints, frames and inertias; rows of
 // Denavit-Hartenberg parameters go through KDL's own functions for them.
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 #ifdef DYNWITNESS_HAS_KDL
@@ -80,7 +82,9 @@ KDL::RigidBodyInertia inertiaOf(const scene::MassProperties& m, const RealNumber
 class KdlWitness : public Witness {
  public:
   explicit KdlWitness(const scene::Scene& scene)
-      : friction_(scene.mechanism), bound_(scene.mechanism, ForwardDynamicsBy::kMassMatrix) {
+      : friction_(scene.mechanism),
+        bound_(scene.mechanism),
+        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns) {
     requirePlainJoints(scene.mechanism);
     requirePlainRotors(scene.mechanism);
     const scene::Mechanism& mechanism = scene.mechanism;
@@ -96,6 +100,7 @@ class KdlWitness : public Witness {
       wrenches_.push_back({names_[w.link], w.axes == scene::Wrench::Axes::kWorld,
                            KDL::Wrench(vector(w.force, number), vector(w.moment, number)),
                            vector(w.at, number)});
+    findCopiedNumbers(mechanism);
     with_gravity_.emplace(tree_, gravity_);
     without_gravity_.emplace(tree_, KDL::Vector::Zero());
     if (is_chain && tree_.getChain(kWorld, names_.back(), chain_)) {
@@ -109,7 +114,10 @@ class KdlWitness : public Witness {
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     if (quantity == Quantity::kKinetic) return kinetic(state);
-    return {value(quantity, state), bound_(quantity, state)};
+    Answer out{value(quantity, state), bound_(quantity, state)};
+    if (quantity == Quantity::kQdd)
+      solve_bound_.judge(state, bound_(Quantity::kTau, moving(state, out.value)), out);
+    return out;
   }
 
  private:
@@ -145,6 +153,20 @@ class KdlWitness : public Witness {
     names_.push_back(link.name);
   }
 
+  /** KDL numbers joints in the order in which they were added; a copy of a tree adds them again, depth first. The
+      solvers of frames and jacobians keep copies, those of inverse dynamics references. */
+  void findCopiedNumbers(const scene::Mechanism& mechanism) {
+    const KDL::Tree copy(tree_);
+    for (const int i : mechanism.movingLinks())
+      copied_numbers_.push_back(
+          static_cast<Eigen::Index>(GetTreeElementQNr(copy.getSegment(names_[i])->second)));
+  }
+  KDL::JntArray renumbered(const KDL::JntArray& x) const {
+    KDL::JntArray out(x.rows());
+    for (unsigned i = 0; i < x.rows(); ++i) out.data(copied_numbers_[i]) = x.data(i);
+    return out;
+  }
+
   static KDL::JntArray array(const std::vector<double>& v) {
     KDL::JntArray out(static_cast<unsigned>(v.size()));
     out.data = Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
@@ -159,7 +181,7 @@ class KdlWitness : public Witness {
 
   KDL::Frame frameOf(const std::string& link, const KDL::JntArray& q) {
     KDL::Frame frame;
-    KDL::TreeFkSolverPos_recursive(tree_).JntToCart(q, frame, link);
+    KDL::TreeFkSolverPos_recursive(tree_).JntToCart(renumbered(q), frame, link);
     return frame;
   }
 
@@ -245,9 +267,9 @@ class KdlWitness : public Witness {
     KDL::Jacobian J(q.rows());
     std::vector<Motion> out;
     for (const std::string& link : names_) {
-      solver.JntToJac(q, J, link);
+      solver.JntToJac(renumbered(q), J, link);
       KDL::Twist velocity;
-      KDL::MultiplyJacobian(J, qd, velocity);
+      KDL::MultiplyJacobian(J, renumbered(qd), velocity);
       const KDL::Frame frame = frameOf(link, q);
       const KDL::Segment& segment = GetTreeElementSegment(tree_.getSegment(link)->second);
       out.push_back({frame.M * segment.getInertia(), frame, velocity});
@@ -274,7 +296,8 @@ class KdlWitness : public Witness {
     return out;
   }
 
-  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) {
+  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
+    if (quantity == Quantity::kKinetic) return kinetic(state).value;
     return friction_.around(quantity, state, [&](const scene::State<double>& without) {
       return frictionless(quantity, without);
     });
@@ -306,11 +329,13 @@ class KdlWitness : public Witness {
   std::string name_ = kName;
   JointFriction friction_;
   EngineBound bound_;
+  SolveBound solve_bound_;
   KDL::Tree tree_{kWorld};
   KDL::Chain chain_;  ///< the tree, where it does not branch
   KDL::Vector gravity_ = KDL::Vector::Zero();
   std::vector<std::string> names_;  ///< of segments, one a scene link
   std::vector<Spring> springs_;     ///< one a degree of freedom
+  std::vector<Eigen::Index> copied_numbers_;  ///< of the same, in a copy of the tree
   std::vector<AppliedWrench> wrenches_;
   std::optional<KDL::TreeIdSolver_RNE> with_gravity_, without_gravity_;
   std::optional<KDL::ChainDynParam> chain_mass_;
@@ -329,6 +354,8 @@ constexpr const char* kConventions =
     "friction: its own is off; viscous and Coulomb friction are added here\n"
     "rotors: Joint's inertia = gear_ratio^2 rotor_inertia, read by the solvers of M and of tau\n"
     "loads: wrenches on segments, in the axes of the segment\n"
+    "joint numbers: as added, but depth first in a copy of the tree (Tree's copy constructor), and the solvers of "
+    "frames and jacobians keep copies; renumbered here\n"
     "branches: M column by column from inverse dynamics, and M qdd = tau - bias solved here, since "
     "KDL's solvers for both take chains only\n"
     "energies, momentum: KDL has no functions for them; T = qd' M qd / 2 with its M, the others are "
@@ -341,7 +368,7 @@ WitnessKind kind() {
   info.version = KDL_VERSION_STRING;
   info.method = kMethod;
   info.conventions = kConventions;
-  return engineKind<KdlWitness>(info);
+  return overTree(engineKind<KdlWitness>(info));
 }
 #else
 WitnessKind kind() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scene's own kernel as two witnesses: one state at a time, and in the lanes of vectors.
-#include <cstring>
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 
@@ -9,14 +10,20 @@
 #include "crosscheck/arithmetic/running_error.hpp"
 #include "crosscheck/kernel/compiled.hpp"
 #include "crosscheck/kernel/kernel.hpp"
+#include "crosscheck/witnesses/all_lanes.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/sharp_bounds.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
 using kernel::Formula;
+
+constexpr Quantity kQuantities[] = {Quantity::kM, Quantity::kTau, Quantity::kQdd};
 
 Formula formulaOf(Quantity quantity) {
   if (quantity == Quantity::kM) return Formula::kMassMatrix;
@@ -35,28 +42,54 @@ std::shared_ptr<const kernel::Kernel> kernelOf(const scene::Scene& scene) {
 /** Values from the compiled code; bounds from the same program run on RunningError. The compiled code
     does what the program says, operation by operation, and its cos and sin are within the error that
     is taken for the C library's (kernel/emit.cpp); so the bound is that of the compiled code. */
-class KernelWitness : public Witness {
+class KernelWitness : public PartialWitness {
  public:
   KernelWitness(const scene::Scene& scene, bool lanes)
-      : name_(lanes ? "kernel_lanes" : "kernel"), lanes_(lanes), kernel_(kernelOf(scene)) {
+      : name_(lanes ? "kernel_lanes" : "kernel"), lanes_(lanes), kernel_(kernelOf(scene)),
+        solve_bound_(scene.mechanism, SolvedBy::kEither, 1) {
     const RunningErrorNumbers numbers(scene.mechanism);
-    for (const Quantity quantity : {Quantity::kM, Quantity::kTau, Quantity::kQdd}) {
+    for (const Quantity quantity : kQuantities) {
       const Formula formula = formulaOf(quantity);
+      if (!kernel_->has(formula)) continue;
       bounds_.try_emplace(formula, kernel_->road(formula).program, numbers);
+      sharp_.try_emplace(formula, [this, formula, mechanism = scene.mechanism] {
+        return std::make_unique<symbolic::ProgramRun<AdjointError>>(kernel_->road(formula).program,
+                                                                    AdjointErrorNumbers(mechanism));
+      });
     }
   }
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override {
-    return quantity == Quantity::kM || quantity == Quantity::kTau || quantity == Quantity::kQdd;
+    return std::find(std::begin(kQuantities), std::end(kQuantities), quantity) != std::end(kQuantities) &&
+           kernel_->has(formulaOf(quantity));
+  }
+  std::vector<std::pair<Quantity, std::string>> leftOut() const override {
+    std::vector<std::pair<Quantity, std::string>> all;
+    for (const Quantity quantity : kQuantities)
+      if (const auto it = kernel_->notUsed().find(formulaOf(quantity)); it != kernel_->notUsed().end())
+        all.emplace_back(quantity, it->second);
+    return all;
   }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
-    const std::vector<RunningError> bounded =
-        bounds_.at(formulaOf(quantity))(runningErrorState(state));
+    const Formula formula = formulaOf(quantity);
+    const scene::State<RunningError> bounded_state = runningErrorState(state);
+    const std::vector<RunningError> bounded = bounds_.at(formula)(bounded_state);
     const int rows = kernel_->dof(), columns = quantity == Quantity::kM ? rows : 1;
     using RowMajor = Eigen::Matrix<RunningError, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    return boundedAnswer(value(quantity, state),
-                         Eigen::Map<const RowMajor>(bounded.data(), rows, columns));
+    const auto sharply = [&](symbolic::ProgramRun<AdjointError>& run) {
+      using SharpRowMajor = Eigen::Matrix<AdjointError, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      const std::vector<AdjointError> sharp = run(adjointState(bounded_state));
+      return MatrixOf<AdjointError>(Eigen::Map<const SharpRowMajor>(sharp.data(), rows, columns));
+    };
+    const MatrixOf<RunningError> shaped = Eigen::Map<const RowMajor>(bounded.data(), rows, columns);
+    Answer out = boundedAnswer(value(quantity, state), shaped);
+    if (quantity != Quantity::kQdd)
+      out.bound = sharp_.at(formula)(shaped, sharply);
+    if (quantity == Quantity::kQdd && answers(Quantity::kTau))
+      solve_bound_.judge(state, answer(Quantity::kTau, moving(state, out.value)).bound, out, sharp_.at(formula),
+                         sharply);
+    return out;
   }
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
     std::vector<double> q;
@@ -77,30 +110,13 @@ class KernelWitness : public Witness {
     return out;
   }
 
-  /// The state in each lane in turn, other states beside it. Should one lane say something else than
-  /// the first, that is the answer, for the comparisons to find.
   std::vector<double> inAllLanes(Quantity quantity, const std::vector<double>& q,
                                  const std::vector<double>& qd, const std::vector<double>& w) const {
     const std::size_t n = qd.size(), outputs = quantity == Quantity::kM ? n * n : n;
-    const std::size_t lanes = kernel_->lanes(), count = 2 * lanes + 1;  // two whole blocks and a rest
-    std::vector<double> first(outputs);
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      const auto spread = [&](const std::vector<double>& x) {
-        std::vector<double> all(x.size() * count);
-        for (std::size_t i = 0; i < x.size(); ++i)
-          for (std::size_t k = 0; k < count; ++k)
-            all[i * count + k] =
-                k == lane ? x[i] : x[(i + k) % x.size()] * (1.0 + static_cast<double>(k) / 8);
-        return all;
-      };
-      const std::vector<double> all_q = spread(q), all_qd = spread(qd), all_w = spread(w);
-      std::vector<double> all(outputs * count), here(outputs);
-      run(quantity, all_q.data(), all_qd.data(), all_w.data(), all.data(), static_cast<long>(count));
-      for (std::size_t i = 0; i < outputs; ++i) here[i] = all[i * count + lane];
-      if (lane == 0) first = here;
-      else if (std::memcmp(first.data(), here.data(), outputs * sizeof(double)) != 0) return here;
-    }
-    return first;
+    const auto kernel = [&](const double* all_q, const double* all_qd, const double* all_w,
+                            double* out,
+                            long count) { run(quantity, all_q, all_qd, all_w, out, count); };
+    return askAllLanes(kernel, kernel_->lanes(), outputs, q, qd, w);
   }
 
   void run(Quantity quantity, const double* q, const double* qd, const double* w, double* out,
@@ -120,7 +136,9 @@ class KernelWitness : public Witness {
   std::string name_;
   bool lanes_;
   std::shared_ptr<const kernel::Kernel> kernel_;
+  SolveBound solve_bound_;
   std::map<Formula, symbolic::ProgramRun<RunningError>> bounds_;
+  std::map<Formula, SharpBounds<symbolic::ProgramRun<AdjointError>>> sharp_;
 };
 
 WitnessKind kindOf(const std::string& name, bool lanes) {
@@ -129,16 +147,15 @@ WitnessKind kindOf(const std::string& name, bool lanes) {
             : "the smallest program of the scene, as compiled C";
   WitnessInfo info{name, DYNWITNESS_VERSION, method};
   try {
-    kernel::findCompiler();
-    kernel::cacheFolder();
+    kernel::requireCompiler();
   } catch (const kernel::CannotCompile& error) {
     info.present = false;
-    const std::string reason = error.what();
+    const std::string reason = info.absent = error.what();
     return {info, [=](const scene::Scene&) -> std::unique_ptr<Witness> {
               return std::make_unique<RefusedWitness>(name, reason);
             }};
   }
-  return engineKind<KernelWitness>(info, lanes);
+  return overTree(engineKind<KernelWitness>(info, lanes));
 }
 
 }  // namespace

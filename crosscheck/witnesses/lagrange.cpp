@@ -3,31 +3,49 @@
 // programs in double and with running error bounds.
 #include "crosscheck/witnesses/lagrange.hpp"
 
+#include <stdexcept>
+
+#include "crosscheck/witnesses/program_answer.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
-#include "symbolic/equations.hpp"
 #include "symbolic/reactions.hpp"
 
 namespace dynwitness::crosscheck {
 
-DerivedPrograms::DerivedPrograms(const scene::Mechanism& mechanism, bool fold_parameters) {
-  symbolic::Options options;
-  options.fold_parameters = fold_parameters;
-  symbolic::Equations equations = symbolic::derive(mechanism, options);
-  const std::vector<symbolic::Node> tau = symbolic::inverseDynamics(equations);
-  std::vector<symbolic::Node> M;
-  for (const auto& row : equations.M) M.insert(M.end(), row.begin(), row.end());
-  dof_ = equations.dof();
-  const auto keep = [&](Quantity quantity, const std::vector<symbolic::Node>& outputs) {
-    programs_[static_cast<int>(quantity)] = symbolic::compile(equations.graph, outputs);
-  };
-  keep(Quantity::kM, M);
-  keep(Quantity::kc, equations.c);
-  keep(Quantity::kg, equations.g);
-  keep(Quantity::kTau, tau);
-  keep(Quantity::kKinetic, {equations.kinetic});
-  keep(Quantity::kPotential, {equations.potential});
-  const symbolic::Reactions cut = symbolic::reactions(mechanism, options);
-  programs_[static_cast<int>(Quantity::kReactions)] = symbolic::compile(cut.graph, cut.lambda);
+DerivedPrograms::DerivedPrograms(const scene::Mechanism& mechanism, bool fold_parameters)
+    : mechanism_(mechanism) {
+  options_.fold_parameters = fold_parameters;
+}
+
+std::vector<symbolic::Node> DerivedPrograms::outputs(Quantity quantity) const {
+  if (!equations_) equations_ = symbolic::deriveForces(mechanism_, options_);
+  symbolic::Equations& equations = *equations_;
+  switch (quantity) {
+    case Quantity::kM: {
+      if (equations.M.empty()) symbolic::addMassMatrix(mechanism_, options_, equations);
+      std::vector<symbolic::Node> M;
+      for (const auto& row : equations.M) M.insert(M.end(), row.begin(), row.end());
+      return M;
+    }
+    case Quantity::kc: return equations.c;
+    case Quantity::kg: return equations.g;
+    case Quantity::kTau: return symbolic::inverseDynamics(equations);
+    case Quantity::kKinetic: return {equations.kinetic};
+    case Quantity::kPotential: return {equations.potential};
+    default: throw std::logic_error("DerivedPrograms: no program for this quantity");
+  }
+}
+
+const symbolic::Program& DerivedPrograms::operator[](Quantity quantity) const {
+  std::optional<symbolic::Program>& program = programs_[static_cast<int>(quantity)];
+  if (program) return *program;
+  if (quantity == Quantity::kReactions) {
+    const symbolic::Reactions cut = symbolic::reactions(mechanism_, options_);
+    program = symbolic::compile(cut.graph, cut.lambda);
+  } else {
+    const std::vector<symbolic::Node> nodes = outputs(quantity);
+    program = symbolic::compile(equations_->graph, nodes);
+  }
+  return *program;
 }
 
 namespace {
@@ -35,24 +53,35 @@ namespace {
 class LagrangeWitness : public Witness {
  public:
   explicit LagrangeWitness(const scene::Scene& scene)
-      : programs_(scene.mechanism, true),
+      : mechanism_(scene.mechanism),
+        programs_(scene.mechanism, true),
         in_double_(programs_, scene::RealNumbers<double>(scene.mechanism)),
-        with_bounds_(programs_, RunningErrorNumbers(scene.mechanism)) {}
+        with_bounds_(programs_, RunningErrorNumbers(scene.mechanism)),
+        sharp_([this, mechanism = scene.mechanism] {
+          auto answers = std::make_unique<DerivedAnswers<AdjointError>>(programs_, AdjointErrorNumbers(mechanism));
+          answers->startAll();  // their parameters belong to the kept part of the tape
+          return answers;
+        }),
+        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, 1) {}
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return DerivedPrograms::answers(quantity); }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
-    return boundedAnswer(value(quantity, state), with_bounds_(quantity, runningErrorState(state)));
+    return answerOfProgram(quantity, state, mechanism_, with_bounds_, sharp_, solve_bound_,
+                           {value(quantity, state), {}});
   }
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
     return in_double_(quantity, state);
   }
 
  private:
+  scene::Mechanism mechanism_;
   std::string name_ = "lagrange";
   DerivedPrograms programs_;
   DerivedAnswers<double> in_double_;
   DerivedAnswers<RunningError> with_bounds_;
+  SharpBounds<DerivedAnswers<AdjointError>> sharp_;
+  SolveBound solve_bound_;
 };
 
 }  // namespace

@@ -11,8 +11,10 @@
 //                     products do to the answer, found by our sweeps;
 //   mujoco_principal  gets them with the axes turned before, which is the remedy: its compiler then
 //                     has nothing to turn.
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 #ifdef DYNWITNESS_HAS_MUJOCO
@@ -188,7 +190,8 @@ class MujocoWitness : public Witness {
   MujocoWitness(const scene::Scene& scene, Inertias inertias)
       : name_(nameOf(inertias)),
         friction_(scene.mechanism),
-        bound_(scene.mechanism, ForwardDynamicsBy::kMassMatrix),
+        bound_(scene.mechanism),
+        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns),
         sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
     requirePlainJoints(scene.mechanism);
     requirePlainRotors(scene.mechanism);
@@ -219,6 +222,17 @@ class MujocoWitness : public Witness {
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), kQuaternion * bound_(quantity, state)};
     out.bound.array() += axisError(quantity, state);
+    if (quantity == Quantity::kQdd) {
+      const scene::State<double> answered = moving(state, out.value);
+      solve_bound_.judge(state, bound_(Quantity::kTau, answered), out);
+      out.residual_bound *= kQuaternion;
+      out.residual_bound.array() += axisError(Quantity::kTau, answered) +
+                                    massAxisError(state) * out.value.cwiseAbs().sum();
+      if (compiled_) {
+        out.residual_loss = loss(Quantity::kTau, answered);
+        out.residual_bound += out.residual_loss;
+      }
+    }
     if (compiled_) {
       out.known_loss = loss(quantity, state);
       out.bound += out.known_loss;
@@ -492,6 +506,7 @@ class MujocoWitness : public Witness {
   std::string name_;
   JointFriction friction_;
   EngineBound bound_;
+  SolveBound solve_bound_;
   Setup<double> sweep_;                                      ///< for axisError()
   std::unique_ptr<Setup<RunningError>> written_, compiled_;  ///< of `mujoco` only
   Owned<mjModel> model_;
@@ -546,7 +561,7 @@ WitnessKind kind(Inertias inertias) {
   info.version = mj_versionString();
   info.method = methodOf(inertias);
   info.conventions = conventions(inertias);
-  return engineKind<MujocoWitness>(info, inertias);
+  return overTree(engineKind<MujocoWitness>(info, inertias));
 }
 #else
 WitnessKind kind(Inertias inertias) {

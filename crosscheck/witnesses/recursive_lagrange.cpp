@@ -2,6 +2,7 @@
 // Recursive Lagrange as a witness, in double and with running error bounds.
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 
+#include "crosscheck/witnesses/program_answer.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 namespace dynwitness::crosscheck {
@@ -10,24 +11,33 @@ namespace {
 class RecursiveLagrangeWitness : public Witness {
  public:
   explicit RecursiveLagrangeWitness(const scene::Scene& scene)
-      : in_double_(scene.mechanism, scene::RealNumbers<double>(scene.mechanism)),
-        with_bounds_(scene.mechanism, RunningErrorNumbers(scene.mechanism)) {}
+      : mechanism_(scene.mechanism),
+        in_double_(scene.mechanism, scene::RealNumbers<double>(scene.mechanism)),
+        with_bounds_(scene.mechanism, RunningErrorNumbers(scene.mechanism)),
+        sharp_([mechanism = scene.mechanism] {
+          return std::make_unique<RecursiveLagrange<AdjointError>>(mechanism, AdjointErrorNumbers(mechanism));
+        }),
+        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, 1) {}
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override {
     return RecursiveLagrange<double>::answers(quantity);
   }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
-    return boundedAnswer(value(quantity, state), with_bounds_(quantity, runningErrorState(state)));
+    return answerOfProgram(quantity, state, mechanism_, with_bounds_, sharp_, solve_bound_,
+                           {value(quantity, state), {}});
   }
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
     return in_double_(quantity, state);
   }
 
  private:
+  scene::Mechanism mechanism_;
   std::string name_ = RecursiveLagrange<double>::kName;
   RecursiveLagrange<double> in_double_;
   RecursiveLagrange<RunningError> with_bounds_;
+  SharpBounds<RecursiveLagrange<AdjointError>> sharp_;
+  SolveBound solve_bound_;
 };
 
 }  // namespace

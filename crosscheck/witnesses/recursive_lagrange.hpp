@@ -10,6 +10,7 @@
 
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "recursive/factorization.hpp"
+#include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -42,7 +43,7 @@ struct LagrangeTerms {
         dW_j/dpi_k = W_i E_k W_i^-1 W_j
 
     Cylindrical, universal and planar joints are chains of axes. Fixed joints are kept. Gyroscopic rotors are
-    bodies. */
+    bodies. A joint that follows another has its leader's coordinate, and k times its own generator. */
 template <typename T>
 class HomogeneousModel {
  public:
@@ -58,6 +59,8 @@ class HomogeneousModel {
     Eigen::Matrix<T, 3, 1> k;                    ///< axis, in the joint frame
     T pitch = T(0), stiffness = T(0), rest = T(0);
     T viscous = T(0), positive = T(0), negative = T(0);  ///< friction
+    T ratio = T(1);  ///< of a follower's rate to its leader's, whose `dof` it has
+    bool follows = false, backward = false;  ///< backward: ratio < 0
     std::vector<Axis> axes;
     Matrix4<T> J = Matrix4<T>::Constant(T(0));
   };
@@ -239,6 +242,8 @@ HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const N
   if (mechanism.has_gravity) gravity.template head<3>() = vector(mechanism.gravity, number);
   const Vector3 none = Vector3::Constant(T(0));
   int slot = 0;
+  const std::vector<scene::Follower> followers = scene::followers(mechanism);
+  auto follower = followers.begin();
   for (const scene::Link& link : mechanism.links) {
     int parent = link.parent < 0 ? -1 : body_of_link[link.parent];
     const Matrix4<T> before = composed(link.joint.placement.beforeJoint(), number);
@@ -258,13 +263,21 @@ HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const N
       body.viscous = number(link.joint.friction.viscous);
       body.positive = number(link.joint.friction.positive);
       body.negative = number(link.joint.friction.negative);
-      const T gear = number(link.joint.gear_ratio), J_rotor = number(link.joint.rotor_inertia);
+      T gear = number(link.joint.gear_ratio);
+      const T J_rotor = number(link.joint.rotor_inertia);
+      if (link.joint.mimic) {
+        body.follows = true;
+        body.backward = follower->multiplier < 0;
+        body.ratio = number(scene::Number(follower->multiplier));
+        gear *= body.ratio;
+      }
       // on what rests in the world, only its joint feels it
       const bool spins = link.joint.gyroscopic && parent >= 0 && !bodies[parent].rests;
       body.rests = kind == Kind::kFixed && (parent < 0 || bodies[parent].rests);
       const T rotor = spins ? T(0) : T(gear * gear * J_rotor);
       const auto axis = [&](const Vector3& w, const Vector3& v) {
         body.axes.push_back({joined(hat(w), v, 0), rotor});
+        if (body.follows) body.axes.back().E *= body.ratio;
       };
       switch (kind) {
         case Kind::kRevolute:
@@ -286,9 +299,9 @@ HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const N
           break;
       }
       if (!body.axes.empty()) {
-        body.dof = dof_;
+        body.dof = body.follows ? (follower++)->rate : dof_;
         body.slot = slot;
-        dof_ += static_cast<int>(body.axes.size());
+        if (!body.follows) dof_ += static_cast<int>(body.axes.size());
         slot += kind == Kind::kFloating ? 7 : kind == Kind::kSpherical ? 4 : 1;
       }
       if (spins) addRotor(body, gear, J_rotor);
@@ -421,15 +434,17 @@ std::vector<T> HomogeneousModel<T>::inverse(const std::vector<scene::JointPositi
   for (const Body& body : bodies) {
     for (std::size_t k = 0; k < body.axes.size(); ++k)
       tau[body.dof + k] += body.axes[k].rotor * qdd[body.dof + k];
-    if (terms.springs && body.axes.size() == 1)
-      tau[body.dof] += body.stiffness * (x[body.slot].q - body.rest);
-    if (terms.loads && body.axes.size() == 1) {
+    if (body.axes.size() != 1) continue;
+    T own = T(0);  // in the joint's own coordinate
+    if (terms.springs) own += body.stiffness * (x[body.slot].q - body.rest);
+    if (terms.loads) {
       using scene::directionOf;
-      const int direction = directionOf(qd[body.dof]);
-      tau[body.dof] += body.viscous * qd[body.dof];
-      if (direction > 0) tau[body.dof] += body.positive;
-      if (direction < 0) tau[body.dof] -= body.negative;
+      const int direction = body.backward ? -directionOf(qd[body.dof]) : directionOf(qd[body.dof]);
+      own += body.viscous * (body.follows ? T(body.ratio * qd[body.dof]) : qd[body.dof]);
+      if (direction > 0) own += body.positive;
+      if (direction < 0) own -= body.negative;
     }
+    tau[body.dof] += body.follows ? T(body.ratio * own) : own;
   }
   return tau;
 }

@@ -10,8 +10,10 @@
 
 #include <Eigen/Cholesky>
 
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
 #include "crosscheck/witnesses/joint_friction.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "scene/numbers.hpp"
 
@@ -65,7 +67,7 @@ SimTK::MassProperties massProperties(const MassProperties& m, const RealNumbers<
 struct Rotor {
   SimTK::MobilizedBody body;
   double gear_ratio;
-  bool carried;  ///< by the parent link
+  bool carried;  ///< by a link that moves
 };
 
 /// Whether a link rests in the world.
@@ -84,29 +86,23 @@ SimTK::Rotation rotorAxes(const scene::Joint& joint, const RealNumbers<double>& 
 /// The thinnest rotor with this inertia about its axis: a disc.
 SimTK::Inertia disc(double J) { return {J / 2, J / 2, J}; }
 
-/** What is left of a link when the gyroscopic rotors that it carries are bodies of their own: each a disc
-    at the link's centre of mass, with an equal share of half its mass. Where on the link a rotor sits, and
-    what it weighs, is part of the link's own figures; only its spin is not. */
-struct Carrier {
-  SimTK::MassProperties left;
-  double rotor_mass = 0;  ///< of each rotor
+/// Of a gyroscopic rotor: its spin counts, its weight is part of the link's. With 1e-100 kg no digit feels it, while
+/// Simbody, which keeps inertias as multiples of the mass, can still hold J.
+constexpr double kWeightless = 1e-100;
 
-  Carrier(const scene::Mechanism& mechanism, int link, const RealNumbers<double>& number)
-      : left(massProperties(mechanism.links[link].inertia, number)) {
-    int count = 0;
-    SimTK::Inertia central = left.calcCentralInertia();
-    for (const scene::Link& child : mechanism.links) {
-      if (child.parent != link || !child.joint.gyroscopic || rests(mechanism, link)) continue;
-      ++count;
-      central -= disc(number(child.joint.rotor_inertia)).reexpress(~rotorAxes(child.joint, number));
-    }
-    if (count == 0) return;
-    const double mass = left.getMass() / 2;
-    rotor_mass = (left.getMass() - mass) / count;
-    const SimTK::Vec3 com = left.getMassCenter();
-    left = SimTK::MassProperties(mass, com, central.shiftFromMassCenter(-com, mass));
-  }
-};
+/** What is left of a link when the gyroscopic rotors that it carries are bodies of their own: the inertia
+    less a disc each. Where on the link a rotor sits, and what it weighs, is part of the link's own
+    figures; only its spin is not. What rests in the world needs no inertia, and keeps what it has. */
+SimTK::MassProperties withoutDiscs(const scene::Mechanism& mechanism, int link,
+                                   const RealNumbers<double>& number) {
+  const SimTK::MassProperties whole = massProperties(mechanism.links[link].inertia, number);
+  if (rests(mechanism, link)) return whole;
+  SimTK::Inertia inertia = whole.calcInertia();
+  for (const scene::Link& child : mechanism.links)
+    if (child.parent == link && child.joint.gyroscopic)
+      inertia -= disc(number(child.joint.rotor_inertia)).reexpress(~rotorAxes(child.joint, number));
+  return {whole.getMass(), whole.getMassCenter(), inertia};
+}
 
 bool hasRotors(const scene::Mechanism& mechanism) {
   const RealNumbers<double> number(mechanism);
@@ -235,8 +231,9 @@ class SimbodyWitness : public Witness {
         build_(build),
         friction_(scene.mechanism, JointFriction::Parts::kCoulomb),
         has_rotors_(hasRotors(scene.mechanism)),
-        bound_(scene.mechanism,
-               has_rotors_ ? ForwardDynamicsBy::kMassMatrix : ForwardDynamicsBy::kSweep),
+        bound_(scene.mechanism),
+        solve_bound_(scene.mechanism, has_rotors_ ? SolvedBy::kMassMatrix : SolvedBy::kSweep,
+                     kEngineTurns),
         matter_(system_),
         forces_(system_),
         loads_(forces_, matter_) {
@@ -267,7 +264,10 @@ class SimbodyWitness : public Witness {
   bool answers(Quantity) const override { return true; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
-    return {value(quantity, state), bound_(quantity, state)};
+    Answer out{value(quantity, state), bound_(quantity, state)};
+    if (quantity == Quantity::kQdd)
+      solve_bound_.judge(state, bound_(Quantity::kTau, moving(state, out.value)), out);
+    return out;
   }
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
     if (quantity == Quantity::kReactions && build_ != Build::kPrescribed) {
@@ -343,7 +343,7 @@ class SimbodyWitness : public Witness {
     const scene::Joint& joint = link.joint;
     SimTK::MobilizedBody& parent =
         link.parent < 0 ? matter_.updGround() : matter_.updMobilizedBody(links_[link.parent]);
-    const SimTK::Body::Rigid body(Carrier(mechanism, static_cast<int>(index), number).left);
+    const SimTK::Body::Rigid body(withoutDiscs(mechanism, static_cast<int>(index), number));
     const SimTK::Transform X_before = composed(joint.placement.beforeJoint(), number);
     const SimTK::Transform X_after = composed(joint.placement.afterJoint(), number);
     if (joint.kind == JointKind::kFixed) {
@@ -370,13 +370,12 @@ class SimbodyWitness : public Witness {
     rotors_.emplace_back();
     const double rotor = number(joint.rotor_inertia), gear = number(joint.gear_ratio);
     if (rotor == 0) return;
-    if (joint.gyroscopic && !rests(mechanism, link.parent)) {
-      const Carrier carrier(mechanism, link.parent, number);
+    if (joint.gyroscopic && link.parent > 0) {  // the root has no joint that would feel it
       const SimTK::MobilizedBody::Pin spinning(
-          parent, SimTK::Transform(rotorAxes(joint, number), carrier.left.getMassCenter()),
-          SimTK::Body::Rigid(SimTK::MassProperties(carrier.rotor_mass, SimTK::Vec3(0), disc(rotor))),
+          parent, SimTK::Transform(rotorAxes(joint, number)),
+          SimTK::Body::Rigid(SimTK::MassProperties(kWeightless, SimTK::Vec3(0), disc(rotor))),
           SimTK::Transform());
-      rotors_.back() = {spinning, gear, true};
+      rotors_.back() = {spinning, gear, !rests(mechanism, link.parent)};
     } else {
       addRotor(rotor, gear);
     }
@@ -582,6 +581,7 @@ class SimbodyWitness : public Witness {
   SimTK::Vector prescribed_;                      ///< du/dt, kPrescribed
   bool has_rotors_;
   EngineBound bound_;
+  SolveBound solve_bound_;
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_;
   SimTK::GeneralForceSubsystem forces_;
@@ -625,6 +625,7 @@ std::string simbodyVersion() {
 
 Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
                                            const scene::State<double>& state) {
+  scene::requireNoMimics({scene.file.string(), 0}, scene.mechanism, "Simbody's closed system has none");
   return SimbodyWitness(scene, SimbodyWitness::Build::kClosed).value(Quantity::kQdd, state);
 }
 
@@ -634,9 +635,9 @@ WitnessKind simbodyKind() {
   info.version = simbodyVersion();
   info.method = "Simbody; rotors as bodies of their own";
   info.conventions = kConventions;
-  return {info, [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            return std::make_unique<SimbodyWitness>(scene);
-          }};
+  return overTree({info, [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
+                     return std::make_unique<SimbodyWitness>(scene);
+                   }});
 }
 
 }  // namespace dynwitness::crosscheck

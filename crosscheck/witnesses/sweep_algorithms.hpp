@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "crosscheck/witnesses/bounded_answer.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/composite_body.hpp"
@@ -60,6 +61,7 @@ struct Setup {
 
 struct NewtonEuler {
   static constexpr const char* kName = "newton_euler";
+  static constexpr SolvedBy kSolvedBy = SolvedBy::kSweep;  ///< never asked
   static constexpr const char* kMethod =
       "outward sweep of motion, inward sweep of force (recursive Newton-Euler)";
   static bool answers(Quantity quantity) { return quantity != Quantity::kQdd; }
@@ -93,6 +95,7 @@ struct NewtonEuler {
 
 struct CompositeBody {
   static constexpr const char* kName = "composite_body";
+  static constexpr SolvedBy kSolvedBy = SolvedBy::kMassMatrix;
   static constexpr const char* kMethod = "M by composite bodies; qdd from M = L D L'";
   static bool answers(Quantity quantity) {
     return quantity == Quantity::kM || quantity == Quantity::kQdd;
@@ -114,6 +117,7 @@ struct CompositeBody {
 
 struct ArticulatedBody {
   static constexpr const char* kName = "articulated_body";
+  static constexpr SolvedBy kSolvedBy = SolvedBy::kSweep;
   static constexpr const char* kMethod = "articulated inertias, projected inward joint by joint";
   static bool answers(Quantity quantity) { return quantity == Quantity::kQdd; }
 

@@ -125,10 +125,6 @@ void columnOf(const Link<T>& link, int k, const Articulated<T>& M, Vec<T>& f, Ve
   }
 }
 
-}  // namespace detail
-
-namespace detail {
-
 template <typename T>
 DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* tau,
                      ForwardDynamicsWorkspace<T>& ws, T* qdd) {

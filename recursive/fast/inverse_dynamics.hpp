@@ -59,17 +59,11 @@ void subtractWorldLoads(const Plan<T>& plan, const JointPosition<T>* x, OtherJoi
 /// (4): what a gyroscopic rotor feels of the parent.
 template <typename T>
 void addParentsTurn(const Plan<T>& plan, const InverseDynamicsWorkspace<T>& ws, T* tau) {
-  if (!plan.has_specials) return;
-  for (std::size_t i = 0; i < plan.links.size(); ++i) {
-    const Link<T>& link = plan.links[i];
-    if (!link.is_special) continue;
-    withStep(link.step, [&](auto step) {
-      constexpr Step kStep = decltype(step)::value;
-      const auto& r = ws.records[i + 1];
-      const auto way = wayBack<kStep>(plan, link, r.c, r.s, ws.others);
-      tau[link.dof] = tau[link.dof] + link.spin * way.outward(ws.motions[link.parent].wd).z;
-    });
-  }
+  forEachSpecial(plan, [&](const Link<T>& link, int record, auto step) {
+    const auto& r = ws.records[record];
+    const auto way = wayBack<decltype(step)::value>(plan, link, r.c, r.s, ws.others);
+    tau[link.dof] = tau[link.dof] + link.spin * way.outward(ws.motions[link.parent].wd).z;
+  });
 }
 
 /// From so many links on, what a sweep reads and writes (560 bytes a link) does not fit into most caches ...

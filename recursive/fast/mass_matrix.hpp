@@ -171,10 +171,6 @@ DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, const T& mass, Vec<T>& h, Symm
   h = h_A;
 }
 
-}  // namespace detail
-
-namespace detail {
-
 template <typename Pack, typename T>
 DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T>* x,
                                       MassMatrixWorkspace<T>& ws, T* M) {

@@ -256,6 +256,7 @@ void Plan<T>::fill(const Model<T>& model) {
 template <typename T>
 Plan<T>::Plan(const Model<T>& model)
     : gravity(Vec<T>::from(model.gravity)), dof(model.dof()), positions(model.positions) {
+  requireOwnRates(model, "Plan");
   order(model);
   fill(model);
   link_of_.clear();
@@ -494,26 +495,31 @@ DYNWITNESS_INLINE Vec<T> jointPlace(const Link<T>& link, const JointPosition<T>*
   return link.p;
 }
 
+/// Calls f(link, place of its record, step) for the links with friction or a gyroscopic rotor; plans without
+/// any pay nothing.
+template <typename T, typename F>
+void forEachSpecial(const Plan<T>& plan, const F& f) {
+  if (!plan.has_specials) return;
+  for (int i = 0; i < static_cast<int>(plan.links.size()); ++i) {
+    const Link<T>& link = plan.links[i];
+    if (link.is_special) withStep(link.step, [&](auto step) { f(link, i + 1, step); });
+  }
+}
+
 /// Onto each parent's moment what the gyroscopic rotors of its children's joints ask of it:
 ///     h (z qdd + w_p x z qd),
 /// qdd left out where there is none. The motions hold w of the link itself, which differs along z only.
 template <typename T, typename Motion, typename Record>
 void addRotors(const Plan<T>& plan, const T* qd, const T* qdd, const OtherJoints<T>& others,
                const std::vector<Motion>& motions, std::vector<Record>& records) {
-  if (!plan.has_specials) return;
-  for (std::size_t i = 0; i < plan.links.size(); ++i) {
-    const Link<T>& link = plan.links[i];
-    if (!link.is_special) continue;
-    withStep(link.step, [&](auto step) {
-      constexpr Step kStep = decltype(step)::value;
-      const Record& r = records[i + 1];
-      const Vec<T>& w = motions[i + 1].w;
-      Vec<T> rotor = Vec<T>{w.y, -w.x, T(0)} * (link.spin * qd[link.dof]);
-      if (qdd) rotor.z = link.spin * qdd[link.dof];
-      wayBack<kStep>(plan, link, r.c, r.s, others).inward(rotor);
-      records[link.parent].n = records[link.parent].n + rotor;
-    });
-  }
+  forEachSpecial(plan, [&](const Link<T>& link, int record, auto step) {
+    const Record& r = records[record];
+    const Vec<T>& w = motions[record].w;
+    Vec<T> rotor = Vec<T>{w.y, -w.x, T(0)} * (link.spin * qd[link.dof]);
+    if (qdd) rotor.z = link.spin * qdd[link.dof];
+    wayBack<decltype(step)::value>(plan, link, r.c, r.s, others).inward(rotor);
+    records[link.parent].n = records[link.parent].n + rotor;
+  });
 }
 
 }  // namespace dynwitness::recursive::fast

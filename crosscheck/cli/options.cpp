@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/cli/options.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace dynwitness::cli {
+namespace {
+
+/// The text as a number of this type; false where it is none, or out of the type's range.
+template <typename T>
+bool read(const std::string& text, T* value) {
+  const char* begin = text.data();
+  const char* end = begin + text.size();
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') ++begin;
+  const auto [at, error] = std::from_chars(begin, end, *value);
+  return error == std::errc() && at == end;
+}
+
+/// @param short_name  as the help shows it behind the type
+template <typename T>
+CLI::Validator allowed(const std::function<bool(T)>& holds, const std::string& sentence,
+                       const std::string& short_name) {
+  return CLI::Validator(
+      [holds, sentence](std::string& text) {
+        T value{};
+        if (read(text, &value) && holds(value)) return std::string();
+        return fmt::format("read '{}', allowed: {}", text, sentence);
+      },
+      short_name);
+}
+
+CLI::Validator finiteAnd(const std::function<bool(double)>& holds, const std::string& sentence,
+                         const std::string& short_name) {
+  return allowed<double>([holds](double x) { return std::isfinite(x) && holds(x); }, sentence,
+                         short_name);
+}
+
+}  // namespace
+
+CLI::Validator finite() {
+  return finiteAnd([](double) { return true; }, "finite numbers", "finite");
+}
+CLI::Validator positive() {
+  return finiteAnd([](double x) { return x > 0; }, "positive numbers", "> 0");
+}
+CLI::Validator nonNegative() {
+  return finiteAnd([](double x) { return x >= 0; }, "zero or positive numbers", ">= 0");
+}
+CLI::Validator between(double low, double high) {
+  return finiteAnd([low, high](double x) { return x >= low && x <= high; },
+                   fmt::format("numbers from {} to {}", low, high),
+                   fmt::format("{} to {}", low, high));
+}
+CLI::Validator whole(std::int64_t low, std::int64_t high) {
+  return allowed<std::int64_t>([low, high](std::int64_t x) { return x >= low && x <= high; },
+                               fmt::format("whole numbers from {} to {}", low, high),
+                               fmt::format("{} to {}", low, high));
+}
+CLI::Validator seed() {
+  return allowed<std::uint64_t>(
+      [](std::uint64_t) { return true; },
+      fmt::format("whole numbers from 0 to {}", std::numeric_limits<std::uint64_t>::max()),
+      "0 to 2^64-1");
+}
+
+}  // namespace dynwitness::cli

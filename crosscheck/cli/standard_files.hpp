@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Standard input, output and error, which may be closed, full, or gone in the middle.
+#pragma once
+
+#include <string_view>
+
+namespace dynwitness::cli {
+
+/// Takes the numbers 0, 1 and 2 where they are free, so that no file that is opened gets them and is written
+/// to by mistake. To read from or write to such a one still fails.
+void occupyStandardFiles();
+
+/// Writes to standard error. What cannot be written there is lost: it is no reason to give up the work.
+void tell(std::string_view text) noexcept;
+
+/// @throws std::runtime_error  standard output could not be written: what was printed has not arrived
+void requireOutputWritten();
+
+}  // namespace dynwitness::cli

@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/control.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crosscheck/tables.hpp"
+#include "crosscheck/witnesses/sweep_witness.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+constexpr int kStates = 3;           ///< that the control is asked at
+constexpr int kUsualPower = 10;      ///< size 1e-10
+
+double sizeOf(int power) {
+  return std::pow(10.0, -power);
+}
+
+/// Which sweep the control runs.
+struct ControlSweep {
+  static constexpr const char* kName = kControl;
+  static constexpr SolvedBy kSolvedBy = SolvedBy::kSweep;
+  static bool answers(Quantity) { return true; }
+  template <typename T>
+  static MatrixX<T> answer(Setup<T>& s, Quantity quantity, const scene::State<T>& state) {
+    return quantity == Quantity::kQdd ? ArticulatedBody::answer(s, quantity, state)
+                                      : NewtonEuler::answer(s, quantity, state);
+  }
+};
+
+/// The control at one size, as a witness that believes in its kilogram.
+using HeavyWitness = SweepWitness<ControlSweep>;
+
+void addOnce(std::vector<std::string>& list, const std::string& text) {
+  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
+}
+
+}  // namespace
+
+scene::Scene heavier(const scene::Scene& scene, int power) {
+  scene::Scene out = scene;
+  const auto scale = [power](scene::Number& number) {
+    if (!number.isLiteralZero())
+      number = scene::Expression::parse(fmt::format("({}) * (1 + 1e-{})", number.text(), power));
+  };
+  for (scene::Link& link : out.mechanism.links) {
+    scene::MassProperties& m = link.inertia;
+    for (scene::Number* number : {&m.mass, &m.xx, &m.yy, &m.zz, &m.xy, &m.xz, &m.yz})
+      scale(*number);
+    scene::Joint& joint = link.joint;
+    for (scene::Number* number : {&joint.rotor_inertia, &joint.stiffness, &joint.friction.viscous,
+                                  &joint.friction.positive, &joint.friction.negative})
+      scale(*number);
+  }
+  for (scene::Wrench& wrench : out.mechanism.wrenches)
+    for (int k = 0; k < 3; ++k) {
+      scale(wrench.force[k]);
+      scale(wrench.moment[k]);
+    }
+  return out;
+}
+
+// ---- among the witnesses ------------------------------------------------------------------------
+
+struct ControlWitness::Impl {
+  HeavyWitness& at(int power) {
+    std::unique_ptr<HeavyWitness>& slot = heavy[power];
+    if (!slot) slot = std::make_unique<HeavyWitness>(power == 0 ? scene : heavier(scene, power));
+    return *slot;
+  }
+
+  /// The power of ten that must be found; none where double keeps no digits of the quantity.
+  std::optional<int> power(Quantity quantity, const scene::State<double>& state,
+                           const Certified& exact) {
+    const Eigen::MatrixXd honest = at(0).value(quantity, state);
+    double off = 0, largest = 0;
+    for (Eigen::Index k = 0; k < honest.size(); ++k) {
+      off = std::max(off, (Ball(honest.data()[k]) - exact.value.data()[k]).atMost());
+      largest = std::max(largest, exact.value.data()[k].atLeast());
+    }
+    for (int power = kUsualPower; power > 0; --power)
+      if (sizeOf(power) * largest >= kWidestLimit * off) return power;
+    return {};
+  }
+
+  Control& control(const std::string& quantity) {
+    for (Control& known : controls)
+      if (known.quantity == quantity) return known;
+    controls.emplace_back();
+    controls.back().quantity = quantity;
+    return controls.back();
+  }
+
+  const scene::Scene& scene;
+  int states;
+  std::map<int, std::unique_ptr<HeavyWitness>> heavy;  ///< by power; 0: honest
+  std::vector<Control> controls;
+};
+
+ControlWitness::ControlWitness(const scene::Scene& scene, const Options& options)
+    : impl_(new Impl{scene, options.states, {}, {}}) {}
+ControlWitness::~ControlWitness() = default;
+
+bool ControlWitness::joins(Quantity quantity, int index, const scene::State<double>& state,
+                           const Certified& exact, std::vector<Testimony>& said) {
+  if (index >= kStates) return false;
+  Control& control = impl_->control(crosscheck::name(quantity));
+  const auto nothing = [&](const std::string& why) {
+    if (control.size == 0) control.nothing = why;
+    return false;
+  };
+  if (!exact.exists()) return nothing(exact.reason);
+  double largest = 0;
+  for (Eigen::Index k = 0; k < exact.value.size(); ++k)
+    largest = std::max(largest, exact.value.data()[k].atLeast());
+  if (largest == 0) return nothing("is zero");
+  if (index == 0 && impl_->states > 1) {
+    said.push_back({kControl, impl_->at(0).answer(quantity, state), {}});
+    return true;
+  }
+  const std::optional<int> power = impl_->power(quantity, state, exact);
+  if (!power) return nothing("double keeps no digits of it");
+  control.nothing.clear();
+  control.size = std::max(control.size, sizeOf(*power));
+  said.push_back({kControl, impl_->at(*power).answer(quantity, state), {}});
+  return true;
+}
+
+void ControlWitness::judgedInPairs(const std::vector<CheckResult>& checks) {
+  bool found = false, judged = false;
+  Control* control = nullptr;
+  std::vector<std::string> blind;
+  for (const CheckResult& check : checks) {
+    if (check.right != kControl) continue;
+    control = &impl_->control(check.quantity);
+    judged = judged || check.verdict != Verdict::kNotAnswerable;
+    found = found || check.verdict == Verdict::kDisagree;
+    if (check.verdict == Verdict::kAgree) blind.push_back(check.left);
+  }
+  if (control == nullptr || control->size == 0 || !judged) return;
+  (found ? control->found : control->missed).push_back("pairs");
+  control->blind = blind;
+}
+
+void ControlWitness::takeFrom(DigitsFound& found) {
+  const auto isControls = [](const DigitsResult& digits) { return digits.witness == kControl; };
+  found.digits.erase(std::remove_if(found.digits.begin(), found.digits.end(), isControls),
+                     found.digits.end());
+  std::vector<CheckResult> others;
+  for (CheckResult& check : found.checks) {
+    if (check.left != kControl) {
+      others.push_back(std::move(check));
+      continue;
+    }
+    Control& control = impl_->control(check.quantity);
+    if (control.size == 0 || check.verdict == Verdict::kNotAnswerable) continue;
+    (check.verdict == Verdict::kDisagree ? control.found : control.missed).push_back("truth");
+  }
+  found.checks = std::move(others);
+}
+
+std::vector<Control> ControlWitness::results() const {
+  std::vector<Control> controls = impl_->controls;
+  for (Control& control : controls)
+    if (control.nothing.empty() && control.found.empty() && control.missed.empty())
+      control.nothing = "no comparison was possible";
+  return controls;
+}
+
+// ---- over the prime field -----------------------------------------------------------------------
+
+namespace {
+
+/// Which quantities are zero, or have no value, at a random point: there is nothing to be too heavy.
+std::map<std::string, std::string> nothingInField(const scene::Scene& scene,
+                                                  const ExactOptions& options) {
+  const PrimeField::Modulus modulus(drawPrime(scene.name, options.seed, 0));
+  const FieldSource source(scene.name, options.seed, 0);
+  const FieldNumbers number(scene.mechanism, source, options.parameters);
+  const scene::State<PrimeField> state =
+      indeterminateState(scene.mechanism, source, options.parameters);
+  std::map<std::string, std::string> nothing;
+  try {
+    Setup<PrimeField> setup(scene.mechanism, number);
+    for (const Quantity quantity : kAllQuantities) {
+      try {
+        const MatrixX<PrimeField> value = ControlSweep::answer(setup, quantity, state);
+        bool is_zero = true;
+        for (Eigen::Index k = 0; k < value.size(); ++k)
+          is_zero = is_zero && value.data()[k].isZero();
+        if (is_zero) nothing[name(quantity)] = "is zero";
+      } catch (const DivisionByZero& error) {
+        nothing[name(quantity)] = error.what();
+      }
+    }
+  } catch (const DivisionByZero& error) {  // the prime divides a number of the scene
+    for (const Quantity quantity : kAllQuantities) nothing[name(quantity)] = error.what();
+  }
+  return nothing;
+}
+
+}  // namespace
+
+std::vector<Control> controlInField(const scene::Scene& scene, const ExactOptions& options) {
+  const std::map<std::string, std::string> nothing = nothingInField(scene, options);
+  const auto as_it_is = [](auto&, const auto&) {};
+  const std::vector<ExactWitness> witnesses = {
+      sweepWitness<NewtonEuler>(scene, as_it_is), sweepWitness<ArticulatedBody>(scene, as_it_is),
+      sweepWitness<ControlSweep>(heavier(scene, kUsualPower), as_it_is)};
+  std::vector<Control> controls;
+  for (const CheckResult& check : compareExactly(scene, witnesses, options)) {
+    if (check.right != kControl) continue;
+    Control control;
+    control.quantity = check.quantity;
+    if (const auto it = nothing.find(check.quantity); it != nothing.end()) {
+      control.nothing = it->second;
+    } else if (check.verdict == Verdict::kNotAnswerable) {
+      control.nothing = check.reason;
+    } else {
+      control.size = sizeOf(kUsualPower);
+      (check.verdict == Verdict::kDisagree ? control.found : control.missed).push_back("field");
+    }
+    controls.push_back(control);
+  }
+  return controls;
+}
+
+// ---- before tables ------------------------------------------------------------------------------
+
+namespace {
+
+using nlohmann::json;
+
+/** The part of a printed number that three units of its last digit are: "0.25" gives 3 / 25. None for an
+    expression, and for zero. Whether zeros at the end were printed makes it smaller, not larger. */
+std::optional<double> threeUnits(const json& printed) {
+  if (!printed.is_string()) return {};
+  std::string digits;
+  for (const char c : printed.get<std::string>()) {
+    if (c == 'e' || c == 'E') break;
+    if (c >= '0' && c <= '9')
+      digits += c;
+    else if (c != '.' && c != '-' && c != '+')
+      return {};
+  }
+  const double units = std::strtod(digits.c_str(), nullptr);
+  if (units == 0) return {};
+  return 3 / units;
+}
+
+/// The smallest over all entries; what the table states about places and accuracy outweighs the print.
+double leastPart(const json& table, const json& one_case, const std::string& quantity,
+                 const json& printed, const std::optional<double>& accuracy) {
+  const auto stated = [&](const char* key) -> std::optional<int> {
+    if (!one_case.contains(key) || !one_case[key].contains(quantity)) return {};
+    return one_case[key][quantity].get<int>();
+  };
+  if (printed.is_array()) {
+    double least = 1e300;
+    for (const json& entry : printed)
+      least = std::min(least, leastPart(table, one_case, quantity, entry, accuracy));
+    return least;
+  }
+  const std::optional<double> units = threeUnits(printed);
+  if (!units) return 1e300;
+  const double value = std::abs(std::strtod(printed.get<std::string>().c_str(), nullptr));
+  if (accuracy) return 3 * *accuracy / value;
+  if (const auto places = stated("digits")) return 3 * std::pow(10.0, -*places) / value;
+  if (const auto significant = stated("significant")) return 3 * std::pow(10.0, 1 - *significant);
+  // all digits of a double, which "4" has too
+  if (one_case.value("computed_digits", table.value("computed_digits", false))) return 0;
+  return *units;
+}
+
+/// A case without joint forces moves freely: its qdd is the same in every unit of mass.
+bool movesFreely(const json& one_case) {
+  const json forces = one_case.value("tau", json::array());
+  return std::all_of(forces.begin(), forces.end(), [](const json& force) {
+    return (force.is_string() ? force.get<std::string>() : force.dump())
+               .find_first_not_of("+-0.") == std::string::npos;
+  });
+}
+
+}  // namespace
+
+std::vector<Control> controlOfTable(const std::filesystem::path& file, const scene::Scene& scene) {
+  std::ifstream in(file);
+  const json table = json::parse(in);
+  std::map<std::string, double> part;  // by quantity, the least of all cases
+  for (const json& one_case : table.at("cases")) {
+    for (const auto& [quantity, printed] : one_case.at("expect").items()) {
+      if (quantity == "period_ratio" || (quantity == "qdd" && movesFreely(one_case))) continue;
+      std::optional<double> accuracy;
+      if (table.contains("accuracy") && table["accuracy"].contains(quantity))
+        accuracy = std::strtod(table["accuracy"][quantity].get<std::string>().c_str(), nullptr);
+      const double least = leastPart(table, one_case, quantity, printed, accuracy);
+      if (least > 1e299) continue;  // zeros and expressions
+      const auto [it, is_new] = part.try_emplace(quantity, least);
+      it->second = std::min(it->second, least);
+    }
+  }
+  std::vector<Control> controls;
+  for (const auto& [quantity, least] : part) {
+    if (least > 1) {
+      controls.emplace_back();
+      controls.back().quantity = quantity;
+      controls.back().nothing = "a table whose units are larger than its numbers";
+      continue;
+    }
+    int power = kUsualPower;
+    while (power > 0 && sizeOf(power) < least) --power;
+    const WitnessKind kind = {{kControl, DYNWITNESS_VERSION, "a kilogram too heavy"},
+                              [power](const scene::Scene& asked) -> std::unique_ptr<Witness> {
+                                return std::make_unique<HeavyWitness>(heavier(asked, power));
+                              }};
+    for (const CheckResult& check : compareWithTable(file, scene, {kind})) {
+      if (check.quantity != quantity || check.right != kControl) continue;
+      Control control;
+      control.quantity = quantity;
+      control.size = sizeOf(power);
+      (check.verdict == Verdict::kDisagree ? control.found : control.missed).push_back("table");
+      controls.push_back(control);
+    }
+  }
+  return controls;
+}
+
+std::vector<Control> joinedControls(const std::vector<std::vector<Control>>& parts) {
+  std::vector<Control> joined, of_tables;
+  for (const std::vector<Control>& part : parts) {
+    for (const Control& control : part) {
+      const auto isOfTable = [](const std::vector<std::string>& roads) {
+        return roads == std::vector<std::string>{"table"};
+      };
+      if (isOfTable(control.found) || isOfTable(control.missed)) {
+        of_tables.push_back(control);
+        continue;
+      }
+      const auto same = std::find_if(joined.begin(), joined.end(), [&](const Control& c) {
+        return c.quantity == control.quantity;
+      });
+      if (same == joined.end()) {
+        joined.push_back(control);
+        continue;
+      }
+      if (same->size == 0)
+        same->nothing = control.nothing;  // planted by one road at least, or by none
+      else if (control.size > 0)
+        same->nothing.clear();
+      same->size = std::max(same->size, control.size);
+      for (const std::string& road : control.found) addOnce(same->found, road);
+      for (const std::string& road : control.missed) addOnce(same->missed, road);
+      for (const std::string& witness : control.blind) addOnce(same->blind, witness);
+    }
+  }
+  joined.insert(joined.end(), of_tables.begin(), of_tables.end());
+  return joined;
+}
+
+}  // namespace dynwitness::crosscheck

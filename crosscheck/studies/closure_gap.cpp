@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/studies/closure_gap.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "crosscheck/arithmetic/rounded_state.hpp"
+#include "crosscheck/studies/constrained_quantities.hpp"
+#include "recursive/constraints.hpp"
+
+namespace dynwitness::crosscheck {
+
+std::string ClosureGap::text() const {
+  return fmt::format("|phi| = {:.3g}, |J qd| = {:.3g}", phi, phi_rate);
+}
+
+struct ClosureGaps::Parts {
+  explicit Parts(const scene::Mechanism& mechanism)
+      : number(mechanism),
+        model(recursive::buildModel(mechanism, number)),
+        ws(model),
+        closures(recursive::buildConstraints(mechanism, number, model)) {}
+
+  RunningErrorNumbers number;
+  recursive::Model<RunningError> model;
+  recursive::Workspace<RunningError> ws;
+  recursive::Constraints<RunningError> closures;
+};
+
+ClosureGaps::ClosureGaps(const scene::Scene& scene)
+    : parts_(std::make_unique<Parts>(scene.mechanism)) {}
+ClosureGaps::~ClosureGaps() = default;
+
+ClosureGap ClosureGaps::at(const scene::State<double>& state) {
+  Parts& p = *parts_;
+  ClosureGap gap;
+  if (p.closures.rows() == 0) return gap;
+  std::vector<scene::JointPosition<RunningError>> x;
+  for (const scene::JointPosition<double>& q : state.x) x.push_back(roundedPosition(q.q));
+  const std::vector<RunningError> qd = rounded(state.qd);
+  recursive::constraintEquations(p.model, x, qd, p.ws, p.closures);
+  const auto see = [&gap](const RunningError& residual, double* largest) {
+    *largest = std::max(*largest, std::abs(residual.value()));
+    if (!(std::abs(residual.value()) <= residual.bound())) gap.is_open = true;
+  };
+  for (int row = 0; row < p.closures.rows(); ++row) {
+    RunningError rate = 0.0;
+    for (std::size_t i = 0; i < qd.size(); ++i)
+      rate += p.closures.J(row, static_cast<Eigen::Index>(i)) * qd[i];
+    see(p.closures.phi(row), &gap.phi);
+    see(rate, &gap.phi_rate);
+  }
+  return gap;
+}
+
+ClosureGap ClosureGaps::ofStart(const scene::Scene& scene) {
+  if (scene.mechanism.closures.empty()) return {};
+  return ClosureGaps(scene).at(ConstrainedQuantities(scene).start());
+}
+
+}  // namespace dynwitness::crosscheck

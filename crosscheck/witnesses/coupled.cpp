@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/witnesses/coupled.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/sweep_algorithms.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+/** Asks a witness about the tree and sums over followers here. Bounds: the answers of the tree enter as
+    RunningError, with what the witness says of their error and with what the rounding of the tree's state
+    (positions, rates and accelerations of followers) does to them, which our sweep of the tree tells. */
+class OverTree : public Witness {
+ public:
+  OverTree(std::unique_ptr<Witness> of_tree, const scene::Scene& scene)
+      : of_tree_(std::move(of_tree)),
+        mechanism_(scene.mechanism),
+        in_double_(mechanism_, scene::RealNumbers<double>(mechanism_)),
+        with_bounds_(mechanism_, RunningErrorNumbers(mechanism_)),
+        tree_(scene::withoutMimics(mechanism_), RunningErrorNumbers(mechanism_)) {}
+
+  const std::string& name() const override { return of_tree_->name(); }
+  bool answers(Quantity quantity) const override {
+    if (quantity != Quantity::kQdd) return of_tree_->answers(quantity);
+    return of_tree_->answers(Quantity::kM) && of_tree_->answers(Quantity::kTau);
+  }
+  Answer answer(Quantity quantity, const scene::State<double>& state) override {
+    Answer out;
+    out.value = value(quantity, state);
+    bool lossy = false;
+    out.bound = bound(quantity, state, true, &lossy);
+    if (lossy) out.known_loss = (out.bound - bound(quantity, state, false, &lossy)).cwiseMax(0.0);
+    return out;
+  }
+  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
+    return in_double_(quantity, state, [&](Quantity asked, const scene::State<double>& tree) {
+      return of_tree_->value(asked, tree);
+    });
+  }
+
+ private:
+  Eigen::MatrixXd bound(Quantity quantity, const scene::State<double>& state, bool with_loss,
+                        bool* lossy) {
+    const scene::State<RunningError> uncertain = runningErrorState(state, mechanism_);
+    const MatrixOf<RunningError> out = with_bounds_(
+        quantity, uncertain, [&](Quantity asked, const scene::State<RunningError>& tree) {
+          scene::State<double> rounded;  // what the witness was asked
+          for (const auto& x : state.x) rounded.x.push_back(x);
+          for (const RunningError& x : tree.qd) rounded.qd.push_back(x.value());
+          for (const RunningError& x : tree.qdd) rounded.qdd.push_back(x.value());
+          const Answer said = of_tree_->answer(asked, rounded);
+          const MatrixOf<RunningError> ours = NewtonEuler::answer(tree_, asked, tree);
+          MatrixOf<RunningError> enclosed(said.value.rows(), said.value.cols());
+          for (Eigen::Index j = 0; j < enclosed.cols(); ++j)
+            for (Eigen::Index i = 0; i < enclosed.rows(); ++i) {
+              double error = said.bound(i, j);
+              if (said.known_loss.size() > 0) {
+                *lossy = true;
+                if (!with_loss) error = std::max(0.0, error - said.known_loss(i, j));
+              }
+              enclosed(i, j) = RunningError(said.value(i, j), error + ours(i, j).bound());
+            }
+          return enclosed;
+        });
+    return out.unaryExpr([](const RunningError& x) { return x.bound(); });
+  }
+
+  std::unique_ptr<Witness> of_tree_;
+  scene::Mechanism mechanism_;
+  Coupling<double> in_double_;
+  Coupling<RunningError> with_bounds_;
+  Setup<RunningError> tree_;
+};
+
+}  // namespace
+
+WitnessKind overTree(WitnessKind kind) {
+  if (!kind.info.conventions.empty())
+    kind.info.conventions +=
+        "\nfollowers (mimic): the tree without them, every joint with a rate of its own, is what it is asked "
+        "about; M = G'MG, c = G'c, g = G'g, tau = G'tau are summed here, and qdd solves M qdd = tau - bias";
+  kind.make = [make = kind.make](const scene::Scene& scene) -> std::unique_ptr<Witness> {
+    if (!scene.mechanism.hasMimics()) return make(scene);
+    scene::Scene tree = scene;
+    tree.mechanism = scene::withoutMimics(scene.mechanism);
+    tree.start_qd.assign(static_cast<std::size_t>(tree.mechanism.dof()), scene::Number(0));
+    std::unique_ptr<Witness> witness = make(tree);
+    if (dynamic_cast<const RefusedWitness*>(witness.get()) != nullptr) return witness;
+    return std::make_unique<OverTree>(std::move(witness), scene);
+  };
+  return kind;
+}
+
+}  // namespace dynwitness::crosscheck

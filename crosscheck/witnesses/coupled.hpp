@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Joints that follow others, for witnesses that know trees of independent joints only.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "crosscheck/witnesses/bounded_answer.hpp"
+#include "recursive/factorization.hpp"
+#include "scene/mimic.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** From the tree with all joints let go to the mechanism where some follow others. With G the constant matrix
+    that makes all rates of the independent ones (1 for a rate's own joint, k for its followers), all the
+    tree's quantities at  G qd, G qdd  become
+
+        M = G' M_tree G      c = G' c_tree      g = G' g_tree      tau = G' tau_tree
+
+    (dG/dt = 0), energies, momentum and reactions stay what they are, and qdd solves M qdd = tau - (tau at
+    qdd = 0). Positions are the same slots in both. */
+template <typename T>
+class Coupling {
+ public:
+  template <typename Numbers>
+  Coupling(const scene::Mechanism& mechanism, const Numbers& number) : dof_(mechanism.dof()) {
+    int rate = 0;
+    auto follower = scene::followers(mechanism);
+    auto next = follower.begin();
+    for (const scene::Link& link : mechanism.links) {
+      if (link.joint.mimic) {
+        rates_.push_back({next->rate, true, number(scene::Number(next->multiplier))});
+        ++next;
+      }
+      for (int k = 0; k < link.joint.ownRates(); ++k) rates_.push_back({rate++, false, T(1)});
+    }
+  }
+
+  /// The tree's state; its tau is none.
+  scene::State<T> onTree(const scene::State<T>& state) const {
+    return {state.x, expanded(state.qd), expanded(state.qdd), {}};
+  }
+
+  /// @param ask  ask(quantity, state of the tree): the tree's answer; of M and tau for qdd
+  template <typename Ask>
+  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state, Ask&& ask) const {
+    scene::State<T> tree = onTree(state);
+    if (quantity == Quantity::kM) return reducedMatrix(ask(quantity, tree));
+    if (quantity == Quantity::kc || quantity == Quantity::kg || quantity == Quantity::kTau)
+      return reduced(ask(quantity, tree));
+    if (quantity != Quantity::kQdd) return ask(quantity, tree);
+    tree.qdd.assign(rates_.size(), T(0));
+    const MatrixOf<T> bias = reduced(ask(Quantity::kTau, tree));
+    MatrixOf<T> M = reducedMatrix(ask(Quantity::kM, tree)), qdd(dof_, 1);
+    for (int i = 0; i < dof_; ++i) qdd(i, 0) = state.tau[i] - bias(i, 0);
+    recursive::factorize(M);
+    Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>> b = qdd.col(0);
+    recursive::solve(M, b);
+    return qdd;
+  }
+
+ private:
+  struct Rate {
+    int of;  ///< the independent rate
+    bool follows;
+    T k;
+  };
+  T times(const Rate& rate, const T& x) const { return rate.follows ? T(rate.k * x) : x; }
+
+  std::vector<T> expanded(const std::vector<T>& rates) const {
+    std::vector<T> all;
+    if (rates.empty()) return all;
+    for (const Rate& rate : rates_) all.push_back(times(rate, rates[rate.of]));
+    return all;
+  }
+  MatrixOf<T> reduced(const MatrixOf<T>& forces) const {
+    MatrixOf<T> out = MatrixOf<T>::Constant(dof_, forces.cols(), T(0));
+    for (std::size_t i = 0; i < rates_.size(); ++i)
+      for (Eigen::Index j = 0; j < forces.cols(); ++j)
+        out(rates_[i].of, j) += times(rates_[i], forces(static_cast<Eigen::Index>(i), j));
+    return out;
+  }
+  MatrixOf<T> reducedMatrix(const MatrixOf<T>& M) const {
+    const MatrixOf<T> rows = reduced(M);
+    const MatrixOf<T> columns = rows.transpose();
+    return reduced(columns).transpose();
+  }
+
+  int dof_;
+  std::vector<Rate> rates_;  ///< by rate of the tree
+};
+
+/// The kind for mechanisms where joints follow others as well: its witness is asked about the tree, and bounds
+/// pass through Coupling with the answers. Others it makes as it does.
+WitnessKind overTree(WitnessKind kind);
+
+}  // namespace dynwitness::crosscheck

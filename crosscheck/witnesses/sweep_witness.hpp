@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A sweep of ours as a witness: in double, with the bounds of the same sweep.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "crosscheck/witnesses/sharp_bounds.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
+#include "crosscheck/witnesses/sweep_algorithms.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// The setup of sweeps in one arithmetic. What is never asked for is never built: a model, or that with all
+/// fixed joints, which is for reactions.
+template <typename Numbers>
+class LazySetup {
+ public:
+  using T = typename Numbers::Scalar;
+  explicit LazySetup(const scene::Mechanism& mechanism) : mechanism_(mechanism), number_(mechanism_) {}
+
+  Setup<T>& operator()(Quantity quantity) {
+    if (quantity == Quantity::kReactions && !with_reactions_) with_reactions_.emplace(mechanism_, number_);
+    if (with_reactions_) return *with_reactions_;
+    if (!lumped_) lumped_.emplace(recursive::buildModel(mechanism_, number_));
+    return *lumped_;
+  }
+
+ private:
+  scene::Mechanism mechanism_;
+  Numbers number_;
+  std::optional<Setup<T>> lumped_, with_reactions_;
+};
+
+/** @tparam Algorithm  as those of sweep_algorithms.hpp; qdd is found by kSolvedBy. The bounds of M are the
+                      smaller of running error bounds and of SolveBound::massMatrix(). */
+template <typename Algorithm>
+class SweepWitness : public Witness {
+ public:
+  explicit SweepWitness(const scene::Scene& scene)
+      : in_double_(scene.mechanism),
+        with_bounds_(scene.mechanism),
+        sharp_([mechanism = scene.mechanism] {
+          return std::make_unique<Setup<AdjointError>>(mechanism, AdjointErrorNumbers(mechanism));
+        }),
+        mechanism_(scene.mechanism) {}
+
+  const std::string& name() const override { return name_; }
+  bool answers(Quantity quantity) const override { return Algorithm::answers(quantity); }
+  Answer answer(Quantity quantity, const scene::State<double>& state) override {
+    Answer out{value(quantity, state), {}};
+    if (quantity == Quantity::kQdd) {
+      out.bound = boundedAnswer({}, run<Algorithm>(quantity, state)).bound;
+      solveBound().judge(state, bound<NewtonEuler>(Quantity::kTau, moving(state, out.value)), out, sharp_,
+                         [&](Setup<AdjointError>& setup) {
+                           return Algorithm::answer(setup, quantity,
+                                                    adjointState(runningErrorState(state, mechanism_)));
+                         });
+    } else {
+      out.bound = bound<Algorithm>(quantity, state);
+    }
+    return out;
+  }
+  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
+    return Algorithm::answer(in_double_(quantity), quantity, state);
+  }
+
+ private:
+  SolveBound& solveBound() {
+    if (!solve_bound_) solve_bound_.emplace(mechanism_, Algorithm::kSolvedBy, 1);
+    return *solve_bound_;
+  }
+  template <typename Sweep>
+  MatrixOf<RunningError> run(Quantity quantity, const scene::State<double>& state) {
+    return Sweep::answer(with_bounds_(quantity), quantity, runningErrorState(state, mechanism_));
+  }
+  template <typename Sweep>
+  Eigen::MatrixXd bound(Quantity quantity, const scene::State<double>& state) {
+    const MatrixOf<RunningError> bounded = run<Sweep>(quantity, state);
+    if (quantity == Quantity::kM) return solveBound().sharper(bounded, state);
+    return sharp_(bounded, [&](Setup<AdjointError>& setup) {
+      return Sweep::answer(setup, quantity, adjointState(runningErrorState(state, mechanism_)));
+    });
+  }
+
+  std::string name_ = Algorithm::kName;
+  LazySetup<scene::RealNumbers<double>> in_double_;
+  LazySetup<RunningErrorNumbers> with_bounds_;
+  SharpBounds<Setup<AdjointError>> sharp_;
+  scene::Mechanism mechanism_;
+  std::optional<SolveBound> solve_bound_;
+};
+
+}  // namespace dynwitness::crosscheck

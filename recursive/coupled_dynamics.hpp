@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// Forward dynamics by articulated-body sweeps where joints follow others.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "recursive/composite_body.hpp"
+#include "recursive/model.hpp"
+
+namespace dynwitness::recursive::detail {
+
+/// A rate that several joints share, on its way inward: what it does waits until all of them are passed.
+template <typename T>
+struct SharedRate {
+  int rate;
+  int ancestor;  ///< the last link (-1: the world) that all its joints hang on
+  T u = T(0);    ///< force left for acceleration
+  std::vector<Force<T>> F;  ///< by link: the force that a unit of the rate's acceleration asks for there
+};
+
+/// The shared rates of a model, and by link those that wait there.
+template <typename T>
+std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& of_rate,
+                                       std::vector<std::vector<int>>& waiting) {
+  const int n = static_cast<int>(model.links.size());
+  std::vector<int> depth(n);
+  for (int i = 0; i < n; ++i) depth[i] = model.links[i].parent < 0 ? 0 : depth[model.links[i].parent] + 1;
+  const auto common = [&](int a, int b) {
+    while (a != b) {
+      int& deeper = b < 0 || (a >= 0 && depth[a] > depth[b]) ? a : b;
+      deeper = model.links[deeper].parent;
+    }
+    return a;
+  };
+  std::vector<SharedRate<T>> shared;
+  of_rate.assign(model.dof(), -1);
+  for (const LinkModel<T>& link : model.links)
+    if (link.follows && of_rate[link.dof] < 0) {
+      of_rate[link.dof] = static_cast<int>(shared.size());
+      const int leader = model.link_of_dof[link.dof];
+      shared.push_back({link.dof, model.links[leader].parent, T(0),
+                        std::vector<Force<T>>(n, Force<T>::zero())});
+    }
+  for (const LinkModel<T>& link : model.links)
+    if (link.follows) {
+      int& ancestor = shared[of_rate[link.dof]].ancestor;
+      ancestor = common(ancestor, link.parent);
+    }
+  waiting.assign(n, {});
+  for (int i = n - 1; i >= 0; --i) {
+    const LinkModel<T>& link = model.links[i];
+    std::vector<int>& here = waiting[i];
+    if (link.dof >= 0 && of_rate[link.dof] >= 0) here.push_back(of_rate[link.dof]);
+    std::sort(here.begin(), here.end());
+    here.erase(std::unique(here.begin(), here.end()), here.end());
+    if (link.parent < 0) continue;
+    for (const int g : here)
+      if (shared[g].ancestor != link.parent) waiting[link.parent].push_back(g);
+  }
+  return shared;
+}
+
+/** forwardDynamics() of a model with followers. The recursion is that of articulated_body.hpp; only a rate y
+    that several joints share cannot be solved for where one of them is passed. It is carried inward as an
+    unknown: with F the force that a unit of y asks of a link, all links obey
+
+        (1)  f = M_A a + f_A + sum of F_g y_g          each rate g:  F_g' a + sum of D_gh y_h = u_g
+
+    (the same F twice: that is the symmetry of M). Passing a joint of g itself, with axis k Z,
+        (2)  D_gg += d + 2 k Z'F_g + k Z' M_A k Z,   D_gh += k Z'F_h,   u_g -= k Z'f_A + ...,
+             F_g += M_A k Z
+    and past any other joint, which is solved for (U, D, u as there, e_h = Z'F_h),
+        (3)  F_h -= U e_h / D,   D_gh -= e_g e_h / D,   u_h -= e_h u / D
+    and past all of them  u_h -= F_h' c_i.  At the link that all joints of g hang on, nothing of y_g is left
+    outboard, and it is solved for as a joint is:
+        (4)  M_A -= F_g F_g' / D_gg,   f_A += F_g u_g / D_gg,   F_h -= F_g D_gh / D_gg,   ...
+        (5)  y_g = (u_g - F_g' a - sum of D_gh y_h) / D_gg      once a is known, on the way outward
+    So it divides by what the joints of a rate move together; one of them alone may move nothing. O(n) for
+    followers close to their leaders. Allocates. */
+template <typename T>
+void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& x,
+                            const std::vector<T>& qd, const std::vector<T>& tau, Workspace<T>& ws,
+                            std::vector<T>& qdd, Terms terms) {
+  const int n = static_cast<int>(model.links.size());
+  Motion<T> a_0 = Motion<T>::zero();
+  if (terms.gravity) a_0.linear = -model.gravity;
+  std::vector<int> of_rate;
+  std::vector<std::vector<int>> waiting;
+  std::vector<SharedRate<T>> shared = sharedRates(model, of_rate, waiting);
+  const int count = static_cast<int>(shared.size());
+  MatrixX<T> D = MatrixX<T>::Constant(count, count, T(0));
+  MatrixX<T> e = MatrixX<T>::Constant(model.dof(), count, T(0));
+  for (SharedRate<T>& g : shared) g.u = tau[g.rate];
+
+  // outward: velocities, and what each link alone brings
+  for (int i = 0; i < n; ++i) {
+    const LinkModel<T>& link = model.links[i];
+    const int p = link.parent;
+    ws.X_up[i] = AnyJoints::transform(link, x);
+    const Motion<T> v_J = AnyJoints::motion(link, qd);
+    ws.v[i] = p < 0 ? v_J : ws.X_up[i] * ws.v[p] + v_J;
+    ws.c[i] = cross(ws.v[i], v_J);
+    ws.M_A[i] = ArticulatedInertia<T>::fromRigid(link.M);
+    ws.f[i] = biasForce(link.M, ws.v[i]);
+  }
+  if (terms.loads) subtractLoads(model, ws, ws.f);
+
+  // (4) at link i, -1: the world, which takes any force
+  std::vector<int> order;  // in which shared rates were solved for
+  const auto solveFor = [&](int g, int i) {
+    SharedRate<T>& of = shared[g];
+    const T inverse = T(1) / D(g, g);
+    ws.D[of.rate] = D(g, g);
+    order.push_back(g);
+    if (i >= 0) {
+      ws.M_A[i] = ws.M_A[i].minusOuter(of.F[i], inverse);
+      ws.f[i] = ws.f[i] + of.F[i] * (of.u * inverse);
+    }
+    std::vector<int> rest;
+    for (int h = 0; h < count; ++h)
+      if (std::find(order.begin(), order.end(), h) == order.end()) rest.push_back(h);
+    for (const int h : rest) {
+      const T share = D(g, h) * inverse;
+      if (i >= 0) shared[h].F[i] = shared[h].F[i] - of.F[i] * share;
+      shared[h].u -= share * of.u;
+      for (const int k : rest) D(h, k) -= share * D(g, k);
+    }
+  };
+
+  // inward: what each link feels of its subtree
+  for (int i = n - 1; i >= 0; --i) {
+    const LinkModel<T>& link = model.links[i];
+    for (int g = 0; g < count; ++g)
+      if (shared[g].ancestor == i) solveFor(g, i);
+    ArticulatedInertia<T> M_a = ws.M_A[i];
+    Force<T> f_a = ws.f[i];
+    const int own = link.dof < 0 ? -1 : of_rate[link.dof];
+    for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
+      Force<T> U = AnyJoints::column(link, k, M_a);
+      const T inertia = link.rotor + AnyJoints::force(link, k, U);
+      T u = -AnyJoints::force(link, k, f_a);
+      if (terms.springs) u -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
+      if (model.friction && terms.friction) u -= frictionForce(link, qd[d]);
+      if (model.gyroscopic && link.parent >= 0) U = U + spinAxis(link);
+      for (const int h : waiting[i]) e(d, h) = AnyJoints::force(link, k, shared[h].F[i]);
+      if (own >= 0) {                                                               // (2)
+        D(own, own) += inertia + e(d, own) + e(d, own);
+        for (const int h : waiting[i]) {
+          if (h == own) continue;
+          D(own, h) += e(d, h);
+          D(h, own) += e(d, h);
+        }
+        shared[own].u += u;
+        shared[own].F[i] = shared[own].F[i] + U;
+        continue;
+      }
+      ws.U[d] = U;
+      ws.D[d] = inertia;
+      ws.u[d] = tau[d] + u;
+      const T inverse = T(1) / inertia;
+      for (const int h : waiting[i]) {                                              // (3)
+        const T share = e(d, h) * inverse;
+        shared[h].F[i] = shared[h].F[i] - U * share;
+        shared[h].u -= share * ws.u[d];
+        for (const int l : waiting[i]) D(h, l) -= share * e(d, l);
+      }
+      M_a = M_a.minusOuter(U, inverse);
+      f_a = f_a + U * (ws.u[d] * inverse);
+    }
+    for (const int h : waiting[i]) {
+      SharedRate<T>& of = shared[h];
+      of.u -= dot(ws.c[i], of.F[i]);
+      if (link.parent < 0) of.u -= dot(ws.X_up[i] * a_0, of.F[i]);
+      else of.F[link.parent] = of.F[link.parent] + ws.X_up[i].inverseTimes(of.F[i]);
+    }
+    if (link.parent < 0) continue;
+    if (model.gyroscopic && link.dof >= 0)
+      f_a = f_a + spinForce(link, qd[link.dof], T(0), ws.X_up[i] * ws.v[link.parent]);
+    ws.M_A[link.parent] = ws.M_A[link.parent] + ws.X_up[i].inverseTimes(M_a);
+    ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(f_a + M_a * ws.c[i]);
+  }
+  for (int g = 0; g < count; ++g)
+    if (shared[g].ancestor < 0) solveFor(g, -1);
+
+  // outward: accelerations
+  std::vector<char> known(count, 0);
+  const auto settle = [&](int i) {                                                  // (5)
+    for (auto g = order.rbegin(); g != order.rend(); ++g) {
+      const SharedRate<T>& of = shared[*g];
+      if (of.ancestor != i) continue;
+      T u = of.u;
+      if (i >= 0) u -= dot(ws.a[i], of.F[i]);
+      for (int h = 0; h < count; ++h)
+        if (known[h]) u -= D(*g, h) * qdd[shared[h].rate];
+      qdd[of.rate] = u / D(*g, *g);
+      known[*g] = 1;
+    }
+  };
+  settle(-1);
+  for (int i = 0; i < n; ++i) {
+    const LinkModel<T>& link = model.links[i];
+    ws.a[i] = ws.X_up[i] * (link.parent < 0 ? a_0 : ws.a[link.parent]) + ws.c[i];
+    const bool is_shared = link.dof >= 0 && of_rate[link.dof] >= 0;
+    for (int k = AnyJoints::axes(link) - 1, d = link.dof + k; k >= 0; --k, --d) {
+      if (!is_shared) {
+        T u = ws.u[d] - dot(ws.a[i], ws.U[d]);
+        for (const int h : waiting[i]) u -= e(d, h) * qdd[shared[h].rate];
+        qdd[d] = u / ws.D[d];
+      }
+      AnyJoints::addMotion(link, k, qdd[d], ws.a[i]);
+    }
+    settle(i);
+  }
+}
+
+}  // namespace dynwitness::recursive::detail
