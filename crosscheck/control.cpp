@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -44,19 +45,28 @@ void addOnce(std::vector<std::string>& list, const std::string& text) {
 
 }  // namespace
 
-scene::Scene heavier(const scene::Scene& scene, int power) {
+scene::Scene heavier(const scene::Scene& scene, int power, TooHeavy what) {
   scene::Scene out = scene;
-  const auto scale = [power](scene::Number& number) {
+  const auto times = [power](scene::Number& number, const char* operation) {
     if (!number.isLiteralZero())
-      number = scene::Expression::parse(fmt::format("({}) * (1 + 1e-{})", number.text(), power));
+      number = scene::Expression::parse(
+          fmt::format("({}) {} (1 + 1e-{})", number.text(), operation, power));
   };
+  const auto scale = [&times](scene::Number& number) { times(number, "*"); };
   for (scene::Link& link : out.mechanism.links) {
     scene::MassProperties& m = link.inertia;
     for (scene::Number* number : {&m.mass, &m.xx, &m.yy, &m.zz, &m.xy, &m.xz, &m.yz})
       scale(*number);
+    scale(link.joint.rotor_inertia);
+  }
+  if (what == TooHeavy::kInertia) {
+    for (int k = 0; k < 3; ++k) times(out.mechanism.gravity[k], "/");
+    return out;
+  }
+  for (scene::Link& link : out.mechanism.links) {
     scene::Joint& joint = link.joint;
-    for (scene::Number* number : {&joint.rotor_inertia, &joint.stiffness, &joint.friction.viscous,
-                                  &joint.friction.positive, &joint.friction.negative})
+    for (scene::Number* number : {&joint.stiffness, &joint.friction.viscous, &joint.friction.positive,
+                                  &joint.friction.negative})
       scale(*number);
   }
   for (scene::Wrench& wrench : out.mechanism.wrenches)
@@ -70,23 +80,39 @@ scene::Scene heavier(const scene::Scene& scene, int power) {
 // ---- among the witnesses ------------------------------------------------------------------------
 
 struct ControlWitness::Impl {
-  HeavyWitness& at(int power) {
-    std::unique_ptr<HeavyWitness>& slot = heavy[power];
-    if (!slot) slot = std::make_unique<HeavyWitness>(power == 0 ? scene : heavier(scene, power));
+  HeavyWitness& at(int power, Quantity quantity) {
+    const TooHeavy what = quantity == Quantity::kQdd ? TooHeavy::kInertia : TooHeavy::kKilogram;
+    std::unique_ptr<HeavyWitness>& slot = heavy[{power, what}];
+    if (!slot)
+      slot = std::make_unique<HeavyWitness>(power == 0 ? scene : heavier(scene, power, what));
     return *slot;
+  }
+
+  /// By how much an answer is off in what the judge looks at: the largest entry of  x - exact,  or of
+  /// M (x - exact)  for x = qdd.
+  double offBy(const Eigen::MatrixXd& x, Quantity quantity, const scene::State<double>& state,
+               const Certified& exact) {
+    Eigen::MatrixXd off = x;
+    for (Eigen::Index k = 0; k < x.size(); ++k)
+      off.data()[k] = (Ball(x.data()[k]) - exact.value.data()[k]).mid();
+    if (quantity == Quantity::kQdd) off = at(0, Quantity::kM).value(Quantity::kM, state) * off;
+    return off.cwiseAbs().maxCoeff();
   }
 
   /// The power of ten that must be found; none where double keeps no digits of the quantity.
   std::optional<int> power(Quantity quantity, const scene::State<double>& state,
                            const Certified& exact) {
-    const Eigen::MatrixXd honest = at(0).value(quantity, state);
-    double off = 0, largest = 0;
-    for (Eigen::Index k = 0; k < honest.size(); ++k) {
-      off = std::max(off, (Ball(honest.data()[k]) - exact.value.data()[k]).atMost());
-      largest = std::max(largest, exact.value.data()[k].atLeast());
+    const double honest = offBy(at(0, quantity).value(quantity, state), quantity, state, exact);
+    // the fault grows in proportion to its size
+    double largest = 0;
+    if (quantity == Quantity::kQdd) {
+      const Eigen::MatrixXd heavy = at(kUsualPower, quantity).value(quantity, state);
+      largest = (offBy(heavy, quantity, state, exact) - honest) / sizeOf(kUsualPower);
+    } else {
+      for (const Ball& x : exact.value.reshaped()) largest = std::max(largest, x.atLeast());
     }
     for (int power = kUsualPower; power > 0; --power)
-      if (sizeOf(power) * largest >= kWidestLimit * off) return power;
+      if (sizeOf(power) * largest >= kWidestLimit * honest) return power;
     return {};
   }
 
@@ -100,7 +126,7 @@ struct ControlWitness::Impl {
 
   const scene::Scene& scene;
   int states;
-  std::map<int, std::unique_ptr<HeavyWitness>> heavy;  ///< by power; 0: honest
+  std::map<std::pair<int, TooHeavy>, std::unique_ptr<HeavyWitness>> heavy;  ///< power 0: honest
   std::vector<Control> controls;
 };
 
@@ -122,14 +148,14 @@ bool ControlWitness::joins(Quantity quantity, int index, const scene::State<doub
     largest = std::max(largest, exact.value.data()[k].atLeast());
   if (largest == 0) return nothing("is zero");
   if (index == 0 && impl_->states > 1) {
-    said.push_back({kControl, impl_->at(0).answer(quantity, state), {}});
+    said.push_back({kControl, impl_->at(0, quantity).answer(quantity, state), {}});
     return true;
   }
   const std::optional<int> power = impl_->power(quantity, state, exact);
   if (!power) return nothing("double keeps no digits of it");
   control.nothing.clear();
   control.size = std::max(control.size, sizeOf(*power));
-  said.push_back({kControl, impl_->at(*power).answer(quantity, state), {}});
+  said.push_back({kControl, impl_->at(*power, quantity).answer(quantity, state), {}});
   return true;
 }
 

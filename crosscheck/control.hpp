@@ -15,18 +15,23 @@ namespace dynwitness::crosscheck {
 
 inline constexpr const char* kControl = "control";
 
-/// The scene with every number that has a kilogram in it (masses, inertias, springs, friction, loads) too
-/// large by 10^-power of it: a heavier kilogram. Lengths, angles and gravity stay.
-scene::Scene heavier(const scene::Scene& scene, int power);
+/// What a control gets wrong: a heavier kilogram, in every number that has one in it (masses, inertias,
+/// springs, friction, loads; lengths, angles and gravity stay); or masses and inertias with their weights as
+/// they were, which is what shows in qdd: a kilogram that cancels there is seen by its joint forces only.
+enum class TooHeavy { kKilogram, kInertia };
+
+/// The scene with that too large by 10^-power of it.
+scene::Scene heavier(const scene::Scene& scene, int power, TooHeavy what = TooHeavy::kKilogram);
 
 /** A witness that reads heavier(scene): Newton-Euler, and articulated bodies for qdd, in double with
-    running error bounds. It is honest at the first of its three states, so that whoever judges the first
+    its own error bounds. It is honest at the first of its three states, so that whoever judges the first
     one only does not find it, and asked at these alone.
 
     How heavy: 1e-10 is 4.5e5 ulp in every entry of a quantity that has the dimension of a mass. A limit may
     be 10^4 times the error that is seen, and no more (then it is no longer one). So the control must be
-    found wherever it is 10^4 times what the honest sweep in double is off by from the certified truth; where
-    1e-10 is less than that, it is the next power of ten that is not. Limits have no part in its size: one
+    found wherever it is 10^4 times what the honest sweep in double is off by from the certified truth (in joint
+    forces for qdd, which is judged by them); where 1e-10 is less than that, it is the next power of ten
+    that is not. Limits have no part in its size: one
     that is too wide makes it missed, not larger. */
 class ControlWitness {
  public:

@@ -114,8 +114,8 @@ struct Coverage {
 std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks);
 
 /** The run's own control: a witness whose kilogram is too heavy by `size`. Then M, c, g, tau, reactions,
-    energies and momentum are too large by just that, entry by entry (they have the dimension of a mass),
-    and qdd for given forces is that of forces too small by it. It is judged as the witnesses are, and
+    energies and momentum are too large by just that, entry by entry (they have the dimension of a mass);
+    for qdd inertia alone is too large, weights are not. It is judged as the witnesses are, and
     must be found; crosscheck/control.hpp says how large it is. */
 struct Control {
   std::string quantity;

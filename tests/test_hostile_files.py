@@ -74,7 +74,7 @@ def nested_values():
             ('arrays.toml', 'a = ' + '[' * n + ']' * n, 'arrays.toml:3: more than 16 tables and arrays'),
             ('inline.toml', 'a = ' + '{a=' * n + '1' + '}' * n, 'inline.toml:3: more than 16 tables and arrays'),
             # strings and comments do not hide what comes after them
-            ('hidden.toml', 'b = """x\n\\"""" # "\nc = \'"\' # [\n' + f'{many} = 1\n', 'hidden.toml:5: more than 16'),
+            ('hidden.toml', 'b = """x\n\\"""" # "\nc = \'"\' # [\n' + f'{many} = 1\n', 'hidden.toml:6: more than 16'),
             ('quotes.toml', 'b = {c = """x"""", ' + f'{many} = 1}}\n', 'quotes.toml:3: more than 16'),
             ('parentheses.toml', 'gravity = [0, 0, "' + '(' * n + '1' + ')' * n + '"]', 'parentheses.toml:3: '),
             ('signs.toml', 'gravity = [0, 0, "' + '-' * n + '1"]', 'signs.toml:3: '),

@@ -8,14 +8,12 @@
 
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "crosscheck/witnesses/sharp_bounds.hpp"
+#include "crosscheck/witnesses/solved_by.hpp"
 #include "recursive/model.hpp"
 #include "scene/mechanism.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
-
-/// How qdd is found: by a sweep over articulated inertias, from M qdd = tau - c - g, or not known which.
-enum class SolvedBy { kSweep, kMassMatrix, kEither };
 
 inline constexpr int kEngineTurns = 3;  ///< of an engine in axes of its own (engine_bound.hpp)
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "crosscheck/witnesses/bounded_answer.hpp"
-#include "crosscheck/witnesses/solve_bound.hpp"
+#include "crosscheck/witnesses/solved_by.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/composite_body.hpp"
