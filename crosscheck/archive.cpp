@@ -8,12 +8,16 @@ namespace nlohmann {
 template <typename T>
 struct adl_serializer<std::optional<T>> {
   static void to_json(json& to, const std::optional<T>& from) {
-    if (from) to = *from;
-    else to = nullptr;
+    if (from)
+      to = *from;
+    else
+      to = nullptr;
   }
   static void from_json(const json& from, std::optional<T>& to) {
-    if (from.is_null()) to.reset();
-    else to = from.get<T>();
+    if (from.is_null())
+      to.reset();
+    else
+      to = from.get<T>();
   }
 };
 
@@ -24,16 +28,17 @@ namespace dynwitness::crosscheck {
 // one line a structure, all members
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckResult::Exact, prime, points, discarded, degree,
                                    error_probability, residual_zero, parameters)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckResult, check, statement, quantity, left, right, unit, states,
-                                   voided, excused, first_voided, voided_reason, worst, limit, ratio, seen,
-                                   loosest, worst_state, worst_entry, seed, verdict, reason, exact, no_exact,
-                                   digits, condition, known_loss)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckResult, check, statement, quantity, left, right, unit,
+                                   states, voided, excused, first_voided, voided_reason, worst,
+                                   limit, ratio, seen, loosest, worst_state, worst_entry, seed,
+                                   verdict, reason, exact, no_exact, digits, condition, known_loss)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DigitsResult, witness, quantity, scalar, states, worst, median,
                                    worst_single, worst_state, worst_entry)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Control, quantity, size, found, missed, blind, nothing)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Finding, kind, scene, quantity, witness, text, digits)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Drift::Path, step, worst, time, error)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Drift, method, method_order, duration, scale, observed_order, paths)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Drift, method, method_order, duration, scale, observed_order,
+                                   paths)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Equations, summary, kinetic, potential, lines)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SceneResult, name, title, source, file, dof, links, link_names,
                                    joint_labels, parents, not_modelled, equations, checks, digits,
@@ -63,11 +68,20 @@ void from_json(const nlohmann::json& from, RandomCampaign::Failure& to) {
   from.at("findings").get_to(to.findings);
 }
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RandomCampaign, mechanisms, joints, checks, not_answerable,
-                                   error_probability, plain, comparisons, asked, unanswered, failures)
+                                   error_probability, plain, comparisons, asked, unanswered,
+                                   failures)
 
-std::string archived(const SceneResult& result) { return bytesOf(result); }
-std::string archived(const RandomCampaign& campaign) { return bytesOf(campaign); }
-SceneResult sceneResultOf(const std::string& bytes) { return nlohmann::json::from_cbor(bytes); }
-RandomCampaign randomCampaignOf(const std::string& bytes) { return nlohmann::json::from_cbor(bytes); }
+std::string archived(const SceneResult& result) {
+  return bytesOf(result);
+}
+std::string archived(const RandomCampaign& campaign) {
+  return bytesOf(campaign);
+}
+SceneResult sceneResultOf(const std::string& bytes) {
+  return nlohmann::json::from_cbor(bytes);
+}
+RandomCampaign randomCampaignOf(const std::string& bytes) {
+  return nlohmann::json::from_cbor(bytes);
+}
 
 }  // namespace dynwitness::crosscheck

@@ -20,7 +20,8 @@ void checkExactly(const scene::Scene& scene, const ExactOptions& options, Random
   const std::vector<CheckResult> checks = exactChecks(scene, options);
   for (const CheckResult& check : checks) {
     // a single body has no other root, and there is nothing to ask
-    if (check.verdict == Verdict::kNotAnswerable && check.check == "independence of the chosen root")
+    if (check.verdict == Verdict::kNotAnswerable &&
+        check.check == "independence of the chosen root")
       continue;
     if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);
     if (check.verdict == Verdict::kNotAnswerable) {
@@ -28,27 +29,30 @@ void checkExactly(const scene::Scene& scene, const ExactOptions& options, Random
       continue;
     }
     ++campaign.checks;
-    campaign.error_probability = std::max(campaign.error_probability, check.exact->error_probability);
+    campaign.error_probability =
+        std::max(campaign.error_probability, check.exact->error_probability);
   }
   failure.findings = findOutliers(scene.name, checks);
 }
 
 /// A reason without what is the mechanism's own: names in quotes, entries, states and numbers.
 std::string reasonInGeneral(const std::string& reason) {
-  static const std::regex quoted("'[^']*'"), entry("\\[[0-9,]+\\]"), number("([ (<=])[0-9][0-9.]*(e[-+]?[0-9]+)?");
+  static const std::regex quoted("'[^']*'"), entry("\\[[0-9,]+\\]"),
+      number("([ (<=])[0-9][0-9.]*(e[-+]?[0-9]+)?");
   std::string text = std::regex_replace(reason, quoted, "'...'");
   text = std::regex_replace(text, entry, "[...]");
   return std::regex_replace(text, number, "$1...");
 }
 
 /// @return whether there was a witness that does not build the mechanism
-bool checkInDouble(const scene::Scene& scene, const CampaignOptions& options, RandomCampaign& campaign,
-                   RandomCampaign::Failure& failure) {
+bool checkInDouble(const scene::Scene& scene, const CampaignOptions& options,
+                   RandomCampaign& campaign, RandomCampaign::Failure& failure) {
   Options asked;
   asked.seed = options.exact.seed;
   asked.states = options.states;
   std::vector<CheckResult> checks;
-  std::vector<Control> controls;  // a campaign over random mechanisms has no verdict on its own control
+  std::vector<Control>
+      controls;  // a campaign over random mechanisms has no verdict on its own control
   DigitsFound truth = askWitnesses(scene, options.in_double, asked, checks, controls);
   std::move(truth.checks.begin(), truth.checks.end(), std::back_inserter(checks));
   bool refused = false;
@@ -64,7 +68,8 @@ bool checkInDouble(const scene::Scene& scene, const CampaignOptions& options, Ra
     campaign.comparisons += check.states;
     if (check.verdict == Verdict::kDisagree) failure.checks.push_back(check);
   }
-  for (Finding& finding : findOutliers(scene.name, checks)) failure.findings.push_back(std::move(finding));
+  for (Finding& finding : findOutliers(scene.name, checks))
+    failure.findings.push_back(std::move(finding));
   return refused;
 }
 
@@ -103,13 +108,14 @@ void append(RandomCampaign& all, RandomCampaign more) {
 
 }  // namespace
 
-RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions& options, int processes,
-                                const std::function<void(int)>& progress) {
+RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions& options,
+                                int processes, const std::function<void(int)>& progress) {
   CampaignOptions asked = options;
   if (asked.exact.witnesses.empty())
     for (const WitnessKind& kind : witnessKinds())
       if (kind.info.name.rfind("kernel", 0) != 0) asked.exact.witnesses.push_back(kind.info.name);
-  // mechanisms a task; of many mechanisms there are no more than so many tasks, whose parts are kept
+  // mechanisms a task; of many mechanisms there are no more than so many tasks, whose parts are
+  // kept
   constexpr int kLeast = 5, kMostTasks = 10000;
   const int block_size = std::max(kLeast, (count - 1) / kMostTasks + 1);
   int done = 0;

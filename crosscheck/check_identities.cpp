@@ -29,8 +29,9 @@ Eigen::MatrixXd bounds(const MatrixOf<RunningError>& m) {
   return m.unaryExpr([](const RunningError& x) { return x.bound(); });
 }
 
-/// M = L D L' has positive pivots: each larger than its own error bound, so proven. Where a pivot is zero
-/// within its bound (bounds grow with every elimination), balls decide; one that is proven negative disagrees.
+/// M = L D L' has positive pivots: each larger than its own error bound, so proven. Where a pivot
+/// is zero within its bound (bounds grow with every elimination), balls decide; one that is proven
+/// negative disagrees.
 class PositiveDefinite {
  public:
   PositiveDefinite(const scene::Mechanism& mechanism, std::uint64_t seed)
@@ -48,7 +49,8 @@ class PositiveDefinite {
 
   /// @param is_singular  asked where a pivot cannot be told from zero
   template <typename IsSingular>
-  void add(int state, const scene::State<double>& at, const std::vector<scene::JointPosition<RunningError>>& x,
+  void add(int state, const scene::State<double>& at,
+           const std::vector<scene::JointPosition<RunningError>>& x,
            const IsSingular& is_singular) {
     MatrixOf<RunningError> M(model_.dof(), model_.dof());
     recursive::massMatrix(model_, x, ws_, M);
@@ -74,8 +76,8 @@ class PositiveDefinite {
             !why.empty());
         return;  // the pivots after it were divided by it
       }
-      const double share = D.value() > 0 ? D.bound() / D.value()
-                                         : std::numeric_limits<double>::infinity();
+      const double share =
+          D.value() > 0 ? D.bound() / D.value() : std::numeric_limits<double>::infinity();
       if (!result_.worst_entry.empty() && share <= result_.ratio) continue;
       result_.ratio = result_.worst = share;
       result_.worst_state = state;
@@ -102,8 +104,8 @@ class PositiveDefinite {
   CheckResult result_;
 };
 
-/// States at which a law is asked in balls: its two sides are then known to 25 digits, and one state says more
-/// than a hundred would within a wide limit.
+/// States at which a law is asked in balls: its two sides are then known to 25 digits, and one
+/// state says more than a hundred would within a wide limit.
 constexpr int kBallStates = 2;
 
 bool isTooWide(const CheckResult& check) {
@@ -116,7 +118,8 @@ void askInBalls(const scene::Scene& scene, const Options& options, std::vector<C
   std::vector<CheckResult> words = inWords(kIdentities);
   std::vector<Tally> tallies;
   for (CheckResult& law : words) {
-    law.statement += " (in balls: of a mechanism of this size, bounds in double would pass too much)";
+    law.statement +=
+        " (in balls: of a mechanism of this size, bounds in double would pass too much)";
     law.seed = options.seed;
     tallies.emplace_back(law);
   }
@@ -135,9 +138,10 @@ void askInBalls(const scene::Scene& scene, const Options& options, std::vector<C
         for (const Ball& x : side->reshaped()) largest = std::max(largest, x.atMost());
       // a difference contains 0 when its midpoint is within its radius
       const MatrixOf<Ball> difference = law.left - law.right;
-      tallies[i].addDifference(k, difference.unaryExpr([](const Ball& x) { return x.mid(); }),
-                               difference.unaryExpr([](const Ball& x) { return x.radius(); }),
-                               std::numeric_limits<double>::epsilon() * (largest > 0 ? largest : 1.0));
+      tallies[i].addDifference(
+          k, difference.unaryExpr([](const Ball& x) { return x.mid(); }),
+          difference.unaryExpr([](const Ball& x) { return x.radius(); }),
+          std::numeric_limits<double>::epsilon() * (largest > 0 ? largest : 1.0));
     }
   }
   for (std::size_t i = 0; i < laws.size(); ++i)

@@ -65,7 +65,8 @@ void tell(int file, News news) {
   if (write(file, &news, sizeof news) < 0) return;  // then nobody waits for it
 }
 
-/// What the two processes between us and the program need, made before fork(): afterwards nothing may allocate.
+/// What the two processes between us and the program need, made before fork(): afterwards nothing
+/// may allocate.
 struct Start {
   std::vector<std::string> words, settings;
   std::vector<char*> arguments, environment;
@@ -84,7 +85,8 @@ struct Start {
   _exit(127);
 }
 
-/// The keeper: the first of its group. All of the group goes when the parent does, or when the program ends.
+/// The keeper: the first of its group. All of the group goes when the parent does, or when the
+/// program ends.
 [[noreturn]] void keep(const Start& start, pid_t parent, int output, int news) {
   setpgid(0, 0);
   everySignalDefault();
@@ -97,8 +99,10 @@ struct Start {
   const pid_t program = fork();
   if (program == 0) becomeProgram(start, output, news);
   int status = 0;
-  if (program < 0) tell(news, {News::kCannotStart, errno});
-  else if (waitpid(program, &status, 0) == program) tell(news, {News::kEnded, status});
+  if (program < 0)
+    tell(news, {News::kCannotStart, errno});
+  else if (waitpid(program, &status, 0) == program)
+    tell(news, {News::kEnded, status});
   kill(0, SIGKILL);
   _exit(1);
 }
@@ -110,16 +114,19 @@ std::string found(const std::string& command) {
   const std::string folders = path ? path : "/usr/bin:/bin";
   for (std::size_t from = 0; from <= folders.size();) {
     const std::size_t to = std::min(folders.find(':', from), folders.size());
-    const std::filesystem::path file = std::filesystem::path(folders.substr(from, to - from)) / command;
+    const std::filesystem::path file =
+        std::filesystem::path(folders.substr(from, to - from)) / command;
     std::error_code ignored;
-    if (std::filesystem::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0) return file.string();
+    if (std::filesystem::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0)
+      return file.string();
     from = to + 1;
   }
   return "";
 }
 
 std::string howItEnded(int status) {
-  if (WIFSIGNALED(status)) return fmt::format("was ended by a signal ({})", strsignal(WTERMSIG(status)));
+  if (WIFSIGNALED(status))
+    return fmt::format("was ended by a signal ({})", strsignal(WTERMSIG(status)));
   return fmt::format("failed with status {}", WEXITSTATUS(status));
 }
 
@@ -159,18 +166,21 @@ Child::Child(const std::vector<std::string>& words, const ChildOptions& options)
   start.folder = options.folder.string();
   for (std::string& word : start.words) start.arguments.push_back(word.data());
   start.arguments.push_back(nullptr);
-  for (const auto& [name, value] : options.environment) start.settings.push_back(name + "=" + value);
+  for (const auto& [name, value] : options.environment)
+    start.settings.push_back(name + "=" + value);
   for (std::string& setting : start.settings) start.environment.push_back(setting.data());
   for (char** each = environ; *each; ++each) {
     const std::string setting = *each;
-    const bool is_set = std::any_of(options.environment.begin(), options.environment.end(), [&](const auto& other) {
-      return setting.rfind(other.first + "=", 0) == 0;
-    });
+    const bool is_set =
+        std::any_of(options.environment.begin(), options.environment.end(),
+                    [&](const auto& other) { return setting.rfind(other.first + "=", 0) == 0; });
     if (!is_set) start.environment.push_back(*each);
   }
   start.environment.push_back(nullptr);
-  if (start.file.empty()) r.error = ENOENT;
-  else if (r.output.ends[0] < 0 || r.news.ends[0] < 0) r.error = EMFILE;
+  if (start.file.empty())
+    r.error = ENOENT;
+  else if (r.output.ends[0] < 0 || r.news.ends[0] < 0)
+    r.error = EMFILE;
   if (r.error) return;
   const SignalsHeld held;
   const pid_t self = getpid();
@@ -204,12 +214,15 @@ Ending Child::wait() {
   const auto end = Clock::now() + std::chrono::milliseconds(static_cast<long>(1000 * r.seconds));
   bool is_over = false;
   for (bool reading = true; !is_over || reading;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     if (left <= 0 && !is_over) {
-      ending.problem = fmt::format("{}: did not end within {:g} s, and was killed", r.name, r.seconds);
+      ending.problem =
+          fmt::format("{}: did not end within {:g} s, and was killed", r.name, r.seconds);
       break;
     }
-    pollfd files[2] = {{reading ? r.output.ends[0] : -1, POLLIN, 0}, {is_over ? -1 : r.news.ends[0], POLLIN, 0}};
+    pollfd files[2] = {{reading ? r.output.ends[0] : -1, POLLIN, 0},
+                       {is_over ? -1 : r.news.ends[0], POLLIN, 0}};
     // what has been written when the program ends is there to be read; who writes on is killed
     const int count = poll(files, 2, is_over ? 0 : static_cast<int>(left));
     if (count < 0 && errno != EINTR) break;
@@ -220,16 +233,20 @@ Ending Child::wait() {
       if (size == 0 || (size < 0 && errno != EINTR)) reading = false;
       if (size > 0 && ending.output.size() < kKept)
         ending.output.append(buffer, std::min<std::size_t>(size, kKept - ending.output.size()));
-      else if (is_over) reading = false;
+      else if (is_over)
+        reading = false;
     }
     if (files[1].revents != 0) {
       News news{News::kCannotStart, EPIPE};
       const ssize_t size = read(r.news.ends[0], &news, sizeof news);
       if (size < 0 && errno == EINTR) continue;
       is_over = true;
-      if (size != sizeof news) ending.problem = r.name + ": its keeper was killed";
-      else if (news.kind == News::kCannotStart) cannot_start(news.value);
-      else if (news.value != 0) ending.problem = r.name + " " + howItEnded(news.value);
+      if (size != sizeof news)
+        ending.problem = r.name + ": its keeper was killed";
+      else if (news.kind == News::kCannotStart)
+        cannot_start(news.value);
+      else if (news.value != 0)
+        ending.problem = r.name + " " + howItEnded(news.value);
     }
   }
   if (!ending.problem.empty() && !ending.output.empty())
@@ -258,7 +275,9 @@ std::string triedInCopy(const std::function<std::string()>& trial, double second
         said = error.what();
       }
       said = (said.empty() ? "+" : "-") + said.substr(0, 2000);
-      _exit(write(answer.ends[1], said.data(), said.size()) == static_cast<ssize_t>(said.size()) ? 0 : 1);
+      _exit(write(answer.ends[1], said.data(), said.size()) == static_cast<ssize_t>(said.size())
+                ? 0
+                : 1);
     }
     if (copy < 0) return std::string("fork: ") + std::strerror(errno);
     ends_with_us = EndsWithUs(copy, SIGKILL);
@@ -270,7 +289,8 @@ std::string triedInCopy(const std::function<std::string()>& trial, double second
   const auto end = Clock::now() + std::chrono::milliseconds(static_cast<long>(1000 * seconds));
   int ready = 0;
   do {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     ready = poll(&file, 1, static_cast<int>(std::max<long>(left, 0)));
   } while (ready < 0 && errno == EINTR);
   if (ready > 0) size = read(answer.ends[0], buffer, sizeof buffer);

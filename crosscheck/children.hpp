@@ -19,14 +19,15 @@ struct ChildOptions {
 
 /// How a program ended.
 struct Ending {
-  std::string output;     ///< standard output and standard error together, the first 64 KiB
-  std::string problem;    ///< in words, with the first of its own; empty: it exited with status 0
+  std::string output;      ///< standard output and standard error together, the first 64 KiB
+  std::string problem;     ///< in words, with the first of its own; empty: it exited with status 0
   bool not_found = false;  ///< there is no such program
 };
 
-/** A program (found on the PATH when it is named without a slash) in a process group of its own, which is
-    killed as a whole when the program ends, takes too long, or this object or this process is gone, even by
-    KILL: a keeper between the two sees to that. It reads nothing and writes to us alone. */
+/** A program (found on the PATH when it is named without a slash) in a process group of its own,
+    which is killed as a whole when the program ends, takes too long, or this object or this process
+    is gone, even by KILL: a keeper between the two sees to that. It reads nothing and writes to us
+    alone. */
 class Child {
  public:
   /// Starts it. What goes wrong is told by wait().

@@ -19,7 +19,8 @@ constexpr const char* kSame = "same";
 /// M (x - y) of two answers qdd, in the equations: within what both may leave of these.
 void compareResiduals(int index, const Testimony& x, const Testimony& y, const std::string& excuse,
                       Tally& tally) {
-  if (!excuse.empty()) return tally.fail(index, excuse, excuse);  // M is singular: nothing is the same
+  if (!excuse.empty())
+    return tally.fail(index, excuse, excuse);  // M is singular: nothing is the same
   const MatrixOf<Ball> difference = x.residual->value - y.residual->value;
   // what is proven of it; of an answer that is no number, nothing is
   const Eigen::MatrixXd at_least = difference.unaryExpr([](const Ball& ball) {
@@ -59,10 +60,11 @@ PairComparison::PairComparison(Quantity quantity, const std::vector<std::string>
       check.quantity = name(quantity);
       check.left = witnesses[a];
       check.right = witnesses[b];
-      check.statement = quantity == Quantity::kQdd
-                            ? fmt::format("M (qdd by {} - qdd by {}) = 0, in forces", check.left, check.right)
-                            : fmt::format("{} by {} = {} by {}", check.quantity, check.left,
-                                          check.quantity, check.right);
+      check.statement =
+          quantity == Quantity::kQdd
+              ? fmt::format("M (qdd by {} - qdd by {}) = 0, in forces", check.left, check.right)
+              : fmt::format("{} by {} = {} by {}", check.quantity, check.left, check.quantity,
+                            check.right);
       check.seed = options.seed;
       tallies_.emplace_back(check);
     }
@@ -140,11 +142,10 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
     finding.scene = scene_name;
     finding.quantity = quantity;
     finding.witness = outlier.value_or("");
-    finding.text =
-        outlier ? fmt::format("{}: {}: {} stands alone; {} agree with each other", scene_name,
-                              quantity, *outlier, others)
-                : fmt::format("{}: {}: {} disagree, and no single one stands alone", scene_name,
-                              quantity, others);
+    finding.text = outlier ? fmt::format("{}: {}: {} stands alone; {} agree with each other",
+                                         scene_name, quantity, *outlier, others)
+                           : fmt::format("{}: {}: {} disagree, and no single one stands alone",
+                                         scene_name, quantity, others);
     findings.push_back(finding);
   }
   return findings;

@@ -17,8 +17,8 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-constexpr int kStates = 3;           ///< that the control is asked at
-constexpr int kUsualPower = 10;      ///< size 1e-10
+constexpr int kStates = 3;       ///< that the control is asked at
+constexpr int kUsualPower = 10;  ///< size 1e-10
 
 double sizeOf(int power) {
   return std::pow(10.0, -power);
@@ -65,8 +65,8 @@ scene::Scene heavier(const scene::Scene& scene, int power, TooHeavy what) {
   }
   for (scene::Link& link : out.mechanism.links) {
     scene::Joint& joint = link.joint;
-    for (scene::Number* number : {&joint.stiffness, &joint.friction.viscous, &joint.friction.positive,
-                                  &joint.friction.negative})
+    for (scene::Number* number : {&joint.stiffness, &joint.friction.viscous,
+                                  &joint.friction.positive, &joint.friction.negative})
       scale(*number);
   }
   for (scene::Wrench& wrench : out.mechanism.wrenches)
@@ -88,8 +88,8 @@ struct ControlWitness::Impl {
     return *slot;
   }
 
-  /// By how much an answer is off in what the judge looks at: the largest entry of  x - exact,  or of
-  /// M (x - exact)  for x = qdd.
+  /// By how much an answer is off in what the judge looks at: the largest entry of  x - exact,  or
+  /// of M (x - exact)  for x = qdd.
   double offBy(const Eigen::MatrixXd& x, Quantity quantity, const scene::State<double>& state,
                const Certified& exact) {
     Eigen::MatrixXd off = x;
@@ -204,7 +204,8 @@ std::vector<Control> ControlWitness::results() const {
 
 namespace {
 
-/// Which quantities are zero, or have no value, at a random point: there is nothing to be too heavy.
+/// Which quantities are zero, or have no value, at a random point: there is nothing to be too
+/// heavy.
 std::map<std::string, std::string> nothingInField(const scene::Scene& scene,
                                                   const ExactOptions& options) {
   const PrimeField::Modulus modulus(drawPrime(scene.name, options.seed, 0));
@@ -264,8 +265,9 @@ namespace {
 
 using nlohmann::json;
 
-/** The part of a printed number that three units of its last digit are: "0.25" gives 3 / 25. None for an
-    expression, and for zero. Whether zeros at the end were printed makes it smaller, not larger. */
+/** The part of a printed number that three units of its last digit are: "0.25" gives 3 / 25. None
+    for an expression, and for zero. Whether zeros at the end were printed makes it smaller, not
+    larger. */
 std::optional<double> threeUnits(const json& printed) {
   if (!printed.is_string()) return {};
   std::string digits;
@@ -281,7 +283,8 @@ std::optional<double> threeUnits(const json& printed) {
   return 3 / units;
 }
 
-/// The smallest over all entries; what the table states about places and accuracy outweighs the print.
+/// The smallest over all entries; what the table states about places and accuracy outweighs the
+/// print.
 double leastPart(const json& table, const json& one_case, const std::string& quantity,
                  const json& printed, const std::optional<double>& accuracy) {
   const auto stated = [&](const char* key) -> std::optional<int> {

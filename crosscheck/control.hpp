@@ -15,24 +15,25 @@ namespace dynwitness::crosscheck {
 
 inline constexpr const char* kControl = "control";
 
-/// What a control gets wrong: a heavier kilogram, in every number that has one in it (masses, inertias,
-/// springs, friction, loads; lengths, angles and gravity stay); or masses and inertias with their weights as
-/// they were, which is what shows in qdd: a kilogram that cancels there is seen by its joint forces only.
+/// What a control gets wrong: a heavier kilogram, in every number that has one in it (masses,
+/// inertias, springs, friction, loads; lengths, angles and gravity stay); or masses and inertias
+/// with their weights as they were, which is what shows in qdd: a kilogram that cancels there is
+/// seen by its joint forces only.
 enum class TooHeavy { kKilogram, kInertia };
 
 /// The scene with that too large by 10^-power of it.
 scene::Scene heavier(const scene::Scene& scene, int power, TooHeavy what = TooHeavy::kKilogram);
 
-/** A witness that reads heavier(scene): Newton-Euler, and articulated bodies for qdd, in double with
-    its own error bounds. It is honest at the first of its three states, so that whoever judges the first
-    one only does not find it, and asked at these alone.
+/** A witness that reads heavier(scene): Newton-Euler, and articulated bodies for qdd, in double
+    with its own error bounds. It is honest at the first of its three states, so that whoever judges
+    the first one only does not find it, and asked at these alone.
 
-    How heavy: 1e-10 is 4.5e5 ulp in every entry of a quantity that has the dimension of a mass. A limit may
-    be 10^4 times the error that is seen, and no more (then it is no longer one). So the control must be
-    found wherever it is 10^4 times what the honest sweep in double is off by from the certified truth (in joint
-    forces for qdd, which is judged by them); where 1e-10 is less than that, it is the next power of ten
-    that is not. Limits have no part in its size: one
-    that is too wide makes it missed, not larger. */
+    How heavy: 1e-10 is 4.5e5 ulp in every entry of a quantity that has the dimension of a mass. A
+    limit may be 10^4 times the error that is seen, and no more (then it is no longer one). So the
+    control must be found wherever it is 10^4 times what the honest sweep in double is off by from
+    the certified truth (in joint forces for qdd, which is judged by them); where 1e-10 is less than
+    that, it is the next power of ten that is not. Limits have no part in its size: one that is too
+    wide makes it missed, not larger. */
 class ControlWitness {
  public:
   ControlWitness(const scene::Scene& scene, const Options& options);
@@ -55,8 +56,8 @@ class ControlWitness {
 /// The control over the prime field, against Newton-Euler and articulated bodies: by "field".
 std::vector<Control> controlInField(const scene::Scene& scene, const ExactOptions& options);
 
-/** The control before a table, heavy enough to be three units of the last printed digit in some entry (or
-    three times the accuracy that the table states): by "table". */
+/** The control before a table, heavy enough to be three units of the last printed digit in some
+    entry (or three times the accuracy that the table states): by "table". */
 std::vector<Control> controlOfTable(const std::filesystem::path& table, const scene::Scene& scene);
 
 /// Controls of the same quantity become one; those of tables stay apart, being larger.

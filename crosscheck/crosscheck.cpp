@@ -38,8 +38,9 @@ void describe(const scene::Scene& scene, const Options& options, SceneResult& re
   result.source = scene.source;
   // bundled scenes are known by their place in the project, wherever it lies
   const std::filesystem::path inside = scene.file.lexically_relative(scene::dataFolder());
-  result.file = inside.empty() || *inside.begin() == ".." ? scene.file.string()
-                                                          : (std::filesystem::path("data") / inside).string();
+  result.file = inside.empty() || *inside.begin() == ".."
+                    ? scene.file.string()
+                    : (std::filesystem::path("data") / inside).string();
   result.dof = scene.mechanism.dof();
   result.links = static_cast<int>(scene.mechanism.links.size());
   for (const std::string& sentence : leftOut(scene, Command::kCrosscheck))
@@ -53,13 +54,17 @@ void describe(const scene::Scene& scene, const Options& options, SceneResult& re
   }
 }
 
-/// T, V, M, c and g as maths where they are short enough to read, and their size where they are not.
+/// T, V, M, c and g as maths where they are short enough to read, and their size where they are
+/// not.
 Equations equationsOf(const scene::Mechanism& mechanism) {
   Equations out;
   for (const symbolic::ShownEquation& equation : symbolic::shortClosedForm(mechanism)) {
-    if (equation.name == "T") out.kinetic = equation.mathml;
-    else if (equation.name == "V") out.potential = equation.mathml;
-    else out.lines.push_back(equation.mathml);
+    if (equation.name == "T")
+      out.kinetic = equation.mathml;
+    else if (equation.name == "V")
+      out.potential = equation.mathml;
+    else
+      out.lines.push_back(equation.mathml);
   }
   symbolic::Equations derived = symbolic::derive(mechanism);
   const symbolic::Program::Operations operations =
@@ -121,8 +126,8 @@ DigitsFound askWitnesses(const scene::Scene& scene, const std::vector<WitnessKin
 
 namespace {
 
-/// Puts the exact verdicts beside the rounded ones of the same comparison; those without such a twin
-/// become checks of their own. A residual that is not zero outweighs numbers that agree.
+/// Puts the exact verdicts beside the rounded ones of the same comparison; those without such a
+/// twin become checks of their own. A residual that is not zero outweighs numbers that agree.
 void attachExact(std::vector<CheckResult>& checks, const std::vector<CheckResult>& exact) {
   for (const CheckResult& verdict : exact) {
     const auto twin = std::find_if(checks.begin(), checks.end(), [&](const CheckResult& check) {
@@ -146,7 +151,8 @@ void attachExact(std::vector<CheckResult>& checks, const std::vector<CheckResult
 
 void requireMotion(const scene::Scene& scene) {
   if (scene.mechanism.dof() == 0)
-    throw scene::InputError({scene.file.string()}, "no joint moves, expected at least one that does");
+    throw scene::InputError({scene.file.string()},
+                            "no joint moves, expected at least one that does");
 }
 
 namespace {
@@ -180,7 +186,8 @@ SceneResult crosscheckPart(const scene::Scene& scene, const std::vector<WitnessK
       describe(scene, options, result);
       result.not_modelled.insert(result.not_modelled.end(), plan.told.begin(), plan.told.end());
       if (!plan.whole) {
-        result.checks = {leftOut(plan, "laws of mechanics"), leftOut(plan, "energy of a simulated motion")};
+        result.checks = {leftOut(plan, "laws of mechanics"),
+                         leftOut(plan, "energy of a simulated motion")};
         break;
       }
       result.equations = equationsOf(scene.mechanism);
@@ -241,8 +248,8 @@ SceneResult assembled(const scene::Scene& scene, std::vector<SceneResult> parts)
   result.findings.insert(result.findings.end(), losses.begin(), losses.end());
   for (const Finding& finding : openStart(scene)) result.findings.push_back(finding);
   append(result.checks, std::move(part(Part::kTables).checks));
-  result.controls = joinedControls({part(Part::kWitnesses).controls, part(Part::kExact).controls,
-                                    part(Part::kTables).controls});
+  result.controls = joinedControls(
+      {part(Part::kWitnesses).controls, part(Part::kExact).controls, part(Part::kTables).controls});
   if (result.drift) {
     result.checks.push_back(checkDrift(scene, *result.drift));
     const bool moves = !result.drift->paths.empty();
@@ -288,7 +295,9 @@ std::vector<SceneResult> crosscheckScenes(const std::vector<scene::Scene>& scene
   std::vector<int> parts_done(count, 0);
   const std::vector<std::string> bytes = inProcesses(
       processes, count * kParts,
-      [&](int i) { return archived(crosscheckPart(scenes[i / kParts], kinds, options, i % kParts)); },
+      [&](int i) {
+        return archived(crosscheckPart(scenes[i / kParts], kinds, options, i % kParts));
+      },
       [&](int i) {
         work.done();
         if (++parts_done[i / kParts] == kParts && done) done(i / kParts);

@@ -19,16 +19,16 @@ struct Options {
   int states = 100;
   std::vector<std::string> witnesses;  ///< names to ask; empty: all that are present
   bool drift = true;                   ///< simulate 10 s and watch the energy
-  double error_probability = 1e-30;    ///< chance at most that an exact check passes a wrong formula
+  double error_probability = 1e-30;  ///< chance at most that an exact check passes a wrong formula
   Parameters parameters = Parameters::kAsWritten;  ///< in exact checks: the scene's, or any
 };
 
-/// The kinds that the options ask for. @throws scene::InputError on a name that does not exist or is
-/// absent from this build.
+/// The kinds that the options ask for. @throws scene::InputError on a name that does not exist or
+/// is absent from this build.
 std::vector<WitnessKind> selectWitnesses(const std::vector<std::string>& names);
 
-/// Each quantity, each pair of witnesses that answer it, at the options' states: |left - right| must
-/// lie within the sum of both sides' error bounds.
+/// Each quantity, each pair of witnesses that answer it, at the options' states: |left - right|
+/// must lie within the sum of both sides' error bounds.
 std::vector<CheckResult> compareWitnesses(const scene::Scene& scene,
                                           const std::vector<WitnessKind>& kinds,
                                           const Options& options);

@@ -85,22 +85,29 @@ std::vector<Rule> makeRules() {
                                  "springs and dampers of the scene are not added to those of "
                                  "--stiffness and --damping"};
   const Treatment no_program = {Kind::kRefused, "programs are made for open trees alone"};
-  const Treatment own_rates = {Kind::kRefused, "what is computed here moves every position with a rate of its own"};
+  const Treatment own_rates = {Kind::kRefused,
+                               "what is computed here moves every position with a rate of its own"};
   const Features followers = {Feature::kMimic};
   return {
-      {Command::kDeriveOperations, followers, {Kind::kRefused, "no kernel is made of joints that share a rate"}},
-      {Command::kEvaluateTasks, followers,
+      {Command::kDeriveOperations,
+       followers,
+       {Kind::kRefused, "no kernel is made of joints that share a rate"}},
+      {Command::kEvaluateTasks,
+       followers,
        {Kind::kRefused, "the sweeps for tasks solve for each joint where they pass it"}},
-      {Command::kChart, followers,
+      {Command::kChart,
+       followers,
        {Kind::kRefused, "engines are timed on trees, where every joint has a rate of its own"}},
       {Command::kRotors, followers, own_rates},
       {Command::kGeometry, followers, own_rates},
       {Command::kAction, followers, own_rates},
       {Command::kImpedance, followers, own_rates},
-      {Command::kImpulse, followers,
+      {Command::kImpulse,
+       followers,
        {Kind::kRefused, "impulses through joints that share a rate are not told apart"}},
 
-      {Command::kCrosscheck, closures + point_springs,
+      {Command::kCrosscheck,
+       closures + point_springs,
        {Kind::kTold, "comparisons of witnesses are about the tree that the joints make"}},
       {Command::kCrosscheck,
        prescribed,
@@ -402,21 +409,28 @@ std::vector<FoundFeature> featuresOf(const scene::Scene& scene) {
     if (const scene::Link* link = firstLink(mechanism, has))
       add(feature, fmt::format("joint '{}' {}", link->joint.name, what), link->where);
   };
-  addJoint(Feature::kRotor, [](const scene::Joint& j) { return !j.rotor_inertia.isLiteralZero(); },
-           "has a rotor");
-  addJoint(Feature::kGyroscopicRotor,
-           [](const scene::Joint& j) { return j.gyroscopic && !j.rotor_inertia.isLiteralZero(); },
-           "has a gyroscopic rotor");
-  addJoint(Feature::kViscousFriction,
-           [](const scene::Joint& j) { return !j.friction.viscous.isLiteralZero(); },
-           "has viscous friction");
-  addJoint(Feature::kCoulombFriction, [](const scene::Joint& j) { return j.friction.isCoulomb(); },
-           "has Coulomb friction");
-  addJoint(Feature::kJointSpring, [](const scene::Joint& j) { return !j.stiffness.isLiteralZero(); },
-           "has a spring");
-  addJoint(Feature::kMimic, [](const scene::Joint& j) { return j.mimic.has_value(); }, "follows another");
-  addJoint(Feature::kDrivenJoint, [](const scene::Joint& j) { return !j.motion.empty(); },
-           "is driven");
+  addJoint(
+      Feature::kRotor, [](const scene::Joint& j) { return !j.rotor_inertia.isLiteralZero(); },
+      "has a rotor");
+  addJoint(
+      Feature::kGyroscopicRotor,
+      [](const scene::Joint& j) { return j.gyroscopic && !j.rotor_inertia.isLiteralZero(); },
+      "has a gyroscopic rotor");
+  addJoint(
+      Feature::kViscousFriction,
+      [](const scene::Joint& j) { return !j.friction.viscous.isLiteralZero(); },
+      "has viscous friction");
+  addJoint(
+      Feature::kCoulombFriction, [](const scene::Joint& j) { return j.friction.isCoulomb(); },
+      "has Coulomb friction");
+  addJoint(
+      Feature::kJointSpring, [](const scene::Joint& j) { return !j.stiffness.isLiteralZero(); },
+      "has a spring");
+  addJoint(
+      Feature::kMimic, [](const scene::Joint& j) { return j.mimic.has_value(); },
+      "follows another");
+  addJoint(
+      Feature::kDrivenJoint, [](const scene::Joint& j) { return !j.motion.empty(); }, "is driven");
   for (const scene::Wrench& wrench : mechanism.wrenches) {
     const scene::Link& link = mechanism.links[static_cast<std::size_t>(wrench.link)];
     add(wrench.axes == scene::Wrench::Axes::kLink ? Feature::kLinkWrench : Feature::kWorldWrench,
@@ -474,9 +488,12 @@ std::string featuresMarkdown() {
   };
   std::string text =
       "# What each command makes of each part of a scene\n\n"
-      "`yes`: modelled, what the command says depends on it. `-`: it has no part in what the command says.\n"
-      "`told`: left out, and said on standard error. `no`: the scene is refused, with exit status 2. The numbers\n"
-      "are reasons, below. This is the table that the commands obey (`crosscheck/features.cpp`), written by\n"
+      "`yes`: modelled, what the command says depends on it. `-`: it has no part in what the "
+      "command says.\n"
+      "`told`: left out, and said on standard error. `no`: the scene is refused, with exit status "
+      "2. The numbers\n"
+      "are reasons, below. This is the table that the commands obey (`crosscheck/features.cpp`), "
+      "written by\n"
       "`dynwitness scenes --features`; a test goes through every pair.\n\n| |";
   std::string rule = "|---|";
   for (const Command command : kAllCommands) {

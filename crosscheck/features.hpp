@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What of a scene each command takes into account: one table. The commands obey it, features.md shows it, and
-// a test goes through every pair.
+// What of a scene each command takes into account: one table. The commands obey it, features.md
+// shows it, and a test goes through every pair.
 #pragma once
 
 #include <string>
@@ -10,7 +10,8 @@
 
 namespace dynwitness::crosscheck {
 
-/// The commands that take a scene. One that answers questions of several kinds stands here once a kind.
+/// The commands that take a scene. One that answers questions of several kinds stands here once a
+/// kind.
 enum class Command {
   kCrosscheck,
   kDerive,
@@ -42,8 +43,9 @@ inline constexpr Command kAllCommands[] = {Command::kCrosscheck,     Command::kD
 /// "drift", "evaluate (tau, reactions)"
 const char* name(Command command);
 
-/// What a scene may have. To add one: here, in kAllFeatures, in kWords and featuresOf() (features.cpp), a scene
-/// of it in tests/test_features.cpp, and rules for the commands that do not model it.
+/// What a scene may have. To add one: here, in kAllFeatures, in kWords and featuresOf()
+/// (features.cpp), a scene of it in tests/test_features.cpp, and rules for the commands that do not
+/// model it.
 enum class Feature {
   kFixed,
   kRevolute,
@@ -76,17 +78,36 @@ enum class Feature {
   kStart,
   kNotModelled,
 };
-inline constexpr Feature kAllFeatures[] = {
-    Feature::kFixed,           Feature::kRevolute,       Feature::kPrismatic,
-    Feature::kHelical,         Feature::kCylindrical,    Feature::kUniversal,
-    Feature::kPlanar,          Feature::kSpherical,      Feature::kFloating,
-    Feature::kGravity,         Feature::kRotor,          Feature::kGyroscopicRotor,
-    Feature::kViscousFriction, Feature::kCoulombFriction, Feature::kJointSpring,
-    Feature::kMimic,           Feature::kLinkWrench,      Feature::kWorldWrench,    Feature::kDistanceClosure,
-    Feature::kPlaneClosure,    Feature::kPlanarPointClosure, Feature::kPointClosure,
-    Feature::kHingeClosure,    Feature::kWeldClosure,    Feature::kPointSpring,
-    Feature::kPointDamper,     Feature::kDrivenJoint,    Feature::kAccelerationConstraint,
-    Feature::kStart,           Feature::kNotModelled};
+inline constexpr Feature kAllFeatures[] = {Feature::kFixed,
+                                           Feature::kRevolute,
+                                           Feature::kPrismatic,
+                                           Feature::kHelical,
+                                           Feature::kCylindrical,
+                                           Feature::kUniversal,
+                                           Feature::kPlanar,
+                                           Feature::kSpherical,
+                                           Feature::kFloating,
+                                           Feature::kGravity,
+                                           Feature::kRotor,
+                                           Feature::kGyroscopicRotor,
+                                           Feature::kViscousFriction,
+                                           Feature::kCoulombFriction,
+                                           Feature::kJointSpring,
+                                           Feature::kMimic,
+                                           Feature::kLinkWrench,
+                                           Feature::kWorldWrench,
+                                           Feature::kDistanceClosure,
+                                           Feature::kPlaneClosure,
+                                           Feature::kPlanarPointClosure,
+                                           Feature::kPointClosure,
+                                           Feature::kHingeClosure,
+                                           Feature::kWeldClosure,
+                                           Feature::kPointSpring,
+                                           Feature::kPointDamper,
+                                           Feature::kDrivenJoint,
+                                           Feature::kAccelerationConstraint,
+                                           Feature::kStart,
+                                           Feature::kNotModelled};
 /// "Coulomb friction"
 const char* name(Feature feature);
 

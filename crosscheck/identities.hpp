@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "crosscheck/arithmetic/dual.hpp"
-#include "crosscheck/studies/gauss_value.hpp"
 #include "crosscheck/exact/two_sides.hpp"
+#include "crosscheck/studies/gauss_value.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/composite_body.hpp"
@@ -26,8 +26,10 @@ namespace dynwitness::crosscheck {
 /// In the order in which Identities::evaluate() returns them.
 inline constexpr IdentityInfo kIdentities[] = {
     {"symmetric mass matrix", "M = M'", "M", "newton_euler", ""},
-    {"kinetic energy is quadratic", "T = qd' M qd / 2", "kinetic", "newton_euler", "composite_body"},
-    {"power balance", "d(T + V)/dt = qd' (tau + Q) - (friction's power)", "power", "newton_euler", ""},
+    {"kinetic energy is quadratic", "T = qd' M qd / 2", "kinetic", "newton_euler",
+     "composite_body"},
+    {"power balance", "d(T + V)/dt = qd' (tau + Q) - (friction's power)", "power", "newton_euler",
+     ""},
     {"forward dynamics undoes inverse dynamics", "FD(ID(qdd)) = qdd", "qdd", "articulated_body",
      "newton_euler"},
     {"Coriolis matrix gives c", "C qd = c", "c", "composite_body", "newton_euler"},
@@ -42,16 +44,16 @@ inline constexpr IdentityInfo kIdentities[] = {
     {"projections of force and motion are dual", "Z' P F = d D^-1 Z' F for every F", "Z' P",
      "articulated_body", ""},
     {"independence of the chosen root",
-     "on a floating base, another link as root: the same qdd, and the same twist and acceleration of every "
+     "on a floating base, another link as root: the same qdd, and the same twist and acceleration "
+     "of every "
      "link",
      "qdd", "articulated_body", ""},
-    {"reactions along joint axes",
-     "Z'f = M qdd + C qd + dV/dq - Q - (what rotor and spring take)", "tau", "newton_euler",
-     "composite_body"},
-    {"reactions at the base", "sum of f = d(momentum)/dt - weight - loads", "reactions", "newton_euler",
-     ""},
-    {"linear in the inertial parameters", "Y pi = tau without springs and loads", "tau", "regressor",
-     "newton_euler"},
+    {"reactions along joint axes", "Z'f = M qdd + C qd + dV/dq - Q - (what rotor and spring take)",
+     "tau", "newton_euler", "composite_body"},
+    {"reactions at the base", "sum of f = d(momentum)/dt - weight - loads", "reactions",
+     "newton_euler", ""},
+    {"linear in the inertial parameters", "Y pi = tau without springs and loads", "tau",
+     "regressor", "newton_euler"},
     {"value function of Gauss' principle",
      "a' M_A a / 2 + a' f_A = least Gauss function of the subtree, all its joints at once", "M_A",
      "articulated_body", "dense minimum"},
@@ -61,9 +63,9 @@ inline constexpr int kIdentityCount = sizeof(kIdentities) / sizeof(kIdentities[0
 /** All identities of one mechanism, in the arithmetic of Numbers. Nothing here is specific to
     rounding: on RunningError the two sides must agree within their bounds, over a field exactly.
 
-    Where M is singular, the laws that divide by an inertia have no sides, and the others do. (A scalar
-    that refuses to divide by zero throws std::domain_error; one that goes on, as RunningError does,
-    gives sides without a finite bound.) */
+    Where M is singular, the laws that divide by an inertia have no sides, and the others do. (A
+    scalar that refuses to divide by zero throws std::domain_error; one that goes on, as
+    RunningError does, gives sides without a finite bound.) */
 template <typename Numbers>
 class Identities {
  public:
@@ -171,14 +173,17 @@ class Identities {
     out.push_back(atBase(state));
     MatrixX Y(n, parameters_.size());
     recursive::regressor(model_, parameters_, state.x, state.qd, state.qdd, ws_, Y);
-    out.push_back({Y * columnOf(pi_), inverse(state, state.qd, state.qdd, {true, false, false, false})});
+    out.push_back(
+        {Y * columnOf(pi_), inverse(state, state.qd, state.qdd, {true, false, false, false})});
 
     append(out, 1, [&] {
       std::vector<T> qdd(free_.dof(), T(0));
       // any forces will do
       const std::vector<T> rates = letGo(state.qd), forces = letGo(state.qdd);
-      recursive::forwardDynamics(free_, state.x, rates, forces, ws_free_, qdd, {true, true, true, false});
-      return Laws{{sweptGauss(free_, ws_free_), leastGauss(free_, state.x, rates, forces, ws_free_)}};
+      recursive::forwardDynamics(free_, state.x, rates, forces, ws_free_, qdd,
+                                 {true, true, true, false});
+      return Laws{
+          {sweptGauss(free_, ws_free_), leastGauss(free_, state.x, rates, forces, ws_free_)}};
     });
     return out;
   }
@@ -200,8 +205,8 @@ class Identities {
   static MatrixX one(const T& x) { return MatrixX::Constant(1, 1, x); }
 
   /// Positions that move as they do at these rates.
-  std::vector<scene::JointPosition<Dual<T>>> movingAt(
-      const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd) const {
+  std::vector<scene::JointPosition<Dual<T>>> movingAt(const std::vector<scene::JointPosition<T>>& x,
+                                                      const std::vector<T>& qd) const {
     std::vector<T> rates(x.size(), T(0));
     recursive::positionRates(model_, x, qd, rates);
     std::vector<scene::JointPosition<Dual<T>>> out;
@@ -209,8 +214,8 @@ class Identities {
     return out;
   }
 
-  MatrixX inverse(const scene::State<T>& state, const std::vector<T>& qd,
-                  const std::vector<T>& qdd, recursive::Terms terms) {
+  MatrixX inverse(const scene::State<T>& state, const std::vector<T>& qd, const std::vector<T>& qdd,
+                  recursive::Terms terms) {
     std::vector<T> tau(model_.dof(), T(0));
     recursive::inverseDynamics(model_, state.x, qd, qdd, ws_, tau, terms);
     return columnOf(tau);
@@ -222,13 +227,14 @@ class Identities {
     for (std::size_t i = 0; i < free_.links.size(); ++i) {
       const recursive::LinkModel<T>& link = model_.links[i];
       for (int k = 0; k < recursive::axisCount(link.kind); ++k)
-        out[free_.links[i].dof + k] = link.follows ? T(link.ratio * rates[link.dof]) : rates[link.dof + k];
+        out[free_.links[i].dof + k] =
+            link.follows ? T(link.ratio * rates[link.dof]) : rates[link.dof + k];
     }
     return out;
   }
 
-  /// The identities of section 7 of the chapter at every moving joint, stacked: 6 rows a joint. They are of
-  /// joints that are passed one by one, each with a rate of its own.
+  /// The identities of section 7 of the chapter at every moving joint, stacked: 6 rows a joint.
+  /// They are of joints that are passed one by one, each with a rate of its own.
   Laws projections(const scene::State<T>& state) {
     const int n = free_.dof();
     std::vector<T> qdd(n, T(0));
@@ -324,8 +330,8 @@ class Identities {
     for (std::size_t i = 1; i < kept_.joints.size(); ++i) {
       if (inboardLink(i) >= 0) continue;
       recursive::Vector6<T> six = f.block(6 * (static_cast<Eigen::Index>(i) - 1), 0, 6, 1);
-      recursive::Force<T> at_world =
-          kept_.joints[i].X.inverseTimes(recursive::Force<T>{six.template head<3>(), six.template tail<3>()});
+      recursive::Force<T> at_world = kept_.joints[i].X.inverseTimes(
+          recursive::Force<T>{six.template head<3>(), six.template tail<3>()});
       for (int j = kept_.joints[i].link; j >= 0; j = kept_.links[j].parent)
         at_world = ws_kept_.X_up[j].inverseTimes(at_world);
       sum = sum + at_world;
@@ -355,12 +361,13 @@ class Identities {
     return {sum.vector(), rate - MatrixX(applied.vector())};
   }
 
-  /** The mechanism on a base that floats (its own, or what rests in the world is let go), and once more
-      with its last link as the root; joints that follow others are let go in both. A base let go gets an inertia, a pose and a twist: any
-      will do. */
+  /** The mechanism on a base that floats (its own, or what rests in the world is let go), and once
+      more with its last link as the root; joints that follow others are let go in both. A base let
+      go gets an inertia, a pose and a twist: any will do. */
   TwoSides<T> otherRoot(const scene::State<T>& state) const {
     using namespace recursive;
-    const RigidInertia<T> body = {T(7), {T(1), T(-2), T(3)}, {T(20), T(30), T(40), T(1), T(-2), T(3)}};
+    const RigidInertia<T> body = {
+        T(7), {T(1), T(-2), T(3)}, {T(20), T(30), T(40), T(1), T(-2), T(3)}};
     const bool floats = free_.links[0].kind == scene::JointKind::kFloating &&
                         std::count_if(free_.links.begin(), free_.links.end(),
                                       [](const auto& link) { return link.parent < 0; }) == 1;

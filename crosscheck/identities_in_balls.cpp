@@ -33,7 +33,8 @@ struct IdentitiesInBalls::Impl {
   long bits = kFirstBits;                                         ///< that were enough so far
 };
 
-IdentitiesInBalls::IdentitiesInBalls(const scene::Mechanism& mechanism) : impl_(new Impl{mechanism, {}}) {}
+IdentitiesInBalls::IdentitiesInBalls(const scene::Mechanism& mechanism)
+    : impl_(new Impl{mechanism, {}}) {}
 IdentitiesInBalls::~IdentitiesInBalls() = default;
 
 std::vector<TwoSides<Ball>> IdentitiesInBalls::operator()(const scene::State<double>& state) {
@@ -41,9 +42,11 @@ std::vector<TwoSides<Ball>> IdentitiesInBalls::operator()(const scene::State<dou
     const BallPrecision precision(impl_->bits);
     auto& laws = impl_->laws[impl_->bits];
     if (!laws)
-      laws = std::make_unique<Identities<BallNumbers>>(impl_->mechanism, BallNumbers(impl_->mechanism));
+      laws = std::make_unique<Identities<BallNumbers>>(impl_->mechanism,
+                                                       BallNumbers(impl_->mechanism));
     std::vector<TwoSides<Ball>> sides = laws->evaluate(ballState(state, impl_->mechanism));
-    if (2 * impl_->bits > kMostBits || std::all_of(sides.begin(), sides.end(), isNarrow)) return sides;
+    if (2 * impl_->bits > kMostBits || std::all_of(sides.begin(), sides.end(), isNarrow))
+      return sides;
   }
 }
 
@@ -52,7 +55,8 @@ struct PositivePivots::Impl {
   std::map<long, std::unique_ptr<Setup<Ball>>> setups;  ///< by precision
 };
 
-PositivePivots::PositivePivots(const scene::Mechanism& mechanism) : impl_(new Impl{mechanism, {}}) {}
+PositivePivots::PositivePivots(const scene::Mechanism& mechanism)
+    : impl_(new Impl{mechanism, {}}) {}
 PositivePivots::~PositivePivots() = default;
 
 double PositivePivots::operator()(const scene::State<double>& state) {
@@ -60,13 +64,16 @@ double PositivePivots::operator()(const scene::State<double>& state) {
   for (long bits = kFirstBits; bits <= kMostBits; bits *= 2) {
     const BallPrecision precision(bits);
     std::unique_ptr<Setup<Ball>>& setup = impl_->setups[bits];
-    if (!setup) setup = std::make_unique<Setup<Ball>>(impl_->mechanism, BallNumbers(impl_->mechanism));
-    MatrixOf<Ball> M = CompositeBody::answer(*setup, Quantity::kM, ballState(state, impl_->mechanism));
+    if (!setup)
+      setup = std::make_unique<Setup<Ball>>(impl_->mechanism, BallNumbers(impl_->mechanism));
+    MatrixOf<Ball> M =
+        CompositeBody::answer(*setup, Quantity::kM, ballState(state, impl_->mechanism));
     recursive::factorize(M);
     worst = 0;
     for (Eigen::Index i = 0; i < M.rows(); ++i) {
       const Ball& D = M(i, i);
-      if (D.isFinite() && !D.containsZero() && !D.isPositive()) return std::numeric_limits<double>::infinity();
+      if (D.isFinite() && !D.containsZero() && !D.isPositive())
+        return std::numeric_limits<double>::infinity();
       worst = D.isFinite() && D.isPositive() ? std::max(worst, D.radius() / D.atLeast())
                                              : std::numeric_limits<double>::infinity();
       if (!(worst < 1)) break;

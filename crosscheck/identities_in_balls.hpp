@@ -12,9 +12,9 @@
 
 namespace dynwitness::crosscheck {
 
-/** Both sides of each law of identities.hpp as balls, at a state of doubles taken as the numbers that they are. The
-    precision is doubled until every difference is known to 2^-20 of an ulp of the larger side, or until
-    2048 bits. */
+/** Both sides of each law of identities.hpp as balls, at a state of doubles taken as the numbers
+    that they are. The precision is doubled until every difference is known to 2^-20 of an ulp of
+    the larger side, or until 2048 bits. */
 class IdentitiesInBalls {
  public:
   explicit IdentitiesInBalls(const scene::Mechanism& mechanism);

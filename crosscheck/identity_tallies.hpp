@@ -16,7 +16,8 @@ namespace dynwitness::crosscheck {
 class IdentityTallies {
  public:
   explicit IdentityTallies(std::uint64_t seed);
-  /// @param is_singular  says why M is singular at a state, or nothing: asked where a law has no bound
+  /// @param is_singular  says why M is singular at a state, or nothing: asked where a law has no
+  ///   bound
   void add(int state, const std::vector<TwoSides<RunningError>>& sides,
            const std::function<std::string(int)>& is_singular);
   std::vector<CheckResult> results() const;

@@ -50,8 +50,10 @@ template <typename Slots, typename Fill>
 int take(Slots& slots, const Fill& fill) {
   for (std::size_t i = 0; i < slots.size(); ++i) {
     pid_t owner = slots[i].owner.load();
-    // one of the process that this one was copied from is free as well; kBeingFilled is another thread's
-    if (owner == getpid() || owner == kBeingFilled || !slots[i].owner.compare_exchange_strong(owner, kBeingFilled))
+    // one of the process that this one was copied from is free as well; kBeingFilled is another
+    // thread's
+    if (owner == getpid() || owner == kBeingFilled ||
+        !slots[i].owner.compare_exchange_strong(owner, kBeingFilled))
       continue;
     fill(slots[i]);
     slots[i].owner = getpid();
@@ -60,7 +62,8 @@ int take(Slots& slots, const Fill& fill) {
   return -1;
 }
 
-// ---- the handler: calls that are safe there alone (signal-safety(7), and getdents64, which is a system call)
+// ---- the handler: calls that are safe there alone (signal-safety(7), and getdents64, which is a
+// system call)
 
 /// What getdents64 writes.
 struct Entry {
@@ -100,14 +103,20 @@ void say(const char* text) {
 
 const char* words(int signal) {
   switch (signal) {
-    case SIGINT: return "dynwitness: interrupted; nothing half done is left\n";
-    case SIGTERM: return "dynwitness: terminated; nothing half done is left\n";
-    case SIGHUP: return "dynwitness: hung up; nothing half done is left\n";
-    case SIGXCPU: return "dynwitness: the limit of processor time is reached; nothing half done is left\n";
+    case SIGINT:
+      return "dynwitness: interrupted; nothing half done is left\n";
+    case SIGTERM:
+      return "dynwitness: terminated; nothing half done is left\n";
+    case SIGHUP:
+      return "dynwitness: hung up; nothing half done is left\n";
+    case SIGXCPU:
+      return "dynwitness: the limit of processor time is reached; nothing half done is left\n";
     case SIGABRT:
-      return "dynwitness: failed: a library gave up, for want of memory or by a fault of ours; its words, if any, "
+      return "dynwitness: failed: a library gave up, for want of memory or by a fault of ours; "
+             "its words, if any, "
              "are above\n";
-    default: return "";  // QUIT shows itself; of PIPE nobody wants to hear
+    default:
+      return "";  // QUIT shows itself; of PIPE nobody wants to hear
   }
 }
 
@@ -184,7 +193,9 @@ SignalsHeld::SignalsHeld() {
   const sigset_t ending = endingSignals();
   sigprocmask(SIG_BLOCK, &ending, &before_);
 }
-SignalsHeld::~SignalsHeld() { sigprocmask(SIG_SETMASK, &before_, nullptr); }
+SignalsHeld::~SignalsHeld() {
+  sigprocmask(SIG_SETMASK, &before_, nullptr);
+}
 
 int endCopy(pid_t copy) {
   kill(copy, SIGTERM);
@@ -207,8 +218,10 @@ EndsWithUs& EndsWithUs::operator=(EndsWithUs&& other) noexcept {
 
 RemovedWithUs::RemovedWithUs(const fs::path& path)
     : slot_(take(paths, [text = fs::absolute(path).string()](PathSlot& slot) {
-        if (text.size() < sizeof slot.path) std::memcpy(slot.path, text.c_str(), text.size() + 1);
-        else slot.path[0] = '\0';
+        if (text.size() < sizeof slot.path)
+          std::memcpy(slot.path, text.c_str(), text.size() + 1);
+        else
+          slot.path[0] = '\0';
       })) {}
 RemovedWithUs::~RemovedWithUs() {
   if (slot_ >= 0) paths[slot_].owner = 0;
@@ -223,12 +236,15 @@ WorkLock::~WorkLock() {
 
 void sweepLeftovers(const fs::path& folder, const std::string& prefix) {
   std::error_code ignored;
-  for (fs::directory_iterator entry(folder, ignored), end; !ignored && entry != end; entry.increment(ignored)) {
+  for (fs::directory_iterator entry(folder, ignored), end; !ignored && entry != end;
+       entry.increment(ignored)) {
     const std::string name = entry->path().filename().string();
     if (name.rfind(prefix, 0) != 0) continue;
     // PREFIX<process>...: one that lives may not have taken its lock yet
     const long process = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
-    if (process <= 0 || process == getpid() || kill(static_cast<pid_t>(process), 0) == 0 || errno != ESRCH) continue;
+    if (process <= 0 || process == getpid() || kill(static_cast<pid_t>(process), 0) == 0 ||
+        errno != ESRCH)
+      continue;
     if (const WorkLock lock(entry->path()); lock.isHeld()) {
       std::error_code not_ours;
       fs::remove_all(entry->path(), not_ours);
@@ -244,9 +260,11 @@ fs::path makeFolder(const fs::path& parent, const std::string& stem) {
     const fs::path path = parent / fmt::format("{}-{}-{}", stem, getpid(), k);
     if (mkdir(path.c_str(), 0777) == 0) return path;
     if (errno != EEXIST)
-      throw std::runtime_error(fmt::format("{}: cannot create: {}", path.string(), std::strerror(errno)));
+      throw std::runtime_error(
+          fmt::format("{}: cannot create: {}", path.string(), std::strerror(errno)));
   }
-  throw std::runtime_error(fmt::format("{}: cannot create: {}", (parent / stem).string(), std::strerror(EEXIST)));
+  throw std::runtime_error(
+      fmt::format("{}: cannot create: {}", (parent / stem).string(), std::strerror(EEXIST)));
 }
 
 }  // namespace

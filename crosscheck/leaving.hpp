@@ -10,16 +10,17 @@
 
 namespace dynwitness::crosscheck {
 
-/** From now on INT, TERM, HUP, QUIT, PIPE and XCPU kill the children that are registered, remove the unfinished
-    files, say so on standard error, and end this process as they would have done (a shell sees 128 +
-    the signal). ABRT, with which GMP and FLINT answer a lack of memory, ends it with status 3. XFSZ is ignored,
-    so that a file that becomes too large is an error of write(). */
+/** From now on INT, TERM, HUP, QUIT, PIPE and XCPU kill the children that are registered, remove
+    the unfinished files, say so on standard error, and end this process as they would have done (a
+    shell sees 128 + the signal). ABRT, with which GMP and FLINT answer a lack of memory, ends it
+    with status 3. XFSZ is ignored, so that a file that becomes too large is an error of write(). */
 void leaveNothingBehind();
 
 /// Of a copy that fork() has just made: it ends when its parent does, and leaves the talking to it.
 void endWithParent(pid_t parent);
 
-/// No signal that ends the process is taken while this exists: for a few steps that belong together.
+/// No signal that ends the process is taken while this exists: for a few steps that belong
+/// together.
 class SignalsHeld {
  public:
   SignalsHeld();
@@ -31,10 +32,12 @@ class SignalsHeld {
   sigset_t before_;
 };
 
-/// Asks a copy of this process to end, and waits for it; after two seconds it is killed. @return its status
+/// Asks a copy of this process to end, and waits for it; after two seconds it is killed. @return
+/// its status
 int endCopy(pid_t copy);
 
-/// A child (or, with a minus sign, a process group) that a signal to this process sends this signal to.
+/// A child (or, with a minus sign, a process group) that a signal to this process sends this signal
+/// to.
 class EndsWithUs {
  public:
   EndsWithUs() = default;
@@ -73,12 +76,13 @@ class WorkLock {
   bool held_ = false;
 };
 
-/// Removes what processes that were killed have left in a folder: entries called PREFIX<process>..., of a
-/// process that is no more, on which nobody (on another machine, or in another container) holds a WorkLock.
+/// Removes what processes that were killed have left in a folder: entries called
+/// PREFIX<process>..., of a process that is no more, on which nobody (on another machine, or in
+/// another container) holds a WorkLock.
 void sweepLeftovers(const std::filesystem::path& folder, const std::string& prefix);
 
-/** A new folder PARENT/STEM-..., which goes with this object, with a signal (RemovedWithUs), or, when this process
-    is killed, with the next of the same stem in the same place.
+/** A new folder PARENT/STEM-..., which goes with this object, with a signal (RemovedWithUs), or,
+    when this process is killed, with the next of the same stem in the same place.
     @throws std::runtime_error  the system's reason */
 class DraftFolder {
  public:

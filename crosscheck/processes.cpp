@@ -35,7 +35,8 @@ struct Header {
 class Counter {
  public:
   Counter() {
-    void* page = mmap(nullptr, sizeof *next_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void* page =
+        mmap(nullptr, sizeof *next_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (page == MAP_FAILED) throw std::runtime_error(fmt::format("mmap: {}", std::strerror(errno)));
     next_ = new (page) std::atomic<int>(0);
   }
@@ -122,8 +123,10 @@ void start(Copies& copies, int count, Counter& counter,
     const SignalsHeld held;
     const pid_t self = getpid();
     process = fork();
-    if (process == 0) endWithParent(self);
-    else if (process > 0) ends_with_us = EndsWithUs(process, SIGTERM);
+    if (process == 0)
+      endWithParent(self);
+    else if (process > 0)
+      ends_with_us = EndsWithUs(process, SIGTERM);
   }
   if (process == 0) {
     close(ends[0]);
@@ -199,11 +202,11 @@ std::vector<std::string> inProcesses(int processes, int count,
         --listening;
         const int status = Copies::waitFor(copy);
         if (copy.task >= 0)
-          throw std::runtime_error(
-              fmt::format("task {} of {} ended its process{}", copy.task + 1, count,
-                          WIFSIGNALED(status) ? fmt::format(": {}", strsignal(WTERMSIG(status)))
-                                              : ", for want of memory or by a fault of ours; its words, if "
-                                                "any, are above"));
+          throw std::runtime_error(fmt::format(
+              "task {} of {} ended its process{}", copy.task + 1, count,
+              WIFSIGNALED(status) ? fmt::format(": {}", strsignal(WTERMSIG(status)))
+                                  : ", for want of memory or by a fault of ours; its words, if "
+                                    "any, are above"));
       } else if (errno != EINTR) {
         throw std::runtime_error(fmt::format("read: {}", std::strerror(errno)));
       }

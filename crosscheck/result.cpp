@@ -12,9 +12,12 @@ namespace dynwitness::crosscheck {
 
 const char* name(Verdict verdict) {
   switch (verdict) {
-    case Verdict::kAgree: return "agree";
-    case Verdict::kDisagree: return "disagree";
-    case Verdict::kNotAnswerable: return "not answerable";
+    case Verdict::kAgree:
+      return "agree";
+    case Verdict::kDisagree:
+      return "disagree";
+    case Verdict::kNotAnswerable:
+      return "not answerable";
   }
   return "?";
 }
@@ -93,7 +96,8 @@ std::string WitnessInfo::convention(const std::string& label) const {
 }
 
 std::optional<double> CheckResult::limitOverSeen() const {
-  if (unit != "ulp" || verdict == Verdict::kNotAnswerable || !std::isfinite(seen)) return std::nullopt;
+  if (unit != "ulp" || verdict == Verdict::kNotAnswerable || !std::isfinite(seen))
+    return std::nullopt;
   return loosest / std::max(seen, 1.0);
 }
 

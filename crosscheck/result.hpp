@@ -28,30 +28,31 @@ int exitStatus(RunVerdict verdict);
 
 /** One check over all states.
 
-    A state at which nothing can be judged is voided: it is counted, and says nothing about the others.
-    The check is not answerable when that leaves none. A voided state is excused when there is nothing
-    that could be compared, whoever tried; Coverage says when.
+    A state at which nothing can be judged is voided: it is counted, and says nothing about the
+    others. The check is not answerable when that leaves none. A voided state is excused when there
+    is nothing that could be compared, whoever tried; Coverage says when.
 
     Residuals are counted in ulp: |left - right| / (eps * scale), eps = 2^-52, scale = the largest
-    magnitude in the compared vector or matrix. `limit` is the error bound of the same computation at
-    that state, in the same unit. Both belong to the entry and state that use the largest share of their
-    limit; the check agrees when that share, `ratio`, is at most 1. */
+    magnitude in the compared vector or matrix. `limit` is the error bound of the same computation
+    at that state, in the same unit. Both belong to the entry and state that use the largest share
+    of their limit; the check agrees when that share, `ratio`, is at most 1. */
 struct CheckResult {
   /// The verdict without rounding: both sides over the integers modulo a prime.
   struct Exact {
     std::uint64_t prime = 0;
-    int points = 0;               ///< random points at which the residual was evaluated
-    int discarded = 0;            ///< points drawn again because a divisor was zero there
-    double degree = 0;            ///< bound of the residual's degree in the random inputs
-    double error_probability = 1; ///< chance at most that different formulas pass all points
+    int points = 0;                ///< random points at which the residual was evaluated
+    int discarded = 0;             ///< points drawn again because a divisor was zero there
+    double degree = 0;             ///< bound of the residual's degree in the random inputs
+    double error_probability = 1;  ///< chance at most that different formulas pass all points
     bool residual_zero = false;
-    std::string parameters;       ///< "as written", or "random": then for every mechanism like this
+    std::string parameters;  ///< "as written", or "random": then for every mechanism like this
   };
 
-  std::string check;      ///< "same", "truth" (distance to the certified one), or the name of an identity
-  std::string statement;  ///< one line: what must hold, as a formula
-  std::string quantity;   ///< "M", "c", "g", "tau", "qdd", "kinetic", ...
-  std::string left, right;  ///< witnesses; right is empty for an identity of one witness
+  std::string
+      check;  ///< "same", "truth" (distance to the certified one), or the name of an identity
+  std::string statement;     ///< one line: what must hold, as a formula
+  std::string quantity;      ///< "M", "c", "g", "tau", "qdd", "kinetic", ...
+  std::string left, right;   ///< witnesses; right is empty for an identity of one witness
   std::string unit = "ulp";  ///< of worst and limit; a published table counts in its last digit
   int states = 0;            ///< at which it was asked; cases of a table, points over the field
   int voided = 0;            ///< of them: not judged, or not in all entries
@@ -59,22 +60,23 @@ struct CheckResult {
   int first_voided =
       0;  ///< index of the first voided state that is not excused, or else of the first
   std::string voided_reason;  ///< of that state
-  double worst = 0;       ///< residual that uses the largest share of its limit [unit]
-  double limit = 0;       ///< that limit [unit]
-  double ratio = 0;       ///< largest residual / limit over all states and entries
-  double seen = 0;        ///< largest residual of any entry at any state [unit]
-  double loosest = 0;     ///< largest limit of any entry at any state [unit]
-  int worst_state = 0;    ///< index of the state of `ratio`; with the seed it can be drawn again
+  double worst = 0;           ///< residual that uses the largest share of its limit [unit]
+  double limit = 0;           ///< that limit [unit]
+  double ratio = 0;           ///< largest residual / limit over all states and entries
+  double seen = 0;            ///< largest residual of any entry at any state [unit]
+  double loosest = 0;         ///< largest limit of any entry at any state [unit]
+  int worst_state = 0;      ///< index of the state of `ratio`; with the seed it can be drawn again
   std::string worst_entry;  ///< "M[1,2]": where in the vector or matrix `ratio` is
   std::uint64_t seed = 0;
   Verdict verdict = Verdict::kAgree;
-  std::string reason;     ///< for kDisagree and kNotAnswerable
+  std::string reason;  ///< for kDisagree and kNotAnswerable
   std::optional<Exact> exact;
   std::string no_exact;          ///< why the field, which was asked, could not decide
   std::optional<double> digits;  ///< fewest correct ones, where the check is against the truth
-  std::optional<double> condition;  ///< of M, the largest met, where M is solved with (backward_error.hpp)
-  /// Beyond rounding, within what a witness documents as its loss: agrees, and its limit hides more than
-  /// others do.
+  std::optional<double>
+      condition;  ///< of M, the largest met, where M is solved with (backward_error.hpp)
+  /// Beyond rounding, within what a witness documents as its loss: agrees, and its limit hides more
+  /// than others do.
   bool known_loss = false;
 
   /// States that were judged.
@@ -82,22 +84,25 @@ struct CheckResult {
   /// Counts a voided state; there is nothing to compare when `excused`.
   void addVoided(int state, const std::string& why, bool is_excused);
 
-  /** How much wider the loosest limit is than the largest residual: what the check can miss, counted in
-      what it sees. Less than one ulp of the largest entry cannot be expected of any computation
-      in double, so a smaller residual counts as one. Empty where nothing is counted in ulp. */
+  /** How much wider the loosest limit is than the largest residual: what the check can miss,
+      counted in what it sees. Less than one ulp of the largest entry cannot be expected of any
+      computation in double, so a smaller residual counts as one. Empty where nothing is counted in
+      ulp. */
   std::optional<double> limitOverSeen() const;
 };
 
 /** How much of one quantity was compared. A comparison is one check at one state.
 
     Every comparison ought to be possible but these, which are excused:
-    - those of a witness that cannot hold the scene at all (a kind of joint that it does not have, loads,
-      a scene that its format cannot spell): the check "witness" gives the reason, and none of its
+    - those of a witness that cannot hold the scene at all (a kind of joint that it does not have,
+      loads, a scene that its format cannot spell): the check "witness" gives the reason, and none
+      of its
       comparisons is asked;
-    - those of a quantity that does not exist: M is singular at the state, certified by the enclosure of
-      a pivot, and qdd and the laws that divide by an inertia have no value; over the field, a divisor
-      that is zero as a formula; a law that needs more than the mechanism has (another root, where there
-      is one body);
+    - those of a quantity that does not exist: M is singular at the state, certified by the
+      enclosure of a pivot, and qdd and the laws that divide by an inertia have no value; over the
+      field, a divisor
+      that is zero as a formula; a law that needs more than the mechanism has (another root, where
+      there is one body);
     - energy along a path where nothing moves, or which the fixed steps do not resolve.
     An error bound that runs away, a witness that throws at a state that others answer, an enclosure
     that does not get sharp are held against the run: when more than a tenth of the comparisons of a
@@ -113,10 +118,10 @@ struct Coverage {
 /// By quantity, in the order of the checks.
 std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks);
 
-/** The run's own control: a witness whose kilogram is too heavy by `size`. Then M, c, g, tau, reactions,
-    energies and momentum are too large by just that, entry by entry (they have the dimension of a mass);
-    for qdd inertia alone is too large, weights are not. It is judged as the witnesses are, and
-    must be found; crosscheck/control.hpp says how large it is. */
+/** The run's own control: a witness whose kilogram is too heavy by `size`. Then M, c, g, tau,
+    reactions, energies and momentum are too large by just that, entry by entry (they have the
+    dimension of a mass); for qdd inertia alone is too large, weights are not. It is judged as the
+    witnesses are, and must be found; crosscheck/control.hpp says how large it is. */
 struct Control {
   std::string quantity;
   double size = 0;                         ///< relative; the largest planted
@@ -150,32 +155,32 @@ struct Finding {
   enum class Kind { kDisagreement, kKnownLoss };
   Kind kind = Kind::kDisagreement;
   std::string scene, quantity;
-  std::string witness;  ///< the one that stands alone; empty when no single one does
-  std::string text;     ///< a sentence for people
+  std::string witness;           ///< the one that stands alone; empty when no single one does
+  std::string text;              ///< a sentence for people
   std::optional<double> digits;  ///< of a known loss: how many are left
 };
 
 /// Energy along simulated paths of one scene with one integrator.
 struct Drift {
   struct Path {
-    double step = 0;             ///< [s]
-    double worst = 0;            ///< largest |E - E0| / scale along the path
-    std::vector<double> time;    ///< [s], thinned for charts
-    std::vector<double> error;   ///< |E - E0| / scale at those times
+    double step = 0;            ///< [s]
+    double worst = 0;           ///< largest |E - E0| / scale along the path
+    std::vector<double> time;   ///< [s], thinned for charts
+    std::vector<double> error;  ///< |E - E0| / scale at those times
   };
-  std::string method;            ///< "runge_kutta4"
+  std::string method;  ///< "runge_kutta4"
   int method_order = 0;
-  double duration = 0;           ///< [s]
-  double scale = 0;              ///< [J]: the largest kinetic energy seen along the finest path
-  double observed_order = 0;     ///< of the worst drift, from the two finest steps above rounding
-  std::vector<Path> paths;       ///< step sizes falling
+  double duration = 0;        ///< [s]
+  double scale = 0;           ///< [J]: the largest kinetic energy seen along the finest path
+  double observed_order = 0;  ///< of the worst drift, from the two finest steps above rounding
+  std::vector<Path> paths;    ///< step sizes falling
 };
 
 /// The derived equations, ready to be shown; empty when they are too long to read.
 struct Equations {
   std::string summary;  ///< "closed form, 34 terms" or "573 multiplications, 412 additions"
-  std::string kinetic, potential;             ///< MathML
-  std::vector<std::string> lines;             ///< MathML, one equation each: M entries, c, g
+  std::string kinetic, potential;  ///< MathML
+  std::vector<std::string> lines;  ///< MathML, one equation each: M entries, c, g
 };
 
 struct SceneResult {
@@ -195,8 +200,8 @@ struct SceneResult {
 struct WitnessInfo {
   std::string name, version, method;  ///< method: one line, how it computes
   bool present = true;  ///< false: not found when dynwitness was configured, or as absent says
-  /// The convention card: lines "label: text", how this witness spells what all are asked about, how it
-  /// reads the mechanism, and where it is known to lose digits, why, and what removes that.
+  /// The convention card: lines "label: text", how this witness spells what all are asked about,
+  /// how it reads the mechanism, and where it is known to lose digits, why, and what removes that.
   std::string conventions = {};
   std::string absent =
       {};  ///< why it is not present, where that is not how dynwitness was configured
@@ -220,11 +225,12 @@ struct CrosscheckResult {
   std::vector<Coverage> coverage() const;
   /// Quantities of a scene of which too much is missing: "qdd of chain".
   std::vector<std::string> thinlyCovered() const;
-  /// "control: a kilogram off by 1e-10 was found in M, c, ... of all 46 scenes by pairs, truth, field"
+  /// "control: a kilogram off by 1e-10 was found in M, c, ... of all 46 scenes by pairs, truth,
+  /// field"
   std::string controlLine() const;
   bool controlMissed() const;
-  /// The check in ulp with the largest ratio, and its scene. Limits that contain a known loss do not compete:
-  /// they say nothing about rounding.
+  /// The check in ulp with the largest ratio, and its scene. Limits that contain a known loss do
+  /// not compete: they say nothing about rounding.
   std::pair<const SceneResult*, const CheckResult*> worst() const;
   /// A witness that loses digits as it documents: the worst finding, and the number of scenes.
   struct KnownLoss {

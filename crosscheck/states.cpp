@@ -12,8 +12,8 @@ std::uint64_t mixed(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
-/// A direction in four dimensions, all equally likely, and a length between 1/2 and 1: witnesses must
-/// not take a quaternion's length for granted.
+/// A direction in four dimensions, all equally likely, and a length between 1/2 and 1: witnesses
+/// must not take a quaternion's length for granted.
 void drawQuaternion(RandomStream& random, scene::State<double>* state) {
   double q[4], length2;
   do {
@@ -34,7 +34,9 @@ RandomStream::RandomStream(const std::string& name, std::uint64_t seed, std::uin
   state_ = mixed(hash ^ mixed(seed ^ mixed(index)));
 }
 
-std::uint64_t RandomStream::next() { return mixed(state_ += 0x9e3779b97f4a7c15u); }
+std::uint64_t RandomStream::next() {
+  return mixed(state_ += 0x9e3779b97f4a7c15u);
+}
 
 double RandomStream::uniform(double low, double high) {
   const double unit = static_cast<double>(next() >> 11) * 0x1p-53;
@@ -57,7 +59,8 @@ scene::State<double> drawState(const scene::Mechanism& mechanism, const std::str
       const double reach = slot == scene::SlotKind::kLength ? 1.0 : kPi;
       state.x.push_back(scene::jointPosition(random.uniform(-reach, reach)));
     }
-    if (scene::positionSlots(kind).back() == scene::SlotKind::kQuaternion) drawQuaternion(random, &state);
+    if (scene::positionSlots(kind).back() == scene::SlotKind::kQuaternion)
+      drawQuaternion(random, &state);
     for (int k = 0; k < scene::degreesOfFreedom(kind); ++k) {
       state.qd.push_back(random.uniform(-3, 3));
       state.qdd.push_back(random.uniform(-10, 10));

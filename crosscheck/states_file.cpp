@@ -50,7 +50,8 @@ class Lines {
  public:
   Lines(int descriptor, std::string name) : descriptor_(descriptor), where_{std::move(name), 0} {
     struct stat status;
-    if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode)) size_ = static_cast<double>(status.st_size);
+    if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode))
+      size_ = static_cast<double>(status.st_size);
   }
   Lines(const Lines&) = delete;
   Lines& operator=(const Lines&) = delete;
@@ -76,7 +77,8 @@ class Lines {
       end = buffer_.size();
     }
     *line = std::string_view(buffer_).substr(begin_, end - begin_);
-    if (where_.line == 0 && line->substr(0, 3) == "\xEF\xBB\xBF") line->remove_prefix(3);  // byte order mark
+    if (where_.line == 0 && line->substr(0, 3) == "\xEF\xBB\xBF")
+      line->remove_prefix(3);  // byte order mark
     ++where_.line;
     begin_ = searched_ = std::min(end + 1, buffer_.size());
     return true;
@@ -92,7 +94,8 @@ class Lines {
     ssize_t got;
     while ((got = ::read(descriptor_, chunk.data(), chunk.size())) < 0 && errno == EINTR) {
     }
-    if (got < 0) throw InputError({where_.file}, fmt::format("cannot be read: {}", std::strerror(errno)));
+    if (got < 0)
+      throw InputError({where_.file}, fmt::format("cannot be read: {}", std::strerror(errno)));
     at_end_ = got == 0;
     bytes_ += static_cast<double>(got);
     buffer_.append(chunk.data(), static_cast<std::size_t>(got));
@@ -101,7 +104,8 @@ class Lines {
   int descriptor_;
   SourceLocation where_;
   std::string buffer_;
-  std::size_t begin_ = 0, searched_ = 0;  ///< of what is not handed out, of what may hold a line's end
+  std::size_t begin_ = 0,
+              searched_ = 0;  ///< of what is not handed out, of what may hold a line's end
   std::size_t longest_ = std::size_t{1} << 20;
   double size_ = -1, bytes_ = 0;
   bool at_end_ = false;
@@ -117,9 +121,10 @@ void requireQuaternions(const scene::Mechanism& mechanism, const scene::State<do
     double size = 0;
     for (int k = slot - 4; k < slot; ++k) size += std::abs(state.x[k].q);
     if (size == 0)
-      throw InputError(where, fmt::format("q{} to q{} are the quaternion of joint '{}' and all zero, "
-                                          "allowed: any other (1, 0, 0, 0 is no turn)",
-                                          slot - 3, slot, link.joint.name));
+      throw InputError(where,
+                       fmt::format("q{} to q{} are the quaternion of joint '{}' and all zero, "
+                                   "allowed: any other (1, 0, 0, 0 is no turn)",
+                                   slot - 3, slot, link.joint.name));
   }
 }
 
@@ -129,7 +134,9 @@ struct StatesReader::Parts {
   Parts(int descriptor, const std::string& name, const scene::Mechanism& of)
       : lines(descriptor, name), mechanism(&of), given(scene::givenSlots(of)) {}
 
-  int count(int group) const { return group == kQ ? static_cast<int>(given.size()) : mechanism->dof(); }
+  int count(int group) const {
+    return group == kQ ? static_cast<int>(given.size()) : mechanism->dof();
+  }
 
   /// The next line that says something, as cells.
   bool nextCells() {
@@ -142,12 +149,12 @@ struct StatesReader::Parts {
   }
 
   void readHeader() {
-    const std::string allowed =
-        fmt::format("q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}", mechanism->dof(),
-                    given.size());
+    const std::string allowed = fmt::format(
+        "q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}", mechanism->dof(), given.size());
     // 64 bytes are more than a number or a name of a column takes
     std::size_t columns = 0;
-    for (std::size_t group = 0; group < kGroups.size(); ++group) columns += static_cast<std::size_t>(count(group));
+    for (std::size_t group = 0; group < kGroups.size(); ++group)
+      columns += static_cast<std::size_t>(count(group));
     lines.setLongest((std::size_t{1} << 16) + 64 * columns);
     if (!nextCells()) throw InputError(lines.where(), "no header, expected " + allowed);
 
@@ -175,9 +182,11 @@ struct StatesReader::Parts {
     if (known < names.size())
       for (const std::string& column : names)
         if (at.count(column) > 0)
-          throw InputError(lines.where(), fmt::format("column '{}' is unknown, allowed: {}", column, allowed));
+          throw InputError(lines.where(),
+                           fmt::format("column '{}' is unknown, allowed: {}", column, allowed));
     if (!first_missing.empty())
-      throw InputError(lines.where(), fmt::format("column '{}' is missing, expected {}", first_missing, allowed));
+      throw InputError(lines.where(),
+                       fmt::format("column '{}' is missing, expected {}", first_missing, allowed));
   }
 
   double number(int place) const {
@@ -185,8 +194,9 @@ struct StatesReader::Parts {
     double value = 0;
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
     if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
-      throw InputError(lines.where(), fmt::format("{} is '{}', allowed: a finite number",
-                                                  names[static_cast<std::size_t>(place)], cell.substr(0, 80)));
+      throw InputError(lines.where(),
+                       fmt::format("{} is '{}', allowed: a finite number",
+                                   names[static_cast<std::size_t>(place)], cell.substr(0, 80)));
     return value;
   }
 
@@ -197,8 +207,8 @@ struct StatesReader::Parts {
 
   Lines lines;
   const scene::Mechanism* mechanism;
-  std::vector<int> given;                 ///< slots of q that have a column: those of followers have none
-  std::vector<std::string> names;         ///< of the columns
+  std::vector<int> given;          ///< slots of q that have a column: those of followers have none
+  std::vector<std::string> names;  ///< of the columns
   std::array<std::vector<int>, 4> places;  ///< of each group's columns in a row; empty: not given
   std::string first_missing;
   std::vector<std::string_view> cells;  ///< of the last line
@@ -207,28 +217,34 @@ struct StatesReader::Parts {
 StatesReader::StatesReader(const std::filesystem::path& file, const scene::Mechanism& mechanism) {
   const bool is_piped = file == "-";
   const int descriptor =
-      is_piped ? STDIN_FILENO : scene::openRegularFile(file, "a CSV file of states, or - for standard input");
-  parts_ = std::make_unique<Parts>(descriptor, is_piped ? "standard input" : file.string(), mechanism);
+      is_piped ? STDIN_FILENO
+               : scene::openRegularFile(file, "a CSV file of states, or - for standard input");
+  parts_ =
+      std::make_unique<Parts>(descriptor, is_piped ? "standard input" : file.string(), mechanism);
   parts_->readHeader();
 }
 StatesReader::~StatesReader() = default;
 
 bool StatesReader::gives(const std::string& group) const {
   const auto found = std::find(kGroups.begin(), kGroups.end(), group);
-  return found != kGroups.end() && !parts_->places[static_cast<std::size_t>(found - kGroups.begin())].empty();
+  return found != kGroups.end() &&
+         !parts_->places[static_cast<std::size_t>(found - kGroups.begin())].empty();
 }
 
-double StatesReader::fraction() const { return parts_->lines.fraction(); }
+double StatesReader::fraction() const {
+  return parts_->lines.fraction();
+}
 
 bool StatesReader::next(scene::State<double>* state) {
   Parts& p = *parts_;
   if (!p.nextCells()) return false;
   if (p.cells.size() != p.names.size())
-    throw InputError(p.lines.where(),
-                     fmt::format("{} entries, the header names {}", p.cells.size(), p.names.size()));
+    throw InputError(p.lines.where(), fmt::format("{} entries, the header names {}", p.cells.size(),
+                                                  p.names.size()));
   state->x.resize(static_cast<std::size_t>(p.mechanism->positions()));
   for (std::size_t i = 0; i < p.given.size(); ++i)
-    state->x[static_cast<std::size_t>(p.given[i])] = scene::jointPosition(p.number(p.places[kQ][i]));
+    state->x[static_cast<std::size_t>(p.given[i])] =
+        scene::jointPosition(p.number(p.places[kQ][i]));
   scene::followLeaders(*p.mechanism, &state->x);
   requireQuaternions(*p.mechanism, *state, p.lines.where());
   p.fill(kQd, &state->qd);

@@ -12,10 +12,10 @@
 
 namespace dynwitness::crosscheck {
 
-/** Reads states of a mechanism, row by row: millions take no more memory than one. The first line names the
-    columns, in any order: q1 .. q(positions) and qd1 .. qdn, then qdd1 .. qddn and/or tau1 .. taun, n its
-    degrees of freedom. A group that is left out (except q) is zero. Quaternions need not be of length 1.
-    Lines that start with # and empty lines are passed over. */
+/** Reads states of a mechanism, row by row: millions take no more memory than one. The first line
+    names the columns, in any order: q1 .. q(positions) and qd1 .. qdn, then qdd1 .. qddn and/or
+    tau1 .. taun, n its degrees of freedom. A group that is left out (except q) is zero. Quaternions
+    need not be of length 1. Lines that start with # and empty lines are passed over. */
 class StatesReader {
  public:
   /** Reads the header.
@@ -26,8 +26,8 @@ class StatesReader {
   ~StatesReader();
 
   /** The next state into *state; false at the end.
-      @throws scene::InputError  `file:line: ...` on a row of another length, on entries that are not
-      finite numbers, on quaternions that are zero, and on lines longer than any row can be */
+      @throws scene::InputError  `file:line: ...` on a row of another length, on entries that are
+        not finite numbers, on quaternions that are zero, and on lines longer than any row can be */
   bool next(scene::State<double>* state);
   /// Whether the header names the columns of "qd", "qdd" or "tau".
   bool gives(const std::string& group) const;

@@ -60,7 +60,8 @@ int placesOf(const std::string& text) {
   const std::string digits = text.substr(0, exponent_at);
   const std::size_t point = digits.find('.');
   const int places = point == std::string::npos ? 0 : static_cast<int>(digits.size() - point - 1);
-  return exponent_at == std::string::npos ? places : places - std::stoi(text.substr(exponent_at + 1));
+  return exponent_at == std::string::npos ? places
+                                          : places - std::stoi(text.substr(exponent_at + 1));
 }
 
 /// A part of a table that must be there and must not be empty.
@@ -79,7 +80,8 @@ struct Limit {
 
 class Agreement {
  public:
-  Agreement(const json& table, const json& one_case, const std::string& quantity, const fs::path& file)
+  Agreement(const json& table, const json& one_case, const std::string& quantity,
+            const fs::path& file)
       : quantity_(quantity) {
     if (table.contains("accuracy") && table["accuracy"].contains(quantity))
       accuracy_ = number(table["accuracy"][quantity], file);
@@ -133,8 +135,8 @@ Case readCase(const json& table, const json& one_case, const scene::Mechanism& m
   out.scale = table.contains("coordinate_scale") ? numbers(table["coordinate_scale"], file)
                                                  : std::vector<double>(n, 1.0);
   const auto read = [&](const char* key) {
-    std::vector<double> v = one_case.contains(key) ? numbers(one_case[key], file)
-                                                   : std::vector<double>(n, 0.0);
+    std::vector<double> v =
+        one_case.contains(key) ? numbers(one_case[key], file) : std::vector<double>(n, 0.0);
     if (static_cast<int>(v.size()) != n || static_cast<int>(out.scale.size()) != n)
       throw scene::InputError({file.string()},
                               fmt::format("case '{}': {} has {} numbers, the scene has {} joints",
@@ -176,8 +178,10 @@ scene::State<RunningError> asRead(const scene::State<double>& state) {
 Eigen::MatrixXd inSourceCoordinates(Eigen::MatrixXd value, const std::string& quantity,
                                     const std::vector<double>& scale) {
   for (Eigen::Index i = 0; i < value.rows(); ++i) {
-    if (quantity == "qdd") value.row(i) /= scale[i];
-    else if (quantity != "period_ratio") value.row(i) *= scale[i];
+    if (quantity == "qdd")
+      value.row(i) /= scale[i];
+    else if (quantity != "period_ratio")
+      value.row(i) *= scale[i];
     if (quantity == "M") value.col(i) *= scale[i];
   }
   return value;
@@ -225,13 +229,16 @@ std::vector<fs::path> bundledTables() {
   return tables;
 }
 
-fs::path ownScene(const fs::path& table) { return ownScene(readTable(table), table); }
+fs::path ownScene(const fs::path& table) {
+  return ownScene(readTable(table), table);
+}
 
 bool isAbout(const fs::path& table, const scene::Scene& scene) {
   const json content = readTable(table);
   // by file and not by name: a scene of the user's own may be called like a bundled one
   fs::path about = ownScene(content, table);
-  if (about.empty()) about = scene::dataFolder() / "scenes" / (content.value("scene", "") + ".toml");
+  if (about.empty())
+    about = scene::dataFolder() / "scenes" / (content.value("scene", "") + ".toml");
   std::error_code error;
   return fs::equivalent(about, scene.file, error);
 }
@@ -276,10 +283,10 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
         const std::size_t columns = printed[0].is_array() ? printed[0].size() : 1;
         if (printed.size() != static_cast<std::size_t>(theirs.rows()) ||
             columns != static_cast<std::size_t>(theirs.cols()))
-          throw scene::InputError({file.string()},
-                                  fmt::format("case '{}': {} is {} x {}, expected {} x {}",
-                                              one_case.value("name", ""), quantity, printed.size(),
-                                              columns, theirs.rows(), theirs.cols()));
+          throw scene::InputError(
+              {file.string()},
+              fmt::format("case '{}': {} is {} x {}, expected {} x {}", one_case.value("name", ""),
+                          quantity, printed.size(), columns, theirs.rows(), theirs.cols()));
         for (Eigen::Index i = 0; i < theirs.rows(); ++i) {
           for (Eigen::Index j = 0; j < theirs.cols(); ++j) {
             const std::string text = printedText(printed, i, j);
@@ -300,9 +307,10 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
             out.worst_entry = entryName(quantity, i, j, theirs);
             if (!(used <= 1)) {
               out.verdict = Verdict::kDisagree;
-              out.reason = fmt::format("{}, case '{}': {} prints {} for {}, computed {:.17g}",
-                                       file.filename().string(), one_case.value("name", ""),
-                                       table.value("title", ""), text, out.worst_entry, theirs(i, j));
+              out.reason =
+                  fmt::format("{}, case '{}': {} prints {} for {}, computed {:.17g}",
+                              file.filename().string(), one_case.value("name", ""),
+                              table.value("title", ""), text, out.worst_entry, theirs(i, j));
             }
           }
         }

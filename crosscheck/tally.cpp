@@ -35,13 +35,13 @@ void Tally::add(int state, const Eigen::MatrixXd& left, const Eigen::MatrixXd& r
     return;
   }
   const double scale = std::max(left.cwiseAbs().maxCoeff(), right.cwiseAbs().maxCoeff());
-  const double ulp = std::numeric_limits<double>::epsilon() *
-                     (scale > 0 && std::isfinite(scale) ? scale : 1.0);
+  const double ulp =
+      std::numeric_limits<double>::epsilon() * (scale > 0 && std::isfinite(scale) ? scale : 1.0);
   addDifference(state, left - right, limit, ulp, excuse);
 }
 
-void Tally::addDifference(int state, const Eigen::MatrixXd& difference, const Eigen::MatrixXd& limit,
-                          double ulp, const std::string& excuse) {
+void Tally::addDifference(int state, const Eigen::MatrixXd& difference,
+                          const Eigen::MatrixXd& limit, double ulp, const std::string& excuse) {
   ++result_.states;
   std::string unbounded;  // the first entry without a limit
   for (Eigen::Index j = 0; j < difference.cols(); ++j) {

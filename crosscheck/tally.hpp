@@ -10,23 +10,25 @@
 
 namespace dynwitness::crosscheck {
 
-/// What a limit may be in errors that are seen (CheckResult::limitOverSeen). Beyond that it is none.
+/// What a limit may be in errors that are seen (CheckResult::limitOverSeen). Beyond that it is
+/// none.
 inline constexpr double kWidestLimit = 1e4;
 
-/** Collects one check over its states. Every entry of left - right must lie within the limit of that
-    entry; what is reported is the entry and state that use the largest part of their limit. */
+/** Collects one check over its states. Every entry of left - right must lie within the limit of
+    that entry; what is reported is the entry and state that use the largest part of their limit. */
 class Tally {
  public:
   explicit Tally(CheckResult description) : result_(std::move(description)) {}
 
-  /** limit: entry by entry, same shape as left and right; an entry that is not finite says that no limit
-      could be proven, and voids the state (its other entries may still disagree).
-      @param excuse  why there is nothing to compare at this state, should it be voided; empty: there is */
+  /** limit: entry by entry, same shape as left and right; an entry that is not finite says that no
+      limit could be proven, and voids the state (its other entries may still disagree).
+      @param excuse  why there is nothing to compare at this state, should it be voided; empty:
+                      there is */
   void add(int state, const Eigen::MatrixXd& left, const Eigen::MatrixXd& right,
            const Eigen::MatrixXd& limit, const std::string& excuse = {});
   /// The same of a difference that is known already, counted in these ulp.
-  void addDifference(int state, const Eigen::MatrixXd& difference, const Eigen::MatrixXd& limit, double ulp,
-                     const std::string& excuse = {});
+  void addDifference(int state, const Eigen::MatrixXd& difference, const Eigen::MatrixXd& limit,
+                     double ulp, const std::string& excuse = {});
   /// The check could not be asked at this state.
   void fail(int state, const std::string& reason, const std::string& excuse = {});
 

@@ -23,7 +23,8 @@ Hearing::Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kind
 }
 
 std::vector<CheckResult> Hearing::dismissRefused() {
-  const auto refusal = [&](const Witness& witness, const std::string& statement, const std::string& reason) {
+  const auto refusal = [&](const Witness& witness, const std::string& statement,
+                           const std::string& reason) {
     CheckResult check;
     check.check = "witness";
     check.statement = witness.name() + " " + statement;
@@ -43,7 +44,8 @@ std::vector<CheckResult> Hearing::dismissRefused() {
     }
     if (const auto* partial = dynamic_cast<const PartialWitness*>(witness.get()))
       for (const auto& [quantity, reason] : partial->leftOut()) {
-        refusals.push_back(refusal(*partial, fmt::format("answers {}", crosscheck::name(quantity)), reason));
+        refusals.push_back(
+            refusal(*partial, fmt::format("answers {}", crosscheck::name(quantity)), reason));
         refusals.back().quantity = crosscheck::name(quantity);
       }
     others.push_back(std::move(witness));

@@ -32,8 +32,8 @@ class Hearing {
  public:
   Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kinds, const Options& options);
 
-  /// Takes the witnesses out that cannot hold the scene: one check each, not answerable, says why; and
-  /// one for each quantity that another leaves out for this scene.
+  /// Takes the witnesses out that cannot hold the scene: one check each, not answerable, says why;
+  /// and one for each quantity that another leaves out for this scene.
   std::vector<CheckResult> dismissRefused();
 
   /// Names of the witnesses that answer the quantity, in the order of their testimonies.
@@ -44,11 +44,11 @@ class Hearing {
   /// Asks each of them at each of the options' states.
   void hear(Quantity quantity, const Listener& listener);
 
-  /// The residuals of answers qdd that bring a limit for them; hear() has done it for those it asks.
+  /// The residuals of answers qdd that bring a limit for them; hear() has done it for those it
+  /// asks.
   void putIntoEquations(const scene::State<double>& state, std::vector<Testimony>& said);
 
  private:
-
   const scene::Scene& scene_;
   const Options& options_;
   std::vector<std::unique_ptr<Witness>> witnesses_;
@@ -59,7 +59,8 @@ class Hearing {
 /// One quantity, each pair of the witnesses that answer it.
 class PairComparison {
  public:
-  PairComparison(Quantity quantity, const std::vector<std::string>& witnesses, const Options& options);
+  PairComparison(Quantity quantity, const std::vector<std::string>& witnesses,
+                 const Options& options);
   /// @param excuse  why the quantity does not exist at this state; empty: it does
   void add(int index, const std::vector<Testimony>& said, const std::string& excuse = {});
   std::vector<CheckResult> results() const;

@@ -10,15 +10,24 @@ namespace dynwitness::crosscheck {
 
 const char* name(Quantity quantity) {
   switch (quantity) {
-    case Quantity::kM: return "M";
-    case Quantity::kc: return "c";
-    case Quantity::kg: return "g";
-    case Quantity::kTau: return "tau";
-    case Quantity::kQdd: return "qdd";
-    case Quantity::kKinetic: return "kinetic";
-    case Quantity::kPotential: return "potential";
-    case Quantity::kMomentum: return "momentum";
-    case Quantity::kReactions: return "reactions";
+    case Quantity::kM:
+      return "M";
+    case Quantity::kc:
+      return "c";
+    case Quantity::kg:
+      return "g";
+    case Quantity::kTau:
+      return "tau";
+    case Quantity::kQdd:
+      return "qdd";
+    case Quantity::kKinetic:
+      return "kinetic";
+    case Quantity::kPotential:
+      return "potential";
+    case Quantity::kMomentum:
+      return "momentum";
+    case Quantity::kReactions:
+      return "reactions";
   }
   return "?";
 }
@@ -42,9 +51,18 @@ std::unique_ptr<Witness> makeWitness(const WitnessKind& kind, const scene::Scene
 
 std::vector<WitnessKind> witnessKinds() {
   // MuJoCo twice: as it reads the file, and with the remedy for the digits that it loses then
-  return {lagrangeKind(),        newtonEulerKind(), compositeBodyKind(), articulatedBodyKind(),
-          recursiveLagrangeKind(), fastKind(),      kernelKind(),        kernelLanesKind(),
-          simbodyKind(),         mujocoKind(),      mujocoPrincipalKind(), dartKind(),
+  return {lagrangeKind(),
+          newtonEulerKind(),
+          compositeBodyKind(),
+          articulatedBodyKind(),
+          recursiveLagrangeKind(),
+          fastKind(),
+          kernelKind(),
+          kernelLanesKind(),
+          simbodyKind(),
+          mujocoKind(),
+          mujocoPrincipalKind(),
+          dartKind(),
           kdlKind()};
 }
 

@@ -8,8 +8,8 @@
 
 namespace dynwitness::recursive {
 
-/** The acceleration constraints of a mechanism at a state (scene::AccelerationConstraint): with r the point, u
-    the direction and d the rotation in link axes, v and w the link's velocity,
+/** The acceleration constraints of a mechanism at a state (scene::AccelerationConstraint): with r
+    the point, u the direction and d the rotation in link axes, v and w the link's velocity,
 
         A = (u, r x u + d),   b = value - u . (w x (v + w x r)),   C = compliance
 
@@ -30,9 +30,11 @@ std::vector<LinkConstraint<T>> accelerationConstraints(const scene::Mechanism& m
   for (const scene::AccelerationConstraint& held : mechanism.acceleration_constraints) {
     const ScenePlace<T>& place = model.places[held.link];
     if (place.link < 0)
-      throw std::invalid_argument("accelerationConstraints: \"" + held.name +
-                                  "\": expected a link that moves, got one that rests in the world");
-    const Matrix3<T> R = held.axes == Axes::kWorld ? ws.R_W[place.link] : Matrix3<T>(place.X.R.transpose());
+      throw std::invalid_argument(
+          "accelerationConstraints: \"" + held.name +
+          "\": expected a link that moves, got one that rests in the world");
+    const Matrix3<T> R =
+        held.axes == Axes::kWorld ? ws.R_W[place.link] : Matrix3<T>(place.X.R.transpose());
     const Vector3<T> u = R * detail::vector<T>(held.direction, number),
                      d = R * detail::vector<T>(held.rotation, number),
                      r = place.X.p + place.X.R.transpose() * detail::vector<T>(held.at, number);

@@ -39,11 +39,19 @@ Transform<T> composed(const std::vector<scene::Step>& steps, const Numbers& numb
   for (const scene::Step& step : steps) {
     Transform<T> X_step = Transform<T>::identity();
     switch (step.kind) {
-      case Kind::kTranslate: X_step.p = vector<T>(step.translation, number); break;
+      case Kind::kTranslate:
+        X_step.p = vector<T>(step.translation, number);
+        break;
       // a frame turned by R sees coordinates turned by R'
-      case Kind::kRotateX: X_step.R = aboutX<T>(number.angle(step.angle)).transpose(); break;
-      case Kind::kRotateY: X_step.R = aboutY<T>(number.angle(step.angle)).transpose(); break;
-      case Kind::kRotateZ: X_step.R = aboutZ<T>(number.angle(step.angle)).transpose(); break;
+      case Kind::kRotateX:
+        X_step.R = aboutX<T>(number.angle(step.angle)).transpose();
+        break;
+      case Kind::kRotateY:
+        X_step.R = aboutY<T>(number.angle(step.angle)).transpose();
+        break;
+      case Kind::kRotateZ:
+        X_step.R = aboutZ<T>(number.angle(step.angle)).transpose();
+        break;
     }
     X = X_step * X;
   }
@@ -57,15 +65,19 @@ struct JointPart {
   int slots;  ///< how many positions it has
 };
 
-/** What a joint is made of. Cylindrical, universal and planar joints are chains of parts: their motion
-    is the product of the motions of one axis each, so that a chain is the joint exactly. */
+/** What a joint is made of. Cylindrical, universal and planar joints are chains of parts: their
+    motion is the product of the motions of one axis each, so that a chain is the joint exactly. */
 inline std::vector<JointPart> partsOf(JointKind kind) {
   constexpr JointKind turn = JointKind::kRevolute, slide = JointKind::kPrismatic;
   switch (kind) {
-    case JointKind::kCylindrical: return {{slide, 2, 1}, {turn, 2, 1}};
-    case JointKind::kUniversal: return {{turn, 0, 1}, {turn, 1, 1}};
-    case JointKind::kPlanar: return {{slide, 0, 1}, {slide, 1, 1}, {turn, 2, 1}};
-    default: return {{kind, 2, static_cast<int>(scene::positionSlots(kind).size())}};
+    case JointKind::kCylindrical:
+      return {{slide, 2, 1}, {turn, 2, 1}};
+    case JointKind::kUniversal:
+      return {{turn, 0, 1}, {turn, 1, 1}};
+    case JointKind::kPlanar:
+      return {{slide, 0, 1}, {slide, 1, 1}, {turn, 2, 1}};
+    default:
+      return {{kind, 2, static_cast<int>(scene::positionSlots(kind).size())}};
   }
 }
 
@@ -84,10 +96,9 @@ RigidInertia<T> rigidInertia(const scene::MassProperties& m, const Numbers& numb
   const Vector3<T> r_c = vector<T>(m.com, number);
   const Matrix3<T> R = aboutZ<T>(number.angle(m.rpy[2])) * aboutY<T>(number.angle(m.rpy[1])) *
                        aboutX<T>(number.angle(m.rpy[0]));
-  const Symmetric3<T> I =
-      Symmetric3<T>{number(m.xx), number(m.yy), number(m.zz),
-                    number(m.xy), number(m.xz), number(m.yz)}
-          .turnedBack(R.transpose());
+  const Symmetric3<T> I = Symmetric3<T>{number(m.xx), number(m.yy), number(m.zz),
+                                        number(m.xy), number(m.xz), number(m.yz)}
+                              .turnedBack(R.transpose());
   if (m.about == scene::MassProperties::About::kCenterOfMass)
     return RigidInertia<T>::aboutCenterOfMass(mass, r_c, I);
   return {mass, r_c * mass, I};
@@ -115,9 +126,9 @@ void follow(const scene::Follower& follower, const Numbers& number, LinkModel<T>
 
 }  // namespace detail
 
-/** Builds the model of a mechanism, its cylindrical, universal and planar joints as chains of massless
-    links, for the scalar of `number` (the "Numbers" concept of
-    scene/numbers.hpp), all in that scalar's own arithmetic. */
+/** Builds the model of a mechanism, its cylindrical, universal and planar joints as chains of
+    massless links, for the scalar of `number` (the "Numbers" concept of scene/numbers.hpp), all in
+    that scalar's own arithmetic. */
 template <typename Numbers, typename T = typename Numbers::Scalar>
 Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
                     FixedJoints fixed_joints = FixedJoints::kLumped) {
@@ -140,8 +151,8 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
     const Transform<T> X_before =
         detail::composed<T>(link.joint.placement.beforeJoint(), number) * X_parent;
     const Transform<T> X_after = detail::composed<T>(link.joint.placement.afterJoint(), number);
-    const bool lumped = is_root || (link.joint.kind == JointKind::kFixed &&
-                                    fixed_joints == FixedJoints::kLumped);
+    const bool lumped =
+        is_root || (link.joint.kind == JointKind::kFixed && fixed_joints == FixedJoints::kLumped);
     if (lumped) {
       carrier[i] = parent;
       X_carrier[i] = X_after * X_before;

@@ -11,12 +11,14 @@
 
 namespace dynwitness::recursive {
 
-/// Loops that share a joint are eliminated together, at the last link (or the world) that all of them hang on.
+/// Loops that share a joint are eliminated together, at the last link (or the world) that all of
+/// them hang on.
 template <typename T>
 struct LoopGroup {
   int ancestor;               ///< -1: the world
   std::vector<int> closures;  ///< of Constraints
-  std::vector<int> links;     ///< on the ways from the closures' ends to the ancestor, it not among them
+  std::vector<int>
+      links;  ///< on the ways from the closures' ends to the ancestor, it not among them
   int rows = 0;
 };
 
@@ -33,7 +35,8 @@ namespace detail {
 
 /// Which loops go together. @param at_base  whether all are taken to the world
 template <typename T>
-std::vector<LoopGroup<T>> loopGroups(const Model<T>& model, const Constraints<T>& constraints, bool at_base) {
+std::vector<LoopGroup<T>> loopGroups(const Model<T>& model, const Constraints<T>& constraints,
+                                     bool at_base) {
   const auto isOnWay = [&](int from, int link) {
     for (int i = from; i >= 0; i = model.links[i].parent)
       if (i == link) return true;
@@ -70,7 +73,8 @@ std::vector<LoopGroup<T>> loopGroups(const Model<T>& model, const Constraints<T>
         continue;
       }
       group.ancestor = commonAncestor(group.ancestor, groups[g].ancestor);
-      group.closures.insert(group.closures.end(), groups[g].closures.begin(), groups[g].closures.end());
+      group.closures.insert(group.closures.end(), groups[g].closures.begin(),
+                            groups[g].closures.end());
       group.rows += groups[g].rows;
       groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(g));
       setLinks(group);
@@ -84,10 +88,10 @@ std::vector<LoopGroup<T>> loopGroups(const Model<T>& model, const Constraints<T>
 /// What a group carries through its links.
 template <typename T>
 struct LoopSums {
-  std::vector<MatrixX<T>> E;         ///< by link: unit multipliers as that link feels them, 6 x m
-  std::vector<VectorX<T>> e;         ///< by degree of freedom: Z' E
-  MatrixX<T> N;                      ///< A' a of unit multipliers, the ancestor held
-  VectorX<T> left;                   ///< b - A' a with lambda = 0, the ancestor held
+  std::vector<MatrixX<T>> E;  ///< by link: unit multipliers as that link feels them, 6 x m
+  std::vector<VectorX<T>> e;  ///< by degree of freedom: Z' E
+  MatrixX<T> N;               ///< A' a of unit multipliers, the ancestor held
+  VectorX<T> left;            ///< b - A' a with lambda = 0, the ancestor held
   VectorX<T> lambda;
 };
 
@@ -97,21 +101,24 @@ struct LoopSums {
 
         M qdd + bias = tau + J' lambda,      J qdd + gamma = 0
 
-    by the articulated-body sweeps. A closure between links a and b is a pair of wrenches, -w on one and +w on
-    the other, and asks  A_a' a_a + A_b' a_b = b  of their accelerations. Both are carried inward through the free
-    joints (propagateConstraints); at the common ancestor k nothing more of the loop is outboard,
+    by the articulated-body sweeps. A closure between links a and b is a pair of wrenches, -w on one
+    and +w on the other, and asks  A_a' a_a + A_b' a_b = b  of their accelerations. Both are carried
+    inward through the free joints (propagateConstraints); at the common ancestor k nothing more of
+    the loop is outboard,
 
         N lambda = left - E' a_k,      and so     M_A,k += E N^-1 E',    f_A,k -= E N^-1 left
 
-    after which the rest of the mechanism need not know that there was a loop: O(n) and a system of the
-    size of each loop, instead of one of all. Loops that share joints are one group. Where N is singular,
-    all is done at the world, by rank: qdd is right, and determined says which multipliers are.
+    after which the rest of the mechanism need not know that there was a loop: O(n) and a system of
+    the size of each loop, instead of one of all. Loops that share joints are one group. Where N is
+    singular, all is done at the world, by rank: qdd is right, and determined says which multipliers
+    are.
 
     @param constraints  constraintEquations() has run for this state
-    @param tau  joint forces, those of springs between points included
-    Allocates. @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 8, for the dense road */
+    @param tau  joint forces, those of springs between points included Allocates. @see R.
+      Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 8, for the dense road */
 template <typename T>
-ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& x,
+ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model,
+                                            const std::vector<JointPosition<T>>& x,
                                             const std::vector<T>& qd, const std::vector<T>& tau,
                                             const Constraints<T>& constraints, Workspace<T>& ws,
                                             bool at_base = false) {
@@ -159,7 +166,8 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::ve
       for (int k = 0; k < 6; ++k) {
         Motion<T> unit = Motion<T>::zero();
         (k < 3 ? unit.linear(k) : unit.angular(k - 3)) = T(1);
-        detail::closureRates(closure.kind, unit, X_BA, [&](int row, const T& rate) { w(k, row) = rate; });
+        detail::closureRates(closure.kind, unit, X_BA,
+                             [&](int row, const T& rate) { w(k, row) = rate; });
       }
       for (int row = 0; row < rows; ++row, ++column) {
         const Force<T> in_A = {w.col(row).template head<3>(), w.col(row).template tail<3>()};
@@ -216,7 +224,8 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::ve
     for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
       ws.U[d] = AnyJoints::column(link, k, M_a);
       ws.D[d] = link.rotor + AnyJoints::force(link, k, ws.U[d]);
-      ws.u[d] = tau[d] - AnyJoints::force(link, k, f_a) - link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
+      ws.u[d] = tau[d] - AnyJoints::force(link, k, f_a) -
+                link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
       if (model.friction) ws.u[d] -= frictionForce(link, qd[d]);
       if (model.gyroscopic && link.parent >= 0) ws.U[d] = ws.U[d] + spinAxis(link);
       const T inverse_D = T(1) / ws.D[d];
@@ -234,10 +243,13 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::ve
     }
     for (detail::LoopSums<T>* sum : through)
       for (Eigen::Index j = 0; j < sum->left.size(); ++j) {
-        const Force<T> E = {sum->E[i].col(j).template head<3>(), sum->E[i].col(j).template tail<3>()};
+        const Force<T> E = {sum->E[i].col(j).template head<3>(),
+                            sum->E[i].col(j).template tail<3>()};
         sum->left(j) -= dot(ws.c[i], E);
-        if (link.parent >= 0) sum->E[link.parent].col(j) += ws.X_up[i].inverseTimes(E).vector();
-        else sum->left(j) -= dot(ws.X_up[i] * a_0, E);
+        if (link.parent >= 0)
+          sum->E[link.parent].col(j) += ws.X_up[i].inverseTimes(E).vector();
+        else
+          sum->left(j) -= dot(ws.X_up[i] * a_0, E);
       }
     if (link.parent < 0) continue;
     if (model.gyroscopic && link.dof >= 0)
@@ -255,7 +267,8 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::ve
       sum.lambda = sum.left;
       if (link >= 0) {
         for (int j = 0; j < group.rows; ++j) {
-          const Force<T> E = {sum.E[link].col(j).template head<3>(), sum.E[link].col(j).template tail<3>()};
+          const Force<T> E = {sum.E[link].col(j).template head<3>(),
+                              sum.E[link].col(j).template tail<3>()};
           sum.lambda(j) -= dot(ws.a[link], E);
         }
       } else {
@@ -265,7 +278,8 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model, const std::ve
       out.rank += solvers[g].rank();
       int column = 0;
       for (const int c : group.closures)
-        for (int row = 0; row < scene::equationCount(constraints.closures[c].kind); ++row, ++column) {
+        for (int row = 0; row < scene::equationCount(constraints.closures[c].kind);
+             ++row, ++column) {
           out.lambda(constraints.closures[c].row + row) = sum.lambda(column);
           out.determined[constraints.closures[c].row + row] = solvers[g].determined()[column];
         }

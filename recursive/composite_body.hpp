@@ -16,7 +16,8 @@ using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
         (1)  I_C of p  +=  X' I_C X              everything outboard of a joint as one rigid body
         (2)  F = I_C Z,  M_ii = Z' F + d         the force that moves it when joint i alone moves
         (3)  M_ij = Z_j' F  for the joints j inboard of i, F carried inward
-    A gyroscopic rotor, spun up by the joint, needs the moment h z of its parent: F has it from there on.
+    A gyroscopic rotor, spun up by the joint, needs the moment h z of its parent: F has it from
+    there on.
 
     M must be n x n on entry and is written whole.
     @throws std::invalid_argument  x or M has another size
@@ -36,8 +37,10 @@ void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, W
     }
     M.setConstant(T(0));  // joints on different branches do not feel each other
     const auto put = [&](int row, int column, const T& entry) {
-      if (Joints::kMayFollow && model.coupled) M(row, column) += entry;
-      else M(row, column) = entry;
+      if (Joints::kMayFollow && model.coupled)
+        M(row, column) += entry;
+      else
+        M(row, column) = entry;
     };
     for (int i = n - 1; i >= 0; --i) {
       const LinkModel<T>& link = model.links[i];
@@ -45,7 +48,7 @@ void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, W
         ws.I_C[link.parent] = ws.I_C[link.parent] + ws.X_up[i].inverseTimes(ws.I_C[i]);  // (1)
       for (int k = 0, d = link.dof; k < Joints::axes(link); ++k, ++d) {
         Force<T> F = Joints::column(link, k, ws.I_C[i]);
-        put(d, d, Joints::force(link, k, F) + link.rotor);                              // (2)
+        put(d, d, Joints::force(link, k, F) + link.rotor);  // (2)
         for (int l = 0, e = link.dof; l < k; ++l, ++e)
           M(d, e) = M(e, d) = Joints::force(link, l, F);
         if (model.gyroscopic) F = F + spinAxis(link);
@@ -53,7 +56,7 @@ void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, W
           F = ws.X_up[b].inverseTimes(F);
           const LinkModel<T>& inboard = model.links[j];
           for (int l = 0, e = inboard.dof; l < Joints::axes(inboard); ++l, ++e) {
-            const T entry = Joints::force(inboard, l, F);                               // (3)
+            const T entry = Joints::force(inboard, l, F);  // (3)
             put(d, e, entry);
             put(e, d, entry);
           }
@@ -123,12 +126,13 @@ void addSpinCoriolis(const Model<T>& model, const std::vector<T>& qd, const Work
     body-level Coriolis matrix of each link, composed outboard like the inertia, and dZ = v x Z:
         (1)  F_1 = I_C dZ_j + B_C Z_j,   F_2 = I_C Z_j,   F_3 = B_C' Z_j
         (2)  C_ij = Z_i' F_1,   C_ji = dZ_i' F_2 + Z_i' F_3      for i inboard of j (or j itself)
-    A gyroscopic rotor of joint i, h qd_i z.w_p in T, with a_j = z.J_j its coupling to the rates inboard,
-    J_j what rate j gives to w_p, and K_jk = z.(J_j x J_k) the rate at which a_j changes with k less that
-    at which a_k changes with j:
+    A gyroscopic rotor of joint i, h qd_i z.w_p in T, with a_j = z.J_j its coupling to the rates
+    inboard, J_j what rate j gives to w_p, and K_jk = z.(J_j x J_k) the rate at which a_j changes
+    with k less that at which a_k changes with j:
         (3)  C += h e_i (da/dt)' + h/2 (K qd_i - e_i (K qd)' + (K qd) e_i')
     Dense 6 x 6 products, O(n depth): for checks, not for speed.
-    @see S. Echeandia and P. Wensing, Numerical Methods to Compute the Coriolis Matrix and Christoffel
+    @see S. Echeandia and P. Wensing, Numerical Methods to Compute the Coriolis Matrix and
+      Christoffel
          Symbols for Rigid-Body Systems, J. Comput. Nonlinear Dynam. 16 (2021) */
 template <typename T>
 MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x,
@@ -161,8 +165,9 @@ MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition
       const Vector6<T>&z = Z[first[b] + k], &dz = dZ[first[b] + k];
       Vector6<T> F_1 = I_C[b] * dz + B_C[b] * z;
       Vector6<T> F_2 = I_C[b] * z;
-      Vector6<T> F_3 = B_C[b].transpose() * z;                                  // (1)
-      for (int l = 0; l < AnyJoints::axes(link); ++l) C(link.dof + l, j) += Z[first[b] + l].dot(F_1);
+      Vector6<T> F_3 = B_C[b].transpose() * z;  // (1)
+      for (int l = 0; l < AnyJoints::axes(link); ++l)
+        C(link.dof + l, j) += Z[first[b] + l].dot(F_1);
       for (int a = b, p = link.parent; p >= 0; a = p, p = model.links[p].parent) {
         F_1 = X_up[a].transpose() * F_1;
         F_2 = X_up[a].transpose() * F_2;
@@ -171,7 +176,7 @@ MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition
         for (int l = 0, i = inboard.dof; l < AnyJoints::axes(inboard); ++l, ++i) {
           const int at = first[p] + l;
           C(i, j) += Z[at].dot(F_1);
-          C(j, i) += dZ[at].dot(F_2) + Z[at].dot(F_3);                          // (2)
+          C(j, i) += dZ[at].dot(F_2) + Z[at].dot(F_3);  // (2)
         }
       }
     }

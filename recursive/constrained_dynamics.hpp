@@ -20,12 +20,13 @@ namespace dynwitness::recursive {
     Each column of A is a wrench in link coordinates about the link's origin. The reaction of an
     ideal constraint acts along the same columns, as the force A nu on the link.
 
-    A soft constraint gives way:  A' a + C nu = b,  C diagonal and positive; nu is then always determined. */
+    A soft constraint gives way:  A' a + C nu = b,  C diagonal and positive; nu is then always
+    determined. */
 template <typename T>
 struct LinkConstraint {
   int link = 0;
-  Eigen::Matrix<T, 6, Eigen::Dynamic> A;  ///< 6 x m, linear part first
-  Eigen::Matrix<T, Eigen::Dynamic, 1> b;  ///< m
+  Eigen::Matrix<T, 6, Eigen::Dynamic> A;                ///< 6 x m, linear part first
+  Eigen::Matrix<T, Eigen::Dynamic, 1> b;                ///< m
   Eigen::Matrix<T, Eigen::Dynamic, 1> compliance = {};  ///< C: m [1/kg], or none: hard
 };
 
@@ -47,13 +48,13 @@ struct ConstraintWorkspace {
 
   int count() const { return static_cast<int>(nu.size()); }
 
-  std::vector<Matrix6X> E;  ///< what a link feels of unit constraint forces, joints being free
-  std::vector<Vector> e;    ///< Z' E, one a degree of freedom
-  MatrixX<T> N;             ///< constraint accelerations of unit constraint forces, m x m
+  std::vector<Matrix6X> E;     ///< what a link feels of unit constraint forces, joints being free
+  std::vector<Vector> e;       ///< Z' E, one a degree of freedom
+  MatrixX<T> N;                ///< constraint accelerations of unit constraint forces, m x m
   SemidefiniteSolver<T> of_N;  ///< its rank, and which forces are determined
-  Vector missing;           ///< b - A' a of the unconstrained motion; after solving, what contradicts
-  Vector nu;                ///< constraint forces
-  std::vector<T> added;     ///< what they add to qdd
+  Vector missing;        ///< b - A' a of the unconstrained motion; after solving, what contradicts
+  Vector nu;             ///< constraint forces
+  std::vector<T> added;  ///< what they add to qdd
 };
 
 /** Propagates unit constraint forces inward through the free joints,
@@ -61,17 +62,18 @@ struct ConstraintWorkspace {
         (1)  E of a constrained link = its A;   E of p  +=  X' P E,   P = 1 - M_A Z D^-1 Z'
         (2)  N = sum over joints of (Z' E)' D^-1 (Z' E)  =  A' J M^-1 J' A,   and C where it is soft
 
-    into cws.E, cws.e and cws.N; a joint of several axes is passed one axis at a time, in the order of
-    forwardDynamics(). Constraints of all links share one matrix, and where branches meet their
+    into cws.E, cws.e and cws.N; a joint of several axes is passed one axis at a time, in the order
+    of forwardDynamics(). Constraints of all links share one matrix, and where branches meet their
     columns add. Costs O(n m^2) for m constraints.
 
     N is symmetric and positive semidefinite, and definite exactly when the rows of A' J are
-    linearly independent: not with redundant constraints, not in a singular pose. C makes it definite.
+    linearly independent: not with redundant constraints, not in a singular pose. C makes it
+    definite.
 
     The articulated inertias (ws.X_up, U, D) must be those of this position: forwardDynamics() or
     hybridDynamics() has run.
-    @param driven  by degree of freedom: not 0 where the acceleration is given, so that the joint passes
-                   forces on as a rigid one does; empty: none is
+    @param driven  by degree of freedom: not 0 where the acceleration is given, so that the joint
+      passes forces on as a rigid one does; empty: none is
     @throws std::invalid_argument  a constraint names no link, or A is not 6 x m with m entries of b
  */
 template <typename T>
@@ -161,12 +163,13 @@ void accelerationsOfConstraintForces(const Model<T>& model,
   }
 }
 
-/** From the motion without constraints (ws.a and qdd) to the one with them: N nu = b - A' a for what it
-    misses, then the accelerations that nu adds. ws.a must carry -gravity where `gravity` says so. */
+/** From the motion without constraints (ws.a and qdd) to the one with them: N nu = b - A' a for
+    what it misses, then the accelerations that nu adds. ws.a must carry -gravity where `gravity`
+    says so. */
 template <typename T>
 void addConstraintForces(const Model<T>& model, const std::vector<LinkConstraint<T>>& constraints,
-                         bool gravity, Workspace<T>& ws, ConstraintWorkspace<T>& cws, std::vector<T>& qdd,
-                         const std::vector<char>& driven = {}) {
+                         bool gravity, Workspace<T>& ws, ConstraintWorkspace<T>& cws,
+                         std::vector<T>& qdd, const std::vector<char>& driven = {}) {
   propagateConstraints(model, constraints, ws, cws, driven);
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     const int p = model.links[i].parent;
@@ -194,9 +197,10 @@ void addConstraintForces(const Model<T>& model, const std::vector<LinkConstraint
     in O(n m^2 + m^3): the unconstrained motion first, then N nu = b - A' a for what it misses, then
     the accelerations that nu adds. This is the motion of least constraint in the sense of Gauss.
 
-    Redundant constraints are told by the rank of N. The accelerations are those that all of them leave;
-    cws.of_N.determined() says which of the forces are (the others are one possible choice), and cws.missing by
-    how much constraints contradict each other: zero, unless no motion obeys them all.
+    Redundant constraints are told by the rank of N. The accelerations are those that all of them
+    leave; cws.of_N.determined() says which of the forces are (the others are one possible choice),
+    and cws.missing by how much constraints contradict each other: zero, unless no motion obeys them
+    all.
 
     The chapter's recursion (section 11.1) sends the same sums inward instead of comparing at the
     link; its nu is the load on the environment, the negative of ours.

@@ -23,19 +23,19 @@ namespace dynwitness::recursive {
         (1)  A = J L'^-1;  A' = Q R P'  with column pivoting, rank r
         (2)  z = (1 - Q_1 Q_1') L^-1 f  +  Q_1 R_11'^-1 (P' b)_r      Q_1, R_11: first r columns
         (3)  A' lambda = z - L^-1 f
-    The first r rows of the pivoted J stand for all: qdd is right whenever the equations do not contradict
-    each other, and `contradiction` says by how much they do. Where r < m, the multipliers that the
-    dependent rows could share are not determined by mechanics of rigid bodies; `determined` says
-    which are, and the others are one possible choice.
+    The first r rows of the pivoted J stand for all: qdd is right whenever the equations do not
+    contradict each other, and `contradiction` says by how much they do. Where r < m, the
+    multipliers that the dependent rows could share are not determined by mechanics of rigid bodies;
+    `determined` says which are, and the others are one possible choice.
 
     A row of A counts as dependent when its part outside the rows chosen before it is shorter than
-    `rank_tolerance` times the longest row. Where rows are redundant that part is rounding, eps. On the way
-    through a singular pose it passes through zero: at a distance delta from the pose, rounding of J
-    and gamma is worth eps / delta of qdd, and leaving the row out in a step of that length is worth
-    delta^2. The default, the cube root of eps, is where the two are equal.
+    `rank_tolerance` times the longest row. Where rows are redundant that part is rounding, eps. On
+    the way through a singular pose it passes through zero: at a distance delta from the pose,
+    rounding of J and gamma is worth eps / delta of qdd, and leaving the row out in a step of that
+    length is worth delta^2. The default, the cube root of eps, is where the two are equal.
 
-    At a singular pose qdd is the acceleration of least constraint (Gauss). It is also the limit along a
-    motion through the pose if the multipliers stay bounded.
+    At a singular pose qdd is the acceleration of least constraint (Gauss). It is also the limit
+    along a motion through the pose if the multipliers stay bounded.
 
     Allocates; for doubles and wider. */
 template <typename T>
@@ -52,7 +52,7 @@ class ConstrainedSolver {
     llt_.compute(M);
     if (llt_.info() != Eigen::Success)
       throw std::invalid_argument("ConstrainedSolver: M: expected a positive definite matrix");
-    A_transposed_ = llt_.matrixL().solve(J.transpose());                           // (1)
+    A_transposed_ = llt_.matrixL().solve(J.transpose());  // (1)
     rank_ = 0;
     if (J.rows() == 0) return;
     qr_.compute(A_transposed_);
@@ -82,13 +82,13 @@ class ConstrainedSolver {
   struct Result {
     VectorX<T> qdd, lambda;
     std::vector<bool> determined;  ///< by multiplier
-    T contradiction;  ///< largest |J qdd - b|
+    T contradiction;               ///< largest |J qdd - b|
   };
 
   Result solve(const VectorX<T>& f, const VectorX<T>& b) const {
     Result result;
     const VectorX<T> free = llt_.matrixL().solve(f);
-    VectorX<T> z = free + alongConstraints(independent(b) - seen(free));           // (2)
+    VectorX<T> z = free + alongConstraints(independent(b) - seen(free));  // (2)
     const VectorX<T> residual = A_transposed_.transpose() * z - b;
     result.contradiction = residual.size() == 0 ? T(0) : residual.cwiseAbs().maxCoeff();
     multipliers(z - free, &result);
@@ -132,7 +132,7 @@ class ConstrainedSolver {
     result->determined.assign(m, true);
     if (m == 0) return;
     VectorX<T> pivoted = VectorX<T>::Zero(m);
-    if (rank_ > 0) pivoted.head(rank_) = R11().solve(seen(reaction));              // (3)
+    if (rank_ > 0) pivoted.head(rank_) = R11().solve(seen(reaction));  // (3)
     result->lambda = qr_.colsPermutation() * pivoted;
     if (rank_ == m) return;
     // A' lambda = 0 is solved by (-R_11^-1 R_12; 1): what moves there is undetermined

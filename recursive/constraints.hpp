@@ -62,12 +62,13 @@ Constraints<T> buildConstraints(const scene::Mechanism& mechanism, const Numbers
 
 namespace detail {
 
-/** What a closure of this kind sees of a motion of B on A, given in A's axes: the rate of B's origin
-    r at distance p, and of the products of axes  x_A . z_B,  y_A . z_B,  x_A . y_B,
+/** What a closure of this kind sees of a motion of B on A, given in A's axes: the rate of B's
+    origin r at distance p, and of the products of axes  x_A . z_B,  y_A . z_B,  x_A . y_B,
 
-        r' = v + w x p,     z_B' = w x z_B,   y_B' = w x y_B,    and of a distance p . r'           */
+        r' = v + w x p,     z_B' = w x z_B,   y_B' = w x y_B,    and of a distance p . r'     */
 template <typename T, typename Row>
-void closureRates(scene::ClosureKind kind, const Motion<T>& x, const Transform<T>& X_BA, Row&& row) {
+void closureRates(scene::ClosureKind kind, const Motion<T>& x, const Transform<T>& X_BA,
+                  Row&& row) {
   const Vector3<T> point = x.linear + x.angular.cross(X_BA.p);
   if (kind == scene::ClosureKind::kDistance) return row(0, X_BA.p.dot(point));
   if (kind == scene::ClosureKind::kPlane) return row(0, point.z());
@@ -88,8 +89,8 @@ void closureRates(scene::ClosureKind kind, const Motion<T>& x, const Transform<T
 /** Residual phi(q), Jacobian J(q) and velocity products gamma(q, qd) of all closures, in
     O(closures depth + links).
 
-    One outward sweep with qdd = 0 and no gravity gives the velocity v and the acceleration a of every
-    link. With everything of a closure in A's axes,
+    One outward sweep with qdd = 0 and no gravity gives the velocity v and the acceleration a of
+    every link. With everything of a closure in A's axes,
         (1)  V = v_B - v_A                        motion of B as seen from A
         (2)  V' = a_B - a_A - v_A x V             its rate of change there, at qdd = 0
         (3)  phi' = rates of V  (closureRates),   column k of J = rates of +-Z_k: + where joint k is
@@ -98,7 +99,8 @@ void closureRates(scene::ClosureKind kind, const Motion<T>& x, const Transform<T
              p . (w x r') + r' . r'
     No differences, no division: the same source runs on any field.
 
-    @param  x, qd   positions, one a slot, and velocity [rad/s, m/s], length n. phi = 0 is not needed.
+    @param  x, qd   positions, one a slot, and velocity [rad/s, m/s], length n. phi = 0 is not
+      needed.
     @throws std::invalid_argument  x or qd has another length */
 template <typename T>
 void constraintEquations(const Model<T>& model, const std::vector<JointPosition<T>>& x,
@@ -122,8 +124,8 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
       return link == a ? closure.X_A * of_link[link]
                        : X_BA.inverseTimes(closure.X_B * of_link[link]);
     };
-    const Motion<T> v_A = in_A(ws.v, a), V = in_A(ws.v, b) - v_A;                  // (1)
-    const Motion<T> V_rate = in_A(ws.a, b) - in_A(ws.a, a) - cross(v_A, V);        // (2)
+    const Motion<T> v_A = in_A(ws.v, a), V = in_A(ws.v, b) - v_A;            // (1)
+    const Motion<T> V_rate = in_A(ws.a, b) - in_A(ws.a, a) - cross(v_A, V);  // (2)
 
     const Vector3<T> z_B = X_BA.R.row(2), y_B = X_BA.R.row(1);
     const Vector3<T>&p = X_BA.p, &w = V.angular;
@@ -141,7 +143,7 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
     }
     detail::closureRates(closure.kind, V_rate, X_BA, [&](int k, const T& rate) {
       out.phi(closure.row + k) = phi[k];
-      out.gamma(closure.row + k) = rate + centrifugal[k];                          // (4)
+      out.gamma(closure.row + k) = rate + centrifugal[k];  // (4)
     });
 
     for (int i = a; i >= 0; i = model.links[i].parent) out.chain[i] += 1;
@@ -155,7 +157,7 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
           AnyJoints::addMotion(link, j, T(1), Z);
           const Motion<T> at_A = X_AW * out.X_W[i].inverseTimes(Z);
           detail::closureRates(closure.kind, at_A, X_BA, [&](int k, const T& rate) {
-            out.J(closure.row + k, link.dof + j) += side == 2 ? rate : -rate;      // (3)
+            out.J(closure.row + k, link.dof + j) += side == 2 ? rate : -rate;  // (3)
           });
         }
       }

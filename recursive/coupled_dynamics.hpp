@@ -10,13 +10,15 @@
 
 namespace dynwitness::recursive::detail {
 
-/// A rate that several joints share, on its way inward: what it does waits until all of them are passed.
+/// A rate that several joints share, on its way inward: what it does waits until all of them are
+/// passed.
 template <typename T>
 struct SharedRate {
   int rate;
   int ancestor;  ///< the last link (-1: the world) that all its joints hang on
   T u = T(0);    ///< force left for acceleration
-  std::vector<Force<T>> F;  ///< by link: the force that a unit of the rate's acceleration asks for there
+  std::vector<Force<T>>
+      F;  ///< by link: the force that a unit of the rate's acceleration asks for there
 };
 
 /// The shared rates of a model, and by link those that wait there.
@@ -25,7 +27,8 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
                                        std::vector<std::vector<int>>& waiting) {
   const int n = static_cast<int>(model.links.size());
   std::vector<int> depth(n);
-  for (int i = 0; i < n; ++i) depth[i] = model.links[i].parent < 0 ? 0 : depth[model.links[i].parent] + 1;
+  for (int i = 0; i < n; ++i)
+    depth[i] = model.links[i].parent < 0 ? 0 : depth[model.links[i].parent] + 1;
   const auto common = [&](int a, int b) {
     while (a != b) {
       int& deeper = b < 0 || (a >= 0 && depth[a] > depth[b]) ? a : b;
@@ -39,8 +42,8 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
     if (link.follows && of_rate[link.dof] < 0) {
       of_rate[link.dof] = static_cast<int>(shared.size());
       const int leader = model.link_of_dof[link.dof];
-      shared.push_back({link.dof, model.links[leader].parent, T(0),
-                        std::vector<Force<T>>(n, Force<T>::zero())});
+      shared.push_back(
+          {link.dof, model.links[leader].parent, T(0), std::vector<Force<T>>(n, Force<T>::zero())});
     }
   for (const LinkModel<T>& link : model.links)
     if (link.follows) {
@@ -61,9 +64,9 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
   return shared;
 }
 
-/** forwardDynamics() of a model with followers. The recursion is that of articulated_body.hpp; only a rate y
-    that several joints share cannot be solved for where one of them is passed. It is carried inward as an
-    unknown: with F the force that a unit of y asks of a link, all links obey
+/** forwardDynamics() of a model with followers. The recursion is that of articulated_body.hpp; only
+    a rate y that several joints share cannot be solved for where one of them is passed. It is
+    carried inward as an unknown: with F the force that a unit of y asks of a link, all links obey
 
         (1)  f = M_A a + f_A + sum of F_g y_g          each rate g:  F_g' a + sum of D_gh y_h = u_g
 
@@ -72,12 +75,12 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
              F_g += M_A k Z
     and past any other joint, which is solved for (U, D, u as there, e_h = Z'F_h),
         (3)  F_h -= U e_h / D,   D_gh -= e_g e_h / D,   u_h -= e_h u / D
-    and past all of them  u_h -= F_h' c_i.  At the link that all joints of g hang on, nothing of y_g is left
-    outboard, and it is solved for as a joint is:
+    and past all of them  u_h -= F_h' c_i.  At the link that all joints of g hang on, nothing of y_g
+    is left outboard, and it is solved for as a joint is:
         (4)  M_A -= F_g F_g' / D_gg,   f_A += F_g u_g / D_gg,   F_h -= F_g D_gh / D_gg,   ...
         (5)  y_g = (u_g - F_g' a - sum of D_gh y_h) / D_gg      once a is known, on the way outward
-    So it divides by what the joints of a rate move together; one of them alone may move nothing. O(n) for
-    followers close to their leaders. Allocates. */
+    So it divides by what the joints of a rate move together; one of them alone may move nothing.
+    O(n) for followers close to their leaders. Allocates. */
 template <typename T>
 void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                             const std::vector<T>& qd, const std::vector<T>& tau, Workspace<T>& ws,
@@ -144,7 +147,7 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
       if (model.friction && terms.friction) u -= frictionForce(link, qd[d]);
       if (model.gyroscopic && link.parent >= 0) U = U + spinAxis(link);
       for (const int h : waiting[i]) e(d, h) = AnyJoints::force(link, k, shared[h].F[i]);
-      if (own >= 0) {                                                               // (2)
+      if (own >= 0) {  // (2)
         D(own, own) += inertia + e(d, own) + e(d, own);
         for (const int h : waiting[i]) {
           if (h == own) continue;
@@ -159,7 +162,7 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
       ws.D[d] = inertia;
       ws.u[d] = tau[d] + u;
       const T inverse = T(1) / inertia;
-      for (const int h : waiting[i]) {                                              // (3)
+      for (const int h : waiting[i]) {  // (3)
         const T share = e(d, h) * inverse;
         shared[h].F[i] = shared[h].F[i] - U * share;
         shared[h].u -= share * ws.u[d];
@@ -171,8 +174,10 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
     for (const int h : waiting[i]) {
       SharedRate<T>& of = shared[h];
       of.u -= dot(ws.c[i], of.F[i]);
-      if (link.parent < 0) of.u -= dot(ws.X_up[i] * a_0, of.F[i]);
-      else of.F[link.parent] = of.F[link.parent] + ws.X_up[i].inverseTimes(of.F[i]);
+      if (link.parent < 0)
+        of.u -= dot(ws.X_up[i] * a_0, of.F[i]);
+      else
+        of.F[link.parent] = of.F[link.parent] + ws.X_up[i].inverseTimes(of.F[i]);
     }
     if (link.parent < 0) continue;
     if (model.gyroscopic && link.dof >= 0)
@@ -185,7 +190,7 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
 
   // outward: accelerations
   std::vector<char> known(count, 0);
-  const auto settle = [&](int i) {                                                  // (5)
+  const auto settle = [&](int i) {  // (5)
     for (auto g = order.rbegin(); g != order.rend(); ++g) {
       const SharedRate<T>& of = shared[*g];
       if (of.ancestor != i) continue;

@@ -55,8 +55,9 @@ T frictionPower(const Model<T>& model, const std::vector<T>& qd) {
   return power;
 }
 
-/** Potential energy V = -gravity' sum m p_c + sum k (q - rest)^2 / 2 [J], zero at the world's origin.
-    The first moments of mass are carried inward, so no link needs its place in the world. */
+/** Potential energy V = -gravity' sum m p_c + sum k (q - rest)^2 / 2 [J], zero at the world's
+    origin. The first moments of mass are carried inward, so no link needs its place in the world.
+    */
 template <typename T>
 T potentialEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x, Workspace<T>& ws) {
   requirePositions(model, "potentialEnergy", x.size());
@@ -82,8 +83,9 @@ T potentialEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
   return twice_springs / T(2) - model.gravity.dot(h_world);
 }
 
-/// Momentum of all links together, in world axes about the world's origin [N s, N m s], with the spin of
-/// gyroscopic rotors on links. Other rotors, whose axes the model d = n^2 J does not know, are not in it.
+/// Momentum of all links together, in world axes about the world's origin [N s, N m s], with the
+/// spin of gyroscopic rotors on links. Other rotors, whose axes the model d = n^2 J does not know,
+/// are not in it.
 template <typename T>
 Force<T> momentum(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                   const std::vector<T>& qd, Workspace<T>& ws) {
@@ -94,14 +96,15 @@ Force<T> momentum(const Model<T>& model, const std::vector<JointPosition<T>>& x,
     const LinkModel<T>& link = model.links[i];
     Force<T>& inboard = link.parent < 0 ? total : ws.f[link.parent];
     Force<T> f = ws.f[i];
-    if (model.gyroscopic && link.dof >= 0 && link.parent >= 0) f = f + spinAxis(link) * qd[link.dof];
+    if (model.gyroscopic && link.dof >= 0 && link.parent >= 0)
+      f = f + spinAxis(link) * qd[link.dof];
     inboard = inboard + ws.X_up[i].inverseTimes(f);
   }
   return total;
 }
 
-/** Rates of change of the position slots at rates qd: qd itself, but for a floating joint's position,
-    p' = R v, and for quaternions, q' = q (0, w) / 2, which leaves their length as it is.
+/** Rates of change of the position slots at rates qd: qd itself, but for a floating joint's
+    position, p' = R v, and for quaternions, q' = q (0, w) / 2, which leaves their length as it is.
     @param rates  one a slot */
 template <typename T>
 void positionRates(const Model<T>& model, const std::vector<JointPosition<T>>& x,
@@ -114,7 +117,8 @@ void positionRates(const Model<T>& model, const std::vector<JointPosition<T>>& x
     int slot = link.slot, dof = link.dof;
     if (axisCount(link.kind) == 1) rates[slot] = link.follows ? T(link.ratio * qd[dof]) : qd[dof];
     if (link.kind == JointKind::kFloating) {
-      const Vector3<T> p_rate = rotation(&x[slot + 3]) * Vector3<T>(qd[dof], qd[dof + 1], qd[dof + 2]);
+      const Vector3<T> p_rate =
+          rotation(&x[slot + 3]) * Vector3<T>(qd[dof], qd[dof + 1], qd[dof + 2]);
       for (int k = 0; k < 3; ++k) rates[slot + k] = p_rate(k);
       slot += 3;
       dof += 3;

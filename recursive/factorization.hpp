@@ -6,9 +6,9 @@
 
 namespace dynwitness::recursive {
 
-/** M = L D L' of a symmetric matrix, without square roots or pivoting, so that it runs on any field.
-    L (unit lower triangle, below the diagonal) and D (on it) replace M.
-    M is positive definite exactly when all D are positive. */
+/** M = L D L' of a symmetric matrix, without square roots or pivoting, so that it runs on any
+    field. L (unit lower triangle, below the diagonal) and D (on it) replace M. M is positive
+    definite exactly when all D are positive. */
 template <typename T>
 void factorize(MatrixX<T>& M) {
   const Eigen::Index n = M.rows();

@@ -8,18 +8,20 @@
 
 namespace dynwitness::recursive {
 
-/** Hybrid dynamics: with the accelerations of some joints and the forces of the others, the rest, under
-    constraints on links as in constrainedForwardDynamics().
+/** Hybrid dynamics: with the accelerations of some joints and the forces of the others, the rest,
+    under constraints on links as in constrainedForwardDynamics().
 
         M qdd + c + g = tau + Q + J' A nu,      A' (J qdd + dJ/dt qd) + C nu = b
 
-    The articulated-body sweeps with one change: a joint whose acceleration is given hands on the inertia of
-    its subtree whole, without projecting it, and its acceleration as if it were velocity products,
+    The articulated-body sweeps with one change: a joint whose acceleration is given hands on the
+    inertia of its subtree whole, without projecting it, and its acceleration as if it were velocity
+    products,
 
         M_A of p  +=  X' M_A X,      f_A of p  +=  X' (f_A + M_A (c + Z qdd))
 
     so that a driven joint may carry what a free one may not (no mass at all), and its inertia is in
-    nobody's way. Then one sweep of Newton and Euler for the forces of the driven joints, J' A nu taken off.
+    nobody's way. Then one sweep of Newton and Euler for the forces of the driven joints, J' A nu
+    taken off.
 
     @param  driven  by degree of freedom, not 0: qdd is given and tau wanted
     @param  qdd, tau  length n; what is given on entry, both complete on return. nu is left in cws
@@ -67,7 +69,8 @@ void hybridDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& 
       ws.U[d] = AnyJoints::column(link, k, M_a);
       ws.D[d] = link.rotor + AnyJoints::force(link, k, ws.U[d]);
       ws.u[d] = tau[d] - AnyJoints::force(link, k, f_a);
-      if (terms.springs) ws.u[d] -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
+      if (terms.springs)
+        ws.u[d] -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
       if (model.friction && terms.friction) ws.u[d] -= frictionForce(link, qd[d]);
       if (model.gyroscopic && link.parent >= 0) ws.U[d] = ws.U[d] + spinAxis(link);
       const T inverse_D = T(1) / ws.D[d];
@@ -100,7 +103,8 @@ void hybridDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& 
   int row = 0;
   for (const LinkConstraint<T>& constraint : constraints)
     for (Eigen::Index k = 0; k < constraint.A.cols(); ++k, ++row) {
-      const Force<T> unit = {constraint.A.col(k).template head<3>(), constraint.A.col(k).template tail<3>()};
+      const Force<T> unit = {constraint.A.col(k).template head<3>(),
+                             constraint.A.col(k).template tail<3>()};
       ws.f[constraint.link] = ws.f[constraint.link] + unit * cws.nu(row);
     }
   for (int i = n - 1; i >= 0; --i) {

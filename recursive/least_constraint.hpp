@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gauss' principle of least constraint as a problem of its own, and at the base of a floating robot.
+// Gauss' principle of least constraint as a problem of its own, and at the base of a floating
+// robot.
 #pragma once
 
 #include <stdexcept>
@@ -15,7 +16,8 @@ template <typename T>
 struct LeastConstraint {
   Eigen::Matrix<T, Eigen::Dynamic, 1> a, force;  ///< accelerations n, forces of the constraints k
   std::vector<char> determined;                  ///< by force
-  Eigen::Matrix<T, Eigen::Dynamic, 1> contradiction;  ///< by constraint, zero where one can be obeyed
+  Eigen::Matrix<T, Eigen::Dynamic, 1>
+      contradiction;  ///< by constraint, zero where one can be obeyed
 };
 
 /** The acceleration a that makes
@@ -26,14 +28,17 @@ struct LeastConstraint {
 
         M a + F = A force,      (A' M^-1 A) force = b - A' a_free
 
-    For a mechanism, F is minus the force that acts, and the sum is Gauss' measure of constraint, half the
-    square of the distance from the free motion in M's norm, up to a constant.
+    For a mechanism, F is minus the force that acts, and the sum is Gauss' measure of constraint,
+    half the square of the distance from the free motion in M's norm, up to a constant.
     @see C. F. Gauss (1829) */
 template <typename T>
-LeastConstraint<T> leastConstraint(const MatrixX<T>& M, const Eigen::Matrix<T, Eigen::Dynamic, 1>& F,
-                                   const MatrixX<T>& A, const Eigen::Matrix<T, Eigen::Dynamic, 1>& b) {
+LeastConstraint<T> leastConstraint(const MatrixX<T>& M,
+                                   const Eigen::Matrix<T, Eigen::Dynamic, 1>& F,
+                                   const MatrixX<T>& A,
+                                   const Eigen::Matrix<T, Eigen::Dynamic, 1>& b) {
   if (M.rows() != M.cols() || F.size() != M.rows() || A.rows() != M.rows() || b.size() != A.cols())
-    throw std::invalid_argument("leastConstraint: M, F, A, b: expected n x n, n, n x k and k numbers");
+    throw std::invalid_argument(
+        "leastConstraint: M, F, A, b: expected n x n, n, n x k and k numbers");
   MatrixX<T> LDL = M;
   factorize(LDL);
   LeastConstraint<T> out;
@@ -55,9 +60,9 @@ LeastConstraint<T> leastConstraint(const MatrixX<T>& M, const Eigen::Matrix<T, E
 }
 
 /** Forward dynamics of a floating robot (link 0) whose base is constrained, A_0' a_0 = b_0 as in
-    LinkConstraint: the inward sweep of forwardDynamics() leaves one body with inertia M_A,0 and bias force
-    F_0, whose accelerations are those of least constraint; the outward sweep gives the joints theirs.
-    One system of six unknowns, whatever hangs on the base.
+    LinkConstraint: the inward sweep of forwardDynamics() leaves one body with inertia M_A,0 and
+    bias force F_0, whose accelerations are those of least constraint; the outward sweep gives the
+    joints theirs. One system of six unknowns, whatever hangs on the base.
     @throws std::invalid_argument  link 0 does not float, or the constraint is not on it */
 template <typename T>
 void baseConstrainedDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& x,
@@ -65,7 +70,8 @@ void baseConstrainedDynamics(const Model<T>& model, const std::vector<JointPosit
                              const LinkConstraint<T>& base, Workspace<T>& ws, std::vector<T>& qdd,
                              Eigen::Matrix<T, Eigen::Dynamic, 1>* force) {
   if (model.links.empty() || model.links[0].kind != JointKind::kFloating || base.link != 0)
-    throw std::invalid_argument("baseConstrainedDynamics: expected a floating link 0, and a constraint on it");
+    throw std::invalid_argument(
+        "baseConstrainedDynamics: expected a floating link 0, and a constraint on it");
   requireOwnRates(model, "baseConstrainedDynamics");
   forwardDynamics(model, x, qd, tau, ws, qdd);
   MatrixX<T> M(6, 6), A = base.A;
@@ -80,7 +86,8 @@ void baseConstrainedDynamics(const Model<T>& model, const std::vector<JointPosit
   // accelerations as the sweep carries them: without c and gravity's share, which are known
   Motion<T> a_0 = Motion<T>::zero();
   a_0.linear = -model.gravity;
-  const Motion<T> known = ws.X_up[0] * a_0 + ws.c[0], gravity = {ws.X_up[0].R * model.gravity, Vector3<T>::Zero()};
+  const Motion<T> known = ws.X_up[0] * a_0 + ws.c[0],
+                  gravity = {ws.X_up[0].R * model.gravity, Vector3<T>::Zero()};
   const Vector known6 = known.vector(), offset = (known + gravity).vector();
   const LeastConstraint<T> best =
       leastConstraint<T>(M, Vector(F + M * known6), A, Vector(base.b - A.transpose() * offset));

@@ -17,23 +17,24 @@ using scene::CosSin;
 using scene::JointKind;
 using scene::JointPosition;
 
-/** One link. Its frame is the moved joint frame, turned so that a joint with one axis moves about or
-    along z; mass properties, loads and the joints of its children are given there.
+/** One link. Its frame is the moved joint frame, turned so that a joint with one axis moves about
+    or along z; mass properties, loads and the joints of its children are given there.
 
-    A joint's axes Z_k are columns of the motion that it passes on, v_J = sum of Z_k qd_k, constant in
-    the link's frame: e_z to turn about or to slide along, both for a screw; the three turns of a
+    A joint's axes Z_k are columns of the motion that it passes on, v_J = sum of Z_k qd_k, constant
+    in the link's frame: e_z to turn about or to slide along, both for a screw; the three turns of a
     spherical joint; the three slides and three turns of a floating one. Cylindrical, universal and
     planar joints are chains of links with one axis each, massless but for the last (buildModel).
 
-    A follower (scene::Mimic) moves with its leader's rate: its axis is k Z, k the ratio of the rates, and
-    what else goes with a rate is written in the leader's: k^2 d, k h, k^2 viscous, |k| Coulomb (of the other
-    direction where k < 0), and the spring as one of k^2 stiffness on the leader's position. So the sweeps'
-    formulas stay what they are; only entries of a rate are sums over its joints. */
+    A follower (scene::Mimic) moves with its leader's rate: its axis is k Z, k the ratio of the
+    rates, and what else goes with a rate is written in the leader's: k^2 d, k h, k^2 viscous, |k|
+    Coulomb (of the other direction where k < 0), and the spring as one of k^2 stiffness on the
+    leader's position. So the sweeps' formulas stay what they are; only entries of a rate are sums
+    over its joints. */
 template <typename T>
 struct LinkModel {
-  int parent = -1;  ///< -1: the world
-  int dof = -1;     ///< index of the joint's first rate in qd; -1: fixed
-  int slot = -1;    ///< index of the joint's first position in q
+  int parent = -1;       ///< -1: the world
+  int dof = -1;          ///< index of the joint's first rate in qd; -1: fixed
+  int slot = -1;         ///< index of the joint's first position in q
   int spring_from = 0;   ///< slots to the position that its spring measures: to a follower's leader
   bool follows = false;  ///< with `ratio`
   bool adds = false;     ///< a link further outboard in the list has the same rate
@@ -41,15 +42,16 @@ struct LinkModel {
   JointKind kind = JointKind::kFixed;
   Transform<T> X_tree = Transform<T>::identity();  ///< parent link frame to unmoved joint frame
   RigidInertia<T> M = RigidInertia<T>::zero();
-  T rotor = T(0);                                ///< d = gear_ratio^2 rotor_inertia [kg m^2], [kg]
-  T spin = T(0);  ///< h = gear_ratio rotor_inertia of a gyroscopic rotor, which the parent carries
+  T rotor = T(0);  ///< d = gear_ratio^2 rotor_inertia [kg m^2], [kg]
+  T spin = T(0);   ///< h = gear_ratio rotor_inertia of a gyroscopic rotor, which the parent carries
   T viscous = T(0), positive = T(0), negative = T(0);  ///< friction (scene::Friction)
-  T stiffness = T(0), rest = T(0);               ///< [N m/rad], [rad] or [N/m], [m]
-  T pitch = T(0);                                ///< of a screw [m/rad]
+  T stiffness = T(0), rest = T(0);                     ///< [N m/rad], [rad] or [N/m], [m]
+  T pitch = T(0);                                      ///< of a screw [m/rad]
   Force<T> load = Force<T>::zero();  ///< constant wrench in link axes, about the origin [N, N m]
 };
 
-/// A force and a free moment in world axes [N, N m], the force acting at this point of the link [m].
+/// A force and a free moment in world axes [N, N m], the force acting at this point of the link
+/// [m].
 template <typename T>
 struct WorldLoad {
   int link;
@@ -67,14 +69,14 @@ template <typename T>
 struct Model {
   std::vector<LinkModel<T>> links;
   std::vector<ScenePlace<T>> places;  ///< one a link of the scene
-  /// One a link of the scene: the link of the model that its joint moves, and that link's frame to the
-  /// moved joint frame. -1: no joint of the model (the root; a fixed joint that was lumped).
+  /// One a link of the scene: the link of the model that its joint moves, and that link's frame to
+  /// the moved joint frame. -1: no joint of the model (the root; a fixed joint that was lumped).
   std::vector<ScenePlace<T>> joints;
   std::vector<int> link_of_dof;
-  int positions = 0;         ///< how many slots q has: dof(), and one a quaternion
-  bool plain_joints = true;  ///< all are fixed, revolute or prismatic
+  int positions = 0;                          ///< how many slots q has: dof(), and one a quaternion
+  bool plain_joints = true;                   ///< all are fixed, revolute or prismatic
   bool gyroscopic = false, friction = false;  ///< any of spin, any friction
-  bool coupled = false;  ///< some joints follow others
+  bool coupled = false;                       ///< some joints follow others
   /// What rests in the world: it enters the potential energy only.
   RigidInertia<T> base = RigidInertia<T>::zero();
   Vector3<T> gravity = Vector3<T>::Zero();  ///< [m/s^2], world axes
@@ -91,8 +93,8 @@ struct Terms {
   static constexpr Terms potential() { return {true, true, false, false}; }
 };
 
-/// What friction takes of a joint's force at this rate [N m], [N]: viscous qd + Coulomb's part, which is 0
-/// at rest.
+/// What friction takes of a joint's force at this rate [N m], [N]: viscous qd + Coulomb's part,
+/// which is 0 at rest.
 template <typename T>
 T frictionForce(const LinkModel<T>& link, const T& qd) {
   using scene::directionOf;
@@ -103,14 +105,14 @@ T frictionForce(const LinkModel<T>& link, const T& qd) {
   return force;
 }
 
-/// (0, h z): what a gyroscopic rotor does to its parent by spinning up, and, as a product with a motion of
-/// the parent in the link's coordinates, h z'w, what it feels of that motion.
+/// (0, h z): what a gyroscopic rotor does to its parent by spinning up, and, as a product with a
+/// motion of the parent in the link's coordinates, h z'w, what it feels of that motion.
 template <typename T>
 Force<T> spinAxis(const LinkModel<T>& link) {
   return {Vector3<T>::Constant(T(0)), Vector3<T>(T(0), T(0), link.spin)};
 }
-/// The rate of change of that rotor's momentum h qd z as it is carried around by its parent, whose motion
-/// in the link's coordinates is v_p:  h qdd z + w_p x h qd z.
+/// The rate of change of that rotor's momentum h qd z as it is carried around by its parent, whose
+/// motion in the link's coordinates is v_p:  h qdd z + w_p x h qd z.
 template <typename T>
 Force<T> spinForce(const LinkModel<T>& link, const T& qd, const T& qdd, const Motion<T>& v_p) {
   const Force<T> axis = spinAxis(link);
@@ -120,7 +122,8 @@ Force<T> spinForce(const LinkModel<T>& link, const T& qd, const T& qdd, const Mo
 /// A caller's vector must have one entry a degree of freedom.
 /// @throws std::invalid_argument  "inverseDynamics: qd: expected 3 joint values, got 2"
 template <typename T>
-void requireSize(const Model<T>& model, const char* function, const char* argument, std::size_t size) {
+void requireSize(const Model<T>& model, const char* function, const char* argument,
+                 std::size_t size) {
   if (static_cast<int>(size) != model.dof())
     throw std::invalid_argument(std::string(function) + ": " + argument + ": expected " +
                                 std::to_string(model.dof()) + " joint values, got " +
@@ -140,8 +143,9 @@ void requirePositions(const Model<T>& model, const char* function, std::size_t s
 template <typename T>
 void requireOwnRates(const Model<T>& model, const char* function) {
   if (model.coupled)
-    throw std::invalid_argument(std::string(function) + ": model: joints follow others (mimic), expected joints "
-                                                        "with rates of their own");
+    throw std::invalid_argument(std::string(function) +
+                                ": model: joints follow others (mimic), expected joints "
+                                "with rates of their own");
 }
 
 /// What the sweeps write on: sized once for a model, then reused without allocation.
@@ -160,14 +164,14 @@ struct Workspace {
         D(model.link_of_dof.size(), T(0)),
         u(D) {}
 
-  std::vector<Transform<T>> X_up;  ///< parent to link
-  std::vector<Matrix3<T>> R_W;     ///< world axes to link axes
-  std::vector<Motion<T>> v, a, c;  ///< velocity, acceleration, velocity-product acceleration
-  std::vector<Force<T>> f;         ///< force through the joint (or bias force)
-  std::vector<Force<T>> U;         ///< one a degree of freedom: M_A Z,
-  std::vector<RigidInertia<T>> I_C;         ///< composite inertia
-  std::vector<ArticulatedInertia<T>> M_A;   ///< articulated inertia
-  std::vector<T> D, u;             ///< and d + Z' M_A Z; joint force left for acceleration
+  std::vector<Transform<T>> X_up;    ///< parent to link
+  std::vector<Matrix3<T>> R_W;       ///< world axes to link axes
+  std::vector<Motion<T>> v, a, c;    ///< velocity, acceleration, velocity-product acceleration
+  std::vector<Force<T>> f;           ///< force through the joint (or bias force)
+  std::vector<Force<T>> U;           ///< one a degree of freedom: M_A Z,
+  std::vector<RigidInertia<T>> I_C;  ///< composite inertia
+  std::vector<ArticulatedInertia<T>> M_A;  ///< articulated inertia
+  std::vector<T> D, u;                     ///< and d + Z' M_A Z; joint force left for acceleration
 };
 
 /// How many axes a joint of the model has.
@@ -190,7 +194,7 @@ Matrix3<T> rotation(const JointPosition<T>* x) {
 /** What joints do to motions, forces and inertias, for every kind: with Z_k their axes (LinkModel),
 
         transform   X_J X_tree: parent link frame to link frame at joint position x
-        motion      sum of Z_k rate_k: the motion through the joint at these rates (or accelerations)
+        motion     sum of Z_k rate_k: the motion through the joint at these rates (or accelerations)
         addMotion   x += Z_k rate
         force       Z_k' F: the component of a force that works on the joint's motion
         column      M Z_k: the column of an inertia, rigid or articulated
@@ -225,8 +229,10 @@ struct AnyJoints {
 
   template <typename T>
   static void addMotion(const LinkModel<T>& link, int k, const T& rate, Motion<T>& x) {
-    if (link.follows) addOwnMotion(link, k, T(link.ratio * rate), x);
-    else addOwnMotion(link, k, rate, x);
+    if (link.follows)
+      addOwnMotion(link, k, T(link.ratio * rate), x);
+    else
+      addOwnMotion(link, k, rate, x);
   }
   template <typename T>
   static Motion<T> motion(const LinkModel<T>& link, const std::vector<T>& rates) {
@@ -249,40 +255,61 @@ struct AnyJoints {
   template <typename T>
   static void addOwnMotion(const LinkModel<T>& link, int k, const T& rate, Motion<T>& x) {
     switch (link.kind) {
-      case JointKind::kHelical: x.linear.z() += link.pitch * rate; [[fallthrough]];
-      case JointKind::kRevolute: x.angular.z() += rate; break;
-      case JointKind::kPrismatic: x.linear.z() += rate; break;
-      case JointKind::kSpherical: x.angular(k) += rate; break;
-      case JointKind::kFloating: (k < 3 ? x.linear(k) : x.angular(k - 3)) += rate; break;
-      default: break;  // fixed; what buildModel makes chains of does not occur
+      case JointKind::kHelical:
+        x.linear.z() += link.pitch * rate;
+        [[fallthrough]];
+      case JointKind::kRevolute:
+        x.angular.z() += rate;
+        break;
+      case JointKind::kPrismatic:
+        x.linear.z() += rate;
+        break;
+      case JointKind::kSpherical:
+        x.angular(k) += rate;
+        break;
+      case JointKind::kFloating:
+        (k < 3 ? x.linear(k) : x.angular(k - 3)) += rate;
+        break;
+      default:
+        break;  // fixed; what buildModel makes chains of does not occur
     }
   }
   template <typename T>
   static T ownForce(const LinkModel<T>& link, int k, const Force<T>& f) {
     switch (link.kind) {
-      case JointKind::kPrismatic: return f.force.z();
-      case JointKind::kHelical: return f.moment.z() + link.pitch * f.force.z();
-      case JointKind::kSpherical: return f.moment(k);
-      case JointKind::kFloating: return k < 3 ? f.force(k) : f.moment(k - 3);
-      default: return f.moment.z();
+      case JointKind::kPrismatic:
+        return f.force.z();
+      case JointKind::kHelical:
+        return f.moment.z() + link.pitch * f.force.z();
+      case JointKind::kSpherical:
+        return f.moment(k);
+      case JointKind::kFloating:
+        return k < 3 ? f.force(k) : f.moment(k - 3);
+      default:
+        return f.moment.z();
     }
   }
 
   template <typename T, typename Inertia>
   static Force<T> ownColumn(const LinkModel<T>& link, int k, const Inertia& M) {
     switch (link.kind) {
-      case JointKind::kPrismatic: return M.linearColumn(2);
-      case JointKind::kHelical: return M.angularColumn(2) + M.linearColumn(2) * link.pitch;
-      case JointKind::kSpherical: return M.angularColumn(k);
-      case JointKind::kFloating: return k < 3 ? M.linearColumn(k) : M.angularColumn(k - 3);
-      default: return M.angularColumn(2);
+      case JointKind::kPrismatic:
+        return M.linearColumn(2);
+      case JointKind::kHelical:
+        return M.angularColumn(2) + M.linearColumn(2) * link.pitch;
+      case JointKind::kSpherical:
+        return M.angularColumn(k);
+      case JointKind::kFloating:
+        return k < 3 ? M.linearColumn(k) : M.angularColumn(k - 3);
+      default:
+        return M.angularColumn(2);
     }
   }
 };
 
-/** The same where all joints are fixed, revolute or prismatic. The sweeps are compiled for either, so
-    that most mechanisms pay nothing for the kinds that they do not have (with AnyJoints alone, sweeps
-    of a 7R arm took 8 to 25 % more instructions). */
+/** The same where all joints are fixed, revolute or prismatic. The sweeps are compiled for either,
+    so that most mechanisms pay nothing for the kinds that they do not have (with AnyJoints alone,
+    sweeps of a 7R arm took 8 to 25 % more instructions). */
 struct PlainJoints {
   static constexpr bool kMayFollow = false;
 
@@ -303,7 +330,8 @@ struct PlainJoints {
       case JointKind::kPrismatic:
         X.p += link.X_tree.R.row(2).transpose() * x[link.slot].q;
         break;
-      default: break;
+      default:
+        break;
     }
     return X;
   }

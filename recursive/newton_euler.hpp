@@ -8,8 +8,8 @@
 
 namespace dynwitness::recursive {
 
-/** Inverse dynamics, tau = M(q) qdd + c(q, qd) + g(q) + friction - Q, by an outward sweep of motion and an
-    inward sweep of force (recursive Newton-Euler), in O(n).
+/** Inverse dynamics, tau = M(q) qdd + c(q, qd) + g(q) + friction - Q, by an outward sweep of motion
+    and an inward sweep of force (recursive Newton-Euler), in O(n).
 
     With p the parent of link i, Z the joint's axes, X the transformation from p to i, everything in
     the coordinates of link i, where Z is constant:
@@ -20,15 +20,17 @@ namespace dynwitness::recursive {
     a is spatial acceleration; d = n^2 J the rotor's inertia at the joint, k the joint's spring.
     ws.f[i] is f_i afterwards: the whole wrench through the joint.
 
-    A gyroscopic rotor turns about the joint's axis z on the parent, with h = n J: its momentum h qd z,
-    seen from the parent, is carried around by the parent, and it feels the parent's rotation w_p:
+    A gyroscopic rotor turns about the joint's axis z on the parent, with h = n J: its momentum h qd
+    z, seen from the parent, is carried around by the parent, and it feels the parent's rotation
+    w_p:
         (5)  f_p also has the moment  h qdd_i z + w_p x h qd_i z
         (6)  tau_i also has  h z' (dw_p/dt)
 
     @tparam T     tested with double, long double, float, running error bounds, dual numbers
     @param  x, qd, qdd   position, velocity [rad/s, m/s], acceleration [rad/s^2, m/s^2], length n
     @param  tau   joint forces, length n [N m, N], positive along the joint's +z
-    @param  terms gravity, springs, loads and friction can be left out: c alone is qdd = 0 and Terms::none()
+    @param  terms gravity, springs, loads and friction can be left out: c alone is qdd = 0 and
+      Terms::none()
     @throws std::invalid_argument  a vector is not of length n
     @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), table 5.1, p. 96 */
 template <typename T>
@@ -52,10 +54,10 @@ void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
       const int p = link.parent;
       ws.X_up[i] = Joints::transform(link, x);
       const Motion<T> v_J = Joints::motion(link, qd);
-      ws.v[i] = ws.X_up[i] * (p < 0 ? v_0 : ws.v[p]) + v_J;                        // (1)
+      ws.v[i] = ws.X_up[i] * (p < 0 ? v_0 : ws.v[p]) + v_J;  // (1)
       ws.a[i] = ws.X_up[i] * (p < 0 ? a_0 : ws.a[p]) + Joints::motion(link, qdd) +
-                cross(ws.v[i], v_J);                                               // (2)
-      ws.f[i] = link.M * ws.a[i] + biasForce(link.M, ws.v[i]);                     // (3), own part
+                cross(ws.v[i], v_J);                            // (2)
+      ws.f[i] = link.M * ws.a[i] + biasForce(link.M, ws.v[i]);  // (3), own part
     }
     if (terms.loads) subtractLoads(model, ws, ws.f);
 
@@ -63,9 +65,11 @@ void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
     for (int i = n - 1; i >= 0; --i) {
       const LinkModel<T>& link = model.links[i];
       for (int k = 0, d = link.dof; k < Joints::axes(link); ++k, ++d) {
-        const T own = Joints::force(link, k, ws.f[i]) + link.rotor * qdd[d];          // (4)
-        if (Joints::kMayFollow && link.adds) tau[d] += own;
-        else tau[d] = own;
+        const T own = Joints::force(link, k, ws.f[i]) + link.rotor * qdd[d];  // (4)
+        if (Joints::kMayFollow && link.adds)
+          tau[d] += own;
+        else
+          tau[d] = own;
       }
       if (terms.springs && link.dof >= 0)
         tau[link.dof] += link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
@@ -75,10 +79,10 @@ void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
       Force<T> f = ws.f[i];
       if (model.gyroscopic && link.dof >= 0) {
         const Motion<T> v_p = ws.X_up[i] * ws.v[link.parent], a_p = ws.X_up[i] * ws.a[link.parent];
-        f = f + spinForce(link, qd[link.dof], qdd[link.dof], v_p);                    // (5)
-        tau[link.dof] += dot(a_p, spinAxis(link));                                    // (6)
+        f = f + spinForce(link, qd[link.dof], qdd[link.dof], v_p);  // (5)
+        tau[link.dof] += dot(a_p, spinAxis(link));                  // (6)
       }
-      ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(f);         // (3), children
+      ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(f);  // (3), children
     }
   });
 }

@@ -37,8 +37,8 @@ void taskJacobian(const Model<T>& model, const std::vector<LinkConstraint<T>>& t
     tasks that N (the inverse of the operational inertia) is regular for.
 
     Among all right inverses of J it is the one that the mass matrix singles out:  J M^-1 (1 - J'
-    Jbar') = 0, so joint forces (1 - J' Jbar') tau accelerate no task; and Jbar xd is the velocity of
-    least kinetic energy that gives task velocity xd.
+    Jbar') = 0, so joint forces (1 - J' Jbar') tau accelerate no task; and Jbar xd is the velocity
+    of least kinetic energy that gives task velocity xd.
     @see O. Khatib, A Unified Approach for Motion and Force Control of Robot Manipulators, IEEE J.
          Robotics and Automation 3 (1987) */
 template <typename T>
@@ -47,9 +47,9 @@ void dynamicallyConsistentInverse(const Model<T>& model, Workspace<T>& ws,
   requireSize(model, "dynamicallyConsistentInverse", "rows of Jbar", Jbar.rows());
   cws.of_N.factorize(cws.N);
   if (cws.of_N.rank() < cws.count())
-    throw std::invalid_argument("dynamicallyConsistentInverse: tasks: expected independent ones, got " +
-                                std::to_string(cws.count()) + " of rank " +
-                                std::to_string(cws.of_N.rank()));
+    throw std::invalid_argument(
+        "dynamicallyConsistentInverse: tasks: expected independent ones, got " +
+        std::to_string(cws.count()) + " of rank " + std::to_string(cws.of_N.rank()));
   for (int k = 0; k < cws.count(); ++k) {
     cws.nu.setConstant(T(0));
     cws.nu(k) = T(1);
@@ -59,8 +59,8 @@ void dynamicallyConsistentInverse(const Model<T>& model, Workspace<T>& ws,
   }
 }
 
-/** The part of joint forces that accelerates no task:  tau - J' Jbar' tau, with J and Jbar from above.
-    What is left out is the task's share J' (Jbar' tau). */
+/** The part of joint forces that accelerates no task:  tau - J' Jbar' tau, with J and Jbar from
+    above. What is left out is the task's share J' (Jbar' tau). */
 template <typename T>
 void nullSpaceTorque(const MatrixX<T>& J, const MatrixX<T>& Jbar, std::vector<T>& tau) {
   const Eigen::Index m = J.rows(), n = J.cols();
@@ -75,15 +75,15 @@ void nullSpaceTorque(const MatrixX<T>& J, const MatrixX<T>& Jbar, std::vector<T>
 
         tau = J' Lambda (b - A' a_0) + (1 - J' Jbar') tau_posture,      Lambda = N^-1
 
-    where a_0 is the acceleration at tau = 0. Forward dynamics under tau has A' a = b whatever the posture's
-    forces are. The first part is J' nu of constrainedForwardDynamics() at tau = 0: a task is a constraint whose
-    ideal force the motors supply.
+    where a_0 is the acceleration at tau = 0. Forward dynamics under tau has A' a = b whatever the
+    posture's forces are. The first part is J' nu of constrainedForwardDynamics() at tau = 0: a task
+    is a constraint whose ideal force the motors supply.
     @param  tau   the posture's on entry, the controller's on return
     @see O. Khatib (1987), as above */
 template <typename T>
-void taskTorque(const Model<T>& model, const std::vector<JointPosition<T>>& x, const std::vector<T>& qd,
-                const std::vector<LinkConstraint<T>>& tasks, Workspace<T>& ws, ConstraintWorkspace<T>& cws,
-                std::vector<T>& tau) {
+void taskTorque(const Model<T>& model, const std::vector<JointPosition<T>>& x,
+                const std::vector<T>& qd, const std::vector<LinkConstraint<T>>& tasks,
+                Workspace<T>& ws, ConstraintWorkspace<T>& cws, std::vector<T>& tau) {
   requireSize(model, "taskTorque", "tau", tau.size());
   const std::vector<T> none(tau.size(), T(0));
   std::vector<T> qdd = none;

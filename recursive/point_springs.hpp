@@ -37,7 +37,8 @@ struct SpringState {
   T dissipation = T(0);  ///< sum c (dl/dt)^2 [W], zero or more
 };
 
-/** Adds the joint forces of the springs to tau: with l and e the distance and direction from a to b,
+/** Adds the joint forces of the springs to tau: with l and e the distance and direction from a to
+    b,
         (1)  f = (k (l - rest) + c dl/dt) e   on a, and -f on b
         (2)  tau_i += Z_i' (forces outboard of joint i)
     @param  ws   with X_up and v set (linkVelocities); ws.f is written on
@@ -69,7 +70,7 @@ SpringState<T> addSpringForces(const Model<T>& model, const std::vector<PointSpr
     if (length > T(0)) {
       const Vector3<T> e = d * (T(1) / length);
       rate = e.dot(b.v - a.v);
-      pull = e * (s.stiffness * (length - s.rest) + s.damping * rate);             // (1)
+      pull = e * (s.stiffness * (length - s.rest) + s.damping * rate);  // (1)
     } else if (s.rest > T(0)) {
       throw std::domain_error("a spring has shrunk to a point and has no direction");
     }
@@ -86,9 +87,8 @@ SpringState<T> addSpringForces(const Model<T>& model, const std::vector<PointSpr
   for (int i = static_cast<int>(model.links.size()) - 1; i >= 0; --i) {
     const LinkModel<T>& link = model.links[i];
     for (int k = 0; k < AnyJoints::axes(link); ++k)
-      tau[link.dof + k] += AnyJoints::force(link, k, ws.f[i]);                     // (2)
-    if (link.parent >= 0)
-      ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(ws.f[i]);
+      tau[link.dof + k] += AnyJoints::force(link, k, ws.f[i]);  // (2)
+    if (link.parent >= 0) ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(ws.f[i]);
   }
   return state;
 }

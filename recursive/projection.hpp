@@ -13,8 +13,8 @@ namespace dynwitness::recursive {
 template <typename T>
 using JointAxes = Eigen::Matrix<T, 6, Eigen::Dynamic>;
 
-/** Inward projection of force through a joint with axes Z (6 x N), joint inertia d (N x N, symmetric:
-    rotors; any coupling of them is allowed) and articulated inertia M outboard,
+/** Inward projection of force through a joint with axes Z (6 x N), joint inertia d (N x N,
+    symmetric: rotors; any coupling of them is allowed) and articulated inertia M outboard,
         P = 1 - M Z (d + Z' M Z)^-1 Z'                                  [chapter, equations 27, 35]
     With d = 0 it is a projector, P P = P. In general
         P P = P - M Z D^-1 d D^-1 Z',   D = d + Z' M Z
@@ -42,14 +42,16 @@ Matrix6<T> forceProjection(const Matrix6<T>& M, const Vector6<T>& Z, const T& d)
   return P;
 }
 
-/// Inward projection of inertia, P M: what the proximal link feels of M.   [chapter, equations 29, 34]
+/// Inward projection of inertia, P M: what the proximal link feels of M.   [chapter, equations 29,
+/// 34]
 template <typename T, typename Axes, typename Inertia>
 Matrix6<T> inertiaProjection(const Matrix6<T>& M, const Axes& Z, const Inertia& d) {
   return forceProjection(M, Z, d) * M;
 }
 
-/// Outward projection of acceleration, P': what the distal link takes over of an acceleration of the
-/// proximal one when the joint is free.                                        [chapter, equation 39]
+/// Outward projection of acceleration, P': what the distal link takes over of an acceleration of
+/// the proximal one when the joint is free.                                        [chapter,
+/// equation 39]
 template <typename T, typename Axes, typename Inertia>
 Matrix6<T> accelerationProjection(const Matrix6<T>& M, const Axes& Z, const Inertia& d) {
   return forceProjection(M, Z, d).transpose();

@@ -9,16 +9,16 @@
 
 namespace dynwitness::recursive {
 
-/** The wrench that the parent exerts on the link through each joint, read off the inward sweep: f_i of
-    inverseDynamics() (newton_euler.hpp, (3)), which must have run with this model and workspace.
+/** The wrench that the parent exerts on the link through each joint, read off the inward sweep: f_i
+    of inverseDynamics() (newton_euler.hpp, (3)), which must have run with this model and workspace.
 
-    Z' f_i is tau_i less what rotor, spring and friction take of it; the rest is what bearings hold. In a
-    chain of parts (a cylindrical joint, ...) it is the wrench that the last part passes to the link: the
-    others are massless and pass the same.
+    Z' f_i is tau_i less what rotor, spring and friction take of it; the rest is what bearings hold.
+    In a chain of parts (a cylindrical joint, ...) it is the wrench that the last part passes to the
+    link: the others are massless and pass the same.
 
     @param model  built with FixedJoints::kKept where reactions of fixed joints are wanted
-    @param out    6 numbers a link of the scene but its root: force [N] and moment [N m] about the origin
-                  of the moved joint frame, in its axes
+    @param out    6 numbers a link of the scene but its root: force [N] and moment [N m] about the
+      origin of the moved joint frame, in its axes
     @throws std::invalid_argument  out has another length, or a fixed joint was lumped
     @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), equation 5.20 */
 template <typename T>

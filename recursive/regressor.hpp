@@ -9,18 +9,24 @@
 
 namespace dynwitness::recursive {
 
-/// Six numbers of a rotational inertia, times an angular velocity: column k of L(w), with L(w) I = I w
-/// for I = (xx, yy, zz, xy, xz, yz).
+/// Six numbers of a rotational inertia, times an angular velocity: column k of L(w), with L(w) I =
+/// I w for I = (xx, yy, zz, xy, xz, yz).
 template <typename T>
 Vector3<T> inertiaColumn(const Vector3<T>& w, int k) {
   const T zero = T(0);
   switch (k) {
-    case 0: return {w.x(), zero, zero};
-    case 1: return {zero, w.y(), zero};
-    case 2: return {zero, zero, w.z()};
-    case 3: return {w.y(), w.x(), zero};
-    case 4: return {w.z(), zero, w.x()};
-    default: return {zero, w.z(), w.y()};
+    case 0:
+      return {w.x(), zero, zero};
+    case 1:
+      return {zero, w.y(), zero};
+    case 2:
+      return {zero, zero, w.z()};
+    case 3:
+      return {w.y(), w.x(), zero};
+    case 4:
+      return {w.z(), zero, w.x()};
+    default:
+      return {zero, w.z(), w.y()};
   }
 }
 
@@ -30,7 +36,7 @@ Vector3<T> inertiaColumn(const Vector3<T>& w, int k) {
         A(v, a) (m, h, I) = M a + v x* M v
 
     With the acceleration of the body's point at the origin, b = a.linear + w x v.linear, that is
-        m:  (b, 0)       h_k:  (w' x e_k + w x (w x e_k), e_k x b)      I_k:  (0, L(w')_k + w x L(w)_k) */
+        m: (b, 0)   h_k: (w' x e_k + w x (w x e_k), e_k x b)   I_k:  (0, L(w')_k + w x L(w)_k) */
 template <typename T>
 Force<T> forceColumn(const Motion<T>& v, const Motion<T>& a, int k) {
   const Vector3<T> b = a.linear + v.angular.cross(v.linear);
@@ -43,11 +49,13 @@ Force<T> forceColumn(const Motion<T>& v, const Motion<T>& a, int k) {
   return {a.angular.cross(e) + v.angular.cross(v.angular.cross(e)), e.cross(b)};
 }
 
-/** The regressor Y(q, qd, qdd) [n x p]: the joint forces of inverse dynamics without springs, friction and loads
-    are  tau = Y pi,  with pi the inertial parameters, in the order of `parameters`.
+/** The regressor Y(q, qd, qdd) [n x p]: the joint forces of inverse dynamics without springs,
+    friction and loads are  tau = Y pi,  with pi the inertial parameters, in the order of
+    `parameters`.
 
-    Motions go outward as in inverseDynamics(). Each link of the scene then brings the ten forces of its
-    parameters, in its own frame; a force on link i is felt by the joints from i inward, and by no other:
+    Motions go outward as in inverseDynamics(). Each link of the scene then brings the ten forces of
+    its parameters, in its own frame; a force on link i is felt by the joints from i inward, and by
+    no other:
         (1)  v_i = X v_p + Z qd_i
         (2)  a_i = X a_p + Z qdd_i + v_i x Z qd_i          a_0 = -gravity
         (3)  Y_d,k = Z_d' f,   f = A(v, a)_k at the link, X' f at the next link inboard, ...
@@ -60,7 +68,8 @@ Force<T> forceColumn(const Motion<T>& v, const Motion<T>& a, int k) {
     @param  parameters  scene::inertialParameters() of the mechanism that the model was built of
     @param  Y   n x p; row units N m (N) per unit of the column's parameter
     @throws std::invalid_argument  a vector or Y is not of its size
-    @see C. Atkeson, C. An, J. Hollerbach, Estimation of inertial parameters of manipulator loads and
+    @see C. Atkeson, C. An, J. Hollerbach, Estimation of inertial parameters of manipulator loads
+      and
          links, Int. J. Robotics Research 5(3), 1986 */
 template <typename T, typename Matrix>
 void regressor(const Model<T>& model, const std::vector<scene::InertialParameter>& parameters,
@@ -70,7 +79,8 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
   requireSize(model, "regressor", "qd", qd.size());
   requireSize(model, "regressor", "qdd", qdd.size());
   if (Y.rows() != model.dof() || Y.cols() != static_cast<Eigen::Index>(parameters.size()))
-    throw std::invalid_argument("regressor: Y: expected one row a joint and one column a parameter");
+    throw std::invalid_argument(
+        "regressor: Y: expected one row a joint and one column a parameter");
   Motion<T> a_0 = Motion<T>::zero();
   a_0.linear = -model.gravity;
 
@@ -80,9 +90,9 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
     const int p = link.parent;
     ws.X_up[i] = AnyJoints::transform(link, x);
     const Motion<T> v_J = AnyJoints::motion(link, qd);
-    ws.v[i] = p < 0 ? v_J : ws.X_up[i] * ws.v[p] + v_J;                              // (1)
+    ws.v[i] = p < 0 ? v_J : ws.X_up[i] * ws.v[p] + v_J;  // (1)
     ws.a[i] = ws.X_up[i] * (p < 0 ? a_0 : ws.a[p]) + AnyJoints::motion(link, qdd) +
-              cross(ws.v[i], v_J);                                                   // (2)
+              cross(ws.v[i], v_J);  // (2)
   }
 
   // inward: what each parameter's force does to the joints that carry it
@@ -95,11 +105,11 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
     if (parameter.kind == scene::InertialParameter::Kind::kRotor) {
       const LinkModel<T>& link = model.links[i];
       const T k2 = link.follows ? T(link.ratio * link.ratio) : T(1);  // as in link.rotor
-      Y(link.dof, j) = k2 * qdd[link.dof];                                            // (4)
+      Y(link.dof, j) = k2 * qdd[link.dof];                            // (4)
       if (!model.gyroscopic || link.parent < 0) continue;
       const T per_rotor = k2 / link.rotor;
       const Motion<T> v_p = ws.X_up[i] * ws.v[link.parent], a_p = ws.X_up[i] * ws.a[link.parent];
-      Y(link.dof, j) += dot(a_p, spinAxis(link)) * per_rotor;                         // (5)
+      Y(link.dof, j) += dot(a_p, spinAxis(link)) * per_rotor;  // (5)
       f = ws.X_up[i].inverseTimes(spinForce(link, qd[link.dof], qdd[link.dof], v_p) * per_rotor);
       i = link.parent;
     } else {
@@ -108,7 +118,7 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
     }
     for (; i >= 0; f = ws.X_up[i].inverseTimes(f), i = model.links[i].parent)
       for (int k = 0; k < AnyJoints::axes(model.links[i]); ++k)
-        Y(model.links[i].dof + k, j) += AnyJoints::force(model.links[i], k, f);       // (3)
+        Y(model.links[i].dof + k, j) += AnyJoints::force(model.links[i], k, f);  // (3)
   }
 }
 
@@ -133,8 +143,8 @@ std::vector<T> inertialValues(const scene::Mechanism& mechanism,
   return pi;
 }
 
-/// Gives the model these values: links that move have what pi says and nothing else; a rotor that is no
-/// parameter stays as it is.
+/// Gives the model these values: links that move have what pi says and nothing else; a rotor that
+/// is no parameter stays as it is.
 template <typename T>
 void setInertialValues(Model<T>& model, const std::vector<scene::InertialParameter>& parameters,
                        const std::vector<T>& pi) {

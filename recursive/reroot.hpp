@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A floating tree seen from another of its links. Which link a description starts from is a choice of
-// its author; the motion must not depend on it.
+// A floating tree seen from another of its links. Which link a description starts from is a choice
+// of its author; the motion must not depend on it.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 namespace dynwitness::recursive {
 
-/** The model with what rests in the world made a link that floats: link 0, with the first six rates and
-    seven positions (position in the world, quaternion). Link i becomes link i + 1.
+/** The model with what rests in the world made a link that floats: link 0, with the first six rates
+    and seven positions (position in the world, quaternion). Link i becomes link i + 1.
     @param body  inertia that the new link has besides that of the base */
 template <typename T>
 Model<T> onFloatingBase(const Model<T>& model, const RigidInertia<T>& body) {
@@ -50,21 +50,23 @@ struct Rerooted {
   std::vector<int> turned;
 };
 
-/** A floating tree (link 0 floats, and all others hang on it) with another link as the one that floats.
+/** A floating tree (link 0 floats, and all others hang on it) with another link as the one that
+    floats.
 
-    Each joint on the way from the old root to the new one is turned round. With X_J(q) its motion and X_tree
-    its place, what was  X = X_J(q) X_tree  from parent to link must be X^-1 from the new parent to its new
-    child. A joint of one axis keeps its coordinate: let F be half a turn about x: it reverses z, so that
-    X_J(-q) = F X_J(q) F for a turn about z, a slide along z, and both. In the frame  F X_tree  (seen from the
-    old parent's) the new child then moves by
+    Each joint on the way from the old root to the new one is turned round. With X_J(q) its motion
+    and X_tree its place, what was  X = X_J(q) X_tree  from parent to link must be X^-1 from the new
+    parent to its new child. A joint of one axis keeps its coordinate: let F be half a turn about x:
+    it reverses z, so that X_J(-q) = F X_J(q) F for a turn about z, a slide along z, and both. In
+    the frame  F X_tree  (seen from the old parent's) the new child then moves by
 
         X_J(q) F:    the same kind of joint with the same q, rates, forces, spring, rotor and pitch
 
-    A gyroscopic rotor stays on its link, which is now the joint's child: its axis there is y = -z, and with
-    w_p = w_i + y qd (without the last where the joint slides)  h qd z.w_p  becomes  -h qd y.w_i - h qd^2.
+    A gyroscopic rotor stays on its link, which is now the joint's child: its axis there is y = -z,
+    and with w_p = w_i + y qd (without the last where the joint slides)  h qd z.w_p  becomes  -h qd
+    y.w_i - h qd^2.
 
-    Nothing reverses three axes at once: a spherical or floating joint gets the coordinates of X_J^-1, with its
-    new child in the frame X_tree; see rerootState().
+    Nothing reverses three axes at once: a spherical or floating joint gets the coordinates of
+    X_J^-1, with its new child in the frame X_tree; see rerootState().
 
     The new root has the first six rates and seven positions.
     @throws std::invalid_argument  link 0 does not float, or there is no such link */
@@ -75,8 +77,8 @@ Rerooted<T> reroot(const Model<T>& model, int new_root) {
   if (n == 0 || model.links[0].kind != JointKind::kFloating || model.links[0].dof != 0)
     throw std::invalid_argument("reroot: model: expected a floating link 0");
   if (new_root < 0 || new_root >= n)
-    throw std::invalid_argument("reroot: new_root: expected 0 to " + std::to_string(n - 1) + ", got " +
-                                std::to_string(new_root));
+    throw std::invalid_argument("reroot: new_root: expected 0 to " + std::to_string(n - 1) +
+                                ", got " + std::to_string(new_root));
   Transform<T> F = Transform<T>::identity();
   F.R(1, 1) = F.R(2, 2) = T(-1);
 
@@ -100,7 +102,8 @@ Rerooted<T> reroot(const Model<T>& model, int new_root) {
       link = model.links[0];
       link.parent = -1;
       link.X_tree = Transform<T>::identity();
-    } else if (k < static_cast<int>(way)) {  // the joint of the link before it on the way, turned round
+    } else if (k <
+               static_cast<int>(way)) {  // the joint of the link before it on the way, turned round
       const int child = order[k - 1];
       link = model.links[child];
       link.parent = k - 1;
@@ -122,7 +125,8 @@ Rerooted<T> reroot(const Model<T>& model, int new_root) {
     link.M = X_old.inverseTimes(old.M);
     link.load = out.X[i] * old.load;
     to.links[k] = link;
-    for (int d = 0; link.dof >= 0 && d < axisCount(link.kind); ++d) to.link_of_dof[link.dof + d] = k;
+    for (int d = 0; link.dof >= 0 && d < axisCount(link.kind); ++d)
+      to.link_of_dof[link.dof + d] = k;
   }
   for (WorldLoad<T>& load : to.world_loads) {
     const Transform<T>& X = out.X[load.link];
@@ -143,7 +147,8 @@ Transform<T> backThroughJoint(LinkModel<T> link, const std::vector<JointPosition
 
 /// Six: Motion or Force.
 template <template <typename> class Six, typename T>
-void rerootJoints(const Rerooted<T>& tree, const std::vector<JointPosition<T>>& x, std::vector<T>& of_joints) {
+void rerootJoints(const Rerooted<T>& tree, const std::vector<JointPosition<T>>& x,
+                  std::vector<T>& of_joints) {
   for (const int k : tree.turned) {
     const LinkModel<T>& link = tree.model.links[k];
     const int axes = axisCount(link.kind);  // the last three, or all, of six
@@ -157,23 +162,26 @@ void rerootJoints(const Rerooted<T>& tree, const std::vector<JointPosition<T>>& 
 
 }  // namespace detail
 
-/** Rates or accelerations of a rerooted tree's joints from those of the old one, at the old positions x:
+/** Rates or accelerations of a rerooted tree's joints from those of the old one, at the old
+    positions x:
         V  becomes  -X_J^-1 V,  V'  becomes  -X_J^-1 V'
-    for a joint turned round with several axes (the derivative of X_J^-1 adds X_J^-1 V x V = 0); the others keep
-    theirs. The first six are left alone. */
+    for a joint turned round with several axes (the derivative of X_J^-1 adds X_J^-1 V x V = 0); the
+    others keep theirs. The first six are left alone. */
 template <typename T>
-void rerootRates(const Rerooted<T>& tree, const std::vector<JointPosition<T>>& x, std::vector<T>& rates) {
+void rerootRates(const Rerooted<T>& tree, const std::vector<JointPosition<T>>& x,
+                 std::vector<T>& rates) {
   detail::rerootJoints<Motion>(tree, x, rates);
 }
 /// The same for joint forces, which do the same work.
 template <typename T>
-void rerootForces(const Rerooted<T>& tree, const std::vector<JointPosition<T>>& x, std::vector<T>& tau) {
+void rerootForces(const Rerooted<T>& tree, const std::vector<JointPosition<T>>& x,
+                  std::vector<T>& tau) {
   detail::rerootJoints<Force>(tree, x, tau);
 }
 
-/** Positions and rates of a rerooted tree in the state of the old one: the new root where it is in the world
-    and with the twist that it has; a joint turned round with several axes as X_J^-1, by its conjugate
-    quaternion; the others as they are.
+/** Positions and rates of a rerooted tree in the state of the old one: the new root where it is in
+    the world and with the twist that it has; a joint turned round with several axes as X_J^-1, by
+    its conjugate quaternion; the others as they are.
     @param ws  of the old model; linkVelocities() writes on it */
 template <typename T>
 void rerootState(const Model<T>& old, const Rerooted<T>& tree, Workspace<T>& ws,

@@ -17,16 +17,19 @@ namespace detail {
 template <typename T, typename = void>
 struct HasEquality : std::false_type {};
 template <typename T>
-struct HasEquality<T, std::void_t<decltype(std::declval<T>() == std::declval<T>())>> : std::true_type {};
+struct HasEquality<T, std::void_t<decltype(std::declval<T>() == std::declval<T>())>>
+    : std::true_type {};
 
 }  // namespace detail
 
-/** N = P' L D L' P by eliminating diagonal pivots until none is left that is not zero; N has that many
-    independent rows, and what remains of a positive semidefinite matrix without a pivot is zero.
+/** N = P' L D L' P by eliminating diagonal pivots until none is left that is not zero; N has that
+    many independent rows, and what remains of a positive semidefinite matrix without a pivot is
+    zero.
 
-    Exact scalars: a pivot is zero or it is not. Floating-point numbers: the largest is taken, and counts as
-    zero below cbrt(eps)^2 times the first (N is made of squares of lengths, for which ConstrainedSolver
-    has the same limit, cbrt(eps)). Scalars that cannot be compared: every pivot counts. */
+    Exact scalars: a pivot is zero or it is not. Floating-point numbers: the largest is taken, and
+    counts as zero below cbrt(eps)^2 times the first (N is made of squares of lengths, for which
+    ConstrainedSolver has the same limit, cbrt(eps)). Scalars that cannot be compared: every pivot
+    counts. */
 template <typename T>
 class SemidefiniteSolver {
  public:
@@ -68,7 +71,8 @@ class SemidefiniteSolver {
     const Eigen::Index n = size(), r = rank_;
     for (Eigen::Index i = 0; i < n; ++i) work_(i) = b[order_[i]];
     for (Eigen::Index i = 0; i < n; ++i)
-      for (Eigen::Index k = 0; k < std::min<Eigen::Index>(i, r); ++k) work_(i) -= A_(i, k) * work_(k);
+      for (Eigen::Index k = 0; k < std::min<Eigen::Index>(i, r); ++k)
+        work_(i) -= A_(i, k) * work_(k);
     for (Eigen::Index i = 0; i < r; ++i) work_(i) /= A_(i, i);
     for (Eigen::Index i = r - 1; i >= 0; --i)
       for (Eigen::Index k = i + 1; k < r; ++k) work_(i) -= A_(k, i) * work_(k);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spatial (6-D) algebra: motions, forces, frame transformations, rigid and articulated inertia.
 //
-// "Chapter" is H. Bruyninckx, Dynamics of robots (2005). Six-vectors are linear part first, as there:
-// X = (v, w), F = (f, m); this file is the only one that knows the order. A motion refers to the body point at the origin of the frame that
-// it is expressed in, a force to the moment about that origin.
+// "Chapter" is H. Bruyninckx, Dynamics of robots (2005). Six-vectors are linear part first, as
+// there: X = (v, w), F = (f, m); this file is the only one that knows the order. A motion refers to
+// the body point at the origin of the frame that it is expressed in, a force to the moment about
+// that origin.
 #pragma once
 
 #include <Eigen/Core>
@@ -92,7 +93,9 @@ struct Symmetric3 {
             xz * r.x() + yz * r.y() + zz * r.z()};
   }
   Vector3<T> column(int j) const {
-    return j == 0 ? Vector3<T>(xx, xy, xz) : j == 1 ? Vector3<T>(xy, yy, yz) : Vector3<T>(xz, yz, zz);
+    return j == 0   ? Vector3<T>(xx, xy, xz)
+           : j == 1 ? Vector3<T>(xy, yy, yz)
+                    : Vector3<T>(xz, yz, zz);
   }
   Matrix3<T> matrix() const {
     Matrix3<T> m;
@@ -133,9 +136,12 @@ struct RigidInertia {
   static RigidInertia aboutCenterOfMass(const T& mass, const Vector3<T>& r_c,
                                         const Symmetric3<T>& I_c) {
     const Vector3<T> h = r_c * mass;
-    const Symmetric3<T> shift = {r_c.y() * h.y() + r_c.z() * h.z(), r_c.x() * h.x() + r_c.z() * h.z(),
-                                 r_c.x() * h.x() + r_c.y() * h.y(), -(r_c.x() * h.y()),
-                                 -(r_c.x() * h.z()), -(r_c.y() * h.z())};
+    const Symmetric3<T> shift = {r_c.y() * h.y() + r_c.z() * h.z(),
+                                 r_c.x() * h.x() + r_c.z() * h.z(),
+                                 r_c.x() * h.x() + r_c.y() * h.y(),
+                                 -(r_c.x() * h.y()),
+                                 -(r_c.x() * h.z()),
+                                 -(r_c.y() * h.z())};
     return {mass, h, I_c + shift};
   }
 
@@ -163,7 +169,8 @@ struct RigidInertia {
 };
 
 /** Bias force of a rigid body moving with velocity x: the force that its motion needs without any
-    spatial acceleration,  F_b = x cross* (M x).                                              [N, N m]
+    spatial acceleration,  F_b = x cross* (M x).                                              [N, N
+    m]
 
     The chapter's (15) gives the part for a body whose origin is momentarily at rest, with the
     acceleration of the body's point: (w x (w x m r_c), w x I w). Spatial acceleration carries the
@@ -214,11 +221,12 @@ struct ArticulatedInertia {
 };
 
 /** Coordinate transformation X_BA from frame A to frame B:
-    R = R_BA turns coordinates in A into coordinates in B; p = p_AB_A is B's origin seen from A's, in
-    A's axes [m]. Velocities and accelerations share one 6 x 6 matrix, forces and momenta its dual:
+    R = R_BA turns coordinates in A into coordinates in B; p = p_AB_A is B's origin seen from A's,
+    in A's axes [m]. Velocities and accelerations share one 6 x 6 matrix, forces and momenta its
+    dual:
 
         T^V_BA = [ R  -R skew(p) ]     T^F_BA = [ R           0 ] = (T^V_AB)'
-                 [ 0       R     ]              [ -R skew(p)  R ]      [chapter, equations 6 to 13] */
+                 [ 0       R     ]              [ -R skew(p)  R ]   [chapter, equations 6 to 13] */
 template <typename T>
 struct Transform {
   Matrix3<T> R;
@@ -253,12 +261,12 @@ struct Transform {
     const Vector3<T> h = R.transpose() * M_B.h;
     const Vector3<T> h_A = h + p * M_B.mass;
     // I_A = I - skew(p) skew(h) - skew(h_A) skew(p); it is symmetric, so the upper half will do
-    const Symmetric3<T> shift = {
-        p.y() * h.y() + p.z() * h.z() + h_A.y() * p.y() + h_A.z() * p.z(),
-        p.x() * h.x() + p.z() * h.z() + h_A.x() * p.x() + h_A.z() * p.z(),
-        p.x() * h.x() + p.y() * h.y() + h_A.x() * p.x() + h_A.y() * p.y(),
-        -(p.y() * h.x() + h_A.y() * p.x()), -(p.z() * h.x() + h_A.z() * p.x()),
-        -(p.z() * h.y() + h_A.z() * p.y())};
+    const Symmetric3<T> shift = {p.y() * h.y() + p.z() * h.z() + h_A.y() * p.y() + h_A.z() * p.z(),
+                                 p.x() * h.x() + p.z() * h.z() + h_A.x() * p.x() + h_A.z() * p.z(),
+                                 p.x() * h.x() + p.y() * h.y() + h_A.x() * p.x() + h_A.y() * p.y(),
+                                 -(p.y() * h.x() + h_A.y() * p.x()),
+                                 -(p.z() * h.x() + h_A.z() * p.x()),
+                                 -(p.z() * h.y() + h_A.z() * p.y())};
     return {M_B.mass, h_A, M_B.I.turnedBack(R) + shift};
   }
   /// The same for an articulated inertia.

@@ -67,7 +67,9 @@ Bracket bracket(const Exact& x, unsigned bits) {
 }
 
 /// x == 0, which Boost 1.74 finds by divisions.
-bool isZero(const Rational& x) { return numerator(x).is_zero(); }
+bool isZero(const Rational& x) {
+  return numerator(x).is_zero();
+}
 
 /// The double nearest to a rational, ties to even; infinite beyond the range of double.
 double nearestDouble(const Rational& x) {
@@ -324,7 +326,8 @@ struct ExpressionParser {
     skipSpaces();
     if (at < text.size() && text[at] == '(') {
       if (!of_time) {
-        unexpected("functions in the motion of a joint alone, and after " + word + " an operator + - * / ^ or the end");
+        unexpected("functions in the motion of a joint alone, and after " + word +
+                   " an operator + - * / ^ or the end");
       }
       const auto is_word = [&word](const char* function) { return word == function; };
       if (std::none_of(std::begin(kFunctions), std::end(kFunctions), is_word)) {
@@ -552,8 +555,10 @@ struct ExactEvaluation {
         std::string names;
         constexpr std::size_t kMostLetters = 500;
         for (const auto& [name, unused] : values) {
-          if (names.size() < kMostLetters) names += (names.empty() ? "" : ", ") + name;
-          else if (names.compare(names.size() - 3, 3, "...") != 0) names += ", ...";
+          if (names.size() < kMostLetters)
+            names += (names.empty() ? "" : ", ") + name;
+          else if (names.compare(names.size() - 3, 3, "...") != 0)
+            names += ", ...";
         }
         fail("parameter \"" + excerpt(e.parameter()) + "\" is not defined, allowed: " +
              (names.empty() ? "pi (there are no parameters)" : names + ", pi"));

@@ -46,14 +46,25 @@ struct Exact {
               atom    = decimal | name | "pi" | "(" sum ")"
     Decimals ("0.4318", ".5", "1e-3") are exact rationals: 0.4318 is 4318/10000.
 
-    A function of time has two atoms more: the time "t", and sin, cos, asin, sqrt and exp of a sum in
-    parentheses (scene/motion.hpp). No such expression has an exact value. */
+    A function of time has two atoms more: the time "t", and sin, cos, asin, sqrt and exp of a sum
+    in parentheses (scene/motion.hpp). No such expression has an exact value. */
 class Expression {
  public:
-  enum class Kind { kNumber, kParameter, kPi, kNegate, kAdd, kSubtract, kMultiply, kDivide, kPower,
-                    kTime, kCall };
+  enum class Kind {
+    kNumber,
+    kParameter,
+    kPi,
+    kNegate,
+    kAdd,
+    kSubtract,
+    kMultiply,
+    kDivide,
+    kPower,
+    kTime,
+    kCall
+  };
 
-  Expression();  ///< the number 0
+  Expression();                ///< the number 0
   Expression(Rational value);  // NOLINT(google-explicit-constructor): numbers are expressions
   Expression(int value) : Expression(Rational(value)) {}  // NOLINT(google-explicit-constructor)
 
@@ -63,12 +74,12 @@ class Expression {
   static Expression parseOfTime(std::string_view text, const SourceLocation& where = {});
 
   Kind kind() const;
-  const Rational& number() const;       ///< kNumber: its value
-  const std::string& parameter() const; ///< kParameter: its name
-  const std::string& function() const;  ///< kCall: its name; left() is the argument
-  const Expression& left() const;       ///< first operand (the only one of kNegate, kPower, kCall)
-  const Expression& right() const;      ///< second operand of a binary operation
-  int exponent() const;                 ///< kPower: the exponent, may be negative
+  const Rational& number() const;        ///< kNumber: its value
+  const std::string& parameter() const;  ///< kParameter: its name
+  const std::string& function() const;   ///< kCall: its name; left() is the argument
+  const Expression& left() const;        ///< first operand (the only one of kNegate, kPower, kCall)
+  const Expression& right() const;       ///< second operand of a binary operation
+  int exponent() const;                  ///< kPower: the exponent, may be negative
 
   /// True for the literal number 0 (not for an expression that happens to evaluate to 0).
   bool isLiteralZero() const;
@@ -103,10 +114,14 @@ Exact exactValue(const Expression& expression, const ParameterValues& values,
 template <typename T, typename Algebra>
 T evaluateIn(const Expression& e, const Algebra& algebra) {
   switch (e.kind()) {
-    case Expression::Kind::kNumber: return algebra.number(e.number());
-    case Expression::Kind::kParameter: return algebra.parameter(e.parameter());
-    case Expression::Kind::kPi: return algebra.pi();
-    case Expression::Kind::kNegate: return -evaluateIn<T>(e.left(), algebra);
+    case Expression::Kind::kNumber:
+      return algebra.number(e.number());
+    case Expression::Kind::kParameter:
+      return algebra.parameter(e.parameter());
+    case Expression::Kind::kPi:
+      return algebra.pi();
+    case Expression::Kind::kNegate:
+      return -evaluateIn<T>(e.left(), algebra);
     case Expression::Kind::kAdd:
       return evaluateIn<T>(e.left(), algebra) + evaluateIn<T>(e.right(), algebra);
     case Expression::Kind::kSubtract:
@@ -123,7 +138,8 @@ T evaluateIn(const Expression& e, const Algebra& algebra) {
       return n < 0 ? T(algebra.number(Rational(1)) / result) : result;
     }
     case Expression::Kind::kTime:
-    case Expression::Kind::kCall: break;
+    case Expression::Kind::kCall:
+      break;
   }
   throw std::logic_error("evaluateIn: not an expression in the parameters alone");
 }

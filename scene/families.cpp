@@ -7,7 +7,9 @@
 namespace dynwitness::scene {
 namespace {
 
-Number decimal(const char* text) { return Expression::parse(text); }
+Number decimal(const char* text) {
+  return Expression::parse(text);
+}
 
 constexpr int kValidated = 8;
 
@@ -16,8 +18,8 @@ void startAtRest(Scene& scene) {
   scene.start_qd.assign(static_cast<std::size_t>(scene.mechanism.dof()), Number(0));
 }
 
-/** All links are copies of two, whose numbers they share: a million take no more numbers than two, and no
-    more validation than the first few, which have every placement that occurs and a tip. */
+/** All links are copies of two, whose numbers they share: a million take no more numbers than two,
+    and no more validation than the first few, which have every placement that occurs and a tip. */
 Scene familyOf(const std::string& name, const std::string& title, int links, int (*parentOf)(int),
                bool planar = false) {
   Scene scene;
@@ -70,13 +72,14 @@ Scene chainOf(int links) {
 
 Scene flatChainOf(int links) {
   const std::string n = std::to_string(links);
-  return familyOf("flat_chain_" + n, "Flat chain of " + n + " links", links, [](int k) { return k - 1; },
-                  true);
+  return familyOf(
+      "flat_chain_" + n, "Flat chain of " + n + " links", links, [](int k) { return k - 1; }, true);
 }
 
 Scene treeOf(int links) {
   const std::string n = std::to_string(links);
-  return familyOf("tree_" + n, "Binary tree of " + n + " links", links, [](int k) { return (k - 1) / 2; });
+  return familyOf("tree_" + n, "Binary tree of " + n + " links", links,
+                  [](int k) { return (k - 1) / 2; });
 }
 
 bool findFamily(const std::string& name, Scene* scene) {
@@ -89,7 +92,9 @@ bool findFamily(const std::string& name, Scene* scene) {
       return false;
     const int links = std::stoi(digits);
     if (links > kMostFamilyLinks) return false;
-    *scene = start == "chain_" ? chainOf(links) : start == "tree_" ? treeOf(links) : flatChainOf(links);
+    *scene = start == "chain_"  ? chainOf(links)
+             : start == "tree_" ? treeOf(links)
+                                : flatChainOf(links);
     return true;
   }
   return false;

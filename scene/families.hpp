@@ -10,11 +10,13 @@ namespace dynwitness::scene {
 
 inline constexpr int kMostFamilyLinks = 1000000;
 
-/** `links` equal links in a row, each on the end of the one before by a revolute joint, the axes in turn
-    across each other; 0.1 m and 1 kg each, their centres of mass and inertias in no symmetry. */
+/** `links` equal links in a row, each on the end of the one before by a revolute joint, the axes in
+    turn across each other; 0.1 m and 1 kg each, their centres of mass and inertias in no symmetry.
+    */
 Scene chainOf(int links);
 
-/// The same with parallel axes, in an upright plane: the worse M is to solve with, the longer it is.
+/// The same with parallel axes, in an upright plane: the worse M is to solve with, the longer it
+/// is.
 Scene flatChainOf(int links);
 
 /// The same links as a balanced binary tree: link k hangs on the end of link (k - 1) / 2.

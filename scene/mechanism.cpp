@@ -116,8 +116,12 @@ const KindInfo& info(JointKind kind) {
 
 }  // namespace
 
-const std::vector<SlotKind>& positionSlots(JointKind kind) { return info(kind).slots; }
-const std::vector<std::string>& rateNames(JointKind kind) { return info(kind).rates; }
+const std::vector<SlotKind>& positionSlots(JointKind kind) {
+  return info(kind).slots;
+}
+const std::vector<std::string>& rateNames(JointKind kind) {
+  return info(kind).rates;
+}
 bool ratesArePositionDerivatives(JointKind kind) {
   return info(kind).slots.size() == info(kind).rates.size();
 }
@@ -171,7 +175,8 @@ std::vector<const Expression*> Mechanism::motions() const {
   for (const Link& link : links) {
     const int n = link.joint.ownRates();
     for (int k = 0; k < n; ++k)
-      all.push_back(link.joint.motion.empty() ? nullptr : &link.joint.motion[static_cast<std::size_t>(k)]);
+      all.push_back(link.joint.motion.empty() ? nullptr
+                                              : &link.joint.motion[static_cast<std::size_t>(k)]);
   }
   return all;
 }

@@ -29,9 +29,9 @@ enum class JointKind {
   kFloating,     ///< position of the link's origin in the joint frame, then quaternion
 };
 inline constexpr JointKind kAllJointKinds[] = {
-    JointKind::kFixed,   JointKind::kRevolute,  JointKind::kPrismatic,
+    JointKind::kFixed,   JointKind::kRevolute,    JointKind::kPrismatic,
     JointKind::kHelical, JointKind::kCylindrical, JointKind::kUniversal,
-    JointKind::kPlanar,  JointKind::kSpherical, JointKind::kFloating};
+    JointKind::kPlanar,  JointKind::kSpherical,   JointKind::kFloating};
 
 const char* name(JointKind kind);
 /// Degrees of freedom of a joint kind: how many rates qd it has.
@@ -54,7 +54,8 @@ const std::vector<SlotKind>& positionSlots(JointKind kind);
 bool ratesArePositionDerivatives(JointKind kind);
 /// Whether the joint has an axis of its own; the others move in the joint frame as it stands.
 bool hasAxis(JointKind kind);
-/// What tells the rates of one joint apart: "" for the only one, otherwise "slide", "turn", "x", ...
+/// What tells the rates of one joint apart: "" for the only one, otherwise "slide", "turn", "x",
+/// ...
 const std::vector<std::string>& rateNames(JointKind kind);
 
 /// One elementary motion of a frame: a translation [m], or a turn about one of its axes [rad].
@@ -76,8 +77,8 @@ struct Step {
 struct Placement {
   enum class Convention { kXyzRpy, kDh, kMdh };
   Convention convention = Convention::kXyzRpy;
-  Vector xyz, rpy;             ///< kXyzRpy [m], [rad]
-  Number a, alpha, d, theta;   ///< kDh, kMdh [m], [rad], [m], [rad]
+  Vector xyz, rpy;            ///< kXyzRpy [m], [rad]
+  Number a, alpha, d, theta;  ///< kDh, kMdh [m], [rad], [m], [rad]
 
   /// Parent's link frame to joint frame, and moved joint frame to link frame: steps to be composed
   /// from left to right (X = X_step0 * X_step1 * ...). Trivial steps (literal zeros) are left out.
@@ -85,9 +86,10 @@ struct Placement {
   std::vector<Step> afterJoint() const;
 };
 
-/** Friction of a joint with one q: it takes  viscous qd + coulomb sign(qd)  of the joint's force, where
-    coulomb is `positive` while qd > 0 and `negative` while qd < 0 (both magnitudes, zero or more).
-    At qd = 0 it is 0, by convention: what holds a joint at rest is no function of its state. */
+/** Friction of a joint with one q: it takes  viscous qd + coulomb sign(qd)  of the joint's force,
+    where coulomb is `positive` while qd > 0 and `negative` while qd < 0 (both magnitudes, zero or
+    more). At qd = 0 it is 0, by convention: what holds a joint at rest is no function of its state.
+    */
 struct Friction {
   Number viscous{0};                ///< [N m s/rad], [N s/m]
   Number positive{0}, negative{0};  ///< [N m], [N]
@@ -96,32 +98,35 @@ struct Friction {
   bool isNone() const { return viscous.isLiteralZero() && !isCoulomb(); }
 };
 
-/** A joint that follows another one, its leader:  q = multiplier q_leader + offset. Both have one position
-    (revolute, prismatic, helical), and the leader may stand anywhere in the tree, or follow a third joint.
-    A follower is no unknown: rates, accelerations and forces are those of the other joints, and what it
-    takes to move a follower is part of its leader's force (scene/mimic.hpp). The multiplier is a rational
-    number other than 0, and is not a parameter: it decides which functions of q there are. */
+/** A joint that follows another one, its leader:  q = multiplier q_leader + offset. Both have one
+    position (revolute, prismatic, helical), and the leader may stand anywhere in the tree, or
+    follow a third joint. A follower is no unknown: rates, accelerations and forces are those of the
+    other joints, and what it takes to move a follower is part of its leader's force
+    (scene/mimic.hpp). The multiplier is a rational number other than 0, and is not a parameter: it
+    decides which functions of q there are. */
 struct Mimic {
   std::string joint;     ///< the leader's name
   Number multiplier{1};  ///< [rad/rad], [m/rad], ...
   Number offset{0};      ///< [rad], [m]
 };
 
-/** A joint: the link moves about or along `axis`, given in the joint frame and of any non-zero length
-    (revolute, prismatic, helical, cylindrical; the normal of a planar joint, whose x and y are those
-    of the joint frame turned by AxisTurn). The others move in the joint frame as it stands. A rotor of
-    inertia J [kg m^2], geared n times faster than the joint, adds n^2 J to the joint's own inertia; a
-    spring adds  stiffness (q - rest)^2 / 2  to V. They and friction go with joints that have one q.
+/** A joint: the link moves about or along `axis`, given in the joint frame and of any non-zero
+    length (revolute, prismatic, helical, cylindrical; the normal of a planar joint, whose x and y
+    are those of the joint frame turned by AxisTurn). The others move in the joint frame as it
+    stands. A rotor of inertia J [kg m^2], geared n times faster than the joint, adds n^2 J to the
+    joint's own inertia; a spring adds  stiffness (q - rest)^2 / 2  to V. They and friction go with
+    joints that have one q.
 
-    That is all of a rotor whose spin nobody else feels. A `gyroscopic` one is a symmetric body on the
-    parent link, which turns at n qd about the joint's axis as the parent sees it. The parent's mass
-    properties include it as it stands, locked to the parent; with w the parent's angular velocity
-    and z the axis, its spin then adds to T
+    That is all of a rotor whose spin nobody else feels. A `gyroscopic` one is a symmetric body on
+    the parent link, which turns at n qd about the joint's axis as the parent sees it. The parent's
+    mass properties include it as it stands, locked to the parent; with w the parent's angular
+    velocity and z the axis, its spin then adds to T
 
         J (z'w + n qd)^2 / 2 - J (z'w)^2 / 2  =  n^2 J qd^2 / 2 + n J qd z'w
 
-    A driven joint follows its motion, q(t), one function of time a position; whatever force that takes is
-    there. M, c, g and the forward dynamics of the tree do not know it; simulation and hybrid dynamics do. */
+    A driven joint follows its motion, q(t), one function of time a position; whatever force that
+    takes is there. M, c, g and the forward dynamics of the tree do not know it; simulation and
+    hybrid dynamics do. */
 struct Joint {
   std::string name;
   JointKind kind = JointKind::kFixed;
@@ -139,10 +144,10 @@ struct Joint {
   int ownRates() const { return mimic ? 0 : degreesOfFreedom(kind); }
 };
 
-/** Mass [kg], centre of mass [m] in the link frame, and the rotational inertia [kg m^2]
-    I = [xx xy xz; xy yy yz; xz yz zz]: products of inertia carry the matrix's sign (xy = -sum m x y).
-    `about` says about which point; `rpy` turns link axes into the axes in which I is given
-    (zero: link axes). */
+/** Mass [kg], centre of mass [m] in the link frame, and the rotational inertia [kg m^2] I = [xx xy
+    xz; xy yy yz; xz yz zz]: products of inertia carry the matrix's sign (xy = -sum m x y). `about`
+    says about which point; `rpy` turns link axes into the axes in which I is given (zero: link
+    axes). */
 struct MassProperties {
   enum class About { kCenterOfMass, kLinkOrigin };
   Number mass{0};
@@ -209,18 +214,19 @@ struct Closure {
     they pull towards each other with  stiffness (l - rest) + damping dl/dt  [N]. */
 struct Spring {
   std::string name;
-  Attachment a, b;  ///< rpy is not used
+  Attachment a, b;                           ///< rpy is not used
   Number stiffness{0}, rest{0}, damping{0};  ///< [N/m], [m], [N s/m]
   SourceLocation where;
 };
 
-/** What is asked of the acceleration of a link, one number: with xdd that of the point `at` (link frame),
-    wd the link's angular acceleration, both against the world,
+/** What is asked of the acceleration of a link, one number: with xdd that of the point `at` (link
+    frame), wd the link's angular acceleration, both against the world,
 
         direction . xdd + rotation . wd + compliance nu = value          [m/s^2], [rad/s^2]
 
-    nu [N], [N m] is the force along the direction, or the moment, that holds it; compliance > 0 [1/kg],
-    [1/(kg m^2)] lets it give way. The same table is the task of an operational-space controller. */
+    nu [N], [N m] is the force along the direction, or the moment, that holds it; compliance > 0
+    [1/kg], [1/(kg m^2)] lets it give way. The same table is the task of an operational-space
+    controller. */
 struct AccelerationConstraint {
   enum class Axes { kLink, kWorld };
   std::string name;
@@ -248,8 +254,9 @@ struct Mechanism {
   std::vector<Spring> springs;  ///< between two points; those of joints stand with the joint
   std::vector<AccelerationConstraint> acceleration_constraints;
 
-  int dof() const;        ///< how many rates qd there are; followers have none
-  int positions() const;  ///< how many position slots there are: one a rate, a quaternion and a follower
+  int dof() const;  ///< how many rates qd there are; followers have none
+  int positions()
+      const;  ///< how many position slots there are: one a rate, a quaternion and a follower
   bool hasMimics() const;
   /// True when the tree alone is the whole mechanism: no closures, no springs between points.
   bool isOpenTree() const { return closures.empty() && springs.empty(); }
@@ -265,7 +272,8 @@ struct Mechanism {
   std::vector<SlotKind> slots() const;
   /// Names of the degrees of freedom, in the order of qd: that of the joint, or "joint.turn".
   std::vector<std::string> rateLabels() const;
-  /// All q zero, orientations that of the joint frame: (1, 0, 0, 0). Followers are where that puts them.
+  /// All q zero, orientations that of the joint frame: (1, 0, 0, 0). Followers are where that puts
+  /// them.
   std::vector<Number> restPosition() const;
   /// Exact values of all parameters.
   ParameterValues parameterValues() const;

@@ -7,15 +7,17 @@ namespace dynwitness::scene {
 namespace {
 
 [[noreturn]] void fail(const Link& link, const std::string& what) {
-  throw InputError(link.where,
-                   "joint \"" + link.joint.name + "\" of link \"" + link.name + "\": mimic: " + what);
+  throw InputError(link.where, "joint \"" + link.joint.name + "\" of link \"" + link.name +
+                                   "\": mimic: " + what);
 }
 
 void requireOnePosition(const Link& link, const Joint& joint, const std::string& who) {
   if (positionSlots(joint.kind).size() != 1 || !ratesArePositionDerivatives(joint.kind))
-    fail(link, who + " is " + name(joint.kind) + ", allowed: revolute, prismatic and helical joints, which "
-                                                 "have one position");
-  if (!joint.motion.empty()) fail(link, who + " is driven by a motion, allowed: joints that are not");
+    fail(link, who + " is " + name(joint.kind) +
+                   ", allowed: revolute, prismatic and helical joints, which "
+                   "have one position");
+  if (!joint.motion.empty())
+    fail(link, who + " is driven by a motion, allowed: joints that are not");
 }
 
 Rational multiplierOf(const Link& link) {
@@ -23,9 +25,11 @@ Rational multiplierOf(const Link& link) {
   if (!written.parameters().empty())
     fail(link, "multiplier is " + written.text() + ", allowed: a number without parameters");
   const Exact exact = exactValue(written, {}, link.where);
-  if (!exact.isRational()) fail(link, "multiplier is " + written.text() + ", allowed: a number without pi");
+  if (!exact.isRational())
+    fail(link, "multiplier is " + written.text() + ", allowed: a number without pi");
   if (exact.isZero())
-    fail(link, "multiplier is 0, which holds the joint, allowed: any other number, or a fixed joint");
+    fail(link,
+         "multiplier is 0, which holds the joint, allowed: any other number, or a fixed joint");
   return exact.rational;
 }
 
@@ -55,7 +59,8 @@ std::vector<Follower> followers(const Mechanism& mechanism) {
   if (!mechanism.hasMimics()) return all;
   const std::vector<Link>& links = mechanism.links;
   std::map<std::string, int> link_of_joint;
-  for (std::size_t i = 1; i < links.size(); ++i) link_of_joint[links[i].joint.name] = static_cast<int>(i);
+  for (std::size_t i = 1; i < links.size(); ++i)
+    link_of_joint[links[i].joint.name] = static_cast<int>(i);
   std::vector<int> rates;  // by link, of leaders
   int count = 0;
   for (const Link& link : links) {
@@ -76,12 +81,15 @@ std::vector<Follower> followers(const Mechanism& mechanism) {
       requireOnePosition(link, link.joint, "the joint");
       const auto found = link_of_joint.find(link.joint.mimic->joint);
       if (found == link_of_joint.end())
-        fail(link, "there is no joint \"" + link.joint.mimic->joint + "\", allowed: the name of another joint");
+        fail(link, "there is no joint \"" + link.joint.mimic->joint +
+                       "\", allowed: the name of another joint");
       const Link& leader = links[found->second];
       if (on_way[found->second] == start)
-        fail(link, "follows \"" + leader.joint.name + "\", which follows it, allowed: a chain with an end");
+        fail(link, "follows \"" + leader.joint.name +
+                       "\", which follows it, allowed: a chain with an end");
       requireOnePosition(link, leader.joint, "the leader \"" + leader.joint.name + "\"");
-      if (!leader.joint.mimic || resolved[found->second] >= 0) head = found->second;
+      if (!leader.joint.mimic || resolved[found->second] >= 0)
+        head = found->second;
       else {
         way.push_back(found->second);
         on_way[found->second] = start;
@@ -90,7 +98,9 @@ std::vector<Follower> followers(const Mechanism& mechanism) {
     for (; !way.empty(); way.pop_back()) {
       const int link = way.back();
       const Mimic& mimic = *links[link].joint.mimic;
-      Follower f{link, head, slots[link], slots[head], rates[head], multiplierOf(links[link]), mimic.offset};
+      Follower f{link,        head,        slots[link],
+                 slots[head], rates[head], multiplierOf(links[link]),
+                 mimic.offset};
       if (resolved[head] >= 0) {
         const Follower& before = all[resolved[head]];
         f.offset = followed(f.multiplier, before.offset, f.offset);
@@ -135,22 +145,26 @@ Mechanism withoutMimics(Mechanism mechanism) {
   return mechanism;
 }
 
-void requireNoMimics(const SourceLocation& file, const Mechanism& mechanism, const std::string& why) {
+void requireNoMimics(const SourceLocation& file, const Mechanism& mechanism,
+                     const std::string& why) {
   for (const Link& link : mechanism.links)
     if (link.joint.mimic)
-      throw InputError(file, "joint \"" + link.joint.name + "\" follows \"" + link.joint.mimic->joint +
-                                 "\" (mimic): " + why + ", allowed: joints that follow no others");
+      throw InputError(file, "joint \"" + link.joint.name + "\" follows \"" +
+                                 link.joint.mimic->joint + "\" (mimic): " + why +
+                                 ", allowed: joints that follow no others");
 }
 
 void followLeaders(const std::vector<Follower>& followers, std::vector<Number>* q) {
-  for (const Follower& f : followers) (*q)[f.slot] = followed(f.multiplier, (*q)[f.leader_slot], f.offset);
+  for (const Follower& f : followers)
+    (*q)[f.slot] = followed(f.multiplier, (*q)[f.leader_slot], f.offset);
 }
 
 void followLeaders(const Mechanism& mechanism, std::vector<JointPosition<double>>* x) {
   if (!mechanism.hasMimics()) return;
   const RealNumbers<double> number(mechanism);
   for (const Follower& f : followers(mechanism))
-    (*x)[f.slot] = jointPosition(number(Number(f.multiplier)) * (*x)[f.leader_slot].q + number(f.offset));
+    (*x)[f.slot] =
+        jointPosition(number(Number(f.multiplier)) * (*x)[f.leader_slot].q + number(f.offset));
 }
 
 std::vector<double> allPositions(const Mechanism& mechanism, const std::vector<double>& q) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Joints that follow others: where they are when their leaders are somewhere.
 //
-// The one home of  q = multiplier q_leader + offset,  for every scalar. How rates and forces go through it is
-// each witness's own business.
+// The one home of  q = multiplier q_leader + offset,  for every scalar. How rates and forces go
+// through it is each witness's own business.
 #pragma once
 
 #include <string>
@@ -24,11 +24,14 @@ struct Follower {
 };
 
 /** All followers, in the order of the links; chains (c follows b, b follows a) as one step each.
-    @throws InputError at the follower: no joint has the leader's name, either has not one position or is
-            driven, the multiplier is 0, has pi or a parameter in it, or joints follow each other in a circle */
+    @throws InputError at the follower: no joint has the leader's name, either has not one position
+      or is
+            driven, the multiplier is 0, has pi or a parameter in it, or joints follow each other in
+             a circle */
 std::vector<Follower> followers(const Mechanism& mechanism);
 
-/// By link: the index of its joint's first rate, which a follower shares with its leader; -1: fixed.
+/// By link: the index of its joint's first rate, which a follower shares with its leader; -1:
+/// fixed.
 std::vector<int> firstRates(const Mechanism& mechanism);
 
 /// The slots that are given, those of followers left out, in their order.
@@ -38,8 +41,10 @@ std::vector<int> givenSlots(const Mechanism& mechanism);
 Mechanism withoutMimics(Mechanism mechanism);
 
 /// For what is not modelled together with followers.
-/// @throws InputError  "FILE: joint "b" follows "a" (mimic): <why>, allowed: joints that follow no others"
-void requireNoMimics(const SourceLocation& file, const Mechanism& mechanism, const std::string& why);
+/// @throws InputError  "FILE: joint "b" follows "a" (mimic): <why>, allowed: joints that follow no
+/// others"
+void requireNoMimics(const SourceLocation& file, const Mechanism& mechanism,
+                     const std::string& why);
 
 /// Puts the followers' positions where their leaders' are.
 void followLeaders(const std::vector<Follower>& followers, std::vector<Number>* q);
@@ -54,7 +59,8 @@ void followLeaders(const std::vector<Follower>& followers, const Numbers& number
 /// The same for positions of doubles with their cosines and sines.
 void followLeaders(const Mechanism& mechanism, std::vector<JointPosition<double>>* x);
 
-/** All positions of doubles, from those that are given or from all (then those of followers are replaced).
+/** All positions of doubles, from those that are given or from all (then those of followers are
+    replaced).
     @param q  as many as givenSlots() or as positions(); other counts are returned as they are */
 std::vector<double> allPositions(const Mechanism& mechanism, const std::vector<double>& q);
 

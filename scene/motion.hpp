@@ -35,11 +35,13 @@ struct Jet {
   }
 };
 
-/** The function of time f at t with f' and f'', by differentiating every operation (no differences).
+/** The function of time f at t with f' and f'', by differentiating every operation (no
+    differences).
 
     T with functions in <cmath> knows all; other scalars (rationals, fields) those without calls.
     @param number  the scene's numbers, as in buildModel
-    @throws std::domain_error  outside the domain: sqrt at <= 0, asin beyond +-1 (their rates are infinite
+    @throws std::domain_error  outside the domain: sqrt at <= 0, asin beyond +-1 (their rates are
+      infinite
             at the border), or a call that T does not know */
 template <typename Numbers, typename T = typename Numbers::Scalar>
 Jet<T> motionAt(const Expression& f, const Numbers& number, const T& t) {
@@ -49,20 +51,29 @@ Jet<T> motionAt(const Expression& f, const Numbers& number, const T& t) {
   switch (f.kind()) {
     case Kind::kNumber:
     case Kind::kParameter:
-    case Kind::kPi: return {number(f), T(0), T(0)};
-    case Kind::kTime: return {t, T(1), T(0)};
-    case Kind::kNegate: return -left();
-    case Kind::kAdd: return left() + right();
-    case Kind::kSubtract: return left() - right();
-    case Kind::kMultiply: return left() * right();
-    case Kind::kDivide: return left() / right();
+    case Kind::kPi:
+      return {number(f), T(0), T(0)};
+    case Kind::kTime:
+      return {t, T(1), T(0)};
+    case Kind::kNegate:
+      return -left();
+    case Kind::kAdd:
+      return left() + right();
+    case Kind::kSubtract:
+      return left() - right();
+    case Kind::kMultiply:
+      return left() * right();
+    case Kind::kDivide:
+      return left() / right();
     case Kind::kPower: {
       const Jet<T> base = left(), one = {T(1), T(0), T(0)};
       Jet<T> product = one;
-      for (int i = 0; i < (f.exponent() < 0 ? -f.exponent() : f.exponent()); ++i) product = product * base;
+      for (int i = 0; i < (f.exponent() < 0 ? -f.exponent() : f.exponent()); ++i)
+        product = product * base;
       return f.exponent() < 0 ? one / product : product;
     }
-    case Kind::kCall: break;
+    case Kind::kCall:
+      break;
   }
   const std::string& name = f.function();
   if constexpr (std::is_floating_point_v<T>) {
@@ -82,8 +93,8 @@ Jet<T> motionAt(const Expression& f, const Numbers& number, const T& t) {
   throw std::domain_error("motion \"" + f.text() + "\": outside the domain of " + name);
 }
 
-/// Checks driven joints and acceleration constraints: their motions exist at t = 0, their directions are
-/// not zero, compliances not negative.
+/// Checks driven joints and acceleration constraints: their motions exist at t = 0, their
+/// directions are not zero, compliances not negative.
 /// @throws InputError
 void validateMotions(const Scene& scene);
 

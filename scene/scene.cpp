@@ -69,8 +69,9 @@ Scene fourBars(int windows) {
     rod("bar" + number, "upright" + number, "l");
     q += ", \"-pi/2\"";
     qd += ", \"1/l\"";
-    closures += "\n[[closure]]\nname = \"B" + next + "\"\nkind = \"planar_point\"\na = { link = \"bar" +
-                number + "\", xyz = [\"l\", 0, 0] }\nb = { link = \"upright" + next +
+    closures += "\n[[closure]]\nname = \"B" + next +
+                "\"\nkind = \"planar_point\"\na = { link = \"bar" + number +
+                "\", xyz = [\"l\", 0, 0] }\nb = { link = \"upright" + next +
                 "\", xyz = [\"l\", 0, 0] }\n";
   }
   const std::string name = "four_bars_" + std::to_string(windows);
@@ -120,12 +121,14 @@ Scene findScene(const std::string& name_or_path) {
   int windows = 0;
   if (isFourBars(normalized(name_or_path), &windows)) return fourBars(windows);
   if (Scene family; findFamily(normalized(name_or_path), &family)) return family;
-  throw InputError({}, "no scene and no file is called \"" + name_or_path + "\", allowed: " +
-                           (names.empty() ? "" : names + ", four_bars_N with N from 1 to " +
-                                                     std::to_string(kMostWindows) +
-                                                     ", chain_N, flat_chain_N or tree_N with N from 1 to " +
-                                                     std::to_string(kMostFamilyLinks) + ", or ") +
-                           "the path of a file");
+  throw InputError(
+      {}, "no scene and no file is called \"" + name_or_path + "\", allowed: " +
+              (names.empty()
+                   ? ""
+                   : names + ", four_bars_N with N from 1 to " + std::to_string(kMostWindows) +
+                         ", chain_N, flat_chain_N or tree_N with N from 1 to " +
+                         std::to_string(kMostFamilyLinks) + ", or ") +
+              "the path of a file");
 }
 
 }  // namespace dynwitness::scene

@@ -35,7 +35,8 @@ int openRegularFile(const std::filesystem::path& file, const std::string& allowe
   // looked at first, because opening a device may do something; and again once it is open, because
   // names can be given to other files in between
   struct stat status;
-  if (stat(file.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) refuse(whatItIs(status.st_mode));
+  if (stat(file.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
+    refuse(whatItIs(status.st_mode));
   const int descriptor = open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) refuse("cannot be read: " + std::string(std::strerror(errno)));
   if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) return descriptor;

@@ -8,7 +8,8 @@
 
 namespace dynwitness::scene {
 
-/// A scene's text and what is made of it take some 20 times the memory: 64 MiB are half a million links.
+/// A scene's text and what is made of it take some 20 times the memory: 64 MiB are half a million
+/// links.
 constexpr std::uintmax_t kMostTextBytes = std::uintmax_t{64} << 20;
 
 /** The text of a regular file.
@@ -17,7 +18,8 @@ constexpr std::uintmax_t kMostTextBytes = std::uintmax_t{64} << 20;
     kMostTextBytes, or has a zero byte in it, which no text has */
 std::string readTextFile(const std::filesystem::path& file, const std::string& allowed);
 
-/// Opens a regular file for reading, without waiting for a FIFO's other end. The caller closes the descriptor.
+/// Opens a regular file for reading, without waiting for a FIFO's other end. The caller closes the
+/// descriptor.
 /// @throws InputError  as readTextFile() does when it cannot be opened
 int openRegularFile(const std::filesystem::path& file, const std::string& allowed);
 

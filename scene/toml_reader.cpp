@@ -44,9 +44,10 @@ std::string withoutMark(const std::string& text) {
   return text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? text.substr(3) : text;  // byte order mark
 }
 
-/** @throws InputError on keys of many parts (a.b.c...) and on values deep inside one another. toml++ makes a
-    table of each part and takes tables apart by recursion: a key of 10^5 parts ends on the stack's end.
-    Deepest allowed is a table header of kMostParts, then kMostDepth tables with as many in the key of each. */
+/** @throws InputError on keys of many parts (a.b.c...) and on values deep inside one another.
+    toml++ makes a table of each part and takes tables apart by recursion: a key of 10^5 parts ends
+    on the stack's end. Deepest allowed is a table header of kMostParts, then kMostDepth tables with
+    as many in the key of each. */
 void requireShallow(const std::string& text, const std::string& file) {
   constexpr int kMostParts = 16, kMostDepth = 16;  // a scene needs 2 and 4
   int line = 1, parts = 1, depth = 0;
@@ -72,23 +73,37 @@ void requireShallow(const std::string& text, const std::string& file) {
       if (at < text.size() && text[at] == '\n') ++line;
     }
     at += end.size();
-    for (int more = 0; is_long && more < 2 && text.compare(at < text.size() ? at : text.size(), 1, quote) == 0;
+    for (int more = 0;
+         is_long && more < 2 && text.compare(at < text.size() ? at : text.size(), 1, quote) == 0;
          ++more)
       ++at;  // up to two quotes may stand before the three that end it
     return at;
   };
   for (std::size_t at = 0; at < text.size();) {
     switch (text[at]) {
-      case '#': at = skipTo(at, "\n"); continue;
+      case '#':
+        at = skipTo(at, "\n");
+        continue;
       case '"':
-      case '\'': at = skipString(at); continue;
-      case '.': require(++parts, kMostParts, "parts in a key"); break;
+      case '\'':
+        at = skipString(at);
+        continue;
+      case '.':
+        require(++parts, kMostParts, "parts in a key");
+        break;
       case '[':
-      case '{': require(++depth, kMostDepth, "tables and arrays inside one another"); break;
+      case '{':
+        require(++depth, kMostDepth, "tables and arrays inside one another");
+        break;
       case ']':
-      case '}': depth = std::max(0, depth - 1); break;
-      case '\n': ++line; break;
-      default: break;
+      case '}':
+        depth = std::max(0, depth - 1);
+        break;
+      case '\n':
+        ++line;
+        break;
+      default:
+        break;
     }
     if (std::strchr("=,[]{}\n", text[at]) != nullptr) parts = 1;
     ++at;
@@ -164,15 +179,18 @@ class TomlReader {
                             const std::string& key, bool has_axes) const;
   Closure readClosure(const toml::table& table, std::size_t index) const;
   Spring readSpring(const toml::table& table, std::size_t index) const;
-  std::vector<Expression> readMotion(const toml::node& node, const std::string& what, int count) const;
-  AccelerationConstraint readAccelerationConstraint(const toml::table& table, std::size_t index) const;
+  std::vector<Expression> readMotion(const toml::node& node, const std::string& what,
+                                     int count) const;
+  AccelerationConstraint readAccelerationConstraint(const toml::table& table,
+                                                    std::size_t index) const;
   void readStart(const toml::node& node);
   void readLike(const toml::node& node, const toml::table& top);
 
   std::string file_;
   std::vector<std::string> lines_;
-  mutable toml::source_index columns_of_ = 0;      ///< the line of:
-  mutable std::vector<std::size_t> columns_;  ///< where its characters begin; toml++ counts code points
+  mutable toml::source_index columns_of_ = 0;  ///< the line of:
+  mutable std::vector<std::size_t>
+      columns_;  ///< where its characters begin; toml++ counts code points
   Scene scene_;
   std::unordered_map<std::string, int> link_index_;
   ParameterValues values_;
@@ -388,7 +406,8 @@ NamedLink TomlReader::readLink(const toml::table& table) const {
 
 JointKind TomlReader::readJointKind(const toml::table& table, const std::string& what) const {
   std::string allowed;
-  for (const JointKind k : kAllJointKinds) allowed += (allowed.empty() ? "" : ", ") + std::string(name(k));
+  for (const JointKind k : kAllJointKinds)
+    allowed += (allowed.empty() ? "" : ", ") + std::string(name(k));
   const toml::node& node = required(table, what, "kind", allowed);
   const std::string kind = string(node, what + ": kind");
   for (const JointKind k : kAllJointKinds) {
@@ -405,18 +424,27 @@ void TomlReader::checkJointKeys(const toml::table& table, const std::string& wha
     allowed.insert(allowed.end(), keys.begin(), keys.end());
   };
   switch (kind) {
-    case JointKind::kFixed: allow({"dh", "mdh"}); break;
-    case JointKind::kHelical: allow({"pitch"}); [[fallthrough]];
+    case JointKind::kFixed:
+      allow({"dh", "mdh"});
+      break;
+    case JointKind::kHelical:
+      allow({"pitch"});
+      [[fallthrough]];
     case JointKind::kRevolute:
     case JointKind::kPrismatic:
       allow({"axis", "dh", "mdh", "rotor_inertia", "gear_ratio", "gyroscopic", "stiffness", "rest",
              "friction", "mimic"});
       break;
-    case JointKind::kCylindrical: allow({"axis", "dh", "mdh"}); break;
-    case JointKind::kPlanar: allow({"axis"}); break;
+    case JointKind::kCylindrical:
+      allow({"axis", "dh", "mdh"});
+      break;
+    case JointKind::kPlanar:
+      allow({"axis"});
+      break;
     case JointKind::kUniversal:
     case JointKind::kSpherical:
-    case JointKind::kFloating: break;
+    case JointKind::kFloating:
+      break;
   }
   if (degreesOfFreedom(kind) > 0 && ratesArePositionDerivatives(kind)) allow({"motion"});
   if (degreesOfFreedom(kind) > 1) {
@@ -442,7 +470,8 @@ Joint TomlReader::readJoint(const toml::table& table, const std::string& link) c
   joint.placement = readPlacement(table, what);
   joint.axis = optionalVector(table, what, "axis", joint.axis);
   if (joint.kind == JointKind::kHelical)
-    joint.pitch = number(required(table, what, "pitch", "the advance a radian, m/rad"), what + ": pitch");
+    joint.pitch =
+        number(required(table, what, "pitch", "the advance a radian, m/rad"), what + ": pitch");
   joint.rotor_inertia = optionalNumber(table, what, "rotor_inertia");
   joint.gear_ratio = optionalNumber(table, what, "gear_ratio", 1);
   joint.stiffness = optionalNumber(table, what, "stiffness");
@@ -480,7 +509,8 @@ Friction TomlReader::readFriction(const toml::table& table, const std::string& w
 Mimic TomlReader::readMimic(const toml::table& table, const std::string& what) const {
   checkKeys(table, what, {"joint", "multiplier", "offset"});
   Mimic mimic;
-  mimic.joint = string(required(table, what, "joint", "the name of another joint"), what + ": joint");
+  mimic.joint =
+      string(required(table, what, "joint", "the name of another joint"), what + ": joint");
   mimic.multiplier = optionalNumber(table, what, "multiplier", 1);
   mimic.offset = optionalNumber(table, what, "offset");
   return mimic;
@@ -564,8 +594,8 @@ Wrench TomlReader::readWrench(const toml::table& table) const {
 
 Attachment TomlReader::readAttachment(const toml::table& table, const std::string& what,
                                       const std::string& key, bool has_axes) const {
-  const std::string allowed = has_axes ? "{ link = \"name\", xyz = [..], rpy = [..] }"
-                                       : "{ link = \"name\", xyz = [..] }";
+  const std::string allowed =
+      has_axes ? "{ link = \"name\", xyz = [..], rpy = [..] }" : "{ link = \"name\", xyz = [..] }";
   const std::string whole = what + ": " + key;
   const toml::table& given = asTable(required(table, what, key, allowed), whole);
   if (has_axes) {
@@ -591,8 +621,9 @@ Closure TomlReader::readClosure(const toml::table& table, std::size_t index) con
   const toml::node& node = required(table, what, "kind", allowed);
   const std::string kind = string(node, what + ": kind");
   bool known = false;
-  for (const ClosureKind k : {ClosureKind::kDistance, ClosureKind::kPlane, ClosureKind::kPlanarPoint,
-                              ClosureKind::kPoint, ClosureKind::kHinge, ClosureKind::kWeld}) {
+  for (const ClosureKind k :
+       {ClosureKind::kDistance, ClosureKind::kPlane, ClosureKind::kPlanarPoint, ClosureKind::kPoint,
+        ClosureKind::kHinge, ClosureKind::kWeld}) {
     if (kind != dynwitness::scene::name(k)) continue;
     closure.kind = k;
     known = true;
@@ -603,9 +634,11 @@ Closure TomlReader::readClosure(const toml::table& table, std::size_t index) con
   closure.a = readAttachment(table, what, "a", true);
   closure.b = readAttachment(table, what, "b", true);
   if (closure.kind == ClosureKind::kDistance) {
-    closure.length = number(required(table, what, "length", "a length above zero"), what + ": length");
+    closure.length =
+        number(required(table, what, "length", "a length above zero"), what + ": length");
   } else if (const toml::node* length = table.get("length")) {
-    throw InputError(where(*length), what + ": a " + kind + " has no length, allowed: name, kind, a, b");
+    throw InputError(where(*length),
+                     what + ": a " + kind + " has no length, allowed: name, kind, a, b");
   }
   return closure;
 }
@@ -655,9 +688,11 @@ AccelerationConstraint TomlReader::readAccelerationConstraint(const toml::table&
   AccelerationConstraint held;
   held.where = where(table);
   const toml::node* name_node = table.get("name");
-  held.name = name_node ? string(*name_node, "acceleration_constraint: name") : std::to_string(index + 1);
+  held.name =
+      name_node ? string(*name_node, "acceleration_constraint: name") : std::to_string(index + 1);
   const std::string what = "acceleration_constraint \"" + held.name + '"';
-  checkKeys(table, what, {"name", "link", "at", "direction", "rotation", "axes", "value", "compliance"});
+  checkKeys(table, what,
+            {"name", "link", "at", "direction", "rotation", "axes", "value", "compliance"});
   held.link = linkNamed(required(table, what, "link", "the name of a link"), what);
   held.at = optionalVector(table, what, "at");
   held.direction = optionalVector(table, what, "direction");
@@ -670,7 +705,8 @@ AccelerationConstraint TomlReader::readAccelerationConstraint(const toml::table&
       throw InputError(where(*axes),
                        what + ": axes is \"" + which + "\", allowed: \"link\", \"world\"");
     }
-    held.axes = which == "link" ? AccelerationConstraint::Axes::kLink : AccelerationConstraint::Axes::kWorld;
+    held.axes = which == "link" ? AccelerationConstraint::Axes::kLink
+                                : AccelerationConstraint::Axes::kWorld;
   }
   return held;
 }
@@ -693,18 +729,22 @@ void TomlReader::readStart(const toml::node& node) {
 /// The scene of another file of the same folder, to which this one adds.
 void TomlReader::readLike(const toml::node& node, const toml::table& top) {
   checkKeys(top, "a scene that is like another",
-            {"title", "source", "like", "wrench", "closure", "spring", "acceleration_constraint", "start"});
+            {"title", "source", "like", "wrench", "closure", "spring", "acceleration_constraint",
+             "start"});
   const std::string name = string(node, "like");
   const std::filesystem::path other = std::filesystem::path(file_).parent_path() / (name + ".toml");
-  if (name.empty() || name.find('/') != std::string::npos || !std::filesystem::is_regular_file(other)) {
-    throw InputError(where(node), "like is \"" + name + "\", allowed: the name of a TOML scene in this file's "
-                                                     "folder, without .toml");
+  if (name.empty() || name.find('/') != std::string::npos ||
+      !std::filesystem::is_regular_file(other)) {
+    throw InputError(where(node), "like is \"" + name +
+                                      "\", allowed: the name of a TOML scene in this file's "
+                                      "folder, without .toml");
   }
   const std::string text = withoutMark(readTextFile(other, "a TOML scene"));
   const toml::table of_other = parsed(text, other.string());
   if (of_other.get("like")) {
-    throw InputError(where(node), "like is \"" + name + "\", which is like a third scene itself, allowed: one "
-                                                     "that stands alone");
+    throw InputError(where(node), "like is \"" + name +
+                                      "\", which is like a third scene itself, allowed: one "
+                                      "that stands alone");
   }
   TomlReader reader(text, other.string());
   scene_ = reader.read(of_other);
@@ -712,12 +752,15 @@ void TomlReader::readLike(const toml::node& node, const toml::table& top) {
 }
 
 Scene TomlReader::read(const toml::table& top) {
-  if (const toml::node* like = top.get("like")) readLike(*like, top);
+  if (const toml::node* like = top.get("like"))
+    readLike(*like, top);
   else
-    checkKeys(top, "scene", {"title", "source", "gravity", "parameters", "link", "wrench", "closure",
-                          "spring", "acceleration_constraint", "start", "like"});
+    checkKeys(top, "scene",
+              {"title", "source", "gravity", "parameters", "link", "wrench", "closure", "spring",
+               "acceleration_constraint", "start", "like"});
   if (const std::string title = optionalString(top, "title"); !title.empty()) scene_.title = title;
-  if (const std::string source = optionalString(top, "source"); !source.empty()) scene_.source = source;
+  if (const std::string source = optionalString(top, "source"); !source.empty())
+    scene_.source = source;
   if (const toml::node* parameters = top.get("parameters")) readParameters(*parameters);
   Mechanism& mechanism = scene_.mechanism;
   if (const toml::node* gravity = top.get("gravity")) {

@@ -225,10 +225,12 @@ JointKind readJointKind(const Element& element, const std::string& joint) {
                "\", allowed: fixed, revolute, continuous, prismatic, planar, floating");
 }
 
-bool hasOnePosition(JointKind kind) { return positionSlots(kind).size() == 1; }
+bool hasOnePosition(JointKind kind) {
+  return positionSlots(kind).size() == 1;
+}
 
-/** `damping` is viscous friction, `friction` Coulomb's: URDF calls it static, and means the force that
-    has to be overcome. */
+/** `damping` is viscous friction, `friction` Coulomb's: URDF calls it static, and means the force
+    that has to be overcome. */
 Joint readJoint(const Element& element) {
   Joint joint;
   joint.name = element.attribute("name");
@@ -240,7 +242,7 @@ Joint readJoint(const Element& element) {
   }
   // an axis, if given, means nothing
   if (joint.kind == JointKind::kFixed || joint.kind == JointKind::kFloating) return joint;
-  joint.axis = {1, 0, 0};                             // what URDF means by leaving it out
+  joint.axis = {1, 0, 0};  // what URDF means by leaving it out
   if (const std::optional<Element> axis = element.child("axis")) {
     joint.axis = axis->optionalVector("xyz");
   }
@@ -269,24 +271,28 @@ std::string notModelled(const Element& element) {
       if (!exactValue(n, {}).isZero()) add(std::string(key) + " " + n.text());
     }
   }
-  if (readJointKind(element, element.attribute("name")) == JointKind::kFixed && element.child("mimic"))
+  if (readJointKind(element, element.attribute("name")) == JointKind::kFixed &&
+      element.child("mimic"))
     add("mimic (the joint is fixed)");
   if (said.empty()) return said;
   return "joint " + element.attribute("name") + ": " + said + " not modelled";
 }
 
 /** A rotor stands in <transmission><actuator> as Drake writes it: <drake:rotor_inertia value> and
-    <drake:gear_ratio value>, for which <mechanicalReduction> stands in. A reduction without an inertia moves
-    nothing, and what else speaks of inertia is not known; both are told. */
+    <drake:gear_ratio value>, for which <mechanicalReduction> stands in. A reduction without an
+    inertia moves nothing, and what else speaks of inertia is not known; both are told. */
 void readTransmission(const Element& element, std::vector<NamedLink>& links,
                       std::vector<std::string>* not_modelled) {
   const std::string name = element.optionalAttribute("name");
   std::optional<Number> inertia, gear, reduction;
   const auto look = [&](const Element& child) {
     const std::string kind = child.kind();
-    if (kind == "drake:rotor_inertia") inertia = child.number("value");
-    else if (kind == "drake:gear_ratio") gear = child.number("value");
-    else if (kind == "mechanicalReduction") reduction = child.numberInside();
+    if (kind == "drake:rotor_inertia")
+      inertia = child.number("value");
+    else if (kind == "drake:gear_ratio")
+      gear = child.number("value");
+    else if (kind == "mechanicalReduction")
+      reduction = child.numberInside();
     else if (kind.find("nertia") != std::string::npos)
       not_modelled->push_back("transmission " + name + ": <" + kind + "> not modelled");
   };
@@ -312,8 +318,9 @@ void readTransmission(const Element& element, std::vector<NamedLink>& links,
   });
   if (found == links.end()) element.fail("joint \"" + joint + "\" is not a joint of this robot");
   if (!hasOnePosition(found->link.joint.kind)) {
-    not_modelled->push_back("transmission " + name + ": rotor of joint " + joint + " not modelled (the joint is " +
-                            scene::name(found->link.joint.kind) + ")");
+    not_modelled->push_back("transmission " + name + ": rotor of joint " + joint +
+                            " not modelled (the joint is " + scene::name(found->link.joint.kind) +
+                            ")");
     return;
   }
   found->link.joint.rotor_inertia = *inertia;
@@ -338,7 +345,8 @@ class Listener : public console_bridge::OutputHandler {
   std::string complaints;
 };
 
-/// After arrange(): of what is no tree, urdfdom would let go link by link, each inside the one before.
+/// After arrange(): of what is no tree, urdfdom would let go link by link, each inside the one
+/// before.
 void requireValidUrdf(const std::string& text, const std::string& file) {
   Listener listener;
   const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text);

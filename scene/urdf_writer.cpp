@@ -171,14 +171,19 @@ std::string mimic(const Joint& joint, const Numbers& number) {
 /// What URDF calls a moving joint.
 const char* urdfType(const Link& link) {
   switch (link.joint.kind) {
-    case JointKind::kRevolute: return "continuous";
-    case JointKind::kPrismatic: return "prismatic";
-    case JointKind::kPlanar: return "planar";
-    case JointKind::kFloating: return "floating";
+    case JointKind::kRevolute:
+      return "continuous";
+    case JointKind::kPrismatic:
+      return "prismatic";
+    case JointKind::kPlanar:
+      return "planar";
+    case JointKind::kFloating:
+      return "floating";
     default:
-      throw InputError(link.where, fmt::format("joint \"{}\" is {}, allowed in URDF: fixed, revolute, "
-                                               "prismatic, planar, floating",
-                                               link.joint.name, name(link.joint.kind)));
+      throw InputError(link.where,
+                       fmt::format("joint \"{}\" is {}, allowed in URDF: fixed, revolute, "
+                                   "prismatic, planar, floating",
+                                   link.joint.name, name(link.joint.kind)));
   }
 }
 
@@ -217,7 +222,8 @@ std::string leftOut(const Mechanism& mechanism, const Numbers& number) {
   for (const Link& link : mechanism.links) {
     rotors = rotors || number(link.joint.rotor_inertia) != 0;
     springs = springs || number(link.joint.stiffness) != 0;
-    one_sided = one_sided || number(link.joint.friction.positive) != number(link.joint.friction.negative);
+    one_sided =
+        one_sided || number(link.joint.friction.positive) != number(link.joint.friction.negative);
   }
   std::string what = mechanism.has_gravity
                          ? "gravity (" + text(vector(mechanism.gravity, number)) + ")"

@@ -67,9 +67,9 @@ bool isPositiveSemidefinite(const RationalMatrix& m) {
   return dot(m[0], cross(m[1], m[2])) >= 0;
 }
 
-/** The number itself while it is short; of a long one its first 256 bits, and *is_exact is false then. Sums and
-    products over many links grow by the denominators of all: without this a row of 1000 fixed links takes
-    hours. n roundings of 2^-256 stay below the slack of 1e-40 for any n. */
+/** The number itself while it is short; of a long one its first 256 bits, and *is_exact is false
+    then. Sums and products over many links grow by the denominators of all: without this a row of
+    1000 fixed links takes hours. n roundings of 2^-256 stay below the slack of 1e-40 for any n. */
 Rational bounded(const Rational& x, bool* is_exact) {
   constexpr unsigned kMostBits = 2048, kKeptBits = 256;
   if (x.is_zero()) return x;
@@ -238,7 +238,7 @@ class Validator {
   std::vector<Body> bodies_;
   std::vector<int> first_child_, next_child_;  ///< of each link; -1: none
   std::vector<int> carriers_;  ///< of each link the link that moves it; 0, the root: none does
-  bool is_exact_ = true;  ///< no rounding in the decision that is being made
+  bool is_exact_ = true;       ///< no rounding in the decision that is being made
 };
 
 void Validator::requireTree() {
@@ -254,14 +254,16 @@ void Validator::requireTree() {
     }
     if (i > 0 && links[i].joint.name.empty()) failLink(links[i], "its joint has no name");
     const bool moves = i > 0 && degreesOfFreedom(links[i].joint.kind) > 0;
-    carriers_.push_back(i == 0 ? 0 : moves ? static_cast<int>(i) : carriers_[static_cast<std::size_t>(parent)]);
+    carriers_.push_back(i == 0  ? 0
+                        : moves ? static_cast<int>(i)
+                                : carriers_[static_cast<std::size_t>(parent)]);
   }
   const auto dof = static_cast<std::size_t>(mechanism_.dof());
   const auto positions = static_cast<std::size_t>(mechanism_.positions());
   if (scene_.start_q.size() != positions || scene_.start_qd.size() != dof) {
-    throw InputError(file_, fmt::format("start: {} positions and {} speeds, allowed: {} and {}",
-                                        scene_.start_q.size(), scene_.start_qd.size(), positions,
-                                        dof));
+    throw InputError(file_,
+                     fmt::format("start: {} positions and {} speeds, allowed: {} and {}",
+                                 scene_.start_q.size(), scene_.start_qd.size(), positions, dof));
   }
   for (const Wrench& wrench : mechanism_.wrenches) {
     if (wrench.link >= 0 && wrench.link < static_cast<int>(links.size())) continue;
@@ -295,11 +297,11 @@ void Validator::requireValues() const {
     const Placement& p = link.joint.placement;
     const Joint& j = link.joint;
     for (const Vector& v : {i.com, i.rpy, p.xyz, p.rpy, j.axis}) require(v, link.where);
-    require(
-        std::initializer_list<Number>{i.mass, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz, p.a, p.alpha, p.d,
-                                      p.theta, j.pitch, j.rotor_inertia, j.gear_ratio, j.stiffness, j.rest,
-                                      j.friction.viscous, j.friction.positive, j.friction.negative},
-        link.where);
+    require(std::initializer_list<Number>{i.mass, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz, p.a, p.alpha,
+                                          p.d, p.theta, j.pitch, j.rotor_inertia, j.gear_ratio,
+                                          j.stiffness, j.rest, j.friction.viscous,
+                                          j.friction.positive, j.friction.negative},
+            link.where);
   }
 }
 
@@ -430,9 +432,12 @@ void Validator::requireJoint(const Link& link) {
                         " and stands in a Denavit-Hartenberg row, allowed: xyz and rpy");
   }
   if (degreesOfFreedom(joint.kind) > 1 &&
-      (value(joint.rotor_inertia) != 0 || value(joint.stiffness) != 0 || !joint.friction.isNone())) {
-    failJoint(link, std::string("is ") + name(joint.kind) +
-                        " and has a rotor, a spring or friction, allowed: only with joints of one position");
+      (value(joint.rotor_inertia) != 0 || value(joint.stiffness) != 0 ||
+       !joint.friction.isNone())) {
+    failJoint(
+        link,
+        std::string("is ") + name(joint.kind) +
+            " and has a rotor, a spring or friction, allowed: only with joints of one position");
   }
   if (value(joint.rotor_inertia) < 0) {
     failJoint(link,
@@ -459,8 +464,9 @@ void Validator::requireJoint(const Link& link) {
   }
 }
 
-/** A link that moves contains the gyroscopic rotors of the joints on it: what is left of its inertia
-    without them is that of a body. A rotor of inertia J about z is at least a disc, J/2 (1 + z z'). */
+/** A link that moves contains the gyroscopic rotors of the joints on it: what is left of its
+    inertia without them is that of a body. A rotor of inertia J about z is at least a disc, J/2 (1
+    + z z'). */
 void Validator::requireCarriers() {
   std::vector<bool> rests = {true};
   for (std::size_t i = 1; i < mechanism_.links.size(); ++i) {
@@ -479,7 +485,8 @@ void Validator::requireCarriers() {
     std::string joints;
     for (const Link* child : children) {
       joints += (joints.empty() ? "" : ", ") + ('"' + child->joint.name + '"');
-      const RationalVector z = frame(child->joint.placement.beforeJoint()).R * vector(child->joint.axis);
+      const RationalVector z =
+          frame(child->joint.placement.beforeJoint()).R * vector(child->joint.axis);
       const Rational half = value(child->joint.rotor_inertia) / 2;
       for (std::size_t j = 0; j < 3; ++j)
         for (std::size_t k = 0; k < 3; ++k)
@@ -488,10 +495,12 @@ void Validator::requireCarriers() {
     }
     bool is_positive = false;
     if (isRealizable(left, slack(size), &is_positive)) continue;
-    failLink(mechanism_.links[i],
-             "carries the gyroscopic rotor of joint " + joints +
-                 ", and without it, a disc of that rotor_inertia at the least, its inertia about the "
-                 "centre of mass is no body's, allowed: an inertia that contains the rotor as it stands");
+    failLink(
+        mechanism_.links[i],
+        "carries the gyroscopic rotor of joint " + joints +
+            ", and without it, a disc of that rotor_inertia at the least, its inertia about the "
+            "centre of mass is no body's, allowed: an inertia that contains the rotor as it "
+            "stands");
   }
 }
 
@@ -509,13 +518,16 @@ void Validator::requireStart() const {
   }
 }
 
-/** movesInertia() in doubles, which for a row of 1000 fixed links are a thousand times faster: true where
-    that is certain. n links and their frames add up in at most 1024 n roundings of the unit u = 2^-53, each
-    relative to `scale`, and the smallest eigenvalue of the block must exceed what these can do to it. */
+/** movesInertia() in doubles, which for a row of 1000 fixed links are a thousand times faster: true
+    where that is certain. n links and their frames add up in at most 1024 n roundings of the unit u
+    = 2^-53, each relative to `scale`, and the smallest eigenvalue of the block must exceed what
+    these can do to it. */
 bool Validator::surelyMovesInertia(std::size_t leaf) {
   const std::vector<Link>& links = mechanism_.links;
   const auto real = [](const Rational& x) { return Exact{x, 0}.toDouble(); };
-  const auto vectorOf = [&](const RationalVector& v) { return Eigen::Vector3d(real(v[0]), real(v[1]), real(v[2])); };
+  const auto vectorOf = [&](const RationalVector& v) {
+    return Eigen::Vector3d(real(v[0]), real(v[1]), real(v[2]));
+  };
   const auto number = [this](const Number& n) { return exactValue(n, values_, file_).toDouble(); };
   const auto placed = [&](Eigen::Isometry3d X, const std::vector<Step>& steps) {
     for (const Step& step : steps) {
@@ -523,7 +535,9 @@ bool Validator::surelyMovesInertia(std::size_t leaf) {
       if (step.kind == Step::Kind::kTranslate) {
         X.translate(Eigen::Vector3d(number(t[0]), number(t[1]), number(t[2])));
       } else {
-        const int axis = step.kind == Step::Kind::kRotateX ? 0 : step.kind == Step::Kind::kRotateY ? 1 : 2;
+        const int axis = step.kind == Step::Kind::kRotateX   ? 0
+                         : step.kind == Step::Kind::kRotateY ? 1
+                                                             : 2;
         X.rotate(Eigen::AngleAxisd(number(step.angle), Eigen::Vector3d::Unit(axis)));
       }
     }
@@ -537,7 +551,8 @@ bool Validator::surelyMovesInertia(std::size_t leaf) {
   for (; !to_visit.empty(); ++count) {
     const auto [i, X] = to_visit.back();
     to_visit.pop_back();
-    for (int child = first_child_[i]; child >= 0; child = next_child_[static_cast<std::size_t>(child)]) {
+    for (int child = first_child_[i]; child >= 0;
+         child = next_child_[static_cast<std::size_t>(child)]) {
       const Placement& placement = links[static_cast<std::size_t>(child)].joint.placement;
       to_visit.push_back({static_cast<std::size_t>(child),
                           placed(placed(X, placement.beforeJoint()), placement.afterJoint())});
@@ -546,7 +561,8 @@ bool Validator::surelyMovesInertia(std::size_t leaf) {
     const double m = real(b.mass);
     const Eigen::Vector3d p = X * vectorOf(b.com);
     Eigen::Matrix3d I_b;
-    for (Eigen::Index k = 0; k < 3; ++k) I_b.row(k) = vectorOf(b.inertia[static_cast<std::size_t>(k)]);
+    for (Eigen::Index k = 0; k < 3; ++k)
+      I_b.row(k) = vectorOf(b.inertia[static_cast<std::size_t>(k)]);
     mass += m;
     h += m * p;
     I += X.linear() * I_b * X.linear().transpose() +
@@ -567,7 +583,8 @@ bool Validator::surelyMovesInertia(std::size_t leaf) {
     scale += v.squaredNorm() * mass + w.squaredNorm() * size;
   }
   constexpr double kUnit = std::numeric_limits<double>::epsilon() / 2;
-  return block.selfadjointView<Eigen::Lower>().eigenvalues()[0] > 1024 * count * kUnit * scale * static_cast<double>(n);
+  return block.selfadjointView<Eigen::Lower>().eigenvalues()[0] >
+         1024 * count * kUnit * scale * static_cast<double>(n);
 }
 
 /** Whether every motion of a joint that carries no other moving joint moves mass: the joint's own
@@ -590,10 +607,12 @@ bool Validator::movesInertia(std::size_t leaf) {
   while (!to_visit.empty()) {
     const auto [i, in_joint] = to_visit.back();
     to_visit.pop_back();
-    for (int child = first_child_[i]; child >= 0; child = next_child_[static_cast<std::size_t>(child)]) {
+    for (int child = first_child_[i]; child >= 0;
+         child = next_child_[static_cast<std::size_t>(child)]) {
       const Placement& placement = links[static_cast<std::size_t>(child)].joint.placement;
-      to_visit.push_back({static_cast<std::size_t>(child),
-                          shortened(in_joint * frame(placement.beforeJoint()) * frame(placement.afterJoint()))});
+      to_visit.push_back(
+          {static_cast<std::size_t>(child),
+           shortened(in_joint * frame(placement.beforeJoint()) * frame(placement.afterJoint()))});
     }
     const Body& b = bodies_[i];
     is_exact_ = is_exact_ && b.is_exact;
@@ -642,20 +661,26 @@ std::vector<Twist> Validator::motionsOf(const Joint& joint) {
   const bool along_z = joint.placement.convention != Placement::Convention::kXyzRpy;
   const RationalVector u = along_z ? e[2] : vector(joint.axis);
   switch (joint.kind) {
-    case JointKind::kFixed: return {};
-    case JointKind::kRevolute: return {{zero, u}};
-    case JointKind::kPrismatic: return {{u, zero}};
+    case JointKind::kFixed:
+      return {};
+    case JointKind::kRevolute:
+      return {{zero, u}};
+    case JointKind::kPrismatic:
+      return {{u, zero}};
     case JointKind::kHelical: {
       const Rational pitch = value(joint.pitch);
       return {{{pitch * u[0], pitch * u[1], pitch * u[2]}, u}};
     }
-    case JointKind::kCylindrical: return {{u, zero}, {zero, u}};
-    case JointKind::kUniversal: return {{zero, e[1]}};
+    case JointKind::kCylindrical:
+      return {{u, zero}, {zero, u}};
+    case JointKind::kUniversal:
+      return {{zero, e[1]}};
     case JointKind::kPlanar: {
       const RationalVector across = cross(u, u[0] == 0 && u[1] == 0 ? e[0] : e[2]);
       return {{across, zero}, {cross(u, across), zero}, {zero, u}};
     }
-    case JointKind::kSpherical: return {{zero, e[0]}, {zero, e[1]}, {zero, e[2]}};
+    case JointKind::kSpherical:
+      return {{zero, e[0]}, {zero, e[1]}, {zero, e[2]}};
     case JointKind::kFloating:
       return {{e[0], zero}, {e[1], zero}, {e[2], zero}, {zero, e[0]}, {zero, e[1]}, {zero, e[2]}};
   }
@@ -677,7 +702,8 @@ void Validator::requireInertiaOutboard() {
   }
   std::vector<std::size_t> leader(links.size());
   for (std::size_t i = 0; i < links.size(); ++i) leader[i] = i;
-  for (const Follower& f : followers(mechanism_)) leader[f.link] = static_cast<std::size_t>(f.leader);
+  for (const Follower& f : followers(mechanism_))
+    leader[f.link] = static_cast<std::size_t>(f.leader);
   std::map<std::size_t, std::vector<std::pair<std::size_t, std::string>>> idle;  // by leader
   std::map<std::size_t, std::size_t> members;
   for (std::size_t i = links.size(); i-- > 1;) {
@@ -691,22 +717,25 @@ void Validator::requireInertiaOutboard() {
     ++members[leader[i]];
     if (value(link.joint.rotor_inertia) > 0) continue;
     if (!carries_mass[i]) {
-      idle[leader[i]].emplace_back(i,
-                                   "nothing that it carries has mass and it has no rotor_inertia, so forward "
-                                   "dynamics is singular, allowed: a mass, or a rotor_inertia");
+      idle[leader[i]].emplace_back(
+          i,
+          "nothing that it carries has mass and it has no rotor_inertia, so forward "
+          "dynamics is singular, allowed: a mass, or a rotor_inertia");
       continue;
     }
     if (carries_joint[i] || surelyMovesInertia(i) || movesInertia(i)) continue;
     if (degreesOfFreedom(link.joint.kind) > 1) {
-      idle[leader[i]].emplace_back(i, std::string("is ") + name(link.joint.kind) +
-                                          ", and some of its motions move no inertia, so forward dynamics is "
-                                          "singular, allowed: a link with inertia about every axis of the joint");
+      idle[leader[i]].emplace_back(
+          i, std::string("is ") + name(link.joint.kind) +
+                 ", and some of its motions move no inertia, so forward dynamics is "
+                 "singular, allowed: a link with inertia about every axis of the joint");
       continue;
     }
-    idle[leader[i]].emplace_back(i,
-                                 "what it carries has no inertia about the joint's axis and it has no "
-                                 "rotor_inertia, so forward dynamics is singular, allowed: inertia about the "
-                                 "axis, or a rotor_inertia");
+    idle[leader[i]].emplace_back(
+        i,
+        "what it carries has no inertia about the joint's axis and it has no "
+        "rotor_inertia, so forward dynamics is singular, allowed: inertia about the "
+        "axis, or a rotor_inertia");
   }
   for (auto group = idle.rbegin(); group != idle.rend(); ++group)
     if (group->second.size() == members[group->first])
@@ -730,9 +759,8 @@ void Validator::requireEnds(const std::string& what, int a, int b,
 void Validator::requireSpring(const Spring& spring) const {
   const std::string what = "spring \"" + spring.name + '"';
   requireEnds(what, spring.a.link, spring.b.link, spring.where);
-  const std::pair<const char*, const Number*> numbers[] = {{"stiffness", &spring.stiffness},
-                                                           {"rest", &spring.rest},
-                                                           {"damping", &spring.damping}};
+  const std::pair<const char*, const Number*> numbers[] = {
+      {"stiffness", &spring.stiffness}, {"rest", &spring.rest}, {"damping", &spring.damping}};
   for (const auto& [key, n] : numbers) {
     const double value = exactValue(*n, values_, spring.where).toDouble();
     if (value < 0) {

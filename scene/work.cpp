@@ -38,7 +38,8 @@ void takeRow() {
 
 Page* sharedPage() {
   static Page* const page = [] {
-    void* memory = mmap(nullptr, sizeof(Page), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void* memory =
+        mmap(nullptr, sizeof(Page), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     Page* made = memory == MAP_FAILED ? new Page : new (memory) Page;
     pthread_atfork(nullptr, nullptr, takeRow);
     return made;

@@ -141,8 +141,7 @@ void writePlacement(const Placement& p, Lines* lines) {
 }
 
 std::string inlineAttachment(const Attachment& at, const Mechanism& mechanism) {
-  std::string text =
-      "{ link = " + quoted(mechanism.links[static_cast<std::size_t>(at.link)].name);
+  std::string text = "{ link = " + quoted(mechanism.links[static_cast<std::size_t>(at.link)].name);
   if (!allZero(at.xyz)) text += ", xyz = " + array(at.xyz);
   if (!allZero(at.rpy)) text += ", rpy = " + array(at.rpy);
   return text + " }";
@@ -175,7 +174,8 @@ void writeJoint(const Link& link, Lines* lines) {
   if (!joint.motion.empty()) lines->value("motion", array(joint.motion));
   if (joint.mimic) {
     std::string table = "joint = " + quoted(joint.mimic->joint);
-    if (!isLiteral(joint.mimic->multiplier, 1)) table += ", multiplier = " + number(joint.mimic->multiplier);
+    if (!isLiteral(joint.mimic->multiplier, 1))
+      table += ", multiplier = " + number(joint.mimic->multiplier);
     lines->value("mimic", inlineTable(table, {{"offset", &joint.mimic->offset}}));
   }
   const Friction& friction = joint.friction;
@@ -183,11 +183,11 @@ void writeJoint(const Link& link, Lines* lines) {
   std::string table = inlineTable("", {{"viscous", &friction.viscous}});
   if (friction.isCoulomb()) {
     const std::string positive = number(friction.positive), negative = number(friction.negative);
-    table = inlineTable("coulomb = " + (positive == negative
-                                            ? positive
-                                            : inlineTable("", {{"positive", &friction.positive},
-                                                               {"negative", &friction.negative}})),
-                        {{"viscous", &friction.viscous}});
+    table = inlineTable(
+        "coulomb = " + (positive == negative ? positive
+                                             : inlineTable("", {{"positive", &friction.positive},
+                                                                {"negative", &friction.negative}})),
+        {{"viscous", &friction.viscous}});
   }
   lines->value("friction", table);
 }
@@ -251,7 +251,8 @@ std::string writeSceneToml(const Scene& scene) {
   const auto given = [&mechanism](const std::vector<Number>& all) {
     if (!mechanism.hasMimics()) return array(all);
     std::vector<Number> some;
-    for (const int slot : givenSlots(mechanism)) some.push_back(all[static_cast<std::size_t>(slot)]);
+    for (const int slot : givenSlots(mechanism))
+      some.push_back(all[static_cast<std::size_t>(slot)]);
     return array(some);
   };
   const std::string q = given(scene.start_q);

@@ -74,7 +74,8 @@ ClosedAlgebra::ClosedAlgebra(const Equations& equations) : equations_(equations)
     bind(Input::kSin, k, s);
   }
   for (int k = 0; k < equations.dof(); ++k)
-    bind(Input::kDirection, k, addSymbol({Role::kRate, Formula::ofInput(Input::kDirection, k), {}}));
+    bind(Input::kDirection, k,
+         addSymbol({Role::kRate, Formula::ofInput(Input::kDirection, k), {}}));
 }
 
 int ClosedAlgebra::addSymbol(const Symbol& symbol) {

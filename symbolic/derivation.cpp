@@ -137,24 +137,23 @@ std::vector<Step> closedSteps(Equations& e) {
                      equals(f.g[i], e.g[i])});
   for (int i = 0; i < n; ++i)
     if (!e.graph.isZero(e.Q[i]))
-      steps.push_back({numbered("Q_", i),
-                       e.graph.isZero(e.friction[i])
-                           ? "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i."
-                           : "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i "
-                             "- dR/dqd_i, R = sum of viscous qd^2/2 + coulomb |qd|.",
-                       {equation(numbered("Q", i), algebra.expression(e.Q[i]))},
-                       e.graph.isZero(e.friction[i]) ? "depends on the position alone"
-                                                     : "without dR/dqd_i depends on the position alone",
-                       [&] {
-                         bool at_rest = true;
-                         for (int j = 0; j < n; ++j)
-                           at_rest =
-                               at_rest &&
-                               isZero(algebra.derivative(
-                                   algebra.expression(e.Q[i]) + algebra.expression(e.friction[i]),
-                                   {Input::kVelocity, j}));
-                         return at_rest;
-                       }()});
+      steps.push_back(
+          {numbered("Q_", i),
+           e.graph.isZero(e.friction[i])
+               ? "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i."
+               : "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i "
+                 "- dR/dqd_i, R = sum of viscous qd^2/2 + coulomb |qd|.",
+           {equation(numbered("Q", i), algebra.expression(e.Q[i]))},
+           e.graph.isZero(e.friction[i]) ? "depends on the position alone"
+                                         : "without dR/dqd_i depends on the position alone",
+           [&] {
+             bool at_rest = true;
+             for (int j = 0; j < n; ++j)
+               at_rest = at_rest && isZero(algebra.derivative(algebra.expression(e.Q[i]) +
+                                                                  algebra.expression(e.friction[i]),
+                                                              {Input::kVelocity, j}));
+             return at_rest;
+           }()});
   for (int i = 0; i < n; ++i) {
     GiNaC::ex row = f.c[i] + f.g[i];
     for (int j = 0; j < n; ++j) row += f.M[i][j] * algebra.input(Input::kAcceleration, j);
@@ -183,9 +182,9 @@ bool vanish(const Equations& e, const std::vector<Node>& nodes, const scene::Mec
   return true;
 }
 
-/** Which rates are no derivatives, and what they do instead: one step a joint. Checked is what (3') of
-    equations.hpp rests on, that directions commute up to the constants b_ijk, for every entry of R and
-    every coordinate of p. */
+/** Which rates are no derivatives, and what they do instead: one step a joint. Checked is what (3')
+    of equations.hpp rests on, that directions commute up to the constants b_ijk, for every entry of
+    R and every coordinate of p. */
 std::vector<Step> quasiSteps(Equations& e, int points,
                              const std::function<bool(const std::vector<Node>&)>& check) {
   Graph& graph = e.graph;
@@ -201,18 +200,22 @@ std::vector<Step> quasiSteps(Equations& e, int points,
         range("q", joint.slot, 4) + ", from axes of the link to axes of the joint; ";
     if (joint.floats)
       sentence += range("q", joint.slot - 3, 3) + " are the position p of the link's origin, and " +
-                  range("qd", joint.rate, 3) + " its velocity v in axes of the link: dp/dt = " + R + " v; ";
-    sentence += range("qd", joint.rate + rates - 3, 3) +
-                " are the angular velocity w in axes of the link: d" + R + "/dt = " + R +
-                " [w]x. No position has them as its derivative (quasi-velocities); X_i f is df/dt when "
-                "qd_i alone is 1. X_i X_j f - X_j X_i f = sum of b_ijk X_k f, where turns give "
-                "[X_wx, X_wy] = X_wz";
+                  range("qd", joint.rate, 3) + " its velocity v in axes of the link: dp/dt = " + R +
+                  " v; ";
+    sentence +=
+        range("qd", joint.rate + rates - 3, 3) +
+        " are the angular velocity w in axes of the link: d" + R + "/dt = " + R +
+        " [w]x. No position has them as its derivative (quasi-velocities); X_i f is df/dt when "
+        "qd_i alone is 1. X_i X_j f - X_j X_i f = sum of b_ijk X_k f, where turns give "
+        "[X_wx, X_wy] = X_wz";
     if (joint.floats) sentence += ", [X_wx, X_vy] = X_vz";
-    sentence += " and so on in a circle, so that c has the term sum of b_ijk qd_j p_k: Euler's w x p.";
+    sentence +=
+        " and so on in a circle, so that c has the term sum of b_ijk qd_j p_k: Euler's w x p.";
 
     // every coordinate f of the joint's position, and all pairs of directions
     std::vector<Node> coordinates, residuals;
-    for (int k = 0; k < 9; ++k) coordinates.push_back(graph.input(Input::kRotation, 9 * joint.slot + k));
+    for (int k = 0; k < 9; ++k)
+      coordinates.push_back(graph.input(Input::kRotation, 9 * joint.slot + k));
     if (joint.floats)
       for (int k = 0; k < 3; ++k)
         coordinates.push_back(graph.input(Input::kPosition, joint.slot - 3 + k));
@@ -226,18 +229,25 @@ std::vector<Step> quasiSteps(Equations& e, int points,
       for (int i = 0; i < rates; ++i) {
         Node commutator;
         for (int j = 0; j < rates; ++j) {
-          const Node forth = graph.directionalDerivative({X_f[j][f]}, e.directions[joint.rate + i])[0];
-          const Node back = graph.directionalDerivative({X_f[i][f]}, e.directions[joint.rate + j])[0];
-          commutator = graph.add(commutator, graph.multiply(graph.input(Input::kVelocity, joint.rate + j),
-                                                            graph.subtract(forth, back)));
+          const Node forth =
+              graph.directionalDerivative({X_f[j][f]}, e.directions[joint.rate + i])[0];
+          const Node back =
+              graph.directionalDerivative({X_f[i][f]}, e.directions[joint.rate + j])[0];
+          commutator =
+              graph.add(commutator, graph.multiply(graph.input(Input::kVelocity, joint.rate + j),
+                                                   graph.subtract(forth, back)));
         }
         residuals.push_back(graph.subtract(commutator, b_X[joint.rate + i]));
       }
     }
-    steps.push_back({"quasi-velocities of " + joint.joint, sentence, {},
-                     "sum of (X_i X_j f - X_j X_i f) qd_j = sum of b_ijk qd_j X_k f for all coordinates f "
-                     "at " + std::to_string(points) + " random rational points",
-                     check(residuals)});
+    steps.push_back(
+        {"quasi-velocities of " + joint.joint,
+         sentence,
+         {},
+         "sum of (X_i X_j f - X_j X_i f) qd_j = sum of b_ijk qd_j X_k f for all coordinates f "
+         "at " +
+             std::to_string(points) + " random rational points",
+         check(residuals)});
   }
   return steps;
 }
@@ -289,41 +299,44 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
   const bool quasi = !e.quasi.empty();
   std::vector<Step> steps = quasiSteps(e, points, check);
   const std::size_t base = steps.size();
-  for (Step& step : std::vector<Step>{
-      {"kinetic energy T",
-       "Angular velocity omega and velocity v of each link's joint frame, in that frame, and from "
-       "them half of mass times velocity squared.",
-       {},
-       "T = qd' M qd / 2" + at,
-       check({graph.subtract(T_of_M, e.kinetic)})},
-      {"potential energy V",
-       "Minus gravity times the first moment of mass, and the springs.",
-       {},
-       "dV/dq is that of the links' shares" + at,
-       check(residual_g)},
-      {"momentum p", "p_i = dT/dqd_i.", {}, "p = M qd" + at, check(residual_p)},
-      {"mass matrix M",
-       "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
-       {},
-       "M qd is the momentum of T as a sum over links" + at,
-       check(residual_p)},
-      {"Coriolis and centrifugal forces c",
-       quasi ? "c_i = sum of (X_j p_i) qd_j - X_i T + sum of b_ijk qd_j p_k."
-             : "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
-       {},
-       (quasi ? "the same from M alone, with p = M qd and T = qd' M qd/2"
-              : "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq") + at,
-       check(residual_c)},
-      {"gravity and springs g",
-       quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
-       {},
-       "equals the derivative of the links' shares" + at,
-       check(residual_g)},
-      {"equations of motion",
-       quasi ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)." : "Lagrange's equations.",
-       {},
-       "power: qd' (M qdd + c + g) = d(T + V)/dt" + at,
-       check({graph.subtract(power, energy_rate)})}})
+  for (
+      Step& step : std::vector<Step>{
+          {"kinetic energy T",
+           "Angular velocity omega and velocity v of each link's joint frame, in that frame, and from "
+           "them half of mass times velocity squared.",
+           {},
+           "T = qd' M qd / 2" + at,
+           check({graph.subtract(T_of_M, e.kinetic)})},
+          {"potential energy V",
+           "Minus gravity times the first moment of mass, and the springs.",
+           {},
+           "dV/dq is that of the links' shares" + at,
+           check(residual_g)},
+          {"momentum p", "p_i = dT/dqd_i.", {}, "p = M qd" + at, check(residual_p)},
+          {"mass matrix M",
+           "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
+           {},
+           "M qd is the momentum of T as a sum over links" + at,
+           check(residual_p)},
+          {"Coriolis and centrifugal forces c",
+           quasi ? "c_i = sum of (X_j p_i) qd_j - X_i T + sum of b_ijk qd_j p_k."
+                 : "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
+           {},
+           (quasi ? "the same from M alone, with p = M qd and T = qd' M qd/2"
+                  : "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq") +
+               at,
+           check(residual_c)},
+          {"gravity and springs g",
+           quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
+           {},
+           "equals the derivative of the links' shares" + at,
+           check(residual_g)},
+          {"equations of motion",
+           quasi ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)."
+                 : "Lagrange's equations.",
+           {},
+           "power: qd' (M qdd + c + g) = d(T + V)/dt" + at,
+           check({graph.subtract(power, energy_rate)})}})
     steps.push_back(std::move(step));
 
   // the program's lines, each under the first step that needs it
@@ -393,11 +406,13 @@ std::string escaped(const std::string& text, Style style) {
 std::string followersSentence(const scene::Mechanism& mechanism) {
   std::string text;
   for (const scene::Follower& f : scene::followers(mechanism)) {
-    const auto name = [&](int link) { return mechanism.links[static_cast<std::size_t>(link)].joint.name; };
+    const auto name = [&](int link) {
+      return mechanism.links[static_cast<std::size_t>(link)].joint.name;
+    };
     const std::string offset = f.offset.isLiteralZero() ? "" : " + " + f.offset.text();
-    text += " Joint " + name(f.link) + " follows " + name(f.leader) + ": q" + std::to_string(f.slot + 1) +
-            " = " + f.multiplier.str() + " q" + std::to_string(f.leader_slot + 1) + offset +
-            ", and it has no rate of its own.";
+    text += " Joint " + name(f.link) + " follows " + name(f.leader) + ": q" +
+            std::to_string(f.slot + 1) + " = " + f.multiplier.str() + " q" +
+            std::to_string(f.leader_slot + 1) + offset + ", and it has no rate of its own.";
   }
   return text;
 }

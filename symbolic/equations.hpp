@@ -39,26 +39,28 @@ struct QuasiJoint {
         g_i = dV/dq_i                               gravity and springs                     (4)
         Q_i = d(power of the constant wrenches)/dqd_i - dR/dqd_i                            (5)
 
-    with Rayleigh's function R of friction (Lagrangian::dissipation), so that  M qdd + c + g = tau + Q.
-    Equation (3) is  sum_jk Gamma_ijk qd_j qd_k  with the
-    Christoffel symbols of M; christoffelMatrix() gives them their matrix.
+    with Rayleigh's function R of friction (Lagrangian::dissipation), so that  M qdd + c + g = tau +
+    Q. Equation (3) is  sum_jk Gamma_ijk qd_j qd_k  with the Christoffel symbols of M;
+    christoffelMatrix() gives them their matrix.
 
-    Rates of spherical and floating joints are quasi-velocities: no positions have them as derivatives.
-    What a rate does is then a direction X_i,
+    Rates of spherical and floating joints are quasi-velocities: no positions have them as
+    derivatives. What a rate does is then a direction X_i,
 
         a turn of a body at w:  dR/dt = R [w]x      a shift at v:  dp/dt = R v
         X_i f = df/dt when rate i alone is 1, the others 0
 
-    and d/dq_i above is X_i. Two such directions do not commute, X_i X_j f - X_j X_i f = sum_k b_ijk X_k f
-    with the constants of turns and shifts, [turn_x, turn_y] = turn_z, [turn_x, shift_y] = shift_z and
-    so on in a circle (shifts commute). Equation (3) gets one term more (Boltzmann, Hamel):
+    and d/dq_i above is X_i. Two such directions do not commute, X_i X_j f - X_j X_i f = sum_k b_ijk
+    X_k f with the constants of turns and shifts, [turn_x, turn_y] = turn_z, [turn_x, shift_y] =
+    shift_z and so on in a circle (shifts commute). Equation (3) gets one term more (Boltzmann,
+    Hamel):
 
         c_i = sum_j (X_j p_i) qd_j - X_i T + sum_jk b_ijk qd_j p_k                              (3')
 
     which for a body that turns about a fixed point is Euler's  dp/dt + w x p.
 
-    A joint that follows another (scene::Mimic) has no rate: T and V are written with  qd = k qd_leader, and
-    the leader's direction moves both positions, so that all above holds as it stands. */
+    A joint that follows another (scene::Mimic) has no rate: T and V are written with  qd = k
+    qd_leader, and the leader's direction moves both positions, so that all above holds as it
+    stands. */
 struct Equations {
   Graph graph;
   std::vector<std::string> joints;  ///< names of the rates: that of the joint, or "joint.turn"
@@ -66,10 +68,11 @@ struct Equations {
   /// For each joint the next revolute joint inboard when both turn about the same direction, so
   /// that their angles add up; otherwise -1.
   std::vector<int> parallel_inboard;
-  std::vector<QuasiJoint> quasi;         ///< joints with quasi-velocities
-  std::vector<Direction> directions;     ///< X_i of each rate
-  std::vector<std::string> links;  ///< names of the links that joints carry; a joint that is treated
-                                   ///< as several in a row has a massless link after each but the last
+  std::vector<QuasiJoint> quasi;      ///< joints with quasi-velocities
+  std::vector<Direction> directions;  ///< X_i of each rate
+  std::vector<std::string>
+      links;  ///< names of the links that joints carry; a joint that is treated
+              ///< as several in a row has a massless link after each but the last
 
   Node kinetic;    ///< T [J], from the velocities of the links
   Node potential;  ///< V [J], zero for masses at the world's origin and springs at rest
@@ -106,20 +109,21 @@ std::vector<Node> structureTerms(Equations& equations, const std::vector<Node>& 
 
         M qdd + c + g = tau + Q + J' lambda,    J qdd + gamma = 0                           (6)
 
-    phi [m], J_ki = X_i phi_k [m x n] (dphi_k/dq_i, or along the rate where there are quasi-velocities),
-    gamma = (dJ/dt) qd [m]; their order is that of scene::Closure. */
+    phi [m], J_ki = X_i phi_k [m x n] (dphi_k/dq_i, or along the rate where there are
+    quasi-velocities), gamma = (dJ/dt) qd [m]; their order is that of scene::Closure. */
 struct ClosureEquations {
   std::vector<Node> phi, gamma;
   std::vector<std::vector<Node>> J;
 };
 
-/// Adds the closures to the graph of `equations`, which derive() made of the same mechanism with the
-/// same options: phi from the places of the frames in the world, the rest by differentiating it.
+/// Adds the closures to the graph of `equations`, which derive() made of the same mechanism with
+/// the same options: phi from the places of the frames in the world, the rest by differentiating
+/// it.
 ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
                                   Equations& equations);
 
-/// The same for the places of frames in the world: twelve functions a frame, the components of its origin
-/// and of its x, y and z axis.
+/// The same for the places of frames in the world: twelve functions a frame, the components of its
+/// origin and of its x, y and z axis.
 ClosureEquations frameEquations(const scene::Mechanism& mechanism, const Options& options,
                                 const std::vector<scene::Attachment>& frames, Equations& equations);
 
@@ -128,8 +132,8 @@ ClosureEquations frameEquations(const scene::Mechanism& mechanism, const Options
     and, with quasi-velocities, sum_k b_ijk p_k besides, which is skew. */
 std::vector<std::vector<Node>> christoffelMatrix(Equations& equations);
 
-/// Inverse dynamics without M: tau_i = dp_i/dt - dT/dq_i + dV/dq_i - Q_i, in O(n) operations (and the
-/// last term of (3') where there are quasi-velocities).
+/// Inverse dynamics without M: tau_i = dp_i/dt - dT/dq_i + dV/dq_i - Q_i, in O(n) operations (and
+/// the last term of (3') where there are quasi-velocities).
 std::vector<Node> inverseDynamics(Equations& equations);
 
 /// M row by row, then c, then g: n (n + 2) outputs.

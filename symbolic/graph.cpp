@@ -294,7 +294,7 @@ std::vector<Node> Graph::directionalDerivative(
     switch (op(n)) {
       case Op::kConstant:
       case Op::kAtom:
-        break;  // numbers of the scene do not move
+        break;            // numbers of the scene do not move
       case Op::kInverse:  // d(1/a) = -da / a^2
         d[i] = negate(multiply(multiply(n, n), d[a.index]));
         break;

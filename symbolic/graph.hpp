@@ -7,8 +7,8 @@
 // so the same scene gives the same numbers in every run.
 //
 // Joint angles enter as two symbols each, c_k and s_k, with  d c_k = -s_k dq_k,  d s_k = c_k dq_k;
-// quaternions as the nine entries of their rotation R. Here these are variables like any other: that
-// they move together, dR = R [w]x dt, is said where it is used (equations.hpp).
+// quaternions as the nine entries of their rotation R. Here these are variables like any other:
+// that they move together, dR = R [w]x dt, is said where it is used (equations.hpp).
 #pragma once
 
 #include <cstdint>
@@ -53,18 +53,29 @@ struct Atom {
 };
 
 /// A component of the state. Positions q_k are counted from 0 over the position slots, rates qd_k,
-/// qdd_k, forces and directions (the sign of qd_k, a constant of its own) over the degrees of freedom;
-/// kRotation counts as rotationEntry() says.
-enum class Input : std::uint8_t { kPosition, kCos, kSin, kVelocity, kAcceleration, kForce, kRotation,
-                                 kDirection };
+/// qdd_k, forces and directions (the sign of qd_k, a constant of its own) over the degrees of
+/// freedom; kRotation counts as rotationEntry() says.
+enum class Input : std::uint8_t {
+  kPosition,
+  kCos,
+  kSin,
+  kVelocity,
+  kAcceleration,
+  kForce,
+  kRotation,
+  kDirection
+};
 
-/// The number of R_ij (i, j from 0), R turning link axes to joint axes, of the quaternion that starts
-/// at this slot.
-constexpr int rotationEntry(int slot, int i, int j) { return 9 * slot + 3 * i + j; }
+/// The number of R_ij (i, j from 0), R turning link axes to joint axes, of the quaternion that
+/// starts at this slot.
+constexpr int rotationEntry(int slot, int i, int j) {
+  return 9 * slot + 3 * i + j;
+}
 
 /// What the derivative is taken with respect to: q_k, qd_k, qdd_k or R_ij.
 struct Variable {
-  Input input;  ///< kPosition (c_k and s_k follow it), kVelocity, kAcceleration, kForce or kRotation
+  Input
+      input;  ///< kPosition (c_k and s_k follow it), kVelocity, kAcceleration, kForce or kRotation
   int joint;
 };
 

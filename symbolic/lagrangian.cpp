@@ -151,14 +151,15 @@ struct Placed {
   }
 };
 
-/** The steps themselves while they are few; of many a shift and a turn that stand for all. Along a row of fixed
-    links each would otherwise carry the steps of all before it. */
+/** The steps themselves while they are few; of many a shift and a turn that stand for all. Along a
+    row of fixed links each would otherwise carry the steps of all before it. */
 std::vector<FrameStep> shortened(Graph* graph, std::vector<FrameStep> steps) {
   constexpr std::size_t kMostSteps = 16;  // four fixed joints in a row, each with xyz and rpy
   if (steps.size() <= kMostSteps) return steps;
   const Value zero{graph, graph->constant(0)}, one{graph, graph->constant(1)};
   const Placed placed(graph, steps);
-  return {{false, 0, one, zero, placed.p_AB}, {true, -1, one, zero, {zero, zero, zero}, placed.columns}};
+  return {{false, 0, one, zero, placed.p_AB},
+          {true, -1, one, zero, {zero, zero, zero}, placed.columns}};
 }
 
 bool squareRoot(const Rational& square, Rational* root) {
@@ -373,15 +374,32 @@ void Lagrangian::addBodies(const scene::Link& link, WorldOrBodyFrame* frame) {
   const scene::Joint& joint = link.joint;
   std::vector<std::pair<Part, int>> parts;  // what it does, and along which axis of the joint frame
   switch (joint.kind) {
-    case JointKind::kFixed: return;
-    case JointKind::kRevolute: parts = {{Part::kTurn, 2}}; break;
-    case JointKind::kPrismatic: parts = {{Part::kSlide, 2}}; break;
-    case JointKind::kHelical: parts = {{Part::kScrew, 2}}; break;
-    case JointKind::kCylindrical: parts = {{Part::kSlide, 2}, {Part::kTurn, 2}}; break;
-    case JointKind::kUniversal: parts = {{Part::kTurn, 0}, {Part::kTurn, 1}}; break;
-    case JointKind::kPlanar: parts = {{Part::kSlide, 0}, {Part::kSlide, 1}, {Part::kTurn, 2}}; break;
-    case JointKind::kSpherical: parts = {{Part::kBall, 2}}; break;
-    case JointKind::kFloating: parts = {{Part::kFree, 2}}; break;
+    case JointKind::kFixed:
+      return;
+    case JointKind::kRevolute:
+      parts = {{Part::kTurn, 2}};
+      break;
+    case JointKind::kPrismatic:
+      parts = {{Part::kSlide, 2}};
+      break;
+    case JointKind::kHelical:
+      parts = {{Part::kScrew, 2}};
+      break;
+    case JointKind::kCylindrical:
+      parts = {{Part::kSlide, 2}, {Part::kTurn, 2}};
+      break;
+    case JointKind::kUniversal:
+      parts = {{Part::kTurn, 0}, {Part::kTurn, 1}};
+      break;
+    case JointKind::kPlanar:
+      parts = {{Part::kSlide, 0}, {Part::kSlide, 1}, {Part::kTurn, 2}};
+      break;
+    case JointKind::kSpherical:
+      parts = {{Part::kBall, 2}};
+      break;
+    case JointKind::kFloating:
+      parts = {{Part::kFree, 2}};
+      break;
   }
   const Value zero = constant(0);
   const MassMoments nothing{zero, {zero, zero, zero}, {zero, zero, zero, zero, zero, zero}};
@@ -390,9 +408,22 @@ void Lagrangian::addBodies(const scene::Link& link, WorldOrBodyFrame* frame) {
   const Value spin = joint.gyroscopic ? gear * number(joint.rotor_inertia) : zero;
   std::vector<FrameStep> to_axis;
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    Body body{link.name, joint.name, frame->body, parts[k].first, 0, 0, parts[k].second, false,
-              frame->offset, nothing, rotor, spin, number(joint.stiffness), number(joint.rest),
-              number(joint.pitch), constant(1)};
+    Body body{link.name,
+              joint.name,
+              frame->body,
+              parts[k].first,
+              0,
+              0,
+              parts[k].second,
+              false,
+              frame->offset,
+              nothing,
+              rotor,
+              spin,
+              number(joint.stiffness),
+              number(joint.rest),
+              number(joint.pitch),
+              constant(1)};
     if (parts.size() > 1) body.joint_name += "." + rates[k];
     if (k + 1 < parts.size()) body.name += "." + rates[k];
     body.rate = rates_;
@@ -489,11 +520,16 @@ std::vector<Lagrangian::Axis> Lagrangian::axesOf(int i) {
 std::vector<FrameStep> Lagrangian::jointSteps(int i) {
   const Body& body = bodies_[i];
   const Value zero = constant(0), one = constant(1);
-  const auto position = [&](int slot) { return Value{graph_, graph_->input(Input::kPosition, slot)}; };
+  const auto position = [&](int slot) {
+    return Value{graph_, graph_->input(Input::kPosition, slot)};
+  };
   std::vector<FrameStep> result;
   if (!body.hasOneRate()) {
     if (body.joint == Body::Joint::kFree)
-      result.push_back({false, 0, one, zero,
+      result.push_back({false,
+                        0,
+                        one,
+                        zero,
                         {position(body.slot), position(body.slot + 1), position(body.slot + 2)}});
     FrameStep turn{true, -1, one, zero, {zero, zero, zero}};
     for (int row = 0; row < 3; ++row)
@@ -667,7 +703,8 @@ Value Lagrangian::kineticByCompositeBodies() {
       if (body.parent < 0 && axes.size() == 1) break;
       linear[i] = linear[i] + qd * unit_linear;
       angular[i] = angular[i] + qd * unit_angular;
-      if (axes.size() == 1) angular[i][axis.coordinate] += body.spin * qd;  // the rotor inboard spins too
+      if (axes.size() == 1)
+        angular[i][axis.coordinate] += body.spin * qd;  // the rotor inboard spins too
     }
     if (body.parent < 0) continue;
     // to the parent's axes and origin
@@ -839,7 +876,8 @@ std::vector<Value> Lagrangian::closureResiduals() {
 
 namespace {
 
-Node combined(Graph& graph, const Direction& direction, const std::map<std::pair<Input, int>, Node>& slope) {
+Node combined(Graph& graph, const Direction& direction,
+              const std::map<std::pair<Input, int>, Node>& slope) {
   Node sum;
   for (const auto& [variable, node] : direction)
     sum = graph.add(sum, graph.multiply(slope.at({variable.input, variable.joint}), node));
@@ -858,7 +896,8 @@ std::vector<Bracket> brackets(const QuasiJoint& joint, int i) {
     const int sign = shift == 1 ? 1 : -1;
     if (i >= turns) {
       out.push_back({turns + b, turns + c, sign});  // [turn, turn] = turn
-      if (joint.floats) out.push_back({joint.rate + b, joint.rate + c, sign});  // [turn, shift] = shift
+      if (joint.floats)
+        out.push_back({joint.rate + b, joint.rate + c, sign});  // [turn, shift] = shift
     } else {
       out.push_back({turns + b, joint.rate + c, sign});  // [shift, turn] = shift
     }
@@ -879,7 +918,8 @@ std::vector<Node> positionGradient(Equations& e, Node f) {
   for (std::size_t i = 0; i < variables.size(); ++i)
     slope[{variables[i].input, variables[i].joint}] = slopes[i];
   std::vector<Node> result;
-  for (const Direction& direction : e.directions) result.push_back(combined(e.graph, direction, slope));
+  for (const Direction& direction : e.directions)
+    result.push_back(combined(e.graph, direction, slope));
   return result;
 }
 
@@ -925,7 +965,8 @@ void formEnergies(const scene::Mechanism& mechanism, Lagrangian& lagrangian, Equ
     const Body& body = bodies[b];
     e.links.push_back(body.name);
     if (!body.hasOneRate())
-      e.quasi.push_back({body.joint_name, body.joint == Body::Joint::kFree, body.rate, body.quaternion()});
+      e.quasi.push_back(
+          {body.joint_name, body.joint == Body::Joint::kFree, body.rate, body.quaternion()});
     for (int k = 0; k < body.rates() && !body.follows; ++k)
       e.revolute.push_back(body.hasOneRate() ? body.turns() : k + 3 >= body.rates());
   }
@@ -989,14 +1030,16 @@ void formMassMatrix(Lagrangian& lagrangian, Equations& e) {
     entries += body.rates() * rates_inboard.back();
   }
   if (entries > kMostMassEntries)
-    throw scene::InputError({}, fmt::format("M has {:.0f} entries to derive on and above its diagonal, {:.1f} GB of "
-                                            "operations; allowed: {:.0f}, such as those of a chain of 400 joints",
-                                            entries, entries * kBytesOfMassEntry / 1e9, kMostMassEntries));
+    throw scene::InputError(
+        {}, fmt::format("M has {:.0f} entries to derive on and above its diagonal, {:.1f} GB of "
+                        "operations; allowed: {:.0f}, such as those of a chain of 400 joints",
+                        entries, entries * kBytesOfMassEntry / 1e9, kMostMassEntries));
   std::vector<Variable> qd;
   for (int i = 0; i < n; ++i) qd.push_back({Input::kVelocity, i});
 
-  // (2): column j is the momentum that a unit rate of joint j alone (and of those that follow it) gives to
-  // itself and to the joints inboard of it; the others come from symmetry, or share no body with j
+  // (2): column j is the momentum that a unit rate of joint j alone (and of those that follow it)
+  // gives to itself and to the joints inboard of it; the others come from symmetry, or share no
+  // body with j
   const std::vector<Node> p_composite =
       graph.gradient(lagrangian.kineticByCompositeBodies().node, qd);
   e.M.assign(n, std::vector<Node>(n));
@@ -1008,7 +1051,8 @@ void formMassMatrix(Lagrangian& lagrangian, Equations& e) {
         for (int k = 0; k < bodies[b].rates(); ++k) inboard.push_back(bodies[b].rate + k);
     work.done(static_cast<double>(inboard.size()));
     if (e.hasFollowers()) {
-      // the joints of one rate may hang on those of another, and the other way round: all pairs are asked
+      // the joints of one rate may hang on those of another, and the other way round: all pairs are
+      // asked
       inboard.resize(n);
       std::iota(inboard.begin(), inboard.end(), 0);
     }
@@ -1056,7 +1100,8 @@ ClosureEquations differentiated(const std::vector<Value>& functions, Equations& 
     closures.J.push_back(positionGradient(e, phi));
     Node rate;
     for (int i = 0; i < e.dof(); ++i)
-      rate = graph.add(rate, graph.multiply(closures.J.back()[i], graph.input(Input::kVelocity, i)));
+      rate =
+          graph.add(rate, graph.multiply(closures.J.back()[i], graph.input(Input::kVelocity, i)));
     phi_rate.push_back(rate);
   }
   closures.gamma = graph.directionalDerivative(phi_rate, motion(e));
@@ -1095,7 +1140,8 @@ std::vector<std::vector<Node>> christoffelMatrix(Equations& e) {
   for (const QuasiJoint& joint : e.quasi)
     for (int i = joint.rate; i < joint.rate + (joint.floats ? 6 : 3); ++i)
       for (const Bracket& b : brackets(joint, i))
-        C[i][b.j] = b.sign > 0 ? graph.add(C[i][b.j], e.p[b.k]) : graph.subtract(C[i][b.j], e.p[b.k]);
+        C[i][b.j] =
+            b.sign > 0 ? graph.add(C[i][b.j], e.p[b.k]) : graph.subtract(C[i][b.j], e.p[b.k]);
   return C;
 }
 
@@ -1107,8 +1153,8 @@ std::vector<Node> inverseDynamics(Equations& e) {
       positionGradient(e, graph.subtract(e.kinetic, e.potential));
   std::vector<Node> tau;
   for (int i = 0; i < e.dof(); ++i)
-    tau.push_back(graph.add(
-        graph.subtract(graph.subtract(p_rate[i], lagrangian_slope[i]), e.Q[i]), structure[i]));
+    tau.push_back(graph.add(graph.subtract(graph.subtract(p_rate[i], lagrangian_slope[i]), e.Q[i]),
+                            structure[i]));
   return tau;
 }
 

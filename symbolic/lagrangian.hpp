@@ -50,9 +50,9 @@ struct Body {
   std::string name, joint_name;
   int parent;  ///< body, -1: the world
   Joint joint;
-  int rate, slot;                 ///< the joint's first rate (of a follower: its leader's) and position
-  int axis;                       ///< of the joint in the body's frame: 0, 1, 2
-  bool reversed;                  ///< the joint's direction is minus that axis
+  int rate, slot;  ///< the joint's first rate (of a follower: its leader's) and position
+  int axis;        ///< of the joint in the body's frame: 0, 1, 2
+  bool reversed;   ///< the joint's direction is minus that axis
   std::vector<FrameStep> before;  ///< parent body's frame to this body's frame at q = 0
   MassMoments moments;
   Value rotor;  ///< gear_ratio^2 rotor_inertia
@@ -94,8 +94,9 @@ class Lagrangian {
   Value potential();
   /// sum of f' v_at + m' w over the constant wrenches [W].
   Value wrenchPower();
-  /** Rayleigh's function of the joints' friction [W]: its derivative by qd is what friction takes of tau.
-          R = sum (viscous qd^2 / 2 + coulomb(sign qd) qd),   the sign being a constant of its own */
+  /** Rayleigh's function of the joints' friction [W]: its derivative by qd is what friction takes
+      of tau.
+          R = sum (viscous qd^2 / 2 + coulomb(sign qd) qd),  the sign being a constant of its own */
   Value dissipation();
   /** phi of all closures, one after the other (scene::Closure has the equations): both frames are
       placed in the world, and their origins and axes compared. */
@@ -155,7 +156,7 @@ class Lagrangian {
   std::vector<Body> bodies_;
   std::vector<scene::Follower> followers_;
   std::size_t next_follower_ = 0;
-  int rates_ = 0, slots_ = 0;  ///< of the bodies so far
+  int rates_ = 0, slots_ = 0;             ///< of the bodies so far
   std::vector<WorldOrBodyFrame> frames_;  ///< of the scene's links
   MassMoments world_;                     ///< what is fixed to the world
   Vector3 gravity_;

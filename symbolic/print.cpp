@@ -18,7 +18,8 @@ template <typename Position>
 std::string rotationCode(int entry, const Position& position) {
   const auto q = [&](int k) { return position(entry / 9 + k); };
   const auto square = [&](int k) { return q(k) + "*" + q(k); };
-  const std::string n = "(" + square(0) + " + " + square(1) + " + " + square(2) + " + " + square(3) + ")";
+  const std::string n =
+      "(" + square(0) + " + " + square(1) + " + " + square(2) + " + " + square(3) + ")";
   const int i = entry % 9 / 3, j = entry % 3, k = 3 - i - j;
   if (i == j) {
     std::string sum = square(0);
@@ -26,7 +27,8 @@ std::string rotationCode(int entry, const Position& position) {
     return "(" + sum + ")/" + n;
   }
   const bool plus = (j + 1) % 3 == i;  // R_yx, R_zy, R_xz
-  return "2*(" + q(i + 1) + "*" + q(j + 1) + (plus ? " + " : " - ") + q(0) + "*" + q(k + 1) + ")/" + n;
+  return "2*(" + q(i + 1) + "*" + q(j + 1) + (plus ? " + " : " - ") + q(0) + "*" + q(k + 1) + ")/" +
+         n;
 }
 
 bool isCode(Style style) {
@@ -204,12 +206,14 @@ std::vector<std::string> bodyLines(const Equations& equations, const scene::Mech
   // q has no followers in it: they are formed where they are read
   std::map<int, std::string> position_of;
   const std::vector<int> given = scene::givenSlots(mechanism);
-  for (std::size_t k = 0; k < given.size(); ++k) position_of[given[k]] = "q[" + std::to_string(k) + "]";
+  for (std::size_t k = 0; k < given.size(); ++k)
+    position_of[given[k]] = "q[" + std::to_string(k) + "]";
   for (const scene::Follower& f : scene::followers(mechanism)) {
     const auto code = [&](const scene::Number& n) {
       return scene::evaluateIn<Code>(n, CodeAlgebra{language.style}).text;
     };
-    position_of[f.slot] = "(" + code(scene::Number(f.multiplier)) + "*" + position_of.at(f.leader_slot);
+    position_of[f.slot] =
+        "(" + code(scene::Number(f.multiplier)) + "*" + position_of.at(f.leader_slot);
     if (!f.offset.isLiteralZero()) position_of[f.slot] += " + " + code(f.offset);
     position_of[f.slot] += ")";
     for (const std::string& name : f.offset.parameters()) read.insert(name);
@@ -324,14 +328,19 @@ std::string notes(const scene::Mechanism& mechanism, const std::string& indent) 
     text += indent + "joint " + mechanism.links[f.link].joint.name + " follows " +
             mechanism.links[f.leader].joint.name + ": it has no entry in q and qd\n";
   if (static_cast<int>(positions) != mechanism.dof())
-    text += indent + "q: " + std::to_string(positions) + " positions, qd: " +
-            std::to_string(mechanism.dof()) + " rates. A spherical joint has a quaternion (w, x, y, z) of any\n" +
-            indent + "length but 0 in q, a floating one x, y, z [m] and then a quaternion; their rates are the\n" +
-            indent + "body's own, in its axes: (wx, wy, wz), or (vx, vy, vz, wx, wy, wz)\n";
+    text +=
+        indent + "q: " + std::to_string(positions) +
+        " positions, qd: " + std::to_string(mechanism.dof()) +
+        " rates. A spherical joint has a quaternion (w, x, y, z) of any\n" + indent +
+        "length but 0 in q, a floating one x, y, z [m] and then a quaternion; their rates are the\n" +
+        indent + "body's own, in its axes: (wx, wy, wz), or (vx, vy, vz, wx, wy, wz)\n";
   if (mechanism.hasFriction())
-    text += indent + "friction is left out: viscous qd + coulomb sign(qd) of each joint belong to tau\n";
+    text += indent +
+            "friction is left out: viscous qd + coulomb sign(qd) of each joint belong to tau\n";
   if (!mechanism.isOpenTree())
-    text += indent + "these are the equations of the tree alone, without its closures and springs between points\n";
+    text += indent +
+            "these are the equations of the tree alone, without its closures and springs between "
+            "points\n";
   return text;
 }
 
@@ -343,8 +352,7 @@ std::string emitC(const Equations& equations, const scene::Mechanism& mechanism,
   std::string text =
       "/* M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n"
       "   joints: " +
-      jointList(equations) + "\n" + notes(mechanism, "   ") +
-      "   " +
+      jointList(equations) + "\n" + notes(mechanism, "   ") + "   " +
       std::to_string(count.multiplications) + " multiplications, " +
       std::to_string(count.additions) +
       " additions\n"
@@ -381,8 +389,7 @@ std::string emitPython(const Equations& equations, const scene::Mechanism& mecha
   std::string text =
       "\"\"\"M(q) qdd + c(q, qd) + g(q) = tau. Written by dynwitness from T and V.\n\n"
       "joints: " +
-      jointList(equations) + "\n" + notes(mechanism, "") +
-      "parameters: " +
+      jointList(equations) + "\n" + notes(mechanism, "") + "parameters: " +
       (mechanism.parameters.empty() ? "none" : parameterList(mechanism, Style::kPython, true)) +
       "\n\"\"\"\n"
       "from math import cos, sin, sqrt\n\n"

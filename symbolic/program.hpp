@@ -147,9 +147,15 @@ class ProgramRun {
     const T ww = w * w, xx = x * x, yy = y * y, zz = z * z;
     const T inverse_n = T(1) / (ww + xx + yy + zz);
     const auto twice = [&](const T& a) { return (a + a) * inverse_n; };
-    return {(ww + xx - yy - zz) * inverse_n, twice(x * y - w * z), twice(x * z + w * y),
-            twice(x * y + w * z), (ww - xx + yy - zz) * inverse_n, twice(y * z - w * x),
-            twice(x * z - w * y), twice(y * z + w * x), (ww - xx - yy + zz) * inverse_n};
+    return {(ww + xx - yy - zz) * inverse_n,
+            twice(x * y - w * z),
+            twice(x * z + w * y),
+            twice(x * y + w * z),
+            (ww - xx + yy - zz) * inverse_n,
+            twice(y * z - w * x),
+            twice(x * z - w * y),
+            twice(y * z + w * x),
+            (ww - xx - yy + zz) * inverse_n};
   }
 
   void execute(const Program::Instruction& i) {

@@ -89,14 +89,22 @@ class Closed {
 
   Node made(Node n) {
     switch (from_.op(n)) {
-      case Op::kConstant: return to_->constant(from_.value(n));
-      case Op::kAtom: return to_->atom(from_.atom(n));
-      case Op::kInput: return input(from_.inputKind(n), from_.joint(n));
-      case Op::kAdd: return to_->add(at(from_.left(n)), at(from_.right(n)));
-      case Op::kSubtract: return to_->subtract(at(from_.left(n)), at(from_.right(n)));
-      case Op::kMultiply: return to_->multiply(at(from_.left(n)), at(from_.right(n)));
-      case Op::kNegate: return to_->negate(at(from_.left(n)));
-      case Op::kInverse: return to_->inverse(at(from_.left(n)));
+      case Op::kConstant:
+        return to_->constant(from_.value(n));
+      case Op::kAtom:
+        return to_->atom(from_.atom(n));
+      case Op::kInput:
+        return input(from_.inputKind(n), from_.joint(n));
+      case Op::kAdd:
+        return to_->add(at(from_.left(n)), at(from_.right(n)));
+      case Op::kSubtract:
+        return to_->subtract(at(from_.left(n)), at(from_.right(n)));
+      case Op::kMultiply:
+        return to_->multiply(at(from_.left(n)), at(from_.right(n)));
+      case Op::kNegate:
+        return to_->negate(at(from_.left(n)));
+      case Op::kInverse:
+        return to_->inverse(at(from_.left(n)));
       case Op::kTurn: {
         const int slot = freed_.slot[from_.joint(n)];  // a cut has no angle
         return to_->turn(slot, at(from_.left(n)), at(from_.right(n)));

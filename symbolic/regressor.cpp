@@ -24,11 +24,20 @@ InertialSymbols inertialSymbols(const scene::Mechanism& given) {
     out.mechanism.parameters.push_back({symbol(j), kind == Kind::kMass ? 1 : 0, {}});
     scene::Link& link = out.mechanism.links[at];
     scene::MassProperties& m = link.inertia;
-    scene::Number* const numbers[] = {&m.mass, &m.com[0], &m.com[1], &m.com[2],
-                                      &m.xx,   &m.yy,     &m.zz,     &m.xy,
-                                      &m.xz,   &m.yz,     &link.joint.rotor_inertia};
+    scene::Number* const numbers[] = {&m.mass,
+                                      &m.com[0],
+                                      &m.com[1],
+                                      &m.com[2],
+                                      &m.xx,
+                                      &m.yy,
+                                      &m.zz,
+                                      &m.xy,
+                                      &m.xz,
+                                      &m.yz,
+                                      &link.joint.rotor_inertia};
     std::string value = symbol(j);
-    if (kind == Kind::kRotor) value += " / (" + link.joint.gear_ratio.text() + ")^2";  // it is n^2 J
+    if (kind == Kind::kRotor)
+      value += " / (" + link.joint.gear_ratio.text() + ")^2";  // it is n^2 J
     *numbers[static_cast<int>(kind)] = scene::Number::parse(value);
   }
   out.equations = derive(out.mechanism);
@@ -71,8 +80,8 @@ std::vector<Node> weightedRegressor(InertialSymbols& symbols) {
 
 std::vector<Node> energyRegressor(InertialSymbols& symbols) {
   Graph& graph = symbols.equations.graph;
-  return byInertialParameters(
-      symbols, graph.add(symbols.equations.kinetic, symbols.equations.potential));
+  return byInertialParameters(symbols,
+                              graph.add(symbols.equations.kinetic, symbols.equations.potential));
 }
 
 }  // namespace dynwitness::symbolic

@@ -12,10 +12,10 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include "crosscheck/states.hpp"
 #include "scene/scene.hpp"
@@ -29,12 +29,14 @@ constexpr int kChain = 50;
 
 /// An arm of revolute joints of which nothing is parallel, centred or symmetric.
 scene::Scene chain(int joints) {
-  std::string text = "title = 'chain'\nsource = 'chosen here'\ngravity = [0, 0, -9.81]\n"
-                     "[[link]]\nname = 'link_0'\n";
+  std::string text =
+      "title = 'chain'\nsource = 'chosen here'\ngravity = [0, 0, -9.81]\n"
+      "[[link]]\nname = 'link_0'\n";
   for (int i = 1; i <= joints; ++i)
     text += fmt::format(
         "[[link]]\nname = 'link_{}'\nparent = 'link_{}'\nmass = 1.5\ncom = [0.1, 0.2, 0.3]\n"
-        "inertia = {{ about = 'com', xx = 0.1, yy = 0.2, zz = 0.25, xy = 0.01, xz = 0.02, yz = 0.005 }}\n"
+        "inertia = {{ about = 'com', xx = 0.1, yy = 0.2, zz = 0.25, xy = 0.01, xz = 0.02, yz = "
+        "0.005 }}\n"
         "[link.joint]\nname = 'joint_{}'\nkind = 'revolute'\nxyz = [0.1, 0, 0.3]\n"
         "rpy = ['pi/2', 0, 'pi/7']\n",
         i, i - 1, i);
@@ -46,8 +48,8 @@ symbolic::Program derivedProgram(const scene::Mechanism& mechanism) {
   return symbolic::compile(equations.graph, symbolic::massCoriolisGravity(equations));
 }
 
-/// What the derivation adds to the largest resident memory of a process of its own [MB]. To be asked
-/// before this process has memory that it no longer uses, which the other would inherit.
+/// What the derivation adds to the largest resident memory of a process of its own [MB]. To be
+/// asked before this process has memory that it no longer uses, which the other would inherit.
 double memoryOf(const scene::Mechanism& mechanism) {
   const auto peak = [&](bool derives) {
     const pid_t process = fork();
@@ -89,8 +91,8 @@ void sympy(benchmark::State& run, const scene::Scene& scene) {
     q += fmt::format("{}{}", i ? "," : "", state.x[i].q);
     qd += fmt::format("{}{}", i ? "," : "", state.qd[i]);
   }
-  const std::string command = fmt::format("{} {} '{}' {} {}", DYNWITNESS_PYTHON, DYNWITNESS_SYMPY_SCRIPT,
-                                          scene.file.string(), q, qd);
+  const std::string command = fmt::format("{} {} '{}' {} {}", DYNWITNESS_PYTHON,
+                                          DYNWITNESS_SYMPY_SCRIPT, scene.file.string(), q, qd);
   for (auto _ : run) {
     std::string text;
     FILE* pipe = popen(command.c_str(), "r");
@@ -101,14 +103,14 @@ void sympy(benchmark::State& run, const scene::Scene& scene) {
     run.SetIterationTime(said["derivation_s"].get<double>() + said["sharing_s"].get<double>());
     run.counters["operations"] = said["operations"].get<double>();
     // the same equations? the largest difference of an entry of M, c + g, to the largest entry
-    const std::vector<double> ours =
-        symbolic::ProgramRun<double>(derivedProgram(scene.mechanism),
-                                     scene::RealNumbers<double>(scene.mechanism))(state);
+    const std::vector<double> ours = symbolic::ProgramRun<double>(
+        derivedProgram(scene.mechanism), scene::RealNumbers<double>(scene.mechanism))(state);
     const std::size_t n = state.qd.size();
     double difference = 0, largest = 0;
     for (std::size_t i = 0; i < n * n + n; ++i) {
       const double mine = i < n * n ? ours[i] : ours[i] + ours[i + n];
-      const double its = i < n * n ? said["M"][i].get<double>() : said["bias"][i - n * n].get<double>();
+      const double its =
+          i < n * n ? said["M"][i].get<double>() : said["bias"][i - n * n].get<double>();
       difference = std::max(difference, std::abs(mine - its));
       largest = std::max(largest, std::abs(mine));
     }
@@ -122,7 +124,8 @@ void registerDerivations(crosscheck::BenchResult* result) {
   const auto panda = std::make_shared<const scene::Scene>(scene::findScene("franka_panda"));
   const auto long_chain = std::make_shared<const scene::Scene>(chain(kChain));
   addContender(result, {"lagrange", "dynwitness", true});
-  for (const auto& [name, scene] : {std::pair("franka_panda", panda), std::pair("chain_50", long_chain)})
+  for (const auto& [name, scene] :
+       {std::pair("franka_panda", panda), std::pair("chain_50", long_chain)})
     benchmark::RegisterBenchmark((std::string(name) + "/derivation/lagrange").c_str(),
                                  [scene = scene, megabytes = memoryOf(scene->mechanism)](
                                      benchmark::State& run) { derive(run, *scene, megabytes); })

@@ -17,9 +17,9 @@
 
 namespace dynwitness::benchmarks {
 
-/// A scene in MuJoCo, links on fixed joints fused; springs and friction are left out. Joints keep the
-/// order of the file, which is that of the scene for a tree written depth first. Of a floating joint the
-/// linear rates are the world's in MuJoCo and the link's in the scene: the same work.
+/// A scene in MuJoCo, links on fixed joints fused; springs and friction are left out. Joints keep
+/// the order of the file, which is that of the scene for a tree written depth first. Of a floating
+/// joint the linear rates are the world's in MuJoCo and the link's in the scene: the same work.
 class RawMujoco {
  public:
   explicit RawMujoco(const scene::Scene& scene) {

@@ -227,8 +227,9 @@ void requireSame(const std::vector<double>& ours, const std::vector<double>& its
     largest = std::max(largest, std::abs(ours[i]));
   }
   if (!(difference < largest / 1000))
-    throw std::logic_error(fmt::format("{}: {}: another model: {} differs by {:.2g}, the largest is {:.2g}",
-                                       arm.scene.name, engine, quantity, difference, largest));
+    throw std::logic_error(
+        fmt::format("{}: {}: another model: {} differs by {:.2g}, the largest is {:.2g}",
+                    arm.scene.name, engine, quantity, difference, largest));
 }
 
 /// @param tau  of an engine at stateForCheck(), without rotors and springs
@@ -359,7 +360,8 @@ void registerSweeps(BenchResult* result) {
     for (const char* scene : kScenes) {
       try {
         const std::unique_ptr<Witness> witness = kind.make(statesOf(scene).scene);
-        witness->value(Quantity::kTau, statesOf(scene).states[0]);  // whether it takes the scene at all
+        witness->value(Quantity::kTau,
+                       statesOf(scene).states[0]);  // whether it takes the scene at all
         for (const Formula formula : kFormulas)
           if (witness->answers(quantityOf(formula)))
             benchmark::RegisterBenchmark(

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Calls the fast sweeps of both compilers as often as it is told, for a tool that counts instructions.
+// Calls the fast sweeps of both compilers as often as it is told, for a tool that counts
+// instructions.
 //     count_instructions CALLS SCENE...     prints the compilers' names, one a line
 #include <cstdio>
 #include <cstdlib>
@@ -27,7 +28,8 @@ int main(int argc, char** argv) {
     for (const benchmarks::FastBy* by : compilers) {
       void* const sweeps = by->make(&model);
       for (int call = 0; call < calls; ++call) {
-        for (std::size_t i = 0; i < q.size(); ++i) q[i] = 0.3 + 0.1 * static_cast<double>(i) + 0.01 * call;
+        for (std::size_t i = 0; i < q.size(); ++i)
+          q[i] = 0.3 + 0.1 * static_cast<double>(i) + 0.01 * call;
         for (int i = 0; i < n; ++i) qd[i] = 0.7 - 0.2 * i, w[i] = 1.1 + 0.3 * i;
         by->inverseDynamics(sweeps, q.data(), qd.data(), w.data(), out.data());
         by->massMatrix(sweeps, q.data(), M.data());

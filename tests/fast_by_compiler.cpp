@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fast sweeps behind four C functions, so that one program can hold what two compilers make of the
-// same source. COMPILER is the prefix of the functions; nothing else is visible outside.
+// The fast sweeps behind four C functions, so that one program can hold what two compilers make of
+// the same source. COMPILER is the prefix of the functions; nothing else is visible outside.
 #include "fast_by_compiler.hpp"
 
 #include "recursive/fast/dynamics.hpp"
@@ -14,16 +14,18 @@ using dynwitness::recursive::fast::Dynamics;
 EXPORTED void* NAME(COMPILER, _fast_make)(const dynwitness::recursive::Model<double>* model) {
   return new Dynamics(*model);
 }
-EXPORTED void NAME(COMPILER, _fast_free)(void* fast) { delete static_cast<Dynamics*>(fast); }
-EXPORTED void NAME(COMPILER, _fast_ID)(void* fast, const double* q, const double* qd, const double* qdd,
-                                       double* tau) {
+EXPORTED void NAME(COMPILER, _fast_free)(void* fast) {
+  delete static_cast<Dynamics*>(fast);
+}
+EXPORTED void NAME(COMPILER, _fast_ID)(void* fast, const double* q, const double* qd,
+                                       const double* qdd, double* tau) {
   static_cast<Dynamics*>(fast)->inverseDynamics(q, qd, qdd, tau);
 }
 EXPORTED void NAME(COMPILER, _fast_M)(void* fast, const double* q, double* M) {
   static_cast<Dynamics*>(fast)->massMatrix(q, M);
 }
-EXPORTED void NAME(COMPILER, _fast_FD)(void* fast, const double* q, const double* qd, const double* tau,
-                                       double* qdd) {
+EXPORTED void NAME(COMPILER, _fast_FD)(void* fast, const double* q, const double* qd,
+                                       const double* tau, double* qdd) {
   static_cast<Dynamics*>(fast)->forwardDynamics(q, qd, tau, qdd);
 }
 EXPORTED const char* NAME(COMPILER, _fast_compiler)() {

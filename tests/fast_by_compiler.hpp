@@ -4,16 +4,16 @@
 
 #include "recursive/model.hpp"
 
-#define DYNWITNESS_FAST_BY(COMPILER)                                                                 \
-  extern "C" {                                                                                       \
-  void* COMPILER##_fast_make(const dynwitness::recursive::Model<double>* model);                     \
-  void COMPILER##_fast_free(void* fast);                                                             \
-  void COMPILER##_fast_ID(void* fast, const double* q, const double* qd, const double* qdd,          \
-                          double* tau);                                                              \
-  void COMPILER##_fast_M(void* fast, const double* q, double* M);                                    \
-  void COMPILER##_fast_FD(void* fast, const double* q, const double* qd, const double* tau,          \
-                          double* qdd);                                                              \
-  const char* COMPILER##_fast_compiler();                                                            \
+#define DYNWITNESS_FAST_BY(COMPILER)                                                        \
+  extern "C" {                                                                              \
+  void* COMPILER##_fast_make(const dynwitness::recursive::Model<double>* model);            \
+  void COMPILER##_fast_free(void* fast);                                                    \
+  void COMPILER##_fast_ID(void* fast, const double* q, const double* qd, const double* qdd, \
+                          double* tau);                                                     \
+  void COMPILER##_fast_M(void* fast, const double* q, double* M);                           \
+  void COMPILER##_fast_FD(void* fast, const double* q, const double* qd, const double* tau, \
+                          double* qdd);                                                     \
+  const char* COMPILER##_fast_compiler();                                                   \
   }
 DYNWITNESS_FAST_BY(own)
 DYNWITNESS_FAST_BY(second)

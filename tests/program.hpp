@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The program as its user runs it, for tests: in a folder of its own, with its exit status and what it says.
+// The program as its user runs it, for tests: in a folder of its own, with its exit status and what
+// it says.
 #pragma once
 
 #include <array>

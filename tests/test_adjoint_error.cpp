@@ -64,8 +64,8 @@ BOOST_AUTO_TEST_CASE(one_rounding_is_half_an_ulp_of_the_result) {
 }
 
 BOOST_AUTO_TEST_CASE(what_is_taken_off_again_does_not_count) {
-  // (a b + c) - a b loses the rounding of the sums, and that of a b not at all: it has derivative 0.
-  // Running error bounds count it twice.
+  // (a b + c) - a b loses the rounding of the sums, and that of a b not at all: it has derivative
+  // 0. Running error bounds count it twice.
   const auto expression = [](const auto& x) {
     const auto p = x[0] * x[1];
     return (p + x[2]) - p;
@@ -106,7 +106,8 @@ BOOST_AUTO_TEST_CASE(the_bound_encloses_the_error_of_every_operation) {
   RandomStream random("adjoint", 1, 0);
   double closest = 0;
   for (int k = 0; k < 2000; ++k) {
-    const std::vector<double> x = {random.uniform(-2, 2), random.uniform(0.1, 3), random.uniform(7, 9)};
+    const std::vector<double> x = {random.uniform(-2, 2), random.uniform(0.1, 3),
+                                   random.uniform(7, 9)};
     const double error = errorOf(expression, x), bound = boundOf(expression, x);
     BOOST_TEST(error <= bound);
     closest = std::max(closest, error / bound);
@@ -137,7 +138,8 @@ BOOST_DATA_TEST_CASE(inverse_dynamics_of_a_chain_lies_within_bounds_that_grow_as
     tape.rewind(start);
     const Eigen::MatrixXd bound = tape.bounds(
         NewtonEuler::answer(sharp, Quantity::kTau, adjointState(runningErrorState(state))));
-    const MatrixOf<RunningError> tau = NewtonEuler::answer(running, Quantity::kTau, runningErrorState(state));
+    const MatrixOf<RunningError> tau =
+        NewtonEuler::answer(running, Quantity::kTau, runningErrorState(state));
     const BallPrecision precision(512);
     Setup<Ball> exact(scene.mechanism, BallNumbers(scene.mechanism));
     const MatrixOf<Ball> truth = NewtonEuler::answer(exact, Quantity::kTau, ballState(state));

@@ -31,8 +31,9 @@ Options statesOf(int count) {
   return options;
 }
 
-const std::vector<std::string> kChains = {"chain_4",  "chain_8",      "chain_16",     "chain_32",      "chain_64",
-                                          "flat_chain_4", "flat_chain_8", "flat_chain_16", "flat_chain_32", "flat_chain_64"};
+const std::vector<std::string> kChains = {
+    "chain_4",      "chain_8",      "chain_16",      "chain_32",      "chain_64",
+    "flat_chain_4", "flat_chain_8", "flat_chain_16", "flat_chain_32", "flat_chain_64"};
 
 /// Simbody where this build has it, otherwise a sweep of ours in its place.
 WitnessKind outsideEngine() {
@@ -41,7 +42,8 @@ WitnessKind outsideEngine() {
   return articulatedBodyKind();
 }
 
-/// The scene with the inertia of one link off by this part of it: one moment, about the joint's axis.
+/// The scene with the inertia of one link off by this part of it: one moment, about the joint's
+/// axis.
 scene::Scene withFault(scene::Scene scene, int link, const char* fault) {
   scene::Number& zz = scene.mechanism.links[link].inertia.zz;
   zz = scene::Expression::parse(fmt::format("({}) * (1 + {})", zz.text(), fault));
@@ -57,9 +59,8 @@ WitnessKind misled(const WitnessKind& kind, const scene::Scene& other) {
 }
 
 const CheckResult& qddOf(const std::vector<CheckResult>& checks) {
-  const auto found = std::find_if(checks.begin(), checks.end(), [](const CheckResult& c) {
-    return c.quantity == "qdd";
-  });
+  const auto found = std::find_if(checks.begin(), checks.end(),
+                                  [](const CheckResult& c) { return c.quantity == "qdd"; });
   BOOST_REQUIRE(found != checks.end());
   return *found;
 }
@@ -96,7 +97,8 @@ axis = [1, 0, 0]
   BOOST_TEST(r.value(0, 0).mid() == expected, boost::test_tools::tolerance(1e-14));
   BOOST_TEST(r.value(0, 0).radius() < 1e-30);
   const double terms = 7 + 20 * std::sin(0.5) + 2 * 0.25;
-  BOOST_TEST(r.ulp == terms * std::numeric_limits<double>::epsilon(), boost::test_tools::tolerance(1e-14));
+  BOOST_TEST(r.ulp == terms * std::numeric_limits<double>::epsilon(),
+             boost::test_tools::tolerance(1e-14));
   BOOST_TEST(backward_error.condition() == 1.0);
 }
 
@@ -116,22 +118,25 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(identities)
 
-// A fault of 1e-9 in one moment of inertia, planted into an outside engine. It can be noticed where it
-// changes some equation by more than an ulp of the terms in it: less than that is changed by writing the
-// exact qdd down in double.
-BOOST_DATA_TEST_CASE(a_fault_of_1e_9_in_one_inertia_is_noticed_in_qdd_at_every_size, data::make(kChains), name) {
+// A fault of 1e-9 in one moment of inertia, planted into an outside engine. It can be noticed where
+// it changes some equation by more than an ulp of the terms in it: less than that is changed by
+// writing the exact qdd down in double.
+BOOST_DATA_TEST_CASE(a_fault_of_1e_9_in_one_inertia_is_noticed_in_qdd_at_every_size,
+                     data::make(kChains), name) {
   const scene::Scene scene = scene::findScene(name);
   const int links = scene.mechanism.dof();
   const WitnessKind engine = outsideEngine();
-  BOOST_TEST((qddOf(measureDigits(scene, {engine}, statesOf(4)).checks).verdict == Verdict::kAgree));
-  // The equations of the inner joints of a long chain weigh all of it, and rounding these terms in an engine's own
-  // axes may leave more than the fault does. Measured, in limits: link 1 of 16 0.3 (flat 0.9), of 64 0.008; link 32
-  // of 64 0.02 (flat 0.04).
+  BOOST_TEST(
+      (qddOf(measureDigits(scene, {engine}, statesOf(4)).checks).verdict == Verdict::kAgree));
+  // The equations of the inner joints of a long chain weigh all of it, and rounding these terms in
+  // an engine's own axes may leave more than the fault does. Measured, in limits: link 1 of 16 0.3
+  // (flat 0.9), of 64 0.008; link 32 of 64 0.02 (flat 0.04).
   std::vector<int> asked = {links - 1, links};
   if (links <= 8) asked.insert(asked.end(), {1, 2, links / 2});
   for (const int link : asked) {
     const scene::Scene other = withFault(scene, link, "1e-9");
-    const CheckResult check = qddOf(measureDigits(scene, {misled(engine, other)}, statesOf(4)).checks);
+    const CheckResult check =
+        qddOf(measureDigits(scene, {misled(engine, other)}, statesOf(4)).checks);
     BOOST_TEST((check.verdict == Verdict::kDisagree),
                name << ", link " << link << ": " << check.ratio << " of its limit");
   }
@@ -139,15 +144,19 @@ BOOST_DATA_TEST_CASE(a_fault_of_1e_9_in_one_inertia_is_noticed_in_qdd_at_every_s
 
 // Every bundled scene's own witnesses are held by test_digits; here it is told how much is used.
 BOOST_DATA_TEST_CASE(limits_of_chains_are_within_1e4_of_what_is_seen,
-                     data::make({"chain_4", "chain_8", "chain_16", "flat_chain_4", "flat_chain_8", "flat_chain_16"}),
+                     data::make({"chain_4", "chain_8", "chain_16", "flat_chain_4", "flat_chain_8",
+                                 "flat_chain_16"}),
                      name) {
   const scene::Scene scene = scene::findScene(name);
-  const std::vector<WitnessKind> kinds = {newtonEulerKind(), compositeBodyKind(), articulatedBodyKind(),
-                                          recursiveLagrangeKind(), fastKind()};
+  const std::vector<WitnessKind> kinds = {newtonEulerKind(), compositeBodyKind(),
+                                          articulatedBodyKind(), recursiveLagrangeKind(),
+                                          fastKind()};
   for (const CheckResult& check : measureDigits(scene, kinds, statesOf(2)).checks) {
-    BOOST_TEST((check.verdict == Verdict::kAgree), check.left << " " << check.quantity << ": " << check.reason);
-    BOOST_TEST(check.limitOverSeen().value_or(0) < kWidestLimit, check.left << " " << check.quantity << ": limit "
-                                                           << check.loosest << ", seen " << check.seen);
+    BOOST_TEST((check.verdict == Verdict::kAgree),
+               check.left << " " << check.quantity << ": " << check.reason);
+    BOOST_TEST(check.limitOverSeen().value_or(0) < kWidestLimit,
+               check.left << " " << check.quantity << ": limit " << check.loosest << ", seen "
+                          << check.seen);
   }
 }
 
@@ -158,8 +167,10 @@ BOOST_DATA_TEST_CASE(laws_of_chains_are_answered_at_every_size,
     BOOST_TEST(is_asked, law.check << ": " << law.reason);
     if (law.verdict == Verdict::kNotAnswerable) continue;
     BOOST_TEST((law.verdict == Verdict::kAgree), law.check << ": " << law.reason);
-    if (law.check == "projections of force and motion are dual") continue;  // 0 = 0 without rotors: no size to be wide of
-    BOOST_TEST(law.limitOverSeen().value_or(0) < kWidestLimit, law.check << ": limit " << law.loosest);
+    if (law.check == "projections of force and motion are dual")
+      continue;  // 0 = 0 without rotors: no size to be wide of
+    BOOST_TEST(law.limitOverSeen().value_or(0) < kWidestLimit,
+               law.check << ": limit " << law.loosest);
   }
 }
 
@@ -171,7 +182,8 @@ BOOST_AUTO_TEST_CASE(an_answer_that_is_no_number_disagrees) {
   const scene::Scene scene = scene::findScene("double_pendulum");
   BackwardError backward_error(scene.mechanism);
   backward_error.at(drawState(scene.mechanism, scene.name, 1, 0));
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     const Residual r = backward_error(Eigen::MatrixXd::Constant(2, 1, bad));
     BOOST_TEST(!r.value(0, 0).isFinite());
   }
@@ -184,7 +196,8 @@ BOOST_AUTO_TEST_CASE(where_m_is_singular_nothing_is_compared_and_the_joint_is_na
   const CheckResult check =
       qddOf(compareWitnesses(scene, {compositeBodyKind(), articulatedBodyKind()}, statesOf(3)));
   BOOST_TEST((check.verdict == Verdict::kNotAnswerable));
-  BOOST_TEST(check.reason.find("joint 'elbow' moves no inertia") != std::string::npos, check.reason);
+  BOOST_TEST(check.reason.find("joint 'elbow' moves no inertia") != std::string::npos,
+             check.reason);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

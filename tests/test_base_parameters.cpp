@@ -41,16 +41,18 @@ struct Count {
   const char* scene;
   int links;
 };
-std::ostream& operator<<(std::ostream& out, const Count& c) { return out << c.scene; }
+std::ostream& operator<<(std::ostream& out, const Count& c) {
+  return out << c.scene;
+}
 
 }  // namespace
 
-// 36: a PUMA's by H. Mayeda et al. (1990), 7 n - 4 - 2. 43: C. Gaz et al., Dynamic
-// identification of the Franka Emika Panda robot, IEEE RA-L 4(4), 2019. The others by hand: two
-// joints about parallel axes across gravity have Iyy, mcx, mcz of either link; along gravity the first
-// link's moments do not count.
-const Count kPublished[] = {{"puma_560", 36}, {"franka_panda", 43}, {"kuka_iiwa_14", 43},
-                            {"double_pendulum", 6}, {"acrobot", 6}, {"simple_pendulum", 3},
+// 36: a PUMA's by H. Mayeda et al. (1990), 7 n - 4 - 2. 43: C. Gaz et al., Dynamic identification
+// of the Franka Emika Panda robot, IEEE RA-L 4(4), 2019. The others by hand: two joints about
+// parallel axes across gravity have Iyy, mcx, mcz of either link; along gravity the first link's
+// moments do not count.
+const Count kPublished[] = {{"puma_560", 36},       {"franka_panda", 43}, {"kuka_iiwa_14", 43},
+                            {"double_pendulum", 6}, {"acrobot", 6},       {"simple_pendulum", 3},
                             {"planar_3r", 7}};
 BOOST_DATA_TEST_CASE(counts_are_those_of_the_literature, data::make(kPublished), known) {
   const scene::Scene scene = scene::findScene(known.scene);
@@ -72,15 +74,16 @@ BOOST_AUTO_TEST_CASE(counts_are_those_of_the_closed_form) {
   BOOST_TEST(applicable >= 5);
 }
 
-// The energies, by the derivation, know as many numbers as the forces, by the sweeps, and the same ones.
+// The energies, by the derivation, know as many numbers as the forces, by the sweeps, and the same
+// ones.
 BOOST_DATA_TEST_CASE(energies_know_what_forces_know, data::make(names()), name) {
   const scene::Scene scene = scene::findScene(name);
   const BaseParameters base = baseParameters(scene, 1, kChance);
   BOOST_TEST(energyRank(scene, base, 1) == base.count());
 }
 
-// pi_1 + K pi_2 in the place of pi_1, 0 in the place of pi_2: the same forces, over rational points where
-// the geometry is rational.
+// pi_1 + K pi_2 in the place of pi_1, 0 in the place of pi_2: the same forces, over rational points
+// where the geometry is rational.
 BOOST_DATA_TEST_CASE(forces_need_the_base_parameters_alone, data::make(names()), name) {
   const scene::Scene scene = scene::findScene(name);
   const BaseParameters base = baseParameters(scene, 1, kChance);
@@ -111,8 +114,8 @@ BOOST_DATA_TEST_CASE(forces_need_the_base_parameters_alone, data::make(names()),
   }
 }
 
-// By hand: two rods, joints about y; the lower joint hangs l1 = 1/2 below the upper one. To joint 1 the
-// lower link's mass is a point at its hinge: m l1^2 of inertia, -m l1 of first moment along z.
+// By hand: two rods, joints about y; the lower joint hangs l1 = 1/2 below the upper one. To joint 1
+// the lower link's mass is a point at its hinge: m l1^2 of inertia, -m l1 of first moment along z.
 BOOST_AUTO_TEST_CASE(the_double_pendulum_regroups_as_by_hand) {
   const scene::Scene scene = scene::findScene("double_pendulum");
   const BaseParameters base = baseParameters(scene, 1, kChance);
@@ -121,7 +124,9 @@ BOOST_AUTO_TEST_CASE(the_double_pendulum_regroups_as_by_hand) {
   const std::set<std::string> expected = {"mcx(upper)",
                                           "mcz(upper) - l1 m(lower)",
                                           "Iyy(upper) + l1^2 m(lower)",
-                                          "mcx(lower)", "mcz(lower)", "Iyy(lower)"};
+                                          "mcx(lower)",
+                                          "mcz(lower)",
+                                          "Iyy(lower)"};
   BOOST_TEST(sums == expected, boost::test_tools::per_element());
   int alone = 0, together = 0;
   for (const auto status : base.status) {
@@ -132,13 +137,14 @@ BOOST_AUTO_TEST_CASE(the_double_pendulum_regroups_as_by_hand) {
   BOOST_TEST(together == 3);
 }
 
-// A rational lifted from residues lies in the ball that doubles and balls found without any prime (a
-// mismatch throws).
+// A rational lifted from residues lies in the ball that doubles and balls found without any prime
+// (a mismatch throws).
 BOOST_DATA_TEST_CASE(rationals_lie_in_their_balls, data::make(namesAndHumanoid()), name) {
   const BaseParameters base = baseParameters(scene::findScene(name), 1, kChance);
   for (const Coefficient& c : base.K) {
     BOOST_TEST(c.error <= std::abs(c.value) * 0x1p-50);
     if (c.exact)
-      BOOST_TEST(std::abs(c.exact->convert_to<double>() - c.value) <= c.error + 0x1p-52 * std::abs(c.value));
+      BOOST_TEST(std::abs(c.exact->convert_to<double>() - c.value) <=
+                 c.error + 0x1p-52 * std::abs(c.value));
   }
 }

@@ -24,7 +24,8 @@ namespace {
 
 std::vector<WitnessKind> presentEngines() {
   std::vector<WitnessKind> present;
-  for (const WitnessKind& kind : {simbodyKind(), mujocoKind(), mujocoPrincipalKind(), dartKind(), kdlKind()})
+  for (const WitnessKind& kind :
+       {simbodyKind(), mujocoKind(), mujocoPrincipalKind(), dartKind(), kdlKind()})
     if (kind.info.present) present.push_back(kind);
   return present;
 }
@@ -54,14 +55,13 @@ BOOST_AUTO_TEST_CASE(all_residuals_of_random_mechanisms_are_zero) {
   CampaignOptions options;
   options.exact.seed = 3;
   int calls = 0;
-  const RandomCampaign campaign = crosscheckRandom(25, 12, options, 1, [&](int done) {
-    BOOST_TEST(done == 5 * ++calls);
-  });
+  const RandomCampaign campaign =
+      crosscheckRandom(25, 12, options, 1, [&](int done) { BOOST_TEST(done == 5 * ++calls); });
   BOOST_TEST(calls == 5);
   BOOST_TEST(campaign.mechanisms == 25);
   BOOST_TEST(campaign.joints >= 25);
-  // pairs of five or six witnesses (one refuses gyroscopic rotors), the regressor and the identities;
-  // some trees have no other root
+  // pairs of five or six witnesses (one refuses gyroscopic rotors), the regressor and the
+  // identities; some trees have no other root
   BOOST_TEST(campaign.checks > 25 * (12 + kIdentityCount));
   BOOST_TEST(campaign.checks <= 25 * (41 + kIdentityCount));
   BOOST_TEST(campaign.not_answerable == 0);
@@ -105,9 +105,8 @@ BOOST_AUTO_TEST_CASE(an_error_of_one_part_in_a_million_million_million_fails_in_
       for (const Quantity quantity : {Quantity::kM, Quantity::kQdd})
         others += witness.name != "composite_body" && witness.answers(quantity) ? 1 : 0;
     BOOST_TEST_REQUIRE(failure.checks.size() == others);
-    BOOST_TEST(std::all_of(failure.findings.begin(), failure.findings.end(), [](const Finding& f) {
-      return f.witness == "composite_body";
-    }));
+    BOOST_TEST(std::all_of(failure.findings.begin(), failure.findings.end(),
+                           [](const Finding& f) { return f.witness == "composite_body"; }));
 
     // what is printed is enough to see it again
     const std::string text = describeFailure(failure);
@@ -128,7 +127,8 @@ BOOST_AUTO_TEST_SUITE(campaigns_in_double)
 BOOST_AUTO_TEST_CASE(engines_agree_and_each_is_asked_about_as_many_mechanisms_as_were_wanted) {
   const std::vector<WitnessKind> engines = presentEngines();
   const RandomCampaign campaign = crosscheckRandom(15, 8, inDouble(sweepsAnd(engines), 4));
-  for (const RandomCampaign::Failure& failure : campaign.failures) BOOST_ERROR(describeFailure(failure));
+  for (const RandomCampaign::Failure& failure : campaign.failures)
+    BOOST_ERROR(describeFailure(failure));
   BOOST_TEST(campaign.mechanisms == 15);
   for (const WitnessKind& engine : engines)
     BOOST_TEST(campaign.asked.at(engine.info.name) >= 15, engine.info.name);
@@ -142,7 +142,8 @@ BOOST_AUTO_TEST_CASE(engines_agree_and_each_is_asked_about_as_many_mechanisms_as
       refusals += found->second;
       BOOST_TEST(reason.find("'...'") != std::string::npos, reason);  // nobody's own name
     }
-    BOOST_TEST(refusals == 15 + campaign.plain - campaign.asked.at(engine.info.name), engine.info.name);
+    BOOST_TEST(refusals == 15 + campaign.plain - campaign.asked.at(engine.info.name),
+               engine.info.name);
   }
 }
 
@@ -153,12 +154,14 @@ BOOST_AUTO_TEST_CASE(the_result_is_the_same_however_many_processes_find_it) {
   BOOST_TEST((archived(crosscheckRandom(17, 5, options, 4)) == one));
 }
 
-BOOST_AUTO_TEST_CASE(an_inertia_that_is_wrong_in_the_ninth_digit_is_found_and_named_with_its_scene) {
+BOOST_AUTO_TEST_CASE(
+    an_inertia_that_is_wrong_in_the_ninth_digit_is_found_and_named_with_its_scene) {
   WitnessKind mistaken = simbodyKind();
   mistaken.make = [](scene::Scene scene) {
     scene::MassProperties& m = scene.mechanism.links.back().inertia;
     const auto change = [&](scene::Number& x) {
-      const scene::Rational exact = scene::exactValue(x, scene.mechanism.parameterValues()).rational;
+      const scene::Rational exact =
+          scene::exactValue(x, scene.mechanism.parameterValues()).rational;
       x = scene::Number(exact + exact / 1000000000);
     };
     for (scene::Number* x : {&m.mass, &m.xx, &m.yy, &m.zz, &m.xy, &m.xz, &m.yz}) change(*x);
@@ -180,9 +183,8 @@ BOOST_AUTO_TEST_CASE(an_inertia_that_is_wrong_in_the_ninth_digit_is_found_and_na
   }
   BOOST_TEST(campaign.failures.size() >= 6u);
   for (const RandomCampaign::Failure& failure : campaign.failures) {
-    BOOST_TEST(std::any_of(failure.findings.begin(), failure.findings.end(), [](const Finding& finding) {
-      return finding.witness == "simbody";
-    }));
+    BOOST_TEST(std::any_of(failure.findings.begin(), failure.findings.end(),
+                           [](const Finding& finding) { return finding.witness == "simbody"; }));
     for (const CheckResult& check : failure.checks)
       BOOST_TEST((check.left == "simbody" || check.right == "simbody"), describeFailure(failure));
     const std::string text = describeFailure(failure);
@@ -208,14 +210,14 @@ BOOST_AUTO_TEST_CASE(an_engine_whose_gravity_points_up_is_found_wherever_there_i
 
 BOOST_AUTO_TEST_SUITE_END()
 
-// c of one joint is zero, whatever turns about it, and so is g of an upright axis: for us exactly, term by
-// term. In other axes terms cancel, and their rounding is left.
+// c of one joint is zero, whatever turns about it, and so is g of an upright axis: for us exactly,
+// term by term. In other axes terms cancel, and their rounding is left.
 BOOST_AUTO_TEST_SUITE(zero_by_structure)
 
 namespace {
 
-/// A link with products of inertia, on one joint whose axis stands obliquely, in a world where gravity is
-/// along that axis.
+/// A link with products of inertia, on one joint whose axis stands obliquely, in a world where
+/// gravity is along that axis.
 scene::Scene oblique(const char* kind) {
   return scene::readSceneToml(std::string(R"(
 gravity = [3, -4, 12]
@@ -231,7 +233,8 @@ inertia = { xx = 0.5, yy = 0.6, zz = 0.7, xy = 0.1, xz = -0.05, yz = 0.15 }
 name = "joint"
 axis = [3, -4, 12]
 xyz = [0.1, 0.2, 0.3]
-kind = ")") + kind + "\"\n", "oblique.toml");
+kind = ")") + kind + "\"\n",
+                              "oblique.toml");
 }
 
 }  // namespace
@@ -243,8 +246,8 @@ BOOST_AUTO_TEST_CASE(an_engine_may_lose_some_ulps_of_the_terms_that_cancel_and_n
   for (int k = 0; k < 20; ++k) {
     const scene::State<double> state = drawState(scene.mechanism, scene.name, 1, k);
     const double qd = state.qd[0];
-    // by hand: |I| about the joint is below 0.5 + 0.6 + 0.7 + 2 m c^2 = 2.4 kg m^2, and gravity 13 m/s^2
-    // acts on 2 kg at 0.37 m
+    // by hand: |I| about the joint is below 0.5 + 0.6 + 0.7 + 2 m c^2 = 2.4 kg m^2, and gravity 13
+    // m/s^2 acts on 2 kg at 0.37 m
     const double of_c = bound(Quantity::kc, state)(0, 0), of_g = bound(Quantity::kg, state)(0, 0);
     BOOST_TEST(of_c > kUlp * 0.5 * qd * qd);
     BOOST_TEST(of_c < 400 * kUlp * 2.4 * qd * qd);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sweeps under constraints against one dense system in all unknowns, made from Lagrange's equations, over a
-// prime field: hybrid dynamics, closed loops eliminated where they close, soft and redundant constraints,
-// tasks, and Gauss' principle.
+// Sweeps under constraints against one dense system in all unknowns, made from Lagrange's
+// equations, over a prime field: hybrid dynamics, closed loops eliminated where they close, soft
+// and redundant constraints, tasks, and Gauss' principle.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE closed_dynamics
 #include "recursive/closed_dynamics.hpp"
@@ -58,7 +58,8 @@ void addConstraint(scene::Scene* scene, std::mt19937& random, bool soft) {
   scene->mechanism.acceleration_constraints.push_back(held);
 }
 
-/// Drives every third joint whose rates are the derivatives of its positions; at least one stays free.
+/// Drives every third joint whose rates are the derivatives of its positions; at least one stays
+/// free.
 void drive(scene::Scene* scene) {
   int count = 0;
   for (scene::Link& link : scene->mechanism.links) {
@@ -107,8 +108,8 @@ void requireSame(const A& a, const B& b) {
 
 BOOST_AUTO_TEST_SUITE(sweeps_are_the_dense_system)
 
-BOOST_DATA_TEST_CASE(of_bundled_loops, data::make({"pendulum_on_slides", "four_bars_2", "andrews_squeezer"}),
-                     name) {
+BOOST_DATA_TEST_CASE(of_bundled_loops,
+                     data::make({"pendulum_on_slides", "four_bars_2", "andrews_squeezer"}), name) {
   requireAgree(checkConstrainedExactly(scene::findScene(std::string(name)), {}), 2);
 }
 // the plane closure among them
@@ -162,9 +163,10 @@ BOOST_AUTO_TEST_CASE(a_loop_between_branches_ends_at_their_common_ancestor) {
   Point p(scene, 1);
   auto closures = recursive::buildConstraints(scene.mechanism, p.number, p.model);
   recursive::constraintEquations(p.model, p.state.x, p.state.qd, p.ws, closures);
-  const auto local = recursive::closedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, closures, p.ws);
-  const auto at_base =
-      recursive::closedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, closures, p.ws, true);
+  const auto local =
+      recursive::closedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, closures, p.ws);
+  const auto at_base = recursive::closedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau,
+                                                        closures, p.ws, true);
   BOOST_TEST_REQUIRE(local.groups.size() == 1u);
   BOOST_TEST(local.groups[0].ancestor == 0);
   BOOST_TEST(at_base.groups[0].ancestor == -1);
@@ -177,20 +179,24 @@ BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(redundant_and_soft)
 
 // every constraint once more: the same motion, and no force is determined any longer
-BOOST_DATA_TEST_CASE(a_constraint_that_stands_twice_changes_no_acceleration, data::xrange(4u), seed) {
+BOOST_DATA_TEST_CASE(a_constraint_that_stands_twice_changes_no_acceleration, data::xrange(4u),
+                     seed) {
   scene::Scene scene = randomTree(seed, 6);
   std::mt19937 random(seed);
   addConstraint(&scene, random, false);
   addConstraint(&scene, random, false);
   Point p(scene, seed);
-  const auto once = recursive::accelerationConstraints(scene.mechanism, p.number, p.model, p.state.x, p.state.qd, p.ws);
+  const auto once = recursive::accelerationConstraints(scene.mechanism, p.number, p.model,
+                                                       p.state.x, p.state.qd, p.ws);
   std::vector<F> qdd = p.state.qdd, again = qdd;
   recursive::ConstraintWorkspace<F> cws(p.model, 2), three(p.model, 3);
-  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, once, p.ws, cws, qdd);
+  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, once, p.ws,
+                                        cws, qdd);
   if (cws.of_N.rank() < 2) return;  // drew two that depend on each other
   auto twice = once;
   twice.push_back(once[1]);
-  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, twice, p.ws, three, again);
+  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, twice, p.ws,
+                                        three, again);
   BOOST_TEST(three.of_N.rank() == 2);
   requireSame(qdd, again);
   BOOST_TEST((three.nu(0) == cws.nu(0)));
@@ -199,7 +205,8 @@ BOOST_DATA_TEST_CASE(a_constraint_that_stands_twice_changes_no_acceleration, dat
   for (int k = 0; k < 3; ++k) BOOST_TEST((three.missing(k) == F(0)));
   // one that contradicts is told by how much
   twice[2].b(0) += F(5);
-  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, twice, p.ws, three, again);
+  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, twice, p.ws,
+                                        three, again);
   BOOST_TEST((three.missing(2) == F(5)));
 }
 
@@ -229,28 +236,34 @@ BOOST_AUTO_TEST_CASE(rank_is_told_in_double_precision_too) {
   for (int i = 0; i < 5; ++i) BOOST_TEST(std::abs(qdd[i] - again[i]) <= 1e3 * 2.3e-16 * 20);
 }
 
-// (N + C) nu = missing: with C = c D the answer is a rational function of c that at c = 0 is the hard one
+// (N + C) nu = missing: with C = c D the answer is a rational function of c that at c = 0 is the
+// hard one
 BOOST_AUTO_TEST_CASE(compliance_gives_way_and_zero_compliance_does_not) {
   const scene::Scene scene = scene::findScene("two_handed");
   Point p(scene, 3);
-  auto held = recursive::accelerationConstraints(scene.mechanism, p.number, p.model, p.state.x, p.state.qd, p.ws);
+  auto held = recursive::accelerationConstraints(scene.mechanism, p.number, p.model, p.state.x,
+                                                 p.state.qd, p.ws);
   const int m = static_cast<int>(held.size());
   std::vector<F> hard = p.state.qdd, soft = hard, qdd = hard;
   recursive::ConstraintWorkspace<F> cws(p.model, m);
   for (auto& one : held) one.compliance.resize(0);
-  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, held, p.ws, cws, hard);
+  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, held, p.ws,
+                                        cws, hard);
   const Vector nu = cws.nu;
   const Matrix N = cws.N;
   for (auto& one : held) one.compliance = Vector::Constant(1, F(0));
-  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, held, p.ws, cws, soft);
+  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, held, p.ws,
+                                        cws, soft);
   requireSame(hard, soft);
   for (auto& one : held) one.compliance(0) = F(7);
-  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, held, p.ws, cws, soft);
+  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, held, p.ws,
+                                        cws, soft);
   requireSame(Vector(N * cws.nu + cws.nu * F(7)), Vector(N * nu));
   // and redundant ones are determined when they are soft
   held.push_back(held[0]);
   recursive::ConstraintWorkspace<F> more(p.model, m + 1);
-  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, held, p.ws, more, qdd);
+  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, held, p.ws,
+                                        more, qdd);
   BOOST_TEST(more.of_N.rank() == m + 1);
   BOOST_TEST((more.nu(0) == more.nu(m)));  // shared out evenly
 }
@@ -258,9 +271,11 @@ BOOST_AUTO_TEST_CASE(compliance_gives_way_and_zero_compliance_does_not) {
 BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(least_constraint)
 
-// A floating robot whose base is held by k constraints: inward sweeps make it one body of six accelerations,
-// Gauss' problem of which is solved alone; against constraints on link 0 in the sweeps, and both forces.
-BOOST_DATA_TEST_CASE(of_the_base_is_that_of_the_whole_robot, data::make({"satellite_arm", "humanoid_floating"}), name) {
+// A floating robot whose base is held by k constraints: inward sweeps make it one body of six
+// accelerations, Gauss' problem of which is solved alone; against constraints on link 0 in the
+// sweeps, and both forces.
+BOOST_DATA_TEST_CASE(of_the_base_is_that_of_the_whole_robot,
+                     data::make({"satellite_arm", "humanoid_floating"}), name) {
   const scene::Scene scene = scene::findScene(std::string(name));
   Point p(scene, 5);
   std::mt19937 random(5);
@@ -274,15 +289,17 @@ BOOST_DATA_TEST_CASE(of_the_base_is_that_of_the_whole_robot, data::make({"satell
   }
   std::vector<F> by_sweeps = p.state.qdd, by_base = by_sweeps;
   recursive::ConstraintWorkspace<F> cws(p.model, 2);
-  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, {held}, p.ws, cws, by_sweeps);
+  recursive::constrainedForwardDynamics(p.model, p.state.x, p.state.qd, p.state.tau, {held}, p.ws,
+                                        cws, by_sweeps);
   Vector force;
-  recursive::baseConstrainedDynamics(p.model, p.state.x, p.state.qd, p.state.tau, held, p.ws, by_base, &force);
+  recursive::baseConstrainedDynamics(p.model, p.state.x, p.state.qd, p.state.tau, held, p.ws,
+                                     by_base, &force);
   requireSame(by_sweeps, by_base);
   requireSame(cws.nu, force);
 }
 
-// Over the rationals, where "less" means something: any other acceleration that obeys A' a = b costs more, by
-// half the square of its distance in M's norm.
+// Over the rationals, where "less" means something: any other acceleration that obeys A' a = b
+// costs more, by half the square of its distance in M's norm.
 BOOST_AUTO_TEST_CASE(every_other_acceleration_costs_more) {
   using Q = fixtures::Q;
   recursive::MatrixX<Q> M(3, 3), A(3, 1);

@@ -44,7 +44,8 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   refuses(program, "action bricard", "a tree of links");
   refuses(program, "action acrobot --duration 0", "allowed: positive");
   refuses(program, "impulse acrobot --link nobody", "has no link 'nobody'");
-  refuses(program, "impulse acrobot --wall 0,0,1 --impulse 1,0,0", "--wall seeks the impulse itself");
+  refuses(program, "impulse acrobot --wall 0,0,1 --impulse 1,0,0",
+          "--wall seeks the impulse itself");
   refuses(program, "impulse acrobot --wall 0,0,0", "no direction");
   refuses(program, "impedance acrobot --stiffness 1,2", "--stiffness: 2 values, allowed: 6");
   refuses(program, "chart", "scene");
@@ -66,7 +67,8 @@ BOOST_AUTO_TEST_CASE(a_bad_scene_is_refused_with_its_line) {
 
 BOOST_AUTO_TEST_CASE(a_scene_in_which_nothing_moves_is_refused) {
   const Program program;
-  program.write("rock.toml", "title = \"x\"\nsource = \"x\"\n[[link]]\nname = \"rock\"\nmass = 1\n");
+  program.write("rock.toml",
+                "title = \"x\"\nsource = \"x\"\n[[link]]\nname = \"rock\"\nmass = 1\n");
   refuses(program, "crosscheck rock.toml", "rock.toml: no joint moves");
   refuses(program, "drift rock.toml", "rock.toml: no joint moves");
   refuses(program, "chart rock.toml", "rock.toml: no joint moves");
@@ -94,7 +96,8 @@ BOOST_AUTO_TEST_CASE(a_bad_states_file_is_refused_with_its_line) {
   program.write("empty.csv", "");
   refuses(program, words + "empty.csv", "no header");
   program.write("good.csv", good + "0,0,0,0,0,0\n");
-  refuses(program, "evaluate acrobot --quantity torque --states good.csv", "unknown quantity 'torque'");
+  refuses(program, "evaluate acrobot --quantity torque --states good.csv",
+          "unknown quantity 'torque'");
   refuses(program, "evaluate acrobot --quantity qdd --witness newton_euler --states good.csv",
           "does not answer qdd");
   BOOST_TEST(!program.exists("out.csv"));
@@ -142,13 +145,13 @@ BOOST_AUTO_TEST_SUITE(results)
 BOOST_AUTO_TEST_CASE(evaluate_writes_one_row_a_state_in_full_precision) {
   const Program program;
   program.write("s.csv", "q1,qd1,qdd1\n0.5,2,3\n");
-  const Outcome outcome = program.run(
-      "evaluate 'simple pendulum' --quantity M,c,g,tau --states s.csv", "2>/dev/null");
+  const Outcome outcome =
+      program.run("evaluate 'simple pendulum' --quantity M,c,g,tau --states s.csv", "2>/dev/null");
   BOOST_TEST(outcome.status == 0);
   double M = 0, c = 0, g = 0, tau = 0;
   BOOST_TEST_CONTEXT(outcome.out)
-  BOOST_REQUIRE(std::sscanf(outcome.out.c_str(), "M11,c1,g1,tau1\n%lf,%lf,%lf,%lf", &M, &c, &g,
-                            &tau) == 4);
+  BOOST_REQUIRE(
+      std::sscanf(outcome.out.c_str(), "M11,c1,g1,tau1\n%lf,%lf,%lf,%lf", &M, &c, &g, &tau) == 4);
   BOOST_TEST(M == 1);
   BOOST_TEST(c == 0);
   BOOST_TEST(g == 9.81 * std::sin(0.5));
@@ -164,9 +167,10 @@ BOOST_AUTO_TEST_CASE(evaluate_names_the_reactions_of_each_joint) {
   BOOST_TEST(outcome.status == 0);
   double fx = 1, fy = 1, fz = 1, mx = 1, my = 1, mz = 1;
   BOOST_TEST_CONTEXT(outcome.out)
-  BOOST_REQUIRE(std::sscanf(outcome.out.c_str(),
-                            "pivot.fx,pivot.fy,pivot.fz,pivot.mx,pivot.my,pivot.mz\n%lf,%lf,%lf,%lf,%lf,%lf",
-                            &fx, &fy, &fz, &mx, &my, &mz) == 6);
+  BOOST_REQUIRE(
+      std::sscanf(outcome.out.c_str(),
+                  "pivot.fx,pivot.fy,pivot.fz,pivot.mx,pivot.my,pivot.mz\n%lf,%lf,%lf,%lf,%lf,%lf",
+                  &fx, &fy, &fz, &mx, &my, &mz) == 6);
   BOOST_TEST(fx == -3);
   BOOST_TEST(fy == 0);
   BOOST_TEST(fz == 9.81 + 4);
@@ -190,8 +194,10 @@ BOOST_AUTO_TEST_CASE(the_same_scene_and_seed_give_the_same_bytes) {
   const std::string words = "crosscheck furuta_pendulum cart_pole --states 20 --report ";
   const std::string fixed_date = "SOURCE_DATE_EPOCH=0 ";
   for (const char* folder : {"a --processes 1", "b --processes 2"})
-    BOOST_TEST(program.run("version > /dev/null; " + fixed_date + DYNWITNESS_PROGRAM + " " + words +
-                           folder).status == 0);
+    BOOST_TEST(
+        program
+            .run("version > /dev/null; " + fixed_date + DYNWITNESS_PROGRAM + " " + words + folder)
+            .status == 0);
   for (const char* file : {"report.json", "junit.xml", "digits.md", "index.html"}) {
     BOOST_TEST(!program.read(std::string("a/") + file).empty());
     BOOST_TEST(program.read(std::string("a/") + file) == program.read(std::string("b/") + file));
@@ -202,13 +208,15 @@ BOOST_AUTO_TEST_CASE(the_same_scene_and_seed_give_the_same_bytes) {
   }
 }
 
-// In free fall Runge-Kutta makes no error of its own, so no order can be seen: that is no disagreement.
+// In free fall Runge-Kutta makes no error of its own, so no order can be seen: that is no
+// disagreement.
 BOOST_AUTO_TEST_CASE(a_motion_without_integration_error_agrees) {
   const Program program;
-  program.write("fall.toml",
-                "title = \"x\"\nsource = \"x\"\ngravity = [0, 0, -9.81]\n[[link]]\nname = \"base\"\n"
-                "[[link]]\nname = \"slide\"\nparent = \"base\"\nmass = 1\n"
-                "[link.joint]\nkind = \"prismatic\"\n");
+  program.write(
+      "fall.toml",
+      "title = \"x\"\nsource = \"x\"\ngravity = [0, 0, -9.81]\n[[link]]\nname = \"base\"\n"
+      "[[link]]\nname = \"slide\"\nparent = \"base\"\nmass = 1\n"
+      "[link.joint]\nkind = \"prismatic\"\n");
   const Outcome outcome = program.run("crosscheck fall.toml --states 5");
   BOOST_TEST_CONTEXT(outcome.out) BOOST_TEST(outcome.status == 0);
 }
@@ -263,7 +271,8 @@ BOOST_AUTO_TEST_CASE(exact_checks_take_the_parameters_as_asked_and_say_so) {
 
 BOOST_AUTO_TEST_CASE(campaigns_say_the_same_in_words_and_as_json_however_many_processes) {
   const Program program;
-  const std::string words = "crosscheck --random 12 --joints 3 --states 2 --witness newton_euler,composite_body,simbody ";
+  const std::string words =
+      "crosscheck --random 12 --joints 3 --states 2 --witness newton_euler,composite_body,simbody ";
   const Outcome one = program.run(words + "--processes 1 --json one.json"),
                 three = program.run(words + "--processes 3 --json three.json");
   BOOST_TEST(one.status == 0);
@@ -272,8 +281,9 @@ BOOST_AUTO_TEST_CASE(campaigns_say_the_same_in_words_and_as_json_however_many_pr
   };
   BOOST_TEST(withoutProgress(one.out) == withoutProgress(three.out));
   BOOST_TEST(one.out.find("in double at 2 states each") != std::string::npos);
-  BOOST_TEST(one.out.find("mechanisms asked about: composite_body 12, newton_euler 12, simbody 12") !=
-             std::string::npos);
+  BOOST_TEST(
+      one.out.find("mechanisms asked about: composite_body 12, newton_euler 12, simbody 12") !=
+      std::string::npos);
   const std::string json = program.read("one.json");
   BOOST_TEST(json == program.read("three.json"));
   BOOST_TEST(json.find("\"verdict\": \"agree\"") != std::string::npos);
@@ -292,8 +302,8 @@ BOOST_AUTO_TEST_CASE(help_names_every_subcommand_and_succeeds) {
   const Program program;
   const Outcome outcome = program.run("--help");
   BOOST_TEST(outcome.status == 0);
-  for (const char* word :
-       {"crosscheck", "derive", "evaluate", "drift", "simulate", "chart", "rotors", "scenes", "version"}) {
+  for (const char* word : {"crosscheck", "derive", "evaluate", "drift", "simulate", "chart",
+                           "rotors", "scenes", "version"}) {
     BOOST_TEST(outcome.out.find(word) != std::string::npos);
     BOOST_TEST(program.run(std::string(word) + " --help").status == 0);
   }
@@ -302,7 +312,8 @@ BOOST_AUTO_TEST_CASE(help_names_every_subcommand_and_succeeds) {
 BOOST_AUTO_TEST_CASE(simulate_says_drift_cost_and_whether_the_published_motion_agrees) {
   const Program program;
   const Outcome outcome = program.run(
-      "simulate andrews_squeezer --duration 0.03 --step-error 1e-11 --outputs 3 --csv m.csv --json m.json");
+      "simulate andrews_squeezer --duration 0.03 --step-error 1e-11 --outputs 3 --csv m.csv "
+      "--json m.json");
   BOOST_TEST_CONTEXT(outcome.out) {
     BOOST_TEST(outcome.status == 0);
     BOOST_TEST(outcome.out.find("6 equations of rank 6, 1 freedoms") != std::string::npos);
@@ -315,8 +326,7 @@ BOOST_AUTO_TEST_CASE(simulate_says_drift_cost_and_whether_the_published_motion_a
   BOOST_TEST(csv.find("time_s,q1,") == 0u);
   BOOST_TEST(std::count(csv.begin(), csv.end(), '\n') == 5);  // header, start and three outputs
   // a step error that cannot reach the printed digits is found out
-  const Outcome coarse =
-      program.run("simulate andrews_squeezer --duration 0.03 --step-error 1e-4");
+  const Outcome coarse = program.run("simulate andrews_squeezer --duration 0.03 --step-error 1e-4");
   BOOST_TEST_CONTEXT(coarse.out) {
     BOOST_TEST(coarse.status == 1);
     BOOST_TEST(coarse.out.find("DISAGREE") != std::string::npos);
@@ -347,7 +357,7 @@ BOOST_AUTO_TEST_CASE(chart_prints_a_table_and_draws_each_quantity) {
   for (const char* file : {"M.gp", "M.csv", "qdd.gp", "qdd.csv"})
     BOOST_TEST(program.exists(folder + file), file);
   BOOST_TEST(program.exists("new/my charts/dynwitness_style.gp"));
-  BOOST_TEST(program.fileCount("new") == 1u);            // no unfinished folder is left
+  BOOST_TEST(program.fileCount("new") == 1u);  // no unfinished folder is left
   BOOST_TEST(program.fileCount("new/my charts") == 9u);
 
   // a second chart leaves the first, and everybody's files, alone
@@ -359,7 +369,8 @@ BOOST_AUTO_TEST_CASE(chart_prints_a_table_and_draws_each_quantity) {
 
 BOOST_AUTO_TEST_CASE(a_report_has_charts_unless_they_are_left_out) {
   const Program program;
-  const std::string words = "crosscheck acrobot --states 5 --no-drift --witness newton_euler,lagrange";
+  const std::string words =
+      "crosscheck acrobot --states 5 --no-drift --witness newton_euler,lagrange";
   BOOST_TEST(program.run(words + " --report with").status == 0);
   BOOST_TEST(program.run(words + " --no-charts --report without").status == 0);
   BOOST_TEST(program.exists("with/scenes/acrobot/speed.svg"));
@@ -369,8 +380,9 @@ BOOST_AUTO_TEST_CASE(a_report_has_charts_unless_they_are_left_out) {
 
 BOOST_AUTO_TEST_CASE(drift_prints_a_table_and_draws_a_chart) {
   const Program program;
-  const Outcome outcome = program.run(
-      "drift 'simple pendulum' --step 0.01,0.005 --duration 1 --plot p.svg --csv d.csv", "2>/dev/null");
+  const Outcome outcome =
+      program.run("drift 'simple pendulum' --step 0.01,0.005 --duration 1 --plot p.svg --csv d.csv",
+                  "2>/dev/null");
   BOOST_TEST(outcome.status == 0);
   BOOST_TEST(outcome.out.find("method,step_s,worst_error,scale_J") != std::string::npos);
   BOOST_TEST(program.read("d.csv").find("runge_kutta4,0.005,") != std::string::npos);
@@ -408,7 +420,8 @@ BOOST_AUTO_TEST_CASE(geometry_action_impulse_and_impedance_say_what_they_checked
       const std::string json = program.read("out.json");
       BOOST_TEST(json.find("\"verdict\": \"agree\"") != std::string::npos);
       BOOST_TEST(json.find("\"disagree\"") == std::string::npos);
-      BOOST_TEST(json.find("\"command\": \"" + std::string(words).substr(0, 6)) != std::string::npos);
+      BOOST_TEST(json.find("\"command\": \"" + std::string(words).substr(0, 6)) !=
+                 std::string::npos);
     }
   }
 }

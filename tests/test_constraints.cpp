@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Loop closures: the sweeps against Lagrange's equations with multipliers, without rounding, and the
-// solver against hand-made and published numbers.
+// Loop closures: the sweeps against Lagrange's equations with multipliers, without rounding, and
+// the solver against hand-made and published numbers.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE constraints
 #include "recursive/constraints.hpp"
@@ -117,8 +117,7 @@ bool eliminate(FieldMatrix A, FieldVector b, FieldVector* x) {
   for (Eigen::Index i = row; i < A.rows(); ++i)
     if (!b(i).isZero()) return false;
   *x = FieldVector::Constant(A.cols(), PrimeField(0));
-  for (Eigen::Index i = 0; i < row; ++i)
-    (*x)(pivot_of_row[i]) = b(i) / A(i, pivot_of_row[i]);
+  for (Eigen::Index i = 0; i < row; ++i) (*x)(pivot_of_row[i]) = b(i) / A(i, pivot_of_row[i]);
   return true;
 }
 
@@ -202,7 +201,9 @@ std::vector<double> startOf(const scene::Scene& scene, const std::vector<scene::
 BOOST_AUTO_TEST_SUITE(same_mathematics)
 
 BOOST_DATA_TEST_CASE(bundled_closures_are_the_same_by_lagrange_and_by_the_sweeps,
-                     data::make({"pendulum_on_slides", "four_bars_2", "andrews_squeezer", "bricard"}), name) {
+                     data::make({"pendulum_on_slides", "four_bars_2", "andrews_squeezer",
+                                 "bricard"}),
+                     name) {
   requireAgree(checkClosuresExactly(scene::findScene(std::string(name)), {}));
 }
 
@@ -238,9 +239,10 @@ BOOST_DATA_TEST_CASE(accelerations_are_those_of_lagranges_equations_with_multipl
 BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(known_answers)
 
-// IVP Test Set, problem andrews (data/reference/motion/andrews_squeezer.json has the source): initial
-// accelerations of beta and theta, and the first two multipliers, which are the force of K3 on K2
-// in world axes; ours are in the axes of K2, at angle beta + theta. The accuracy 5e-6 is stated there.
+// IVP Test Set, problem andrews (data/reference/motion/andrews_squeezer.json has the source):
+// initial accelerations of beta and theta, and the first two multipliers, which are the force of K3
+// on K2 in world axes; ours are in the axes of K2, at angle beta + theta. The accuracy 5e-6 is
+// stated there.
 BOOST_AUTO_TEST_CASE(andrews_initial_accelerations_and_multipliers_are_the_published_ones) {
   const scene::Scene scene = scene::findScene("andrews_squeezer");
   const std::vector<double> q = startOf(scene, scene.start_q);
@@ -257,20 +259,25 @@ BOOST_AUTO_TEST_CASE(andrews_initial_accelerations_and_multipliers_are_the_publi
   for (const bool determined : state.determined) BOOST_TEST(determined);
 }
 
-/** Largest |qdd by the sweeps - qdd by Simbody|, over the largest |qdd|, at states along the simulated
-    motion (A02 starts without any acceleration). Simbody solves with its own J M^-1 J' by QTZ at its own tolerance. */
+/** Largest |qdd by the sweeps - qdd by Simbody|, over the largest |qdd|, at states along the
+    simulated motion (A02 starts without any acceleration). Simbody solves with its own J M^-1 J' by
+    QTZ at its own tolerance. */
 struct Along {
   const char* scene;
   double duration;
   double limit;
 };
-std::ostream& operator<<(std::ostream& out, const Along& along) { return out << along.scene; }
+std::ostream& operator<<(std::ostream& out, const Along& along) {
+  return out << along.scene;
+}
 
-// Rounding alone parts the two. Measured: up to 5e-15, but 1e-12 for A05, where the length of 0.5 m of a
-// spring of 8e5 N/m is known to eps, which is 9e-11 N on 3 kg: 3e-11 m/s^2 of up to 40. A wrong term in J,
-// gamma or a spring's force is worth 1e-3 and more.
-const Along kAlong[] = {{"pendulum_on_slides", 5, 1e-12}, {"four_bars_2", 5, 1e-12},
-                        {"andrews_squeezer", 0.03, 1e-12}, {"bricard", 5, 1e-12},
+// Rounding alone parts the two. Measured: up to 5e-15, but 1e-12 for A05, where the length of 0.5 m
+// of a spring of 8e5 N/m is known to eps, which is 9e-11 N on 3 kg: 3e-11 m/s^2 of up to 40. A
+// wrong term in J, gamma or a spring's force is worth 1e-3 and more.
+const Along kAlong[] = {{"pendulum_on_slides", 5, 1e-12},
+                        {"four_bars_2", 5, 1e-12},
+                        {"andrews_squeezer", 0.03, 1e-12},
+                        {"bricard", 5, 1e-12},
                         {"flyball_governor", 0.5, 1e-11}};
 
 BOOST_DATA_TEST_CASE(accelerations_are_those_of_simbodys_constraints_along_the_motion,
@@ -296,7 +303,8 @@ BOOST_DATA_TEST_CASE(accelerations_are_those_of_simbodys_constraints_along_the_m
 }
 
 // Every closure twice: the same motion, and no multiplier can be told any more. The limit: two
-// solutions of one system, each with an error of cond(M) eps; cond(M) of this pose, measured, is 4e3.
+// solutions of one system, each with an error of cond(M) eps; cond(M) of this pose, measured, is
+// 4e3.
 BOOST_AUTO_TEST_CASE(a_closure_that_stands_twice_changes_no_acceleration) {
   scene::Scene scene = scene::findScene("andrews_squeezer");
   const std::vector<double> q = startOf(scene, scene.start_q);
@@ -315,11 +323,12 @@ BOOST_AUTO_TEST_CASE(a_closure_that_stands_twice_changes_no_acceleration) {
     BOOST_TEST(twice.determined[i] == expected[i]);
 }
 
-// One freedom where counting finds none (benchmark A04): of the five equations one follows from the rest.
+// One freedom where counting finds none (benchmark A04): of the five equations one follows from the
+// rest.
 BOOST_AUTO_TEST_CASE(bricards_loop_has_rank_four_and_says_which_multipliers_it_cannot_tell) {
   const scene::Scene scene = scene::findScene("bricard");
-  const ConstrainedState state = constrainedAccelerations(scene, std::vector<double>(5, 0.0),
-                                                          std::vector<double>(5, 0.0));
+  const ConstrainedState state =
+      constrainedAccelerations(scene, std::vector<double>(5, 0.0), std::vector<double>(5, 0.0));
   BOOST_TEST(state.rank == 4);
   int undetermined = 0;
   for (const bool determined : state.determined) undetermined += determined ? 0 : 1;

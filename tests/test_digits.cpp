@@ -88,7 +88,8 @@ Judged spoiledDigits(const Spoiled::Spoil& spoil) {
   kind.make = [&](const scene::Scene& scene) -> std::unique_ptr<Witness> {
     return std::make_unique<Spoiled>(inner.make(scene), 3, spoil);
   };
-  return judged(measureDigits(scene::findScene("puma_560"), {kind}, fewStates(10)), "spoiled", "tau");
+  return judged(measureDigits(scene::findScene("puma_560"), {kind}, fewStates(10)), "spoiled",
+                "tau");
 }
 
 bool contains(const std::string& text, const std::string& part) {
@@ -197,8 +198,8 @@ BOOST_AUTO_TEST_SUITE(identities)
 BOOST_DATA_TEST_CASE(every_witness_lies_within_its_bound, data::make(sceneFiles()), file) {
   const scene::Scene scene = scene::findScene(file);
   const auto all = measureDigits(scene, selectWitnesses({}), fewStates(25));
-  const std::vector<std::string> ours = {"lagrange", "newton_euler", "composite_body", "articulated_body",
-                                         "recursive_lagrange"};
+  const std::vector<std::string> ours = {"lagrange", "newton_euler", "composite_body",
+                                         "articulated_body", "recursive_lagrange"};
   int mine = 0;
   for (const CheckResult& check : all.checks) {
     BOOST_TEST((check.verdict != Verdict::kDisagree),
@@ -228,15 +229,16 @@ BOOST_AUTO_TEST_CASE(an_answer_that_is_no_number_has_no_digits_and_disagrees) {
 }
 
 BOOST_AUTO_TEST_CASE(an_answer_of_another_shape_disagrees) {
-  const CheckResult check = spoiledDigits([](Answer& a) { a.value.conservativeResize(5, 1); }).check;
+  const CheckResult check =
+      spoiledDigits([](Answer& a) { a.value.conservativeResize(5, 1); }).check;
   BOOST_TEST((check.verdict == Verdict::kDisagree));
   BOOST_TEST(contains(check.reason, "5 x 1 numbers at state 3, expected 6 x 1"), check.reason);
 }
 
 BOOST_AUTO_TEST_CASE(an_answer_without_a_finite_bound_voids_its_state) {
-  const CheckResult check =
-      spoiledDigits([](Answer& a) { a.bound(0, 0) = std::numeric_limits<double>::infinity(); })
-          .check;
+  const CheckResult check = spoiledDigits([](Answer& a) {
+                              a.bound(0, 0) = std::numeric_limits<double>::infinity();
+                            }).check;
   BOOST_TEST((check.verdict == Verdict::kAgree));
   BOOST_TEST(check.voided == 1);
   BOOST_TEST(check.excused == 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Whom the energy drift condemns: a wrong qdd, in every scene whose energy is constant, and never steps that are too
-// long for a stiff motion.
+// Whom the energy drift condemns: a wrong qdd, in every scene whose energy is constant, and never
+// steps that are too long for a stiff motion.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE drift
 #include "crosscheck/motion/drift.hpp"
@@ -23,9 +23,9 @@ using fixtures::Program;
 
 namespace {
 
-/// A point on a rod that falls over on a cart of this mass [kg] (the pole: 0.1 kg). M is regular; but where the pole
-/// hangs straight down, the cart alone can turn it back, within sqrt(mass of the cart over that of the pole) of the
-/// time of its fall.
+/// A point on a rod that falls over on a cart of this mass [kg] (the pole: 0.1 kg). M is regular;
+/// but where the pole hangs straight down, the cart alone can turn it back, within sqrt(mass of the
+/// cart over that of the pole) of the time of its fall.
 std::string lightCartPole(const std::string& cart) {
   return "title = \"Light cart-pole\"\nsource = \"chosen here\"\ngravity = [0, 0, -9.8]\n"
          "[[link]]\nname = \"track\"\n[[link]]\nname = \"cart\"\nparent = \"track\"\nmass = " +
@@ -113,7 +113,8 @@ BOOST_AUTO_TEST_CASE(the_program_says_which_steps_do_not_follow_a_motion) {
 BOOST_AUTO_TEST_CASE(what_has_no_constant_energy_is_told_in_the_report) {
   const Program program;
   program.run(
-      "crosscheck kapitza_pendulum --witness newton_euler,lagrange --states 2 --no-charts --report r");
+      "crosscheck kapitza_pendulum --witness newton_euler,lagrange --states 2 --no-charts "
+      "--report r");
   const std::string report = program.read("r/report.json");
   BOOST_TEST(report.find("energy along a motion: joint 'pivot' is driven") != std::string::npos);
   BOOST_TEST(report.find("\"drift\"") == std::string::npos);

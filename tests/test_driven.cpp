@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Driven joints: functions of time, bases that move as given against the laws of accelerated frames, and
-// the motion of closed mechanisms by every index.
+// Driven joints: functions of time, bases that move as given against the laws of accelerated
+// frames, and the motion of closed mechanisms by every index.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE driven
 #include "scene/motion.hpp"
@@ -18,9 +18,9 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/arithmetic/prime_field.hpp"
+#include "crosscheck/exact/random_mechanism.hpp"
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/motion_tables.hpp"
-#include "crosscheck/exact/random_mechanism.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 
@@ -39,14 +39,17 @@ scene::Mechanism withParameters(const std::vector<std::pair<std::string, int>>& 
   return mechanism;
 }
 
-bool near(double a, double b) { return std::abs(a - b) <= 1e-14 * (1 + std::abs(b)); }
+bool near(double a, double b) {
+  return std::abs(a - b) <= 1e-14 * (1 + std::abs(b));
+}
 
 std::string errorOf(const std::string& joint, const std::string& more = "") {
   try {
-    scene::readSceneToml("[parameters]\nA = 1\n[[link]]\nname = \"ground\"\n[[link]]\nname = \"body\"\nparent = "
-                         "\"ground\"\nmass = 1\ncom = [1, 0, 0]\ninertia = { xx = 1, yy = 1, zz = 1 }\njoint = { " +
-                             joint + " }\n" + more,
-                         "driven.toml");
+    scene::readSceneToml(
+        "[parameters]\nA = 1\n[[link]]\nname = \"ground\"\n[[link]]\nname = \"body\"\nparent = "
+        "\"ground\"\nmass = 1\ncom = [1, 0, 0]\ninertia = { xx = 1, yy = 1, zz = 1 }\njoint = { " +
+            joint + " }\n" + more,
+        "driven.toml");
   } catch (const scene::InputError& error) {
     return error.what();
   }
@@ -75,9 +78,11 @@ BOOST_AUTO_TEST_CASE(rates_are_those_of_calculus) {
   BOOST_TEST(near(slope.rate, u1 / root));
   BOOST_TEST(near(slope.second, u2 / root + u * u1 * u1 / (root * root * root)));
   const auto mixed = at("exp(-t)*sqrt(1 + t^2)/cos(t)");
-  // the logarithm's derivatives: f' / f = -1 + t / (1 + t^2) + tan t, f'' / f = its rate and its square
+  // the logarithm's derivatives: f' / f = -1 + t / (1 + t^2) + tan t, f'' / f = its rate and its
+  // square
   const double f = std::exp(-t) * std::sqrt(1 + t * t) / std::cos(t), n = 1 + t * t;
-  const double g = -1 + t / n + std::tan(t), g1 = (1 - t * t) / (n * n) + 1 + std::tan(t) * std::tan(t);
+  const double g = -1 + t / n + std::tan(t),
+               g1 = (1 - t * t) / (n * n) + 1 + std::tan(t) * std::tan(t);
   BOOST_TEST(near(mixed.value, f));
   BOOST_TEST(near(mixed.rate, f * g));
   BOOST_TEST(near(mixed.second, f * (g * g + g1)));
@@ -107,24 +112,32 @@ BOOST_AUTO_TEST_CASE(what_is_no_motion_is_refused) {
   };
   BOOST_TEST(errorOf("kind = \"revolute\", motion = \"sin(A*t)\"") == "");
   BOOST_TEST(errorOf("kind = \"planar\", motion = [\"t\", 0, \"A*t\"]") == "");
-  BOOST_TEST(says(errorOf("kind = \"revolute\", motion = \"tan(t)\""),
-                  "driven.toml:11: joint \"body\": motion: expression \"tan(t)\": no function \"tan\", allowed: sin, "
-                  "cos, asin, sqrt, exp"));
-  BOOST_TEST(says(errorOf("kind = \"revolute\", motion = \"B*t\""), "parameter \"B\" is not defined"));
-  BOOST_TEST(says(errorOf("kind = \"planar\", motion = \"t\""), "1 functions of t, allowed: one a position of the joint, 3"));
+  BOOST_TEST(
+      says(errorOf("kind = \"revolute\", motion = \"tan(t)\""),
+           "driven.toml:11: joint \"body\": motion: expression \"tan(t)\": no function \"tan\", "
+           "allowed: sin, "
+           "cos, asin, sqrt, exp"));
+  BOOST_TEST(
+      says(errorOf("kind = \"revolute\", motion = \"B*t\""), "parameter \"B\" is not defined"));
+  BOOST_TEST(says(errorOf("kind = \"planar\", motion = \"t\""),
+                  "1 functions of t, allowed: one a position of the joint, 3"));
   BOOST_TEST(says(errorOf("kind = \"spherical\", motion = \"t\""), "unknown key \"motion\""));
-  BOOST_TEST(says(errorOf("kind = \"revolute\", motion = \"sqrt(t)\""), "outside the domain of sqrt at t = 0"));
+  BOOST_TEST(says(errorOf("kind = \"revolute\", motion = \"sqrt(t)\""),
+                  "outside the domain of sqrt at t = 0"));
   BOOST_TEST(says(errorOf("kind = \"revolute\", motion = \"1/t\""), "not finite at t = 0"));
   BOOST_TEST(says(errorOf("kind = \"revolute\", xyz = [\"sin(1)\", 0, 0]"),
                   "column 4: found \"(\", allowed: functions in the motion of a joint alone"));
   const std::string free = "kind = \"revolute\"";
   BOOST_TEST(says(errorOf(free, "[[acceleration_constraint]]\nlink = \"body\"\n"),
                   "direction and rotation are zero"));
-  BOOST_TEST(says(errorOf(free, "[[acceleration_constraint]]\nlink = \"ground\"\ndirection = [1, 0, 0]\n"),
-                  "the root rests in the world"));
-  BOOST_TEST(says(errorOf(free, "[[acceleration_constraint]]\nlink = \"body\"\ndirection = [1, 0, 0]\ncompliance = "
-                                "-1\n"),
-                  "compliance is -1, allowed: zero or more"));
+  BOOST_TEST(
+      says(errorOf(free, "[[acceleration_constraint]]\nlink = \"ground\"\ndirection = [1, 0, 0]\n"),
+           "the root rests in the world"));
+  BOOST_TEST(says(
+      errorOf(free,
+              "[[acceleration_constraint]]\nlink = \"body\"\ndirection = [1, 0, 0]\ncompliance = "
+              "-1\n"),
+      "compliance is -1, allowed: zero or more"));
 }
 
 BOOST_AUTO_TEST_CASE(a_scene_is_like_one_that_exists_and_stands_alone) {
@@ -137,12 +150,14 @@ BOOST_AUTO_TEST_CASE(a_scene_is_like_one_that_exists_and_stands_alone) {
     return "";
   };
   BOOST_TEST(message("like = \"double_pendulum\"\n") == "");
-  BOOST_TEST(message("like = \"nobody\"\n").find("mine.toml:1: like is \"nobody\", allowed: the name of a TOML "
-                                                "scene") != std::string::npos);
-  BOOST_TEST(message("like = \"humanoid_left_foot\"\n").find("which is like a third scene itself") !=
-             std::string::npos);
-  BOOST_TEST(message("like = \"double_pendulum\"\ngravity = [0, 0, 0]\n").find("unknown key \"gravity\"") !=
-             std::string::npos);
+  BOOST_TEST(message("like = \"nobody\"\n")
+                 .find("mine.toml:1: like is \"nobody\", allowed: the name of a TOML "
+                       "scene") != std::string::npos);
+  BOOST_TEST(
+      message("like = \"humanoid_left_foot\"\n").find("which is like a third scene itself") !=
+      std::string::npos);
+  BOOST_TEST(message("like = \"double_pendulum\"\ngravity = [0, 0, 0]\n")
+                 .find("unknown key \"gravity\"") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(driven_scenes_survive_being_written) {
@@ -156,8 +171,8 @@ BOOST_AUTO_TEST_CASE(driven_scenes_survive_being_written) {
 BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(accelerated_frames)
 
-// Einstein's lift: on a base that accelerates by a along x, whatever its place and speed, everything moves
-// as under gravity g - a.
+// Einstein's lift: on a base that accelerates by a along x, whatever its place and speed,
+// everything moves as under gravity g - a.
 BOOST_DATA_TEST_CASE(an_accelerated_base_is_another_gravity, data::xrange(6u), seed) {
   const scene::Scene still = randomTreeScene(seed, 0, 6);
   if (still.mechanism.dof() == 0) return;
@@ -197,8 +212,9 @@ BOOST_DATA_TEST_CASE(an_accelerated_base_is_another_gravity, data::xrange(6u), s
   for (std::size_t i = 0; i < expected.size(); ++i) BOOST_TEST((qdd[i + 1] == expected[i]));
 }
 
-// Coriolis: on a table that turns at w and gains wd, a chain of point masses moves as on the ground under the forces
-// -m (w x (w x p) + 2 w x v + wd x p) on each of them, p and v seen from the table.
+// Coriolis: on a table that turns at w and gains wd, a chain of point masses moves as on the ground
+// under the forces -m (w x (w x p) + 2 w x v + wd x p) on each of them, p and v seen from the
+// table.
 BOOST_DATA_TEST_CASE(a_spinning_base_is_centrifugal_and_coriolis_forces, data::xrange(4u), seed) {
   const std::string chain =
       "[[link]]\nname = \"one\"\nparent = \"BASE\"\nmass = 2\ncom = [1, 2, 3]\n"
@@ -210,13 +226,14 @@ BOOST_DATA_TEST_CASE(a_spinning_base_is_centrifugal_and_coriolis_forces, data::x
   const auto on = [&](const std::string& base) {
     std::string text = chain;
     text.replace(text.find("BASE"), 4, base);
-    return scene::readSceneToml("gravity = [0, 0, -9.81]\n[[link]]\nname = \"ground\"\n" +
-                                    (base == "ground" ? std::string()
-                                                      : "[[link]]\nname = \"table\"\nparent = \"ground\"\nmass = "
-                                                        "1\ninertia = { zz = 1, xx = 1 }\njoint = { kind = "
-                                                        "\"revolute\" }\n") +
-                                    text,
-                                "table.toml");
+    return scene::readSceneToml(
+        "gravity = [0, 0, -9.81]\n[[link]]\nname = \"ground\"\n" +
+            (base == "ground" ? std::string()
+                              : "[[link]]\nname = \"table\"\nparent = \"ground\"\nmass = "
+                                "1\ninertia = { zz = 1, xx = 1 }\njoint = { kind = "
+                                "\"revolute\" }\n") +
+            text,
+        "table.toml");
   };
   const scene::Scene table = on("table"), ground = on("ground");
   const PrimeField::Modulus modulus(drawPrime("table", seed, 0));
@@ -246,7 +263,8 @@ BOOST_DATA_TEST_CASE(a_spinning_base_is_centrifugal_and_coriolis_forces, data::x
     const recursive::Vector3<F> p = X.p + X.R.transpose() * com;
     const recursive::Vector3<F> v =
         X.R.transpose() * (ws_still.v[i].linear + ws_still.v[i].angular.cross(com));
-    const recursive::Vector3<F> force = (w.cross(w.cross(p)) + w.cross(v) * F(2) + wd.cross(p)) * -m;
+    const recursive::Vector3<F> force =
+        (w.cross(w.cross(p)) + w.cross(v) * F(2) + wd.cross(p)) * -m;
     loads.push_back({i, force, recursive::Vector3<F>::Zero(), com});
   }
   still.world_loads = loads;
@@ -282,7 +300,8 @@ BOOST_AUTO_TEST_CASE(a_bead_on_a_spinning_hoop_moves_as_by_hand) {
   BOOST_TEST(simulation.worst_energy <= 1e-11);
 }
 
-// the theory of the averaged motion: upright is stable where a w > sqrt(2 g L), L = 2 l / 3: w > 80.9 / s
+// the theory of the averaged motion: upright is stable where a w > sqrt(2 g L), L = 2 l / 3: w >
+// 80.9 / s
 BOOST_AUTO_TEST_CASE(kapitzas_pendulum_stands_where_averaging_says_so) {
   const auto farthest = [](const char* w) {
     scene::Scene scene = scene::findScene("kapitza_pendulum");
@@ -316,7 +335,8 @@ BOOST_AUTO_TEST_CASE(the_inertia_of_what_is_driven_makes_no_difference) {
     recursive::ConstraintWorkspace<F> none(model, 0);
     qdd[heavy] = state.qdd;
     tau[heavy] = state.tau;
-    recursive::hybridDynamics(model, state.x, state.qd, {1, 0}, {}, ws, none, qdd[heavy], tau[heavy]);
+    recursive::hybridDynamics(model, state.x, state.qd, {1, 0}, {}, ws, none, qdd[heavy],
+                              tau[heavy]);
   }
   BOOST_TEST((qdd[0][1] == qdd[1][1]));
   BOOST_TEST((tau[0][0] != tau[1][0]));
@@ -341,18 +361,22 @@ Simulation run(const scene::Scene& scene, double duration, Formulation formulati
   return simulate(scene, options);
 }
 
-/// Errors of the pendulum of A01 after 1 s, against the elliptic functions: of q, qd and the rod's force.
+/// Errors of the pendulum of A01 after 1 s, against the elliptic functions: of q, qd and the rod's
+/// force.
 std::array<double, 3> pendulumErrors(Formulation formulation, double step, const char* method) {
-  const Simulation simulation = run(scene::findScene("pendulum_on_slides"), 1, formulation, step, method);
+  const Simulation simulation =
+      run(scene::findScene("pendulum_on_slides"), 1, formulation, step, method);
   const Simulation::Point& end = simulation.points.back();
   const double k = std::sqrt(0.5), w = std::sqrt(9.81), K = boost::math::ellint_1(k);
   double cn, dn;
   const double half = k * boost::math::jacobi_elliptic(k, K - w * end.time, &cn, &dn);
-  // x = -2 s sqrt(1 - s^2), y = 2 s^2 - 1 with s = sin(angle/2) = k sn; v^2 = -2 g y, speed along the tangent
+  // x = -2 s sqrt(1 - s^2), y = 2 s^2 - 1 with s = sin(angle/2) = k sn; v^2 = -2 g y, speed along
+  // the tangent
   const double x = -2 * half * std::sqrt(1 - half * half), y = 2 * half * half - 1;
   const double speed = std::sqrt(-2 * 9.81 * y);
   const double rate = -w * k * cn * dn;  // of sin(angle/2): its sign says which way
-  const double sign = (4 * half * rate) * x > 0 ? 1 : -1;  // y' = tangent_y speed, tangent = (-y, x)
+  const double sign =
+      (4 * half * rate) * x > 0 ? 1 : -1;          // y' = tangent_y speed, tangent = (-y, x)
   const double lambda = 9.81 * y - speed * speed;  // rod: m (a . r) = lambda + m g . r with |r| = 1
   return {std::hypot(end.q[0] - x, end.q[1] - y),
           std::hypot(end.qd[0] + sign * speed * y, end.qd[1] - sign * speed * x),
@@ -364,14 +388,20 @@ struct Order {
   Formulation formulation;
   double q, qd, lambda;  ///< 0: not looked at
 };
-std::ostream& operator<<(std::ostream& out, const Order& o) { return out << o.method << " " << name(o.formulation); }
+std::ostream& operator<<(std::ostream& out, const Order& o) {
+  return out << o.method << " " << name(o.formulation);
+}
 
-// RadauIIA's documentation has the theory: 2 s - 1 for what is differential, s and s - 1 for the rest.
-// At index 1 multipliers follow from q and qd, with their order.
-const Order kOrders[] = {{"radau_iia_5", Formulation::kIndex1, 5, 5, 0}, {"radau_iia_5", Formulation::kIndex2, 5, 5, 3},
-                         {"radau_iia_5", Formulation::kIndex3, 5, 3, 2}, {"radau_iia_5", Formulation::kGgl, 5, 5, 3},
-                         {"radau_iia_3", Formulation::kIndex1, 3, 3, 0}, {"radau_iia_3", Formulation::kIndex2, 3, 3, 2},
-                         {"radau_iia_3", Formulation::kIndex3, 3, 2, 1}, {"radau_iia_3", Formulation::kGgl, 3, 3, 2},
+// RadauIIA's documentation has the theory: 2 s - 1 for what is differential, s and s - 1 for the
+// rest. At index 1 multipliers follow from q and qd, with their order.
+const Order kOrders[] = {{"radau_iia_5", Formulation::kIndex1, 5, 5, 0},
+                         {"radau_iia_5", Formulation::kIndex2, 5, 5, 3},
+                         {"radau_iia_5", Formulation::kIndex3, 5, 3, 2},
+                         {"radau_iia_5", Formulation::kGgl, 5, 5, 3},
+                         {"radau_iia_3", Formulation::kIndex1, 3, 3, 0},
+                         {"radau_iia_3", Formulation::kIndex2, 3, 3, 2},
+                         {"radau_iia_3", Formulation::kIndex3, 3, 2, 1},
+                         {"radau_iia_3", Formulation::kGgl, 3, 3, 2},
                          {"implicit_euler", Formulation::kIndex2, 1, 1, 1}};
 
 }  // namespace
@@ -386,15 +416,17 @@ BOOST_DATA_TEST_CASE(errors_fall_with_the_order_of_theory, data::make(kOrders), 
     const double observed = std::log2(coarse[k] / fine[k]);
     // half an order: the terms beyond the leading one are a few percent of it at these steps
     BOOST_TEST_CONTEXT("quantity " << k << ": errors " << coarse[k] << " and " << fine[k])
-      BOOST_TEST(std::abs(observed - expected[k]) < 0.5);
+    BOOST_TEST(std::abs(observed - expected[k]) < 0.5);
   }
 }
 
 // what each form keeps, it keeps to rounding, and what it does not drifts
 BOOST_AUTO_TEST_CASE(every_form_keeps_what_it_solves_for) {
   const scene::Scene scene = scene::findScene("car_axis");
-  const Simulation first = run(scene, 3, Formulation::kIndex1, 0.004), second = run(scene, 3, Formulation::kIndex2, 0.004),
-                   third = run(scene, 3, Formulation::kIndex3, 0.004), both = run(scene, 3, Formulation::kGgl, 0.004);
+  const Simulation first = run(scene, 3, Formulation::kIndex1, 0.004),
+                   second = run(scene, 3, Formulation::kIndex2, 0.004),
+                   third = run(scene, 3, Formulation::kIndex3, 0.004),
+                   both = run(scene, 3, Formulation::kGgl, 0.004);
   constexpr double kRounding = 1e-14, kOverStep = kRounding / 0.004;  // phi of 1 m; phi' of phi / h
   BOOST_TEST(second.worst_phi_rate < kOverStep);
   BOOST_TEST(third.worst_phi < kRounding);
@@ -405,7 +437,8 @@ BOOST_AUTO_TEST_CASE(every_form_keeps_what_it_solves_for) {
   BOOST_TEST(third.worst_phi_rate > 100 * kOverStep);
 }
 
-// The published values with multipliers: 1e-11 by index 1; by the others with the error of their step.
+// The published values with multipliers: 1e-11 by index 1; by the others with the error of their
+// step.
 BOOST_AUTO_TEST_CASE(car_axis_reaches_the_published_values) {
   const scene::Scene scene = scene::findScene("car_axis");
   const MotionTable table = motionTables(scene).at(0);
@@ -418,7 +451,8 @@ BOOST_AUTO_TEST_CASE(car_axis_reaches_the_published_values) {
   BOOST_TEST_MESSAGE("car axis, index 1: " << exact.worst);
   BOOST_TEST(exact.values == 10);
   BOOST_TEST(exact.ratio <= 1);
-  for (const Formulation formulation : {Formulation::kIndex1, Formulation::kIndex2, Formulation::kIndex3, Formulation::kGgl}) {
+  for (const Formulation formulation :
+       {Formulation::kIndex1, Formulation::kIndex2, Formulation::kIndex3, Formulation::kGgl}) {
     const double coarse = compareMotion(scene, run(scene, 3, formulation, 0.004), table).worst,
                  fine = compareMotion(scene, run(scene, 3, formulation, 0.002), table).worst;
     BOOST_TEST_MESSAGE(name(formulation) << ": " << coarse << ", " << fine);
@@ -432,7 +466,8 @@ BOOST_AUTO_TEST_CASE(the_comparison_has_every_form_and_measures_them) {
   options.duration = 0.5;
   options.outputs = 5;
   options.step = 0.002;
-  const FormulationComparison comparison = compareFormulations(scene::findScene("car_axis"), options);
+  const FormulationComparison comparison =
+      compareFormulations(scene::findScene("car_axis"), options);
   BOOST_TEST(comparison.runs.size() == 8u);
   for (const FormulationRun& run : comparison.runs) {
     BOOST_TEST(run.failure == "");

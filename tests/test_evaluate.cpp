@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What evaluate takes for granted: nothing. Accelerations that were not given are found or asked for, and states that
-// leave closures open are told.
+// What evaluate takes for granted: nothing. Accelerations that were not given are found or asked
+// for, and states that leave closures open are told.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE evaluate
 #include <boost/test/unit_test.hpp>
@@ -43,8 +43,8 @@ std::vector<double> numbers(const std::string& text) {
 
 BOOST_AUTO_TEST_SUITE(accelerations)
 
-// By hand: the simple pendulum has m = l = 1, g = 9.81, and with tau = 2 at q = 1/2 qdd = 2 - 9.81 sin(1/2); the pivot
-// holds m (g cos q + l qd^2) along the rod and what is left across it.
+// By hand: the simple pendulum has m = l = 1, g = 9.81, and with tau = 2 at q = 1/2 qdd = 2 - 9.81
+// sin(1/2); the pivot holds m (g cos q + l qd^2) along the rod and what is left across it.
 BOOST_AUTO_TEST_CASE(qdd_is_found_from_tau_where_it_is_not_given) {
   const Program program;
   program.write("s.csv", "q1,qd1,tau1\n0.5,3,2\n");
@@ -89,7 +89,8 @@ BOOST_AUTO_TEST_CASE(what_is_taken_is_told) {
                  "without joint forces (tau = 0)"));
 }
 
-// The drive of Kapitza's pendulum, asked for twice: as the tau of all joints, and as what the drive takes.
+// The drive of Kapitza's pendulum, asked for twice: as the tau of all joints, and as what the drive
+// takes.
 BOOST_AUTO_TEST_CASE(a_driven_scene_moves_with_its_constrained_accelerations) {
   const Program program;
   const std::vector<double> row =
@@ -114,7 +115,8 @@ BOOST_AUTO_TEST_CASE(the_bundled_starts_are_closed) {
   BOOST_TEST(closed >= 8);
 }
 
-// A gap of this size is seen, one of rounding is not: q moved by a millionth of a millionth, and by its last place.
+// A gap of this size is seen, one of rounding is not: q moved by a millionth of a millionth, and by
+// its last place.
 BOOST_AUTO_TEST_CASE(more_than_rounding_is_open) {
   const scene::Scene scene = scene::findScene("andrews_squeezer");
   ClosureGaps gaps(scene);
@@ -144,11 +146,14 @@ BOOST_AUTO_TEST_CASE(evaluate_simulate_and_crosscheck_tell_them) {
   program.write("s.csv", "q1,q2,qd1,qd2,tau1,tau2\n0,0,0,0,0,0\n0.1,0,0,0,0,0\n0,0,0,2,0,0\n");
   const std::string rods =
       "title = \"Rods\"\nsource = \"chosen here\"\n[[link]]\nname = \"base\"\n"
-      "[[link]]\nname = \"arm\"\nparent = \"base\"\nmass = 2\ncom = [0.3, 0, 0]\ninertia = { yy = 0.06, zz = 0.06 }\n"
+      "[[link]]\nname = \"arm\"\nparent = \"base\"\nmass = 2\ncom = [0.3, 0, 0]\n"
+      "inertia = { yy = 0.06, zz = 0.06 }\n"
       "joint = { kind = \"revolute\" }\n"
-      "[[link]]\nname = \"tip\"\nparent = \"arm\"\nmass = 1\ncom = [0.2, 0, 0]\ninertia = { yy = 0.02, zz = 0.02 }\n"
+      "[[link]]\nname = \"tip\"\nparent = \"arm\"\nmass = 1\ncom = [0.2, 0, 0]\n"
+      "inertia = { yy = 0.02, zz = 0.02 }\n"
       "joint = { kind = \"revolute\", xyz = [0.5, 0, 0] }\n"
-      "[[closure]]\nkind = \"plane\"\na = { link = \"base\", xyz = [0, 0, 0], rpy = [\"pi/2\", 0, 0] }\n"
+      "[[closure]]\nkind = \"plane\"\n"
+      "a = { link = \"base\", xyz = [0, 0, 0], rpy = [\"pi/2\", 0, 0] }\n"
       "b = { link = \"tip\", xyz = [0.25, 0, 0] }\n[start]\nq = [0, 0]\n";
   program.write("closed.toml", rods);
   const Outcome evaluate = program.run("evaluate closed.toml --quantity qdd --states s.csv");

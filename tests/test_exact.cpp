@@ -24,7 +24,9 @@ using namespace dynwitness::crosscheck;
 
 namespace {
 
-DegreeBound x() { return DegreeBound::indeterminate(1); }
+DegreeBound x() {
+  return DegreeBound::indeterminate(1);
+}
 
 std::vector<std::string> sceneNames() {
   std::vector<std::string> names;
@@ -34,8 +36,8 @@ std::vector<std::string> sceneNames() {
 
 /// Who answers what, in words: as many comparisons as there are pairs.
 std::size_t pairsOf(bool has_kernel) {
-  std::set<std::string> here = {"lagrange", "newton_euler", "composite_body", "articulated_body",
-                                "recursive_lagrange", "fast"};
+  std::set<std::string> here = {"lagrange",         "newton_euler",       "composite_body",
+                                "articulated_body", "recursive_lagrange", "fast"};
   if (has_kernel) here.insert("kernel");
   const std::set<std::string> everything = {"lagrange", "newton_euler", "recursive_lagrange"};
   const std::map<std::string, std::set<std::string>> answering = {
@@ -43,7 +45,8 @@ std::size_t pairsOf(bool has_kernel) {
       {"c", everything},
       {"g", everything},
       {"tau", {"lagrange", "newton_euler", "recursive_lagrange", "fast", "kernel"}},
-      {"qdd", {"lagrange", "composite_body", "articulated_body", "recursive_lagrange", "fast", "kernel"}},
+      {"qdd",
+       {"lagrange", "composite_body", "articulated_body", "recursive_lagrange", "fast", "kernel"}},
       {"kinetic", everything},
       {"potential", everything},
       {"momentum", {"newton_euler", "recursive_lagrange"}},
@@ -66,7 +69,8 @@ void requireAllZero(const scene::Mechanism& mechanism, const std::vector<CheckRe
   BOOST_TEST(count["same"] <= pairsOf(has_kernel));
   BOOST_TEST(count["regressor"] == 1u);
   BOOST_TEST(count["closures"] == (mechanism.closures.empty() ? 0u : 3u));
-  for (const IdentityInfo& identity : kIdentities) BOOST_TEST(count[identity.name] == 1u, identity.name);
+  for (const IdentityInfo& identity : kIdentities)
+    BOOST_TEST(count[identity.name] == 1u, identity.name);
   const bool constrained = !mechanism.closures.empty() || mechanism.isDriven() ||
                            !mechanism.acceleration_constraints.empty();
   const std::size_t rest = checks.size() - count["same"] - 1 - count["closures"] - kIdentityCount;
@@ -102,7 +106,9 @@ int degreeOf(std::vector<PrimeField> values) {
 scene::State<PrimeField> onCurve(const scene::Mechanism& mechanism, int u) {
   const auto a = indeterminateState(mechanism, FieldSource("curve", 1, 0));
   const auto b = indeterminateState(mechanism, FieldSource("curve", 1, 1));
-  const auto line = [u](PrimeField start, PrimeField slope) { return start + PrimeField(u) * slope; };
+  const auto line = [u](PrimeField start, PrimeField slope) {
+    return start + PrimeField(u) * slope;
+  };
   scene::State<PrimeField> state = a;
   for (std::size_t i = 0; i < state.x.size(); ++i) {
     state.x[i].q = line(a.x[i].q, b.x[i].q);
@@ -173,16 +179,16 @@ BOOST_AUTO_TEST_CASE(fractions_with_the_same_divisor_share_it) {
   DegreeBound sum = 0;
   for (int k = 0; k < 100; ++k) sum += x() / d;  // (x1 + ... + x100) / d
   BOOST_TEST(sum.degree() == 1);
-  BOOST_TEST((sum - x()).degree() == 4);         // over d: (x1 + ...) - x d
-  BOOST_TEST((sum * d).degree() == 1);           // and d cancels
+  BOOST_TEST((sum - x()).degree() == 4);  // over d: (x1 + ...) - x d
+  BOOST_TEST((sum * d).degree() == 1);    // and d cancels
   BOOST_TEST((sum * d - x()).degree() == 1);
   BOOST_TEST(divisors.totalDegree() == 3);
 }
 
 BOOST_AUTO_TEST_CASE(nested_fractions_multiply_out) {
   const DegreeBound::Divisors divisors;
-  const DegreeBound a = x() / x();       // x1 / x2
-  const DegreeBound b = a / (a + x());   // (x1 / x2) / ((x1 + x3 x2) / x2) = x1 / (x1 + x2 x3)
+  const DegreeBound a = x() / x();      // x1 / x2
+  const DegreeBound b = a / (a + x());  // (x1 / x2) / ((x1 + x3 x2) / x2) = x1 / (x1 + x2 x3)
   BOOST_TEST(b.degree() == 1);
   BOOST_TEST((b - x()).degree() == 3);
   BOOST_TEST(divisors.totalDegree() == 1 + 2);
@@ -221,7 +227,8 @@ BOOST_DATA_TEST_CASE(it_bounds_the_degree_that_interpolation_measures,
   }
   BOOST_TEST_MESSAGE(sample << ": degree " << largest_measured << ", bound " << largest_bound);
   BOOST_TEST(largest_measured > 0);
-  BOOST_TEST(largest_bound <= 4 * largest_measured);  // a bound, and not a wild one: 2.2 is the worst
+  BOOST_TEST(largest_bound <=
+             4 * largest_measured);  // a bound, and not a wild one: 2.2 is the worst
 }
 
 BOOST_AUTO_TEST_SUITE_END()
@@ -246,7 +253,8 @@ BOOST_DATA_TEST_CASE(zeros_on_circles_are_as_rare_as_the_weighted_degree_says, d
   RandomStream random("circles", seed, 0);
   int coefficients[5][5];
   for (auto& row : coefficients)
-    for (int& a : row) a = seed % 3 == 0 && random.next() % 4 != 0 ? 0 : static_cast<int>(random.next() % p);
+    for (int& a : row)
+      a = seed % 3 == 0 && random.next() % 4 != 0 ? 0 : static_cast<int>(random.next() % p);
   coefficients[1][3] = 1;
   int zeros = 0;
   for (const auto& [c1, s1] : circle) {
@@ -336,9 +344,9 @@ BOOST_AUTO_TEST_CASE(a_smaller_error_probability_takes_more_points) {
     ExactOptions options;
     options.error_probability = target;
     const std::vector<CheckResult> checks = exactChecks(scene, options);
-    const CheckResult tau = *std::find_if(checks.begin(), checks.end(), [](const CheckResult& check) {
-      return check.quantity == "tau";
-    });
+    const CheckResult tau =
+        *std::find_if(checks.begin(), checks.end(),
+                      [](const CheckResult& check) { return check.quantity == "tau"; });
     BOOST_TEST(tau.exact->error_probability <= target);
     BOOST_TEST(tau.exact->points > before);
     before = tau.exact->points;
@@ -354,11 +362,11 @@ BOOST_AUTO_TEST_CASE(a_point_without_a_value_is_drawn_again_and_counted) {
   int built = 0;
   witnesses[1].in_field = [&, inner = witnesses[1].in_field](const FieldNumbers& number) {
     const bool fails = built++ == 0;
-    return [fails, answer = inner(number)](Quantity quantity,
-                                           const scene::State<PrimeField>& state) {
-      if (fails && quantity == Quantity::kc) PrimeField(0).inverse();
-      return answer(quantity, state);
-    };
+    return
+        [fails, answer = inner(number)](Quantity quantity, const scene::State<PrimeField>& state) {
+          if (fails && quantity == Quantity::kc) PrimeField(0).inverse();
+          return answer(quantity, state);
+        };
   };
   for (const CheckResult& check : compareExactly(scene, witnesses, {})) {
     BOOST_TEST((check.verdict == Verdict::kAgree));
@@ -384,11 +392,11 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_forward_dynamics_unanswered) 
 // other.
 BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_only_those_identities_unanswered_that_divide) {
   const scene::Scene scene = singularScene();
-  std::set<std::string> dividing = {"forward dynamics undoes inverse dynamics", "projector",
-                                          "projected inertia is symmetric", "projected twice",
-                                          "projections of force and motion are dual",
-                                          "independence of the chosen root",
-                                          "value function of Gauss' principle"};
+  std::set<std::string> dividing = {
+      "forward dynamics undoes inverse dynamics", "projector",
+      "projected inertia is symmetric",           "projected twice",
+      "projections of force and motion are dual", "independence of the chosen root",
+      "value function of Gauss' principle"};
   const auto requireJudgedAlone = [&](const std::vector<CheckResult>& checks,
                                       const std::string& reason) {
     for (const CheckResult& check : checks) {
@@ -404,8 +412,8 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_only_those_identities_unanswe
   BOOST_TEST(exact.size() == static_cast<std::size_t>(kIdentityCount));
   requireJudgedAlone(exact, "division by zero");
 
-  // only the accelerations divide by the first joint's D = 0: M_A and f_A are found by then, and doubles
-  // go on where the field stops
+  // only the accelerations divide by the first joint's D = 0: M_A and f_A are found by then, and
+  // doubles go on where the field stops
   dividing.erase("value function of Gauss' principle");
   const auto rounded = checkIdentities(scene, {});
   BOOST_TEST(rounded.size() == 1u + kIdentityCount);
@@ -453,9 +461,12 @@ BOOST_AUTO_TEST_CASE(answers_of_other_shapes_disagree) {
 
 BOOST_AUTO_TEST_CASE(the_result_is_told_in_one_sentence) {
   const CheckResult check = exactChecks(scene::findScene("simple_pendulum"), {}).front();
-  BOOST_TEST(describeExact(*check.exact).rfind(
-                 "residual zero at 2 points modulo 63-bit primes; chance that different formulas pass "
-                 "at most ", 0) == 0u);
+  BOOST_TEST(
+      describeExact(*check.exact)
+          .rfind(
+              "residual zero at 2 points modulo 63-bit primes; chance that different formulas pass "
+              "at most ",
+              0) == 0u);
 }
 
 BOOST_AUTO_TEST_CASE(inverse_dynamics_of_the_puma_is_compared_at_10_000_states_a_second) {

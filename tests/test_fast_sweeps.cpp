@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fast sweeps are the textbook sweeps: the same functions over a prime field, whatever the joints,
-// and the same to rounding in double. The other road is recursive/*.hpp.
+// The fast sweeps are the textbook sweeps: the same functions over a prime field, whatever the
+// joints, and the same to rounding in double. The other road is recursive/*.hpp.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE fast_sweeps
 #include <algorithm>
@@ -43,9 +43,12 @@ class Point {
   bool isSame(Quantity quantity) {
     const MatrixOf<PrimeField> left = fast(quantity, state_);
     switch (quantity) {
-      case Quantity::kM: return left == CompositeBody::answer(textbook_, quantity, state_);
-      case Quantity::kTau: return left == NewtonEuler::answer(textbook_, quantity, state_);
-      default: return left == ArticulatedBody::answer(textbook_, quantity, state_);
+      case Quantity::kM:
+        return left == CompositeBody::answer(textbook_, quantity, state_);
+      case Quantity::kTau:
+        return left == NewtonEuler::answer(textbook_, quantity, state_);
+      default:
+        return left == ArticulatedBody::answer(textbook_, quantity, state_);
     }
   }
 
@@ -94,7 +97,7 @@ BOOST_AUTO_TEST_CASE(they_are_the_same_functions_as_the_textbook_sweeps) {
       }
     }
   }
-  BOOST_TEST(steps.size() == 7u);  // every kind of step was taken
+  BOOST_TEST(steps.size() == 7u);       // every kind of step was taken
   BOOST_TEST(with_rotor.size() >= 6u);  // but for turns after a twist, which pass by the same code
   BOOST_TEST(with_friction.size() >= 6u);
   BOOST_TEST(branches > 0);
@@ -102,11 +105,13 @@ BOOST_AUTO_TEST_CASE(they_are_the_same_functions_as_the_textbook_sweeps) {
 }
 
 // With so many links inverse dynamics asks for data ahead of time.
-BOOST_DATA_TEST_CASE(they_are_so_beyond_the_caches, data::make({"chain_20001", "tree_20001"}), name) {
+BOOST_DATA_TEST_CASE(they_are_so_beyond_the_caches, data::make({"chain_20001", "tree_20001"}),
+                     name) {
   scene::Scene scene;
   BOOST_REQUIRE(scene::findFamily(name, &scene));
   Point point(scene, 0);
-  BOOST_REQUIRE(point.fast.plan.links.size() > static_cast<std::size_t>(recursive::fast::detail::kManyLinks));
+  BOOST_REQUIRE(point.fast.plan.links.size() >
+                static_cast<std::size_t>(recursive::fast::detail::kManyLinks));
   BOOST_TEST(point.isSame(Quantity::kTau));
   auto& link = point.fast.plan.links[20000];
   link.mass += PrimeField(1);
@@ -138,7 +143,8 @@ BOOST_AUTO_TEST_CASE(a_planted_error_of_rotor_or_friction_is_seen) {
     const auto rotor = std::find_if(spinning.rbegin(), spinning.rend(),
                                     [](const auto& link) { return !link.spin.isZero(); });
     BOOST_REQUIRE((rotor != spinning.rend()));
-    const auto k = spinning.rend() - rotor - 1;  // the outermost: what the first axes do not feel, these do
+    const auto k =
+        spinning.rend() - rotor - 1;  // the outermost: what the first axes do not feel, these do
     BOOST_TEST(lost.isSame(quantity));
     lost.fast.plan.links[k].spin = PrimeField(0);
     BOOST_TEST(!lost.isSame(quantity), name(quantity));
@@ -159,12 +165,15 @@ BOOST_AUTO_TEST_CASE(a_planted_error_of_rotor_or_friction_is_seen) {
 
 // What the processor can do must not show in the results: AVX2 or not, the same bits.
 BOOST_DATA_TEST_CASE(the_same_bits_with_and_without_avx2,
-                     data::make({"franka_panda", "humanoid", "humanoid_floating", "satellite_arm", "stanford_arm", "mobile",
-                                 "gyroscopic_wrist", "puma_560_friction"}), name) {
+                     data::make({"franka_panda", "humanoid", "humanoid_floating", "satellite_arm",
+                                 "stanford_arm", "mobile", "gyroscopic_wrist",
+                                 "puma_560_friction"}),
+                     name) {
   namespace fast = recursive::fast;
   if (!fast::kHasAvx2) return;
   const scene::Scene scene = scene::findScene(name);
-  const auto model = recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+  const auto model =
+      recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
   const fast::Plan<double> plan(model);
   fast::InverseDynamicsWorkspace<double> id(plan);
   fast::MassMatrixWorkspace<double> m(plan);
@@ -173,7 +182,9 @@ BOOST_DATA_TEST_CASE(the_same_bits_with_and_without_avx2,
   for (int k = 0; k < 20; ++k) {
     const scene::State<double> s = drawState(scene.mechanism, scene.name, 5, k);
     std::vector<double> a(n * n), b(n * n);
-    const auto same = [&] { return std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0; };
+    const auto same = [&] {
+      return std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+    };
     fast::inverseDynamics(plan, s.x.data(), s.qd.data(), s.qdd.data(), id, a.data());
     fast::detail::inverseDynamicsBody(plan, s.x.data(), s.qd.data(), s.qdd.data(), id, b.data());
     BOOST_TEST(same());

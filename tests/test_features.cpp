@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The table of features goes through every pair: small scenes with and without one feature, and what each command
-// makes of it. What is called modelled has to change what the command says, what has no part must not, what is left
-// out is told, what is refused ends with exit status 2 and the reason.
+// The table of features goes through every pair: small scenes with and without one feature, and
+// what each command makes of it. What is called modelled has to change what the command says, what
+// has no part must not, what is left out is told, what is refused ends with exit status 2 and the
+// reason.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE features
 #include "crosscheck/features.hpp"
@@ -49,7 +50,8 @@ std::string scene(const std::string& joint, const std::string& tables, const std
 
 std::string urdf(const std::string& limit) {
   return "<robot name=\"arm\"><link name=\"base\"/><link name=\"tip\"><inertial><mass value=\"1\"/>"
-         "<origin xyz=\"0.1 0 0.2\"/><inertia ixx=\"0.1\" iyy=\"0.1\" izz=\"0.1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>"
+         "<origin xyz=\"0.1 0 0.2\"/><inertia ixx=\"0.1\" iyy=\"0.1\" izz=\"0.1\" ixy=\"0\" "
+         "ixz=\"0\" iyz=\"0\"/>"
          "</inertial></link><joint name=\"turn\" type=\"" +
          std::string(limit.empty() ? "continuous" : "revolute") +
          "\"><parent link=\"base\"/><child link=\"tip\"/><axis xyz=\"0 1 0\"/>" + limit +
@@ -91,41 +93,70 @@ Pair scenesOf(Feature feature) {
       "[[wrench]]\nlink = \"tip\"\nforce = [1, 2, -3]\nmoment = [0.1, 0.2, 0.3]\nat = [0.1, 0, 0]\n";
   switch (feature) {
     case Feature::kFixed:
-      return ofTable("[[link]]\nname = \"plate\"\nparent = \"tip\"\nmass = 0.5\ncom = [0, 0.1, 0]\n"
-                     "[link.joint]\nkind = \"fixed\"\nxyz = [0.1, 0, 0.2]\n");
-    case Feature::kRevolute: return ofJoint(kTurn, "kind = \"fixed\"\n");
-    case Feature::kPrismatic: return ofJoint("kind = \"prismatic\"\naxis = [0, 0.6, 0.8]\n");
-    case Feature::kHelical: return ofJoint("kind = \"helical\"\naxis = [0, 0.6, 0.8]\npitch = 0.05\n");
-    case Feature::kCylindrical: return ofJoint("kind = \"cylindrical\"\naxis = [0, 0.6, 0.8]\n");
-    case Feature::kUniversal: return ofJoint("kind = \"universal\"\n");
-    case Feature::kPlanar: return ofJoint("kind = \"planar\"\n");
-    case Feature::kSpherical: return ofJoint("kind = \"spherical\"\n");
-    case Feature::kFloating: return ofJoint("kind = \"floating\"\n");
-    case Feature::kGravity: return {scene(kTurn, "", kStart), scene(kTurn, "", kStart, "")};
-    case Feature::kRotor: return onJoint(rotor);
-    case Feature::kGyroscopicRotor: return onJoint(rotor + "gyroscopic = true\n", rotor);
-    case Feature::kViscousFriction: return onJoint("friction = { viscous = 0.4 }\n");
-    case Feature::kCoulombFriction: return onJoint("friction = { coulomb = 0.3 }\n");
-    case Feature::kJointSpring: return onJoint("stiffness = 3\nrest = 0.1\n");
+      return ofTable(
+          "[[link]]\nname = \"plate\"\nparent = \"tip\"\nmass = 0.5\ncom = [0, 0.1, 0]\n"
+          "[link.joint]\nkind = \"fixed\"\nxyz = [0.1, 0, 0.2]\n");
+    case Feature::kRevolute:
+      return ofJoint(kTurn, "kind = \"fixed\"\n");
+    case Feature::kPrismatic:
+      return ofJoint("kind = \"prismatic\"\naxis = [0, 0.6, 0.8]\n");
+    case Feature::kHelical:
+      return ofJoint("kind = \"helical\"\naxis = [0, 0.6, 0.8]\npitch = 0.05\n");
+    case Feature::kCylindrical:
+      return ofJoint("kind = \"cylindrical\"\naxis = [0, 0.6, 0.8]\n");
+    case Feature::kUniversal:
+      return ofJoint("kind = \"universal\"\n");
+    case Feature::kPlanar:
+      return ofJoint("kind = \"planar\"\n");
+    case Feature::kSpherical:
+      return ofJoint("kind = \"spherical\"\n");
+    case Feature::kFloating:
+      return ofJoint("kind = \"floating\"\n");
+    case Feature::kGravity:
+      return {scene(kTurn, "", kStart), scene(kTurn, "", kStart, "")};
+    case Feature::kRotor:
+      return onJoint(rotor);
+    case Feature::kGyroscopicRotor:
+      return onJoint(rotor + "gyroscopic = true\n", rotor);
+    case Feature::kViscousFriction:
+      return onJoint("friction = { viscous = 0.4 }\n");
+    case Feature::kCoulombFriction:
+      return onJoint("friction = { coulomb = 0.3 }\n");
+    case Feature::kJointSpring:
+      return onJoint("stiffness = 3\nrest = 0.1\n");
     case Feature::kMimic: {
-      const std::string second = "[[link]]\nname = \"second\"\nparent = \"tip\"\nmass = 0.5\ncom = [0.2, 0.1, 0]\n"
-                                 "inertia = { xx = 0.01, yy = 0.02, zz = 0.02 }\n"
-                                 "[link.joint]\nxyz = [0.5, 0, 0]\nrpy = [0.3, 0, 0]\n";
-      return {scene(kTurn, second + "kind = \"revolute\"\nmimic = { joint = \"elbow\", multiplier = -2, offset = 0.1 }\n",
+      const std::string second =
+          "[[link]]\nname = \"second\"\nparent = \"tip\"\nmass = 0.5\ncom = [0.2, 0.1, 0]\n"
+          "inertia = { xx = 0.01, yy = 0.02, zz = 0.02 }\n"
+          "[link.joint]\nxyz = [0.5, 0, 0]\nrpy = [0.3, 0, 0]\n";
+      return {scene(kTurn,
+                    second + "kind = \"revolute\"\n"
+                             "mimic = { joint = \"elbow\", multiplier = -2, offset = 0.1 }\n",
                     kStart),
               scene(kTurn, second + "kind = \"fixed\"\n", kStart)};
     }
-    case Feature::kLinkWrench: return ofTable(load + "axes = \"link\"\n");
-    case Feature::kWorldWrench: return ofTable(load + "axes = \"world\"\n");
-    case Feature::kDistanceClosure: return ofClosure("distance", "length = 1\n", "1");
-    case Feature::kPlaneClosure: return ofClosure("plane");
-    case Feature::kPlanarPointClosure: return ofClosure("planar_point");
-    case Feature::kPointClosure: return ofClosure("point");
-    case Feature::kHingeClosure: return ofClosure("hinge");
-    case Feature::kWeldClosure: return ofClosure("weld");
-    case Feature::kPointSpring: return ofPoints("stiffness = 50\nrest = 0.5\n");
-    case Feature::kPointDamper: return ofPoints("damping = 2\n");
-    case Feature::kDrivenJoint: return onJoint("motion = \"-0.2 - t/2 + t^2\"\n");
+    case Feature::kLinkWrench:
+      return ofTable(load + "axes = \"link\"\n");
+    case Feature::kWorldWrench:
+      return ofTable(load + "axes = \"world\"\n");
+    case Feature::kDistanceClosure:
+      return ofClosure("distance", "length = 1\n", "1");
+    case Feature::kPlaneClosure:
+      return ofClosure("plane");
+    case Feature::kPlanarPointClosure:
+      return ofClosure("planar_point");
+    case Feature::kPointClosure:
+      return ofClosure("point");
+    case Feature::kHingeClosure:
+      return ofClosure("hinge");
+    case Feature::kWeldClosure:
+      return ofClosure("weld");
+    case Feature::kPointSpring:
+      return ofPoints("stiffness = 50\nrest = 0.5\n");
+    case Feature::kPointDamper:
+      return ofPoints("damping = 2\n");
+    case Feature::kDrivenJoint:
+      return onJoint("motion = \"-0.2 - t/2 + t^2\"\n");
     case Feature::kAccelerationConstraint:
       return ofTable(
           "[[acceleration_constraint]]\nlink = \"tip\"\nat = [0.25, 0, 0]\ndirection = [1, 0, 0]\n");
@@ -146,7 +177,8 @@ Call callOf(Command command) {
   switch (command) {
     case Command::kCrosscheck:
       return {
-          "crosscheck scene --witness newton_euler,lagrange --states 2 --no-charts --error-probability 0.5 "
+          "crosscheck scene --witness newton_euler,lagrange --states 2 --no-charts "
+          "--error-probability 0.5 "
           "--processes 1 --report report",
           "report/report.json"};
     case Command::kDerive:

@@ -11,9 +11,9 @@
 #include "crosscheck/arithmetic/ball.hpp"
 #include "crosscheck/arithmetic/dual.hpp"
 #include "crosscheck/crosscheck.hpp"
-#include "crosscheck/motion/drift.hpp"
 #include "crosscheck/exact/exact.hpp"
 #include "crosscheck/kernel/roads.hpp"
+#include "crosscheck/motion/drift.hpp"
 #include "crosscheck/states.hpp"
 #include "crosscheck/tables.hpp"
 #include "fixtures.hpp"
@@ -28,13 +28,13 @@ namespace data = boost::unit_test::data;
 namespace {
 
 scene::Scene pendulum(const std::string& friction, const std::string& more = "") {
-  return scene::readSceneToml("gravity = [0, 0, -10]\n[[link]]\nname = \"base\"\n"
-                              "[[link]]\nname = \"rod\"\nparent = \"base\"\nmass = 3\ncom = [1, 0, 0]\n"
-                              "inertia = { yy = 1, zz = 1 }\n"
-                              "[link.joint]\nname = \"pin\"\nkind = \"revolute\"\naxis = [0, 1, 0]\n" + more +
-                                  (friction.empty() ? "" : "friction = " + friction + "\n") +
-                                  "[start]\nqd = [1]\n",
-                              "pendulum.toml");
+  return scene::readSceneToml(
+      "gravity = [0, 0, -10]\n[[link]]\nname = \"base\"\n"
+      "[[link]]\nname = \"rod\"\nparent = \"base\"\nmass = 3\ncom = [1, 0, 0]\n"
+      "inertia = { yy = 1, zz = 1 }\n"
+      "[link.joint]\nname = \"pin\"\nkind = \"revolute\"\naxis = [0, 1, 0]\n" +
+          more + (friction.empty() ? "" : "friction = " + friction + "\n") + "[start]\nqd = [1]\n",
+      "pendulum.toml");
 }
 
 Q tauOf(const scene::Mechanism& m, const scene::State<Q>& state) {
@@ -54,7 +54,8 @@ Q tauOfLagrange(const scene::Mechanism& m, const scene::State<Q>& state) {
 
 BOOST_AUTO_TEST_SUITE(known_answers)
 
-// By hand: 4 kg m^2 about the pin, weight 30 N at 1 m (c = 3/5, y down turns the rod up), friction on top.
+// By hand: 4 kg m^2 about the pin, weight 30 N at 1 m (c = 3/5, y down turns the rod up), friction
+// on top.
 BOOST_AUTO_TEST_CASE(a_rod_with_friction) {
   const auto m = pendulum("{ viscous = 0.5, coulomb = { positive = 2, negative = 7 } }").mechanism;
   const Q c = Q(3) / 5, s = Q(4) / 5;
@@ -67,7 +68,8 @@ BOOST_AUTO_TEST_CASE(a_rod_with_friction) {
   }
 }
 
-// Corke's numbers, as printed: with velocity, so that viscous and both directions' Coulomb friction count.
+// Corke's numbers, as printed: with velocity, so that viscous and both directions' Coulomb friction
+// count.
 BOOST_AUTO_TEST_CASE(the_puma_560_meets_its_published_values) {
   const scene::Scene scene = scene::findScene("puma_560_friction");
   int compared = 0;
@@ -76,8 +78,9 @@ BOOST_AUTO_TEST_CASE(the_puma_560_meets_its_published_values) {
     const auto kinds = selectWitnesses({"lagrange", "newton_euler", "simbody"});
     for (const CheckResult& check : compareWithTable(table, scene, kinds)) {
       ++compared;
-      BOOST_TEST((check.verdict == Verdict::kAgree), check.left << " " << check.right << " " << check.worst_entry
-                                                                << " off by " << check.worst << " " << check.unit);
+      BOOST_TEST((check.verdict == Verdict::kAgree),
+                 check.left << " " << check.right << " " << check.worst_entry << " off by "
+                            << check.worst << " " << check.unit);
     }
   }
   BOOST_TEST(compared >= 3);
@@ -104,14 +107,17 @@ BOOST_AUTO_TEST_CASE(everybody_agrees) {
   options.states = 10;
   std::vector<std::string> names;
   for (const WitnessKind& kind : witnessKinds())
-    if (kind.info.present && kind.info.name.rfind("kernel", 0) != 0) names.push_back(kind.info.name);
+    if (kind.info.present && kind.info.name.rfind("kernel", 0) != 0)
+      names.push_back(kind.info.name);
   for (const CheckResult& check : compareWitnesses(scene, selectWitnesses(names), options))
-    BOOST_TEST((check.verdict == Verdict::kAgree), check.quantity << " " << check.left << " " << check.right
-                                                                  << " ratio " << check.ratio << " " << check.reason);
+    BOOST_TEST((check.verdict == Verdict::kAgree),
+               check.quantity << " " << check.left << " " << check.right << " ratio " << check.ratio
+                              << " " << check.reason);
   for (const CheckResult& check : checkIdentities(scene, options))
     BOOST_TEST((check.verdict == Verdict::kAgree), check.check << ": " << check.reason);
   for (const CheckResult& check : exactChecks(scene, {}))
-    BOOST_TEST((check.verdict == Verdict::kAgree), check.check << " " << check.quantity << ": " << check.reason);
+    BOOST_TEST((check.verdict == Verdict::kAgree),
+               check.check << " " << check.quantity << ": " << check.reason);
 }
 
 // By its definition: friction is in tau alone, and what it takes is never negative.
@@ -121,22 +127,27 @@ BOOST_AUTO_TEST_CASE(friction_is_no_part_of_M_c_and_g) {
   Setup<double> b(without.mechanism, scene::RealNumbers<double>(without.mechanism));
   for (int k = 0; k < 20; ++k) {
     const scene::State<double> state = drawState(with.mechanism, "pendulum", 1, k);
-    for (const Quantity same : {Quantity::kM, Quantity::kc, Quantity::kg, Quantity::kKinetic, Quantity::kReactions})
+    for (const Quantity same :
+         {Quantity::kM, Quantity::kc, Quantity::kg, Quantity::kKinetic, Quantity::kReactions})
       BOOST_TEST((NewtonEuler::answer(a, same, state) == NewtonEuler::answer(b, same, state)));
     const double taken = recursive::frictionPower(a.model, state.qd);
     BOOST_TEST(taken > 0);
-    const double more = NewtonEuler::answer(a, Quantity::kTau, state)(0) - NewtonEuler::answer(b, Quantity::kTau, state)(0);
-    BOOST_TEST(std::abs(more * state.qd[0] - taken) < 1e-13 * 40);  // 40 J/s at the most, 4 roundings each
+    const double more = NewtonEuler::answer(a, Quantity::kTau, state)(0) -
+                        NewtonEuler::answer(b, Quantity::kTau, state)(0);
+    BOOST_TEST(std::abs(more * state.qd[0] - taken) <
+               1e-13 * 40);  // 40 J/s at the most, 4 roundings each
   }
 }
 
 BOOST_AUTO_TEST_CASE(kernels_have_viscous_friction_and_no_signs) {
   using kernel::Formula;
-  const auto viscous = kernel::smallestRoad(pendulum("{ viscous = 3 }").mechanism, Formula::kInverseDynamics);
+  const auto viscous =
+      kernel::smallestRoad(pendulum("{ viscous = 3 }").mechanism, Formula::kInverseDynamics);
   const auto none = kernel::smallestRoad(pendulum("").mechanism, Formula::kInverseDynamics);
   BOOST_TEST(viscous.operations() == none.operations() + 2);
-  BOOST_CHECK_THROW(kernel::smallestRoad(pendulum("{ coulomb = 3 }").mechanism, Formula::kInverseDynamics),
-                    std::domain_error);
+  BOOST_CHECK_THROW(
+      kernel::smallestRoad(pendulum("{ coulomb = 3 }").mechanism, Formula::kInverseDynamics),
+      std::domain_error);
 }
 
 BOOST_AUTO_TEST_CASE(the_derivation_holds) {
@@ -176,7 +187,8 @@ int disagreeing(const std::string& friction, Change change) {
   std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten, {"lagrange"});
   witnesses.push_back(sweepWitness<Algorithm>(scene, change));
   int count = 0;
-  for (const CheckResult& check : compareExactly(scene, witnesses, {})) count += check.verdict == Verdict::kDisagree;
+  for (const CheckResult& check : compareExactly(scene, witnesses, {}))
+    count += check.verdict == Verdict::kDisagree;
   return count;
 }
 
@@ -184,7 +196,9 @@ int disagreeing(const std::string& friction, Change change) {
 
 BOOST_AUTO_TEST_CASE(a_wrong_sign_and_a_lost_term_are_seen) {
   const auto nothing = [](auto&, const auto&) {};
-  const auto sign = [](auto& model, const auto&) { model.links[0].viscous = -model.links[0].viscous; };
+  const auto sign = [](auto& model, const auto&) {
+    model.links[0].viscous = -model.links[0].viscous;
+  };
   const auto lost = [](auto& model, const auto&) { model.friction = false; };
   const std::string both = "{ viscous = 3, coulomb = 2 }", dry = "{ coulomb = 2 }";
   BOOST_TEST(disagreeing<NewtonEuler>(both, nothing) == 0);
@@ -201,7 +215,8 @@ BOOST_AUTO_TEST_SUITE(scenes)
 BOOST_AUTO_TEST_CASE(written_and_read_again) {
   for (const char* friction :
        {"{ viscous = 0.5 }", "{ coulomb = 2 }", "{ viscous = 1, coulomb = 2 }",
-        "{ coulomb = { positive = 1, negative = 2 } }", "{ viscous = 3, coulomb = { negative = 2 } }"}) {
+        "{ coulomb = { positive = 1, negative = 2 } }",
+        "{ viscous = 3, coulomb = { negative = 2 } }"}) {
     const std::string text = scene::writeSceneToml(pendulum(friction));
     BOOST_TEST(text.find("friction = ") != std::string::npos);
     const scene::Scene again = scene::readSceneToml(text, "pendulum.toml");

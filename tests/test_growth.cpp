@@ -34,14 +34,16 @@ Outcome run(const std::string& command) {
   BOOST_REQUIRE(pipe != nullptr);
   Outcome outcome{0, ""};
   std::array<char, 4096> buffer;
-  for (std::size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) outcome.out.append(buffer.data(), n);
+  for (std::size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    outcome.out.append(buffer.data(), n);
   outcome.status = WEXITSTATUS(pclose(pipe));
   return outcome;
 }
 
 GrowthPoint fast(int links, double id, double fd, double build, double bytes, double error) {
   GrowthPoint p{"chain", links, "fast"};
-  p.id_ns = id, p.fd_ns = fd, p.scene_ns = 0, p.build_ns = build, p.bytes = bytes, p.fd_error = error;
+  p.id_ns = id, p.fd_ns = fd, p.scene_ns = 0, p.build_ns = build, p.bytes = bytes,
+  p.fd_error = error;
   p.peak_bytes = 2 * bytes;
   return p;
 }
@@ -80,9 +82,10 @@ BOOST_AUTO_TEST_CASE(a_tree_is_balanced_and_a_chain_is_a_row) {
 
 BOOST_AUTO_TEST_CASE(goals_are_ratios_to_64_links_before_and_after_the_cache_is_left) {
   // 1000 + 40 bytes a link: a cache of 1 MB takes 1008 links
-  const std::vector<GrowthPoint> points = {fast(1, 900, 900, 9e9, 9000, 0), fast(64, 20, 50, 4000, 1400, 1e-16),
-                                           fast(256, 22, 60, 5000, 1000, 2e-15), fast(4096, 50, 160, 6000, 1000, 5e-15),
-                                           fast(16384, 40, 40, 16000, 1000, kNothing)};
+  const std::vector<GrowthPoint> points = {
+      fast(1, 900, 900, 9e9, 9000, 0), fast(64, 20, 50, 4000, 1400, 1e-16),
+      fast(256, 22, 60, 5000, 1000, 2e-15), fast(4096, 50, 160, 6000, 1000, 5e-15),
+      fast(16384, 40, 40, 16000, 1000, kNothing)};
   BOOST_TEST(linksInCache(points, "chain", 1 << 20) == 1008);
   const std::vector<GrowthGoal> goals = growthGoals(points, 1 << 20);
   const auto holds = [&](const char* start, double measured, int links, bool is_reached) {
@@ -104,7 +107,8 @@ BOOST_AUTO_TEST_CASE(goals_are_ratios_to_64_links_before_and_after_the_cache_is_
 }
 
 BOOST_AUTO_TEST_CASE(what_is_missing_is_not_called_reached) {
-  std::vector<GrowthPoint> points = {fast(64, 20, 50, 4000, 1600, 2e-14), fast(256, kNothing, 50, 4000, 1000, 3e-14)};
+  std::vector<GrowthPoint> points = {fast(64, 20, 50, 4000, 1600, 2e-14),
+                                     fast(256, kNothing, 50, 4000, 1000, 3e-14)};
   for (const GrowthGoal& goal : growthGoals(points, 0)) {  // no cache is known
     const bool is_time = goal.goal.compare(1, 1, "D") == 0;
     if (is_time) BOOST_TEST(!goal.isMeasured(), goal.goal);
@@ -114,16 +118,20 @@ BOOST_AUTO_TEST_CASE(what_is_missing_is_not_called_reached) {
   BOOST_TEST(goalOf(goals, "FD a link, within").isReached());
   BOOST_TEST(!goalOf(goals, "kept").isReached());
   BOOST_TEST(!goalOf(goals, "certified digits").isReached());
-  const GrowthPoint unbuilt = fast(64, 20, 50, kNothing, 1000, 0), large = fast(16384, 20, 50, 4000, 1000, 0);
+  const GrowthPoint unbuilt = fast(64, 20, 50, kNothing, 1000, 0),
+                    large = fast(16384, 20, 50, 4000, 1000, 0);
   BOOST_TEST(!goalOf(growthGoals({unbuilt, large}, 1 << 20), "scene and model").isMeasured());
   BOOST_TEST(growthGoals({}, 1 << 20).empty());
 }
 
-// 10^5 links with a stack of 512 kB, where one call a link would need some 5 MB, and with 4 GB in all, of
-// which M alone would take 80: whatever is passed from the scene's name to qdd goes link by link in loops.
-BOOST_DATA_TEST_CASE(many_links_need_neither_a_deep_stack_nor_M, data::make({"chain", "tree"}), family) {
-  const Outcome outcome = run("ulimit -s 512; ulimit -v 4000000; " DYNWITNESS_PROGRAM " growth --family " +
-                              std::string(family) + " --links 100000 --truth 64 --witness simbody --patience 1");
+// 10^5 links with a stack of 512 kB, where one call a link would need some 5 MB, and with 4 GB in
+// all, of which M alone would take 80: whatever is passed from the scene's name to qdd goes link by
+// link in loops.
+BOOST_DATA_TEST_CASE(many_links_need_neither_a_deep_stack_nor_M, data::make({"chain", "tree"}),
+                     family) {
+  const Outcome outcome =
+      run("ulimit -s 512; ulimit -v 4000000; " DYNWITNESS_PROGRAM " growth --family " +
+          std::string(family) + " --links 100000 --truth 64 --witness simbody --patience 1");
   BOOST_TEST_CONTEXT(outcome.out) {
     BOOST_TEST(outcome.status == 0);
     for (const char* method : {"fast", "textbook"}) {

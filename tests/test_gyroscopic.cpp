@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Gyroscopic rotors: against the same rotors as bodies of their own, which turn on the parent by a joint.
+// Gyroscopic rotors: against the same rotors as bodies of their own, which turn on the parent by a
+// joint.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE gyroscopic
 #include <boost/test/data/monomorphic.hpp>
@@ -21,30 +22,40 @@ namespace {
 
 constexpr int kSeeds = 6;
 
-/// A scene text: a cart that slides, a helical, a turning and a sliding joint, each with such a rotor.
+/// A scene text: a cart that slides, a helical, a turning and a sliding joint, each with such a
+/// rotor.
 std::string armText(const std::string& rotor, const std::string& mass = "2") {
   return "gravity = [1, 2, -9]\n"
          "[[link]]\nname = \"ground\"\n"
-         "[[link]]\nname = \"a\"\nparent = \"ground\"\nmass = " + mass + "\ncom = [0.1, 0.2, 0.3]\n"
+         "[[link]]\nname = \"a\"\nparent = \"ground\"\nmass = " +
+         mass +
+         "\ncom = [0.1, 0.2, 0.3]\n"
          "inertia = { xx = 3, yy = 4, zz = 5, xy = 0.1 }\n"
-         "[link.joint]\nkind = \"revolute\"\naxis = [3, 4, 12]\n" + rotor +
+         "[link.joint]\nkind = \"revolute\"\naxis = [3, 4, 12]\n" +
+         rotor +
          "[[link]]\nname = \"b\"\nparent = \"a\"\nmass = 1\ncom = [0.2, -0.1, 0]\n"
          "inertia = { xx = 2, yy = 3, zz = 4 }\n"
-         "[link.joint]\nkind = \"helical\"\npitch = 0.25\nxyz = [0.5, 0, 0]\naxis = [0, -1, 0]\n" + rotor +
+         "[link.joint]\nkind = \"helical\"\npitch = 0.25\nxyz = [0.5, 0, 0]\naxis = [0, -1, 0]\n" +
+         rotor +
          "[[link]]\nname = \"c\"\nparent = \"b\"\nmass = 1\ncom = [0, 0, 0.5]\n"
          "inertia = { xx = 2, yy = 2, zz = 2 }\n"
-         "[link.joint]\nkind = \"prismatic\"\nrpy = [\"pi/2\", 0, 0]\naxis = [3, 0, 4]\n" + rotor +
+         "[link.joint]\nkind = \"prismatic\"\nrpy = [\"pi/2\", 0, 0]\naxis = [3, 0, 4]\n" +
+         rotor +
          "[[link]]\nname = \"d\"\nparent = \"c\"\nmass = 1\ncom = [0.3, 0, 0]\n"
          "inertia = { xx = 1, yy = 1, zz = 1 }\n"
-         "[link.joint]\nkind = \"revolute\"\nmdh = { a = 0.4, alpha = \"pi/2\", d = 0.1, theta = 0 }\n" + rotor;
+         "[link.joint]\nkind = \"revolute\"\n"
+         "mdh = { a = 0.4, alpha = \"pi/2\", d = 0.1, theta = 0 }\n" +
+         rotor;
 }
-scene::Scene arm(const std::string& rotor = "rotor_inertia = 0.125\ngear_ratio = -3\ngyroscopic = true\n") {
+scene::Scene arm(
+    const std::string& rotor = "rotor_inertia = 0.125\ngear_ratio = -3\ngyroscopic = true\n") {
   return scene::readSceneToml(armText(rotor), "arm.toml");
 }
 
-/** The same with every rotor a body: a point-like disc on the parent (no mass, inertia J about the joint's
-    axis only), turning about that axis by a joint of its own, at rate n qd. The rotor's inertia is about
-    its axis alone, so what the parent's includes of it as it stands is J z z', which is taken off. */
+/** The same with every rotor a body: a point-like disc on the parent (no mass, inertia J about the
+    joint's axis only), turning about that axis by a joint of its own, at rate n qd. The rotor's
+    inertia is about its axis alone, so what the parent's includes of it as it stands is J z z',
+    which is taken off. */
 struct WithBodies {
   recursive::Model<Q> model;
   std::vector<int> rotor_of;  ///< rate of the scene -> rate of its rotor in `model`
@@ -84,8 +95,8 @@ struct WithBodies {
 
 BOOST_AUTO_TEST_SUITE(identities)
 
-// By another model: full rigid bodies, no spin in any formula; virtual work brings the rotor's moment n
-// times to its joint.
+// By another model: full rigid bodies, no spin in any formula; virtual work brings the rotor's
+// moment n times to its joint.
 BOOST_DATA_TEST_CASE(the_rotor_is_a_body_on_the_parent, data::xrange(kSeeds), seed) {
   const scene::Scene scene = arm();
   const scene::Mechanism& m = scene.mechanism;
@@ -134,17 +145,18 @@ BOOST_DATA_TEST_CASE(the_rotor_is_a_body_on_the_parent, data::xrange(kSeeds), se
 BOOST_AUTO_TEST_CASE(everybody_agrees) {
   for (const scene::Scene& scene : {arm(), scene::findScene("gyroscopic_wrist")}) {
     for (const CheckResult& check : exactChecks(scene, {}))
-      BOOST_TEST((check.verdict == Verdict::kAgree), scene.name << ": " << check.check << " " << check.quantity
-                                                                << " " << check.left << " " << check.right
-                                                                << ": " << check.reason);
+      BOOST_TEST((check.verdict == Verdict::kAgree),
+                 scene.name << ": " << check.check << " " << check.quantity << " " << check.left
+                            << " " << check.right << ": " << check.reason);
     Options options;
     options.states = 10;
     int by_simbody = 0;
-    for (const CheckResult& check : compareWitnesses(scene, selectWitnesses({"newton_euler", "articulated_body", "simbody"}), options)) {
+    for (const CheckResult& check : compareWitnesses(
+             scene, selectWitnesses({"newton_euler", "articulated_body", "simbody"}), options)) {
       by_simbody += check.right == "simbody";
-      BOOST_TEST((check.verdict == Verdict::kAgree), scene.name << ": " << check.quantity << " " << check.left << " "
-                                                                << check.right << " ratio " << check.ratio << ": "
-                                                                << check.reason);
+      BOOST_TEST((check.verdict == Verdict::kAgree),
+                 scene.name << ": " << check.quantity << " " << check.left << " " << check.right
+                            << " ratio " << check.ratio << ": " << check.reason);
     }
     BOOST_TEST(by_simbody == 9);
   }
@@ -154,11 +166,13 @@ BOOST_AUTO_TEST_CASE(everybody_agrees) {
 BOOST_AUTO_TEST_CASE(no_difference_where_the_parent_does_not_turn) {
   const std::string slide_and_turn =
       "[[link]]\nname = \"ground\"\n"
-      "[[link]]\nname = \"cart\"\nparent = \"ground\"\nmass = 2\ninertia = { xx = 1, yy = 1, zz = 1 }\n"
+      "[[link]]\nname = \"cart\"\nparent = \"ground\"\nmass = 2\n"
+      "inertia = { xx = 1, yy = 1, zz = 1 }\n"
       "[link.joint]\nkind = \"prismatic\"\nrotor_inertia = 0.1\ngear_ratio = 7\n"
       "[[link]]\nname = \"arm\"\nparent = \"cart\"\nmass = 1\ncom = [1, 0, 0]\n"
       "[link.joint]\nkind = \"revolute\"\naxis = [1, 2, 2]\nrotor_inertia = 0.1\ngear_ratio = 7\n";
-  const RotorModels none = compareRotorModels(scene::readSceneToml(slide_and_turn, "cart.toml"), 20, 1);
+  const RotorModels none =
+      compareRotorModels(scene::readSceneToml(slide_and_turn, "cart.toml"), 20, 1);
   for (const RotorModels::Joint& joint : none.joints) BOOST_TEST(joint.largest == 0);
   const RotorModels some = compareRotorModels(arm(), 20, 1);
   for (const RotorModels::Joint& joint : some.joints) {
@@ -231,13 +245,15 @@ BOOST_AUTO_TEST_CASE(written_and_read_again) {
 
 BOOST_AUTO_TEST_CASE(impossible_ones_are_refused) {
   const auto refused = [](const std::string& text, const std::string& why) {
-    BOOST_CHECK_EXCEPTION(scene::readSceneToml(text, "arm.toml"), scene::InputError, [&](const auto& e) {
-      BOOST_TEST_MESSAGE(e.what());
-      return std::string(e.what()).find(why) != std::string::npos;
-    });
+    BOOST_CHECK_EXCEPTION(scene::readSceneToml(text, "arm.toml"), scene::InputError,
+                          [&](const auto& e) {
+                            BOOST_TEST_MESSAGE(e.what());
+                            return std::string(e.what()).find(why) != std::string::npos;
+                          });
   };
   refused(armText("gyroscopic = true\n"), "gyroscopic without a rotor");
-  refused(armText("rotor_inertia = 1\ngyroscopic = 1\n"), "gyroscopic: an integer, allowed: true, false");
+  refused(armText("rotor_inertia = 1\ngyroscopic = 1\n"),
+          "gyroscopic: an integer, allowed: true, false");
   refused(armText("rotor_inertia = 4\ngyroscopic = true\n"),
           "link \"a\": carries the gyroscopic rotor of joint \"b\", and without it");
 }

@@ -72,7 +72,8 @@ std::string broken(const std::string& name, Change change) {
 
 BOOST_DATA_TEST_CASE(the_laws_hold_in_every_bundled_scene, data::make(bundledNames()), name) {
   const scene::Scene scene = scene::findScene(name);
-  if (!refusals(scene, Command::kImpulse).empty()) return;  // features.md says which, test_features that it is so
+  if (!refusals(scene, Command::kImpulse).empty())
+    return;  // features.md says which, test_features that it is so
   const auto checks = checkImpulsesExactly(scene, "", {});
   BOOST_TEST(checks.size() == (scene.mechanism.closures.empty() ? 5u : 2u));
   for (const CheckResult& check : checks) {

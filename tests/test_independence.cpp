@@ -161,25 +161,27 @@ BOOST_AUTO_TEST_CASE(no_source_of_the_crosscheck_speaks_of_a_tolerance) {
 // Small numbers in code are where limits chosen by hand would be: these are all, and what they are.
 BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
   const std::map<std::string, std::set<std::string>> known = {
-      {"crosscheck/digits/backward_error.cpp", {"0x1p-20"}},  // of an ulp: how narrow balls are asked to be
-      {"crosscheck/identities_in_balls.cpp", {"0x1p-20"}},    // the same
-      {"crosscheck/kernel/kernel.cpp", {"0x1p-52"}},          // an operand of the program that tells compilers apart
+      {"crosscheck/digits/backward_error.cpp",
+       {"0x1p-20"}},  // of an ulp: how narrow balls are asked to be
+      {"crosscheck/identities_in_balls.cpp", {"0x1p-20"}},  // the same
+      {"crosscheck/kernel/kernel.cpp",
+       {"0x1p-52"}},  // an operand of the program that tells compilers apart
       {"crosscheck/motion/drift.cpp", {"1e-6", "1e-8", "1e-10"}},  // asked of adaptive steps
-      {"crosscheck/report/page.cpp", {"1e-10"}},              // words about the control
-      {"crosscheck/witnesses/simbody.cpp", {"1e-100"}},       // a mass [kg] that drops out
-      {"crosscheck/chart/chart.cpp", {"1e-9"}},                // seconds in a nanosecond
-      {"crosscheck/chart/drawing.cpp", {"1e-9"}},              // the same
-      {"crosscheck/cli/crosscheck_command.cpp", {"1e-300"}},  // least --error-probability
-      {"crosscheck/growth/growth.cpp", {"1e-9"}},              // seconds in a nanosecond
-      {"crosscheck/crosscheck.hpp", {"1e-30"}},               // default of --error-probability
-      {"crosscheck/exact/exact.hpp", {"1e-30"}},                    // the same
-      {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same
-      {"crosscheck/motion/simulate.hpp", {"1e-10"}},                 // default of --step-error
-      {"crosscheck/motion/simulate.cpp", {"1e-12"}},                 // a step [s] at which integration is given up
+      {"crosscheck/report/page.cpp", {"1e-10"}},                   // words about the control
+      {"crosscheck/witnesses/simbody.cpp", {"1e-100"}},            // a mass [kg] that drops out
+      {"crosscheck/chart/chart.cpp", {"1e-9"}},                    // seconds in a nanosecond
+      {"crosscheck/chart/drawing.cpp", {"1e-9"}},                  // the same
+      {"crosscheck/cli/crosscheck_command.cpp", {"1e-300"}},       // least --error-probability
+      {"crosscheck/growth/growth.cpp", {"1e-9"}},                  // seconds in a nanosecond
+      {"crosscheck/crosscheck.hpp", {"1e-30"}},                    // default of --error-probability
+      {"crosscheck/exact/exact.hpp", {"1e-30"}},                   // the same
+      {"crosscheck/audit/trial.cpp", {"1e-30"}},                   // the same
+      {"crosscheck/motion/simulate.hpp", {"1e-10"}},               // default of --step-error
+      {"crosscheck/motion/simulate.cpp", {"1e-12"}},  // a step [s] at which integration is given up
       {"crosscheck/parameters/parameters.hpp", {"1e-30", "1e-9"}},  // chances of error, defaults
-      {"crosscheck/states.cpp", {"0x1p-53"}},                 // 53 random bits to [0, 1)
-      {"crosscheck/witnesses/dart.cpp", {"1e-100"}},          // a time step that drops out
-      {"crosscheck/witnesses/mujoco.cpp", {"1e-12"}},         // MuJoCo's own eigEPS
+      {"crosscheck/states.cpp", {"0x1p-53"}},                       // 53 random bits to [0, 1)
+      {"crosscheck/witnesses/dart.cpp", {"1e-100"}},                // a time step that drops out
+      {"crosscheck/witnesses/mujoco.cpp", {"1e-12"}},               // MuJoCo's own eigEPS
   };
   for (const auto& [file, text] : crosscheckSources()) {
     if (fs::path(file).extension() != ".cpp" && fs::path(file).extension() != ".hpp") continue;

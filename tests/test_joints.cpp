@@ -44,7 +44,8 @@ mass = 3
 com = [0.1, -0.2, 0.3]
 inertia = { xx = 0.5, yy = 0.6, zz = 0.7, xy = 0.01, xz = -0.02, yz = 0.03 }
 [link.joint]
-kind = ")" + kind + "\"\nxyz = [0.4, 0.5, -0.6]\nrpy = [0.3, 0.2, -1]\n" + more,
+kind = ")" + kind + "\"\nxyz = [0.4, 0.5, -0.6]\nrpy = [0.3, 0.2, -1]\n" +
+                                  more,
                               "one_" + kind + ".toml");
 }
 
@@ -57,8 +58,9 @@ scene::Scene chain(const std::vector<std::pair<std::string, std::string>>& joint
     const std::string name = last ? "body" : "massless_" + std::to_string(i);
     text += "[[link]]\nname = \"" + name + "\"\nparent = \"" + parent + "\"\n";
     if (last)
-      text += "mass = 3\ncom = [0.1, -0.2, 0.3]\ninertia = { xx = 0.5, yy = 0.6, zz = 0.7, xy = 0.01, "
-              "xz = -0.02, yz = 0.03 }\n";
+      text +=
+          "mass = 3\ncom = [0.1, -0.2, 0.3]\ninertia = { xx = 0.5, yy = 0.6, zz = 0.7, xy = 0.01, "
+          "xz = -0.02, yz = 0.03 }\n";
     text += "[link.joint]\nkind = \"" + joints[i].first + "\"\naxis = " + joints[i].second + "\n";
     if (i == 0) text += "xyz = [0.4, 0.5, -0.6]\nrpy = [0.3, 0.2, -1]\n";
     parent = name;
@@ -68,17 +70,22 @@ scene::Scene chain(const std::vector<std::pair<std::string, std::string>>& joint
 
 /// Scenes with each kind on the way to another body: exact checks see every pair of neighbours.
 std::string treeOf(const std::string& first, const std::string& second) {
-  const auto link = [](const std::string& name, const std::string& parent, const std::string& kind) {
+  const auto link = [](const std::string& name, const std::string& parent,
+                       const std::string& kind) {
     return "[[link]]\nname = \"" + name + "\"\nparent = \"" + parent +
-           "\"\nmass = 2\ncom = [0.1, -0.2, 0.3]\ninertia = { xx = 0.5, yy = 0.6, zz = 0.7, xy = 0.01, "
-           "xz = -0.02, yz = 0.03 }\n[link.joint]\nkind = \"" + kind +
-           "\"\nxyz = [0.4, 0.5, -0.6]\nrpy = [\"pi/2\", 0, \"pi/3\"]\n" +
-           (kind == "helical" ? "pitch = 0.3\nrotor_inertia = 0.01\ngear_ratio = 3\nstiffness = 7\n" : "") +
-           (kind == "helical" || kind == "cylindrical" || kind == "planar" ? "axis = [3, 0, 4]\n" : "");
+           "\"\nmass = 2\ncom = [0.1, -0.2, 0.3]\n"
+           "inertia = { xx = 0.5, yy = 0.6, zz = 0.7, xy = 0.01, "
+           "xz = -0.02, yz = 0.03 }\n[link.joint]\nkind = \"" +
+           kind + "\"\nxyz = [0.4, 0.5, -0.6]\nrpy = [\"pi/2\", 0, \"pi/3\"]\n" +
+           (kind == "helical" ? "pitch = 0.3\nrotor_inertia = 0.01\ngear_ratio = 3\nstiffness = 7\n"
+                              : "") +
+           (kind == "helical" || kind == "cylindrical" || kind == "planar" ? "axis = [3, 0, 4]\n"
+                                                                           : "");
   };
   return "gravity = [1, -2, -9]\n[[link]]\nname = \"base\"\n" + link("a", "base", first) +
          link("b", "a", second) +
-         "[[wrench]]\nlink = \"b\"\nforce = [1, 2, 3]\nmoment = [-1, 0.5, 2]\nat = [0.1, 0, 0.2]\naxes = "
+         "[[wrench]]\nlink = \"b\"\nforce = [1, 2, 3]\nmoment = [-1, 0.5, 2]\nat = [0.1, 0, 0.2]\n"
+         "axes = "
          "\"world\"\n[[wrench]]\nlink = \"a\"\nforce = [3, 2, 3]\n";
 }
 
@@ -111,8 +118,12 @@ struct InField {
   scene::State<F> state;
 };
 
-Vector3<F> vector(F x, F y, F z) { return {x, y, z}; }
-F rational(int n, int d) { return PrimeField::fromRational(scene::Rational(n, d)); }
+Vector3<F> vector(F x, F y, F z) {
+  return {x, y, z};
+}
+F rational(int n, int d) {
+  return PrimeField::fromRational(scene::Rational(n, d));
+}
 
 /// The body of oneBody(), about its frame's origin: mass, first moment, inertia, by plain 3-D sums.
 struct PlainBody {
@@ -160,7 +171,9 @@ BOOST_AUTO_TEST_CASE(a_spherical_joint_gives_eulers_equations_of_a_top) {
 BOOST_AUTO_TEST_CASE(a_floating_body_obeys_newton_and_euler_about_its_origin) {
   InField f(oneBody("floating"));
   const PlainBody b;
-  const auto three = [](const std::vector<F>& v, int i) { return vector(v[i], v[i + 1], v[i + 2]); };
+  const auto three = [](const std::vector<F>& v, int i) {
+    return vector(v[i], v[i + 1], v[i + 2]);
+  };
   const Vector3<F> v = three(f.state.qd, 0), w = three(f.state.qd, 3);
   const auto& x = f.state.x;
   const F s = x[3].q;
@@ -180,15 +193,15 @@ BOOST_AUTO_TEST_CASE(a_floating_body_obeys_newton_and_euler_about_its_origin) {
 
 // One q: T = (I_zz + pitch^2 m) qd^2 / 2 about the screw's axis, V = -m g'(position of the centre)
 BOOST_AUTO_TEST_CASE(a_screw_carries_its_mass_up_its_pitch) {
-  InField f(oneBody("helical", "pitch = 0.25\nrotor_inertia = 0.5\ngear_ratio = 3\nstiffness = 8\nrest = 2\n"));
+  InField f(oneBody(
+      "helical", "pitch = 0.25\nrotor_inertia = 0.5\ngear_ratio = 3\nstiffness = 8\nrest = 2\n"));
   const PlainBody b;
   const F pitch = rational(1, 4), c = f.state.x[0].c, s = f.state.x[0].s;
   const Vector3<F> g = gravityInJoint(f);
   // d/dq of the centre (c x - s y, s x + c y, z + pitch q)
   const Vector3<F> slope = vector(-s * b.r(0) - c * b.r(1), c * b.r(0) - s * b.r(1), pitch);
   const F inertia = b.I(2, 2) + pitch * pitch * b.m + F(9) * rational(1, 2);
-  const F expected =
-      inertia * f.state.qdd[0] - b.m * g.dot(slope) + F(8) * (f.state.x[0].q - F(2));
+  const F expected = inertia * f.state.qdd[0] - b.m * g.dot(slope) + F(8) * (f.state.x[0].q - F(2));
   BOOST_TEST((f.inverse()[0] == expected));
 }
 
@@ -196,11 +209,14 @@ struct Chain {
   std::string kind;
   std::vector<std::pair<std::string, std::string>> joints;
 };
-std::ostream& operator<<(std::ostream& out, const Chain& chain) { return out << chain.kind; }
+std::ostream& operator<<(std::ostream& out, const Chain& chain) {
+  return out << chain.kind;
+}
 const std::vector<Chain> kChains = {
     {"cylindrical", {{"prismatic", "[0, 0, 1]"}, {"revolute", "[0, 0, 1]"}}},
     {"universal", {{"revolute", "[1, 0, 0]"}, {"revolute", "[0, 1, 0]"}}},
-    {"planar", {{"prismatic", "[1, 0, 0]"}, {"prismatic", "[0, 1, 0]"}, {"revolute", "[0, 0, 1]"}}}};
+    {"planar",
+     {{"prismatic", "[1, 0, 0]"}, {"prismatic", "[0, 1, 0]"}, {"revolute", "[0, 0, 1]"}}}};
 
 // the chain as its author would have to write it, through the scene reader
 BOOST_DATA_TEST_CASE(a_joint_is_the_chain_of_its_motions, data::make(kChains), sample) {
@@ -234,7 +250,8 @@ BOOST_AUTO_TEST_CASE(half_the_angle_in_the_quaternion_is_the_angle_of_the_turn) 
   for (const double q : {2 * std::cos(h), 0.0, 0.0, 2 * std::sin(h)})  // of length 2
     x.push_back(scene::jointPosition(q));
   const Matrix3<double> R = recursive::rotation(x.data());
-  const Matrix3<double> expected = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Matrix3<double> expected =
+      Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   BOOST_TEST((R - expected).cwiseAbs().maxCoeff() <= 4 * std::numeric_limits<double>::epsilon());
 }
 
@@ -286,7 +303,8 @@ BOOST_AUTO_TEST_CASE(the_spherical_projection_written_out_is_that_of_three_axes)
   recursive::JointAxes<F> Z(6, 3);
   for (int k = 0; k < 3; ++k) Z.col(k) = recursive::jointAxis(f.model.links[1], k);
   const recursive::MatrixX<F> no_rotors = recursive::MatrixX<F>::Constant(3, 3, F(0));
-  const recursive::Matrix6<F> P_M = recursive::inertiaProjection(recursive::Matrix6<F>(M.matrix()), Z, no_rotors);
+  const recursive::Matrix6<F> P_M =
+      recursive::inertiaProjection(recursive::Matrix6<F>(M.matrix()), Z, no_rotors);
   recursive::Matrix6<F> expected = recursive::Matrix6<F>::Constant(F(0));
   expected.topLeftCorner(3, 3) = recursive::inertiaThroughSpherical(M).matrix();
   BOOST_TEST((P_M == expected));
@@ -332,10 +350,12 @@ BOOST_AUTO_TEST_CASE(projections_allow_coupled_joint_inertias) {
 // every kind carried by every kind: all our witnesses and all identities, over the field
 BOOST_DATA_TEST_CASE(all_exact_checks_hold_for_every_pair_of_kinds,
                      data::make(kNewKinds) * data::make(kKinds), first, second) {
-  const scene::Scene scene = scene::readSceneToml(treeOf(first, second), first + "_" + second + ".toml");
+  const scene::Scene scene =
+      scene::readSceneToml(treeOf(first, second), first + "_" + second + ".toml");
   for (const CheckResult& check : exactChecks(scene, {}))
-    BOOST_TEST((check.verdict == Verdict::kAgree), check.check << " " << check.quantity << " " << check.left
-                                                               << " " << check.right << ": " << check.reason);
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.check << " " << check.quantity << " "
+                                                               << check.left << " " << check.right
+                                                               << ": " << check.reason);
 }
 
 BOOST_DATA_TEST_CASE(every_step_of_the_derivation_holds, data::make(kNewKinds), kind) {
@@ -355,9 +375,10 @@ std::unique_ptr<Witness> witnessNamed(const std::string& name, const scene::Scen
 }
 
 // Simbody's own mobilizers, with other generalised speeds
-BOOST_DATA_TEST_CASE(simbody_agrees_for_every_pair_of_kinds, data::make(kNewKinds) * data::make(kKinds),
-                     first, second) {
-  const scene::Scene scene = scene::readSceneToml(treeOf(first, second), first + "_" + second + ".toml");
+BOOST_DATA_TEST_CASE(simbody_agrees_for_every_pair_of_kinds,
+                     data::make(kNewKinds) * data::make(kKinds), first, second) {
+  const scene::Scene scene =
+      scene::readSceneToml(treeOf(first, second), first + "_" + second + ".toml");
   const auto simbody = witnessNamed("simbody", scene), ours = witnessNamed("newton_euler", scene),
              forward = witnessNamed("articulated_body", scene);
   for (int k = 0; k < 10; ++k) {
@@ -365,7 +386,8 @@ BOOST_DATA_TEST_CASE(simbody_agrees_for_every_pair_of_kinds, data::make(kNewKind
     for (const Quantity quantity : kAllQuantities) {
       const Answer a = simbody->answer(quantity, state);
       const Answer b = (quantity == Quantity::kQdd ? forward : ours)->answer(quantity, state);
-      const double used = ((a.value - b.value).array().abs() / (a.bound + b.bound).array().max(1e-300)).maxCoeff();
+      const double used =
+          ((a.value - b.value).array().abs() / (a.bound + b.bound).array().max(1e-300)).maxCoeff();
       BOOST_TEST(used <= 1.0, name(quantity));
     }
   }
@@ -415,7 +437,8 @@ void requireRefused(const std::string& text, const std::string& why) {
                         });
 }
 
-std::string withJoint(const std::string& joint, const std::string& link = "mass = 1\ninertia = { xx = 1, yy = 1, zz = 1 }") {
+std::string withJoint(const std::string& joint,
+                      const std::string& link = "mass = 1\ninertia = { xx = 1, yy = 1, zz = 1 }") {
   return "[[link]]\nname = \"base\"\n[[link]]\nname = \"body\"\nparent = \"base\"\n" + link +
          "\n[link.joint]\n" + joint + "\n";
 }
@@ -423,7 +446,8 @@ std::string withJoint(const std::string& joint, const std::string& link = "mass 
 BOOST_AUTO_TEST_CASE(what_a_kind_does_not_have_is_refused_with_its_line) {
   requireRefused(withJoint("kind = \"spherical\"\nrotor_inertia = 1"),
                  "bad.toml:10: joint \"body\" (spherical): has rotor_inertia, allowed: only with");
-  requireRefused(withJoint("kind = \"planar\"\nstiffness = 1"), "has stiffness, allowed: only with");
+  requireRefused(withJoint("kind = \"planar\"\nstiffness = 1"),
+                 "has stiffness, allowed: only with");
   requireRefused(withJoint("kind = \"universal\"\naxis = [1, 0, 0]"), "unknown key \"axis\"");
   requireRefused(withJoint("kind = \"floating\"\ndh = { a = 1 }"), "unknown key \"dh\"");
   requireRefused(withJoint("kind = \"helical\""), "has no pitch");
@@ -437,7 +461,8 @@ BOOST_AUTO_TEST_CASE(motions_that_move_no_inertia_are_refused) {
   requireRefused(withJoint("kind = \"floating\"", rod), "some of its motions move no inertia");
   requireRefused(withJoint("kind = \"cylindrical\"", rod), "some of its motions move no inertia");
   requireRefused(withJoint("kind = \"universal\"", ""), "nothing that it carries has mass");
-  requireRefused(withJoint("kind = \"helical\"\npitch = 0", rod), "no inertia about the joint's axis");
+  requireRefused(withJoint("kind = \"helical\"\npitch = 0", rod),
+                 "no inertia about the joint's axis");
   scene::readSceneToml(withJoint("kind = \"helical\"\npitch = 0.1", rod), "good.toml");
   scene::readSceneToml(withJoint("kind = \"universal\"", rod), "good.toml");
 }
@@ -446,7 +471,8 @@ BOOST_AUTO_TEST_CASE(a_start_has_one_number_a_slot_and_no_zero_quaternion) {
   const std::string joint = withJoint("kind = \"spherical\"");
   requireRefused(joint + "[start]\nq = [1, 0, 0]\n", "an array of 4 numbers");
   requireRefused(joint + "[start]\nqd = [1, 0, 0, 0]\n", "an array of 3 numbers");
-  requireRefused(joint + "[start]\nq = [0, 0, 0, 0]\n", "its quaternion at the start is [0, 0, 0, 0]");
+  requireRefused(joint + "[start]\nq = [0, 0, 0, 0]\n",
+                 "its quaternion at the start is [0, 0, 0, 0]");
 }
 
 BOOST_DATA_TEST_CASE(a_scene_of_every_kind_is_written_and_read_back, data::make(kNewKinds), kind) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The judge is judged: faults planted into what draws states, compares entries and bounds errors must not
-// leave a run that says "all agree". Each test here fails with one of them in place.
+// The judge is judged: faults planted into what draws states, compares entries and bounds errors
+// must not leave a run that says "all agree". Each test here fails with one of them in place.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE judge
 #include <stdlib.h>
@@ -48,12 +48,13 @@ std::vector<std::string> tables() {
 
 }  // namespace
 
-// ---- states ---------------------------------------------------------------------------------------
+// ---- states
+// ---------------------------------------------------------------------------------------
 
 BOOST_AUTO_TEST_SUITE(states)
 
-/// Whether numbers drawn from [-reach, reach) look like it: 200 uniform ones leave one of the outer fifths
-/// empty with a chance of 2 0.8^200 = 1e-19.
+/// Whether numbers drawn from [-reach, reach) look like it: 200 uniform ones leave one of the outer
+/// fifths empty with a chance of 2 0.8^200 = 1e-19.
 void requireSpread(const std::vector<double>& drawn, double reach, const std::string& what) {
   BOOST_TEST(*std::min_element(drawn.begin(), drawn.end()) < -0.6 * reach, what);
   BOOST_TEST(*std::max_element(drawn.begin(), drawn.end()) > 0.6 * reach, what);
@@ -103,7 +104,8 @@ BOOST_AUTO_TEST_CASE(quaternions_point_everywhere_and_are_not_of_unit_length) {
 
 BOOST_AUTO_TEST_SUITE_END()
 
-// ---- every entry of every state -------------------------------------------------------------------
+// ---- every entry of every state
+// -------------------------------------------------------------------
 
 BOOST_AUTO_TEST_SUITE(entries)
 
@@ -215,7 +217,8 @@ BOOST_DATA_TEST_CASE(a_fault_in_one_lane_is_found, data::xrange(9), wrong_lane) 
 
 BOOST_AUTO_TEST_SUITE_END()
 
-// ---- tables ---------------------------------------------------------------------------------------
+// ---- tables
+// ---------------------------------------------------------------------------------------
 
 BOOST_AUTO_TEST_SUITE(printed_tables)
 
@@ -227,7 +230,8 @@ std::string threeUnitsOff(std::string text) {
   return text;
 }
 
-/// The number off by what the table's own words forbid: a changed text, or none for zeros and expressions.
+/// The number off by what the table's own words forbid: a changed text, or none for zeros and
+/// expressions.
 std::string changed(const json& table, const json& one_case, const std::string& quantity,
                     const std::string& text) {
   if (text.find_first_not_of("+-.0123456789eE") != std::string::npos) return {};
@@ -282,7 +286,8 @@ BOOST_DATA_TEST_CASE(a_wrong_digit_in_any_case_is_found, data::make(tables()), f
       own.empty() ? scene::findScene(table.at("scene").get<std::string>()) : scene::readScene(own);
   const std::vector<WitnessKind> kinds = selectWitnesses({"newton_euler", "articulated_body"});
   int planted = 0;
-  // prints the last bits of a double, and is held to what a program in double may lose: more than three of these
+  // prints the last bits of a double, and is held to what a program in double may lose: more than
+  // three of these
   if (fs::path(file).filename() == "pinocchio_zyx.json") return;
   for (json& one_case : table.at("cases")) {
     for (auto& [quantity, printed] : one_case.at("expect").items()) {
@@ -320,7 +325,8 @@ BOOST_DATA_TEST_CASE(a_wrong_digit_in_any_case_is_found, data::make(tables()), f
 
 BOOST_AUTO_TEST_SUITE_END()
 
-// ---- limits: the run's own control -----------------------------------------------------------------
+// ---- limits: the run's own control
+// -----------------------------------------------------------------
 
 BOOST_AUTO_TEST_SUITE(control)
 
@@ -341,7 +347,8 @@ BOOST_DATA_TEST_CASE(a_kilogram_that_is_too_heavy_by_1e_10_is_found_everywhere,
       BOOST_TEST(
           (is_of_table || control.found == std::vector<std::string>{"pairs", "truth", "field"}));
       // 1e-10 is seen in every pair, not in the sharpest one only
-      if (name != "humanoid_floating") BOOST_TEST(control.blind.empty());  // 38 rates: engines' limits are wider
+      if (name != "humanoid_floating")
+        BOOST_TEST(control.blind.empty());  // 38 rates: engines' limits are wider
       if (!is_of_table) BOOST_TEST(control.size == 1e-10);
       planted.insert(control.quantity);
     }
@@ -383,7 +390,8 @@ BOOST_AUTO_TEST_CASE(where_there_is_nothing_to_plant_the_control_says_so) {
 
 BOOST_AUTO_TEST_SUITE_END()
 
-// ---- verdicts ---------------------------------------------------------------------------------------
+// ---- verdicts
+// ---------------------------------------------------------------------------------------
 
 BOOST_AUTO_TEST_SUITE(verdicts)
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The scene's own kernel: what is compiled does what its program says, in every lane; and what happens
-// where it cannot be compiled.
+// The scene's own kernel: what is compiled does what its program says, in every lane; and what
+// happens where it cannot be compiled.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE kernel
 
@@ -50,8 +50,10 @@ class Setting {
     setenv(name, value.c_str(), 1);
   }
   ~Setting() {
-    if (was_set_) setenv(name_, before_.c_str(), 1);
-    else unsetenv(name_);
+    if (was_set_)
+      setenv(name_, before_.c_str(), 1);
+    else
+      unsetenv(name_);
   }
 
  private:
@@ -95,8 +97,10 @@ struct Compiled {
       : program(symbolic::compile(graph, outputs)) {
     const scene::RealNumbers<double> numbers{scene::Mechanism()};
     const symbolic::ProgramRun<double> run(program, numbers);
-    CompileOptions options{findCompiler(), {"-std=gnu11", "-O1", "-ffp-contract=off", "-shared", "-fPIC",
-                                            "-Wno-psabi"}, cacheFolder()};
+    CompileOptions options{
+        findCompiler(),
+        {"-std=gnu11", "-O1", "-ffp-contract=off", "-shared", "-fPIC", "-Wno-psabi"},
+        cacheFolder()};
     if (lanes == 4) options.flags.push_back("-mavx2");
     if (lanes == 8) options.flags.push_back("-mavx512dq");
     object = compileAndLoad({emitKernel(program, run, "f", lanes)}, options)[0];
@@ -109,7 +113,9 @@ struct Compiled {
   ManyFunction many;
 };
 
-bool sameBits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool sameBits(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
 
 struct Flat {
   std::vector<double> q, qd, w;
@@ -120,16 +126,20 @@ Flat flat(const scene::State<double>& s, Formula formula) {
   return f;
 }
 void call(const Kernel& kernel, Formula formula, const Flat& f, double* out) {
-  if (formula == Formula::kMassMatrix) kernel.massMatrix(f.q.data(), out);
+  if (formula == Formula::kMassMatrix)
+    kernel.massMatrix(f.q.data(), out);
   else if (formula == Formula::kForwardDynamics)
     kernel.forwardDynamics(f.q.data(), f.qd.data(), f.w.data(), out);
-  else kernel.inverseDynamics(f.q.data(), f.qd.data(), f.w.data(), out);
+  else
+    kernel.inverseDynamics(f.q.data(), f.qd.data(), f.w.data(), out);
 }
 void callMany(const Kernel& kernel, Formula formula, const Flat& f, double* out, long count) {
-  if (formula == Formula::kMassMatrix) kernel.massMatrix(f.q.data(), out, count);
+  if (formula == Formula::kMassMatrix)
+    kernel.massMatrix(f.q.data(), out, count);
   else if (formula == Formula::kForwardDynamics)
     kernel.forwardDynamics(f.q.data(), f.qd.data(), f.w.data(), out, count);
-  else kernel.inverseDynamics(f.q.data(), f.qd.data(), f.w.data(), out, count);
+  else
+    kernel.inverseDynamics(f.q.data(), f.qd.data(), f.w.data(), out, count);
 }
 constexpr Formula kCompiled[] = {Formula::kInverseDynamics, Formula::kMassMatrix,
                                  Formula::kForwardDynamics};
@@ -139,8 +149,8 @@ const std::vector<std::string> kScenes = {"double_pendulum", "stanford_arm", "fr
 
 BOOST_AUTO_TEST_SUITE(values)
 
-// At q = 0 cosines and sines are exact, so nothing but the program's own operations rounds: the other
-// road is the interpreter, which must round in the same way.
+// At q = 0 cosines and sines are exact, so nothing but the program's own operations rounds: the
+// other road is the interpreter, which must round in the same way.
 BOOST_DATA_TEST_CASE(compiled_code_is_its_program_bit_for_bit, data::make(kScenes), name) {
   const scene::Scene scene = scene::findScene(name);
   const Kernel kernel(scene.mechanism);
@@ -154,13 +164,15 @@ BOOST_DATA_TEST_CASE(compiled_code_is_its_program_bit_for_bit, data::make(kScene
       std::vector<double> out(expected.size());
       call(kernel, formula, flat(state, formula), out.data());
       for (std::size_t i = 0; i < out.size(); ++i)
-        BOOST_TEST(sameBits(out[i], expected[i]), kernel::name(formula) << " " << i << ": " << out[i]
-                                                               << ", expected " << expected[i]);
+        BOOST_TEST(sameBits(out[i], expected[i]), kernel::name(formula)
+                                                      << " " << i << ": " << out[i] << ", expected "
+                                                      << expected[i]);
     }
   }
 }
 
-BOOST_DATA_TEST_CASE(compiled_code_stays_within_the_bound_of_its_program, data::make(kScenes), name) {
+BOOST_DATA_TEST_CASE(compiled_code_stays_within_the_bound_of_its_program, data::make(kScenes),
+                     name) {
   const scene::Scene scene = scene::findScene(name);
   const Kernel kernel(scene.mechanism);
   const RunningErrorNumbers numbers(scene.mechanism);
@@ -196,7 +208,8 @@ BOOST_DATA_TEST_CASE(every_lane_says_what_one_state_alone_says, data::make(laneW
                std::vector<double>(n * count)};
       std::vector<std::vector<double>> expected;
       for (long k = 0; k < count; ++k) {
-        const Flat one = flat(drawState(scene.mechanism, scene.name, 5, static_cast<int>(k)), formula);
+        const Flat one =
+            flat(drawState(scene.mechanism, scene.name, 5, static_cast<int>(k)), formula);
         for (std::size_t i = 0; i < n; ++i) {
           all.q[i * count + k] = one.q[i];
           all.qd[i * count + k] = one.qd[i];
@@ -210,21 +223,25 @@ BOOST_DATA_TEST_CASE(every_lane_says_what_one_state_alone_says, data::make(laneW
       callMany(kernel, formula, all, out.data(), count);
       bool same = true;
       for (std::size_t i = 0; i < outputs; ++i)
-        for (long k = 0; k < count; ++k) same = same && sameBits(out[i * count + k], expected[k][i]);
+        for (long k = 0; k < count; ++k)
+          same = same && sameBits(out[i * count + k], expected[k][i]);
       BOOST_TEST(same, kernel::name(formula) << ", " << count << " states");
       for (std::size_t i = outputs * count; i < out.size(); ++i) BOOST_TEST(out[i] == kGuard);
     }
   }
 }
 
-// against 50 digits (Boost.Multiprecision): 2 u = 2^-52 of the value is what the bounds are built on
+// against 50 digits (Boost.Multiprecision): 2 u = 2^-52 of the value is what the bounds are built
+// on
 BOOST_DATA_TEST_CASE(cosines_and_sines_are_as_good_as_promised, data::make(laneWidths()), lanes) {
   using Big = boost::multiprecision::cpp_bin_float_50;
   symbolic::Graph graph;
-  const Compiled f(graph, {graph.input(symbolic::Input::kCos, 0), graph.input(symbolic::Input::kSin, 0)},
-                   lanes);
-  std::vector<double> angles = {0.0, -0.0, 1e-300, -1e-300, 1e-9, kLargestAngle, -kLargestAngle,
-                                std::nextafter(kLargestAngle, 2000.0), 1e5, -3e17};
+  const Compiled f(
+      graph, {graph.input(symbolic::Input::kCos, 0), graph.input(symbolic::Input::kSin, 0)}, lanes);
+  std::vector<double> angles = {
+      0.0,  -0.0,          1e-300,         -1e-300,
+      1e-9, kLargestAngle, -kLargestAngle, std::nextafter(kLargestAngle, 2000.0),
+      1e5,  -3e17};
   const double quarter = std::acos(0.0);
   for (int k = -1018; k <= 1018; k += 7)  // the hardest: next to multiples of pi/2, and midway
     for (double x : {k * quarter, (k + 0.5) * quarter})
@@ -243,8 +260,8 @@ BOOST_DATA_TEST_CASE(cosines_and_sines_are_as_good_as_promised, data::make(laneW
     for (int k : {0, 1}) {
       for (const double value : {out[k], many[k * angles.size() + i]}) {
         const Big error = abs(Big(value) - truth[k]);
-        const double relative = truth[k] == 0 ? (error == 0 ? 0 : 1e9)
-                                              : static_cast<double>(error / abs(truth[k]));
+        const double relative =
+            truth[k] == 0 ? (error == 0 ? 0 : 1e9) : static_cast<double>(error / abs(truth[k]));
         worst = std::max(worst, relative);
         BOOST_TEST(relative <= 0x1p-52, (k ? "sin " : "cos ") << angles[i] << ": " << value);
       }
@@ -296,8 +313,8 @@ struct CountingCompiler {
     const fs::path script = cache().folder / "counting_cc";
     calls = cache().folder / "calls.txt";
     fs::remove(calls);
-    std::ofstream(script) << "#!/bin/sh\necho call >> '" << calls.string() << "'\nexec '" << findCompiler()[0]
-                          << "' \"$@\"\n";
+    std::ofstream(script) << "#!/bin/sh\necho call >> '" << calls.string() << "'\nexec '"
+                          << findCompiler()[0] << "' \"$@\"\n";
     fs::permissions(script, fs::perms::owner_all);
     options = {{script.string()}, {"-shared", "-fPIC"}, cacheFolder()};
   }
@@ -317,7 +334,8 @@ int answer(const SharedObject& object) {
 
 BOOST_AUTO_TEST_CASE(what_was_compiled_is_kept_by_content) {
   const CountingCompiler compiler;
-  const std::string six = "int answer(void) { return 6; }\n", seven = "int answer(void) { return 7; }\n";
+  const std::string six = "int answer(void) { return 6; }\n",
+                    seven = "int answer(void) { return 7; }\n";
   BOOST_TEST(answer(*compileAndLoad({six}, compiler.options)[0]) == 6);
   BOOST_TEST(compiler.count() == 1);
   BOOST_TEST(answer(*compileAndLoad({six}, compiler.options)[0]) == 6);
@@ -341,7 +359,8 @@ BOOST_AUTO_TEST_CASE(what_was_cut_off_or_changed_is_made_again) {
       std::ifstream in(entry.path().parent_path() / (entry.path().stem().string() + ".c"));
       std::stringstream kept;
       kept << in.rdbuf();
-      if (entry.path().extension() == extension && kept.str().find("return 8") != std::string::npos) {
+      if (entry.path().extension() == extension &&
+          kept.str().find("return 8") != std::string::npos) {
         fs::remove(entry.path());  // a loaded file must not change under the loader
         std::ofstream(entry.path()) << text;
         return true;
@@ -373,7 +392,9 @@ std::string refusal(const Call& call) {
   return "";
 }
 
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool says(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 BOOST_AUTO_TEST_CASE(a_missing_compiler_is_named) {
   const Setting no_path("PATH", "/nonexistent");
@@ -388,9 +409,9 @@ BOOST_AUTO_TEST_CASE(without_a_compiler_the_witnesses_are_absent_with_the_reason
     BOOST_TEST(!kind.info.present);
     const scene::Scene scene = scene::findScene("double_pendulum");
     const auto witness = makeWitness(kind, scene);
-    BOOST_CHECK_EXCEPTION(witness->answer(Quantity::kM, drawState(scene.mechanism, scene.name, 1, 0)),
-                          std::runtime_error,
-                          [](const std::exception& e) { return says(e.what(), "no-such-cc"); });
+    BOOST_CHECK_EXCEPTION(
+        witness->answer(Quantity::kM, drawState(scene.mechanism, scene.name, 1, 0)),
+        std::runtime_error, [](const std::exception& e) { return says(e.what(), "no-such-cc"); });
   }
   const Setting found("DYNWITNESS_CC", "cc");
   BOOST_TEST(kernelKind().info.present);
@@ -398,7 +419,8 @@ BOOST_AUTO_TEST_CASE(without_a_compiler_the_witnesses_are_absent_with_the_reason
 
 BOOST_AUTO_TEST_CASE(a_source_that_does_not_compile_brings_the_compilers_words) {
   const CompileOptions options{findCompiler(), {"-shared", "-fPIC"}, cacheFolder()};
-  const std::string text = refusal([&] { compileAndLoad({"int answer(void) { return nothing; }"}, options); });
+  const std::string text =
+      refusal([&] { compileAndLoad({"int answer(void) { return nothing; }"}, options); });
   BOOST_TEST(says(text, "nothing"), text);
 }
 
@@ -436,23 +458,30 @@ BOOST_AUTO_TEST_CASE(a_formula_whose_straight_line_is_too_long_has_no_code_and_s
     BOOST_TEST(says(check.reason, "no kernel of"), check.reason);
     quantities.push_back(check.quantity);
   }
-  BOOST_TEST(quantities == (std::vector<std::string>{"M", "qdd"}), boost::test_tools::per_element());
+  BOOST_TEST(quantities == (std::vector<std::string>{"M", "qdd"}),
+             boost::test_tools::per_element());
 
   const scene::Scene chain = scene::findScene("chain_64");
   BOOST_CHECK_THROW(Kernel(chain.mechanism), NotUsed);
-  BOOST_CHECK_EXCEPTION(
-      makeWitness(kernelKind(), chain)->answer(Quantity::kM, drawState(chain.mechanism, chain.name, 1, 0)),
-      std::runtime_error, [](const std::exception& e) { return says(e.what(), "no kernel of M is used"); });
+  BOOST_CHECK_EXCEPTION(makeWitness(kernelKind(), chain)
+                            ->answer(Quantity::kM, drawState(chain.mechanism, chain.name, 1, 0)),
+                        std::runtime_error, [](const std::exception& e) {
+                          return says(e.what(), "no kernel of M is used");
+                        });
 }
 
 BOOST_AUTO_TEST_CASE(a_library_that_fails_its_trial_is_neither_kept_nor_loaded) {
   const CompileOptions options{findCompiler(), {"-shared", "-fPIC"}, cacheFolder()};
   const std::string source = "int answer(void) { return 9; }\n";
-  const auto with = [&](const Trial& trial) { return refusal([&] { compileAndLoad({source}, options, trial); }); };
-  BOOST_TEST(says(with([](const SharedObject&, std::size_t) { return "it is odd"; }), "of no use: it is odd"));
+  const auto with = [&](const Trial& trial) {
+    return refusal([&] { compileAndLoad({source}, options, trial); });
+  };
+  BOOST_TEST(says(with([](const SharedObject&, std::size_t) { return "it is odd"; }),
+                  "of no use: it is odd"));
   const CompileOptions again{findCompiler(), {"-shared", "-fPIC", "-O1"}, cacheFolder()};
   const std::string crashed = refusal([&] {
-    compileAndLoad({source}, again, [](const SharedObject&, std::size_t) -> std::string { std::abort(); });
+    compileAndLoad({source}, again,
+                   [](const SharedObject&, std::size_t) -> std::string { std::abort(); });
   });
   BOOST_TEST(says(crashed, "signal"), crashed);
 }

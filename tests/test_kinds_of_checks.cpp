@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// No kind of check is vacuous: a fault is planted for each kind that a report can hold, and that kind turns
-// red. A new kind without a plant here fails the last test.
+// No kind of check is vacuous: a fault is planted for each kind that a report can hold, and that
+// kind turns red. A new kind without a plant here fails the last test.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE kinds_of_checks
 #include <stdlib.h>
@@ -63,7 +63,8 @@ scene::Number times(const scene::Number& number, const char* factor) {
   return scene::Number::parse("(" + number.text() + ") * " + factor);
 }
 
-// ---- plants -----------------------------------------------------------------------------------------
+// ---- plants
+// -----------------------------------------------------------------------------------------
 
 /// A witness that is off by one part in a million in everything.
 class Off : public Witness {
@@ -163,9 +164,11 @@ std::set<std::string> redByAnotherDerivation(const std::string& name) {
   return kinds;
 }
 
-// ---- the identities, with one operation that goes wrong -----------------------------------------------
+// ---- the identities, with one operation that goes wrong
+// -----------------------------------------------
 
-/// An element of the field whose arithmetic fails once: the result of operation number `wrong` is one more.
+/// An element of the field whose arithmetic fails once: the result of operation number `wrong` is
+/// one more.
 class Faulty {
  public:
   static inline long done = 0, wrong = -1;
@@ -222,7 +225,8 @@ struct NumTraits<Faulty> : dynwitness::crosscheck::EigenScalar<Faulty, 1, 2, 6> 
 
 namespace {
 
-/// The identities with operation number `wrong` of their evaluation gone wrong (-1: none), decided as in a run.
+/// The identities with operation number `wrong` of their evaluation gone wrong (-1: none), decided
+/// as in a run.
 std::vector<CheckResult> decidedWithAFault(const scene::Scene& scene, long wrong,
                                            long* operations) {
   Inquiry inquiry = identityInquiry(scene.mechanism);

@@ -25,7 +25,9 @@ using namespace dynwitness::crosscheck;
 
 namespace {
 
-scene::Scene fromToml(const std::string& text) { return scene::readSceneToml(text, "mimic.toml"); }
+scene::Scene fromToml(const std::string& text) {
+  return scene::readSceneToml(text, "mimic.toml");
+}
 
 const std::string kTwoSliders = R"(
 gravity = [0, 0, -9.81]
@@ -64,10 +66,11 @@ com = [0.3, 0, 0]
 joint = { kind = "revolute", xyz = [0.4, 0, 0], mimic = { joint = "upper", multiplier = -0.5, offset = 0.2 } }
 )";
 
-scene::State<double> stateOf(const scene::Scene& scene, std::vector<double> q, std::vector<double> qd,
-                             std::vector<double> last) {
+scene::State<double> stateOf(const scene::Scene& scene, std::vector<double> q,
+                             std::vector<double> qd, std::vector<double> last) {
   scene::State<double> state;
-  for (const double x : scene::allPositions(scene.mechanism, q)) state.x.push_back(scene::jointPosition(x));
+  for (const double x : scene::allPositions(scene.mechanism, q))
+    state.x.push_back(scene::jointPosition(x));
   state.qd = std::move(qd);
   state.qdd = last;
   state.tau = std::move(last);
@@ -96,8 +99,11 @@ std::string complaint(const std::string& text) {
 }
 
 std::string twoJoints(const std::string& first, const std::string& second) {
-  return "[[link]]\nname = \"base\"\n[[link]]\nname = \"a\"\nparent = \"base\"\nmass = 1\ncom = [1, 0, 0]\njoint = { " +
-         first + " }\n[[link]]\nname = \"b\"\nparent = \"a\"\nmass = 1\ncom = [1, 0, 0]\njoint = { " + second + " }\n";
+  return "[[link]]\nname = \"base\"\n[[link]]\nname = \"a\"\nparent = \"base\"\nmass = 1\n"
+         "com = [1, 0, 0]\njoint = { " +
+         first +
+         " }\n[[link]]\nname = \"b\"\nparent = \"a\"\nmass = 1\ncom = [1, 0, 0]\njoint = { " +
+         second + " }\n";
 }
 
 /// Every check of the scene over the field, by name; those that are not answerable are left out.
@@ -105,8 +111,8 @@ void requireExact(const scene::Scene& scene, const std::string& may_be_silent = 
   for (const CheckResult& check : exactChecks(scene, {})) {
     if (check.verdict == Verdict::kNotAnswerable && check.check == may_be_silent) continue;
     BOOST_TEST((check.verdict == Verdict::kAgree),
-               scene.name << ": " << check.check << ", " << check.quantity << " (" << check.left << ", "
-                          << check.right << "): " << check.reason);
+               scene.name << ": " << check.check << ", " << check.quantity << " (" << check.left
+                          << ", " << check.right << "): " << check.reason);
   }
 }
 
@@ -114,7 +120,8 @@ void requireExact(const scene::Scene& scene, const std::string& may_be_silent = 
 
 BOOST_AUTO_TEST_SUITE(known_answers)
 
-// By hand: T = (m_a + k^2 m_b) v^2 / 2, V = m_a g z, the follower's slide is level; tau_a + k tau_b.
+// By hand: T = (m_a + k^2 m_b) v^2 / 2, V = m_a g z, the follower's slide is level; tau_a + k
+// tau_b.
 BOOST_AUTO_TEST_CASE(two_sliders_weigh_together_what_the_multiplier_makes_of_them) {
   const scene::Scene scene = fromToml(kTwoSliders);
   BOOST_TEST(scene.mechanism.dof() == 1);
@@ -124,11 +131,14 @@ BOOST_AUTO_TEST_CASE(two_sliders_weigh_together_what_the_multiplier_makes_of_the
   for (const WitnessKind& kind : presentKinds()) {
     BOOST_TEST_CONTEXT(kind.info.name) {
       const auto witness = makeWitness(kind, scene);
-      if (witness->answers(Quantity::kM)) BOOST_TEST(witness->value(Quantity::kM, state)(0, 0) == 5.0);
+      if (witness->answers(Quantity::kM))
+        BOOST_TEST(witness->value(Quantity::kM, state)(0, 0) == 5.0);
       if (witness->answers(Quantity::kTau))
-        BOOST_TEST(std::abs(witness->value(Quantity::kTau, state)(0, 0) - (5 * 4 + 2 * 9.81)) < 1e-13);
+        BOOST_TEST(std::abs(witness->value(Quantity::kTau, state)(0, 0) - (5 * 4 + 2 * 9.81)) <
+                   1e-13);
       if (witness->answers(Quantity::kQdd))
-        BOOST_TEST(std::abs(witness->value(Quantity::kQdd, state)(0, 0) - (4 - 2 * 9.81) / 5) < 1e-14);
+        BOOST_TEST(std::abs(witness->value(Quantity::kQdd, state)(0, 0) - (4 - 2 * 9.81) / 5) <
+                   1e-14);
       if (witness->answers(Quantity::kKinetic))
         BOOST_TEST(std::abs(witness->value(Quantity::kKinetic, state)(0, 0) - 2.5 * 0.49) < 1e-15);
     }
@@ -136,12 +146,14 @@ BOOST_AUTO_TEST_CASE(two_sliders_weigh_together_what_the_multiplier_makes_of_the
 }
 
 // Lagrange by hand, with phi = q/2 + 0.2 the direction of the second rod, so that its mass moves at
-//   x = l1 cos q + l2 cos phi, ...   T = (m1 l1^2 + m2 (l1^2 + l2^2/4 + l1 l2 cos(q - phi))) qd^2 / 2
+//  x = l1 cos q + l2 cos phi, ...  T = (m1 l1^2 + m2 (l1^2 + l2^2/4 + l1 l2 cos(q - phi))) qd^2 / 2
 //   d(q - phi)/dt = qd/2:  c = -m2 l1 l2 sin(q - phi) qd^2 / 4
 //   V = g ((m1 + m2) l1 sin q + m2 l2 sin phi)
-BOOST_DATA_TEST_CASE(a_rod_that_turns_back_by_half_moves_as_lagrange_says, data::make({0.0, 0.9, -2.3, 3.0}), q) {
+BOOST_DATA_TEST_CASE(a_rod_that_turns_back_by_half_moves_as_lagrange_says,
+                     data::make({0.0, 0.9, -2.3, 3.0}), q) {
   const scene::Scene scene = fromToml(kHalfBack);
-  const double m1 = 1.5, m2 = 0.8, l1 = 0.4, l2 = 0.3, g = 9.81, qd = 1.7, qdd = -0.6, phi = q / 2 + 0.2;
+  const double m1 = 1.5, m2 = 0.8, l1 = 0.4, l2 = 0.3, g = 9.81, qd = 1.7, qdd = -0.6,
+               phi = q / 2 + 0.2;
   const double M = m1 * l1 * l1 + m2 * (l1 * l1 + l2 * l2 / 4 + l1 * l2 * std::cos(q - phi));
   const double c = -m2 * l1 * l2 * std::sin(q - phi) * qd * qd / 4;
   const double G = g * ((m1 + m2) * l1 * std::cos(q) + m2 * l2 * std::cos(phi) / 2);
@@ -165,7 +177,8 @@ BOOST_DATA_TEST_CASE(a_rod_that_turns_back_by_half_moves_as_lagrange_says, data:
   }
 }
 
-// tau of the mechanism is what the tree's joints need at the followed motion, summed as virtual work says.
+// tau of the mechanism is what the tree's joints need at the followed motion, summed as virtual
+// work says.
 BOOST_AUTO_TEST_CASE(a_leaders_force_is_its_own_and_its_followers_times_the_multiplier) {
   const scene::Scene scene = scene::findScene("gripper");
   scene::Scene tree = scene;
@@ -194,7 +207,9 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(all_roads)
 
-BOOST_AUTO_TEST_CASE(all_checks_of_the_gripper_hold_exactly) { requireExact(scene::findScene("gripper")); }
+BOOST_AUTO_TEST_CASE(all_checks_of_the_gripper_hold_exactly) {
+  requireExact(scene::findScene("gripper"));
+}
 
 BOOST_AUTO_TEST_CASE(the_witnesses_and_the_engines_agree_on_the_gripper) {
   const scene::Scene scene = scene::findScene("gripper");
@@ -223,7 +238,8 @@ BOOST_AUTO_TEST_CASE(random_mechanisms_with_followers_hold_exactly) {
   }
 }
 
-// Over the field a follower's point is one of its own, whatever the offset; in double the offset is what moves it.
+// Over the field a follower's point is one of its own, whatever the offset; in double the offset is
+// what moves it.
 BOOST_AUTO_TEST_CASE(a_lost_offset_or_sign_or_follower_is_found) {
   const scene::Scene right = scene::findScene("gripper");
   Options options;
@@ -233,7 +249,8 @@ BOOST_AUTO_TEST_CASE(a_lost_offset_or_sign_or_follower_is_found) {
     planted.info.name = "planted";
     planted.make = [make = planted.make, wrong](const scene::Scene&) { return make(wrong); };
     int count = 0;
-    for (const CheckResult& check : compareWitnesses(right, {compositeBodyKind(), planted}, options))
+    for (const CheckResult& check :
+         compareWitnesses(right, {compositeBodyKind(), planted}, options))
       if (check.verdict == Verdict::kDisagree) ++count;
     for (const CheckResult& check : compareWitnesses(right, {lagrangeKind(), planted}, options))
       if (check.verdict == Verdict::kDisagree) ++count;
@@ -267,7 +284,8 @@ mass = 2
 joint = { kind = "prismatic", mimic = { joint = "a", multiplier = 3 } }
 )");
   const auto state = stateOf(scene, {0.3}, {0}, {9});
-  BOOST_TEST(std::abs(ask(articulatedBodyKind(), scene, Quantity::kQdd, state)(0, 0) - 0.5) < 1e-15);
+  BOOST_TEST(std::abs(ask(articulatedBodyKind(), scene, Quantity::kQdd, state)(0, 0) - 0.5) <
+             1e-15);
   BOOST_TEST(std::abs(ask(lagrangeKind(), scene, Quantity::kQdd, state)(0, 0) - 0.5) < 1e-15);
 }
 
@@ -299,7 +317,8 @@ BOOST_AUTO_TEST_CASE(a_scene_with_followers_is_written_as_it_was_read) {
 BOOST_AUTO_TEST_CASE(urdf_says_mimic_and_is_read_as_that) {
   const scene::Scene scene = scene::findScene("gripper");
   const std::string urdf = scene::writeSceneUrdf(scene);
-  BOOST_TEST(urdf.find("<mimic joint=\"left_finger\" multiplier=\"-1\" offset=\"-0.002\"/>") != std::string::npos);
+  BOOST_TEST(urdf.find("<mimic joint=\"left_finger\" multiplier=\"-1\" offset=\"-0.002\"/>") !=
+             std::string::npos);
   const scene::Scene again = scene::readSceneUrdf(urdf, "gripper.urdf");
   BOOST_REQUIRE(again.mechanism.dof() == 3);
   const auto a = scene::followers(scene.mechanism), b = scene::followers(again.mechanism);
@@ -327,7 +346,8 @@ BOOST_AUTO_TEST_CASE(a_rotor_in_a_transmission_is_read_and_a_reduction_alone_is_
   BOOST_TEST(rotor.not_modelled.empty());
   const scene::Scene told = robot("<mechanicalReduction>50</mechanicalReduction>");
   BOOST_REQUIRE(told.not_modelled.size() == 1u);
-  BOOST_TEST(told.not_modelled[0] == "transmission t: reduction 50 not modelled (no rotor inertia is given)");
+  BOOST_TEST(told.not_modelled[0] ==
+             "transmission t: reduction 50 not modelled (no rotor inertia is given)");
   BOOST_TEST(robot("<mechanicalReduction>1</mechanicalReduction>").not_modelled.empty());
   BOOST_TEST(robot("<motorInertia>1</motorInertia>").not_modelled.size() == 1u);
 }
@@ -359,7 +379,8 @@ joint = { kind = "prismatic" }
   const std::vector<double> q = scene::allPositions(scene.mechanism, {0.25});
   BOOST_TEST(q[0] == 1.0);  // (3 - 6/4)/3 + 0.5
   BOOST_TEST(q[1] == 1.5);
-  BOOST_TEST(ask(compositeBodyKind(), scene, Quantity::kM, stateOf(scene, {0.25}, {0}, {0}))(0, 0) == 41.0);
+  BOOST_TEST(ask(compositeBodyKind(), scene, Quantity::kM, stateOf(scene, {0.25}, {0}, {0}))(
+                 0, 0) == 41.0);
 }
 
 BOOST_AUTO_TEST_CASE(what_no_joint_can_follow_is_refused_by_name) {
@@ -369,7 +390,9 @@ BOOST_AUTO_TEST_CASE(what_no_joint_can_follow_is_refused_by_name) {
     BOOST_TEST(said.find(words) != std::string::npos, "said: " << said);
     BOOST_TEST(said.find("mimic.toml:") == 0u, "said: " << said);
   };
-  const auto follows = [&](const std::string& table) { return turn + ", mimic = { " + table + " }"; };
+  const auto follows = [&](const std::string& table) {
+    return turn + ", mimic = { " + table + " }";
+  };
   expect(twoJoints(turn, follows("joint = \"z\"")), "there is no joint \"z\"");
   expect(twoJoints(turn, follows("joint = \"b\"")), "which follows it");
   expect(twoJoints(follows("joint = \"b\""), follows("joint = \"a\"")), "which follows it");
@@ -377,7 +400,8 @@ BOOST_AUTO_TEST_CASE(what_no_joint_can_follow_is_refused_by_name) {
   expect(twoJoints(turn, follows("joint = \"a\", multiplier = \"pi\"")), "without pi");
   expect(twoJoints(turn, follows("multiplier = 2")), "has no joint");
   expect(twoJoints(turn, follows("joint = \"a\", ratio = 2")), "unknown key \"ratio\"");
-  expect(twoJoints("kind = \"spherical\"", follows("joint = \"a\"")), "is spherical, allowed: revolute");
+  expect(twoJoints("kind = \"spherical\"", follows("joint = \"a\"")),
+         "is spherical, allowed: revolute");
   expect(twoJoints("kind = \"fixed\"", follows("joint = \"a\"")), "is fixed, allowed: revolute");
   expect(twoJoints(turn + ", motion = \"t\"", follows("joint = \"a\"")), "driven");
   expect(twoJoints(turn, follows("joint = \"a\"") + ", motion = \"t\""), "driven");

@@ -139,10 +139,10 @@ BOOST_DATA_TEST_CASE(the_fast_sweeps_allocate_nothing, data::make(kScenes), scen
   fast::Dynamics dynamics(b.model);
   const std::vector<double> q(b.x.size(), 0.3);
   BOOST_TEST(allocationsIn([&] {
-    dynamics.inverseDynamics(q.data(), b.qd.data(), b.in.data(), b.out.data());
-    dynamics.massMatrix(q.data(), b.M.data());
-    dynamics.forwardDynamics(q.data(), b.qd.data(), b.in.data(), b.out.data());
-  }) == 0);
+               dynamics.inverseDynamics(q.data(), b.qd.data(), b.in.data(), b.out.data());
+               dynamics.massMatrix(q.data(), b.M.data());
+               dynamics.forwardDynamics(q.data(), b.qd.data(), b.in.data(), b.out.data());
+             }) == 0);
   BOOST_TEST(b.out[0] != 0);
 }
 
@@ -159,7 +159,8 @@ BOOST_DATA_TEST_CASE(constraint_equations_allocate_nothing,
   Bench b(scene);
   Constraints<double> constraints =
       buildConstraints(b.mechanism, scene::RealNumbers<double>(b.mechanism), b.model);
-  BOOST_TEST(allocationsIn([&] { constraintEquations(b.model, b.x, b.qd, b.ws, constraints); }) == 0);
+  BOOST_TEST(allocationsIn([&] { constraintEquations(b.model, b.x, b.qd, b.ws, constraints); }) ==
+             0);
   BOOST_TEST(constraints.J.cwiseAbs().maxCoeff() > 0);  // it did run
 }
 

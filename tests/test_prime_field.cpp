@@ -41,7 +41,9 @@ FieldNumbers numbers(const scene::Mechanism& mechanism = {},
                      Parameters parameters = Parameters::kAsWritten) {
   return FieldNumbers(mechanism, FieldSource("test", 1, 0), parameters);
 }
-scene::CosSin<PrimeField> angle(const char* text) { return numbers().angle(Number::parse(text)); }
+scene::CosSin<PrimeField> angle(const char* text) {
+  return numbers().angle(Number::parse(text));
+}
 
 bool same(const scene::CosSin<PrimeField>& a, const scene::CosSin<PrimeField>& b) {
   return a.c == b.c && a.s == b.s;
@@ -49,8 +51,8 @@ bool same(const scene::CosSin<PrimeField>& a, const scene::CosSin<PrimeField>& b
 
 /// The direction that an axis turns z to.
 std::array<PrimeField, 3> direction(const std::array<const char*, 3>& axis) {
-  const auto turn = numbers().axisTurn(
-      {Number::parse(axis[0]), Number::parse(axis[1]), Number::parse(axis[2])});
+  const auto turn =
+      numbers().axisTurn({Number::parse(axis[0]), Number::parse(axis[1]), Number::parse(axis[2])});
   BOOST_TEST((turn.alpha.c * turn.alpha.c + turn.alpha.s * turn.alpha.s == PrimeField(1)));
   BOOST_TEST((turn.beta.c * turn.beta.c + turn.beta.s * turn.beta.s == PrimeField(1)));
   return {turn.beta.s * turn.alpha.c, turn.beta.s * turn.alpha.s, turn.beta.c};
@@ -146,10 +148,10 @@ BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(primes)
 
 BOOST_AUTO_TEST_CASE(only_primes_of_the_right_kind_are_moduli) {
-  for (const std::uint64_t wrong : {
-           std::uint64_t(0), std::uint64_t(7), kPrime - 2,
-           (std::uint64_t(1) << 62) + 1,             // a multiple of 5
-           std::uint64_t(18446744073709551557u)}) {  // the largest below 2^64
+  for (const std::uint64_t wrong :
+       {std::uint64_t(0), std::uint64_t(7), kPrime - 2,
+        (std::uint64_t(1) << 62) + 1,             // a multiple of 5
+        std::uint64_t(18446744073709551557u)}) {  // the largest below 2^64
     const bool right = wrong >> 61 != 0 && wrong >> 63 == 0 && wrong % 4 == 3 && n_is_prime(wrong);
     BOOST_REQUIRE(!right);
     BOOST_CHECK_THROW(PrimeField::Modulus{wrong}, std::invalid_argument);
@@ -183,8 +185,8 @@ BOOST_AUTO_TEST_CASE(drawn_primes_are_primes_in_range_and_differ) {
 }
 
 BOOST_AUTO_TEST_CASE(as_many_primes_are_drawn_from_as_stated) {
-  // the share of primes among 40 000 random numbers = 3 mod 4 between 2^62 and 2^63, times their count
-  // 2^60; the share is close to 2 / log(2^62.5) = 0.0462, so its standard deviation is 2.3 %
+  // the share of primes among 40 000 random numbers = 3 mod 4 between 2^62 and 2^63, times their
+  // count 2^60; the share is close to 2 / log(2^62.5) = 0.0462, so its standard deviation is 2.3 %
   RandomStream random("share of primes", 1, 0);
   int primes = 0;
   for (int k = 0; k < 40000; ++k)
@@ -201,7 +203,8 @@ BOOST_AUTO_TEST_SUITE(numbers_of_a_scene)
 
 BOOST_AUTO_TEST_CASE(angles_are_points_of_the_circle) {
   const PrimeField::Modulus modulus(kPrime);
-  for (const char* text : {"0.3", "-2", "pi/3", "pi/4", "0.1 + pi/3", "100", "pi/2", "1000000*pi"}) {
+  for (const char* text :
+       {"0.3", "-2", "pi/3", "pi/4", "0.1 + pi/3", "100", "pi/2", "1000000*pi"}) {
     const auto p = angle(text);
     BOOST_TEST((p.c * p.c + p.s * p.s == PrimeField(1)), text);
   }

@@ -12,8 +12,8 @@
 #include <unistd.h>
 
 #include "crosscheck/archive.hpp"
-#include "crosscheck/crosscheck.hpp"
 #include "crosscheck/campaign.hpp"
+#include "crosscheck/crosscheck.hpp"
 #include "crosscheck/report/json.hpp"
 #include "scene/error.hpp"
 #include "scene/scene.hpp"
@@ -133,11 +133,14 @@ BOOST_AUTO_TEST_CASE(a_result_comes_back_whole) {
   BOOST_TEST(back.checks[0].seed == scene.checks[0].seed);
   BOOST_TEST(back.checks[0].known_loss);
   BOOST_TEST(!back.checks[1].exact.has_value());
-  BOOST_TEST(back.drift->paths[0].time == scene.drift->paths[0].time, boost::test_tools::per_element());
-  BOOST_TEST(back.drift->paths[0].error == scene.drift->paths[0].error, boost::test_tools::per_element());
+  BOOST_TEST(back.drift->paths[0].time == scene.drift->paths[0].time,
+             boost::test_tools::per_element());
+  BOOST_TEST(back.drift->paths[0].error == scene.drift->paths[0].error,
+             boost::test_tools::per_element());
 }
 
-// a table, known losses, drift, exact checks with twins and without: everything that parts put together
+// a table, known losses, drift, exact checks with twins and without: everything that parts put
+// together
 BOOST_AUTO_TEST_CASE(a_scene_in_parts_is_the_same_result) {
   Options options;
   options.states = 5;

@@ -57,14 +57,15 @@ BOOST_AUTO_TEST_CASE(everything_that_a_scene_can_have_occurs) {
       if (joint.friction.isCoulomb()) seen.insert("coulomb");
       if (link.inertia.mass.isLiteralZero()) seen.insert("massless");
       if (!link.inertia.rpy[0].isLiteralZero()) seen.insert("turned inertia");
-      if (link.inertia.about == scene::MassProperties::About::kLinkOrigin) seen.insert("about origin");
+      if (link.inertia.about == scene::MassProperties::About::kLinkOrigin)
+        seen.insert("about origin");
     }
   }
   for (const char* wanted :
-       {"gravity", "no gravity", "world load", "link load", "fixed", "revolute", "prismatic",
-        "helical", "cylindrical", "universal", "planar", "spherical", "floating",
-        "placement 0", "placement 1", "placement 2", "branch", "rotor", "spring", "massless",
-        "gyroscopic", "viscous", "coulomb", "follower",
+       {"gravity",        "no gravity",  "world load",  "link load",   "fixed",   "revolute",
+        "prismatic",      "helical",     "cylindrical", "universal",   "planar",  "spherical",
+        "floating",       "placement 0", "placement 1", "placement 2", "branch",  "rotor",
+        "spring",         "massless",    "gyroscopic",  "viscous",     "coulomb", "follower",
         "turned inertia", "about origin"})
     BOOST_TEST(seen.count(wanted) == 1u, wanted << " never occurs");
   BOOST_TEST(dofs.size() == 12u);  // 1 to 12 joints, each number

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What joints transmit: by the inward sweep, by multipliers of a cut mechanism, from mass points, and by
-// Simbody.
+// What joints transmit: by the inward sweep, by multipliers of a cut mechanism, from mass points,
+// and by Simbody.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE reactions
 #include "recursive/reactions.hpp"
@@ -44,9 +44,9 @@ std::vector<Q> byMultipliers(const scene::Mechanism& m, const scene::State<Q>& s
   return symbolic::ProgramRun<Q>(program, RationalNumbers(m))(state);
 }
 
-/** From mass points: a subtree's links need  sum m (a - gravity) - loads, and the moment of that about the
-    joint, in all; the joint is where it comes from. Accelerations by differentiating places twice.
-    (Rotors of the plain kind are no bodies and do not enter.) */
+/** From mass points: a subtree's links need  sum m (a - gravity) - loads, and the moment of that
+    about the joint, in all; the joint is where it comes from. Accelerations by differentiating
+    places twice. (Rotors of the plain kind are no bodies and do not enter.) */
 std::vector<Q> byMassPoints(const Tree& tree, const scene::State<Q>& state) {
   using D = Dual<Q>;
   using DD = Dual<D>;
@@ -63,7 +63,8 @@ std::vector<Q> byMassPoints(const Tree& tree, const scene::State<Q>& state) {
   const auto still = linkPoses<Q>(m, state.x);
   const V3<Q> gravity = m.has_gravity ? rationalVector(m, m.gravity) : V3<Q>::Zero();
 
-  std::vector<V3<Q>> force(m.links.size(), V3<Q>::Zero()), moment(force);  // about the world's origin
+  std::vector<V3<Q>> force(m.links.size(), V3<Q>::Zero()),
+      moment(force);  // about the world's origin
   for (std::size_t i = 0; i < m.links.size(); ++i) {
     for (const Point& point : tree.clouds[i]) {
       const V3<DD> place = placeOf(poses[i], point.at);
@@ -102,7 +103,8 @@ std::vector<Q> byMassPoints(const Tree& tree, const scene::State<Q>& state) {
       R = (R * R_after.transpose()).eval();
       o -= R * p_after;
     }
-    const V3<Q> f = R.transpose() * force[i], t = R.transpose() * V3<Q>(moment[i] - o.cross(force[i]));
+    const V3<Q> f = R.transpose() * force[i],
+                t = R.transpose() * V3<Q>(moment[i] - o.cross(force[i]));
     for (int k = 0; k < 3; ++k) out.push_back(f(k));
     for (int k = 0; k < 3; ++k) out.push_back(t(k));
   }
@@ -120,8 +122,9 @@ std::vector<CheckResult> about(const char* quantity, std::vector<CheckResult> ch
 
 BOOST_AUTO_TEST_SUITE(known_answers)
 
-// By hand: a rod of mass m turns about one end in a vertical plane. Along the rod the pin pulls
-// m l/2 qd^2 and holds the weight, across it it gives m l/2 qdd; the moment is that of qdd and weight.
+// By hand: a rod of mass m turns about one end in a vertical plane. Along the rod the pin pulls m
+// l/2 qd^2 and holds the weight, across it it gives m l/2 qdd; the moment is that of qdd and
+// weight.
 BOOST_AUTO_TEST_CASE(the_pin_of_a_rod) {
   scene::Mechanism m;
   m.has_gravity = true;
@@ -138,13 +141,14 @@ BOOST_AUTO_TEST_CASE(the_pin_of_a_rod) {
   rod.inertia.yy = rod.inertia.zz = 1;
   const Q c = Q(3) / 5, s = Q(4) / 5, qd = 2, qdd = 7;
   const scene::State<Q> state = {{{Q(0), c, s}}, {qd}, {qdd}, {Q(0)}};
-  const std::vector<Q> expected = {3 * (-qd * qd + 10 * s), 3 * (qdd + 10 * c), Q(0),
-                                   Q(0), Q(0), 4 * qdd + 3 * 10 * c};
+  const std::vector<Q> expected = {3 * (-qd * qd + 10 * s), 3 * (qdd + 10 * c), Q(0), Q(0), Q(0),
+                                   4 * qdd + 3 * 10 * c};
   BOOST_TEST(mismatch(bySweep(m, state), expected) == "");
   BOOST_TEST(mismatch(byMultipliers(m, state), expected) == "");
 }
 
-// Its own axis is not what a joint holds: the share of a plain rotor and of a spring never reaches the link.
+// Its own axis is not what a joint holds: the share of a plain rotor and of a spring never reaches
+// the link.
 BOOST_AUTO_TEST_CASE(rotors_springs_and_friction_take_their_part_before) {
   Features features = Features::bare();
   Tree tree = randomTree(3, 1, features);
@@ -178,14 +182,16 @@ BOOST_AUTO_TEST_CASE(random_mechanisms_of_all_kinds_agree_over_the_field) {
   std::size_t asked = 0;
   for (int index = 0; index < 12; ++index) {
     const scene::Scene scene = randomScene(5, index, 5);
-    const auto witnesses = exactWitnesses(scene, Parameters::kAsWritten, {"lagrange", "newton_euler"});
+    const auto witnesses =
+        exactWitnesses(scene, Parameters::kAsWritten, {"lagrange", "newton_euler"});
     for (const CheckResult& check : about("reactions", compareExactly(scene, witnesses, {}))) {
       ++asked;
       BOOST_TEST((check.verdict == Verdict::kAgree), scene.name << ": " << check.reason);
     }
     for (const CheckResult& check : checkIdentitiesExactly(scene, {}))
       if (check.check.rfind("reactions", 0) == 0)
-        BOOST_TEST((check.verdict == Verdict::kAgree), scene.name << ": " << check.check << ": " << check.reason);
+        BOOST_TEST((check.verdict == Verdict::kAgree),
+                   scene.name << ": " << check.check << ": " << check.reason);
   }
   BOOST_TEST(asked == 12u);
 }
@@ -193,19 +199,21 @@ BOOST_AUTO_TEST_CASE(random_mechanisms_of_all_kinds_agree_over_the_field) {
 BOOST_AUTO_TEST_CASE(simbody_agrees_within_its_bound) {
   std::vector<WitnessKind> kinds;
   for (const WitnessKind& kind : witnessKinds())
-    if (kind.info.name == "newton_euler" || kind.info.name == "simbody" || kind.info.name == "lagrange")
+    if (kind.info.name == "newton_euler" || kind.info.name == "simbody" ||
+        kind.info.name == "lagrange")
       kinds.push_back(kind);
   Options options;
   options.states = 5;
-  for (const char* name : {"stanford_arm", "humanoid", "lead_screw", "cylindrical_arm", "cardan_pendulum",
-                           "puck_on_slope", "heavy_top", "satellite_arm", "gyroscopic_wrist", "puma_560_friction"}) {
+  for (const char* name :
+       {"stanford_arm", "humanoid", "lead_screw", "cylindrical_arm", "cardan_pendulum",
+        "puck_on_slope", "heavy_top", "satellite_arm", "gyroscopic_wrist", "puma_560_friction"}) {
     const scene::Scene scene = scene::findScene(name);
     const auto checks = about("reactions", compareWitnesses(scene, kinds, options));
     BOOST_TEST(checks.size() == 3u);
     for (const CheckResult& check : checks)
       BOOST_TEST((check.verdict == Verdict::kAgree),
-                 name << ": " << check.left << " " << check.right << " " << check.worst_entry << " ratio "
-                      << check.ratio << " " << check.reason);
+                 name << ": " << check.left << " " << check.right << " " << check.worst_entry
+                      << " ratio " << check.ratio << " " << check.reason);
   }
 }
 
@@ -238,7 +246,8 @@ struct Wrong : NewtonEuler {
     for (std::size_t i = 1; i < joints.size(); ++i) {
       recursive::Force<T> f = kept.ws.f[joints[i].link];
       if (mistake == Mistake::kTransposed) joints[i].X.R = joints[i].X.R.transpose().eval();
-      if (mistake == Mistake::kMomentNotMoved)  // about the parent's origin, as if that were the joint's
+      if (mistake ==
+          Mistake::kMomentNotMoved)  // about the parent's origin, as if that were the joint's
         f = {f.force, f.moment + kept.ws.X_up[joints[i].link].p.cross(f.force)};
       if (mistake == Mistake::kChildrenLost)
         f = kept.model.links[joints[i].link].M * kept.ws.a[joints[i].link] +
@@ -265,7 +274,8 @@ BOOST_AUTO_TEST_CASE(mistakes_are_seen_and_nothing_else_is) {
   BOOST_TEST(!seen<Mistake::kNone>("franka_panda"));
   BOOST_TEST(!seen<Mistake::kNone>("stanford_arm"));
   BOOST_TEST(seen<Mistake::kSign>("franka_panda"));
-  BOOST_TEST(seen<Mistake::kTransposed>("gyroscopic_wrist"));  // axes along y: a turn that is not its own inverse
+  BOOST_TEST(seen<Mistake::kTransposed>(
+      "gyroscopic_wrist"));  // axes along y: a turn that is not its own inverse
   BOOST_TEST(seen<Mistake::kMomentNotMoved>("franka_panda"));
   BOOST_TEST(seen<Mistake::kChildrenLost>("franka_panda"));
 }
@@ -275,7 +285,8 @@ BOOST_AUTO_TEST_CASE(a_lost_load_is_seen) {
   for (int index = 0; index < 40; ++index) {
     const scene::Scene scene = randomScene(9, index, 4);
     if (scene.mechanism.wrenches.empty()) continue;
-    std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten, {"lagrange"});
+    std::vector<ExactWitness> witnesses =
+        exactWitnesses(scene, Parameters::kAsWritten, {"lagrange"});
     witnesses.push_back(sweepWitness<Wrong<Mistake::kLoadsLost>>(scene, [](auto&, const auto&) {}));
     const auto checks = about("reactions", compareExactly(scene, witnesses, {}));
     BOOST_TEST((checks.at(0).verdict == Verdict::kDisagree));
@@ -293,12 +304,15 @@ BOOST_AUTO_TEST_CASE(a_lumped_model_has_no_reactions_of_its_fixed_joints) {
   const auto model = recursive::buildModel(tree.mechanism, RationalNumbers(tree.mechanism));
   const recursive::Workspace<Q> ws(model);
   std::vector<Q> out(6 * (tree.mechanism.links.size() - 1)), few(6);
-  BOOST_CHECK_EXCEPTION(recursive::jointReactions(model, ws, out), std::invalid_argument, [](const auto& e) {
-    return std::string(e.what()).find("was lumped, expected FixedJoints::kKept") != std::string::npos;
-  });
-  BOOST_CHECK_EXCEPTION(recursive::jointReactions(model, ws, few), std::invalid_argument, [](const auto& e) {
-    return std::string(e.what()).rfind("jointReactions: out: expected ", 0) == 0;
-  });
+  BOOST_CHECK_EXCEPTION(
+      recursive::jointReactions(model, ws, out), std::invalid_argument, [](const auto& e) {
+        return std::string(e.what()).find("was lumped, expected FixedJoints::kKept") !=
+               std::string::npos;
+      });
+  BOOST_CHECK_EXCEPTION(
+      recursive::jointReactions(model, ws, few), std::invalid_argument, [](const auto& e) {
+        return std::string(e.what()).rfind("jointReactions: out: expected ", 0) == 0;
+      });
 }
 
 BOOST_AUTO_TEST_SUITE_END()

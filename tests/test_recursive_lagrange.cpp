@@ -215,7 +215,7 @@ BOOST_AUTO_TEST_CASE(it_shares_no_formula) {
   std::set<std::string> included;
   for (std::string line; std::getline(source, line);)
     if (line.rfind("#include \"", 0) == 0) included.insert(line.substr(10, line.size() - 11));
-  BOOST_TEST(
-      (included == std::set<std::string>{"crosscheck/witnesses/bounded_answer.hpp",
-                                         "recursive/factorization.hpp", "scene/mimic.hpp", "scene/numbers.hpp"}));
+  BOOST_TEST((included == std::set<std::string>{"crosscheck/witnesses/bounded_answer.hpp",
+                                                "recursive/factorization.hpp", "scene/mimic.hpp",
+                                                "scene/numbers.hpp"}));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Y of the sweeps against three others: the derivative of Newton-Euler's forces by a link's numbers,
-// the derivation's own, and a textbook's by hand.
+// Y of the sweeps against three others: the derivative of Newton-Euler's forces by a link's
+// numbers, the derivation's own, and a textbook's by hand.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE regressor
 #include <string>
@@ -61,7 +61,8 @@ const std::vector<std::string> kSmall = {"double_pendulum", "prismatic_revolute_
 }  // namespace
 
 // A column is the change of tau when its parameter grows by 1: Newton-Euler on a changed model.
-BOOST_DATA_TEST_CASE(a_column_is_what_one_more_unit_adds_to_newton_euler, data::make(kSmall), name) {
+BOOST_DATA_TEST_CASE(a_column_is_what_one_more_unit_adds_to_newton_euler, data::make(kSmall),
+                     name) {
   const PrimeField::Modulus modulus(drawPrime(name, 1, 0));
   const scene::Mechanism mechanism = scene::findScene(name).mechanism;
   Asked at(mechanism);
@@ -74,7 +75,7 @@ BOOST_DATA_TEST_CASE(a_column_is_what_one_more_unit_adds_to_newton_euler, data::
     const recursive::ScenePlace<F>& place = at.model.places[at.parameters[j].link];
     recursive::LinkModel<F>& link = heavier.links[place.link];
     auto one = recursive::RigidInertia<F>::zero();
-    F* const numbers[] = {&one.mass, &one.h(0), &one.h(1), &one.h(2), &one.I.xx,   &one.I.yy,
+    F* const numbers[] = {&one.mass, &one.h(0), &one.h(1), &one.h(2), &one.I.xx,  &one.I.yy,
                           &one.I.zz, &one.I.xy, &one.I.xz, &one.I.yz, &link.rotor};
     *numbers[static_cast<int>(at.parameters[j].kind)] += F(1);
     link.M = link.M + place.X.inverseTimes(one);
@@ -113,15 +114,16 @@ BOOST_DATA_TEST_CASE(both_roads_agree_on_every_bundled_scene, data::make(bundled
   BOOST_TEST(checks[0].exact->error_probability <= 1e-30);
 }
 
-// A rod on a hinge, by hand:  tau = Iyy qdd + (mcx) g sin q ...: with the axis along y and gravity along
-// -z, a point at (x, z) moves up by dz/dq = -(x cos q + z sin q).
+// A rod on a hinge, by hand:  tau = Iyy qdd + (mcx) g sin q ...: with the axis along y and gravity
+// along -z, a point at (x, z) moves up by dz/dq = -(x cos q + z sin q).
 BOOST_AUTO_TEST_CASE(a_simple_pendulum_is_that_of_the_textbook) {
   const scene::Mechanism mechanism =
-      scene::readSceneToml("title = \"p\"\nsource = \"t\"\ngravity = [0, 0, -10]\n"
-                           "[[link]]\nname = \"w\"\n[[link]]\nname = \"rod\"\nparent = \"w\"\nmass = 1\n"
-                           "inertia = { about = \"com\", xx = 1, yy = 1, zz = 1 }\n"
-                           "[link.joint]\nname = \"j\"\nkind = \"revolute\"\naxis = [0, 1, 0]\n",
-                           "pendulum.toml")
+      scene::readSceneToml(
+          "title = \"p\"\nsource = \"t\"\ngravity = [0, 0, -10]\n"
+          "[[link]]\nname = \"w\"\n[[link]]\nname = \"rod\"\nparent = \"w\"\nmass = 1\n"
+          "inertia = { about = \"com\", xx = 1, yy = 1, zz = 1 }\n"
+          "[link.joint]\nname = \"j\"\nkind = \"revolute\"\naxis = [0, 1, 0]\n",
+          "pendulum.toml")
           .mechanism;
   const auto parameters = scene::inertialParameters(mechanism);
   const auto model = recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism));
@@ -140,7 +142,6 @@ BOOST_AUTO_TEST_CASE(a_matrix_of_the_wrong_size_is_refused) {
   recursive::Workspace<double> ws(model);
   Eigen::MatrixXd Y(2, parameters.size() + 1);
   const std::vector<scene::JointPosition<double>> x(2, scene::jointPosition(0.0));
-  BOOST_CHECK_THROW(
-      recursive::regressor(model, parameters, x, {0.0, 0.0}, {0.0, 0.0}, ws, Y),
-      std::invalid_argument);
+  BOOST_CHECK_THROW(recursive::regressor(model, parameters, x, {0.0, 0.0}, {0.0, 0.0}, ws, Y),
+                    std::invalid_argument);
 }

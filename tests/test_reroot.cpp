@@ -23,16 +23,20 @@ constexpr std::uint64_t kPrime = 9223372036854775783u;  // the largest below 2^6
 
 std::string link(const std::string& name, const std::string& parent, const std::string& joint) {
   return "[[link]]\nname = \"" + name + "\"\nparent = \"" + parent +
-         "\"\nmass = 2\ncom = [0.1, -0.2, 0.3]\ninertia = { xx = 0.5, yy = 0.6, zz = 0.7, xy = 0.01, xz "
-         "= -0.02 }\n[link.joint]\nxyz = [0.4, 0.5, -0.6]\nrpy = [0.3, 0.2, -1]\n" + joint + "\n";
+         "\"\nmass = 2\ncom = [0.1, -0.2, 0.3]\n"
+         "inertia = { xx = 0.5, yy = 0.6, zz = 0.7, xy = 0.01, xz "
+         "= -0.02 }\n[link.joint]\nxyz = [0.4, 0.5, -0.6]\nrpy = [0.3, 0.2, -1]\n" +
+         joint + "\n";
 }
 
-/// A floating body with two branches: turn, screw, slide on one, where the turn carries a ball joint and
-/// that a body which floats; a turn on the other.
+/// A floating body with two branches: turn, screw, slide on one, where the turn carries a ball
+/// joint and that a body which floats; a turn on the other.
 scene::Scene tree() {
   return scene::readSceneToml(
-      "gravity = [1, 2, -9]\n[[link]]\nname = \"world\"\n" + link("base", "world", "kind = \"floating\"") +
-          link("a", "base", "kind = \"revolute\"\naxis = [1, 2, 2]\nrotor_inertia = 0.1\nstiffness = 3") +
+      "gravity = [1, 2, -9]\n[[link]]\nname = \"world\"\n" +
+          link("base", "world", "kind = \"floating\"") +
+          link("a", "base",
+               "kind = \"revolute\"\naxis = [1, 2, 2]\nrotor_inertia = 0.1\nstiffness = 3") +
           link("b", "a", "kind = \"helical\"\npitch = 0.3") +
           link("c", "b", "kind = \"prismatic\"\naxis = [0, 1, 0]") +
           link("d", "base", "kind = \"revolute\"") + link("e", "a", "kind = \"spherical\"") +
@@ -58,7 +62,8 @@ BOOST_DATA_TEST_CASE(any_root_has_the_same_energy_and_momentum, data::xrange(7),
   rerootState(model, rooted, ws, other.x, other.qd);
   BOOST_TEST((kineticEnergy(model, state.x, state.qd, ws) ==
               kineticEnergy(rooted.model, other.x, other.qd, ws_rooted)));
-  BOOST_TEST((potentialEnergy(model, state.x, ws) == potentialEnergy(rooted.model, other.x, ws_rooted)));
+  BOOST_TEST(
+      (potentialEnergy(model, state.x, ws) == potentialEnergy(rooted.model, other.x, ws_rooted)));
   BOOST_TEST((momentum(model, state.x, state.qd, ws).vector() ==
               momentum(rooted.model, other.x, other.qd, ws_rooted).vector()));
 }

@@ -13,11 +13,11 @@
 
 #include "counted_arms.hpp"
 #include "crosscheck/arithmetic/prime_field.hpp"
+#include "crosscheck/exact/random_mechanism.hpp"
 #include "crosscheck/kernel/factor.hpp"
 #include "crosscheck/kernel/general_cost.hpp"
 #include "crosscheck/kernel/lean_sweeps.hpp"
 #include "crosscheck/kernel/roads.hpp"
-#include "crosscheck/exact/random_mechanism.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "recursive/build_model.hpp"
 #include "scene/scene.hpp"
@@ -45,12 +45,18 @@ class Point {
   }
   std::vector<PrimeField> sweeps(Formula formula) {
     switch (formula) {
-      case Formula::kInverseDynamics: return list(ask<NewtonEuler>(Quantity::kTau));
-      case Formula::kMassMatrix: return list(ask<CompositeBody>(Quantity::kM));
-      case Formula::kCoriolis: return list(ask<NewtonEuler>(Quantity::kc));
-      case Formula::kGravity: return list(ask<NewtonEuler>(Quantity::kg));
-      case Formula::kForwardDynamics: return list(ask<ArticulatedBody>(Quantity::kQdd));
-      case Formula::kMassCoriolisGravity: break;
+      case Formula::kInverseDynamics:
+        return list(ask<NewtonEuler>(Quantity::kTau));
+      case Formula::kMassMatrix:
+        return list(ask<CompositeBody>(Quantity::kM));
+      case Formula::kCoriolis:
+        return list(ask<NewtonEuler>(Quantity::kc));
+      case Formula::kGravity:
+        return list(ask<NewtonEuler>(Quantity::kg));
+      case Formula::kForwardDynamics:
+        return list(ask<ArticulatedBody>(Quantity::kQdd));
+      case Formula::kMassCoriolisGravity:
+        break;
     }
     std::vector<PrimeField> all = sweeps(Formula::kMassMatrix);
     for (const Formula more : {Formula::kCoriolis, Formula::kGravity})
@@ -90,16 +96,17 @@ symbolic::Program::Operations operations(const scene::Scene& scene, Formula form
   return smallestRoad(scene.mechanism, formula).program.bodyOperations();
 }
 
-const std::vector<std::string> kScenes = {"double_pendulum", "cart_pole",      "furuta_pendulum",
-                                          "scara",           "elastic_pendulum", "stanford_arm",
-                                          "puma_560",        "franka_panda",   "prismatic_revolute_mix",
-                                          "heavy_top",       "lead_screw",     "satellite_arm"};
+const std::vector<std::string> kScenes = {
+    "double_pendulum",        "cart_pole",    "furuta_pendulum", "scara",
+    "elastic_pendulum",       "stanford_arm", "puma_560",        "franka_panda",
+    "prismatic_revolute_mix", "heavy_top",    "lead_screw",      "satellite_arm"};
 
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(same_mathematics)
 
-BOOST_DATA_TEST_CASE(every_road_is_the_same_function_for_bundled_scenes, data::make(kScenes), name) {
+BOOST_DATA_TEST_CASE(every_road_is_the_same_function_for_bundled_scenes, data::make(kScenes),
+                     name) {
   everyRoadIsTheSameFunction(scene::findScene(name));
 }
 
@@ -138,14 +145,14 @@ void leanSweepsHold(const scene::Scene& scene, const LeanModel& model,
 // and a load.
 BOOST_AUTO_TEST_CASE(axes_that_stay_change_no_function) {
   const std::string some = "mass = 1\ninertia = {about = \"com\", xx = 1, yy = 1, zz = 1}";
-  scene::Scene scene =
-      counted::withGeneralInertias(counted::arm("stay", {{"", some},
-                                                 {"alpha = \"-pi/2\", d = 0.2", some},
-                                                 {"a = 0.4, d = -0.1", some},
-                                                 {"alpha = \"pi\", a = 0.3, d = 0.05, theta = 0.4", some},
-                                                 {"alpha = \"pi/2\", a = 0.1", some, "prismatic"},
-                                                 {"alpha = 0.7, a = 0.2, d = 0.6", some},
-                                                 {"theta = \"pi/2\"", some}}));
+  scene::Scene scene = counted::withGeneralInertias(
+      counted::arm("stay", {{"", some},
+                            {"alpha = \"-pi/2\", d = 0.2", some},
+                            {"a = 0.4, d = -0.1", some},
+                            {"alpha = \"pi\", a = 0.3, d = 0.05, theta = 0.4", some},
+                            {"alpha = \"pi/2\", a = 0.1", some, "prismatic"},
+                            {"alpha = 0.7, a = 0.2, d = 0.6", some},
+                            {"theta = \"pi/2\"", some}}));
   scene.mechanism.links[6].parent = 3;
   scene.mechanism.links[4].joint.stiffness = scene.mechanism.links[4].joint.rest =
       scene::Rational(2, 3);
@@ -197,7 +204,8 @@ BOOST_AUTO_TEST_CASE(moved_origins_taken_masses_and_units_change_no_function) {
   std::vector<symbolic::Node> nodes;
   for (const Traced& value : massMatrix(model, state)) nodes.push_back(value.node());
   Point point(scene, 3);
-  BOOST_TEST((point.program(symbolic::compile(graph, nodes)) != point.sweeps(Formula::kMassMatrix)));
+  BOOST_TEST(
+      (point.program(symbolic::compile(graph, nodes)) != point.sweeps(Formula::kMassMatrix)));
 }
 
 BOOST_AUTO_TEST_CASE(each_instruction_matters_and_the_field_sees_it) {
@@ -211,7 +219,9 @@ BOOST_AUTO_TEST_CASE(each_instruction_matters_and_the_field_sees_it) {
       using Code = symbolic::Program::Code;
       symbolic::Program wrong = program;
       Code& code = wrong.body[i].code;
-      code = code == Code::kAdd ? Code::kSubtract : code == Code::kInverse ? Code::kNegate : Code::kAdd;
+      code = code == Code::kAdd       ? Code::kSubtract
+             : code == Code::kInverse ? Code::kNegate
+                                      : Code::kAdd;
       BOOST_TEST((point.program(wrong) != right), name(formula) << ", instruction " << i);
     }
   }
@@ -244,14 +254,17 @@ std::string refusal(const std::string& scene, Formula formula) {
 BOOST_AUTO_TEST_CASE(straight_lines_that_are_too_long_are_not_used) {
   for (const Formula formula :
        {Formula::kInverseDynamics, Formula::kMassMatrix, Formula::kForwardDynamics}) {
-    BOOST_TEST(refusal("chain_64", formula).find("no kernel of " + std::string(name(formula))) == 0u);
-    BOOST_TEST(refusal("chain_1000", formula).find("1000 degrees of freedom, at most 256") != std::string::npos);
+    BOOST_TEST(refusal("chain_64", formula).find("no kernel of " + std::string(name(formula))) ==
+               0u);
+    BOOST_TEST(refusal("chain_1000", formula).find("1000 degrees of freedom, at most 256") !=
+               std::string::npos);
     BOOST_TEST(refusal("puma_560", formula) == "");
   }
 }
 
 BOOST_AUTO_TEST_CASE(no_program_is_larger_than_what_it_replaces_or_than_what_is_compiled) {
-  for (const char* scene : {"chain_16", "planar_chain_5", "humanoid", "heavy_top", "simple_pendulum"})
+  for (const char* scene :
+       {"chain_16", "planar_chain_5", "humanoid", "heavy_top", "simple_pendulum"})
     for (const Formula formula :
          {Formula::kInverseDynamics, Formula::kMassMatrix, Formula::kForwardDynamics}) {
       const scene::Mechanism mechanism = scene::findScene(scene).mechanism;
@@ -262,7 +275,8 @@ BOOST_AUTO_TEST_CASE(no_program_is_larger_than_what_it_replaces_or_than_what_is_
     }
 }
 
-// the same links over and over, so that each adds the same: a count that depended on anything else would not
+// the same links over and over, so that each adds the same: a count that depended on anything else
+// would not
 BOOST_AUTO_TEST_CASE(general_operations_grow_with_the_links_and_with_the_entries_of_M) {
   const auto count = [](int links, Formula formula) {
     return generalOperations(scene::findScene("chain_" + std::to_string(links)).mechanism, formula);
@@ -275,8 +289,8 @@ BOOST_AUTO_TEST_CASE(general_operations_grow_with_the_links_and_with_the_entries
   BOOST_TEST(m64 > 2 * m32);
 }
 
-// Sums of six of eight values each, another eight every time: twice as many sums are twice the work. (Pairs were once
-// counted anew after each that was shared, which made it four times.)
+// Sums of six of eight values each, another eight every time: twice as many sums are twice the
+// work. (Pairs were once counted anew after each that was shared, which made it four times.)
 BOOST_AUTO_TEST_CASE(sharing_pairs_takes_no_more_than_the_sums_are_long) {
   const auto steps = [](int sums) {
     symbolic::Graph graph;
@@ -284,7 +298,8 @@ BOOST_AUTO_TEST_CASE(sharing_pairs_takes_no_more_than_the_sums_are_long) {
     for (int k = 0; k < sums; ++k) {
       symbolic::Node total;
       for (int i = 0; i < 8; ++i)
-        if (i != k % 8 && i != (k / 8) % 8) total = graph.add(total, graph.input(symbolic::Input::kVelocity, k / 8 * 8 + i));
+        if (i != k % 8 && i != (k / 8) % 8)
+          total = graph.add(total, graph.input(symbolic::Input::kVelocity, k / 8 * 8 + i));
       outputs.push_back(total);
     }
     long done = 0;
@@ -303,14 +318,16 @@ BOOST_AUTO_TEST_SUITE(operation_counts)
 
 BOOST_AUTO_TEST_CASE(our_programs_take_no_more_than_the_best_known) {
   const std::vector<counted::Fewest> all = counted::fewest();
-  const std::vector<int> ours = {421, 230, 587, 268, 494, 257, 222, 194};  // in the order of fewest()
+  const std::vector<int> ours = {421, 230, 587, 268,
+                                 494, 257, 222, 194};  // in the order of fewest()
   BOOST_REQUIRE(all.size() == ours.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     const counted::Fewest& best = all[i];
     const auto o = operations(best.make(), best.formula);
     const auto at_most = [&](int count, int limit, const char* what) {
-      BOOST_TEST((limit == 0 || count <= limit),
-                 best.arm << " " << name(best.formula) << ": " << count << " " << what << ", allowed " << limit);
+      BOOST_TEST((limit == 0 || count <= limit), best.arm << " " << name(best.formula) << ": "
+                                                          << count << " " << what << ", allowed "
+                                                          << limit);
     };
     at_most(o.multiplications, best.multiplications, "multiplications");
     at_most(o.additions, best.additions, "additions");

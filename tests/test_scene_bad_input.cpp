@@ -60,7 +60,8 @@ const std::string kEnds = "a = { link = \"base\" }\nb = { link = \"upper\" }";
 
 const Bad kToml[] = {
     {"unknown kind of closure", closure("kind = \"glue\"", kEnds),
-     "bad.toml:12: closure \"1\": kind is \"glue\", allowed: distance, plane, planar_point, point, hinge, "
+     "bad.toml:12: closure \"1\": kind is \"glue\", allowed: distance, plane, planar_point, "
+     "point, hinge, "
      "weld"},
     {"closure without a kind", closure("", kEnds), "bad.toml:11: closure \"1\": has no kind"},
     {"closure with one end", closure("kind = \"point\"", "a = { link = \"base\" }"),
@@ -469,8 +470,9 @@ BOOST_AUTO_TEST_CASE(an_unknown_scene_is_answered_with_the_known_ones) {
   std::filesystem::remove_all(folder);
   ::setenv("DYNWITNESS_DATA", folder.c_str(), 1);
   requireComplaint(complaint([] { bundledScenes(); }),
-                   "DYNWITNESS_DATA: '" + folder.string() + "' is no folder, allowed: one with the folders "
-                   "scenes and reference");
+                   "DYNWITNESS_DATA: '" + folder.string() +
+                       "' is no folder, allowed: one with the folders "
+                       "scenes and reference");
   std::filesystem::create_directory(folder);
   BOOST_TEST(bundledScenes().empty());
   requireComplaint(complaint([] { findScene("pendulm"); }),

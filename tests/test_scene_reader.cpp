@@ -427,7 +427,8 @@ damping = 2
 
 )";
   const std::string text = writeSceneToml(readSceneToml(kDoublePendulum, "pendulum.toml"));
-  const std::string whole = text.substr(0, text.find("[start]")) + tail + text.substr(text.find("[start]"));
+  const std::string whole =
+      text.substr(0, text.find("[start]")) + tail + text.substr(text.find("[start]"));
   const Scene scene = readSceneToml(whole, "pendulum.toml");
   BOOST_TEST(writeSceneToml(scene) == whole);
   BOOST_TEST_REQUIRE(scene.mechanism.closures.size() == 2u);
@@ -503,8 +504,7 @@ BOOST_AUTO_TEST_CASE(elements_become_the_scene) {
 }
 
 BOOST_AUTO_TEST_CASE(what_is_not_modelled_is_said) {
-  const std::vector<std::string> expected{
-      "joint limits (position, velocity, effort) not modelled"};
+  const std::vector<std::string> expected{"joint limits (position, velocity, effort) not modelled"};
   BOOST_TEST(readSceneUrdf(kArm, "arm.urdf").not_modelled == expected,
              boost::test_tools::per_element());
 }
@@ -608,7 +608,8 @@ BOOST_AUTO_TEST_CASE(scenes_are_found_by_name_by_path_and_by_content) {
   BOOST_CHECK_EXCEPTION(findScene("triple"), InputError, [](const InputError& error) {
     return std::string(error.what()) ==
            "no scene and no file is called \"triple\", allowed: arm, double_pendulum, "
-           "four_bars_N with N from 1 to 200, chain_N, flat_chain_N or tree_N with N from 1 to 1000000, or the "
+           "four_bars_N with N from 1 to 200, chain_N, flat_chain_N or tree_N with N from 1 to "
+           "1000000, or the "
            "path of a file";
   });
   ::unsetenv("DYNWITNESS_DATA");

@@ -51,8 +51,9 @@ scene::Number times(const scene::Number& number, const std::string& factor) {
   return scene::Expression::parse(fmt::format("({}) * ({})", number.text(), factor));
 }
 
-/** Of the mass: that part of it (the link's moments about its centre of mass stay). Of a product of inertia: that
-    part of the largest moment is added to it. Of a sine: the link's joint is turned by that much more, [rad]. */
+/** Of the mass: that part of it (the link's moments about its centre of mass stay). Of a product of
+    inertia: that part of the largest moment is added to it. Of a sine: the link's joint is turned
+    by that much more, [rad]. */
 scene::Scene withFault(scene::Scene scene, const std::string& kind, double size) {
   scene::Link& link = scene.mechanism.links[faultyLink(scene.mechanism)];
   const std::string part = fmt::format("{:.17e}", size);
@@ -92,7 +93,8 @@ std::unique_ptr<Witness> sweeps(const scene::Scene& scene) {
 }
 
 /// Residual / limit of each quantity against the truth, with this fault.
-std::map<std::string, double> sharesWith(const scene::Scene& scene, const std::string& kind, double size) {
+std::map<std::string, double> sharesWith(const scene::Scene& scene, const std::string& kind,
+                                         double size) {
   WitnessKind faulty;
   faulty.info.name = "faulty";
   faulty.make = [&](const scene::Scene& right) -> std::unique_ptr<Witness> {
@@ -108,9 +110,10 @@ std::map<std::string, double> sharesWith(const scene::Scene& scene, const std::s
   return shares;
 }
 
-/** The fault whose residual is as large as its limit. Residuals are proportional to small faults, so one that is
-    planted far above the limit tells: 1e-6. Empty: the quantity does not change. */
-std::map<std::string, std::optional<double>> smallest(const scene::Scene& scene, const std::string& kind) {
+/** The fault whose residual is as large as its limit. Residuals are proportional to small faults,
+    so one that is planted far above the limit tells: 1e-6. Empty: the quantity does not change. */
+std::map<std::string, std::optional<double>> smallest(const scene::Scene& scene,
+                                                      const std::string& kind) {
   constexpr double kPlanted = 1e-6;
   std::map<std::string, std::optional<double>> out;
   for (const auto& [quantity, share] : sharesWith(scene, kind, kPlanted))
@@ -118,7 +121,9 @@ std::map<std::string, std::optional<double>> smallest(const scene::Scene& scene,
   return out;
 }
 
-std::string key(const std::string& mechanism, const std::string& fault) { return mechanism + " | " + fault; }
+std::string key(const std::string& mechanism, const std::string& fault) {
+  return mechanism + " | " + fault;
+}
 
 std::string row(const std::string& mechanism, const std::string& fault,
                 const std::map<std::string, std::optional<double>>& noticed) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Dynamic programming over links: equal subtrees are computed once, and the values are those of the sweep.
+// Dynamic programming over links: equal subtrees are computed once, and the values are those of the
+// sweep.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE shared_subtrees
 #include <map>
@@ -9,8 +10,8 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/arithmetic/prime_field.hpp"
-#include "crosscheck/studies/gauss_value.hpp"
 #include "crosscheck/exact/shared_subtrees.hpp"
+#include "crosscheck/studies/gauss_value.hpp"
 #include "recursive/build_model.hpp"
 #include "scene/scene.hpp"
 
@@ -40,8 +41,8 @@ BOOST_AUTO_TEST_CASE(steps_are_those_counted_by_hand) {
   BOOST_TEST(chain.shared == 5);  // no two subtrees of a chain are equal: they differ in size
 }
 
-// What the three steps find is what the sweep finds in seven, where equal subtrees are in equal poses; and
-// where they are not, it is not.
+// What the three steps find is what the sweep finds in seven, where equal subtrees are in equal
+// poses; and where they are not, it is not.
 BOOST_AUTO_TEST_CASE(shared_values_are_those_of_the_sweep) {
   const scene::Mechanism mechanism = scene::findScene("mobile").mechanism;
   const SharedSubtrees subtrees = sharedSubtrees(modelOf("mobile"));
@@ -52,7 +53,8 @@ BOOST_AUTO_TEST_CASE(shared_values_are_those_of_the_sweep) {
   const auto model = recursive::buildModel(mechanism, number);
   auto state = indeterminateState(mechanism, source);
   for (const bool equal_poses : {true, false}) {
-    std::map<std::pair<int, bool>, scene::JointPosition<F>> pose;  // one for each place in each node
+    std::map<std::pair<int, bool>, scene::JointPosition<F>>
+        pose;  // one for each place in each node
     for (std::size_t i = 0; equal_poses && i < model.links.size(); ++i) {
       const auto& link = model.links[i];
       const int node = link.parent < 0 ? -1 : subtrees.of_link[link.parent];
@@ -82,7 +84,8 @@ BOOST_AUTO_TEST_CASE(articulated_inertia_is_the_least_gauss_function) {
     recursive::Workspace<F> ws(model);
     std::vector<F> qdd(model.dof(), F(0));
     recursive::forwardDynamics(model, state.x, state.qd, state.tau, ws, qdd);
-    BOOST_TEST((sweptGauss(model, ws) == leastGauss(model, state.x, state.qd, state.tau, ws)), name);
+    BOOST_TEST((sweptGauss(model, ws) == leastGauss(model, state.x, state.qd, state.tau, ws)),
+               name);
     // other joint forces outboard: another minimum
     std::vector<F> other = state.tau;
     other.back() += F(1);

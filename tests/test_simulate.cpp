@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The benchmarks A01 to A05 of the IFToMM technical committee for multibody dynamics, and what simulation
-// promises beside them. A benchmark is held to the library's own criterion, or to a stricter one that
-// the comment derives; exact solutions come from Jacobi's elliptic functions in Boost.
+// The benchmarks A01 to A05 of the IFToMM technical committee for multibody dynamics, and what
+// simulation promises beside them. A benchmark is held to the library's own criterion, or to a
+// stricter one that the comment derives; exact solutions come from Jacobi's elliptic functions in
+// Boost.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE simulate
 #include "crosscheck/motion/simulate.hpp"
@@ -60,11 +61,12 @@ void requireTables(const std::string& name, const Simulation& simulation) {
   }
 }
 
-/** The angle from the upward vertical of a pendulum with theta'' = w^2 sin theta that passes the top,
-    theta = 0 at t = 0, with speed v: with k^2 = 4 w^2 / (v^2 + 4 w^2),
+/** The angle from the upward vertical of a pendulum with theta'' = w^2 sin theta that passes the
+    top, theta = 0 at t = 0, with speed v: with k^2 = 4 w^2 / (v^2 + 4 w^2),
         theta / 2 = pi / 2 - am(K(k) - w t / k, k)
-    because sin^2(theta/2) obeys  (theta')^2 = v^2 + 4 w^2 sin^2(theta/2). Turned by quarter periods this is
-    the amplitude from the bottom, so cos and sin of theta follow from sn and cn without am. */
+    because sin^2(theta/2) obeys  (theta')^2 = v^2 + 4 w^2 sin^2(theta/2). Turned by quarter periods
+    this is the amplitude from the bottom, so cos and sin of theta follow from sn and cn without am.
+    */
 std::array<double, 2> sinAndCosFromTop(double w, double v, double t) {
   const double k = 2 * w / std::sqrt(v * v + 4 * w * w);
   const double u = w * t / k - boost::math::ellint_1(k);  // from the bottom
@@ -78,8 +80,8 @@ std::array<double, 2> sinAndCosFromTop(double w, double v, double t) {
 
 BOOST_AUTO_TEST_SUITE(benchmarks)
 
-// A01, index 3: point mass of 1 kg at 1 m, released level, 10 s. By sin(theta/2) = k sn(K - w0 t), k =
-// sin(pi/4), w0 = sqrt(9.81).
+// A01, index 3: point mass of 1 kg at 1 m, released level, 10 s. By sin(theta/2) = k sn(K - w0 t),
+// k = sin(pi/4), w0 = sqrt(9.81).
 BOOST_AUTO_TEST_CASE(a01_pendulum_follows_the_elliptic_functions) {
   const Simulation simulation = run("pendulum_on_slides", 10, 1e-9);
   const double k = std::sqrt(0.5), w = std::sqrt(9.81), K = boost::math::ellint_1(k);
@@ -88,21 +90,24 @@ BOOST_AUTO_TEST_CASE(a01_pendulum_follows_the_elliptic_functions) {
     double cn, dn;
     const double half = k * boost::math::jacobi_elliptic(k, K - w * point.time, &cn, &dn);
     const double exact_x = -2 * half * std::sqrt(1 - half * half), exact_y = 2 * half * half - 1;
-    worst = std::max({worst, benchmarkError(point.q[0], exact_x), benchmarkError(point.q[1], exact_y)});
+    worst =
+        std::max({worst, benchmarkError(point.q[0], exact_x), benchmarkError(point.q[1], exact_y)});
   }
   BOOST_TEST(worst <= kHighAccuracy);
   BOOST_TEST(simulation.constraints == 1);
   requireTables("pendulum_on_slides", simulation);
 }
 
-// A02: N windows, B0 starts at 1 m/s. The uprights turn together, with inertia (N + 1)/3 + N about their
-// feet and weight moment 9.81 ((N + 1)/2 + N) sin theta. N = 40, 20 s is the library's, N = 2, 10 s
-// the IFToMM committee's.
+// A02: N windows, B0 starts at 1 m/s. The uprights turn together, with inertia (N + 1)/3 + N about
+// their feet and weight moment 9.81 ((N + 1)/2 + N) sin theta. N = 40, 20 s is the library's, N =
+// 2, 10 s the IFToMM committee's.
 struct Windows {
   int windows;
   double duration, tolerance;
 };
-std::ostream& operator<<(std::ostream& out, const Windows& w) { return out << w.windows; }
+std::ostream& operator<<(std::ostream& out, const Windows& w) {
+  return out << w.windows;
+}
 const Windows kWindows[] = {{1, 10, 1e-9}, {2, 10, 1e-9}, {7, 20, 1e-9}, {40, 20, 1e-10}};
 
 BOOST_DATA_TEST_CASE(a02_four_bars_follow_the_elliptic_functions_through_singular_poses,
@@ -129,10 +134,11 @@ BOOST_AUTO_TEST_CASE(a03_andrews_squeezer_reaches_the_published_angles) {
   requireTables("andrews_squeezer", run("andrews_squeezer", 0.03, 1e-11));
 }
 
-// A04: nobody prints the motion. The loop has one freedom, so energy alone gives its time: with s any
-// parameter along the mechanism's path, dt = ds sqrt(2 T(dq/ds) / 2 (E - V)). Here instead: the motion
-// returns to its start, where it rests, with all of its energy; and half way it is its own mirror image in time.
-// The path repeats after P3 came back, so q(t) = q(P - t) with the period P from the run itself.
+// A04: nobody prints the motion. The loop has one freedom, so energy alone gives its time: with s
+// any parameter along the mechanism's path, dt = ds sqrt(2 T(dq/ds) / 2 (E - V)). Here instead: the
+// motion returns to its start, where it rests, with all of its energy; and half way it is its own
+// mirror image in time. The path repeats after P3 came back, so q(t) = q(P - t) with the period P
+// from the run itself.
 BOOST_AUTO_TEST_CASE(a04_bricard_keeps_its_energy_and_is_symmetric_in_time) {
   const double tolerance = 1e-11;
   const Simulation simulation = run("bricard", 10, tolerance, 10000);
@@ -152,11 +158,13 @@ BOOST_AUTO_TEST_CASE(a04_bricard_keeps_its_energy_and_is_symmetric_in_time) {
   BOOST_TEST_REQUIRE(back > 100u);
   // the turning point lies between outputs: qd = -qdd (P - t) there, and qdd is that of the start
   const scene::Scene scene = scene::findScene("bricard");
-  const double qdd = constrainedAccelerations(scene, std::vector<double>(5, 0.0),
-                                              std::vector<double>(5, 0.0)).qdd[0];
+  const double qdd =
+      constrainedAccelerations(scene, std::vector<double>(5, 0.0), std::vector<double>(5, 0.0))
+          .qdd[0];
   const Simulation::Point& end = simulation.points[back];
   const double P = end.time - end.qd[0] / qdd;
-  // mirror: half a millisecond of grid, so q(t) and q(P - t) are compared through qd, to second order
+  // mirror: half a millisecond of grid, so q(t) and q(P - t) are compared through qd, to second
+  // order
   double worst = 0;
   for (std::size_t k = 0; k < back / 2; k += 37) {
     const double mirrored = P - simulation.points[k].time;
@@ -171,11 +179,12 @@ BOOST_AUTO_TEST_CASE(a04_bricard_keeps_its_energy_and_is_symmetric_in_time) {
   BOOST_TEST(simulation.worst_energy <= 30 * tolerance * static_cast<double>(simulation.steps));
 }
 
-// A05 by another road: the four coordinates' Lagrangian by hand, in the two that symmetry leaves (s and
-// alpha) and the turn's momentum L, which is constant:
-//     T = L^2 / (2 J(alpha)) + mb s'^2 / 2 + I alpha'^2,   V = mb g s + 2 (m l/2 + mp l) g (-sin alpha) + springs
-// with J(alpha) about the vertical and I about an arm's hinge. Stiffness: the springs' modes decay at up to
-// 1e5 / s, which is why 10 s take ten thousand steps.
+// A05 by another road: the four coordinates' Lagrangian by hand, in the two that symmetry leaves (s
+// and alpha) and the turn's momentum L, which is constant:
+//  T = L^2 / (2 J(alpha)) + mb s'^2 / 2 + I alpha'^2,
+//  V = mb g s + 2 (m l/2 + mp l) g (-sin alpha) + springs
+// with J(alpha) about the vertical and I about an arm's hinge. Stiffness: the springs' modes decay
+// at up to 1e5 / s, which is why 10 s take ten thousand steps.
 BOOST_AUTO_TEST_CASE(a05_flyball_governor_agrees_with_its_reduced_equations) {
   const double g = 9.81, rho = 3000, l = 1, w = 0.01, b = 0.1, r = 0.05, m = rho * l * w * w,
                mb = rho * b * b * b, mp = 5, K = 8e5, C = 4e4, l0 = 0.5;
@@ -189,7 +198,7 @@ BOOST_AUTO_TEST_CASE(a05_flyball_governor_agrees_with_its_reduced_equations) {
   double slope;
   const double alpha_0 = M_PI / 6, L = J(alpha_0, &slope) * 2 * M_PI;
   BOOST_TEST(std::abs(L - 53.86899865841843) < 1e-12);  // printed, to double precision
-  using State = std::array<double, 4>;  // s, alpha, s', alpha'
+  using State = std::array<double, 4>;                  // s, alpha, s', alpha'
   const auto rate = [&](const State& y, State& dy, double) {
     const double c = std::cos(y[1]), s = std::sin(y[1]);
     // from the block's point to the arm's middle
@@ -202,8 +211,9 @@ BOOST_AUTO_TEST_CASE(a05_flyball_governor_agrees_with_its_reduced_equations) {
     dy[1] = y[3];
     dy[2] = (2 * pull * dz / d) / mb - g;
     const double moment = pull * (dx * s + dz * c) / d * l / 2;  // of one spring, along alpha
-    dy[3] = (L * L * J_slope / (2 * J_now * J_now) + 2 * g * (m * l / 2 + mp * l) * c + 2 * moment) /
-            (2 * I);
+    dy[3] =
+        (L * L * J_slope / (2 * J_now * J_now) + 2 * g * (m * l / 2 + mp * l) * c + 2 * moment) /
+        (2 * I);
   };
   State y = {0.5, alpha_0, 0, 0};
   namespace odeint = boost::numeric::odeint;
@@ -243,7 +253,8 @@ BOOST_AUTO_TEST_CASE(drift_falls_from_nothing_to_baumgarte_to_projection) {
   BOOST_TEST(projection < 1e-14);
 }
 
-// a method of order p at a hundredth of the tolerance makes a smaller error: both methods, one truth
+// a method of order p at a hundredth of the tolerance makes a smaller error: both methods, one
+// truth
 BOOST_DATA_TEST_CASE(a_smaller_tolerance_makes_a_smaller_error,
                      data::make({"runge_kutta_fehlberg78", "runge_kutta_dopri5"}), method) {
   const auto error = [&](double tolerance) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The humanoid on one foot, the other, both, or in the air: welds to the world against the same robot with that
-// foot as its base, without rounding; and what two feet leave undetermined.
+// The humanoid on one foot, the other, both, or in the air: welds to the world against the same
+// robot with that foot as its base, without rounding; and what two feet leave undetermined.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE standing
 #include <random>
@@ -51,7 +51,8 @@ struct Standing {
     linkVelocities(from_foot.model, at_foot.x, at_foot.qd, ws_foot);
     const Transform<F> back = from_foot.X[0].inverse();
     Transform<F> X = back;
-    for (int i = from_foot.link[0]; i >= 0; i = from_foot.model.links[i].parent) X = X * ws_foot.X_up[i];
+    for (int i = from_foot.link[0]; i >= 0; i = from_foot.model.links[i].parent)
+      X = X * ws_foot.X_up[i];
     const Matrix3<F> R = X.R.transpose();
     const F q[] = {F(1) + R.trace(), R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1)};
     const Motion<F> v = back * ws_foot.v[from_foot.link[0]];
@@ -80,7 +81,8 @@ Constraints<F> weldedHere(Standing& s) {
   linkVelocities(s.model, s.state.x, s.state.qd, s.ws);
   std::vector<Transform<F>> X_W(s.model.links.size());
   for (std::size_t i = 0; i < X_W.size(); ++i)
-    X_W[i] = s.model.links[i].parent < 0 ? s.ws.X_up[i] : s.ws.X_up[i] * X_W[s.model.links[i].parent];
+    X_W[i] =
+        s.model.links[i].parent < 0 ? s.ws.X_up[i] : s.ws.X_up[i] * X_W[s.model.links[i].parent];
   for (Closure<F>& weld : welds.closures) weld.X_A = weld.X_B * X_W[weld.b];
   constraintEquations(s.model, s.state.x, s.state.qd, s.ws, welds);
   return welds;
@@ -94,8 +96,9 @@ Force<F> wrench(const Closure<F>& weld, const VectorX<F>& lambda) {
     Motion<F> unit = Motion<F>::zero();
     (k < 3 ? unit.linear(k) : unit.angular(k - 3)) = F(1);
     F component = F(0);
-    recursive::detail::closureRates(weld.kind, unit, X_BA,
-                         [&](int row, const F& rate) { component += rate * lambda(weld.row + row); });
+    recursive::detail::closureRates(weld.kind, unit, X_BA, [&](int row, const F& rate) {
+      component += rate * lambda(weld.row + row);
+    });
     (k < 3 ? sum.force(k) : sum.moment(k - 3)) = component;
   }
   return weld.X_B.inverseTimes(sum);
@@ -103,18 +106,22 @@ Force<F> wrench(const Closure<F>& weld, const VectorX<F>& lambda) {
 
 }  // namespace
 
-// The re-rooted robot with its base held by hybrid dynamics: six accelerations given, zero, and six forces found.
+// The re-rooted robot with its base held by hybrid dynamics: six accelerations given, zero, and six
+// forces found.
 struct Foot {
   const char *scene, *link;
 };
-std::ostream& operator<<(std::ostream& out, const Foot& foot) { return out << foot.scene; }
+std::ostream& operator<<(std::ostream& out, const Foot& foot) {
+  return out << foot.scene;
+}
 const Foot kFeet[] = {{"humanoid_right_foot", "right_foot"}, {"humanoid_left_foot", "left_foot"}};
 
 BOOST_DATA_TEST_CASE(standing_on_a_foot_is_having_that_foot_as_base, data::make(kFeet), sample) {
   Standing s(sample.scene, sample.link);
   const Constraints<F> welds = weldedHere(s);
   for (Eigen::Index k = 0; k < welds.phi.size(); ++k) BOOST_TEST(welds.phi(k).isZero());
-  const auto welded = closedForwardDynamics(s.model, s.state.x, s.state.qd, s.state.tau, welds, s.ws);
+  const auto welded =
+      closedForwardDynamics(s.model, s.state.x, s.state.qd, s.state.tau, welds, s.ws);
 
   Workspace<F> ws(s.from_foot.model);
   ConstraintWorkspace<F> none(s.from_foot.model, 0);
@@ -123,16 +130,19 @@ BOOST_DATA_TEST_CASE(standing_on_a_foot_is_having_that_foot_as_base, data::make(
   std::vector<F> qdd(s.model.dof(), F(0)), tau = s.state.tau;
   // joint forces work on the same joints; the root's six are the floating foot's of either tree
   for (int k = 0; k < 6; ++k) s.state.tau[k] = F(0);
-  const auto free_root = closedForwardDynamics(s.model, s.state.x, s.state.qd, s.state.tau, welds, s.ws);
+  const auto free_root =
+      closedForwardDynamics(s.model, s.state.x, s.state.qd, s.state.tau, welds, s.ws);
   hybridDynamics(s.from_foot.model, s.at_foot.x, s.at_foot.qd, driven, {}, ws, none, qdd, tau);
-  for (int i = 6; i < s.model.dof(); ++i) BOOST_TEST((free_root.qdd[i] == qdd[i]), "joint " << i - 6);
+  for (int i = 6; i < s.model.dof(); ++i)
+    BOOST_TEST((free_root.qdd[i] == qdd[i]), "joint " << i - 6);
   const Force<F> ground = wrench(welds.closures[0], free_root.lambda);
   for (int k = 0; k < 3; ++k) {
     BOOST_TEST((ground.force(k) == tau[k]), "force " << k);
     BOOST_TEST((ground.moment(k) == tau[3 + k]), "moment " << k);
   }
   BOOST_TEST(!ground.force(2).isZero());
-  // what pushes the root without a support does not leave a welded root's joints alone, unless it is the foot
+  // what pushes the root without a support does not leave a welded root's joints alone, unless it
+  // is the foot
   if (s.foot != 0) BOOST_TEST((welded.qdd[7] != free_root.qdd[7]));
 }
 
@@ -141,7 +151,8 @@ BOOST_AUTO_TEST_CASE(on_both_feet_it_does_not_matter_which_is_the_root) {
   Standing right("humanoid_both_feet", "right_foot");
   const Constraints<F> welds = weldedHere(right);
   for (int k = 0; k < 6; ++k) right.state.tau[k] = F(0);
-  const auto from_right = closedForwardDynamics(right.model, right.state.x, right.state.qd, right.state.tau, welds, right.ws);
+  const auto from_right = closedForwardDynamics(right.model, right.state.x, right.state.qd,
+                                                right.state.tau, welds, right.ws);
   for (const char determined : from_right.determined) BOOST_TEST(determined == 1);
 
   // the same closures on the tree that starts from the left foot
@@ -162,7 +173,8 @@ BOOST_AUTO_TEST_CASE(on_both_feet_it_does_not_matter_which_is_the_root) {
   const auto from_left = closedForwardDynamics(tree.model, state.x, state.qd, state.tau, there, ws);
   for (int i = 6; i < right.model.dof(); ++i)
     BOOST_TEST((from_right.qdd[i] == from_left.qdd[i]), "joint " << i - 6);
-  for (Eigen::Index k = 0; k < 12; ++k) BOOST_TEST((from_right.lambda(k) == from_left.lambda(k)), "lambda " << k);
+  for (Eigen::Index k = 0; k < 12; ++k)
+    BOOST_TEST((from_right.lambda(k) == from_left.lambda(k)), "lambda " << k);
 }
 
 namespace {
@@ -176,12 +188,14 @@ std::vector<double> values(const scene::Scene& scene, const std::vector<scene::N
 
 }  // namespace
 
-// Given the joint forces, two feet have rank twelve, with straight legs too: the pelvis may still roll. With the pelvis
-// held as well, each straight leg loses one: how much it is pressed between hip and ground is not determined.
+// Given the joint forces, two feet have rank twelve, with straight legs too: the pelvis may still
+// roll. With the pelvis held as well, each straight leg loses one: how much it is pressed between
+// hip and ground is not determined.
 BOOST_AUTO_TEST_CASE(redundant_supports_are_told_by_rank) {
   scene::Scene scene = scene::findScene("humanoid_both_feet");
   const scene::Scene legs = scene::findScene("humanoid_right_foot");
-  const std::vector<double> qd(37, 0.0), bent = values(scene, scene.start_q), straight = values(legs, legs.start_q);
+  const std::vector<double> qd(37, 0.0), bent = values(scene, scene.start_q),
+                                         straight = values(legs, legs.start_q);
   for (const auto* q : {&bent, &straight}) {
     const ConstrainedState state = constrainedAccelerations(scene, *q, qd);
     BOOST_TEST(state.rank == 12);
@@ -210,8 +224,8 @@ BOOST_AUTO_TEST_CASE(redundant_supports_are_told_by_rank) {
   for (int i = 0; i < 18; ++i) BOOST_TEST(std::abs(hard.qdd[i]) < 1e-6);
 }
 
-// Given the motion instead: 31 motors and twelve forces of the ground are 43 unknowns of 37 equations.
-// [S' J'] has rank 37, and six numbers of force between the feet remain free.
+// Given the motion instead: 31 motors and twelve forces of the ground are 43 unknowns of 37
+// equations. [S' J'] has rank 37, and six numbers of force between the feet remain free.
 BOOST_AUTO_TEST_CASE(given_the_motion_six_forces_between_the_feet_are_free) {
   const scene::Scene scene = scene::findScene("humanoid_both_feet");
   const scene::RealNumbers<double> number(scene.mechanism);
@@ -228,7 +242,9 @@ BOOST_AUTO_TEST_CASE(given_the_motion_six_forces_between_the_feet_are_free) {
 }
 
 // Bent knees, soft legs: it sinks, the feet stay, and the energy is kept.
-BOOST_DATA_TEST_CASE(the_feet_stay_where_they_are, data::make({"humanoid_right_foot", "humanoid_left_foot", "humanoid_both_feet"}),
+BOOST_DATA_TEST_CASE(the_feet_stay_where_they_are,
+                     data::make({"humanoid_right_foot", "humanoid_left_foot",
+                                 "humanoid_both_feet"}),
                      name) {
   SimulateOptions options;
   options.duration = 0.2;

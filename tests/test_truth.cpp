@@ -9,8 +9,8 @@
 
 #include <boost/multiprecision/cpp_dec_float.hpp>
 
-#include "crosscheck/states.hpp"
 #include "crosscheck/digits/truth.hpp"
+#include "crosscheck/states.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
 

@@ -27,7 +27,7 @@ namespace {
 
 using F = PrimeField;
 
-const std::vector<std::string> kScenes = {"double_pendulum", "puma_560", "prismatic_revolute_mix",
+const std::vector<std::string> kScenes = {"double_pendulum", "puma_560",  "prismatic_revolute_mix",
                                           "cardan_pendulum", "heavy_top", "cylindrical_arm"};
 const std::vector<std::string> kRoughScenes = {"double_pendulum", "puma_560", "franka_panda"};
 
@@ -39,10 +39,12 @@ std::vector<F> forces(const scene::Mechanism& mechanism, const FieldNumbers& num
   const int error = static_cast<int>(column) % kErrorsOfJoint;
   recursive::Vector3<F> p(F(0), F(0), F(0));
   scene::CosSin<F> turns[3] = {{F(1), F(0)}, {F(1), F(0)}, {F(1), F(0)}};
-  if (error < 3) p(error) = shift;
-  else turns[error - 3] = turn;
-  displace<F>(model.links[placedJoints(mechanism, model)[column / kErrorsOfJoint]], p, turns[0], turns[1],
-              turns[2]);
+  if (error < 3)
+    p(error) = shift;
+  else
+    turns[error - 3] = turn;
+  displace<F>(model.links[placedJoints(mechanism, model)[column / kErrorsOfJoint]], p, turns[0],
+              turns[1], turns[2]);
   recursive::Workspace<F> ws(model);
   std::vector<F> tau(model.dof(), F(0));
   recursive::inverseDynamics(model, state.x, state.qd, state.qdd, ws, tau);
@@ -51,7 +53,8 @@ std::vector<F> forces(const scene::Mechanism& mechanism, const FieldNumbers& num
 
 }  // namespace
 
-/* tau is of second degree in one shift s of one joint, and in the cosine and sine of one turn. So, exactly,
+/* tau is of second degree in one shift s of one joint, and in the cosine and sine of one turn. So,
+   exactly,
 
        shift: (tau(s) - tau(-s)) / (2 s) = tau'
        turn:  tau(a) - tau(-a) = 2 b_1 sin a + 2 b_2 sin 2a,   tau' = b_1 + 2 b_2
@@ -66,7 +69,8 @@ BOOST_DATA_TEST_CASE(derivatives_by_placement_are_differences, data::make(kScene
   const auto J = placementJacobian(mechanism, number, state);
   BOOST_TEST(J.cols() > 0);
   const F step = source.element("step");
-  const scene::CosSin<F> a = source.circlePoint("first turn"), b = source.circlePoint("second turn");
+  const scene::CosSin<F> a = source.circlePoint("first turn"),
+                         b = source.circlePoint("second turn");
   int not_zero = 0;
   for (Eigen::Index k = 0; k < J.cols(); ++k) {
     const bool shifts = k % kErrorsOfJoint < 3;
@@ -100,7 +104,8 @@ BOOST_AUTO_TEST_CASE(a_misplaced_joint_is_one_that_the_scene_misplaces) {
   const FieldSource source(name, 3, 0);
   const FieldNumbers number(mechanism, source);
   const auto state = indeterminateState(mechanism, source);
-  const Number roll = Number::parse("0.1"), pitch = Number::parse("0.2"), yaw = Number::parse("-0.3");
+  const Number roll = Number::parse("0.1"), pitch = Number::parse("0.2"),
+               yaw = Number::parse("-0.3");
 
   auto model = recursive::buildModel(mechanism, number, recursive::FixedJoints::kKept);
   const int last = placedJoints(mechanism, model).back();
@@ -109,7 +114,8 @@ BOOST_AUTO_TEST_CASE(a_misplaced_joint_is_one_that_the_scene_misplaces) {
   scene::Placement& placement = mechanism.links.back().joint.placement;
   BOOST_REQUIRE((placement.convention == scene::Placement::Convention::kXyzRpy));
   const int shift[] = {2, -3, 5};
-  const std::string before[] = {placement.xyz[0].text(), placement.xyz[1].text(), placement.xyz[2].text()};
+  const std::string before[] = {placement.xyz[0].text(), placement.xyz[1].text(),
+                                placement.xyz[2].text()};
   for (int k = 0; k < 3; ++k)
     placement.xyz[k] = Number::parse("(" + before[k] + ") + (" + std::to_string(shift[k]) + ")");
   placement.rpy = {roll, pitch, yaw};
@@ -124,7 +130,8 @@ BOOST_AUTO_TEST_CASE(a_misplaced_joint_is_one_that_the_scene_misplaces) {
 
 // Y Sigma Y' is the covariance of draws of pi, each through the whole sweep, within what chi-square
 // quantiles leave; and it is not when a link's share is left out.
-BOOST_DATA_TEST_CASE(draws_of_inertia_have_the_computed_covariance, data::make(kRoughScenes), name) {
+BOOST_DATA_TEST_CASE(draws_of_inertia_have_the_computed_covariance, data::make(kRoughScenes),
+                     name) {
   const scene::Scene scene = scene::findScene(name);
   const auto parameters = scene::inertialParameters(scene.mechanism);
   const scene::State<double> state = drawState(scene.mechanism, name, 5, 0);
@@ -142,7 +149,8 @@ BOOST_DATA_TEST_CASE(draws_of_inertia_have_the_computed_covariance, data::make(k
 }
 
 // First order holds for small errors and breaks down for large ones, on the same draws.
-BOOST_DATA_TEST_CASE(first_order_breaks_down_where_errors_are_large, data::make(kRoughScenes), name) {
+BOOST_DATA_TEST_CASE(first_order_breaks_down_where_errors_are_large, data::make(kRoughScenes),
+                     name) {
   ParametersOptions options;
   options.uncertainty = "xyz=0.001,rpy=0.005";
   options.samples = 4000;
@@ -155,8 +163,8 @@ BOOST_DATA_TEST_CASE(first_order_breaks_down_where_errors_are_large, data::make(
   BOOST_TEST(result.agrees());
 }
 
-// Quantiles by another source: chi-square with 9 degrees of freedom, 2.5 % and 97.5 %: 2.700 and 19.023
-// (NIST/SEMATECH e-Handbook of Statistical Methods, table 1.3.6.7.4).
+// Quantiles by another source: chi-square with 9 degrees of freedom, 2.5 % and 97.5 %: 2.700 and
+// 19.023 (NIST/SEMATECH e-Handbook of Statistical Methods, table 1.3.6.7.4).
 BOOST_AUTO_TEST_CASE(quantiles_are_those_of_the_tables) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const CovarianceCheck check = compareCovariance(one, one, 10, 0.05);

@@ -79,9 +79,14 @@ BOOST_AUTO_TEST_CASE(a_crosscheck_of_a_large_scene_says_what_it_leaves_out) {
 }
 
 BOOST_AUTO_TEST_CASE(only_what_is_asked_is_derived) {
-  const auto nodes = [](int n) { return symbolic::deriveForces(scene::chainOf(n).mechanism).graph.size(); };
-  const auto nodes_with_M = [](int n) { return symbolic::derive(scene::chainOf(n).mechanism).graph.size(); };
-  // M takes four times as many of twice the joints; c and g measured 3.54 times (49963 and 176761 nodes)
+  const auto nodes = [](int n) {
+    return symbolic::deriveForces(scene::chainOf(n).mechanism).graph.size();
+  };
+  const auto nodes_with_M = [](int n) {
+    return symbolic::derive(scene::chainOf(n).mechanism).graph.size();
+  };
+  // M takes four times as many of twice the joints; c and g measured 3.54 times (49963 and 176761
+  // nodes)
   BOOST_TEST(nodes(80) < 3.6 * nodes(40));
   BOOST_TEST(nodes_with_M(80) - nodes(80) > 3.5 * (nodes_with_M(40) - nodes(40)));
 
@@ -98,7 +103,8 @@ BOOST_AUTO_TEST_CASE(only_what_is_asked_is_derived) {
 BOOST_AUTO_TEST_CASE(a_mass_matrix_that_fills_memory_is_refused_before_it_is_derived) {
   BOOST_CHECK_EXCEPTION(symbolic::derive(scene::chainOf(1000).mechanism), scene::InputError,
                         [](const scene::InputError& error) {
-                          return std::string(error.what()).find("500500 entries") != std::string::npos;
+                          return std::string(error.what()).find("500500 entries") !=
+                                 std::string::npos;
                         });
   // a tree of as many has few pairs of joints that share a body
   crosscheck::DerivedPrograms tree(scene::treeOf(300).mechanism, true);
@@ -106,7 +112,8 @@ BOOST_AUTO_TEST_CASE(a_mass_matrix_that_fills_memory_is_refused_before_it_is_der
 }
 
 BOOST_AUTO_TEST_CASE(fixed_links_cost_no_derivation) {
-  // a hinge and 300 links in a row fixed to it: the same number of nodes as with none, but for their numbers
+  // a hinge and 300 links in a row fixed to it: the same number of nodes as with none, but for
+  // their numbers
   const auto rowOf = [](int fixed) {
     scene::Scene scene = scene::chainOf(1);
     for (int k = 0; k < fixed; ++k) {

@@ -50,7 +50,9 @@ Eigen::MatrixXd AdjointTape::bounds(
     for (int k = 0; k < here; ++k) {
       const double running = results.data()[first + k].running().bound();
       const double weighed = sum[k] * (1 + roundings) + roundings * running;
-      out.data()[first + k] = running == 0 ? 0 : std::isnan(weighed) ? running : std::min(running, weighed);
+      out.data()[first + k] = running == 0          ? 0
+                              : std::isnan(weighed) ? running
+                                                    : std::min(running, weighed);
     }
   }
   return out;

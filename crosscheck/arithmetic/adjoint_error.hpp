@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A double that remembers how it came about, so that each rounding is weighed by what it does to the result.
+// A double that remembers how it came about, so that each rounding is weighed by what it does to
+// the result.
 #pragma once
 
 #include <cmath>
@@ -16,22 +17,22 @@ namespace dynwitness::crosscheck {
 
 class AdjointError;
 
-/** What a computation on AdjointError did, one node an inexact number: from which two it was made, how it
-    changes with them, and what its own operation may have lost.
+/** What a computation on AdjointError did, one node an inexact number: from which two it was made,
+    how it changes with them, and what its own operation may have lost.
 
-    Errors obey a linear recurrence, exactly. With hats on what is computed, D = hat - exact, and e the
-    rounding of the operation itself:
+    Errors obey a linear recurrence, exactly. With hats on what is computed, D = hat - exact, and e
+    the rounding of the operation itself:
         sum         D  =  D_a + D_b + e
         product     D  =  b^ D_a + a^ D_b + (e - D_a D_b)
         quotient    D  =  D_a / b^ - q^ D_b / b^ + (e + (D_a - q^ D_b) D_b / (b^ b))
         root        D  =  D_a / (2 r^) + (e - (r^ - r)^2 / (2 r^))
-    so that the error of a result is  sum over nodes of  (d result / d node) (what stands in brackets), the
-    derivatives being those of the computed numbers. Products of two errors are bounded by the running
-    error bounds of the operands, which come along.
+    so that the error of a result is  sum over nodes of  (d result / d node) (what stands in
+    brackets), the derivatives being those of the computed numbers. Products of two errors are
+    bounded by the running error bounds of the operands, which come along.
 
-    A running error bound gives the sum over all paths of the products of magnitudes; here the products are
-    added first. Turning a vector by R grows the former by up to sqrt(3), a chain of 64 joints so by
-    1e10, and keeps the length of the latter. */
+    A running error bound gives the sum over all paths of the products of magnitudes; here the
+    products are added first. Turning a vector by R grows the former by up to sqrt(3), a chain of 64
+    joints so by 1e10, and keeps the length of the latter. */
 class AdjointTape {
  public:
   /// What is computed on AdjointError by this thread is written here, until the end of its scope.
@@ -51,16 +52,19 @@ class AdjointTape {
   /// Forgets what came after this size; numbers made since must not be used any more.
   void rewind(std::size_t size) { nodes_.resize(size); }
 
-  /** For each of these numbers, how far it may be from the exact result. The derivatives are computed in
-      double, each with at most as many roundings as there are nodes, 2 u of the sum over paths of
-      magnitudes, which is the running error bound: so much is added. */
-  Eigen::MatrixXd bounds(const Eigen::Matrix<AdjointError, Eigen::Dynamic, Eigen::Dynamic>& results) const;
+  /** For each of these numbers, how far it may be from the exact result. The derivatives are
+      computed in double, each with at most as many roundings as there are nodes, 2 u of the sum
+      over paths of magnitudes, which is the running error bound: so much is added. */
+  Eigen::MatrixXd bounds(
+      const Eigen::Matrix<AdjointError, Eigen::Dynamic, Eigen::Dynamic>& results) const;
 
-  /** The same of sums  weights * results  (one row a sum), to first order: products of two errors are left
-      out, so that nothing is asked of the running error bounds. With M as weights of an answer qdd
-      these are the bounds of its residual: what is divided by on the way is multiplied by again. */
-  Eigen::VectorXd firstOrder(const Eigen::MatrixXd& weights,
-                             const Eigen::Matrix<AdjointError, Eigen::Dynamic, Eigen::Dynamic>& results) const;
+  /** The same of sums  weights * results  (one row a sum), to first order: products of two errors
+      are left out, so that nothing is asked of the running error bounds. With M as weights of an
+      answer qdd these are the bounds of its residual: what is divided by on the way is multiplied
+      by again. */
+  Eigen::VectorXd firstOrder(
+      const Eigen::MatrixXd& weights,
+      const Eigen::Matrix<AdjointError, Eigen::Dynamic, Eigen::Dynamic>& results) const;
 
   /// a, b: nodes, or -1; own: the part of lost that is the operation's own rounding
   int add(int a, double by_a, int b, double by_b, double lost, double own) {
@@ -75,8 +79,8 @@ class AdjointTape {
     double lost;        ///< bound of what stands in brackets
     double own;         ///< bound of e
   };
-  /// Carries the derivatives of up to kTogether results back to all nodes up to `last`, and adds up what they
-  /// make of each node's error.
+  /// Carries the derivatives of up to kTogether results back to all nodes up to `last`, and adds up
+  /// what they make of each node's error.
   template <typename Block>
   void carryBack(std::vector<Block>& derivative, int last, double Node::*error, Block& sum) const;
 
@@ -113,9 +117,10 @@ class AdjointError {
   friend AdjointError operator/(const AdjointError& a, const AdjointError& b) {
     const RunningError q = a.x_ / b.x_;
     const double room = std::abs(b.value()) - b.x_.bound();
-    const double second = b.x_.bound() == 0 ? 0
-                          : up((a.x_.bound() + std::abs(q.value()) * b.x_.bound()) * b.x_.bound() /
-                               (std::abs(b.value()) * room));
+    const double second = b.x_.bound() == 0
+                              ? 0
+                              : up((a.x_.bound() + std::abs(q.value()) * b.x_.bound()) *
+                                   b.x_.bound() / (std::abs(b.value()) * room));
     return made(q, a, 1 / b.value(), b, -q.value() / b.value(), a.exactly() / b.exactly(),
                 room > 0 ? second : kInfinite);
   }
@@ -146,19 +151,25 @@ class AdjointError {
 
   RunningError exactly() const { return x_.value(); }
   /// A product of bounds, in double, from above.
-  static double up(double x) { return x == 0 ? 0 : x * RunningError::kInflate + RunningError::kTiny; }
+  static double up(double x) {
+    return x == 0 ? 0 : x * RunningError::kInflate + RunningError::kTiny;
+  }
 
   /// alone: the operation on exact operands; second: bound of the products of errors
-  static AdjointError made(const RunningError& x, const AdjointError& a, double by_a, const AdjointError& b,
-                           double by_b, const RunningError& alone, double second = 0) {
+  static AdjointError made(const RunningError& x, const AdjointError& a, double by_a,
+                           const AdjointError& b, double by_b, const RunningError& alone,
+                           double second = 0) {
     AdjointError out;
     out.x_ = x;
     if (x.bound() == 0) return out;
     const double own = alone.bound(), lost = own + second;
     // where nothing was lost and one operand passes unchanged, it is that operand
-    if (lost == 0 && b.node_ < 0 && by_a == 1) out.node_ = a.node_;
-    else if (lost == 0 && a.node_ < 0 && by_b == 1) out.node_ = b.node_;
-    else out.node_ = AdjointTape::current().add(a.node_, by_a, b.node_, by_b, lost, own);
+    if (lost == 0 && b.node_ < 0 && by_a == 1)
+      out.node_ = a.node_;
+    else if (lost == 0 && a.node_ < 0 && by_b == 1)
+      out.node_ = b.node_;
+    else
+      out.node_ = AdjointTape::current().add(a.node_, by_a, b.node_, by_b, lost, own);
     return out;
   }
 
@@ -172,7 +183,9 @@ class AdjointErrorNumbers {
   using Scalar = AdjointError;
   explicit AdjointErrorNumbers(const scene::Mechanism& mechanism) : inner_(mechanism) {}
 
-  AdjointError operator()(const scene::Number& number) const { return AdjointError(inner_(number)); }
+  AdjointError operator()(const scene::Number& number) const {
+    return AdjointError(inner_(number));
+  }
   scene::CosSin<AdjointError> angle(const scene::Number& radians) const {
     return lifted(inner_.angle(radians));
   }

@@ -99,8 +99,8 @@ class Ball {
   friend scene::CosSin<Ball> cosSin(const Ball& angle);
 
   bool isFinite() const { return arb_is_finite(x_); }
-  bool isExact() const { return arb_is_exact(x_); }  ///< radius 0
-  bool isZero() const { return arb_is_zero(x_); }    ///< exactly 0
+  bool isExact() const { return arb_is_exact(x_); }        ///< radius 0
+  bool isZero() const { return arb_is_zero(x_); }          ///< exactly 0
   bool isPositive() const { return arb_is_positive(x_); }  ///< every number in it
   bool containsZero() const { return arb_contains_zero(x_); }
   bool contains(const scene::Rational& value) const;
@@ -143,8 +143,8 @@ class BallNumbers {
 
 /// A state of doubles as exact input, with cos q and sin q enclosed at the precision of the moment.
 scene::State<Ball> ballState(const scene::State<double>& state);
-/// The same of a mechanism where joints may follow others: those are where the leaders' doubles put them, and
-/// not at the doubles beside that.
+/// The same of a mechanism where joints may follow others: those are where the leaders' doubles put
+/// them, and not at the doubles beside that.
 scene::State<Ball> ballState(const scene::State<double>& state, const scene::Mechanism& mechanism);
 
 }  // namespace dynwitness::crosscheck

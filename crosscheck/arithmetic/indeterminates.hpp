@@ -24,8 +24,8 @@ namespace detail {
 /// A fixed angle as  sign (quarters pi/2 + rest):  equal up to quarter turns and sign, same rest.
 struct ReducedAngle {
   bool negative;
-  int quarters;      ///< 0 ... 3
-  bool mirrored;     ///< the point of `rest` enters as that of -rest
+  int quarters;       ///< 0 ... 3
+  bool mirrored;      ///< the point of `rest` enters as that of -rest
   scene::Exact rest;  ///< zero: a quarter turn
 };
 
@@ -45,7 +45,7 @@ bool rationalRoot(const scene::Rational& square, scene::Rational* root);
     them than c^2 + s^2 = 1 cannot tell the difference, and what holds for the indeterminates holds
     for the scene's numbers.
 
-    @tparam Source  supplies constant(rational), element(name) and circlePoint(name) as its Scalar */
+    @tparam Source  supplies constant(rational), element(name), circlePoint(name) as its Scalar */
 template <typename Source>
 class IndeterminateNumbers {
  public:
@@ -91,8 +91,7 @@ class IndeterminateNumbers {
     if (is_zero[1] && !is_zero[0]) turn.alpha = {sign(0), Scalar(0)};
     if (is_zero[0] && is_zero[1]) turn.beta = {sign(2), Scalar(0)};
     if (!rational) {
-      const std::string text =
-          axis[0].text() + ", " + axis[1].text() + ", " + axis[2].text();
+      const std::string text = axis[0].text() + ", " + axis[1].text() + ", " + axis[2].text();
       if (!alpha_known) turn.alpha = source_.circlePoint("alpha of " + text);
       if (!beta_known) turn.beta = source_.circlePoint("beta of " + text);
       return turn;
@@ -158,12 +157,13 @@ class IndeterminateNumbers {
   mutable std::map<std::string, Point> points_;  ///< angles that were asked for, by their text
 };
 
-/** A state of indeterminates: joint positions as points of the circle beside an element for q (which is
-    all that a component of a quaternion has), and elements for velocities, accelerations and forces.
+/** A state of indeterminates: joint positions as points of the circle beside an element for q
+    (which is all that a component of a quaternion has), and elements for velocities, accelerations
+    and forces.
 
-    The q of a joint that follows another is  multiplier q_leader + offset;  its point is one of its own. No
-    formula knows the offset but through that point (and q), and whatever the point, some offset leads to it:
-    what holds for every point holds for every offset. */
+    The q of a joint that follows another is  multiplier q_leader + offset;  its point is one of its
+    own. No formula knows the offset but through that point (and q), and whatever the point, some
+    offset leads to it: what holds for every point holds for every offset. */
 template <typename Source>
 scene::State<typename Source::Scalar> indeterminateState(
     const scene::Mechanism& mechanism, const Source& source,

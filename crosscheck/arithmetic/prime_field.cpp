@@ -17,7 +17,8 @@ PrimeField fromInteger(const scene::Integer& n) {
   if (n >= std::numeric_limits<int>::min() && n <= std::numeric_limits<int>::max())
     return static_cast<int>(n);
   const scene::Integer magnitude = abs(n);
-  const auto residue = static_cast<std::uint64_t>(scene::Integer(magnitude % PrimeField::modulus()));
+  const auto residue =
+      static_cast<std::uint64_t>(scene::Integer(magnitude % PrimeField::modulus()));
   const PrimeField element = PrimeField::fromResidue(residue);
   return n < 0 ? -element : element;
 }
@@ -35,7 +36,8 @@ PrimeField::Modulus::Modulus(std::uint64_t prime) : outer_(modulus_) {
   if (prime <= (std::uint64_t(1) << 61) || prime >> 63 != 0 || prime % 4 != 3 ||
       n_is_prime(prime) == 0)
     throw std::invalid_argument(fmt::format(
-        "PrimeField::Modulus: prime: expected a prime p = 3 mod 4, 2^61 < p < 2^63, got {}", prime));
+        "PrimeField::Modulus: prime: expected a prime p = 3 mod 4, 2^61 < p < 2^63, got {}",
+        prime));
   nmod_init(&modulus_, prime);
 }
 

@@ -24,8 +24,8 @@ class DivisionByZero : public std::domain_error {
 /** An element of the field of integers modulo a prime p below 2^63, through FLINT's nmod.
 
     The prime is that of the innermost Modulus of the thread; elements made under one prime mean
-    nothing under another. + - * and comparison are exact, so is division by anything but zero. There
-    is no order and no size: a residual is zero or it is not. */
+    nothing under another. + - * and comparison are exact, so is division by anything but zero.
+    There is no order and no size: a residual is zero or it is not. */
 class PrimeField {
  public:
   /// The field that this thread computes in, for as long as the object lives.
@@ -44,8 +44,9 @@ class PrimeField {
 
   PrimeField() = default;
   PrimeField(int value)  // NOLINT(google-explicit-constructor): integers are field elements
-      : residue_(value >= 0 ? static_cast<mp_limb_t>(value)
-                            : modulus_.n - static_cast<mp_limb_t>(-static_cast<std::int64_t>(value))) {}
+      : residue_(value >= 0
+                     ? static_cast<mp_limb_t>(value)
+                     : modulus_.n - static_cast<mp_limb_t>(-static_cast<std::int64_t>(value))) {}
   /// The class of an integer 0 <= residue < p.
   static PrimeField fromResidue(std::uint64_t residue) { return PrimeField(residue, Raw{}); }
   /// numerator / denominator. @throws DivisionByZero when p divides the denominator.
@@ -92,7 +93,9 @@ class FieldSource {
   FieldSource(std::string name, std::uint64_t seed, std::uint64_t index)
       : name_(std::move(name)), seed_(seed), index_(index) {}
 
-  PrimeField constant(const scene::Rational& value) const { return PrimeField::fromRational(value); }
+  PrimeField constant(const scene::Rational& value) const {
+    return PrimeField::fromRational(value);
+  }
   /// Any element of the field, all equally likely.
   PrimeField element(const std::string& what) const;
   /// ((1 - t^2)/(1 + t^2), 2 t/(1 + t^2)) with t any element: a point of c^2 + s^2 = 1. Since p = 3
@@ -110,8 +113,8 @@ using FieldNumbers = IndeterminateNumbers<FieldSource>;
     equally likely. */
 std::uint64_t drawPrime(const std::string& name, std::uint64_t seed, std::uint64_t index);
 
-/// At least this many primes are drawn from. By the prime number theorem for arithmetic progressions
-/// there are close to (li(2^63) - li(2^62)) / 2 = 5.3e16.
+/// At least this many primes are drawn from. By the prime number theorem for arithmetic
+/// progressions there are close to (li(2^63) - li(2^62)) / 2 = 5.3e16.
 inline constexpr double kPrimesDrawnFrom = 5e16;
 inline constexpr double kSmallestPrime = 0x1p62;
 

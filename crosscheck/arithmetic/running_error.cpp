@@ -37,10 +37,10 @@ scene::AxisTurn<RunningError> RunningErrorNumbers::axisTurn(const scene::Vector&
   const bool along_z = x.value() == 0 && y.value() == 0;
   const bool in_one_plane = (x.value() == 0) || (y.value() == 0);
   // square roots of squares, taken without rounding where the axis is a coordinate axis
-  const RunningError rho = along_z ? RunningError(0)
-                           : in_one_plane ? abs(x + y) : sqrt(x * x + y * y);
-  const RunningError length = along_z ? abs(z)
-                              : z.value() == 0 ? rho : sqrt(x * x + y * y + z * z);
+  const RunningError rho = along_z        ? RunningError(0)
+                           : in_one_plane ? abs(x + y)
+                                          : sqrt(x * x + y * y);
+  const RunningError length = along_z ? abs(z) : z.value() == 0 ? rho : sqrt(x * x + y * y + z * z);
   const scene::CosSin<RunningError> alpha =
       along_z ? scene::CosSin<RunningError>{1, 0} : scene::CosSin<RunningError>{x / rho, y / rho};
   return {alpha, {z / length, rho / length}};

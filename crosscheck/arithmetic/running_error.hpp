@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A double that carries a bound on its own rounding error: where the limits of the checks come from.
+// A double that carries a bound on its own rounding error: where the limits of the checks come
+// from.
 #pragma once
 
 #include <cmath>
@@ -17,9 +18,9 @@ namespace dynwitness::crosscheck {
 /** value is computed exactly as in double arithmetic; bound is a proven upper limit of
     |value - x|, where x is the same expression in real numbers on exact input.
 
-    One rounding of a result r is at most u |r|, u = 2^-53 (or half the smallest subnormal). Errors of
-    operands are carried first order and second order: a b has |a| eb + |b| ea + ea eb. The bound is
-    itself computed in double, so each operation inflates it by (1 + 8 u), more than its own few
+    One rounding of a result r is at most u |r|, u = 2^-53 (or half the smallest subnormal). Errors
+    of operands are carried first order and second order: a b has |a| eb + |b| ea + ea eb. The bound
+    is itself computed in double, so each operation inflates it by (1 + 8 u), more than its own few
     roundings can lose.
 
     A sweep on this type therefore returns the numbers of the double sweep and their limits.
@@ -46,7 +47,8 @@ class RunningError {
   }
   friend RunningError operator*(const RunningError& a, const RunningError& b) {
     const double value = a.value_ * b.value_;
-    return rounded(value, std::abs(a.value_) * b.bound_ + (std::abs(b.value_) + b.bound_) * a.bound_,
+    return rounded(value,
+                   std::abs(a.value_) * b.bound_ + (std::abs(b.value_) + b.bound_) * a.bound_,
                    a.isZero() || b.isZero() ||
                        ((isPowerOfTwo(a.value_) || isPowerOfTwo(b.value_)) && std::isnormal(value)),
                    a, b);
@@ -72,12 +74,24 @@ class RunningError {
   }
 
   // order of the values: for Eigen's pivot searches, never inside a sweep
-  friend bool operator==(const RunningError& a, const RunningError& b) { return a.value_ == b.value_; }
-  friend bool operator!=(const RunningError& a, const RunningError& b) { return a.value_ != b.value_; }
-  friend bool operator<(const RunningError& a, const RunningError& b) { return a.value_ < b.value_; }
-  friend bool operator>(const RunningError& a, const RunningError& b) { return a.value_ > b.value_; }
-  friend bool operator<=(const RunningError& a, const RunningError& b) { return a.value_ <= b.value_; }
-  friend bool operator>=(const RunningError& a, const RunningError& b) { return a.value_ >= b.value_; }
+  friend bool operator==(const RunningError& a, const RunningError& b) {
+    return a.value_ == b.value_;
+  }
+  friend bool operator!=(const RunningError& a, const RunningError& b) {
+    return a.value_ != b.value_;
+  }
+  friend bool operator<(const RunningError& a, const RunningError& b) {
+    return a.value_ < b.value_;
+  }
+  friend bool operator>(const RunningError& a, const RunningError& b) {
+    return a.value_ > b.value_;
+  }
+  friend bool operator<=(const RunningError& a, const RunningError& b) {
+    return a.value_ <= b.value_;
+  }
+  friend bool operator>=(const RunningError& a, const RunningError& b) {
+    return a.value_ >= b.value_;
+  }
 
  private:
   bool isZero() const { return value_ == 0 && bound_ == 0; }
@@ -88,8 +102,8 @@ class RunningError {
     const double own = exact_operation ? 0.0 : kUnitRoundoff * std::abs(value);
     return {value, (carried + own) * kInflate + 3 * kTiny};
   }
-  /// Of normal numbers: no digit after the leading one. (Products and quotients that leave the normal range
-  /// are sorted out by their callers.)
+  /// Of normal numbers: no digit after the leading one. (Products and quotients that leave the
+  /// normal range are sorted out by their callers.)
   static bool isPowerOfTwo(double x) {
     std::uint64_t bits;
     std::memcpy(&bits, &x, sizeof bits);

@@ -21,7 +21,9 @@ Traced::Traced(int value) {
 
 namespace {
 
-Traced constant(const scene::Rational& r) { return Traced(Traced::graph().constant(r)); }
+Traced constant(const scene::Rational& r) {
+  return Traced(Traced::graph().constant(r));
+}
 
 Traced atom(Atom::Kind kind, const scene::Number& number, const scene::Vector& axis,
             const std::string& name) {
@@ -49,11 +51,10 @@ scene::CosSin<Traced> TracedNumbers::angle(const scene::Number& radians) const {
   if (scene::isQuarterTurn(exact, &quarter)) return scene::quarterTurns<Traced>(quarter);
   const bool negative = exact.approximation() < 0;
   // the name is the angle itself: one written in another way is the same atom
-  const scene::Exact size =
-      negative ? scene::Exact{-exact.rational, -exact.pi_multiple} : exact;
+  const scene::Exact size = negative ? scene::Exact{-exact.rational, -exact.pi_multiple} : exact;
   const std::string text = exactText(size);
-  const scene::Number number = scene::Number::parse(
-      "(" + size.rational.str() + ") + (" + size.pi_multiple.str() + ")*pi");
+  const scene::Number number =
+      scene::Number::parse("(" + size.rational.str() + ") + (" + size.pi_multiple.str() + ")*pi");
   const Traced c = atom(Atom::Kind::kCos, number, {}, "cos(" + text + ")");
   const Traced s = atom(Atom::Kind::kSin, number, {}, "sin(" + text + ")");
   return {c, negative ? -s : s};
@@ -75,7 +76,8 @@ scene::AxisTurn<Traced> TracedNumbers::axisTurn(const scene::Vector& axis) const
     return atom(kind, scene::Number(0), axis, what + " of axis (" + text + ")");
   };
   scene::Rational rho, length;
-  const bool rho_rational = rational && detail::rationalRoot(size[0] * size[0] + size[1] * size[1], &rho);
+  const bool rho_rational =
+      rational && detail::rationalRoot(size[0] * size[0] + size[1] * size[1], &rho);
   scene::AxisTurn<Traced> turn{{Traced(1), Traced(0)}, {Traced(0), Traced(1)}};
   if (rho_rational && rho == 0) {
     turn.beta = {Traced(size[2] < 0 ? -1 : 1), Traced(0)};

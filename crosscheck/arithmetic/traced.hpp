@@ -14,8 +14,8 @@
 
 namespace dynwitness::crosscheck {
 
-/** A value of a symbolic::Graph. Its operations ask the graph for nodes, which folds constants, drops
-    what is multiplied by 0 or 1 and shares what was asked for before.
+/** A value of a symbolic::Graph. Its operations ask the graph for nodes, which folds constants,
+    drops what is multiplied by 0 or 1 and shares what was asked for before.
 
     All values live in the innermost Recording of the thread. */
 class Traced {
@@ -32,8 +32,8 @@ class Traced {
     symbolic::Graph* outer_;
   };
 
-  Traced() = default;                           ///< zero
-  Traced(int value);                            // NOLINT(google-explicit-constructor)
+  Traced() = default;  ///< zero
+  Traced(int value);   // NOLINT(google-explicit-constructor)
   explicit Traced(symbolic::Node node) : node_(node) {}
   static symbolic::Graph& graph() { return *current_; }
 
@@ -62,8 +62,8 @@ class Traced {
   symbolic::Node node_;
 };
 
-/** Gives a scene's exact numbers to Traced (the "Numbers" concept of scene/numbers.hpp): rationals as
-    they are; pi, cosines and sines of fixed angles and the turns of slanted axes, where they are
+/** Gives a scene's exact numbers to Traced (the "Numbers" concept of scene/numbers.hpp): rationals
+    as they are; pi, cosines and sines of fixed angles and the turns of slanted axes, where they are
     irrational, as atoms, which an angle and its negative share. */
 class TracedNumbers {
  public:
@@ -79,7 +79,8 @@ class TracedNumbers {
   scene::ParameterValues values_;
 };
 
-/// The state's components as inputs of the graph. A quaternion's four slots have no cosine and sine.
+/// The state's components as inputs of the graph. A quaternion's four slots have no cosine and
+/// sine.
 scene::State<Traced> tracedState(const scene::Mechanism& mechanism);
 
 }  // namespace dynwitness::crosscheck

@@ -185,8 +185,7 @@ std::vector<Claim> form() {
                 for (int i = 0; i < 3; ++i)
                   for (int j = 0; j < 3; ++j)
                     for (int k = 0; k < 3; ++k)
-                      S(i, j) += (metric.gradient()[k](i, j) -
-                                  T(2) * metric.christoffel(i, j, k)) *
+                      S(i, j) += (metric.gradient()[k](i, j) - T(2) * metric.christoffel(i, j, k)) *
                                  robot.qd[k];
                 at.zero("S + S'", MatrixX<T>(S + S.transpose()));
               }))
@@ -456,9 +455,10 @@ std::vector<Claim> analytical() {
                      composite(Composite::kDearer, 20, kLongest))
           .corrected("chains of 2 to 8 joints are cheaper by composite bodies",
                      composite(Composite::kCheaper, 2, 8))
-          .why("A cubic with a small factor lies below a line with a large one while n is small. "
-               "Counted on our own sweeps, without the shortcuts that either method has for special "
-               "frames.")
+          .why(
+              "A cubic with a small factor lies below a line with a large one while n is small. "
+              "Counted on our own sweeps, without the shortcuts that either method has for special "
+              "frames.")
           .in("recursive/articulated_body.hpp"));
   return claims;
 }

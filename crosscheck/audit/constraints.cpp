@@ -65,9 +65,10 @@ std::vector<Claim> underConstrained() {
                        at.equal("b", T(n.dot(xdd)), T(-v.dot(v) / rho));
                        at.zero("tangential acceleration", Vector3<T>(xdd - n * n.dot(xdd)));
                      }))
-          .why("b may be negative, so it is no square. It is the acceleration that the "
-               "constraint's own curvature forces on the motion; the geodesic curvature is what the "
-               "motion bends within the constraint, and for a free motion that is zero.")
+          .why(
+              "b may be negative, so it is no square. It is the acceleration that the "
+              "constraint's own curvature forces on the motion; the geodesic curvature is what the "
+              "motion bends within the constraint, and for a free motion that is zero.")
           .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(
@@ -92,9 +93,10 @@ std::vector<Claim> underConstrained() {
                          VectorX<T>(robot.forces(swept.qdd) + robot.jacobian(2).transpose() * F_c));
                 at.equal("A' a", constrainedAcceleration(robot, held, swept.qdd), held.b);
               }))
-          .why("A is 6 x m in (53) and E nu has one column, so the printed equation fits only for "
-               "m = 1 and nu = 1. What is meant is a name for the force; an ideal constraint pushes "
-               "along the same directions in which it prescribes the acceleration.")
+          .why(
+              "A is 6 x m in (53) and E nu has one column, so the printed equation fits only for "
+              "m = 1 and nu = 1. What is meant is a name for the force; an ideal constraint pushes "
+              "along the same directions in which it prescribes the acceleration.")
           .in("recursive/constrained_dynamics.hpp"));
 
   claims.push_back(

@@ -178,7 +178,8 @@ void addForces(std::vector<Claim>* claims) {
                          Matrix6<T>::Identity());
               }))
           .why(
-              "Antisymmetry is not used. What is used is that a shift changes moments by forces and "
+              "Antisymmetry is not used. What is used is that a shift changes moments by forces "
+              "and "
               "forces by nothing. The step from `-hat(r_12)` to `hat(r_21)` is that hat is linear.")
           .in("recursive/spatial.hpp"));
 

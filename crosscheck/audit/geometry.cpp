@@ -114,7 +114,8 @@ std::vector<Claim> impedances() {
                      at.equal("C_f v", Vector6<T>(C_f * v), Vector6<T>(v * y.dot(v)));
                    }))
           .corrected(
-              "a similarity leaves eigenvalues and takes eigenvectors to `S v`; the congruence that "
+              "a similarity leaves eigenvalues and takes eigenvectors to `S v`; the congruence "
+              "that "
               "compliances obey leaves neither. What stays is the energy `1/2 w' C w`, and of two "
               "impedances the eigenvalues of `C M`",
               both(exact([](auto& at) {

@@ -312,10 +312,11 @@ std::vector<Claim> hamilton() {
                                                  at.number(-1, 1), at.number(-1, 1)});
                 at.positive("any", oscillator.excess(any));
               }))
-          .corrected("the action is stationary: `I(q + r) - I(q)` has no part of first order in r; "
-                     "over more than half a period a slow variation lowers it and a fast one raises "
-                     "it",
-                     both(stationary, saddle))
+          .corrected(
+              "the action is stationary: `I(q + r) - I(q)` has no part of first order in r; "
+              "over more than half a period a slow variation lowers it and a fast one raises "
+              "it",
+              both(stationary, saddle))
           .why("Beyond half a period (a conjugate point) the motion is a saddle of the action. A "
                "maximum it never is: fast wiggles cost kinetic energy without end. Lagrange's "
                "equations say stationary and nothing more, so with that word both are equivalent.")

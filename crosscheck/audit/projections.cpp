@@ -369,34 +369,35 @@ void addJointKinds(std::vector<Claim>* claims) {
   claims->push_back(
       Claim("spherical_joint", "7.1.1", "TODO: P M for a spherical joint")
           .open()
-          .printed("For a spherical joint, `Z = [0; 1]`, the general formula gives `P_2 M_2` "
-                   "explicitly: `[A - B C^-1 B', 0; 0, 0]` for `M_2 = [A, B; B', C]`; for one rigid "
-                   "link `m 1 + m^2 hat(r_c) I^-1 hat(r_c)` in the corner",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     MatrixX<T> Z = MatrixX<T>::Constant(6, 3, T(0));
-                     for (int i = 0; i < 3; ++i) Z(3 + i, i) = T(1);
-                     const auto body = anyBody(at);
-                     const Matrix3<T> h = skew<T>(body.firstMoment());
-                     const Matrix3<T> I = body.inertiaAbout(Vector3<T>::Zero());
-                     Matrix3<T> corner = Matrix3<T>::Identity() * body.mass();
-                     for (int k = 0; k < 3; ++k)
-                       corner.col(k) += h * Vector3<T>(solveDense<T>(I, VectorX<T>(h.col(k))));
-                     const Vector6<T> Xdd_1 = at.vector6();
-                     Vector6<T> passed = Vector6<T>::Zero();
-                     passed.template head<3>() = corner * Vector3<T>(Xdd_1.template head<3>());
-                     at.equal("one rigid link", transmittedThrough<T>(massMatrix6(body), Z, Xdd_1),
-                              passed);
-                     const Matrix6<T> M = at.template symmetric<6>();
-                     Matrix3<T> schur = M.template block<3, 3>(0, 0);
-                     for (int k = 0; k < 3; ++k)
-                       schur.col(k) -=
-                           M.template block<3, 3>(0, 3) *
-                           Vector3<T>(solveDense<T>(MatrixX<T>(M.template block<3, 3>(3, 3)),
-                                                    VectorX<T>(M.template block<3, 1>(3, k))));
-                     passed.template head<3>() = schur * Vector3<T>(Xdd_1.template head<3>());
-                     at.equal("any inertia", transmittedThrough<T>(M, Z, Xdd_1), passed);
-                   }))
+          .printed(
+              "For a spherical joint, `Z = [0; 1]`, the general formula gives `P_2 M_2` "
+              "explicitly: `[A - B C^-1 B', 0; 0, 0]` for `M_2 = [A, B; B', C]`; for one rigid "
+              "link `m 1 + m^2 hat(r_c) I^-1 hat(r_c)` in the corner",
+              exact([](auto& at) {
+                using T = ScalarOf<decltype(at)>;
+                MatrixX<T> Z = MatrixX<T>::Constant(6, 3, T(0));
+                for (int i = 0; i < 3; ++i) Z(3 + i, i) = T(1);
+                const auto body = anyBody(at);
+                const Matrix3<T> h = skew<T>(body.firstMoment());
+                const Matrix3<T> I = body.inertiaAbout(Vector3<T>::Zero());
+                Matrix3<T> corner = Matrix3<T>::Identity() * body.mass();
+                for (int k = 0; k < 3; ++k)
+                  corner.col(k) += h * Vector3<T>(solveDense<T>(I, VectorX<T>(h.col(k))));
+                const Vector6<T> Xdd_1 = at.vector6();
+                Vector6<T> passed = Vector6<T>::Zero();
+                passed.template head<3>() = corner * Vector3<T>(Xdd_1.template head<3>());
+                at.equal("one rigid link", transmittedThrough<T>(massMatrix6(body), Z, Xdd_1),
+                         passed);
+                const Matrix6<T> M = at.template symmetric<6>();
+                Matrix3<T> schur = M.template block<3, 3>(0, 0);
+                for (int k = 0; k < 3; ++k)
+                  schur.col(k) -=
+                      M.template block<3, 3>(0, 3) *
+                      Vector3<T>(solveDense<T>(MatrixX<T>(M.template block<3, 3>(3, 3)),
+                                               VectorX<T>(M.template block<3, 1>(3, k))));
+                passed.template head<3>() = schur * Vector3<T>(Xdd_1.template head<3>());
+                at.equal("any inertia", transmittedThrough<T>(M, Z, Xdd_1), passed);
+              }))
           .why("Only a force passes, no moment. What is left of a rigid link is its effective mass "
                "at the joint: the mass alone when the joint is at its centre of mass, `r_c = 0`.")
           .in("crosscheck/audit/projections.cpp"));

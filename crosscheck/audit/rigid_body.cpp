@@ -339,7 +339,8 @@ void addMassMatrix(std::vector<Claim>* claims) {
   claims->push_back(
       Claim("coupling_force", "6", "One force component, all accelerations")
           .printed(
-              "Unless the body is a sphere seen from its centre, a force along one axis accelerates "
+              "Unless the body is a sphere seen from its centre, a force along one axis "
+              "accelerates "
               "along all six: no component of `M^-1 e_1` is 0, for an `M` that is not diagonal",
               certified([](RealPoint& at) {
                 // seen from the centre of mass, in axes that are not principal
@@ -445,7 +446,8 @@ void addMassMatrix(std::vector<Claim>* claims) {
                         .matrix());
               }))
           .why(
-              "`I` is about the frame's origin, so it changes when the origin moves, by (16) twice. "
+              "`I` is about the frame's origin, so it changes when the origin moves, by (16) "
+              "twice. "
               "Kinetic energy `Xd' M Xd / 2` does not know the frame: that gives the part for `M`.")
           .in("recursive/spatial.hpp"));
 

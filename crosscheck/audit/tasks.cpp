@@ -130,10 +130,11 @@ std::vector<Claim> bases() {
                                 VectorX<T>(base.shifted_b + E_in.transpose() * base.F -
                                            base.inward.beta_0));
                      }))
-          .why("What the base feels of the constraint forces has passed the joints: E_0, not A. "
-               "And the base gives way to them, which makes the constraint softer: the balance of "
-               "section 11.1 gets the term E_0' M_A,0^-1 E_0, or nu is that of a robot with a fixed "
-               "base.")
+          .why(
+              "What the base feels of the constraint forces has passed the joints: E_0, not A. "
+              "And the base gives way to them, which makes the constraint softer: the balance of "
+              "section 11.1 gets the term E_0' M_A,0^-1 E_0, or nu is that of a robot with a fixed "
+              "base.")
           .in("crosscheck/audit/tasks.cpp"));
 
   claims.push_back(Claim("eq60", "11.3", "Constraint on the base")
@@ -150,7 +151,8 @@ std::vector<Claim> bases() {
           .open()
           .printed(
               "Our answer, least constraint: minimize `1/2 a' M_A,0 a + a' (F_0 + E_0 nu)` over `a "
-              "= Xdd_0 - g` under `A_0' Xdd_0 = b_0`, that is `M_A,0 a + F_0 + E_0 nu = A_0 kappa`, "
+              "= Xdd_0 - g` under `A_0' Xdd_0 = b_0`, that is `M_A,0 a + F_0 + E_0 nu = A_0 "
+              "kappa`, "
               "together with `N_0 nu = b_N - A_N' g_N - E_0' a - beta_0`",
               exact([](auto& at) {
                 using T = ScalarOf<decltype(at)>;
@@ -173,10 +175,11 @@ std::vector<Claim> bases() {
                 at.equal("Xdd_0", Vector6<T>(x.head(6) + base.g), truth.a_0);
                 at.equal("kappa", VectorX<T>(x.tail(2)), truth.kappa);
               }))
-          .why("Gauss: of all accelerations that the constraints allow, the true one is nearest to "
-               "the free one, distance being measured by the inertia. Seen from the base, the whole "
-               "robot has the inertia M_A,0 and wants to move with -M_A,0^-1 F_0. Nine unknowns "
-               "here instead of all.")
+          .why(
+              "Gauss: of all accelerations that the constraints allow, the true one is nearest to "
+              "the free one, distance being measured by the inertia. Seen from the base, the whole "
+              "robot has the inertia M_A,0 and wants to move with -M_A,0^-1 F_0. Nine unknowns "
+              "here instead of all.")
           .in("crosscheck/audit/tasks.cpp"));
   return claims;
 }

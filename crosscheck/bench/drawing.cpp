@@ -46,7 +46,8 @@ std::vector<Contender> timedContenders(const BenchResult& result) {
 /// Colour and marker: an engine's as in the other charts; ours by what it is, whoever compiled it.
 int lineType(const std::string& contender) {
   const auto starts = [&](const char* word) { return contender.rfind(word, 0) == 0; };
-  if (const auto engine = lineTypeOfEngine(contender.substr(0, contender.rfind("_raw")))) return *engine;
+  if (const auto engine = lineTypeOfEngine(contender.substr(0, contender.rfind("_raw"))))
+    return *engine;
   if (starts("recursive")) return 5;
   if (starts("fast")) return 1;
   if (starts("kernel_lanes")) return 3;
@@ -131,7 +132,8 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
       if (!std::any_of(contenders.begin(), contenders.end(), measured)) continue;
       ++column;
       text += fmt::format(
-          "set lmargin at screen {:.3f}\nset rmargin at screen {:.3f}\nset title {} textcolor rgb soft\n"
+          "set lmargin at screen {:.3f}\nset rmargin at screen {:.3f}\n"
+          "set title {} textcolor rgb soft\n"
           "set ytics ({})\nset format y '{}'\nplot ",
           left, left + 0.235, gnuplotString(fmt::format("{}, {}", scenes[s], words(formula))),
           column == 1 ? names : [&] {
@@ -149,7 +151,8 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
         // of the CSV: 4 time, 5 times MuJoCo, 7 what the goal grants [ns]
         text += fmt::format(
             "{0}'bench.csv' using ({1} && strlen(strcol(7)) ? $7 / {2:g} : NaN):({3} - "
-            "0.38):(0):(0.76) with vectors nohead linetype 20 dashtype 1 linewidth 2 notitle, \\\n     "
+            "0.38):(0):(0.76) with vectors nohead linetype 20 dashtype 1 linewidth 2 notitle, \\\n"
+            "     "
             "'bench.csv' using ({1} ? $4 / {2:g} : NaN):({3}) with points linetype {4} notitle, "
             "\\\n     'bench.csv' using ({1} && strlen(strcol(5)) ? {5:g} : NaN):({3}):(sprintf($5 "
             "< 1 ? '%.2g' : $5 < 10 ? '%.1f' : '%.0f', $5)) with labels right font ',11' textcolor "

@@ -43,7 +43,7 @@ std::vector<SceneTable> sceneTables(const BenchResult& result) {
   for (const Measurement& m : result.measured) {
     const bool is_new =
         m.isTime() && std::none_of(tables.begin(), tables.end(),
-                                  [&](const SceneTable& t) { return t.scene == m.subject; });
+                                   [&](const SceneTable& t) { return t.scene == m.subject; });
     if (!is_new) continue;
     tables.push_back({m.subject, {}});
     for (const Contender& contender : result.contenders) {
@@ -108,7 +108,8 @@ std::string goalsSentence(const BenchResult& result) {
 
 std::string how(const BenchResult& result, const char* line_end) {
   return fmt::format(
-      "Nanoseconds a state, cosines and sines included: fastest of {0} repetitions in random order, "
+      "Nanoseconds a state, cosines and sines included: fastest of {0} repetitions in random "
+      "order, "
       "{1} states{2}cycled. × MuJoCo, × Simbody: how many times faster than these engines, called "
       "as their users call them",
       result.repetitions, result.states, line_end);

@@ -24,10 +24,12 @@ class KernelMethod : public Method {
 
   void run(int state) override {
     const Inputs& in = inputs_[state];
-    if (quantity_ == Quantity::kM) kernel_.massMatrix(in.q.data(), out_.data());
+    if (quantity_ == Quantity::kM)
+      kernel_.massMatrix(in.q.data(), out_.data());
     else if (quantity_ == Quantity::kQdd)
       kernel_.forwardDynamics(in.q.data(), in.qd.data(), in.w.data(), out_.data());
-    else kernel_.inverseDynamics(in.q.data(), in.qd.data(), in.w.data(), out_.data());
+    else
+      kernel_.inverseDynamics(in.q.data(), in.qd.data(), in.w.data(), out_.data());
   }
   MatrixOf<Ball> answer() const override {
     const int n = kernel_.dof();  // M is symmetric: by rows is by columns

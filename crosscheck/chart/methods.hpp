@@ -45,7 +45,8 @@ std::unique_ptr<Method> closedFormMethod(Quantity quantity, const scene::Mechani
 std::unique_ptr<Method> programMethod(Quantity quantity, const scene::Mechanism& mechanism,
                                       const States& states);
 
-/// The scene's own compiled code. @throws std::runtime_error  why there is none, or why it is not used
+/// The scene's own compiled code. @throws std::runtime_error  why there is none, or why it is not
+/// used
 std::unique_ptr<Method> kernelMethod(Quantity quantity, const scene::Mechanism& mechanism,
                                      const States& states);
 

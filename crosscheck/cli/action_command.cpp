@@ -11,7 +11,6 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
-#include "crosscheck/studies/hamilton.hpp"
 #include "crosscheck/report/files.hpp"
 #include "crosscheck/studies/hamilton.hpp"
 
@@ -61,7 +60,8 @@ int run(const Arguments& arguments) {
     const Progress progress("action of " + scene.name);
     return measureAction(scene, arguments.options);
   }();
-  requireFinite("the action", std::array{action.action, action.energy_drift, action.with_work, action.lowest});
+  requireFinite("the action",
+                std::array{action.action, action.energy_drift, action.with_work, action.lowest});
   for (const Action::Path& path : action.paths)
     requireFinite("the action of a varied path", std::array{path.first, path.change});
   fmt::print("{}: {} s in {} steps of order 4\n", scene.name, action.duration, action.steps);

@@ -41,7 +41,8 @@ std::string listed(const std::map<std::string, int>& counts) {
 
 }  // namespace
 
-CampaignProgress::CampaignProgress(int mechanisms) : mechanisms_(mechanisms), progress_(kStages, 1.0) {}
+CampaignProgress::CampaignProgress(int mechanisms)
+    : mechanisms_(mechanisms), progress_(kStages, 1.0) {}
 
 void CampaignProgress::show(int done) {
   const double taken =
@@ -61,24 +62,28 @@ void CampaignProgress::show(int done) {
 void printCampaign(const RandomCampaign& campaign, const CampaignOptions& options) {
   const auto verdict = [&](bool is_exact) {
     const auto disagrees = [&](const RandomCampaign::Failure& failure) {
-      return std::any_of(failure.checks.begin(), failure.checks.end(), [&](const CheckResult& check) {
-        return (check.unit == "exact") == is_exact;
-      });
+      return std::any_of(
+          failure.checks.begin(), failure.checks.end(),
+          [&](const CheckResult& check) { return (check.unit == "exact") == is_exact; });
     };
-    const long failed = std::count_if(campaign.failures.begin(), campaign.failures.end(), disagrees);
+    const long failed =
+        std::count_if(campaign.failures.begin(), campaign.failures.end(), disagrees);
     return failed == 0 ? "all agree" : counted(failed, "mechanism") + " DISAGREE";
   };
-  fmt::print("{}, {}, {}, {}{}; chance that a wrong formula passes "
-             "one at most {:.1g} (seed {})\n",
-             counted(campaign.mechanisms, "random mechanism"), counted(campaign.joints, "joint"),
-             counted(campaign.checks, "exact check"), verdict(true),
-             campaign.not_answerable > 0 ? fmt::format(", {} not answerable", campaign.not_answerable) : "",
-             campaign.error_probability, options.exact.seed);
+  fmt::print(
+      "{}, {}, {}, {}{}; chance that a wrong formula passes "
+      "one at most {:.1g} (seed {})\n",
+      counted(campaign.mechanisms, "random mechanism"), counted(campaign.joints, "joint"),
+      counted(campaign.checks, "exact check"), verdict(true),
+      campaign.not_answerable > 0 ? fmt::format(", {} not answerable", campaign.not_answerable)
+                                  : "",
+      campaign.error_probability, options.exact.seed);
   if (!options.in_double.empty()) {
     fmt::print("in double at {}{}: {}, {}\n", counted(options.states, "state"),
-               campaign.plain == 0 ? " each"
-                                   : fmt::format(" each, {} more of plain joints, for witnesses that refuse others",
-                                                 campaign.plain),
+               campaign.plain == 0
+                   ? " each"
+                   : fmt::format(" each, {} more of plain joints, for witnesses that refuse others",
+                                 campaign.plain),
                counted(campaign.comparisons, "comparison"), verdict(false));
     fmt::print("mechanisms asked about: {}\n", listed(campaign.asked));
     for (const auto& [reason, counts] : campaign.unanswered)
@@ -88,7 +93,8 @@ void printCampaign(const RandomCampaign& campaign, const CampaignOptions& option
     fmt::print("\n{}\n", describeFailure(failure));
 }
 
-std::string campaignJson(const RandomCampaign& campaign, const CampaignOptions& options, int max_joints) {
+std::string campaignJson(const RandomCampaign& campaign, const CampaignOptions& options,
+                         int max_joints) {
   Json json{{"dynwitness", DYNWITNESS_VERSION},
             {"command", "crosscheck --random"},
             {"seed", options.exact.seed},
@@ -110,7 +116,8 @@ std::string campaignJson(const RandomCampaign& campaign, const CampaignOptions& 
              {"findings", Json::array()},
              {"checks", Json::array()}};
     for (const Finding& finding : failure.findings) one["findings"].push_back(finding.text);
-    for (const CheckResult& check : failure.checks) one["checks"].push_back(Json::parse(checkJson(check)));
+    for (const CheckResult& check : failure.checks)
+      one["checks"].push_back(Json::parse(checkJson(check)));
     json["failures"].push_back(one);
   }
   json["verdict"] = campaign.failures.empty() ? "agree" : "disagree";

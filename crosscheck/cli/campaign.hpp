@@ -10,7 +10,8 @@
 
 namespace dynwitness::cli {
 
-/// Twenty stages, each with the time that is left; how long all will take is told once when it is long.
+/// Twenty stages, each with the time that is left; how long all will take is told once when it is
+/// long.
 class CampaignProgress {
  public:
   explicit CampaignProgress(int mechanisms);

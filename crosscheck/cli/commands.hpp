@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The subcommands. Each adds itself to the command line and, when it was asked for, runs and returns
-// the exit status: 0 all agree (or done), 1 a disagreement was found. Bad input is thrown.
+// The subcommands. Each adds itself to the command line and, when it was asked for, runs and
+// returns the exit status: 0 all agree (or done), 1 a disagreement was found. Bad input is thrown.
 #pragma once
 
 #include <functional>

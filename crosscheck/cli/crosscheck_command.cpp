@@ -13,8 +13,8 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
-#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/crosscheck.hpp"
 #include "crosscheck/kernel/compiled.hpp"
 #include "crosscheck/kernel/kernel.hpp"
@@ -66,7 +66,8 @@ std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
 std::string reproduce(const Arguments& arguments) {
   std::string command = "dynwitness crosscheck";
   for (const std::string& name : arguments.scenes) command += fmt::format(" '{}'", name);
-  command += fmt::format(" --states {} --seed {}", arguments.options.states, arguments.options.seed);
+  command +=
+      fmt::format(" --states {} --seed {}", arguments.options.states, arguments.options.seed);
   for (const std::string& name : arguments.options.witnesses) command += " --witness " + name;
   if (arguments.options.error_probability != Options().error_probability)
     command += fmt::format(" --error-probability {}", arguments.options.error_probability);
@@ -89,15 +90,17 @@ void printTable(const CrosscheckResult& result) {
       ++answered;
       disagreeing += check.verdict == Verdict::kDisagree ? 1 : 0;
       partly += check.voided > 0 ? 1 : 0;
-      if (!check.known_loss && (closest == nullptr || check.ratio > closest->ratio)) closest = &check;
+      if (!check.known_loss && (closest == nullptr || check.ratio > closest->ratio))
+        closest = &check;
     }
     const std::string verdict = disagreeing == 0 ? answered > 0 ? "agree" : "not answerable"
                                                  : fmt::format("{} DISAGREE", disagreeing);
     fmt::print("{:<30} {:>4} {:>6} {:>7}  {:<15} ", scene.name, scene.dof, scene.links, answered,
                verdict);
     if (closest != nullptr)
-      fmt::print("{:.0f}% of {} {}, {}{}{}", 100 * closest->ratio, closest->check, closest->quantity,
-                 closest->left, closest->right.empty() ? "" : "/", closest->right);
+      fmt::print("{:.0f}% of {} {}, {}{}{}", 100 * closest->ratio, closest->check,
+                 closest->quantity, closest->left, closest->right.empty() ? "" : "/",
+                 closest->right);
     if (partly > 0) fmt::print("; {} check{} not at all states", partly, partly == 1 ? "" : "s");
     fmt::print("\n");
   }
@@ -112,9 +115,9 @@ void printTable(const CrosscheckResult& result) {
         names += (names.empty() ? "" : ", ") + check.left;
         continue;
       }
-      fmt::print("\n{}: {}: {} {} ({}{}{}): {} (seed {})", scene.name, name(check.verdict), check.check,
-                 check.quantity, check.left, check.right.empty() ? "" : " and ", check.right,
-                 check.reason, check.seed);
+      fmt::print("\n{}: {}: {} {} ({}{}{}): {} (seed {})", scene.name, name(check.verdict),
+                 check.check, check.quantity, check.left, check.right.empty() ? "" : " and ",
+                 check.right, check.reason, check.seed);
     }
     for (const auto& [reason, names] : refused_by)
       fmt::print("\n{}: not answerable by {}: {}", scene.name, names, reason);
@@ -152,7 +155,8 @@ int runRandom(const Arguments& arguments) {
     campaign = crosscheckRandom(arguments.random, arguments.joints, options, arguments.processes,
                                 [&](int done) { progress.show(done); });
   }
-  if (!arguments.json.empty()) writeWholeFile(arguments.json, campaignJson(campaign, options, arguments.joints));
+  if (!arguments.json.empty())
+    writeWholeFile(arguments.json, campaignJson(campaign, options, arguments.joints));
   printCampaign(campaign, options);
   return campaign.failures.empty() ? 0 : 1;
 }
@@ -217,7 +221,8 @@ int run(const Arguments& arguments) {
     const Environment environment = thisEnvironment(libraries, gnuplot());
     writeReport(result, environment, arguments.report, charts, bench ? &*bench : nullptr);
     if (!arguments.json.empty())
-      writeWholeFile(arguments.json, reportJson(result, environment, bench ? benchJson(*bench) : std::string()));
+      writeWholeFile(arguments.json,
+                     reportJson(result, environment, bench ? benchJson(*bench) : std::string()));
   }
   printTable(result);
   fmt::print("report: {}\n", (std::filesystem::path(arguments.report) / "index.html").string());
@@ -236,17 +241,25 @@ Run addCrosscheck(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "crosscheck", "Let all witnesses testify about scenes, and write a report");
   command->footer(
-      "Exit status: 0 what can be compared was, and agrees; 1 a disagreement, or more than a tenth of the\n"
-      "comparisons of a quantity of a scene is missing (\"incomplete\"); 2 bad usage or input; 3 a failure of\n"
-      "dynwitness itself, among them that its own control, a known fault, was not found (\"proves nothing\").\n"
+      "Exit status: 0 what can be compared was, and agrees; 1 a disagreement, or more than a "
+      "tenth of the\n"
+      "comparisons of a quantity of a scene is missing (\"incomplete\"); 2 bad usage or input; 3 "
+      "a failure of\n"
+      "dynwitness itself, among them that its own control, a known fault, was not found (\"proves "
+      "nothing\").\n"
       "\n"
-      "A comparison is one check at one state, and every one ought to be possible but: those of a witness that\n"
-      "cannot hold the scene at all; those of a quantity that does not exist there (M is singular, certified; a\n"
-      "law that the mechanism has no parts for); energy where nothing moves or the steps do not resolve the\n"
-      "motion. An error bound that runs away or a witness that fails at a state is held against the run.");
+      "A comparison is one check at one state, and every one ought to be possible but: those of a "
+      "witness that\n"
+      "cannot hold the scene at all; those of a quantity that does not exist there (M is "
+      "singular, certified; a\n"
+      "law that the mechanism has no parts for); energy where nothing moves or the steps do not "
+      "resolve the\n"
+      "motion. An error bound that runs away or a witness that fails at a state is held against "
+      "the run.");
   command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
   command->add_option("--report", arguments->report, "Folder of the report")->capture_default_str();
-  command->add_option("--json", arguments->json, "Write report.json to this file as well; with --random, its result");
+  command->add_option("--json", arguments->json,
+                      "Write report.json to this file as well; with --random, its result");
   command->add_option("--bench", arguments->bench,
                       "Show speed as well: a bench.json that `./dynwitness bench` wrote");
   command
@@ -256,9 +269,11 @@ Run addCrosscheck(CLI::App& app) {
       ->delimiter(',');
   const CLI::Option* states =
       command
-          ->add_option("--states", arguments->options.states,
-                       "Seeded states a check. Of more than 64 joints fewer are taken where this is not given, of more "
-                       "than 128 witnesses alone are compared, and both are told")
+          ->add_option(
+              "--states", arguments->options.states,
+              "Seeded states a check. Of more than 64 joints fewer are taken where this is not "
+              "given, of more "
+              "than 128 witnesses alone are compared, and both are told")
           ->capture_default_str()
           ->check(whole(1, 1000000));
   command->add_option("--seed", arguments->options.seed, "Seed of the states")
@@ -277,10 +292,11 @@ Run addCrosscheck(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::IsMember({kAsWritten, kRandom}));
   command
-      ->add_option("--random", arguments->random,
-                   "Check this many random mechanisms, exactly and with all witnesses in double at 3 states "
-                   "each (or --states), instead of scenes; no report. Kernels take part when --witness "
-                   "names them")
+      ->add_option(
+          "--random", arguments->random,
+          "Check this many random mechanisms, exactly and with all witnesses in double at 3 states "
+          "each (or --states), instead of scenes; no report. Kernels take part when --witness "
+          "names them")
       ->excludes("--parameters", "--bench")
       ->check(whole(1, 100000000));
   command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")

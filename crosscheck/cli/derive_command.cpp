@@ -36,9 +36,9 @@ std::string operationsTable(const scene::Scene& scene) {
   bool first = true;
   for (const Formula formula : kAllFormulas) {
     const std::vector<Road> all = roads(scene.mechanism, formula);
-    const auto smallest = std::min_element(all.begin(), all.end(), [](const Road& a, const Road& b) {
-      return a.operations() < b.operations();
-    });
+    const auto smallest = std::min_element(
+        all.begin(), all.end(),
+        [](const Road& a, const Road& b) { return a.operations() < b.operations(); });
     std::string head = fmt::format("{:<10}", ""), row = fmt::format("{:<10}", name(formula));
     for (const Road& road : all) {
       const symbolic::Program::Operations o = road.program.bodyOperations();
@@ -54,7 +54,9 @@ std::string operationsTable(const scene::Scene& scene) {
       recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism)));
   return text +
          fmt::format(
-             "\nSteps of the articulated-body recursion, a step being one link and the joint that carries it:\n"
+             "\n"
+             "Steps of the articulated-body recursion, a step being one link and the joint that "
+             "carries it:\n"
              "{:>6}  swept inward, the value of each subtree kept (dynamic programming)\n"
              "{:>6}  the recursion run anew for each link\n"
              "{:>6}  equal subtrees computed once, where they are in equal poses\n",
@@ -65,16 +67,19 @@ std::string htmlPage(const std::string& title, const std::string& body) {
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<style>body {{ font: 1rem/1.6 serif; max-width: 46rem; margin: 2rem auto; padding: 0 1rem }}\n"
+      "<style>body {{ font: 1rem/1.6 serif; max-width: 46rem; margin: 2rem auto; padding: 0 1rem "
+      "}}\n"
       "math {{ font-size: 1.1em; overflow-x: auto; padding: .2rem 0 }}</style></head>\n"
       "<body><h1>{0}</h1>\n{1}</body></html>\n",
       title, body);
 }
 
 [[noreturn]] void refuseOnly(const std::string& quantity) {
-  throw scene::InputError({}, fmt::format("{}: the derivation of this scene is one program of named "
-                                          "intermediates, not a step a quantity; allowed: --quantity all, "
-                                          "or --format c or python", quantity));
+  throw scene::InputError(
+      {}, fmt::format("{}: the derivation of this scene is one program of named "
+                      "intermediates, not a step a quantity; allowed: --quantity all, "
+                      "or --format c or python",
+                      quantity));
 }
 
 /// The steps that a quantity needs last: its own.
@@ -110,19 +115,22 @@ int run(const Arguments& arguments) {
     text = arguments.format == "c" ? symbolic::emitC(equations, scene.mechanism, scene.name)
                                    : symbolic::emitPython(equations, scene.mechanism, scene.name);
   } else {
-    if (arguments.quantity != "all" && !symbolic::hasClosedForm(scene.mechanism)) refuseOnly(arguments.quantity);
+    if (arguments.quantity != "all" && !symbolic::hasClosedForm(scene.mechanism))
+      refuseOnly(arguments.quantity);
     const symbolic::Derivation whole = symbolic::derivation(scene.mechanism);
     holds = whole.holds();
     const symbolic::Derivation shown = only(whole, arguments.quantity);
     if (arguments.format == "html")
       text = htmlPage(scene.title, symbolic::print(shown, symbolic::Style::kMathml));
     else
-      text = symbolic::print(shown, arguments.format == "latex" ? symbolic::Style::kLatex
-                                                                : symbolic::Style::kText);
+      text = symbolic::print(
+          shown, arguments.format == "latex" ? symbolic::Style::kLatex : symbolic::Style::kText);
   }
   progress.reset();
-  if (arguments.output.empty()) fmt::print("{}", text);
-  else crosscheck::writeWholeFile(arguments.output, text);
+  if (arguments.output.empty())
+    fmt::print("{}", text);
+  else
+    crosscheck::writeWholeFile(arguments.output, text);
   if (!holds) tell("dynwitness: a step of the derivation does not hold\n");
   return holds ? 0 : 1;
 }

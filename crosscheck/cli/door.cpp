@@ -16,7 +16,8 @@ void admit(const scene::Scene& scene, const std::vector<crosscheck::Command>& co
     for (const std::string& sentence : crosscheck::leftOut(scene, command))
       if (std::find(told.begin(), told.end(), sentence) == told.end()) told.push_back(sentence);
   }
-  for (const std::string& sentence : told) tell(fmt::format("{}: left out: {}\n", scene.name, sentence));
+  for (const std::string& sentence : told)
+    tell(fmt::format("{}: left out: {}\n", scene.name, sentence));
 }
 
 scene::Scene admitted(const std::string& name, crosscheck::Command command) {

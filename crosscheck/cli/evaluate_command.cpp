@@ -38,30 +38,37 @@ std::vector<std::string> columnNames(Quantity quantity, const scene::Mechanism& 
   switch (quantity) {
     case Quantity::kM:
       for (int i = 1; i <= n; ++i)
-        for (int j = 1; j <= n; ++j) names.push_back(fmt::format("M{}{}{}", i, n > 9 ? "_" : "", j));
+        for (int j = 1; j <= n; ++j)
+          names.push_back(fmt::format("M{}{}{}", i, n > 9 ? "_" : "", j));
       return names;
     case Quantity::kKinetic:
-    case Quantity::kPotential: return {name(quantity)};
-    case Quantity::kMomentum: n = 6; break;
+    case Quantity::kPotential:
+      return {name(quantity)};
+    case Quantity::kMomentum:
+      n = 6;
+      break;
     case Quantity::kReactions:
       for (const scene::Link& link : mechanism.links)
         for (const char* component : {"fx", "fy", "fz", "mx", "my", "mz"})
           if (link.parent >= 0) names.push_back(link.joint.name + "." + component);
       return names;
-    default: break;
+    default:
+      break;
   }
   for (int i = 1; i <= n; ++i) names.push_back(fmt::format("{}{}", name(quantity), i));
   return names;
 }
 
 /// nu1, nu2, ...; J11, J12, ... row by row (J1_1 where a number has two digits).
-std::vector<std::string> columnNames(const std::string& name, Eigen::Index rows, Eigen::Index columns) {
+std::vector<std::string> columnNames(const std::string& name, Eigen::Index rows,
+                                     Eigen::Index columns) {
   std::vector<std::string> names;
   for (Eigen::Index i = 1; i <= rows; ++i)
     for (Eigen::Index j = 1; j <= columns; ++j)
-      names.push_back(columns == 1 && name != "N" && name != "Lambda" && name != "Jbar"
-                          ? fmt::format("{}{}", name, i)
-                          : fmt::format("{}{}{}{}", name, i, rows > 9 || columns > 9 ? "_" : "", j));
+      names.push_back(
+          columns == 1 && name != "N" && name != "Lambda" && name != "Jbar"
+              ? fmt::format("{}{}", name, i)
+              : fmt::format("{}{}{}{}", name, i, rows > 9 || columns > 9 ? "_" : "", j));
   return names;
 }
 
@@ -135,15 +142,18 @@ bool findsQddFirst(const scene::Scene& scene, const Arguments& arguments,
                     "columns qdd1.. too, of which those of driven joints count");
   }
   if (!from_file && (asks_qdd || asks_tau))
-    tell(fmt::format("{}: no --states: the scene's start, without joint forces (tau = 0)\n", scene.name));
-  if (from_file && !given.qd)
-    tell(fmt::format("{}: no qd given: at rest (qd = 0)\n", scene.name));
-  if (first)
-    tell(fmt::format("{}: no qdd given: it is found from tau first, by forward dynamics\n", scene.name));
-  else if (asks_qdd && asks_tau)
-    tell(fmt::format("{}: both given: tau and reactions belong to qdd as given, what is found from tau to another "
-                     "motion\n",
+    tell(fmt::format("{}: no --states: the scene's start, without joint forces (tau = 0)\n",
                      scene.name));
+  if (from_file && !given.qd) tell(fmt::format("{}: no qd given: at rest (qd = 0)\n", scene.name));
+  if (first)
+    tell(fmt::format("{}: no qdd given: it is found from tau first, by forward dynamics\n",
+                     scene.name));
+  else if (asks_qdd && asks_tau)
+    tell(fmt::format(
+        "{}: both given: tau and reactions belong to qdd as given, what is found from tau to "
+        "another "
+        "motion\n",
+        scene.name));
   return first;
 }
 
@@ -164,9 +174,10 @@ class OpenStates {
   }
   void tell() const {
     if (open_ == 0) return;
-    cli::tell(fmt::format("{}: closures are open at {} of {} states, worst |phi| = {:.3g}{}, |J qd| = {:.3g}{}: "
-                          "what is said of these is not about the closed mechanism\n",
-                          scene_.name, open_, row_, phi_, inRow(phi_row_), rate_, inRow(rate_row_)));
+    cli::tell(fmt::format(
+        "{}: closures are open at {} of {} states, worst |phi| = {:.3g}{}, |J qd| = {:.3g}{}: "
+        "what is said of these is not about the closed mechanism\n",
+        scene_.name, open_, row_, phi_, inRow(phi_row_), rate_, inRow(rate_row_)));
   }
 
  private:
@@ -180,7 +191,8 @@ class OpenStates {
 /// A number at full double precision, behind a comma where it is not the first of the row.
 void append(double value, std::string* row) {
   char digits[32];  // 17 digits, a sign, a point and an exponent are 24
-  const auto end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 17).ptr;
+  const auto end =
+      std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 17).ptr;
   if (!row->empty() && row->back() != '\n') *row += ',';
   row->append(digits, end);
 }
@@ -234,9 +246,10 @@ struct Column {
 };
 
 /// One quantity at one state, finite.
-Eigen::MatrixXd valueOf(Column& column, Constrained& constrained, const scene::State<double>& state, long row) {
-  Eigen::MatrixXd value =
-      column.witness ? column.witness->value(column.quantity, state) : constrained->answer(column.name, state);
+Eigen::MatrixXd valueOf(Column& column, Constrained& constrained, const scene::State<double>& state,
+                        long row) {
+  Eigen::MatrixXd value = column.witness ? column.witness->value(column.quantity, state)
+                                         : constrained->answer(column.name, state);
   if (!value.allFinite())
     throw scene::InputError(
         {}, fmt::format("{} is not finite at state {}: M is singular there, or numbers are too "
@@ -247,8 +260,9 @@ Eigen::MatrixXd valueOf(Column& column, Constrained& constrained, const scene::S
 
 /** One row a state, into a file that is there only when all are.
     @param finds_qdd  what is asked needs qdd, which is found from tau first */
-void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& columns, Constrained& constrained,
-               bool finds_qdd, const std::string& header, const std::string& output) {
+void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& columns,
+               Constrained& constrained, bool finds_qdd, const std::string& header,
+               const std::string& output) {
   constexpr std::size_t kPiece = std::size_t{1} << 18;
   constexpr long kBetweenNotes = 256;
   // rows that scroll by on a terminal are progress enough
@@ -277,11 +291,14 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
       rows.clear();
     }
     const auto now = std::chrono::steady_clock::now();
-    if (states.rows() % kBetweenNotes == kBetweenNotes - 1 || now - noted > std::chrono::milliseconds(200)) {
+    if (states.rows() % kBetweenNotes == kBetweenNotes - 1 ||
+        now - noted > std::chrono::milliseconds(200)) {
       noted = now;
       const std::chrono::duration<double> elapsed = now - begin;
       const auto done = static_cast<double>(states.rows() + 1);
-      if (progress) progress->note(fmt::format("{} rows, {:.0f} a second", states.rows() + 1, done / elapsed.count()));
+      if (progress)
+        progress->note(
+            fmt::format("{} rows, {:.0f} a second", states.rows() + 1, done / elapsed.count()));
       work.doneTo(states.fraction());
     }
   }
@@ -324,8 +341,9 @@ int run(const Arguments& arguments) {
     if (column.witness) {
       names = columnNames(column.quantity, scene.mechanism);
     } else {
-      const Eigen::MatrixXd shape =
-          states.current() == nullptr ? Eigen::MatrixXd() : constrained->answer(column.name, *states.current());
+      const Eigen::MatrixXd shape = states.current() == nullptr
+                                        ? Eigen::MatrixXd()
+                                        : constrained->answer(column.name, *states.current());
       names = columnNames(column.name, shape.rows(), shape.cols());
     }
     for (const std::string& name : names) header += (header.empty() ? "" : ",") + name;
@@ -340,21 +358,27 @@ Run addEvaluate(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       app.add_subcommand("evaluate", "Quantities of a scene at the states of a CSV file");
-  command->footer("dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
-                  "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
-                  "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque");
+  command->footer(
+      "dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
+      "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
+      "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque");
   command->add_option("scene", arguments->scene, "Scene")->required();
+  command->add_option(
+      "--states", arguments->states,
+      "CSV file, or - for standard input: q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "
+      "reactions) or tau1..taun (of qdd, lambda, nu, ...; for tau and reactions qdd is found "
+      "first); "
+      "joints that follow others have none of these. Without: the scene's start, no joint forces. "
+      "Read and answered row by row");
   command
-      ->add_option("--states", arguments->states,
-                   "CSV file, or - for standard input: q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "
-                   "reactions) or tau1..taun (of qdd, lambda, nu, ...; for tau and reactions qdd is found first); "
-                   "joints that follow others have none of these. Without: the scene's start, no joint forces. "
-                   "Read and answered row by row");
-  command
-      ->add_option("--quantity", arguments->quantities,
-                   "M, c, g, tau, qdd, kinetic, potential, momentum, reactions; with closures, driven joints or acceleration "
-                   "constraints: qdd under them, lambda, nu, tau_drive; of the constraints as tasks: N, Lambda "
-                   "(task inertia), J, Jbar, task_torque (tau the posture's), null_torque; several with commas")
+      ->add_option(
+          "--quantity", arguments->quantities,
+          "M, c, g, tau, qdd, kinetic, potential, momentum, reactions; with closures, driven "
+          "joints or acceleration "
+          "constraints: qdd under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
+          "Lambda "
+          "(task inertia), J, Jbar, task_torque (tau the posture's), null_torque; several with "
+          "commas")
       ->required()
       ->delimiter(',');
   command->add_option("--witness", arguments->witness, "Who answers; without: the usual sweep");

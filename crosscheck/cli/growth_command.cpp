@@ -43,8 +43,10 @@ void writeGrowth(const std::vector<GrowthPoint>& points, const GrowthOptions& op
     work.write(family + ".gp", growthScript(points, family, cache, style));
     files.push_back(family + ".gp");
     const std::vector<std::string> pictures = {family + ".svg", family + "_dark.svg"};
-    if (const auto failure = runGnuplot(work.path(), family + ".gp", pictures)) problem = *failure;
-    else files.insert(files.end(), pictures.begin(), pictures.end());
+    if (const auto failure = runGnuplot(work.path(), family + ".gp", pictures))
+      problem = *failure;
+    else
+      files.insert(files.end(), pictures.begin(), pictures.end());
   }
   fs::create_directories(folder);
   for (const std::string& file : files) {
@@ -67,12 +69,14 @@ int run(const Arguments& arguments) {
   std::vector<GrowthPoint> points;
   {
     Progress progress(static_cast<int>(sizes * arguments.options.families.size()));
-    points = growth(engines, arguments.options, [&](const std::string& what) { progress.stage(what); });
+    points =
+        growth(engines, arguments.options, [&](const std::string& what) { progress.stage(what); });
   }
   const double cache = lastLevelCache();
   fmt::print("{}", growthCsv(points, arguments.options, cache));
   if (!arguments.json.empty())
-    writeWholeFile(arguments.json, growthJson(points, arguments.options, cache, DYNWITNESS_VERSION));
+    writeWholeFile(arguments.json,
+                   growthJson(points, arguments.options, cache, DYNWITNESS_VERSION));
   if (!arguments.output.empty()) writeGrowth(points, arguments.options, cache, arguments.output);
   // times are told, and not judged: another program may have been running
   bool holds = true;
@@ -90,7 +94,8 @@ Run addGrowth(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("growth", "Measure time, memory and digits against the number of links");
   command
-      ->add_option("--family", arguments->options.families, "Chains, binary trees; both with a comma")
+      ->add_option("--family", arguments->options.families,
+                   "Chains, binary trees; both with a comma")
       ->capture_default_str()
       ->delimiter(',')
       ->check(CLI::IsMember({"chain", "tree"}));
@@ -123,9 +128,11 @@ Run addGrowth(CLI::App& app) {
   command->footer(
       "Examples:\n  dynwitness growth --family chain --links 4096\n"
       "  dynwitness growth --links 1000000 -o growth --json growth.json\n"
-      "Units: ns of CPU time, and bytes, a link. What is counted stands in the lines before the table; the\n"
+      "Units: ns of CPU time, and bytes, a link. What is counted stands in the lines before the "
+      "table; the\n"
       "goals and what was reached, after it. 10^6 links take 3 GB.\n"
-      "Exit status 1: a goal that is no time is missed (memory, digits), or one of our sweeps failed.");
+      "Exit status 1: a goal that is no time is missed (memory, digits), or one of our sweeps "
+      "failed.");
   return [arguments] { return run(*arguments); };
 }
 

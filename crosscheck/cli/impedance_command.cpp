@@ -11,7 +11,6 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
-#include "crosscheck/studies/impedance.hpp"
 #include "crosscheck/report/files.hpp"
 #include "crosscheck/studies/impedance.hpp"
 

@@ -26,7 +26,8 @@ struct Arguments {
   ImpulseOptions options;
 };
 
-/// Closures may be torn at by rates, which the blow then takes; but their positions have to be closed.
+/// Closures may be torn at by rates, which the blow then takes; but their positions have to be
+/// closed.
 void tellOpenClosures(const scene::Scene& scene, const std::vector<double>& q) {
   if (scene.mechanism.closures.empty()) return;
   scene::State<double> state = ConstrainedQuantities(scene).start();

@@ -28,7 +28,8 @@ int orFailure(const Work& work) {
   } catch (const std::bad_alloc&) {
     tell("dynwitness: failed: not enough memory\n");  // and without asking for any
   } catch (const std::exception& error) {
-    tell(fmt::format("dynwitness: failed: {}{}\n", std::ferror(stdout) ? "standard output: " : "", error.what()));
+    tell(fmt::format("dynwitness: failed: {}{}\n", std::ferror(stdout) ? "standard output: " : "",
+                     error.what()));
   }
   return kOwnFailure;
 }
@@ -44,9 +45,12 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "Help of all subcommands");
   app.footer(
-      "The wrapper ./dynwitness knows two more words: test builds and runs all tests, bench the benchmarks.\n"
-      "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file or a\n"
-      "URDF file. Exit status: 0 all agree; 1 a disagreement was found, or too little could be compared;\n"
+      "The wrapper ./dynwitness knows two more words: test builds and runs all tests, bench the "
+      "benchmarks.\n"
+      "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file "
+      "or a\n"
+      "URDF file. Exit status: 0 all agree; 1 a disagreement was found, or too little could be "
+      "compared;\n"
       "2 bad usage or bad input; 3 a failure of dynwitness itself.");
   std::vector<std::pair<const char*, cli::Run>> commands = {
       {"crosscheck", cli::addCrosscheck(app)}, {"derive", cli::addDerive(app)},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a number on the command line may be. Every option that takes a number has one of these as its check:
-// without, CLI11 takes nan, inf, and what is past the range of a type.
+// What a number on the command line may be. Every option that takes a number has one of these as
+// its check: without, CLI11 takes nan, inf, and what is past the range of a type.
 #pragma once
 
 #include <cstdint>

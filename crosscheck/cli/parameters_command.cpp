@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dynwitness parameters: which inertial parameters a scene's motion knows, and how uncertain ones matter.
+// dynwitness parameters: which inertial parameters a scene's motion knows, and how uncertain ones
+// matter.
 #include <memory>
 
 #include <fmt/format.h>
@@ -30,7 +31,8 @@ int run(const Arguments& arguments) {
   }();
   fmt::print("{}", crosscheck::parametersText(result));
   if (!arguments.json.empty())
-    crosscheck::writeWholeFile(arguments.json, crosscheck::parametersJson(result, DYNWITNESS_VERSION));
+    crosscheck::writeWholeFile(arguments.json,
+                               crosscheck::parametersJson(result, DYNWITNESS_VERSION));
   return result.agrees() ? 0 : 1;
 }
 
@@ -40,7 +42,8 @@ Run addParameters(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   crosscheck::ParametersOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand(
-      "parameters", "Which inertial parameters the motion of a scene knows, and what their errors do");
+      "parameters",
+      "Which inertial parameters the motion of a scene knows, and what their errors do");
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--states", options.states, "Seeded states to stack Y over")
       ->check(whole(1, 10000))
@@ -48,9 +51,10 @@ Run addParameters(CLI::App& app) {
   command->add_option("--seed", options.seed, "Seed of points, states and draws")
       ->check(seed())
       ->capture_default_str();
-  command->add_option("--uncertainty", options.uncertainty,
-                      "Standard deviations: NAME=NUMBER,... of mass, inertia, rotor (relative), com, xyz [m], "
-                      "rpy [rad]");
+  command->add_option(
+      "--uncertainty", options.uncertainty,
+      "Standard deviations: NAME=NUMBER,... of mass, inertia, rotor (relative), com, xyz [m], "
+      "rpy [rad]");
   command->add_option("--samples", options.samples, "Monte Carlo draws for --uncertainty")
       ->check(whole(100, 10000000))
       ->capture_default_str();
@@ -58,9 +62,12 @@ Run addParameters(CLI::App& app) {
   command->footer(
       "Examples:\n"
       "  dynwitness parameters double_pendulum\n"
-      "  dynwitness parameters puma_560 --uncertainty mass=0.05,com=0.002,inertia=0.1,xyz=0.001,rpy=0.002\n"
-      "Errors: mass, of each link's density; com and xyz, along each axis, of each centre of mass and each\n"
-      "joint; inertia, of each entry of I, as a share of the link's largest moment about its centre of mass;\n"
+      "  dynwitness parameters puma_560 --uncertainty "
+      "mass=0.05,com=0.002,inertia=0.1,xyz=0.001,rpy=0.002\n"
+      "Errors: mass, of each link's density; com and xyz, along each axis, of each centre of mass "
+      "and each\n"
+      "joint; inertia, of each entry of I, as a share of the link's largest moment about its "
+      "centre of mass;\n"
       "rpy, about each axis of each joint. All independent and normally distributed.\n"
       "Exit status 1: two ways to the same number disagree.");
   return [arguments] { return run(*arguments); };

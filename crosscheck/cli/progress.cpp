@@ -74,8 +74,9 @@ std::string Progress::status() const {
   const scene::WorkSeen seen = scene::seenWork();
   const double elapsed = std::chrono::duration<double>(Clock::now() - begin_).count();
   std::string text = seen.fraction > 0
-                         ? fmt::format("{:.{}f} %, {} of about {}", 100 * seen.fraction, seen.fraction < 0.1 ? 1 : 0,
-                                       duration(elapsed), duration(elapsed / seen.fraction))
+                         ? fmt::format("{:.{}f} %, {} of about {}", 100 * seen.fraction,
+                                       seen.fraction < 0.1 ? 1 : 0, duration(elapsed),
+                                       duration(elapsed / seen.fraction))
                          : fmt::format("{}, the end is not known yet", duration(elapsed));
   for (const std::string& more : {seen.what, note_})
     if (!more.empty()) text += ", " + more;
@@ -91,8 +92,8 @@ void Progress::watch() {
     const double fraction = scene::seenWork().fraction;
     if (terminal_) {
       const int filled = static_cast<int>(kWidth * std::max(0.0, fraction));
-      show(fmt::format("\r\033[K[{}{}] {} {}", std::string(filled, '#'), std::string(kWidth - filled, '.'), name_,
-                       status()));
+      show(fmt::format("\r\033[K[{}{}] {} {}", std::string(filled, '#'),
+                       std::string(kWidth - filled, '.'), name_, status()));
       shown_ = true;
     } else if (Clock::now() >= next || (!estimated && fraction > 0)) {
       show(fmt::format("{}: {}\n", name_, status()));
@@ -110,8 +111,10 @@ void Progress::stage(const std::string& what) {
   name_ = fmt::format("[{}/{}] {}", begun_, stages_, what);
   if (Clock::now() < shown_from_) return;
   shown_ = true;
-  if (terminal_) show(fmt::format("\r\033[K{}", name_));
-  else show(name_ + "\n");
+  if (terminal_)
+    show(fmt::format("\r\033[K{}", name_));
+  else
+    show(name_ + "\n");
 }
 
 void Progress::note(const std::string& text) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Progress on standard error: a bar on a terminal, lines otherwise; what is left of the work, and when it ends.
+// Progress on standard error: a bar on a terminal, lines otherwise; what is left of the work, and
+// when it ends.
 #pragma once
 
 #include <chrono>
@@ -13,9 +14,9 @@
 
 namespace dynwitness::cli {
 
-/** Tells how long work takes, from a second after its begin. On a terminal a bar that moves; otherwise a line when
-    an estimate can be made, and one at most every 30 s. The estimate is the time that went by over the share that
-    is done, as the work itself counts it (scene::Work). */
+/** Tells how long work takes, from a second after its begin. On a terminal a bar that moves;
+    otherwise a line when an estimate can be made, and one at most every 30 s. The estimate is the
+    time that went by over the share that is done, as the work itself counts it (scene::Work). */
 class Progress {
  public:
   /// Work without stages, under this name.

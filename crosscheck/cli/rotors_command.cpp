@@ -25,8 +25,10 @@ struct Arguments {
 };
 
 std::string jsonOf(const scene::Scene& scene, const RotorModels& models) {
-  nlohmann::json out = {{"dynwitness", DYNWITNESS_VERSION}, {"scene", scene.name},
-                        {"states", models.states},          {"seed", models.seed}};
+  nlohmann::json out = {{"dynwitness", DYNWITNESS_VERSION},
+                        {"scene", scene.name},
+                        {"states", models.states},
+                        {"seed", models.seed}};
   for (const RotorModels::Joint& joint : models.joints)
     out["joints"].push_back({{"name", joint.name},
                              {"has_rotor", joint.has_rotor},
@@ -48,17 +50,19 @@ int run(const Arguments& arguments) {
         !std::isfinite(joint.share()))
       throw scene::InputError({scene.file.string()},
                               joint.name + ": tau is not finite, allowed: numbers that have one");
-  fmt::print("{}: tau with gyroscopic rotors less tau with n^2 J alone, {} states of seed {}\n"
-             "(N m, N for slides; the last column: 10 times the gear ratio, n^2 J as it is)\n\n"
-             "{:<24} {:>12} {:>8} {:>12} {:>10} {:>12}\n",
-             scene.name, models.states, models.seed, "joint", "largest", "at state", "largest tau",
-             "share", "10 n");
+  fmt::print(
+      "{}: tau with gyroscopic rotors less tau with n^2 J alone, {} states of seed {}\n"
+      "(N m, N for slides; the last column: 10 times the gear ratio, n^2 J as it is)\n\n"
+      "{:<24} {:>12} {:>8} {:>12} {:>10} {:>12}\n",
+      scene.name, models.states, models.seed, "joint", "largest", "at state", "largest tau",
+      "share", "10 n");
   for (const RotorModels::Joint& joint : models.joints)
-    fmt::print("{:<24} {:>12.4g} {:>8} {:>12.4g} {:>9.3g}% {:>12.4g}{}\n", joint.name, joint.largest,
-               joint.worst_state, joint.largest_tau, 100 * joint.share(), joint.at_ten_times,
-               joint.has_rotor ? "" : "  no rotor");
-  fmt::print("\nNo difference where the link that carries a rotor does not turn; at a given n^2 J it "
-             "falls as 1/n.\n");
+    fmt::print("{:<24} {:>12.4g} {:>8} {:>12.4g} {:>9.3g}% {:>12.4g}{}\n", joint.name,
+               joint.largest, joint.worst_state, joint.largest_tau, 100 * joint.share(),
+               joint.at_ten_times, joint.has_rotor ? "" : "  no rotor");
+  fmt::print(
+      "\nNo difference where the link that carries a rotor does not turn; at a given n^2 J it "
+      "falls as 1/n.\n");
   if (!arguments.json.empty()) writeWholeFile(arguments.json, jsonOf(scene, models));
   return 0;
 }
@@ -77,8 +81,9 @@ Run addRotors(CLI::App& app) {
       ->check(seed())
       ->capture_default_str();
   command->add_option("--json", arguments->json, "The table for programs, as a file");
-  command->footer("Examples:\n  dynwitness rotors puma_560\n"
-                  "  dynwitness rotors gyroscopic_wrist --states 1000 --json rotors.json");
+  command->footer(
+      "Examples:\n  dynwitness rotors puma_560\n"
+      "  dynwitness rotors gyroscopic_wrist --states 1000 --json rotors.json");
   return [arguments] { return run(*arguments); };
 }
 

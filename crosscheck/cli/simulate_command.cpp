@@ -41,8 +41,10 @@ SimulateOptions completed(const Arguments& arguments, const std::vector<MotionTa
   for (const Formulation formulation : kFormulations)
     if (arguments.formulation == name(formulation)) options.formulation = formulation;
   const bool is_first = options.formulation == Formulation::kIndex1;
-  if (!arguments.method.empty()) options.method = arguments.method;
-  else if (!is_first) options.method = "radau_iia_5";
+  if (!arguments.method.empty())
+    options.method = arguments.method;
+  else if (!is_first)
+    options.method = "radau_iia_5";
   if (!is_first) options.stabilisation = Stabilisation::kNone;
   for (const Stabilisation stabilisation : kStabilisations)
     if (arguments.stabilisation == name(stabilisation)) options.stabilisation = stabilisation;
@@ -65,7 +67,9 @@ std::string describe(const SimulateOptions& options) {
 class Runs {
  public:
   Runs(int count, double duration)
-      : stages_(std::max(kStages / count, 1)), duration_(duration), progress_(count * stages_, kQuiet) {}
+      : stages_(std::max(kStages / count, 1)),
+        duration_(duration),
+        progress_(count * stages_, kQuiet) {}
   void at(double time) {
     if (time < last_) begun_ = ++runs_ * stages_;
     last_ = time;
@@ -84,33 +88,41 @@ class Runs {
 
 /// What a run cost and how far it was off, for programs.
 nlohmann::json jsonOf(const Simulation& r) {
-  return {{"steps", r.steps},        {"rejected", r.rejected},      {"evaluations", r.evaluations},
-          {"cpu_s", r.cpu_s},        {"phi", r.worst_phi},          {"phi_rate", r.worst_phi_rate},
+  return {{"steps", r.steps},
+          {"rejected", r.rejected},
+          {"evaluations", r.evaluations},
+          {"cpu_s", r.cpu_s},
+          {"phi", r.worst_phi},
+          {"phi_rate", r.worst_phi_rate},
           {"energy_error_J", r.worst_energy}};
 }
 nlohmann::json jsonOf(const MotionTable& table, const MotionVerdict& verdict) {
   return {{"title", table.title}, {"worst", verdict.worst}, {"ratio", verdict.ratio}};
 }
 nlohmann::json jsonHead(const scene::Scene& scene, const SimulateOptions& options) {
-  return {{"dynwitness", DYNWITNESS_VERSION}, {"scene", scene.name}, {"duration_s", options.duration},
-          {"step_error", options.step_error}, {"step_s", options.step}};
+  return {{"dynwitness", DYNWITNESS_VERSION},
+          {"scene", scene.name},
+          {"duration_s", options.duration},
+          {"step_error", options.step_error},
+          {"step_s", options.step}};
 }
 
-int compareAll(const scene::Scene& scene, SimulateOptions options, const std::vector<MotionTable>& tables,
-               const std::string& json_file) {
+int compareAll(const scene::Scene& scene, SimulateOptions options,
+               const std::vector<MotionTable>& tables, const std::string& json_file) {
   FormulationComparison comparison;
   {
     Runs runs(kComparedFormulations + 1, options.duration);  // the reference too
     options.progress = [&](double time) { runs.at(time); };
     comparison = compareFormulations(scene, options);
   }
-  fmt::print("{}: {} s; explicit methods at an error of {:.3g} a step, implicit ones at steps of {} s\n"
-             "errors against index 1 with projection, {}\n\n",
-             scene.name, options.duration, options.step_error, options.step,
-             describe(comparison.reference));
-  fmt::print("{:<7} {:<10} {:<22} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}{}\n", "form",
-             "kept by", "method", "steps", "evaluat.", "time s", "phi", "J qd", "energy J", "q", "qd",
-             "lambda", tables.empty() ? "" : "  published");
+  fmt::print(
+      "{}: {} s; explicit methods at an error of {:.3g} a step, implicit ones at steps of {} s\n"
+      "errors against index 1 with projection, {}\n\n",
+      scene.name, options.duration, options.step_error, options.step,
+      describe(comparison.reference));
+  fmt::print("{:<7} {:<10} {:<22} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}{}\n",
+             "form", "kept by", "method", "steps", "evaluat.", "time s", "phi", "J qd", "energy J",
+             "q", "qd", "lambda", tables.empty() ? "" : "  published");
   nlohmann::json rows = nlohmann::json::array();
   for (const FormulationRun& run : comparison.runs) {
     nlohmann::json row = {{"formulation", name(run.formulation)},
@@ -141,7 +153,8 @@ int compareAll(const scene::Scene& scene, SimulateOptions options, const std::ve
     fmt::print("\n");
     rows.push_back(row);
   }
-  if (comparison.most_lambda > 0) fmt::print("\nlargest multiplier {:.3g}\n", comparison.most_lambda);
+  if (comparison.most_lambda > 0)
+    fmt::print("\nlargest multiplier {:.3g}\n", comparison.most_lambda);
   if (!json_file.empty()) {
     nlohmann::json all = jsonHead(scene, options);
     all["reference"] = describe(comparison.reference);
@@ -210,7 +223,7 @@ int run(const Arguments& arguments) {
                    ? ""
                    : fmt::format(", {} in singular poses", result.rank_lowest),
                scene.mechanism.dof() - result.rank_highest,
-               options.formulation != Formulation::kIndex1       ? name(options.formulation)
+               options.formulation != Formulation::kIndex1     ? name(options.formulation)
                : options.stabilisation == Stabilisation::kNone ? "nothing"
                                                                : name(options.stabilisation));
     const Simulation::Point& last = result.points.back();
@@ -230,8 +243,7 @@ int run(const Arguments& arguments) {
   for (const MotionTable& table : tables) {
     const MotionVerdict verdict = compareMotion(scene, result, table);
     if (verdict.values == 0) {
-      fmt::print("published    {}: none of its times within {} s\n", table.title,
-                 options.duration);
+      fmt::print("published    {}: none of its times within {} s\n", table.title, options.duration);
       continue;
     }
     agree = agree && verdict.ratio <= 1;
@@ -250,24 +262,30 @@ int run(const Arguments& arguments) {
 Run addSimulate(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
-      "simulate", "Move a scene with its closures, springs and loads; drift, cost, published motions");
-  command->footer("dynwitness simulate car_axis --duration 3\n"
-                  "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
-                  "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare");
+      "simulate",
+      "Move a scene with its closures, springs and loads; drift, cost, published motions");
+  command->footer(
+      "dynwitness simulate car_axis --duration 3\n"
+      "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
+      "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare");
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--duration", arguments->options.duration, "Simulated time [s]")
       ->check(positive())
       ->capture_default_str();
   std::string methods;
-  for (const std::string& method : simulateMethods()) methods += (methods.empty() ? "" : ", ") + method;
-  command->add_option("--formulation", arguments->formulation,
-                      "Which form of the closures is solved: index1 (phi'' = 0), index2 (phi' = 0), index3 "
-                      "(phi = 0), ggl (the last two, Gear, Leimkuhler and Gupta)")
+  for (const std::string& method : simulateMethods())
+    methods += (methods.empty() ? "" : ", ") + method;
+  command
+      ->add_option(
+          "--formulation", arguments->formulation,
+          "Which form of the closures is solved: index1 (phi'' = 0), index2 (phi' = 0), index3 "
+          "(phi = 0), ggl (the last two, Gear, Leimkuhler and Gupta)")
       ->capture_default_str()
       ->check(CLI::IsMember({"index1", "index2", "index3", "ggl"}));
-  command->add_option("--method", arguments->method,
-                      "Integrator: " + methods +
-                          " [runge_kutta_fehlberg78; radau_iia_5 where the formulation is not index1]");
+  command->add_option(
+      "--method", arguments->method,
+      "Integrator: " + methods +
+          " [runge_kutta_fehlberg78; radau_iia_5 where the formulation is not index1]");
   command
       ->add_option(
           "--step-error", arguments->step_error,
@@ -277,18 +295,21 @@ Run addSimulate(CLI::App& app) {
   command->add_option("--step", arguments->options.step, "Step of implicit methods [s]")
       ->check(positive())
       ->capture_default_str();
-  command->add_option("--stabilisation", arguments->stabilisation,
-                      "How index 1 keeps closures: none, baumgarte, or projection after each step "
-                      "[projection; none for the others]")
+  command
+      ->add_option("--stabilisation", arguments->stabilisation,
+                   "How index 1 keeps closures: none, baumgarte, or projection after each step "
+                   "[projection; none for the others]")
       ->check(CLI::IsMember({"none", "baumgarte", "projection"}));
   command
       ->add_option("--baumgarte-rate", arguments->options.baumgarte_rate,
                    "w [1/s] in phi'' + 2 w phi' + w^2 phi = 0")
       ->check(nonNegative())
       ->capture_default_str();
-  command->add_flag("--compare", arguments->compare,
-                    "All formulations in one table: cost, drift, energy, errors of q, qd and multipliers");
-  command->add_option("--json", arguments->json, "File: ranks, drift, cost and published motions; with --compare its table");
+  command->add_flag(
+      "--compare", arguments->compare,
+      "All formulations in one table: cost, drift, energy, errors of q, qd and multipliers");
+  command->add_option("--json", arguments->json,
+                      "File: ranks, drift, cost and published motions; with --compare its table");
   command->add_option("--outputs", arguments->options.outputs, "Rows of the CSV file")
       ->check(whole(1, 1000000))
       ->capture_default_str();

@@ -39,7 +39,8 @@ Run addScenes(CLI::App& app) {
       fmt::print("{:<24} {:>2} dof  {}\n", scene.name, scene.mechanism.dof(), scene.title);
     }
     fmt::print("{:<24}         N = 1 to 200 four-bar windows (IFToMM A02)\n", "four_bars_N");
-    fmt::print("{:<24}         N = 1 to 1000000 equal links, in a row or as a binary tree\n", "chain_N, tree_N");
+    fmt::print("{:<24}         N = 1 to 1000000 equal links, in a row or as a binary tree\n",
+               "chain_N, tree_N");
     fmt::print("{:<24}         the same row with all axes parallel\n", "flat_chain_N");
     return 0;
   };

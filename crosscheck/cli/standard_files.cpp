@@ -16,7 +16,8 @@ namespace dynwitness::cli {
 void occupyStandardFiles() {
   for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(file, F_GETFD) < 0 && errno == EBADF)
-      // the lowest number that is free is this one; opened the other way round, it refuses as before
+      // the lowest number that is free is this one; opened the other way round, it refuses as
+      // before
       if (open("/dev/null", file == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0) return;
 }
 
@@ -30,8 +31,8 @@ void requireOutputWritten() {
   const bool written = std::cout.flush() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   const int error = errno;
   if (!written)
-    throw std::runtime_error(fmt::format("standard output could not be written{}{}", error ? ": " : "",
-                                         error ? std::strerror(error) : ""));
+    throw std::runtime_error(fmt::format("standard output could not be written{}{}",
+                                         error ? ": " : "", error ? std::strerror(error) : ""));
 }
 
 }  // namespace dynwitness::cli

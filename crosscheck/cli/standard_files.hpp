@@ -6,14 +6,16 @@
 
 namespace dynwitness::cli {
 
-/// Takes the numbers 0, 1 and 2 where they are free, so that no file that is opened gets them and is written
-/// to by mistake. To read from or write to such a one still fails.
+/// Takes the numbers 0, 1 and 2 where they are free, so that no file that is opened gets them and
+/// is written to by mistake. To read from or write to such a one still fails.
 void occupyStandardFiles();
 
-/// Writes to standard error. What cannot be written there is lost: it is no reason to give up the work.
+/// Writes to standard error. What cannot be written there is lost: it is no reason to give up the
+/// work.
 void tell(std::string_view text) noexcept;
 
-/// @throws std::runtime_error  standard output could not be written: what was printed has not arrived
+/// @throws std::runtime_error  standard output could not be written: what was printed has not
+/// arrived
 void requireOutputWritten();
 
 }  // namespace dynwitness::cli

@@ -51,12 +51,14 @@ BackwardError::~BackwardError() = default;
 void BackwardError::at(const scene::State<double>& state) {
   impl_->state = state;
   impl_->M = CompositeBody::answer(impl_->in_double, Quantity::kM, state);
-  impl_->without_qdd = impl_->in_double.inverse(state, state.qd, impl_->in_double.zeros(), Terms::all());
+  impl_->without_qdd =
+      impl_->in_double.inverse(state, state.qd, impl_->in_double.zeros(), Terms::all());
 }
 
 Residual BackwardError::operator()(const Eigen::MatrixXd& qdd) {
   Impl& s = *impl_;
-  const Eigen::Map<const Eigen::VectorXd> tau(s.state.tau.data(), static_cast<Eigen::Index>(s.state.tau.size()));
+  const Eigen::Map<const Eigen::VectorXd> tau(s.state.tau.data(),
+                                              static_cast<Eigen::Index>(s.state.tau.size()));
   Residual out;
   if (qdd.rows() != tau.rows() || qdd.cols() != 1 || !qdd.allFinite()) {
     const Ball nothing(std::numeric_limits<double>::quiet_NaN());
@@ -64,7 +66,8 @@ Residual BackwardError::operator()(const Eigen::MatrixXd& qdd) {
     out.ulp = kEpsilon;
     return out;
   }
-  const Eigen::VectorXd terms = tau.cwiseAbs() + s.without_qdd.cwiseAbs() + s.M.cwiseAbs() * qdd.cwiseAbs();
+  const Eigen::VectorXd terms =
+      tau.cwiseAbs() + s.without_qdd.cwiseAbs() + s.M.cwiseAbs() * qdd.cwiseAbs();
   out.ulp = kEpsilon * (terms.maxCoeff() > 0 ? terms.maxCoeff() : 1.0);
   scene::State<double> answered = s.state;
   answered.qdd.assign(qdd.data(), qdd.data() + qdd.size());
@@ -77,8 +80,10 @@ Residual BackwardError::operator()(const Eigen::MatrixXd& qdd) {
 }
 
 double BackwardError::condition() const {
-  const Eigen::VectorXd root = impl_->M.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
-  const Eigen::MatrixXd scaled = root.cwiseInverse().asDiagonal() * impl_->M * root.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd root =
+      impl_->M.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
+  const Eigen::MatrixXd scaled =
+      root.cwiseInverse().asDiagonal() * impl_->M * root.cwiseInverse().asDiagonal();
   const Eigen::VectorXd lambda =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
   const double largest = lambda.maxCoeff();

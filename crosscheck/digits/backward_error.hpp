@@ -18,11 +18,12 @@ namespace dynwitness::crosscheck {
 
         r = M qdd + c + g + friction - tau - Q                      [N m, N], shape n x 1
 
-    by inverse dynamics in balls, where nothing is divided. For two answers x and y the difference of their
-    residuals is M (x - y): they are the same qdd exactly when it is 0, as M is regular.
+    by inverse dynamics in balls, where nothing is divided. For two answers x and y the difference
+    of their residuals is M (x - y): they are the same qdd exactly when it is 0, as M is regular.
 
     The limit of r comes with the answer (Answer::residual_bound, solve_bound.hpp derives it). What
-    is counted in ulp is  eps max_i (|tau_i| + |c + g + ...|_i + sum_j |M_ij| |qdd_j|),  eps = 2^-52. */
+    is counted in ulp is  eps max_i (|tau_i| + |c + g + ...|_i + sum_j |M_ij| |qdd_j|),  eps =
+    2^-52. */
 struct Residual {
   MatrixOf<Ball> value;
   double ulp = 0;  ///< [N m, N]
@@ -38,12 +39,13 @@ class BackwardError {
   /// The state that is asked about from here on.
   void at(const scene::State<double>& state);
 
-  /** The residual of this qdd, its balls far below an ulp: the precision is doubled until they are, or until
-      kMaxBits. An answer that is no number leaves balls that are not finite. */
+  /** The residual of this qdd, its balls far below an ulp: the precision is doubled until they are,
+      or until kMaxBits. An answer that is no number leaves balls that are not finite. */
   Residual operator()(const Eigen::MatrixXd& qdd);
 
-  /** lambda_max / lambda_min of  M_ij / sqrt(M_ii M_jj), in double: that M as it stands depends on the units
-      of its joints. Says how many digits of qdd the residual may hide; nothing is judged by it. */
+  /** lambda_max / lambda_min of  M_ij / sqrt(M_ii M_jj), in double: that M as it stands depends on
+      the units of its joints. Says how many digits of qdd the residual may hide; nothing is judged
+      by it. */
   double condition() const;
 
  private:

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/tally.hpp"
 #include "crosscheck/digits/truth.hpp"
+#include "crosscheck/tally.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
@@ -164,7 +164,8 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
       // what is proven: the distance to the nearest point of the enclosure
       const double at_least = distance.isFinite() ? distance.atLeast() : kInfinite;
       const double loss = bounds->known_loss.size() > 0 ? bounds->known_loss(i, j) : 0;
-      judge({state, entry(i, j, shape), joints(i, j), size, ulp}, at_least, bounds->bound(i, j), loss);
+      judge({state, entry(i, j, shape), joints(i, j), size, ulp}, at_least, bounds->bound(i, j),
+            loss);
     }
   }
   closeState(state);
@@ -218,20 +219,21 @@ void DigitsTally::judge(const Place& at, double at_least, double bound, double l
   check_.worst_state = at.state;
   check_.worst_entry = at.entry;
   if (at_least > bound)
-    disagreement_ = fmt::format(
-        "{} {} at state {}, {:.3g} times its bound of {:.3g} ulp", where,
-        check_.condition ? fmt::format("leaves {:.3g} ulp of its equation", check_.worst)
-                         : fmt::format("is {:.3g} ulp from the truth", check_.worst),
-        at.state, ratio, check_.limit);
+    disagreement_ = fmt::format("{} {} at state {}, {:.3g} times its bound of {:.3g} ulp", where,
+                                check_.condition
+                                    ? fmt::format("leaves {:.3g} ulp of its equation", check_.worst)
+                                    : fmt::format("is {:.3g} ulp from the truth", check_.worst),
+                                at.state, ratio, check_.limit);
 }
 
 /// After the entries of a state: one without a bound voids it.
 void DigitsTally::closeState(int state) {
   if (!unbounded_.empty())
-    check_.addVoided(state,
-                     fmt::format("no error bound for {} at state {}: a divisor is zero within rounding",
-                                 unbounded_, state),
-                     false);
+    check_.addVoided(
+        state,
+        fmt::format("no error bound for {} at state {}: a divisor is zero within rounding",
+                    unbounded_, state),
+        false);
   unbounded_.clear();
 }
 
@@ -299,7 +301,8 @@ struct DigitsCount::Impl {
     const auto run = [&](auto& setup, auto zero, const char* scalar) {
       using T = decltype(zero);
       tally<T>(Algorithm::kName, quantity, scalar)
-          .add(index, exactly(Algorithm::answer(setup, quantity, stateIn<T>(state))), exact, nullptr);
+          .add(index, exactly(Algorithm::answer(setup, quantity, stateIn<T>(state))), exact,
+               nullptr);
     };
     run(in_float, 0.0f, "float");
     run(in_long_double, 0.0L, "long double");
@@ -321,8 +324,9 @@ struct DigitsCount::Impl {
       finding.text = fmt::format(
           "{}: {} keeps {:.1f} digits of {}; {} is off by {:.1e} of the largest {}, where rounding "
           "alone would leave {:.1f} digits",
-          scene.name, digits.witness, *finding.digits, digits.quantity, tally.lossAt(), tally.largestLoss(),
-          quantity == Quantity::kQdd ? "force in the equations" : "entry", tally.digitsWithoutLoss());
+          scene.name, digits.witness, *finding.digits, digits.quantity, tally.lossAt(),
+          tally.largestLoss(), quantity == Quantity::kQdd ? "force in the equations" : "entry",
+          tally.digitsWithoutLoss());
       const auto same = std::find_if(findings.begin(), findings.end(), [&](const Finding& f) {
         return f.witness == finding.witness;
       });

@@ -14,17 +14,17 @@ namespace dynwitness::crosscheck {
 /// Digits, and what they are judged by.
 struct DigitsFound {
   std::vector<DigitsResult> digits;
-  /// "truth", one a witness: its answers lie within their bounds of the certified truth. It disagrees
-  /// when an entry at some state is proven to lie outside (the truth's own width, below 2^-80 of it,
-  /// does not count), and says which joint and state.
+  /// "truth", one a witness: its answers lie within their bounds of the certified truth. It
+  /// disagrees when an entry at some state is proven to lie outside (the truth's own width, below
+  /// 2^-80 of it, does not count), and says which joint and state.
   std::vector<CheckResult> checks;
   /// Who lies beyond rounding, within a documented loss: one a witness, its worst quantity.
   std::vector<Finding> losses;
 };
 
-/** All witnesses in double, judged by the bounds of their answers; then the sweeps in float and long
-    double, which are not judged. A float run gets the state rounded to float: that rounding is part
-    of what float does, and is counted. */
+/** All witnesses in double, judged by the bounds of their answers; then the sweeps in float and
+    long double, which are not judged. A float run gets the state rounded to float: that rounding is
+    part of what float does, and is counted. */
 class DigitsCount {
  public:
   DigitsCount(const scene::Scene& scene, const Options& options);
@@ -44,8 +44,8 @@ class DigitsCount {
 DigitsFound measureDigits(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
                           const Options& options);
 
-/// The same, and each pair of witnesses into `checks`; those that cannot hold the scene come first there.
-/// What became of the faults planted for control goes into `controls`.
+/// The same, and each pair of witnesses into `checks`; those that cannot hold the scene come first
+/// there. What became of the faults planted for control goes into `controls`.
 DigitsFound askWitnesses(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
                          const Options& options, std::vector<CheckResult>& checks,
                          std::vector<Control>& controls);

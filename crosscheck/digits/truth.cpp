@@ -71,7 +71,8 @@ Attempt judged(Quantity quantity, MatrixOf<Ball> value, long accuracy) {
 }  // namespace
 
 struct Truth::Impl {
-  Impl(const scene::Mechanism& m, long a, long b) : mechanism(m), numbers(m), accuracy(a), most_bits(b) {}
+  Impl(const scene::Mechanism& m, long a, long b)
+      : mechanism(m), numbers(m), accuracy(a), most_bits(b) {}
 
   /// The model with its numbers enclosed at the precision of the moment.
   Setup<Ball>& setup() {

@@ -119,7 +119,9 @@ DegreeBound DegreeBound::constant(const scene::Rational& value) {
   return {0, bits, divisors.intern(powers)};
 }
 
-DegreeBound DegreeBound::indeterminate(double weight) { return {weight, 0, 0}; }
+DegreeBound DegreeBound::indeterminate(double weight) {
+  return {weight, 0, 0};
+}
 
 DegreeBound DegreeBound::sum(const DegreeBound& a, const DegreeBound& b) {
   if (a.isZero()) return b;
@@ -137,7 +139,8 @@ DegreeBound DegreeBound::sum(const DegreeBound& a, const DegreeBound& b) {
 
 DegreeBound DegreeBound::product(const DegreeBound& a, const DegreeBound& b) {
   if (a.isZero() || b.isZero()) return {};
-  if (a.denominator_ == 0 && b.denominator_ == 0) return {a.degree_ + b.degree_, a.bits_ + b.bits_, 0};
+  if (a.denominator_ == 0 && b.denominator_ == 0)
+    return {a.degree_ + b.degree_, a.bits_ + b.bits_, 0};
   // (N / E) (X / (N F)) = X / (E F)
   Divisors& divisors = *current_;
   for (const auto& [n, x] : {std::pair(&a, &b), std::pair(&b, &a)}) {
@@ -193,7 +196,8 @@ int pointsNeeded(double p, double target) {
         "pointsNeeded: expected 0 <= p < 1 and 0 < target < 1, got {} and {}", p, target));
   if (p == 0) return 1;
   int points = std::max(1, static_cast<int>(std::ceil(std::log(target) / std::log(p))) - 1);
-  while (points * std::log(p) > std::log(target)) ++points;  // the quotient of logarithms is rounded
+  while (points * std::log(p) > std::log(target))
+    ++points;  // the quotient of logarithms is rounded
   return points;
 }
 

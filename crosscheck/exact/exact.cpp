@@ -17,8 +17,8 @@
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
-#include "scene/work.hpp"
 #include "recursive/constraints.hpp"
+#include "scene/work.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
 
@@ -42,7 +42,8 @@ class Trial {
   }
 
   /// How many points it takes, from the size of the formulas.
-  void size(const TwoSides<DegreeBound>& sides, const DegreeBound::Divisors& divisors, double target) {
+  void size(const TwoSides<DegreeBound>& sides, const DegreeBound::Divisors& divisors,
+            double target) {
     if (!sides.failure.empty()) return giveUp(sides.failure, true);
     if (!sameShape(sides)) return;
     double chance = 0;
@@ -78,10 +79,9 @@ class Trial {
         if (sides.left(i, j) == sides.right(i, j)) continue;
         check_.worst_entry = entryName(check_.quantity, i, j, sides.left);
         check_.worst_state = index;
-        return disagree(fmt::format("{} differs at point {} of seed {}: {} and {} modulo {}",
-                                    check_.worst_entry, index, check_.seed,
-                                    sides.left(i, j).residue(), sides.right(i, j).residue(),
-                                    exact_.prime));
+        return disagree(fmt::format(
+            "{} differs at point {} of seed {}: {} and {} modulo {}", check_.worst_entry, index,
+            check_.seed, sides.left(i, j).residue(), sides.right(i, j).residue(), exact_.prime));
       }
     }
     done_ = exact_.points == needed_;
@@ -100,7 +100,8 @@ class Trial {
   }
 
  private:
-  /// @param has_none  there is no number to compare: a divisor is zero as a formula, or there is no law
+  /// @param has_none  there is no number to compare: a divisor is zero as a formula, or there is no
+  ///   law
   void giveUp(const std::string& reason, bool has_none) {
     check_.addVoided(0, reason, has_none);
     check_.verdict = Verdict::kNotAnswerable;
@@ -115,8 +116,8 @@ class Trial {
   }
   template <typename T>
   bool sameShape(const TwoSides<T>& sides) {
-    const bool same = sides.left.rows() == sides.right.rows() &&
-                      sides.left.cols() == sides.right.cols();
+    const bool same =
+        sides.left.rows() == sides.right.rows() && sides.left.cols() == sides.right.cols();
     if (!same)
       disagree(fmt::format("shapes differ: {} x {} and {} x {}", sides.left.rows(),
                            sides.left.cols(), sides.right.rows(), sides.right.cols()));
@@ -185,10 +186,9 @@ ExactWitness lagrangeWitness(const scene::Scene& scene, Parameters parameters) {
 struct KernelPrograms {
   explicit KernelPrograms(const scene::Mechanism& mechanism) : dof(mechanism.dof()) {
     using kernel::Formula;
-    for (const auto& [quantity, formula] :
-         {std::pair(Quantity::kM, Formula::kMassMatrix),
-          std::pair(Quantity::kTau, Formula::kInverseDynamics),
-          std::pair(Quantity::kQdd, Formula::kForwardDynamics)}) {
+    for (const auto& [quantity, formula] : {std::pair(Quantity::kM, Formula::kMassMatrix),
+                                            std::pair(Quantity::kTau, Formula::kInverseDynamics),
+                                            std::pair(Quantity::kQdd, Formula::kForwardDynamics)}) {
       try {
         programs.emplace(quantity, kernel::smallestRoad(mechanism, formula).program);
       } catch (const std::domain_error& error) {
@@ -197,7 +197,9 @@ struct KernelPrograms {
       }
     }
   }
-  bool answers(Quantity quantity) const { return programs.count(quantity) + failures.count(quantity) > 0; }
+  bool answers(Quantity quantity) const {
+    return programs.count(quantity) + failures.count(quantity) > 0;
+  }
   std::map<Quantity, symbolic::Program> programs;
   std::map<Quantity, std::string> failures;  ///< why there is none
   int dof;
@@ -285,7 +287,8 @@ SidesOfAll<T> ask(const std::vector<Pair>& pairs,
   };
   SidesOfAll<T> all;
   for (const Pair& pair : pairs) {
-    const Testimony &left = hear(pair.quantity, pair.left), &right = hear(pair.quantity, pair.right);
+    const Testimony &left = hear(pair.quantity, pair.left),
+                    &right = hear(pair.quantity, pair.right);
     all.push_back({left.answer, right.answer, left.failure.empty() ? right.failure : left.failure});
   }
   return all;
@@ -300,7 +303,8 @@ Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
     check.quantity = name(pair.quantity);
     check.left = witnesses[pair.left].name;
     check.right = witnesses[pair.right].name;
-    check.statement = fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
+    check.statement =
+        fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
     inquiry.checks.push_back(check);
   }
   inquiry.in_field = [=](const FieldNumbers& number, const scene::State<PrimeField>& state) {
@@ -456,7 +460,8 @@ std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptio
 std::string describeExact(const CheckResult::Exact& exact) {
   if (!exact.residual_zero) return fmt::format("residual not zero modulo {}", exact.prime);
   return fmt::format(
-      "residual zero at {} points modulo 63-bit primes; chance that different formulas pass at most "
+      "residual zero at {} points modulo 63-bit primes; chance that different formulas pass at "
+      "most "
       "{:.1e}",
       exact.points, exact.error_probability);
 }

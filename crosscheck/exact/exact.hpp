@@ -29,8 +29,8 @@ struct ExactOptions {
 
 /** A witness in any arithmetic: built with a scene's numbers once, then asked at many states.
 
-    A sweep or a derived program is one template, run in the field for its answers and in DegreeBound
-    for the size of its formulas; so both ways are made of the same code. */
+    A sweep or a derived program is one template, run in the field for its answers and in
+    DegreeBound for the size of its formulas; so both ways are made of the same code. */
 struct ExactWitness {
   template <typename T>
   using Answers = std::function<MatrixOf<T>(Quantity, const scene::State<T>&)>;
@@ -71,24 +71,25 @@ ExactWitness recursiveLagrangeWitness(const scene::Scene& scene, Change change) 
   return {RecursiveLagrange<PrimeField>::kName, RecursiveLagrange<PrimeField>::answers, on, on};
 }
 
-/// The programs that the scene's kernel is compiled from (smallestRoad), for the parameters as written.
+/// The programs that the scene's kernel is compiled from (smallestRoad), for the parameters as
+/// written.
 ExactWitness kernelWitness(const scene::Scene& scene);
 
-/// lagrange (derived here, once), newton_euler, composite_body, articulated_body, recursive_lagrange, fast
-/// and, where the
-/// parameters are as written and there is one, kernel; or those of them that `names` names.
+/// lagrange (derived here, once), newton_euler, composite_body, articulated_body,
+/// recursive_lagrange, fast and, where the parameters are as written and there is one, kernel; or
+/// those of them that `names` names.
 std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
                                          const std::vector<std::string>& names = {});
 
 /** Runs the comparisons of witnesses and the identities of identities.hpp over the field.
 
     A point is a prime, a state, and a value for whatever of the scene's numbers has no place in a
-    field (IndeterminateNumbers); it is a pure function of (scene name, seed, index). A point at which
-    a check divides by zero is drawn again, for that check. errorProbability() in degree.hpp says what
-    the chance is a chance of, and why no formula that differs is exempt from it.
+    field (IndeterminateNumbers); it is a pure function of (scene name, seed, index). A point at
+    which a check divides by zero is drawn again, for that check. errorProbability() in degree.hpp
+    says what the chance is a chance of, and why no formula that differs is exempt from it.
 
     @return  one result a pair and quantity ("same") and one an identity, unit "exact"; `states` and
-             `exact` say at how many points the residual was zero, or at which it was not. A check is
+      `exact` say at how many points the residual was zero, or at which it was not. A check is
              not answerable when a divisor is zero at all points, or when its formulas are too large
              for the field to say anything.
     @throws std::invalid_argument unless 0 < error_probability < 1 */
@@ -102,18 +103,20 @@ std::vector<CheckResult> compareExactly(const scene::Scene& scene,
 std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
                                                 const ExactOptions& options);
 /// phi, J and (dJ/dt) qd of the closures, by lagrange and by the sweeps; none without closures.
-/// @param derived  what Lagrange's side is derived from instead of the scene: tests plant their errors there
+/// @param derived  what Lagrange's side is derived from instead of the scene: tests plant their
+///   errors there
 std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
                                               const ExactOptions& options,
                                               const scene::Mechanism* derived = nullptr);
 
-/// What of the constrained motion the scene has to show: closures, driven joints, acceleration constraints.
-/// No checks where it has none of them; `derived` as above.
+/// What of the constrained motion the scene has to show: closures, driven joints, acceleration
+/// constraints. No checks where it has none of them; `derived` as above.
 std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
                                                  const ExactOptions& options,
                                                  const scene::Mechanism* derived = nullptr);
 
-/// "residual zero at 2 points modulo 63-bit primes; chance that different formulas pass at most 3e-34"
+/// "residual zero at 2 points modulo 63-bit primes; chance that different formulas pass at most
+/// 3e-34"
 std::string describeExact(const CheckResult::Exact& exact);
 
 }  // namespace dynwitness::crosscheck

@@ -28,7 +28,8 @@ struct DenseProgram {
     std::vector<scene::Attachment> points;
     for (const scene::AccelerationConstraint& held : mechanism.acceleration_constraints)
       points.push_back({held.link, held.at, {}});
-    const symbolic::ClosureEquations frames = symbolic::frameEquations(mechanism, options, points, e);
+    const symbolic::ClosureEquations frames =
+        symbolic::frameEquations(mechanism, options, points, e);
     n = e.dof();
     std::vector<symbolic::Node> outputs = symbolic::massCoriolisGravity(e);
     const auto add = [&outputs](const std::vector<symbolic::Node>& more) {
@@ -81,12 +82,17 @@ DenseEquations<T> denseEquations(const DenseProgram& dense, const scene::Mechani
   take(from, m, 1);  // phi
   out.J.topRows(m) = take(from, m, n);
   out.b.head(m) = take(from, m, 1) * T(-1);
-  const MatrixOf<T> place = take(from, 12 * k, 1), J = take(from, 12 * k, n), gamma = take(from, 12 * k, 1);
+  const MatrixOf<T> place = take(from, 12 * k, 1), J = take(from, 12 * k, n),
+                    gamma = take(from, 12 * k, 1);
   using V3 = Eigen::Matrix<T, 3, 1>;
-  const auto numbers = [&number](const scene::Vector& v) { return V3(number(v[0]), number(v[1]), number(v[2])); };
+  const auto numbers = [&number](const scene::Vector& v) {
+    return V3(number(v[0]), number(v[1]), number(v[2]));
+  };
   for (int i = 0; i < k; ++i) {
     V3 u = numbers(held[i].direction), d = numbers(held[i].rotation);
-    const auto axis = [&](int a) { return V3(place.col(0).template segment<3>(12 * i + 3 + 3 * a)); };
+    const auto axis = [&](int a) {
+      return V3(place.col(0).template segment<3>(12 * i + 3 + 3 * a));
+    };
     if (held[i].axes == scene::AccelerationConstraint::Axes::kLink) {
       u = (axis(0) * u(0) + axis(1) * u(1) + axis(2) * u(2)).eval();
       d = (axis(0) * d(0) + axis(1) * d(1) + axis(2) * d(2)).eval();
@@ -110,8 +116,8 @@ struct DenseSolution {
   VectorOf<T> qdd, nu, tau;
 };
 
-/// One symmetric system in all unknowns, [M J'; J -C] (qdd, -nu) = (tau - bias, b), driven joints' columns
-/// on the right; then the forces of the driven joints from their rows.
+/// One symmetric system in all unknowns, [M J'; J -C] (qdd, -nu) = (tau - bias, b), driven joints'
+/// columns on the right; then the forces of the driven joints from their rows.
 template <typename T>
 DenseSolution<T> solveDense(const DenseEquations<T>& e, const std::vector<char>& driven,
                             const std::vector<T>& tau, const std::vector<T>& qdd) {
@@ -119,8 +125,10 @@ DenseSolution<T> solveDense(const DenseEquations<T>& e, const std::vector<char>&
   std::vector<int> free;
   DenseSolution<T> out{VectorOf<T>::Constant(n, T(0)), VectorOf<T>(m), VectorOf<T>(n)};
   for (int i = 0; i < n; ++i) {
-    if (driven[i]) out.qdd(i) = qdd[i];
-    else free.push_back(i);
+    if (driven[i])
+      out.qdd(i) = qdd[i];
+    else
+      free.push_back(i);
   }
   const int f = static_cast<int>(free.size());
   const VectorOf<T> inertial = e.M * out.qdd + e.bias, given = e.J * out.qdd;
@@ -170,8 +178,10 @@ SidesOfAll<T> answered(std::size_t count, const Ask& ask) {
 Inquiry loops(const scene::Mechanism& mechanism, std::shared_ptr<const DenseProgram> dense) {
   Inquiry inquiry;
   inquiry.checks = {
-      question("closed loops", "qdd", "qdd of closed loops, each eliminated where it closes = one dense system"),
-      question("closed loops", "lambda", "multipliers of closed loops by the sweeps = one dense system")};
+      question("closed loops", "qdd",
+               "qdd of closed loops, each eliminated where it closes = one dense system"),
+      question("closed loops", "lambda",
+               "multipliers of closed loops by the sweeps = one dense system")};
   const auto ask = [dense, &mechanism](const auto& number, const auto& state) {
     using T = typename std::decay_t<decltype(number)>::Scalar;
     return answered<T>(2, [&](SidesOfAll<T>& all) {
@@ -185,7 +195,8 @@ Inquiry loops(const scene::Mechanism& mechanism, std::shared_ptr<const DenseProg
       e.J.conservativeResize(dense->closure_rows, Eigen::NoChange);
       e.b.conservativeResize(dense->closure_rows);
       e.C.conservativeResize(dense->closure_rows);
-      const DenseSolution<T> x = solveDense(e, std::vector<char>(model.dof(), 0), state.tau, state.qdd);
+      const DenseSolution<T> x =
+          solveDense(e, std::vector<char>(model.dof(), 0), state.tau, state.qdd);
       all[0].left = x.qdd;
       all[0].right = column(swept.qdd);
       all[1].left = x.nu;
@@ -203,16 +214,21 @@ Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DensePro
   inquiry.checks = {
       question("hybrid dynamics", "qdd",
                "qdd with driven joints and constraints on links by the sweeps = one dense system"),
-      question("hybrid dynamics", "nu", "forces of constraints on links by the sweeps = one dense system"),
-      question("hybrid dynamics", "tau", "forces of driven joints by the sweeps = one dense system"),
-      question("operational space", "b",
-               "J qdd + (dJ/dt) qd under the controller's torques = what the task asks, whatever the posture")};
+      question("hybrid dynamics", "nu",
+               "forces of constraints on links by the sweeps = one dense system"),
+      question("hybrid dynamics", "tau",
+               "forces of driven joints by the sweeps = one dense system"),
+      question(
+          "operational space", "b",
+          "J qdd + (dJ/dt) qd under the controller's torques = what the task asks, whatever the "
+          "posture")};
   const auto ask = [dense, &mechanism](const auto& number, const auto& state) {
     using T = typename std::decay_t<decltype(number)>::Scalar;
     return answered<T>(4, [&](SidesOfAll<T>& all) {
       const auto model = recursive::buildModel(mechanism, number);
       recursive::Workspace<T> ws(model);
-      auto held = recursive::accelerationConstraints(mechanism, number, model, state.x, state.qd, ws);
+      auto held =
+          recursive::accelerationConstraints(mechanism, number, model, state.x, state.qd, ws);
       recursive::ConstraintWorkspace<T> cws(model, static_cast<int>(held.size()));
       std::vector<char> driven;
       for (const scene::Expression* motion : mechanism.motions()) driven.push_back(motion ? 1 : 0);
@@ -250,16 +266,20 @@ Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DensePro
 /// A constrained base by Gauss' problem of six unknowns.
 Inquiry baseProblem(const scene::Mechanism& mechanism, std::shared_ptr<const DenseProgram> dense) {
   Inquiry inquiry;
-  inquiry.checks = {question("least constraint", "qdd",
-                             "qdd of a floating robot with a constrained base, Gauss' problem of six unknowns = one "
-                             "dense system"),
-                    question("least constraint", "nu", "forces on the base by Gauss' problem = one dense system")};
+  inquiry.checks = {
+      question(
+          "least constraint", "qdd",
+          "qdd of a floating robot with a constrained base, Gauss' problem of six unknowns = one "
+          "dense system"),
+      question("least constraint", "nu",
+               "forces on the base by Gauss' problem = one dense system")};
   const auto ask = [dense, &mechanism](const auto& number, const auto& state) {
     using T = typename std::decay_t<decltype(number)>::Scalar;
     return answered<T>(2, [&](SidesOfAll<T>& all) {
       const auto model = recursive::buildModel(mechanism, number);
       recursive::Workspace<T> ws(model);
-      const auto held = recursive::accelerationConstraints(mechanism, number, model, state.x, state.qd, ws);
+      const auto held =
+          recursive::accelerationConstraints(mechanism, number, model, state.x, state.qd, ws);
       const Eigen::Index k = static_cast<Eigen::Index>(held.size());
       recursive::LinkConstraint<T> base;
       base.A.resize(6, k);
@@ -270,12 +290,14 @@ Inquiry baseProblem(const scene::Mechanism& mechanism, std::shared_ptr<const Den
       }
       std::vector<T> qdd = state.qdd;
       VectorOf<T> force;
-      recursive::baseConstrainedDynamics(model, state.x, state.qd, state.tau, base, ws, qdd, &force);
+      recursive::baseConstrainedDynamics(model, state.x, state.qd, state.tau, base, ws, qdd,
+                                         &force);
       DenseEquations<T> e = denseEquations(*dense, mechanism, number, state);
       e.J = e.J.bottomRows(k).eval();
       e.b = e.b.tail(k).eval();
       e.C = e.C.tail(k).eval();
-      const DenseSolution<T> x = solveDense(e, std::vector<char>(model.dof(), 0), state.tau, state.qdd);
+      const DenseSolution<T> x =
+          solveDense(e, std::vector<char>(model.dof(), 0), state.tau, state.qdd);
       all[0].left = x.qdd;
       all[0].right = column(qdd);
       all[1].left = x.nu;
@@ -311,7 +333,9 @@ std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
                                  "constrained motion by the sweeps = one dense system");
     check.seed = options.seed;
     check.verdict = Verdict::kNotAnswerable;
-    check.reason = "joints follow others (mimic), and the constrained sweeps solve for each joint where they pass it";
+    check.reason =
+        "joints follow others (mimic), and the constrained sweeps solve for each joint where they "
+        "pass it";
     return {check};
   }
   const auto dense =
@@ -319,9 +343,11 @@ std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
   std::vector<CheckResult> checks;
   if (!mechanism.closures.empty()) checks = decide(scene, loops(mechanism, dense), options);
   if (is_held)
-    for (const CheckResult& check : decide(scene, hybrid(mechanism, dense), options)) checks.push_back(check);
+    for (const CheckResult& check : decide(scene, hybrid(mechanism, dense), options))
+      checks.push_back(check);
   if (holdsItsBase(mechanism))
-    for (const CheckResult& check : decide(scene, baseProblem(mechanism, dense), options)) checks.push_back(check);
+    for (const CheckResult& check : decide(scene, baseProblem(mechanism, dense), options))
+      checks.push_back(check);
   return checks;
 }
 

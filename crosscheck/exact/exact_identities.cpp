@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The identities over the prime field: apart from exact.cpp, because both are long to compile.
-#include "crosscheck/identities.hpp"
 #include "crosscheck/exact/inquiry.hpp"
+#include "crosscheck/identities.hpp"
 
 namespace dynwitness::crosscheck {
 

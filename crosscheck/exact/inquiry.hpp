@@ -17,7 +17,8 @@ using SidesOfAll = std::vector<TwoSides<T>>;
 /// DegreeBound for the size of their formulas. Where a side cannot be had, `failure` says why.
 struct Inquiry {
   std::vector<CheckResult> checks;  ///< what is asked, in words
-  std::function<SidesOfAll<PrimeField>(const FieldNumbers&, const scene::State<PrimeField>&)> in_field;
+  std::function<SidesOfAll<PrimeField>(const FieldNumbers&, const scene::State<PrimeField>&)>
+      in_field;
   std::function<SidesOfAll<DegreeBound>(const DegreeNumbers&, const scene::State<DegreeBound>&)>
       in_degrees;
 };

@@ -23,7 +23,8 @@ class Drawing {
  public:
   Drawing(std::uint64_t seed, std::uint64_t index, JointKinds kinds)
       : kinds_(kinds),
-        random_(kinds == JointKinds::kAll ? "random mechanism" : "random plain mechanism", seed, index),
+        random_(kinds == JointKinds::kAll ? "random mechanism" : "random plain mechanism", seed,
+                index),
         followers_("random followers", seed, index) {}
 
   scene::Mechanism mechanism(int max_joints) {
@@ -57,22 +58,26 @@ class Drawing {
   }
 
  private:
-  /// Lets some joints of one position follow others, from a stream of its own: what else is drawn stays.
+  /// Lets some joints of one position follow others, from a stream of its own: what else is drawn
+  /// stays.
   void follow(scene::Mechanism& mechanism) {
-    static constexpr const char* kMultipliers[] = {"1", "-1", "-0.5", "2", "0.7", "-3", "1/3", "-1.25"};
+    static constexpr const char* kMultipliers[] = {"1",   "-1", "-0.5", "2",
+                                                   "0.7", "-3", "1/3",  "-1.25"};
     static constexpr const char* kOffsets[] = {"0", "0", "0.1", "-0.25", "pi/4", "1.2"};
     const auto draw = [this](std::size_t n) { return followers_.next() % n; };
     std::vector<int> joints;
     for (std::size_t i = 1; i < mechanism.links.size(); ++i)
-      if (scene::degreesOfFreedom(mechanism.links[i].joint.kind) == 1) joints.push_back(static_cast<int>(i));
+      if (scene::degreesOfFreedom(mechanism.links[i].joint.kind) == 1)
+        joints.push_back(static_cast<int>(i));
     if (joints.size() < 2 || draw(100) >= 35) return;
     for (std::size_t k = joints.size(); k > 1; --k) std::swap(joints[k - 1], joints[draw(k)]);
-    // each follows one that stands before it in this order, so that there is no circle; the first leads
+    // each follows one that stands before it in this order, so that there is no circle; the first
+    // leads
     for (std::size_t k = 1; k < joints.size(); ++k) {
       if (draw(100) >= 50 && k + 1 < joints.size()) continue;
       const std::string& leader = mechanism.links[joints[draw(k)]].joint.name;
-      mechanism.links[joints[k]].joint.mimic =
-          scene::Mimic{leader, Number::parse(kMultipliers[draw(8)]), Number::parse(kOffsets[draw(6)])};
+      mechanism.links[joints[k]].joint.mimic = scene::Mimic{
+          leader, Number::parse(kMultipliers[draw(8)]), Number::parse(kOffsets[draw(6)])};
     }
   }
 
@@ -182,7 +187,8 @@ class Drawing {
     scene::Joint& joint = out.joint;
     joint.name = fmt::format("joint_{}", index);
     joint.kind = fixed ? JointKind::kFixed : kind();
-    const bool has_axis = scene::hasAxis(joint.kind), has_one_q = scene::degreesOfFreedom(joint.kind) == 1;
+    const bool has_axis = scene::hasAxis(joint.kind),
+               has_one_q = scene::degreesOfFreedom(joint.kind) == 1;
     do {
       joint.placement = placement();
     } while (!fixed && (!has_axis || joint.kind == JointKind::kPlanar) &&
@@ -204,8 +210,8 @@ class Drawing {
       if (chance(50)) joint.friction.positive = joint.friction.negative = decimal(0, 300);
     }
     // without a mass of its own, or a rotor, a joint could move nothing that another one does not
-    if (chance(90) || !(fixed || has_rotor)) out.inertia = body(
-        joint.kind != JointKind::kSpherical && joint.kind != JointKind::kFloating);
+    if (chance(90) || !(fixed || has_rotor))
+      out.inertia = body(joint.kind != JointKind::kSpherical && joint.kind != JointKind::kFloating);
     return out;
   }
 
@@ -215,7 +221,8 @@ class Drawing {
 
 }  // namespace
 
-scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints, JointKinds kinds) {
+scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints,
+                         JointKinds kinds) {
   if (max_joints < 1)
     throw std::invalid_argument(
         fmt::format("randomScene: max_joints: expected 1 or more, got {}", max_joints));
@@ -224,8 +231,8 @@ scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints
   scene::Scene out;
   out.name = fmt::format("random_{}{}_{}", kinds == JointKinds::kAll ? "" : "plain_", seed, index);
   out.title = fmt::format("Random {}mechanism {}", plain, index);
-  out.source = fmt::format("dynwitness, random {}mechanism {} of seed {} with up to {} joints", plain,
-                           index, seed, max_joints);
+  out.source = fmt::format("dynwitness, random {}mechanism {} of seed {} with up to {} joints",
+                           plain, index, seed, max_joints);
   out.file = out.name + ".toml";
   while (true) {
     out.mechanism = drawing.mechanism(max_joints);

@@ -8,16 +8,17 @@
 
 namespace dynwitness::crosscheck {
 
-/// kPlain: fixed, revolute and prismatic joints, and no gyroscopic rotors: what every engine builds.
+/// kPlain: fixed, revolute and prismatic joints, and no gyroscopic rotors: what every engine
+/// builds.
 enum class JointKinds { kAll, kPlain };
 
 /** A random tree: a pure function of (seed, index, max_joints, kinds), and a valid scene.
 
-    It has 1 to max_joints moving joints, each number equally likely, and links on fixed joints beside
-    them; every joint kind and placement convention, general axes and angles, rotors with gears,
-    springs, joints that follow others, gravity in any direction (or none), and loads in link and world axes. Inertias are those
-    of a few point masses, so they are physical, down to rods and single points. All numbers are
-    rational, or rational multiples of pi where they are angles.
+    It has 1 to max_joints moving joints, each number equally likely, and links on fixed joints
+    beside them; every joint kind and placement convention, general axes and angles, rotors with
+    gears, springs, joints that follow others, gravity in any direction (or none), and loads in link
+    and world axes. Inertias are those of a few point masses, so they are physical, down to rods and
+    single points. All numbers are rational, or rational multiples of pi where they are angles.
 
     @param max_joints  at least 1
     @throws std::invalid_argument when max_joints < 1

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How many steps a recursion over links takes: swept, written out anew, or with equal subtrees shared.
+// How many steps a recursion over links takes: swept, written out anew, or with equal subtrees
+// shared.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +11,9 @@
 
 namespace dynwitness::crosscheck {
 
-/** Which links carry equal subtrees: links of the same inertia that carry, by joints of the same kind in the
-    same places, equal subtrees. The tree is then a directed acyclic graph with fewer nodes. */
+/** Which links carry equal subtrees: links of the same inertia that carry, by joints of the same
+    kind in the same places, equal subtrees. The tree is then a directed acyclic graph with fewer
+    nodes. */
 struct SharedSubtrees {
   std::vector<int> of_link;         ///< node of each link; links without others have the first ones
   std::vector<int> representative;  ///< a link of each node
@@ -30,13 +32,15 @@ inline SharedSubtrees sharedSubtrees(const recursive::Model<double>& model) {
     const auto& [mass, h, I] = link.M;
     std::vector<double> key = {mass, h.x(), h.y(), h.z(), I.xx, I.yy, I.zz, I.xy, I.xz, I.yz};
     std::sort(children[i].begin(), children[i].end());
-    for (const std::vector<double>& child : children[i]) key.insert(key.end(), child.begin(), child.end());
+    for (const std::vector<double>& child : children[i])
+      key.insert(key.end(), child.begin(), child.end());
     const auto [it, is_new] = nodes.emplace(key, out.count());
     if (is_new) out.representative.push_back(i);
     out.of_link[i] = it->second;
     if (link.parent < 0) continue;
-    std::vector<double> way = {static_cast<double>(link.kind), link.rotor, link.pitch, link.stiffness,
-                               link.rest, static_cast<double>(it->second)};
+    std::vector<double> way = {
+        static_cast<double>(link.kind), link.rotor, link.pitch, link.stiffness, link.rest,
+        static_cast<double>(it->second)};
     way.insert(way.end(), link.X_tree.p.begin(), link.X_tree.p.end());
     for (const double r : link.X_tree.R.reshaped()) way.push_back(r);
     children[link.parent].push_back(way);
@@ -44,8 +48,8 @@ inline SharedSubtrees sharedSubtrees(const recursive::Model<double>& model) {
   return out;
 }
 
-/** Steps that articulated inertias of all links take; a step is one link's own inertia and the projection
-    through one joint. */
+/** Steps that articulated inertias of all links take; a step is one link's own inertia and the
+    projection through one joint. */
 struct RecursionSteps {
   int swept = 0;   ///< each subtree's value kept: one a link
   long anew = 0;   ///< the recursion run for each link by itself: one for each link of its subtree
@@ -60,7 +64,8 @@ inline RecursionSteps recursionSteps(const recursive::Model<double>& model) {
   return out;
 }
 
-/** Articulated inertias of all nodes, one step each, in a pose in which equal subtrees are in equal poses.
+/** Articulated inertias of all nodes, one step each, in a pose in which equal subtrees are in equal
+    poses.
     @return M_A of links.of_link[i] is that of link i */
 template <typename T>
 std::vector<recursive::ArticulatedInertia<T>> articulatedInertias(

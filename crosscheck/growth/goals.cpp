@@ -20,7 +20,8 @@ constexpr double kWithin = 1.5, kBeyond = 3;  // times what it takes at kGrowthF
 constexpr double kMostBytes = 1500;           // a link
 constexpr double kMostOfAll = 4e9;            // [bytes] at kMostFamilyLinks
 constexpr double kDigits = 14;
-constexpr double kCallersArrays = 5 * sizeof(double);  // q, qd, qdd, tau and what is returned, a link
+constexpr double kCallersArrays =
+    5 * sizeof(double);  // q, qd, qdd, tau and what is returned, a link
 
 using Value = double GrowthPoint::*;
 
@@ -74,22 +75,29 @@ double lastLevelCache() {
 int linksInCache(const std::vector<GrowthPoint>& points, const std::string& family, double cache) {
   const std::vector<GrowthPoint> fast = fastOf(points, family);
   for (auto p = fast.rbegin(); p != fast.rend(); ++p)
-    if (p->links >= kGrowthFrom && !std::isnan(p->bytes)) return static_cast<int>(cache / (p->bytes + kCallersArrays));
+    if (p->links >= kGrowthFrom && !std::isnan(p->bytes))
+      return static_cast<int>(cache / (p->bytes + kCallersArrays));
   return 0;
 }
 
-bool GrowthGoal::isMeasured() const { return !std::isnan(measured); }
-bool GrowthGoal::isReached() const { return is_least ? measured >= limit : measured <= limit; }
+bool GrowthGoal::isMeasured() const {
+  return !std::isnan(measured);
+}
+bool GrowthGoal::isReached() const {
+  return is_least ? measured >= limit : measured <= limit;
+}
 
 std::vector<GrowthGoal> growthGoals(const std::vector<GrowthPoint>& points, double cache) {
   std::vector<GrowthGoal> goals;
   std::vector<std::string> families;
   for (const GrowthPoint& p : points)
-    if (std::find(families.begin(), families.end(), p.family) == families.end()) families.push_back(p.family);
+    if (std::find(families.begin(), families.end(), p.family) == families.end())
+      families.push_back(p.family);
   constexpr double kNoEnd = std::numeric_limits<double>::infinity();
   for (const std::string& family : families) {
     const std::vector<GrowthPoint> fast = fastOf(points, family);
-    const auto begin = [&](const std::string& name, const std::string& unit, double limit) -> GrowthGoal& {
+    const auto begin = [&](const std::string& name, const std::string& unit,
+                           double limit) -> GrowthGoal& {
       goals.push_back({name, unit, family, limit});
       goals.back().measured = kNothing;
       return goals.back();
@@ -101,25 +109,32 @@ std::vector<GrowthGoal> growthGoals(const std::vector<GrowthPoint>& points, doub
       for (const GrowthPoint& p : fast)
         if (p.links == kGrowthFrom) first = p.*ns;
       const auto ratio = [&, value = ns](const GrowthPoint& p) { return p.*value / first; };
-      GrowthGoal& within = begin(name + std::string(" a link, within the last-level cache"), "times", kWithin);
+      GrowthGoal& within =
+          begin(name + std::string(" a link, within the last-level cache"), "times", kWithin);
       within.is_time = true;
       if (fit > 0) takeLargest(fast, kGrowthFrom, fit, ratio, &within);
-      GrowthGoal& beyond = begin(name + std::string(" a link, beyond that cache"), "times", kBeyond);
+      GrowthGoal& beyond =
+          begin(name + std::string(" a link, beyond that cache"), "times", kBeyond);
       beyond.is_time = true;
       if (fit > 0) takeLargest(fast, fit + 1.0, kNoEnd, ratio, &beyond);
     }
     double least_build = kNothing;
     const auto build = [](const GrowthPoint& p) { return p.scene_ns + p.build_ns; };
     for (const GrowthPoint& p : fast)
-      if (p.links >= kGrowthFrom && p.links <= kGrowthBuildTo) least_build = std::fmin(least_build, build(p));
+      if (p.links >= kGrowthFrom && p.links <= kGrowthBuildTo)
+        least_build = std::fmin(least_build, build(p));
     GrowthGoal& built = begin("scene and model a link, beyond 4096 links", "times", kBeyond);
     built.is_time = true;
-    takeLargest(fast, kGrowthBuildTo + 1, kNoEnd, [&](const GrowthPoint& p) { return build(p) / least_build; }, &built);
-    takeLargest(fast, kGrowthFrom, kNoEnd, [](const GrowthPoint& p) { return p.bytes; },
-                &begin("kept for ID, M and FD", "bytes a link", kMostBytes));
-    takeLargest(fast, scene::kMostFamilyLinks, kNoEnd,
-                [](const GrowthPoint& p) { return p.links * p.peak_bytes; },
-                &begin("the whole process, at its largest", "bytes", kMostOfAll));
+    takeLargest(
+        fast, kGrowthBuildTo + 1, kNoEnd,
+        [&](const GrowthPoint& p) { return build(p) / least_build; }, &built);
+    takeLargest(
+        fast, kGrowthFrom, kNoEnd, [](const GrowthPoint& p) { return p.bytes; },
+        &begin("kept for ID, M and FD", "bytes a link", kMostBytes));
+    takeLargest(
+        fast, scene::kMostFamilyLinks, kNoEnd,
+        [](const GrowthPoint& p) { return p.links * p.peak_bytes; },
+        &begin("the whole process, at its largest", "bytes", kMostOfAll));
     GrowthGoal& digits = begin("certified digits of FD", "digits", kDigits);
     digits.is_least = true;
     for (const GrowthPoint& p : fast)

@@ -17,17 +17,18 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/digits/truth.hpp"
 #include "crosscheck/growth/ours.hpp"
 #include "crosscheck/states.hpp"
-#include "crosscheck/digits/truth.hpp"
 #include "scene/families.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-constexpr rlim_t kMostMemory = rlim_t{8} << 30;  // of a process [bytes]: before it takes all there is
-constexpr long kMostBits = 1 << 16;  // of the certified truth: the balls of a chain take 4 a link
+constexpr rlim_t kMostMemory = rlim_t{8}
+                               << 30;  // of a process [bytes]: before it takes all there is
+constexpr long kMostBits = 1 << 16;    // of the certified truth: the balls of a chain take 4 a link
 
 double cpuSeconds() {
   timespec now{};
@@ -44,8 +45,8 @@ double heapBytes() {
 #endif
 }
 
-/// A line of /proc/self/status [bytes]: "RssAnon:", memory held now; "VmHWM:", with "RssFile:" in it, the
-/// most so far.
+/// A line of /proc/self/status [bytes]: "RssAnon:", memory held now; "VmHWM:", with "RssFile:" in
+/// it, the most so far.
 double processBytes(const std::string& key) {
   std::ifstream status("/proc/self/status");
   double kilobytes = 0;
@@ -54,7 +55,8 @@ double processBytes(const std::string& key) {
   return kNothing;
 }
 
-/// Fastest of repeated calls [ns]. Short ones are timed together: asking the clock takes time itself.
+/// Fastest of repeated calls [ns]. Short ones are timed together: asking the clock takes time
+/// itself.
 template <typename Call>
 double fastest(int fewest, double enough, const Call& call) {
   constexpr double kShortest = 1.0 / 5000;  // [s]
@@ -66,16 +68,18 @@ double fastest(int fewest, double enough, const Call& call) {
     for (int i = 0; i < together; ++i) call();
     const double took = cpuSeconds() - start;
     spent += took;
-    if (took < kShortest) together *= 2;
-    else best = std::min(best, took / together);
+    if (took < kShortest)
+      together *= 2;
+    else
+      best = std::min(best, took / together);
   }
   return best / 1e-9;
 }
 
 /// What a process sends back, as often as it knows more.
 struct Numbers {
-  double id_ns = kNothing, fd_ns = kNothing, build_ns = kNothing, bytes = kNothing, peak_bytes = kNothing,
-         fd_error = kNothing;
+  double id_ns = kNothing, fd_ns = kNothing, build_ns = kNothing, bytes = kNothing,
+         peak_bytes = kNothing, fd_error = kNothing;
 };  // bytes: in all, not a link
 
 double errorOf(const Eigen::MatrixXd& value, const MatrixOf<Ball>* truth) {
@@ -168,7 +172,8 @@ std::string apart(const Work& work, int patience, Numbers* out) {
     int status = 0;
     try {
       work([&](const Numbers& numbers) {
-        if (write(ends[1], &numbers, sizeof numbers) != sizeof numbers) throw std::runtime_error("no pipe");
+        if (write(ends[1], &numbers, sizeof numbers) != sizeof numbers)
+          throw std::runtime_error("no pipe");
       });
     } catch (const std::bad_alloc&) {
       status = 2;
@@ -207,7 +212,8 @@ struct Question {
     scene_bytes = processBytes("RssAnon:");
     scene_ns = fastest(1, kForOurs.enough, [&] {
       scene = {};
-      if (!scene::findFamily(name, &scene)) throw std::invalid_argument("growth: no family " + name);
+      if (!scene::findFamily(name, &scene))
+        throw std::invalid_argument("growth: no family " + name);
     });
     state = drawState(scene.mechanism, scene.name, options.seed, 0);
     scene_bytes = processBytes("RssAnon:") - scene_bytes;
@@ -230,7 +236,8 @@ std::vector<int> growthSizes(int most_links) {
   return sizes;
 }
 
-std::vector<GrowthPoint> growth(const std::vector<WitnessKind>& engines, const GrowthOptions& options,
+std::vector<GrowthPoint> growth(const std::vector<WitnessKind>& engines,
+                                const GrowthOptions& options,
                                 const std::function<void(const std::string&)>& progress) {
   std::vector<GrowthPoint> points;
   for (const std::string& family : options.families) {
@@ -238,21 +245,24 @@ std::vector<GrowthPoint> growth(const std::vector<WitnessKind>& engines, const G
     for (const int links : growthSizes(options.most_links)) {
       if (progress) progress(fmt::format("{}_{}", family, links));
       const Question question(family, links, options);
-      const auto add = [&](const std::string& method, const Effort& effort, int patience, const auto& make) {
+      const auto add = [&](const std::string& method, const Effort& effort, int patience,
+                           const auto& make) {
         if (given_up.count(method)) return;
         GrowthPoint point{family, links, method};
         Numbers numbers;
         const MatrixOf<Ball>* truth = question.truth.exists() ? &question.truth.value : nullptr;
-        point.failure = apart(
-            [&](const auto& told) { measure(make, question.state, truth, effort, told); }, patience, &numbers);
+        point.failure =
+            apart([&](const auto& told) { measure(make, question.state, truth, effort, told); },
+                  patience, &numbers);
         if (!point.failure.empty()) given_up.insert(method);
         point.id_ns = numbers.id_ns / links;
         point.fd_ns = numbers.fd_ns / links;
         point.scene_ns = question.scene_ns / links;
         point.build_ns = numbers.build_ns / links;
         point.bytes = links < kGrowthBytesFrom ? kNothing : numbers.bytes / links;
-        point.peak_bytes =
-            links < kGrowthPeakFrom ? kNothing : (numbers.peak_bytes + question.scene_bytes) / links;
+        point.peak_bytes = links < kGrowthPeakFrom
+                               ? kNothing
+                               : (numbers.peak_bytes + question.scene_bytes) / links;
         point.fd_error = numbers.fd_error;
         points.push_back(point);
       };

@@ -21,7 +21,8 @@ constexpr int kIdColumn = 4, kFdColumn = 5, kBytesColumn = 8, kErrorColumn = 10;
 std::vector<std::string> familiesOf(const std::vector<GrowthPoint>& points) {
   std::vector<std::string> families;
   for (const GrowthPoint& p : points)
-    if (std::find(families.begin(), families.end(), p.family) == families.end()) families.push_back(p.family);
+    if (std::find(families.begin(), families.end(), p.family) == families.end())
+      families.push_back(p.family);
   return families;
 }
 
@@ -34,21 +35,25 @@ std::string verdict(const GrowthGoal& goal) {
 }
 
 std::string goalsText(const std::vector<GrowthPoint>& points, double cache) {
-  std::string text = fmt::format("#\n# {:<6} {:<42} {:>12} {:>14}  {:<12} {:>8}\n", "family", "goal", "limit",
-                                 "measured", "", "links");
+  std::string text = fmt::format("#\n# {:<6} {:<42} {:>12} {:>14}  {:<12} {:>8}\n", "family",
+                                 "goal", "limit", "measured", "", "links");
   for (const GrowthGoal& goal : growthGoals(points, cache)) {
     const std::string at = goal.isMeasured() ? std::to_string(goal.links) : "-";
     const std::string measured = goal.isMeasured() ? fmt::format("{:.4g}", goal.measured) : "-";
-    text += fmt::format("# {:<6} {:<42} {:>3}{:>9.4g} {:>14}  {:<12} {:>8}  {}\n", goal.family, goal.goal,
-                        goal.is_least ? ">=" : "<=", goal.limit, measured, goal.unit, at, verdict(goal));
+    text += fmt::format("# {:<6} {:<42} {:>3}{:>9.4g} {:>14}  {:<12} {:>8}  {}\n", goal.family,
+                        goal.goal, goal.is_least ? ">=" : "<=", goal.limit, measured, goal.unit, at,
+                        verdict(goal));
   }
-  return text + fmt::format("# times: against {0} links; the model against its fastest from {0} to {1} links\n",
-                            kGrowthFrom, kGrowthBuildTo);
+  return text +
+         fmt::format(
+             "# times: against {0} links; the model against its fastest from {0} to {1} links\n",
+             kGrowthFrom, kGrowthBuildTo);
 }
 
 }  // namespace
 
-std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOptions& options, double cache) {
+std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOptions& options,
+                      double cache) {
   std::string failures, fits, rows;
   const auto number = [](double x, const char* format) {
     return std::isnan(x) ? std::string() : fmt::format(fmt::runtime(format), x);
@@ -59,24 +64,29 @@ std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOption
   for (const GrowthPoint& p : points) {
     if (!p.failure.empty())
       failures += fmt::format("# {} at {}_{}: {}\n", p.method, p.family, p.links, p.failure);
-    rows += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", p.family, p.links, p.method,
-                        number(p.id_ns, "{:.1f}"), number(p.fd_ns, "{:.1f}"), number(p.scene_ns, "{:.0f}"),
-                        number(p.build_ns, "{:.0f}"), number(p.bytes, "{:.0f}"),
-                        number(p.peak_bytes, "{:.0f}"), number(p.fd_error, "{:.2e}"));
+    rows += fmt::format(
+        "{},{},{},{},{},{},{},{},{},{}\n", p.family, p.links, p.method, number(p.id_ns, "{:.1f}"),
+        number(p.fd_ns, "{:.1f}"), number(p.scene_ns, "{:.0f}"), number(p.build_ns, "{:.0f}"),
+        number(p.bytes, "{:.0f}"), number(p.peak_bytes, "{:.0f}"), number(p.fd_error, "{:.2e}"));
   }
   return fmt::format(
-             "# chains and binary trees of equal links, state 0 of seed {}; M is formed by none of ours\n"
-             "# id, fd: CPU time of one call, cosines and sines included, fastest; engines through their "
+             "# chains and binary trees of equal links, state 0 of seed {}; M is formed by none "
+             "of ours\n"
+             "# id, fd: CPU time of one call, cosines and sines included, fastest; engines "
+             "through their "
              "witness\n"
              "# scene, build: CPU time to make the scene, and from it what is asked\n"
-             "# bytes: kept on the heap after building and asking, without the scene and the caller's five "
+             "# bytes: kept on the heap after building and asking, without the scene and the "
+             "caller's five "
              "numbers a link\n"
              "# peak: scene, building and asking, the whole process, from {} links on\n"
-             "# fd_error: largest |qdd - truth| / largest |truth|, an upper bound certified by ball "
+             "# fd_error: largest |qdd - truth| / largest |truth|, an upper bound certified by "
+             "ball "
              "arithmetic, up to {} links\n"
              "# last-level cache: {}\n# machine: {}\n",
              options.seed, kGrowthPeakFrom, options.most_links_with_truth,
-             cache > 0 ? fmt::format("{:.0f} MB, room for {}", cache / (1 << 20), fits) : "not known",
+             cache > 0 ? fmt::format("{:.0f} MB, room for {}", cache / (1 << 20), fits)
+                       : "not known",
              oneLine(cpuModel())) +
          failures +
          "family,links,method,id_ns_per_link,fd_ns_per_link,scene_ns_per_link,build_ns_per_link,"
@@ -84,8 +94,8 @@ std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOption
          rows + goalsText(points, cache);
 }
 
-std::string growthJson(const std::vector<GrowthPoint>& points, const GrowthOptions& options, double cache,
-                       const std::string& version) {
+std::string growthJson(const std::vector<GrowthPoint>& points, const GrowthOptions& options,
+                       double cache, const std::string& version) {
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
   Json rows = Json::array(), goals = Json::array(), fits = Json::object();
   for (const GrowthPoint& p : points)
@@ -109,38 +119,42 @@ std::string growthJson(const std::vector<GrowthPoint>& points, const GrowthOptio
                      {"measured", number(goal.measured)},
                      {"links", goal.isMeasured() ? Json(goal.links) : Json(nullptr)},
                      {"is_time", goal.is_time},
-                     {"verdict", !goal.isMeasured() ? "not measured" : goal.isReached() ? "reached" : "missed"}});
+                     {"verdict", !goal.isMeasured() ? "not measured"
+                                 : goal.isReached() ? "reached"
+                                                    : "missed"}});
   for (const std::string& family : familiesOf(points)) {
     const int fit = linksInCache(points, family, cache);
     fits[family] = fit > 0 ? Json(fit) : Json(nullptr);
   }
-  const Json all = {{"dynwitness", version},
-                    {"machine", oneLine(cpuModel())},
-                    {"seed", options.seed},
-                    {"cache_bytes", cache > 0 ? Json(cache) : Json(nullptr)},
-                    {"links_in_cache", fits},
-                    {"points", rows},
-                    {"goals", goals}};
+  const Json all = {
+      {"dynwitness", version},  {"machine", oneLine(cpuModel())},
+      {"seed", options.seed},   {"cache_bytes", cache > 0 ? Json(cache) : Json(nullptr)},
+      {"links_in_cache", fits}, {"points", rows},
+      {"goals", goals}};
   return all.dump(2) + "\n";
 }
 
-std::string growthScript(const std::vector<GrowthPoint>& points, const std::string& family, double cache,
-                         const std::string& style) {
+std::string growthScript(const std::vector<GrowthPoint>& points, const std::string& family,
+                         double cache, const std::string& style) {
   const auto lineType = [](const std::string& method) {
-    return method == kFastMethod ? 1 : method == kTextbookMethod ? 5 : lineTypeOfEngine(method).value_or(16);
+    return method == kFastMethod       ? 1
+           : method == kTextbookMethod ? 5
+                                       : lineTypeOfEngine(method).value_or(16);
   };
   std::vector<std::string> methods;
   int most = 1;
   for (const GrowthPoint& p : points) {
     if (p.family != family) continue;
     most = std::max(most, p.links);
-    if (std::find(methods.begin(), methods.end(), p.method) == methods.end()) methods.push_back(p.method);
+    if (std::find(methods.begin(), methods.end(), p.method) == methods.end())
+      methods.push_back(p.method);
   }
   const auto plot = [&](int column, bool is_time, bool with_titles) {
     std::string text = "plot ";
     for (std::size_t i = 0; i < methods.size(); ++i) {
       text += fmt::format(
-          "{}'growth.csv' using (strcol(1) eq '{}' && strcol(3) eq {} && strlen(strcol({})) ? $2 : NaN):{} "
+          "{}'growth.csv' using (strcol(1) eq '{}' && strcol(3) eq {} && strlen(strcol({})) ? $2 "
+          ": NaN):{} "
           "with linespoints linetype {} {}",
           i == 0 ? "" : ", \\\n     ", family, gnuplotString(methods[i]), column,
           is_time ? fmt::format("(1e-9 * ${})", column) : std::to_string(column),
@@ -160,31 +174,36 @@ std::string growthScript(const std::vector<GrowthPoint>& points, const std::stri
   const int fit = linksInCache(points, family, cache);
   const std::string edge =
       fit > 0 && fit < most
-          ? fmt::format("set arrow 1 from {0}, graph 0 to {0}, graph 1 nohead linetype 20\n"
-                        "set label 2 '{1:.0f} MB of cache end here' at {0}, graph 0.95 right offset -0.5,0 "
-                        "textcolor rgb soft font ',11'\n",
-                        fit, cache / (1 << 20))
+          ? fmt::format(
+                "set arrow 1 from {0}, graph 0 to {0}, graph 1 nohead linetype 20\n"
+                "set label 2 '{1:.0f} MB of cache end here' at {0}, graph 0.95 right offset -0.5,0 "
+                "textcolor rgb soft font ',11'\n",
+                fit, cache / (1 << 20))
           : std::string();
   const auto panel = [&](int row, int column, const char* title, const char* format) {
     return fmt::format(
-        "set tmargin at screen {}\nset bmargin at screen {}\nset lmargin at screen {}\nset rmargin at screen {}\n"
+        "set tmargin at screen {}\nset bmargin at screen {}\nset lmargin at screen {}\n"
+        "set rmargin at screen {}\n"
         "set title '{}' textcolor rgb soft\nset format y '{}'\nset xlabel '{}'\n",
-        row == 0 ? 0.9 : 0.49, row == 0 ? 0.59 : 0.18, column == 0 ? 0.085 : 0.58, column == 0 ? 0.475 : 0.97,
-        title, format, row == 0 ? "" : "links");
+        row == 0 ? 0.9 : 0.49, row == 0 ? 0.59 : 0.18, column == 0 ? 0.085 : 0.58,
+        column == 0 ? 0.475 : 0.97, title, format, row == 0 ? "" : "links");
   };
   return fmt::format(
              "# Growth of inverse and forward dynamics. Draw again with:  gnuplot {0}.gp\n"
              "do for [dark = 0:1] {{\nload '{1}'\n"
              "set terminal svg size 1000,760 noenhanced\n"
              "set output dark ? '{0}_dark.svg' : '{0}.svg'\nset multiplot\n"
-             "set label 1 '{2} of 1 to {6} links: lower is better' at screen 0.5, screen 0.97 center "
+             "set label 1 '{2} of 1 to {6} links: lower is better' at screen 0.5, screen 0.97 "
+             "center "
              "textcolor rgb ink font ',15'\n"
-             "set logscale xy\nset xrange [1:{3}]\nset xtics ({4})\nset micro\nset datafile missing NaN\n"
+             "set logscale xy\nset xrange [1:{3}]\nset xtics ({4})\nset micro\n"
+             "set datafile missing NaN\n"
              "set key at screen 0.5, screen 0.06 center center vertical Left reverse maxrows {5}\n",
              family, style, family == "tree" ? "Binary trees" : "Chains", most, ticks,
              (methods.size() + 3) / 4, largest) +
-         panel(0, 0, "Inverse dynamics: CPU time a link [s]", "%.0s %cs") + edge + plot(kIdColumn, true, true) +
-         "unset label 1\nunset key\n" + panel(0, 1, "Forward dynamics: CPU time a link [s]", "%.0s %cs") +
+         panel(0, 0, "Inverse dynamics: CPU time a link [s]", "%.0s %cs") + edge +
+         plot(kIdColumn, true, true) + "unset label 1\nunset key\n" +
+         panel(0, 1, "Forward dynamics: CPU time a link [s]", "%.0s %cs") +
          plot(kFdColumn, true, false) + "unset arrow 1\nunset label 2\n" +
          panel(1, 0, "Memory kept a link [bytes]", "%.0s %cB") + plot(kBytesColumn, false, false) +
          panel(1, 1, "Forward dynamics: largest |qdd - truth| / largest |truth|", "1e%T") +

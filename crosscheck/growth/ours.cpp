@@ -7,8 +7,8 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-/// Keeps fast::Dynamics as every caller does: plan, joint positions and what the sweeps write on, that of
-/// the mass matrix too. The model is let go once the plan stands.
+/// Keeps fast::Dynamics as every caller does: plan, joint positions and what the sweeps write on,
+/// that of the mass matrix too. The model is let go once the plan stands.
 class Fast : public GrowthMethod {
  public:
   explicit Fast(const scene::Mechanism& m)

@@ -55,15 +55,17 @@ std::string hashOf(const std::string& text) {
 /// More than any kernel has.
 constexpr off_t kLargestObject = 64 << 20;
 
-/// What is in a plain file of this user's own (or of root's) that nobody else may write to; nothing is waited
-/// for, and no link is followed. Nothing: there is no such file, or it is larger than expected
+/// What is in a plain file of this user's own (or of root's) that nobody else may write to; nothing
+/// is waited for, and no link is followed. Nothing: there is no such file, or it is larger than
+/// expected
 std::optional<std::string> contents(const fs::path& file, off_t most) {
   const int in = open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (in < 0) return {};
   struct stat about;
   std::string text;
   bool good = fstat(in, &about) == 0 && S_ISREG(about.st_mode) && about.st_size <= most &&
-              (about.st_uid == geteuid() || about.st_uid == 0) && !(about.st_mode & (S_IWGRP | S_IWOTH));
+              (about.st_uid == geteuid() || about.st_uid == 0) &&
+              !(about.st_mode & (S_IWGRP | S_IWOTH));
   if (good) {
     text.resize(static_cast<std::size_t>(about.st_size));
     std::size_t at = 0;
@@ -80,11 +82,13 @@ std::optional<std::string> contents(const fs::path& file, off_t most) {
 void write(const fs::path& file, const std::string& text) {
   const int out = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600);
   std::size_t at = 0;
-  for (ssize_t done; out >= 0 && at < text.size() && (done = ::write(out, &text[at], text.size() - at)) > 0;)
+  for (ssize_t done;
+       out >= 0 && at < text.size() && (done = ::write(out, &text[at], text.size() - at)) > 0;)
     at += static_cast<std::size_t>(done);
   const int error = errno;
   if (out < 0 || close(out) != 0 || at < text.size())
-    throw CannotCompile(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(error)));
+    throw CannotCompile(
+        fmt::format("{}: cannot be written: {}", file.string(), std::strerror(error)));
 }
 
 std::string inWords(const std::vector<std::string>& words) {
@@ -96,7 +100,7 @@ std::string inWords(const std::vector<std::string>& words) {
 /// One source on its way.
 struct Job {
   std::string source;
-  fs::path name;  ///< in the folder, without extension
+  fs::path name;      ///< in the folder, without extension
   std::string draft;  ///< name of its files in the temporary folder, without extension
   std::optional<Child> compiler;
   std::shared_ptr<SharedObject> result;
@@ -108,7 +112,8 @@ struct Job {
   }
 
   bool fromFolder() {
-    const std::optional<std::string> kept = contents(with(".c"), static_cast<off_t>(source.size()) + 100);
+    const std::optional<std::string> kept =
+        contents(with(".c"), static_cast<off_t>(source.size()) + 100);
     if (!kept || kept->compare(0, source.size(), source) != 0) return false;
     const std::optional<std::string> object = contents(with(".so"), kLargestObject);
     if (!object || *kept != record(*object)) return false;
@@ -125,7 +130,8 @@ void start(Job& job, const CompileOptions& options, const fs::path& drafts) {
   write(drafts / (job.draft + ".c"), job.source);
   std::vector<std::string> words = options.compiler;
   words.insert(words.end(), options.flags.begin(), options.flags.end());
-  for (const std::string& word : {std::string("-o"), job.draft + ".so", job.draft + ".c", std::string("-lm")})
+  for (const std::string& word :
+       {std::string("-o"), job.draft + ".so", job.draft + ".c", std::string("-lm")})
     words.push_back(word);
   ChildOptions how;
   how.folder = drafts;
@@ -135,8 +141,8 @@ void start(Job& job, const CompileOptions& options, const fs::path& drafts) {
 }
 
 /// The object that the compiler has made, loaded. @throws CannotCompile
-std::string finish(Job& job, const CompileOptions& options, const fs::path& drafts, const Trial& trial,
-                   std::size_t index) {
+std::string finish(Job& job, const CompileOptions& options, const fs::path& drafts,
+                   const Trial& trial, std::size_t index) {
   const Ending ending = job.compiler->wait();
   if (!ending.problem.empty()) throw CannotCompile(ending.problem);
   const fs::path file = drafts / (job.draft + ".so");
@@ -178,7 +184,8 @@ std::vector<std::string> findCompiler() {
   if (!words.empty()) {
     const fs::path file = inPath(words[0]);
     if (file.empty())
-      throw CannotCompile(fmt::format("DYNWITNESS_CC: '{}' is no program that can be run", words[0]));
+      throw CannotCompile(
+          fmt::format("DYNWITNESS_CC: '{}' is no program that can be run", words[0]));
     words[0] = file.string();
     return words;
   }
@@ -195,7 +202,8 @@ fs::path cacheFolder() {
   if (folder.empty() && !environment("HOME").empty())
     folder = fs::path(environment("HOME")) / ".cache" / "dynwitness";
   if (folder.empty())
-    throw CannotCompile("no cache folder: none of DYNWITNESS_CACHE, XDG_CACHE_HOME and HOME is set");
+    throw CannotCompile(
+        "no cache folder: none of DYNWITNESS_CACHE, XDG_CACHE_HOME and HOME is set");
   std::error_code error;
   const bool is_new = fs::create_directories(folder, error);
   if (is_new) fs::permissions(folder, fs::perms::owner_all, error);
@@ -210,14 +218,17 @@ fs::path cacheFolder() {
   return folder;
 }
 
-SharedObject::SharedObject(const std::string& bytes) : file_(memfd_create("dynwitness-kernel", MFD_CLOEXEC)) {
+SharedObject::SharedObject(const std::string& bytes)
+    : file_(memfd_create("dynwitness-kernel", MFD_CLOEXEC)) {
   if (file_ < 0) throw std::runtime_error(fmt::format("memfd_create: {}", std::strerror(errno)));
   std::size_t at = 0;
-  for (ssize_t done; at < bytes.size() && (done = ::write(file_, &bytes[at], bytes.size() - at)) > 0;)
+  for (ssize_t done;
+       at < bytes.size() && (done = ::write(file_, &bytes[at], bytes.size() - at)) > 0;)
     at += static_cast<std::size_t>(done);
   // open for as long as it is loaded: the loader knows it by this name
-  handle_ = at == bytes.size() ? dlopen(fmt::format("/proc/self/fd/{}", file_).c_str(), RTLD_NOW | RTLD_LOCAL)
-                               : nullptr;
+  handle_ = at == bytes.size()
+                ? dlopen(fmt::format("/proc/self/fd/{}", file_).c_str(), RTLD_NOW | RTLD_LOCAL)
+                : nullptr;
   if (!handle_) {
     const std::string error = at == bytes.size() ? dlerror() : std::strerror(errno);
     close(file_);
@@ -253,7 +264,8 @@ std::vector<std::shared_ptr<SharedObject>> compileAndLoad(const std::vector<std:
   }
   if (!missing.empty()) {
     for (const std::size_t i : missing)
-      if (const auto it = failures.find(jobs[i].source); it != failures.end()) throw CannotCompile(it->second);
+      if (const auto it = failures.find(jobs[i].source); it != failures.end())
+        throw CannotCompile(it->second);
     std::size_t at = 0;
     try {
       drafts.emplace(options.folder, "draft");

@@ -40,7 +40,11 @@ class Emitter {
  public:
   Emitter(const Program& program, const symbolic::ProgramRun<double>& run, std::string name,
           int lanes)
-      : program_(program), run_(run), name_(std::move(name)), lanes_(lanes), angles_(angles(program)) {
+      : program_(program),
+        run_(run),
+        name_(std::move(name)),
+        lanes_(lanes),
+        angles_(angles(program)) {
     for (std::size_t k = 0; k < angles_.size(); ++k) place_[angles_[k]] = static_cast<int>(k);
     in_body_.assign(program.slots, 0);
     for (const Program::Load& load : program.loads) in_body_[load.slot] = 1;
@@ -54,12 +58,13 @@ class Emitter {
     if (vectors > 0) {
       // joints side by side in vectors
       std::string list;
-      for (const int joint : angles_) list += fmt::format("{}q[{}]", list.empty() ? "" : ", ", joint);
+      for (const int joint : angles_)
+        list += fmt::format("{}q[{}]", list.empty() ? "" : ", ", joint);
       out += fmt::format("  V x[{0}], sine[{0}], cosine[{0}];\n", vectors);
       out += fmt::format("  const double angles[{}] __attribute__((aligned({}))) = {{{}}};\n",
                          vectors * lanes_, lanes_ * 8, list);
-      out += fmt::format("  for (int j = 0; j < {}; ++j) x[j] = *(const Memory*)(angles + j * LANES);\n",
-                         vectors);
+      out += fmt::format(
+          "  for (int j = 0; j < {}; ++j) x[j] = *(const Memory*)(angles + j * LANES);\n", vectors);
       out += reduction(vectors);
       out += "  const double* const s = (const double*)sine;\n";
       out += "  const double* const c = (const double*)cosine;\n";
@@ -88,11 +93,12 @@ class Emitter {
       out += reduction(n);
     }
     for (const Program::Load& load : program_.loads)
-      out += declare(true, load.slot,
-                     isTrig(load)
-                         ? fmt::format("{}[{}]", load.input == Input::kCos ? "cosine" : "sine",
-                                       place_.at(load.joint))
-                         : fmt::format("*(const Memory*)({} + {} * count)", source(load), load.joint));
+      out +=
+          declare(true, load.slot,
+                  isTrig(load)
+                      ? fmt::format("{}[{}]", load.input == Input::kCos ? "cosine" : "sine",
+                                    place_.at(load.joint))
+                      : fmt::format("*(const Memory*)({} + {} * count)", source(load), load.joint));
     out += body(true);
     for (std::size_t i = 0; i < program_.outputs.size(); ++i) {
       const std::string value = operand(program_.outputs[i]);
@@ -142,10 +148,14 @@ void {0}_many(const double* q, const double* u, const double* w, double* out, lo
     switch (load.input) {
       case Input::kPosition:
       case Input::kCos:
-      case Input::kSin: return "q";
-      case Input::kRotation: throw std::logic_error("emitKernel: no kernel reads a rotation matrix");
-      case Input::kVelocity: return "u";
-      default: return "w";
+      case Input::kSin:
+        return "q";
+      case Input::kRotation:
+        throw std::logic_error("emitKernel: no kernel reads a rotation matrix");
+      case Input::kVelocity:
+        return "u";
+      default:
+        return "w";
     }
   }
   static std::string unused() { return "  (void)q, (void)u, (void)w;\n"; }
@@ -171,11 +181,21 @@ void {0}_many(const double* q, const double* u, const double* w, double* out, lo
     for (const Program::Instruction& i : program_.body) {
       const std::string a = operand(i.a), b = operand(i.b);
       switch (i.code) {
-        case Program::Code::kAdd: out += declare(lanes, i.result, a + " + " + b); break;
-        case Program::Code::kSubtract: out += declare(lanes, i.result, a + " - " + b); break;
-        case Program::Code::kMultiply: out += declare(lanes, i.result, a + " * " + b); break;
-        case Program::Code::kNegate: out += declare(lanes, i.result, "-" + a); break;
-        case Program::Code::kInverse: out += declare(lanes, i.result, "1.0 / " + a); break;
+        case Program::Code::kAdd:
+          out += declare(lanes, i.result, a + " + " + b);
+          break;
+        case Program::Code::kSubtract:
+          out += declare(lanes, i.result, a + " - " + b);
+          break;
+        case Program::Code::kMultiply:
+          out += declare(lanes, i.result, a + " * " + b);
+          break;
+        case Program::Code::kNegate:
+          out += declare(lanes, i.result, "-" + a);
+          break;
+        case Program::Code::kInverse:
+          out += declare(lanes, i.result, "1.0 / " + a);
+          break;
       }
     }
     return out;
@@ -195,7 +215,8 @@ void {0}_many(const double* q, const double* u, const double* w, double* out, lo
 std::string emitKernel(const Program& program, const symbolic::ProgramRun<double>& run,
                        const std::string& name, int lanes) {
   if (lanes != 2 && lanes != 4 && lanes != 8)
-    throw std::invalid_argument(fmt::format("emitKernel: lanes: expected 2, 4 or 8, got {}", lanes));
+    throw std::invalid_argument(
+        fmt::format("emitKernel: lanes: expected 2, 4 or 8, got {}", lanes));
   const Emitter emitter(program, run, name, lanes);
   using fmt::arg;
   return fmt::format(kPrelude, arg("bytes", lanes * 8), arg("lanes", lanes)) + kSineCosine +

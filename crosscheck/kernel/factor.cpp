@@ -16,8 +16,8 @@ using symbolic::Node;
 using symbolic::Op;
 using symbolic::Program;
 
-/// Sums of up to so many terms are written out in others before pairs are looked for. Each is tried;
-/// longer ones were never the best for the bundled scenes.
+/// Sums of up to so many terms are written out in others before pairs are looked for. Each is
+/// tried; longer ones were never the best for the bundled scenes.
 constexpr std::size_t kLongest[] = {0, 2, 3, 4};
 constexpr std::size_t kUsuallyBest = 2;
 /// Terms beyond which pairs are not compared.
@@ -58,7 +58,8 @@ class Regrouping {
     for (const Value& value : values_)
       if (isSum(value)) terms += static_cast<int>(value.terms.size());
     if (terms > kLargest) return false;
-    for (std::size_t i = 0; i < values_.size(); ++i)  // values_ grows, and new sums are looked at too
+    for (std::size_t i = 0; i < values_.size();
+         ++i)  // values_ grows, and new sums are looked at too
       while (isSum(values_[i]) && factorOut(static_cast<int>(i))) {
       }
     if (longest_ > 0 && !expand()) return false;
@@ -77,7 +78,9 @@ class Regrouping {
   }
 
  private:
-  static bool isSum(const Value& value) { return value.kind == Value::Kind::kSum && value.uses > 0; }
+  static bool isSum(const Value& value) {
+    return value.kind == Value::Kind::kSum && value.uses > 0;
+  }
 
   int add(Value value) {
     values_.push_back(std::move(value));
@@ -141,9 +144,15 @@ class Regrouping {
       const Term a = term_of[graph_.left(n).index];
       const Term b = graph_.operandCount(n) > 1 ? term_of[graph_.right(n).index] : a;
       switch (graph_.op(n)) {
-        case Op::kNegate: term = minus(a); break;
-        case Op::kAdd: term = {sum({a, b}), false}; break;
-        case Op::kSubtract: term = {sum({a, minus(b)}), false}; break;
+        case Op::kNegate:
+          term = minus(a);
+          break;
+        case Op::kAdd:
+          term = {sum({a, b}), false};
+          break;
+        case Op::kSubtract:
+          term = {sum({a, minus(b)}), false};
+          break;
         case Op::kMultiply:
           term = {product(a.value, b.value), a.negative != b.negative};
           break;
@@ -161,7 +170,8 @@ class Regrouping {
           term = {add(value), a.negative};
           break;
         }
-        default: break;
+        default:
+          break;
       }
     }
     for (const Node& n : outputs) outputs_.push_back(term_of[n.index]);
@@ -325,8 +335,8 @@ class Regrouping {
   /// Two values, the smaller index first, and whether their signs differ.
   using Pair = std::tuple<int, int, bool>;
 
-  /// Counts the pairs of all sums, then shares the most frequent one until none occurs twice. Only the
-  /// sums that change are counted anew.
+  /// Counts the pairs of all sums, then shares the most frequent one until none occurs twice. Only
+  /// the sums that change are counted anew.
   void sharePairs() {
     users_.resize(values_.size());
     for (std::size_t i = 0; i < values_.size(); ++i) {
@@ -356,8 +366,8 @@ class Regrouping {
     for (const int i : users_[a])
       if (has(values_[i], shared)) sums.push_back(i);
     // a sum that is the pair and nothing else may serve the others
-    const auto same = std::find_if(sums.begin(), sums.end(),
-                                   [&](int i) { return values_[i].terms.size() == 2; });
+    const auto same =
+        std::find_if(sums.begin(), sums.end(), [&](int i) { return values_[i].terms.size() == 2; });
     int pair = same == sums.end() ? -1 : *same;
     if (pair < 0) {
       pair = sum({{a, false}, {b, differ}});
@@ -429,17 +439,22 @@ class Regrouping {
   }
   Node make(const Value& value) {
     switch (value.kind) {
-      case Value::Kind::kLeaf: return value.node;
-      case Value::Kind::kProduct: return graph_.multiply(made_[value.a], made_[value.b]);
-      case Value::Kind::kInverse: return graph_.inverse(made_[value.a]);
-      case Value::Kind::kSum: break;
+      case Value::Kind::kLeaf:
+        return value.node;
+      case Value::Kind::kProduct:
+        return graph_.multiply(made_[value.a], made_[value.b]);
+      case Value::Kind::kInverse:
+        return graph_.inverse(made_[value.a]);
+      case Value::Kind::kSum:
+        break;
     }
     // in the order of the operands, so that what is known early is added early
     std::vector<std::pair<Node, bool>> terms;
     for (const Term& term : value.terms) terms.emplace_back(made_[term.value], term.negative);
     std::sort(terms.begin(), terms.end());
     Node total;
-    for (const auto& [n, negative] : terms) total = negative ? graph_.subtract(total, n) : graph_.add(total, n);
+    for (const auto& [n, negative] : terms)
+      total = negative ? graph_.subtract(total, n) : graph_.add(total, n);
     return total;
   }
 
@@ -451,9 +466,10 @@ class Regrouping {
   std::vector<Term> outputs_;
   std::vector<Node> made_;
   std::vector<char> is_made_;
-  std::map<Pair, int> count_;                  ///< of each pair in all sums
-  std::set<std::pair<int, Pair>> frequent_;    ///< those that occur twice or more, by their count's opposite
-  std::vector<std::vector<int>> users_;        ///< sums that have (or had) a value as a term
+  std::map<Pair, int> count_;  ///< of each pair in all sums
+  std::set<std::pair<int, Pair>>
+      frequent_;  ///< those that occur twice or more, by their count's opposite
+  std::vector<std::vector<int>> users_;  ///< sums that have (or had) a value as a term
   long steps_ = 0;
 };
 

@@ -13,16 +13,17 @@ namespace dynwitness::crosscheck::kernel {
 enum class Effort { kQuick, kFull };
 
 /** The program of some nodes, smaller where regrouping makes it so:
-      (1)  a b + a c = a (b + c),  where both products serve this sum alone
-      (2)  a + b in two sums, up to a common sign, is formed once
-      (3)  before (2), short sums are written out in the sums that use them, so that what cancels does:
+      (1)  a b + a c = a (b + c),  where both products serve this sum alone (2)  a + b in two sums,
+      up to a common sign, is formed once (3)  before (2), short sums are written out in the sums
+      that use them, so that what cancels does:
            the trace of an inertia, for one, does not notice the turn of a joint
     Sums are taken as sets of terms, so that none of these depends on the order in which they were
     written. Greedy, the largest saving first; programs of more than some thousand terms are left as
-    they are, because (2) looks at all pairs of a sum's terms. The functions stay the same; roundings do not, so whoever
-    bounds them must bound those of the program that comes out.
+    they are, because (2) looks at all pairs of a sum's terms. The functions stay the same;
+    roundings do not, so whoever bounds them must bound those of the program that comes out.
     @param graph  gets the new nodes
-    @param steps  counts the work: nodes looked at and pairs compared, some ten million a second; may be null */
+    @param steps  counts the work: nodes looked at and pairs compared, some ten million a second;
+                   may be null */
 symbolic::Program factored(symbolic::Graph& graph, const std::vector<symbolic::Node>& outputs,
                            Effort effort = Effort::kFull, long* steps = nullptr);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Compiled without much optimisation: all of a sweep is inlined, which takes a compiler minutes for a
-// scalar that is no double.
+// Compiled without much optimisation: all of a sweep is inlined, which takes a compiler minutes for
+// a scalar that is no double.
 #include "crosscheck/kernel/general_cost.hpp"
 
 #include <stdexcept>
@@ -50,7 +50,9 @@ class CountedNumbers {
   using Scalar = Counted;
   explicit CountedNumbers(const scene::Mechanism& mechanism) : numbers_(mechanism) {}
   Counted operator()(const scene::Number& number) const { return {numbers_(number)}; }
-  scene::CosSin<Counted> angle(const scene::Number& radians) const { return of(numbers_.angle(radians)); }
+  scene::CosSin<Counted> angle(const scene::Number& radians) const {
+    return of(numbers_.angle(radians));
+  }
   scene::AxisTurn<Counted> axisTurn(const scene::Vector& axis) const {
     const scene::AxisTurn<double> turn = numbers_.axisTurn(axis);
     return {of(turn.alpha), of(turn.beta)};
@@ -91,9 +93,8 @@ long generalOperations(const scene::Mechanism& mechanism, Formula formula) {
         fast::inverseDynamics(plan, x.data(), rates.data(), rates.data(), ws, out);
       });
     case Formula::kMassMatrix:
-      return count(fast::MassMatrixWorkspace<Counted>(plan), n * n, [&](auto& ws, Counted* out) {
-        fast::massMatrix(plan, x.data(), ws, out);
-      });
+      return count(fast::MassMatrixWorkspace<Counted>(plan), n * n,
+                   [&](auto& ws, Counted* out) { fast::massMatrix(plan, x.data(), ws, out); });
     case Formula::kForwardDynamics:
       return count(fast::ForwardDynamicsWorkspace<Counted>(plan), n, [&](auto& ws, Counted* out) {
         fast::forwardDynamics(plan, x.data(), rates.data(), rates.data(), ws, out);

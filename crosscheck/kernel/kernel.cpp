@@ -21,10 +21,11 @@ namespace {
 
 constexpr const char* kFunction = "kernel";
 
-/// No operation may be merged with another (-ffp-contract=off): the error bound is that of the program.
+/// No operation may be merged with another (-ffp-contract=off): the error bound is that of the
+/// program.
 std::vector<std::string> flags(int lanes) {
-  std::vector<std::string> all = {"-std=gnu11", "-O1",           "-ffp-contract=off",   "-fno-math-errno",
-                                  "-shared",    "-fPIC",         "-fno-trapping-math", "-Wno-psabi"};
+  std::vector<std::string> all = {"-std=gnu11", "-O1",   "-ffp-contract=off",  "-fno-math-errno",
+                                  "-shared",    "-fPIC", "-fno-trapping-math", "-Wno-psabi"};
 #if defined(__x86_64__) || defined(__i386__)
   if (lanes == 4) all.push_back("-mavx2");
   if (lanes == 8) all.insert(all.end(), {"-mavx512f", "-mavx512dq", "-mprefer-vector-width=512"});
@@ -45,22 +46,25 @@ struct Code {
 
 bool sameBits(const double* a, const double* b, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i)
-    if (std::memcmp(a + i, b + i, sizeof *a) != 0 && !(std::isnan(a[i]) && std::isnan(b[i]))) return false;
+    if (std::memcmp(a + i, b + i, sizeof *a) != 0 && !(std::isnan(a[i]) && std::isnan(b[i])))
+      return false;
   return true;
 }
 
 /** Runs compiled code beside the interpreter that knows the program, at a few states.
 
-    cos and sin come from the same text (sine_cosine.inc) as our compiler took it, so that all bits are equal when
-    the other compiler has left sums, products and divisions as they stand.
+    cos and sin come from the same text (sine_cosine.inc) as our compiler took it, so that all bits
+    are equal when the other compiler has left sums, products and divisions as they stand.
     @return what differs, or nothing */
 std::string differenceFrom(const symbolic::Program& program, symbolic::ProgramRun<double>& run,
                            const SharedObject& object, int lanes) {
   const volatile double smallest = std::numeric_limits<double>::min();
-  if (smallest / 2 == 0) return "it makes this processor flush small numbers to zero (-ffast-math?)";
+  if (smallest / 2 == 0)
+    return "it makes this processor flush small numbers to zero (-ffast-math?)";
   const Code code(object);
   int entries = 1;
-  for (const symbolic::Program::Load& load : program.loads) entries = std::max(entries, load.joint + 1);
+  for (const symbolic::Program::Load& load : program.loads)
+    entries = std::max(entries, load.joint + 1);
   const std::size_t n = entries, outputs = program.outputs.size(), count = 2 * lanes + 1;
   std::uint64_t seed = 1;
   const auto drawn = [&](double most) {  // Knuth's MMIX; the upper bits are good enough here
@@ -81,7 +85,8 @@ std::string differenceFrom(const symbolic::Program& program, symbolic::ProgramRu
     const std::vector<double> right = run(state);
     code.one(in[0].data(), in[1].data(), in[2].data(), out.data());
     if (!sameBits(out.data(), right.data(), outputs))
-      return "it does not compute what is written, bit for bit (does the compiler reorder or fuse operations, as "
+      return "it does not compute what is written, bit for bit (does the compiler reorder or fuse "
+             "operations, as "
              "with -ffast-math?)";
     for (std::size_t i = 0; i < outputs; ++i) expected[i * count + k] = right[i];
   }
@@ -92,8 +97,9 @@ std::string differenceFrom(const symbolic::Program& program, symbolic::ProgramRu
 }
 
 /// Programs as compiled code, each tried against its interpreter.
-std::vector<std::shared_ptr<SharedObject>> compiled(const std::vector<const symbolic::Program*>& programs,
-                                                    const scene::RealNumbers<double>& numbers, int lanes) {
+std::vector<std::shared_ptr<SharedObject>> compiled(
+    const std::vector<const symbolic::Program*>& programs,
+    const scene::RealNumbers<double>& numbers, int lanes) {
   std::vector<symbolic::ProgramRun<double>> runs;
   std::vector<std::string> sources;
   for (const symbolic::Program* program : programs) {
@@ -112,9 +118,10 @@ symbolic::Program probe() {
   symbolic::Graph graph;
   const auto x = graph.input(Input::kVelocity, 0), y = graph.input(Input::kVelocity, 1),
              z = graph.input(Input::kVelocity, 2);
-  return symbolic::compile(
-      graph, {graph.subtract(graph.add(x, y), x), graph.add(graph.multiply(x, y), z),
-              graph.multiply(x, graph.inverse(y)), graph.input(Input::kCos, 0), graph.input(Input::kSin, 0)});
+  return symbolic::compile(graph,
+                           {graph.subtract(graph.add(x, y), x), graph.add(graph.multiply(x, y), z),
+                            graph.multiply(x, graph.inverse(y)), graph.input(Input::kCos, 0),
+                            graph.input(Input::kSin, 0)});
 }
 
 }  // namespace
@@ -153,8 +160,10 @@ int chosenLanes() {
   if (!wish || !*wish) return widest;
   for (int lanes = 2; lanes <= widest; lanes *= 2)
     if (fmt::format("{}", lanes) == wish) return lanes;
-  throw scene::InputError({}, fmt::format("DYNWITNESS_LANES: got '{}', allowed: 2, 4, 8, and no more "
-                                          "than this processor's {}", wish, widest));
+  throw scene::InputError({},
+                          fmt::format("DYNWITNESS_LANES: got '{}', allowed: 2, 4, 8, and no more "
+                                      "than this processor's {}",
+                                      wish, widest));
 }
 
 Kernel::Kernel(const scene::Mechanism& mechanism, const KernelOptions& options)
@@ -164,7 +173,8 @@ Kernel::Kernel(const scene::Mechanism& mechanism, const KernelOptions& options)
   std::vector<Formula> formulas;
   for (const Formula formula : options.formulas) {
     try {
-      programs.push_back(&roads_.insert_or_assign(formula, smallestRoad(mechanism, formula)).first->second.program);
+      programs.push_back(&roads_.insert_or_assign(formula, smallestRoad(mechanism, formula))
+                              .first->second.program);
       formulas.push_back(formula);
     } catch (const NotUsed& why) {
       not_used_[formula] = why.what();
@@ -180,17 +190,25 @@ Kernel::Kernel(const scene::Mechanism& mechanism, const KernelOptions& options)
     const kernel::Code loaded(*objects_[i]);
     const Code code{loaded.one, loaded.many};
     switch (formulas[i]) {
-      case Formula::kInverseDynamics: id_ = code; break;
-      case Formula::kMassMatrix: m_ = code; break;
-      case Formula::kForwardDynamics: fd_ = code; break;
+      case Formula::kInverseDynamics:
+        id_ = code;
+        break;
+      case Formula::kMassMatrix:
+        m_ = code;
+        break;
+      case Formula::kForwardDynamics:
+        fd_ = code;
+        break;
       default:
-        throw std::invalid_argument(fmt::format(
-            "Kernel: formulas: expected ID, M or FD, got {}", name(formulas[i])));
+        throw std::invalid_argument(
+            fmt::format("Kernel: formulas: expected ID, M or FD, got {}", name(formulas[i])));
     }
   }
 }
 
-bool Kernel::has(Formula formula) const { return roads_.count(formula) > 0; }
+bool Kernel::has(Formula formula) const {
+  return roads_.count(formula) > 0;
+}
 
 const Road& Kernel::road(Formula formula) const {
   if (const auto it = roads_.find(formula); it != roads_.end()) return it->second;

@@ -19,10 +19,11 @@ int widestLanes();
 /// @throws scene::InputError  it names a width that is not there
 int chosenLanes();
 
-/** Looks for a C compiler and a cache folder, and has a small program compiled (once, then it is kept) whose
-    bits show whether sums are reordered, products fused with sums, divisions done by reciprocals, or small
-    numbers flushed to zero.
-    @throws CannotCompile  there is none, or what it makes does not compute as written; asked once, the answer
+/** Looks for a C compiler and a cache folder, and has a small program compiled (once, then it is
+    kept) whose bits show whether sums are reordered, products fused with sums, divisions done by
+    reciprocals, or small numbers flushed to zero.
+    @throws CannotCompile  there is none, or what it makes does not compute as written; asked once,
+      the answer
                            stays the same for the same compiler */
 void requireCompiler();
 
@@ -32,17 +33,19 @@ struct KernelOptions {
   int lanes = chosenLanes();
 };
 
-/** The smallest programs of a mechanism (smallestRoad), emitted as C, compiled by the system's compiler
-    and loaded, after a trial: it must give the very bits of the interpreted program, in every lane. Compiled
-    code is kept (cacheFolder()), so that the second time costs the tracing alone.
-    A formula whose straight line would not be worth having (NotUsed) has no code, and must not be called.
+/** The smallest programs of a mechanism (smallestRoad), emitted as C, compiled by the system's
+    compiler and loaded, after a trial: it must give the very bits of the interpreted program, in
+    every lane. Compiled code is kept (cacheFolder()), so that the second time costs the tracing
+    alone. A formula whose straight line would not be worth having (NotUsed) has no code, and must
+    not be called.
 
-    All functions may be called from several threads at once; they allocate nothing. q has one
-    entry a position slot, the others one a degree of freedom; SI units. Of `many` states, component i
-    of state k is at [i * count + k]. */
+    All functions may be called from several threads at once; they allocate nothing. q has one entry
+    a position slot, the others one a degree of freedom; SI units. Of `many` states, component i of
+    state k is at [i * count + k]. */
 class Kernel {
  public:
-  /// @throws CannotCompile (compiled.hpp) where there is no compiler or no cache folder; NotUsed when no
+  /// @throws CannotCompile (compiled.hpp) where there is no compiler or no cache folder; NotUsed
+  /// when no
   ///         formula has code; and what else smallestRoad() throws
   explicit Kernel(const scene::Mechanism& mechanism, const KernelOptions& options = {});
 
@@ -51,7 +54,8 @@ class Kernel {
   bool has(Formula formula) const;  ///< whether a formula has code
   /// For each formula that was asked for and has no code, why.
   const std::map<Formula, std::string>& notUsed() const { return not_used_; }
-  /// The program that a formula's code was made of. @throws std::invalid_argument when there is none
+  /// The program that a formula's code was made of. @throws std::invalid_argument when there is
+  /// none
   const Road& road(Formula formula) const;
 
   /// tau = M qdd + c + g - loads

@@ -63,12 +63,8 @@ Vector3 turnedBack(const JointPosition<Traced>& x, const Vector3& v) {
 Symmetric3 turnedBack(const JointPosition<Traced>& x, const Symmetric3& S) {
   const Traced w = x.s * (S.xx - S.yy) + x.c * (S.xy + S.xy);
   const Traced sw = x.s * w;
-  return {S.xx - sw,
-          S.yy + sw,
-          S.zz,
-          x.c * w - S.xy,
-          x.c * S.xz - x.s * S.yz,
-          x.s * S.xz + x.c * S.yz};
+  return {
+      S.xx - sw, S.yy + sw, S.zz, x.c * w - S.xy, x.c * S.xz - x.s * S.yz, x.s * S.xz + x.c * S.yz};
 }
 
 /// a b' + b a'
@@ -89,11 +85,12 @@ struct Moments {
   Symmetric3 S;
 };
 Moments shiftedBack(const Vector3& p, const Moments& b) {
-  return {b.mass, b.h + p * b.mass,
-          b.S + symmetricProduct(b.h, p) + Symmetric3::outer(p, b.mass)};
+  return {b.mass, b.h + p * b.mass, b.S + symmetricProduct(b.h, p) + Symmetric3::outer(p, b.mass)};
 }
 
-Vector3 alongZ(Traced t) { return {0, 0, t}; }
+Vector3 alongZ(Traced t) {
+  return {0, 0, t};
+}
 
 bool isUnit(Traced x) {
   return x == Traced(1) || x == Traced(-1);
@@ -104,11 +101,12 @@ bool isParallel(const LeanLink& link) {
   return isUnit(link.R(2, 2));
 }
 
-/** The axes of a link in a pose, its figures in those, and the way of vectors and moments to the parent.
+/** The axes of a link in a pose, its figures in those, and the way of vectors and moments to the
+    parent.
 
-    The axes of a link that turns ride with it, or stay those of the unturned joint: then its figures turn, and
-    what passes through it does not. A child about a parallel axis goes on from there: it turns by the sum of
-    both angles (by their difference, where the axes are opposite). */
+    The axes of a link that turns ride with it, or stay those of the unturned joint: then its
+    figures turn, and what passes through it does not. A child about a parallel axis goes on from
+    there: it turns by the sum of both angles (by their difference, where the axes are opposite). */
 class Passage {
  public:
   Passage(const LeanModel& model, const std::vector<Passage>& inboard, int i,
@@ -209,8 +207,12 @@ LeanModel leanModel(const recursive::Model<Traced>& model) {
     out.mass = link.M.mass;
     out.h = link.M.h;
     const Symmetric3& I = link.M.I;
-    out.S = {half * (I.yy + I.zz - I.xx), half * (I.xx + I.zz - I.yy), half * (I.xx + I.yy - I.zz),
-             -I.xy, -I.xz, -I.yz};
+    out.S = {half * (I.yy + I.zz - I.xx),
+             half * (I.xx + I.zz - I.yy),
+             half * (I.xx + I.yy - I.zz),
+             -I.xy,
+             -I.xz,
+             -I.yz};
     out.rotor = link.rotor;
     out.stiffness = link.stiffness;
     out.rest = link.rest;
@@ -243,8 +245,7 @@ void regroupLink(LeanModel& model, int i) {
   }
   if (link.parent < 0) return;  // what rests in the world needs no force
   add(model.links[link.parent],
-      shiftedBack(link.p,
-                  {moved.mass, link.R.transpose() * moved.h, moved.S.turnedBack(link.R)}));
+      shiftedBack(link.p, {moved.mass, link.R.transpose() * moved.h, moved.S.turnedBack(link.R)}));
 }
 
 }  // namespace
@@ -345,7 +346,7 @@ std::vector<Traced> inverseDynamics(const LeanModel& model, const scene::State<T
     m.w = to.outward(parent.w);
     m.a = parent.a + parent.U * to.p();
     if (link.parent < 0 && terms.gravity) m.a = -model.gravity;
-    m.a = to.outward(m.a);                                                         // (1)
+    m.a = to.outward(m.a);  // (1)
     const Asked asked = askedOf(model, i, children[i], to);
     const Vector3 axis = to.axis();
     if (link.turns) {
@@ -392,7 +393,7 @@ std::vector<Traced> inverseDynamics(const LeanModel& model, const scene::State<T
     if (terms.accelerations) out += link.rotor * state.qdd[link.dof];
     if (terms.springs) out += link.stiffness * (state.x[link.slot].q - link.rest);
     if (link.parent < 0) continue;
-    const Vector3 force = passage[i].inward(f[i]);                                 // (3)
+    const Vector3 force = passage[i].inward(f[i]);  // (3)
     f[link.parent] += force;
     moment[link.parent] += passage[i].inward(moment[i]) + passage[i].p().cross(force);
   }

@@ -43,10 +43,14 @@ std::vector<int> inboard(const LeanModel& model) {
 std::vector<Traced> leanSweep(const LeanModel& model, Formula formula,
                               const scene::State<Traced>& state, Turning turning) {
   switch (formula) {
-    case Formula::kInverseDynamics: return inverseDynamics(model, state, {}, turning);
-    case Formula::kMassMatrix: return massMatrix(model, state, turning);
-    case Formula::kCoriolis: return inverseDynamics(model, state, kCoriolisTerms, turning);
-    case Formula::kGravity: return gravity(model, state, turning);
+    case Formula::kInverseDynamics:
+      return inverseDynamics(model, state, {}, turning);
+    case Formula::kMassMatrix:
+      return massMatrix(model, state, turning);
+    case Formula::kCoriolis:
+      return inverseDynamics(model, state, kCoriolisTerms, turning);
+    case Formula::kGravity:
+      return gravity(model, state, turning);
     case Formula::kMassCoriolisGravity: {
       std::vector<Traced> all = massMatrix(model, state, turning);
       append(all, inverseDynamics(model, state, kCoriolisTerms, turning));
@@ -104,8 +108,8 @@ class LeanSearch {
 
  private:
   /** Steps (of factored()) after which the search is content with what it has: 0.4 s here, of which
-      the bundled arms need half at most. Steps are counted and no clock is asked, so that a scene has the
-      same program on every machine. */
+      the bundled arms need half at most. Steps are counted and no clock is asked, so that a scene
+      has the same program on every machine. */
   static constexpr long kMostSteps = 4'000'000;
 
   bool isSpent() const { return steps_ > kMostSteps; }
@@ -124,7 +128,8 @@ class LeanSearch {
   // the link's origin nearest to the parent's, or where the next axis comes nearest
   void tryOrigins(int i) {
     if (!best_.links[i].turns) return;
-    std::vector<Traced> shifts = {-Vector3(best_.links[i].R.row(2).transpose()).dot(best_.links[i].p)};
+    std::vector<Traced> shifts = {
+        -Vector3(best_.links[i].R.row(2).transpose()).dot(best_.links[i].p)};
     for (const LeanLink& child : best_.links)
       if (child.parent == i) shifts.push_back(child.p.z());
     for (const Traced& t : shifts) {
@@ -215,12 +220,18 @@ std::vector<Node> lagrange(symbolic::Equations& equations, Formula formula,
   std::vector<Node> M;
   for (const auto& row : equations.M) M.insert(M.end(), row.begin(), row.end());
   switch (formula) {
-    case Formula::kInverseDynamics: return symbolic::inverseDynamics(equations);
-    case Formula::kMassMatrix: return M;
-    case Formula::kCoriolis: return equations.c;
-    case Formula::kGravity: return equations.g;
-    case Formula::kMassCoriolisGravity: return symbolic::massCoriolisGravity(equations);
-    case Formula::kForwardDynamics: break;
+    case Formula::kInverseDynamics:
+      return symbolic::inverseDynamics(equations);
+    case Formula::kMassMatrix:
+      return M;
+    case Formula::kCoriolis:
+      return equations.c;
+    case Formula::kGravity:
+      return equations.g;
+    case Formula::kMassCoriolisGravity:
+      return symbolic::massCoriolisGravity(equations);
+    case Formula::kForwardDynamics:
+      break;
   }
   // M qdd = tau - (c + g - Q)
   symbolic::Graph& graph = equations.graph;
@@ -236,11 +247,13 @@ std::vector<Node> lagrange(symbolic::Equations& equations, Formula formula,
 /// @throws std::runtime_error, std::domain_error  as roads() does
 void requireProgram(const scene::Mechanism& mechanism) {
   if (!mechanism.isOpenTree())
-    throw std::runtime_error("kernels are made for open trees, without closures or springs between points");
+    throw std::runtime_error(
+        "kernels are made for open trees, without closures or springs between points");
   if (mechanism.hasMimics())
     throw std::domain_error("programs are made for joints that follow no others");
   if (mechanism.hasCoulombFriction())
-    throw std::domain_error("kernels compute with + - * / alone, and have no sign for Coulomb friction");
+    throw std::domain_error(
+        "kernels compute with + - * / alone, and have no sign for Coulomb friction");
 }
 
 /// Calls use(name, make) for each road, where make() writes its program.
@@ -249,8 +262,7 @@ void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& 
   requireProgram(mechanism);
   symbolic::Graph graph;
   const Traced::Recording recording(graph);
-  const recursive::Model<Traced> model =
-      recursive::buildModel(mechanism, TracedNumbers(mechanism));
+  const recursive::Model<Traced> model = recursive::buildModel(mechanism, TracedNumbers(mechanism));
   const scene::State<Traced> state = tracedState(mechanism);
   const auto traced = [&](const recursive::Model<Traced>& traced_model) {
     return factored(graph, nodes(tracedSweep(traced_model, formula, state)));
@@ -278,22 +290,31 @@ void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& 
 
 const char* name(Formula formula) {
   switch (formula) {
-    case Formula::kInverseDynamics: return "ID";
-    case Formula::kMassMatrix: return "M";
-    case Formula::kCoriolis: return "c";
-    case Formula::kGravity: return "g";
-    case Formula::kMassCoriolisGravity: return "M + c + g";
-    case Formula::kForwardDynamics: return "FD";
+    case Formula::kInverseDynamics:
+      return "ID";
+    case Formula::kMassMatrix:
+      return "M";
+    case Formula::kCoriolis:
+      return "c";
+    case Formula::kGravity:
+      return "g";
+    case Formula::kMassCoriolisGravity:
+      return "M + c + g";
+    case Formula::kForwardDynamics:
+      return "FD";
   }
   return "?";
 }
 
-int Road::operations() const { return kernel::operations(program); }
+int Road::operations() const {
+  return kernel::operations(program);
+}
 
 std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula) {
   std::vector<Road> all;
-  forEachRoad(mechanism, formula,
-              [&](const char* road, const auto& make) { all.push_back({road, make()}); });
+  forEachRoad(mechanism, formula, [&](const char* road, const auto& make) {
+    all.push_back({road, make()});
+  });
   return all;
 }
 
@@ -307,21 +328,24 @@ struct Made {
 
 Made makeSmallestRoad(const scene::Mechanism& mechanism, Formula formula) {
   const auto not_used = [&](const std::string& why) {
-    return Made{{}, fmt::format("no kernel of {} is used: {}; `fast` runs loops",
-                                name(formula), why)};
+    return Made{{},
+                fmt::format("no kernel of {} is used: {}; `fast` runs loops", name(formula), why)};
   };
   const bool is_counted = formula == Formula::kInverseDynamics || formula == Formula::kMassMatrix ||
                           formula == Formula::kForwardDynamics;
   long general = 0;
   if (is_counted) {
     if (mechanism.dof() > kMostDof)
-      return not_used(fmt::format("{} degrees of freedom, at most {} are written out in a straight line",
-                                  mechanism.dof(), kMostDof));
+      return not_used(
+          fmt::format("{} degrees of freedom, at most {} are written out in a straight line",
+                      mechanism.dof(), kMostDof));
     requireProgram(mechanism);
     general = generalOperations(mechanism, formula);
     if (general > kMostSaved * kMostOperations)
-      return not_used(fmt::format("{} operations in the general sweep, which a straight line would not bring "
-                                  "down to {}", general, kMostOperations));
+      return not_used(
+          fmt::format("{} operations in the general sweep, which a straight line would not bring "
+                      "down to {}",
+                      general, kMostOperations));
   }
   std::vector<Road> all;
   forEachRoad(mechanism, formula, [&](const std::string& road, const auto& make) {
@@ -332,8 +356,8 @@ Made makeSmallestRoad(const scene::Mechanism& mechanism, Formula formula) {
     return a.operations() < b.operations();
   });
   if (is_counted && best.operations() > kMostOperations)
-    return not_used(fmt::format("{} operations in a straight line, at most {} are compiled", best.operations(),
-                                kMostOperations));
+    return not_used(fmt::format("{} operations in a straight line, at most {} are compiled",
+                                best.operations(), kMostOperations));
   if (is_counted && best.operations() >= general)
     return not_used(fmt::format("its {} operations are not fewer than the {} of the general sweep",
                                 best.operations(), general));
@@ -343,8 +367,8 @@ Made makeSmallestRoad(const scene::Mechanism& mechanism, Formula formula) {
 }  // namespace
 
 Road smallestRoad(const scene::Mechanism& mechanism, Formula formula) {
-  // A crosscheck of a scene comes here for its two kernels, its exact checks and its tables (each process
-  // for those that it was given).
+  // A crosscheck of a scene comes here for its two kernels, its exact checks and its tables (each
+  // process for those that it was given).
   static std::string last;
   static std::map<Formula, Made> known;
   scene::Scene asked;

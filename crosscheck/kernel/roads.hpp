@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The programs that compute a scene's quantities, by every road that we know, and the smallest of them.
+// The programs that compute a scene's quantities, by every road that we know, and the smallest of
+// them.
 #pragma once
 
 #include <stdexcept>
@@ -11,7 +12,8 @@
 
 namespace dynwitness::crosscheck::kernel {
 
-/// What a program computes. Outputs: n, but n x n row by row for M, and M, c, g one after the other.
+/// What a program computes. Outputs: n, but n x n row by row for M, and M, c, g one after the
+/// other.
 enum class Formula {
   kInverseDynamics,      ///< tau of q, qd, qdd, loads and springs included
   kMassMatrix,           ///< M of q
@@ -37,26 +39,28 @@ struct Road {
 };
 
 /** All roads to a formula:
-      lean sweep       Newton-Euler with body-point accelerations and composite moments of mass, on base
+      lean sweep       Newton-Euler with body-point accelerations and composite moments of mass, on
+      base
                        parameters, with origins and units where they save most (lean_sweeps.hpp)
       traced sweep     the sweeps of recursive/ as they are (for FD the articulated bodies)
       traced on base   the same on the base parameters
       Lagrange         the derivation of symbolic/
-    A road that cannot take the mechanism is left out; "traced sweep" takes all. For the parameters of
-    the scene as they are: their zeros are structural, and what depends on them alone is folded.
+    A road that cannot take the mechanism is left out; "traced sweep" takes all. For the parameters
+    of the scene as they are: their zeros are structural, and what depends on them alone is folded.
     @throws std::runtime_error when the mechanism has closures or springs between points
     @throws std::domain_error  of forward dynamics when M is singular in every state */
 std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula);
 
-/** Operations beyond which no straight line is written. Measured on one core (g++ 12, -O1): it takes the compiler
-    0.7 s for 3000, 2 s for 4000 to 5000, 12 s for 10000, since its passes grow with their square; and beyond
-    4000 to 5000 the code leaves the instruction cache and is slower than loops (chain_24: M of 4229 took 732 ns
-    and the general sweep 821, the floating humanoid's of 4794 1581 against 1321). */
+/** Operations beyond which no straight line is written. Measured on one core (g++ 12, -O1): it
+    takes the compiler 0.7 s for 3000, 2 s for 4000 to 5000, 12 s for 10000, since its passes grow
+    with their square; and beyond 4000 to 5000 the code leaves the instruction cache and is slower
+    than loops (chain_24: M of 4229 took 732 ns and the general sweep 821, the floating humanoid's
+    of 4794 1581 against 1321). */
 inline constexpr int kMostOperations = 3000;
 
-/// Where the general sweep takes this many times kMostOperations, nothing is written down to find out: of so long
-/// sweeps a straight line saves four fifths at most (planar chains), and FD would be written down in up to a
-/// hundred thousand operations.
+/// Where the general sweep takes this many times kMostOperations, nothing is written down to find
+/// out: of so long sweeps a straight line saves four fifths at most (planar chains), and FD would
+/// be written down in up to a hundred thousand operations.
 inline constexpr int kMostSaved = 5;
 
 /// Degrees of freedom beyond which operations are not even counted.
@@ -67,11 +71,12 @@ struct NotUsed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/** The road of the fewest operations. Of the traced sweeps, which every bundled scene shows to be larger
-    by half, the mechanisms that the lean sweep cannot take are left. The roads of the mechanism asked
-    last are kept, so asking again costs nothing; not for several threads at once.
+/** The road of the fewest operations. Of the traced sweeps, which every bundled scene shows to be
+    larger by half, the mechanisms that the lean sweep cannot take are left. The roads of the
+    mechanism asked last are kept, so asking again costs nothing; not for several threads at once.
 
-    The search is bounded by counted steps, the same on every machine: about a second for ID, M and FD together.
+    The search is bounded by counted steps, the same on every machine: about a second for ID, M and
+    FD together.
     @throws NotUsed  of ID, M and FD: more than kMostOperations, or not fewer than the general
                      sweep's (general_cost.hpp); and what roads() throws */
 Road smallestRoad(const scene::Mechanism& mechanism, Formula formula);

@@ -129,14 +129,16 @@ ClosedMotion::Solution ClosedMotion::solved(bool all) {
   }
   out.drive = Vector::Zero(dof());
   if (drives_.empty()) return out;
-  const Vector taken = M_ * out.qdd - f - constraints_.J.transpose() * out.lambda;  // f has no M qdd_f
+  const Vector taken =
+      M_ * out.qdd - f - constraints_.J.transpose() * out.lambda;  // f has no M qdd_f
   for (const Drive& drive : drives_) out.drive(drive.rate) = taken(drive.rate);
   out.qdd += given;
   return out;
 }
 
-ClosedMotion::Residuals ClosedMotion::residuals(const State& y, const Vector& qdd, const Vector& lambda,
-                                                const Vector& mu, double time) {
+ClosedMotion::Residuals ClosedMotion::residuals(const State& y, const Vector& qdd,
+                                                const Vector& lambda, const Vector& mu,
+                                                double time) {
   ++evaluations;
   equations(y, time);
   Residuals out;
@@ -144,8 +146,8 @@ ClosedMotion::Residuals ClosedMotion::residuals(const State& y, const Vector& qd
   all(free_) = qdd;
   std::fill(tau_.begin(), tau_.end(), 0.0);
   spring_ = recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_);
-  recursive::inverseDynamics(model_, x_, qd_, std::vector<double>(all.data(), all.data() + dof()), ws_,
-                             bias_);
+  recursive::inverseDynamics(model_, x_, qd_, std::vector<double>(all.data(), all.data() + dof()),
+                             ws_, bias_);
   const recursive::MatrixX<double> J = constraints_.J(chosen_, Eigen::all);
   out.force = Eigen::Map<const Vector>(bias_.data(), dof()) -
               Eigen::Map<const Vector>(tau_.data(), dof()) - J.transpose() * lambda;
@@ -155,7 +157,8 @@ ClosedMotion::Residuals ClosedMotion::residuals(const State& y, const Vector& qd
                baumgarte_ * baumgarte_ * out.phi;
   Vector rates = Eigen::Map<const Vector>(qd_.data(), dof());
   if (mu.size() > 0) rates -= J.transpose() * mu;
-  recursive::positionRates(model_, x_, std::vector<double>(rates.data(), rates.data() + dof()), q_rate_);
+  recursive::positionRates(model_, x_, std::vector<double>(rates.data(), rates.data() + dof()),
+                           q_rate_);
   out.position_rates = Eigen::Map<const Vector>(q_rate_.data(), positions());
   out.power = loadPower() - spring_.dissipation - recursive::frictionPower(model_, qd_);
   for (const Drive& drive : drives_) out.power += out.force(drive.rate) * qd_[drive.rate];
@@ -172,7 +175,8 @@ void ClosedMotion::project(State* y, double time) {
     factorizeChosen();
     const Vector dq = ofAll(solver_.shortest(-constraints_.phi(chosen_)));
     State moved = *y;
-    recursive::positionRates(model_, x_, std::vector<double>(dq.data(), dq.data() + dof()), q_rate_);
+    recursive::positionRates(model_, x_, std::vector<double>(dq.data(), dq.data() + dof()),
+                             q_rate_);
     for (int i = 0; i < positions(); ++i) moved[i] += q_rate_[i];
     equations(moved, time);
     if (!(phi() < before)) break;
@@ -194,7 +198,8 @@ double ClosedMotion::balance(const State& y, double time) {
   return kinetic_ + recursive::potentialEnergy(model_, x_, ws_) + springs - y.back();
 }
 
-std::array<double, 3> ClosedMotion::place(const State& y, double time, const scene::Attachment& point) {
+std::array<double, 3> ClosedMotion::place(const State& y, double time,
+                                          const scene::Attachment& point) {
   equations(y, time);
   const auto& in_model = model_.places[point.link];
   const recursive::Transform<double> X =

@@ -14,11 +14,11 @@ namespace dynwitness::crosscheck {
 /** A mechanism with closures, springs between points, loads, and driven joints.
 
     Driven joints are no unknowns: whatever a state says about them, their positions, rates and
-    accelerations are those of their motions at that time. With indices f of the free and p of the driven
-    degrees of freedom
+    accelerations are those of their motions at that time. With indices f of the free and p of the
+    driven degrees of freedom
 
-        M_ff qdd_f = (Q - bias)_f + J_f' lambda,   J_f qdd_f = -gamma - J_p qdd_p       bias at qdd_f = 0
-        tau_p = (M qdd + bias - Q)_p - J_p' lambda                                      what the drives take
+        M_ff qdd_f = (Q - bias)_f + J_f' lambda,   J_f qdd_f = -gamma - J_p qdd_p  bias at qdd_f = 0
+        tau_p = (M qdd + bias - Q)_p - J_p' lambda                              what the drives take
 
     so that the inertia that a drive moves need not be known. J qd, with all of qd, is dphi/dt. */
 class ClosedMotion {
@@ -45,17 +45,18 @@ class ClosedMotion {
   void operator()(const State& y, State& rate, double time);
 
   /** Which equations stand for all, decided at this state and kept until the next call. Redundant
-      equations depend on each other only where phi = 0, and the trial states inside a step of an integrator
-      do not lie there: deciding again at each of them would make the accelerations jump. */
+      equations depend on each other only where phi = 0, and the trial states inside a step of an
+      integrator do not lie there: deciding again at each of them would make the accelerations jump.
+      */
   void choose(const State& y, double time);
   const std::vector<int>& chosen() const { return chosen_; }
 
   struct Solution {
-    Vector qdd;                       ///< of all degrees of freedom
-    Vector lambda;                    ///< of all equations
-    std::vector<bool> determined;     ///< by multiplier
-    double contradiction = 0;         ///< largest |J qdd + gamma|
-    Vector drive;                     ///< forces of the drives, zero where there is none [N m], [N]
+    Vector qdd;                    ///< of all degrees of freedom
+    Vector lambda;                 ///< of all equations
+    std::vector<bool> determined;  ///< by multiplier
+    double contradiction = 0;      ///< largest |J qdd + gamma|
+    Vector drive;                  ///< forces of the drives, zero where there is none [N m], [N]
   };
   /// With the chosen equations; the multipliers of the others are zero.
   Solution accelerations(const State& y, double time);
@@ -68,19 +69,20 @@ class ClosedMotion {
   double phiRateSize() const { return largest(phiRate()); }
   int rank() const { return static_cast<int>(solver_.rank()); }
 
-  /** What Newton and Euler leave of  M qdd + bias - Q - J' lambda  at any qdd and lambda, and the residuals
-      of the chosen equations for position, rate and acceleration there. Counts as one evaluation. */
+  /** What Newton and Euler leave of  M qdd + bias - Q - J' lambda  at any qdd and lambda, and the
+      residuals of the chosen equations for position, rate and acceleration there. Counts as one
+      evaluation. */
   struct Residuals {
-    Vector force;                 ///< of all degrees of freedom: on driven ones what the drive takes
-    Vector phi, rate, second;     ///< chosen equations
-    Vector position_rates;        ///< of qd - J' mu, of all slots
-    double power = 0;             ///< of loads, dampers and drives [W]
+    Vector force;              ///< of all degrees of freedom: on driven ones what the drive takes
+    Vector phi, rate, second;  ///< chosen equations
+    Vector position_rates;     ///< of qd - J' mu, of all slots
+    double power = 0;          ///< of loads, dampers and drives [W]
   };
   Residuals residuals(const State& y, const Vector& qdd, const Vector& lambda, const Vector& mu,
                       double time);
 
-  /** Newton's method for phi(q) = 0, each step the shortest in M's norm, then the same for J qd = 0.
-      It ends when phi no longer halves: then rounding is what is left. */
+  /** Newton's method for phi(q) = 0, each step the shortest in M's norm, then the same for J qd =
+      0. It ends when phi no longer halves: then rounding is what is left. */
   void project(State* y, double time);
 
   /// E - work of loads, dampers and drives [J]; the part that must not change.
@@ -94,9 +96,7 @@ class ClosedMotion {
 
  private:
   static double largest(const Vector& v) { return v.size() == 0 ? 0 : v.cwiseAbs().maxCoeff(); }
-  Vector phiRate() const {
-    return constraints_.J * Eigen::Map<const Vector>(qd_.data(), dof());
-  }
+  Vector phiRate() const { return constraints_.J * Eigen::Map<const Vector>(qd_.data(), dof()); }
   Solution solved(bool all);
   /// Q - bias, bias at the accelerations given_ of the driven joints.
   Vector forces();

@@ -28,8 +28,8 @@ namespace {
 namespace odeint = boost::numeric::odeint;
 using Vector = std::vector<double>;  // (q, qd, what friction has taken [J])
 
-constexpr int kChartPoints = 400;        // a path is thinned to about this many for the chart
-constexpr double kFirstStep = 0.01;      // [s]
+constexpr int kChartPoints = 400;    // a path is thinned to about this many for the chart
+constexpr double kFirstStep = 0.01;  // [s]
 constexpr int kMostHalvings = 9;
 constexpr double kMostSteps = 1e8;
 
@@ -159,8 +159,8 @@ bool orderShows(const Drift& drift) {
   return drift.paths.size() >= 2 && drift.observed_order > drift.method_order - 1;
 }
 
-/// With its finest steps the method loses nothing but rounding, as it does in free fall with any. (A
-/// wrong qdd drifts by the same amount at every step size, far above that.)
+/// With its finest steps the method loses nothing but rounding, as it does in free fall with any.
+/// (A wrong qdd drifts by the same amount at every step size, far above that.)
 bool belowRounding(const Drift& drift) {
   return drift.paths.back().worst <= roundingFloor(drift, drift.paths.back());
 }
@@ -204,8 +204,8 @@ struct AdaptiveRun {
   }
 };
 
-/// By Dormand and Prince's pair of orders 5 and 4, each step's error kept below step_error (1 + |y|). Ends early
-/// where the steps become too many or nothing finite follows.
+/// By Dormand and Prince's pair of orders 5 and 4, each step's error kept below step_error (1 +
+/// |y|). Ends early where the steps become too many or nothing finite follows.
 AdaptiveRun runAdaptively(const scene::Scene& scene, const DriftOptions& options,
                           double step_error) {
   constexpr int kMostAdaptiveSteps = 200000;
@@ -259,7 +259,8 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   const Method& method = methodNamed(kMethods, options.method);
   requireTreated(scene, Command::kDrift);
   if (!(options.duration > 0) || !std::isfinite(options.duration))
-    throw scene::InputError({}, fmt::format("duration is {} s, allowed: positive", options.duration));
+    throw scene::InputError({},
+                            fmt::format("duration is {} s, allowed: positive", options.duration));
   if (options.steps.empty() && options.duration / kFirstStep > kMostSteps / (1 << kMostHalvings))
     throw scene::InputError(
         {}, fmt::format("duration is {} s, allowed: up to {} s where no steps are given",
@@ -268,7 +269,8 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
     if (!(step > 0) || step > options.duration || options.duration / step > kMostSteps)
       throw scene::InputError(
           {}, fmt::format("step is {} s, allowed: positive, at most the duration of {} s, and at "
-                          "least a hundred millionth of it", step, options.duration));
+                          "least a hundred millionth of it",
+                          step, options.duration));
 
   Motion motion(scene.mechanism, options.moved_by);
   const Vector start = startOf(scene);
@@ -312,7 +314,8 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   // three steps at least for the chart, then on until the method's order shows
   double step = kFirstStep;
   for (int k = 0; k <= kMostHalvings; ++k, step /= 2) {
-    const double finest = std::min(step, kFirstStep / 8);  // four runs at least, each twice as long as the last
+    const double finest =
+        std::min(step, kFirstStep / 8);  // four runs at least, each twice as long as the last
     work.expect(2 * options.duration / finest);
     run(step);
     const Drift so_far = relative();
@@ -322,7 +325,8 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
       continue;
     }
     if (so_far.paths.size() < 4) continue;
-    if (orderShows(so_far) || belowRounding(so_far) || !isFinite(so_far) || so_far.scale == 0) break;
+    if (orderShows(so_far) || belowRounding(so_far) || !isFinite(so_far) || so_far.scale == 0)
+      break;
   }
   return relative();
 }
@@ -339,13 +343,15 @@ std::string unresolved(const Drift& drift) {
                      drift.method_order);
 }
 
-/** Equal steps have failed: is it them, or qdd? An integrator that adapts asks every step for an error below its
-    step_error, and so the error of the path, and of E, falls with what is asked of a step: as its power 5/6 with a method of order
-    5 that controls the error a step (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4). A
-    wrong qdd drifts by the same amount whatever is asked, the power 0. Between the two lies 1/2.
+/** Equal steps have failed: is it them, or qdd? An integrator that adapts asks every step for an
+    error below its step_error, and so the error of the path, and of E, falls with what is asked of
+    a step: as its power 5/6 with a method of order 5 that controls the error a step (Hairer,
+    Norsett, Wanner, Solving Ordinary Differential Equations I, II.4). A wrong qdd drifts by the
+    same amount whatever is asked, the power 0. Between the two lies 1/2.
 
-    Where rounding is all that is left, the drift is held to the sum of what rounding the state does to E at each
-    step. A sum above the kinetic energy itself would let everything pass, and nothing is answered. */
+    Where rounding is all that is left, the drift is held to the sum of what rounding the state does
+    to E at each step. A sum above the kinetic energy itself would let everything pass, and nothing
+    is answered. */
 void judgeAdaptively(const scene::Scene& scene, const Drift& drift, DriftOptions options,
                      CheckResult* check) {
   constexpr double kStepErrors[] = {1e-6, 1e-8, 1e-10};
@@ -373,7 +379,8 @@ void judgeAdaptively(const scene::Scene& scene, const Drift& drift, DriftOptions
   const double power =
       std::log(first.worst / last.worst) / std::log(coarse.step_error / fine.step_error);
   const std::string found = fmt::format(
-      "{}; adaptive steps, down to {:.2g} s, drift by {:.2g}, {:.2g}, {:.2g} at step_errors of {:.0e}, {:.0e}, {:.0e}{}",
+      "{}; adaptive steps, down to {:.2g} s, drift by {:.2g}, {:.2g}, {:.2g} at step_errors of "
+      "{:.0e}, {:.0e}, {:.0e}{}",
       equal_steps, fine.shortest_step, first.worst / scale, runs[1].at(time).worst / scale,
       last.worst / scale, coarse.step_error, runs[1].step_error, fine.step_error,
       time < drift.duration ? fmt::format(" until t = {:.3g} s", time) : "");
@@ -418,7 +425,8 @@ void eraseLostPaths(Drift& drift) {
 CheckResult checkDrift(const scene::Scene& scene, const Drift& drift, const DriftOptions& options) {
   CheckResult check;
   check.check = "energy drift";
-  check.statement = fmt::format("|E - E0| falls as step^{} with {}", drift.method_order, drift.method);
+  check.statement =
+      fmt::format("|E - E0| falls as step^{} with {}", drift.method_order, drift.method);
   check.quantity = "energy";
   check.left = "articulated_body";
   check.unit = "observed order (at least)";

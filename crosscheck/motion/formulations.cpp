@@ -28,7 +28,8 @@ void measure(const Simulation& reference, FormulationRun* run) {
   for (std::size_t k = 0; k < reference.points.size(); ++k) {
     const Simulation::Point &right = reference.points[k], &ours = run->result.points[k];
     for (std::size_t i = 0; i < right.q.size(); ++i) worse(&run->q_error, ours.q[i], right.q[i]);
-    for (std::size_t i = 0; i < right.qd.size(); ++i) worse(&run->qd_error, ours.qd[i], right.qd[i]);
+    for (std::size_t i = 0; i < right.qd.size(); ++i)
+      worse(&run->qd_error, ours.qd[i], right.qd[i]);
     for (std::size_t i = 0; k > 0 && i < right.lambda.size(); ++i)
       if (right.determined[i]) {
         worse(&lambda, ours.lambda[i], right.lambda[i]);
@@ -39,7 +40,8 @@ void measure(const Simulation& reference, FormulationRun* run) {
 
 }  // namespace
 
-FormulationComparison compareFormulations(const scene::Scene& scene, const SimulateOptions& options) {
+FormulationComparison compareFormulations(const scene::Scene& scene,
+                                          const SimulateOptions& options) {
   constexpr double kLeastStepError = 1000 * std::numeric_limits<double>::epsilon();
   FormulationComparison out;
   out.reference = options;
@@ -50,7 +52,8 @@ FormulationComparison compareFormulations(const scene::Scene& scene, const Simul
   const Simulation reference = simulate(scene, out.reference);
   for (const Simulation::Point& point : reference.points)
     for (std::size_t i = 0; i < point.lambda.size(); ++i)
-      if (point.determined[i]) out.most_lambda = std::max(out.most_lambda, std::abs(point.lambda[i]));
+      if (point.determined[i])
+        out.most_lambda = std::max(out.most_lambda, std::abs(point.lambda[i]));
 
   const std::string implicit =
       options.method.rfind("runge_kutta", 0) == 0 ? "radau_iia_5" : options.method;

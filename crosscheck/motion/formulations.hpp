@@ -21,7 +21,8 @@ struct FormulationRun {
   std::string method;
   std::string failure;  ///< why there is no result; empty: there is one
   Simulation result;
-  double q_error = 0, qd_error = 0;  ///< largest difference from the reference at outputs [rad, m; 1/s]
+  double q_error = 0,
+         qd_error = 0;  ///< largest difference from the reference at outputs [rad, m; 1/s]
   std::optional<double> lambda_error;  ///< the same of determined multipliers; none without
 };
 
@@ -34,11 +35,12 @@ struct FormulationComparison {
 /// How many runs a comparison has.
 inline constexpr int kComparedFormulations = 8;
 
-/** Runs index 1 (by the explicit method of the options: without help, Baumgarte, projection; by Radau IIA:
-    without help, projection), index 2, index 3 and Gear, Leimkuhler and Gupta's (Radau IIA), from the same
-    start. Errors are differences from an index 1 run with projection at the smallest step error that
-    double precision serves, 1000 eps. The multipliers of a singular pose or of redundant equations are
-    left out: mechanics does not say what they are. */
-FormulationComparison compareFormulations(const scene::Scene& scene, const SimulateOptions& options);
+/** Runs index 1 (by the explicit method of the options: without help, Baumgarte, projection; by
+    Radau IIA: without help, projection), index 2, index 3 and Gear, Leimkuhler and Gupta's (Radau
+    IIA), from the same start. Errors are differences from an index 1 run with projection at the
+    smallest step error that double precision serves, 1000 eps. The multipliers of a singular pose
+    or of redundant equations are left out: mechanics does not say what they are. */
+FormulationComparison compareFormulations(const scene::Scene& scene,
+                                          const SimulateOptions& options);
 
 }  // namespace dynwitness::crosscheck

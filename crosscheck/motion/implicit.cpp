@@ -64,12 +64,18 @@ RadauIIA::Vector RadauIIA::residual(const State& at, const Vector& unknown, doub
                                    ggl ? Vector(unknown.tail(m)) : Vector(), time);
   if (power) *power = r.power;
   Vector out(size());
-  out.head(np) = unknown.head(np) - r.position_rates(slots);                       // (2)
-  out.segment(np, n) = r.force(motion_.freeRates());                               // (3)
-  switch (formulation_) {                                                          // (4)
-    case Formulation::kIndex1: out.tail(m) = r.second; break;
-    case Formulation::kIndex2: out.tail(m) = r.rate / h; break;
-    case Formulation::kIndex3: out.tail(m) = r.phi / (h * h); break;
+  out.head(np) = unknown.head(np) - r.position_rates(slots);  // (2)
+  out.segment(np, n) = r.force(motion_.freeRates());          // (3)
+  switch (formulation_) {                                     // (4)
+    case Formulation::kIndex1:
+      out.tail(m) = r.second;
+      break;
+    case Formulation::kIndex2:
+      out.tail(m) = r.rate / h;
+      break;
+    case Formulation::kIndex3:
+      out.tail(m) = r.phi / (h * h);
+      break;
     case Formulation::kGgl:
       out.segment(np + n, m) = r.rate / h;
       out.tail(m) = r.phi / h;
@@ -82,7 +88,7 @@ State RadauIIA::stage(const State& from, const Vector& unknowns, int i, double h
   const auto &slots = motion_.freePositions(), &rates = motion_.freeRates();
   const int np = static_cast<int>(slots.size()), n = static_cast<int>(rates.size()), N = size();
   State at = from;
-  for (int j = 0; j < s_; ++j) {                                                   // (1)
+  for (int j = 0; j < s_; ++j) {  // (1)
     for (int k = 0; k < np; ++k) at[slots[k]] += h * A_(i, j) * unknowns(j * N + k);
     for (int k = 0; k < n; ++k)
       at[motion_.positions() + rates[k]] += h * A_(i, j) * unknowns(j * N + np + k);
@@ -121,8 +127,8 @@ void RadauIIA::linearize(const State& y, const Vector& unknowns, double time, do
   linearized_for_ = h;
 }
 
-/** Newton's method. While an update is less than half the one before, the matrix is kept; when it is not,
-    that is either rounding, and the end, or the matrix is too old and is made anew. */
+/** Newton's method. While an update is less than half the one before, the matrix is kept; when it
+    is not, that is either rounding, and the end, or the matrix is too old and is made anew. */
 bool RadauIIA::solve(const State& y, double time, double h, Vector* unknowns) {
   constexpr int kMostSteps = 60;
   const int N = size();
@@ -139,7 +145,8 @@ bool RadauIIA::solve(const State& y, double time, double h, Vector* unknowns) {
       r.segment(i * N, N) =
           residual(stage(y, *unknowns, i, h), unknowns->segment(i * N, N), time + c_[i] * h, h);
     const Vector change = lu_.solve(r);
-    // what it moves the positions: there rounding is eps, whatever the index (eps / h^2 in accelerations)
+    // what it moves the positions: there rounding is eps, whatever the index (eps / h^2 in
+    // accelerations)
     double now = 0;
     const auto &slots = motion_.freePositions(), &rates = motion_.freeRates();
     const int np = static_cast<int>(slots.size()), n = static_cast<int>(rates.size());
@@ -150,7 +157,8 @@ bool RadauIIA::solve(const State& y, double time, double h, Vector* unknowns) {
     }
     if (!std::isfinite(now)) return false;
     if (!(now < before / 2)) {
-      constexpr double kSomeRoundings = 64;  // of sums of that many terms; an old matrix may stall above
+      constexpr double kSomeRoundings =
+          64;  // of sums of that many terms; an old matrix may stall above
       if (before <= (is_fresh ? std::sqrt(eps) : kSomeRoundings * eps)) return true;
       linearize(y, *unknowns, time, h);
       is_fresh = true;
@@ -180,7 +188,8 @@ void RadauIIA::step(State* y, double time, double end) {
     unknowns = guess();
     if (!solve(*y, time, h, &unknowns))
       throw std::runtime_error(fmt::format(
-          "simulate: Newton's method does not converge in the step of {} s at t = {} s, allowed: shorter "
+          "simulate: Newton's method does not converge in the step of {} s at t = {} s, allowed: "
+          "shorter "
           "steps",
           h, time));
   }
@@ -196,8 +205,8 @@ void RadauIIA::step(State* y, double time, double end) {
   last_ = unknowns.tail(N);
   const Eigen::Index m = static_cast<Eigen::Index>(motion_.chosen().size());
   lambda_.setZero();
-  lambda_(motion_.chosen()) =
-      last_.segment(static_cast<Eigen::Index>(motion_.freePositions().size()) + motion_.freedoms(), m);
+  lambda_(motion_.chosen()) = last_.segment(
+      static_cast<Eigen::Index>(motion_.freePositions().size()) + motion_.freedoms(), m);
 }
 
 }  // namespace dynwitness::crosscheck

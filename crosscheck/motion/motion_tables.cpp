@@ -30,7 +30,8 @@ MotionTable::Column readColumn(const json& given, const scene::Mechanism& mechan
   MotionTable::Column column;
   using Of = MotionTable::Column::Of;
   if (given.is_string() || given.contains("of")) {
-    const std::string name = given.is_string() ? given.get<std::string>() : given.at("of").get<std::string>();
+    const std::string name =
+        given.is_string() ? given.get<std::string>() : given.at("of").get<std::string>();
     int multipliers = 0;
     for (const scene::Closure& closure : mechanism.closures)
       multipliers += scene::equationCount(closure.kind);
@@ -41,7 +42,8 @@ MotionTable::Column readColumn(const json& given, const scene::Mechanism& mechan
     for (const auto& [letter, of, count] : kinds) {
       for (int i = 0; i < count; ++i)
         if (name == fmt::format("{}{}", letter, i + 1)) column.of = of, column.index = i;
-      if (count > 0) allowed += fmt::format("{}{}1 to {}{}", allowed.empty() ? "" : ", ", letter, letter, count);
+      if (count > 0)
+        allowed += fmt::format("{}{}1 to {}{}", allowed.empty() ? "" : ", ", letter, letter, count);
     }
     if (column.index < 0) fail(file, fmt::format("column '{}', allowed: {}", name, allowed));
     if (!given.is_string() && given.contains("scale"))
@@ -56,7 +58,8 @@ MotionTable::Column readColumn(const json& given, const scene::Mechanism& mechan
   const json& at = given.at("at");
   column.point.xyz = {number(at.at(0)), number(at.at(1)), number(at.at(2))};
   const std::string axis = given.at("axis").get<std::string>();
-  if (axis != "x" && axis != "y" && axis != "z") fail(file, "axis '" + axis + "', allowed: x, y, z");
+  if (axis != "x" && axis != "y" && axis != "z")
+    fail(file, "axis '" + axis + "', allowed: x, y, z");
   column.axis = axis[0] - 'x';
   return column;
 }
@@ -95,7 +98,8 @@ bool isAbout(const std::string& name, const scene::Scene& scene) {
 std::vector<MotionTable> motionTables(const scene::Scene& scene) {
   std::vector<fs::path> files;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(scene::dataFolder() / "reference" / "motion", error))
+  for (const auto& entry :
+       fs::directory_iterator(scene::dataFolder() / "reference" / "motion", error))
     if (entry.path().extension() == ".json") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::vector<MotionTable> tables;
@@ -118,7 +122,8 @@ MotionVerdict compareMotion(const scene::Scene& scene, const Simulation& simulat
   std::vector<std::vector<std::array<double, 3>>> paths;  // one a column; empty for coordinates
   for (const MotionTable::Column& column : table.columns) {
     paths.emplace_back();
-    if (column.of == MotionTable::Column::Of::kPoint) paths.back() = pathOf(scene, simulation, column.point);
+    if (column.of == MotionTable::Column::Of::kPoint)
+      paths.back() = pathOf(scene, simulation, column.point);
   }
   MotionVerdict verdict;
   for (std::size_t k = 0; k < simulation.points.size(); ++k) {
@@ -130,10 +135,14 @@ MotionVerdict compareMotion(const scene::Scene& scene, const Simulation& simulat
       const MotionTable::Column& column = table.columns[i];
       const auto ours = [&]() -> double {
         switch (column.of) {
-          case MotionTable::Column::Of::kPosition: return point.q[column.index];
-          case MotionTable::Column::Of::kRate: return point.qd[column.index];
-          case MotionTable::Column::Of::kMultiplier: return point.lambda[column.index];
-          case MotionTable::Column::Of::kPoint: break;
+          case MotionTable::Column::Of::kPosition:
+            return point.q[column.index];
+          case MotionTable::Column::Of::kRate:
+            return point.qd[column.index];
+          case MotionTable::Column::Of::kMultiplier:
+            return point.lambda[column.index];
+          case MotionTable::Column::Of::kPoint:
+            break;
         }
         return paths[i][k][column.axis];
       };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Published motions (data/reference/motion/): positions at given times, from somebody else's simulation.
+// Published motions (data/reference/motion/): positions at given times, from somebody else's
+// simulation.
 #pragma once
 
 #include <string>
@@ -14,10 +15,10 @@ struct MotionTable {
   struct Column {
     enum class Of { kPosition, kRate, kMultiplier, kPoint };
     Of of = Of::kPoint;
-    int index = -1;          ///< of q, qd or lambda (from 0), or
-    scene::Attachment point; ///< a point of a link,
-    int axis = 0;            ///< its x, y or z in the world
-    double scale = 1;        ///< printed value = scale times ours
+    int index = -1;           ///< of q, qd or lambda (from 0), or
+    scene::Attachment point;  ///< a point of a link,
+    int axis = 0;             ///< its x, y or z in the world
+    double scale = 1;         ///< printed value = scale times ours
   };
   struct Row {
     double time;

@@ -35,7 +35,8 @@ double pendulumPeriodRatio(const scene::Mechanism& mechanism, double q_0, int st
   const std::vector<scene::JointPosition<Real>> right_angle = {{quarter_turn, 0, 1}};
   recursive::inverseDynamics(model, right_angle, at_rest, at_rest, ws, g_at_right_angle,
                              recursive::Terms::potential());
-  recursive::inverseDynamics(model, right_angle, at_rest, {Real(1)}, ws, M, recursive::Terms::none());
+  recursive::inverseDynamics(model, right_angle, at_rest, {Real(1)}, ws, M,
+                             recursive::Terms::none());
   const Real T_0 = 4 * quarter_turn * std::sqrt(M[0] / g_at_right_angle[0]);
 
   // step until the velocity turns, then bisect the length of the last step

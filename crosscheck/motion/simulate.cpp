@@ -6,11 +6,11 @@
 #include <ctime>
 #include <limits>
 
+#include <fmt/format.h>
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/generation.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
-#include <fmt/format.h>
 
 #include "crosscheck/features.hpp"
 #include "crosscheck/motion/closed_motion.hpp"
@@ -25,7 +25,8 @@ using State = ClosedMotion::State;
 
 constexpr double kSmallestStep = 1e-12;  // [s]
 constexpr long kMostSteps = 1000000;
-constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();  // of differences of times, relative to these
+constexpr double kRounding =
+    4 * std::numeric_limits<double>::epsilon();  // of differences of times, relative to these
 
 Simulation::Point pointAt(ClosedMotion& motion, const State& y, double time, double start_balance) {
   Simulation::Point point;
@@ -40,7 +41,8 @@ Simulation::Point pointAt(ClosedMotion& motion, const State& y, double time, dou
 }
 
 template <typename Stepper>
-void forgetDerivative(odeint::controlled_runge_kutta<Stepper>&, odeint::explicit_error_stepper_tag) {}
+void forgetDerivative(odeint::controlled_runge_kutta<Stepper>&,
+                      odeint::explicit_error_stepper_tag) {}
 /// A method that carries the last derivative over to the next step must hear that y was moved.
 template <typename Controlled>
 void forgetDerivative(Controlled& stepper, odeint::explicit_error_stepper_fsal_tag) {
@@ -93,8 +95,8 @@ class Watch {
   void stepped(double time) {
     ++out_->steps;
     if (out_->steps > kMostSteps)
-      throw std::runtime_error(fmt::format("simulate: {} steps and only {} of {} s done", kMostSteps,
-                                           time, options_.duration));
+      throw std::runtime_error(fmt::format("simulate: {} steps and only {} of {} s done",
+                                           kMostSteps, time, options_.duration));
     if (options_.progress) options_.progress(time);
   }
   void settled() {
@@ -128,8 +130,8 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
         ++out->rejected;
         step = dt;
         if (!(step > kSmallestStep))
-          throw std::runtime_error(fmt::format("simulate: the step fell below {} s at t = {} s",
-                                               kSmallestStep, time));
+          throw std::runtime_error(
+              fmt::format("simulate: the step fell below {} s at t = {} s", kSmallestStep, time));
         continue;
       }
       watch.stepped(time);
@@ -150,7 +152,8 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
 
 /// Radau IIA with steps as long as asked: equal ones between outputs.
 template <int Stages>
-void integrateImplicitly(ClosedMotion& motion, State y, const SimulateOptions& options, Simulation* out) {
+void integrateImplicitly(ClosedMotion& motion, State y, const SimulateOptions& options,
+                         Simulation* out) {
   RadauIIA radau(motion, Stages, options.formulation);
   radau.start(y, 0);
   Watch watch(motion, y, options, out);
@@ -190,7 +193,8 @@ const Method kMethods[] = {
 };
 
 void require(bool holds, const char* what, double value, const char* allowed) {
-  if (!holds) throw scene::InputError({}, fmt::format("{} is {}, allowed: {}", what, value, allowed));
+  if (!holds)
+    throw scene::InputError({}, fmt::format("{} is {}, allowed: {}", what, value, allowed));
 }
 
 }  // namespace
@@ -212,15 +216,19 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
   require(options.baumgarte_rate >= 0 && std::isfinite(options.baumgarte_rate), "Baumgarte's rate",
           options.baumgarte_rate, "zero or more");
   if (options.formulation != Formulation::kIndex1 && !method.implicit)
-    throw scene::InputError({}, fmt::format("method '{}' with index 2 or 3, allowed: radau_iia_5, radau_iia_3, "
-                                            "implicit_euler; {} solves index 1 only",
-                                            options.method, options.method));
+    throw scene::InputError(
+        {}, fmt::format("method '{}' with index 2 or 3, allowed: radau_iia_5, radau_iia_3, "
+                        "implicit_euler; {} solves index 1 only",
+                        options.method, options.method));
   if (options.formulation != Formulation::kIndex1 && options.stabilisation != Stabilisation::kNone)
-    throw scene::InputError({}, "stabilisation with index 2 or 3, allowed: none, for these keep what they "
-                                "solve for; index 1 alone is stabilised");
+    throw scene::InputError(
+        {},
+        "stabilisation with index 2 or 3, allowed: none, for these keep what they "
+        "solve for; index 1 alone is stabilised");
   if (method.implicit)
     require(options.step > 0 && std::isfinite(options.step), "step", options.step, "positive");
-  ClosedMotion motion(scene, options.stabilisation == Stabilisation::kBaumgarte ? options.baumgarte_rate : 0);
+  ClosedMotion motion(
+      scene, options.stabilisation == Stabilisation::kBaumgarte ? options.baumgarte_rate : 0);
   if (motion.freedoms() == 0)
     throw scene::InputError({scene.file.string(), 0},
                             "all joints are driven, allowed: at least one that is free to move");
@@ -232,8 +240,8 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
   motion.choose(y, 0);
   motion.project(&y, 0);
   motion.choose(y, 0);
-  // Newton's method squares what is left with each step: from below the root of eps [m, rad, 1/s] the
-  // next one ends at rounding; where it stays above, it did not arrive
+  // Newton's method squares what is left with each step: from below the root of eps [m, rad, 1/s]
+  // the next one ends at rounding; where it stays above, it did not arrive
   const double kOnConstraints = std::sqrt(std::numeric_limits<double>::epsilon());
   if (!(motion.phi() <= kOnConstraints) || !(motion.phiRateSize() <= kOnConstraints))
     throw scene::InputError(
@@ -254,15 +262,17 @@ ConstrainedState constrainedAccelerations(const scene::Scene& scene, const std::
   State y = q;
   y.insert(y.end(), qd.begin(), qd.end());
   y.push_back(0);
-  if (static_cast<int>(q.size()) != motion.positions() || static_cast<int>(qd.size()) != motion.dof())
-    throw std::invalid_argument(
-        fmt::format("constrainedAccelerations: q, qd: expected {} and {} joint values, got {} and {}",
-                    motion.positions(), motion.dof(), q.size(), qd.size()));
+  if (static_cast<int>(q.size()) != motion.positions() ||
+      static_cast<int>(qd.size()) != motion.dof())
+    throw std::invalid_argument(fmt::format(
+        "constrainedAccelerations: q, qd: expected {} and {} joint values, got {} and {}",
+        motion.positions(), motion.dof(), q.size(), qd.size()));
   const auto result = motion.accelerationsOfAll(y, time);
   const auto values = [](const Eigen::VectorXd& v) {
     return std::vector<double>(v.data(), v.data() + v.size());
   };
-  return {values(result.qdd), values(result.lambda), values(result.drive), result.determined, motion.rank()};
+  return {values(result.qdd), values(result.lambda), values(result.drive), result.determined,
+          motion.rank()};
 }
 
 std::vector<std::array<double, 3>> pathOf(const scene::Scene& scene, const Simulation& simulation,

@@ -19,20 +19,21 @@ namespace dynwitness::crosscheck {
 enum class Stabilisation { kNone, kBaumgarte, kProjection };
 
 /** Which form of the constraints is solved for, together with M qdd = .. + J' lambda:
-      kIndex1   phi'' = 0:  multipliers and accelerations follow at once; phi and phi' drift
-      kIndex2   phi' = 0;   phi drifts linearly
-      kIndex3   phi = 0;    phi' = 0 holds as well as the integrator's rates do
-      kGgl      phi = 0 and phi' = 0, with q' = qd - J' mu: index 2 (Gear, Leimkuhler and Gupta); mu is
+      kIndex1   phi'' = 0:  multipliers and accelerations follow at once; phi and phi' drift kIndex2
+      phi' = 0;   phi drifts linearly kIndex3   phi = 0;    phi' = 0 holds as well as the
+      integrator's rates do kGgl      phi = 0 and phi' = 0, with q' = qd - J' mu: index 2 (Gear,
+      Leimkuhler and Gupta); mu is
                 as small as the error
     All but the first need an implicit method. */
 enum class Formulation { kIndex1, kIndex2, kIndex3, kGgl };
 
 struct SimulateOptions {
-  double duration = 10;  ///< [s]
-  int outputs = 100;     ///< equal intervals at whose ends the state is kept
+  double duration = 10;            ///< [s]
+  int outputs = 100;               ///< equal intervals at whose ends the state is kept
   std::vector<double> more_times;  ///< and at these, as far as they lie within the duration [s]
   std::string method = "runge_kutta_fehlberg78";
-  double step_error = 1e-10;  ///< asked of each step: |error| <= step_error (1 + |y|), y in [rad, m, 1/s ..]
+  double step_error =
+      1e-10;  ///< asked of each step: |error| <= step_error (1 + |y|), y in [rad, m, 1/s ..]
   Stabilisation stabilisation = Stabilisation::kProjection;
   double baumgarte_rate = 20;  ///< w [1/s]
   Formulation formulation = Formulation::kIndex1;
@@ -47,23 +48,22 @@ struct Simulation {
   struct Point {
     double time;
     std::vector<double> q, qd;
-    double phi, phi_rate;  ///< largest |phi|, |J qd| at this time
-    double energy_error;   ///< |E - E0 - work of loads, dampers and drives| [J]
-    std::vector<double> lambda;      ///< of all equations; of implicit methods what they solved for
-    std::vector<bool> determined;    ///< by multiplier: mechanics of rigid bodies says what it is
+    double phi, phi_rate;          ///< largest |phi|, |J qd| at this time
+    double energy_error;           ///< |E - E0 - work of loads, dampers and drives| [J]
+    std::vector<double> lambda;    ///< of all equations; of implicit methods what they solved for
+    std::vector<bool> determined;  ///< by multiplier: mechanics of rigid bodies says what it is
   };
   std::vector<Point> points;  ///< the first at t = 0
   int constraints = 0, rank_lowest = 0, rank_highest = 0;
   double start_residual = 0;  ///< largest |phi| and |J qd| of the scene's start, before projection
   double worst_phi = 0, worst_phi_rate = 0, worst_energy = 0;  ///< over all steps
-  double most_kinetic = 0;    ///< [J]
+  double most_kinetic = 0;                                     ///< [J]
   long steps = 0, rejected = 0, evaluations = 0;
   double cpu_s = 0;
 };
 
-/** Simulates the scene with its closures, springs, loads and driven joints, from its start state, without
-    other joint forces.
-    The start is first moved onto phi = 0 and J qd = 0.
+/** Simulates the scene with its closures, springs, loads and driven joints, from its start state,
+    without other joint forces. The start is first moved onto phi = 0 and J qd = 0.
     @throws scene::InputError  an unknown method, options out of range, or a start that no small
             correction brings onto the constraints
     @throws std::runtime_error the integrator cannot go on (its step fell below 1e-12 s) */

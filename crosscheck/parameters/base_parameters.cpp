@@ -38,15 +38,15 @@ class Echelon {
     std::vector<PrimeField> row;
     for (const int j : order_) row.push_back(given[j]);
     for (const auto& [pivot, other] : rows_) subtract(row, row[pivot], other);
-    const auto lead = std::find_if(row.begin(), row.end(), [](PrimeField x) { return !x.isZero(); });
+    const auto lead =
+        std::find_if(row.begin(), row.end(), [](PrimeField x) { return !x.isZero(); });
     if (lead == row.end()) return false;
     const PrimeField scale = lead->inverse();
     for (PrimeField& x : row) x *= scale;
     const int pivot = static_cast<int>(lead - row.begin());
     for (auto& [p, other] : rows_) subtract(other, other[pivot], row);
-    const auto place = std::find_if(rows_.begin(), rows_.end(), [&](const auto& r) {
-      return order_[r.first] > order_[pivot];
-    });
+    const auto place = std::find_if(rows_.begin(), rows_.end(),
+                                    [&](const auto& r) { return order_[r.first] > order_[pivot]; });
     rows_.insert(place, {pivot, std::move(row)});
     return true;
   }
@@ -70,9 +70,10 @@ class Echelon {
   std::vector<std::pair<int, std::vector<PrimeField>>> rows_;
 };
 
-/** The order in which columns are tried: links from the base outward, of each its inertia, then its first
-    moment, then its mass, and rotors last. So what a joint's motion cannot tell apart (a point mass on
-    its axis, a rod along it or across it) is what is counted to the link inboard, and K is small. */
+/** The order in which columns are tried: links from the base outward, of each its inertia, then its
+    first moment, then its mass, and rotors last. So what a joint's motion cannot tell apart (a
+    point mass on its axis, a rod along it or across it) is what is counted to the link inboard, and
+    K is small. */
 std::vector<int> eliminationOrder(const std::vector<scene::InertialParameter>& parameters) {
   using Kind = scene::InertialParameter::Kind;
   std::vector<int> order(parameters.size());
@@ -96,8 +97,9 @@ struct Stack {
   Echelon echelon;
   int states;
 };
-Stack stackRegressor(const scene::Scene& scene, const std::vector<scene::InertialParameter>& parameters,
-                     std::uint64_t seed, int trial, Parameters given = Parameters::kAsWritten) {
+Stack stackRegressor(const scene::Scene& scene,
+                     const std::vector<scene::InertialParameter>& parameters, std::uint64_t seed,
+                     int trial, Parameters given = Parameters::kAsWritten) {
   const FieldNumbers number(scene.mechanism, FieldSource(scene.name, seed, trial), given);
   const auto model = recursive::buildModel(scene.mechanism, number);
   recursive::Workspace<PrimeField> ws(model);
@@ -120,9 +122,9 @@ Stack stackRegressor(const scene::Scene& scene, const std::vector<scene::Inertia
   return out;
 }
 
-/** Chance that one trial finds too small a rank. After each state, some minor of at most p rows of the
-    stack is not zero as a formula and may vanish at the point: p + 1 states at most. Its size is
-    that of p factors, each no larger than the sum of all entries of Y, and p! terms. */
+/** Chance that one trial finds too small a rank. After each state, some minor of at most p rows of
+    the stack is not zero as a formula and may vanish at the point: p + 1 states at most. Its size
+    is that of p factors, each no larger than the sum of all entries of Y, and p! terms. */
 double chanceOfTooSmallRank(const scene::Scene& scene,
                             const std::vector<scene::InertialParameter>& parameters) {
   const DegreeBound::Divisors divisors;
@@ -162,8 +164,8 @@ struct Residue {
     value += modulus * step.residue();
     modulus *= prime;
   }
-  /// The fraction n/d of this residue with n^2 and d^2 below modulus/2, if there is one: a remainder
-  /// of Euclid's algorithm.
+  /// The fraction n/d of this residue with n^2 and d^2 below modulus/2, if there is one: a
+  /// remainder of Euclid's algorithm.
   std::optional<Rational> fraction() const {
     Integer r_0 = modulus, r_1 = value, t_0 = 0, t_1 = 1;
     while (2 * r_1 * r_1 >= modulus) {
@@ -232,8 +234,8 @@ std::vector<Candidate> candidatesOf(const scene::Mechanism& mechanism, const Fie
   return all;
 }
 
-/** Names coefficients that are one of the candidates, or twice one, when the parameters of the scene are
-    random elements. A wrong name passes with a chance of 1/p each. */
+/** Names coefficients that are one of the candidates, or twice one, when the parameters of the
+    scene are random elements. A wrong name passes with a chance of 1/p each. */
 void nameCoefficients(const scene::Scene& scene, std::uint64_t seed, BaseParameters& base) {
   const PrimeField::Modulus field(drawPrime(scene.name, seed, 0));
   const FieldNumbers number(scene.mechanism, FieldSource(scene.name, seed, 0), Parameters::kRandom);

@@ -16,11 +16,12 @@ namespace dynwitness::crosscheck {
 namespace {
 
 constexpr long kSharpBits = 80;
-/// What is certainly below this is taken for the zero that special angles make (cos = sin at 45 degrees).
+/// What is certainly below this is taken for the zero that special angles make (cos = sin at 45
+/// degrees).
 const double kNothing = std::ldexp(1, -kSharpBits);
 
-/// Rows of Y as balls, with the columns of Y_1 eliminated to the unit matrix: what K is then stands in
-/// the first rows. @return false: a pivot contains zero, more precision is needed
+/// Rows of Y as balls, with the columns of Y_1 eliminated to the unit matrix: what K is then stands
+/// in the first rows. @return false: a pivot contains zero, more precision is needed
 bool eliminate(std::vector<std::vector<Ball>>& rows, const std::vector<int>& columns) {
   scene::Work work("coefficients enclosed", static_cast<double>(columns.size()), 30);
   for (std::size_t k = 0; k < columns.size(); ++k, work.done()) {
@@ -49,8 +50,7 @@ std::vector<std::vector<Ball>> stackRows(const scene::Scene& scene, std::uint64_
   recursive::MatrixX<Ball> Y(model.dof(), base.parameters.size());
   std::vector<std::vector<Ball>> rows;
   for (int k = 0; k < 2 * base.states; ++k) {  // twice as many as generic states need
-    const auto state =
-        ballState(drawState(scene.mechanism, scene.name, seed, k), scene.mechanism);
+    const auto state = ballState(drawState(scene.mechanism, scene.name, seed, k), scene.mechanism);
     recursive::regressor(model, base.parameters, state.x, state.qd, state.qdd, ws, Y);
     for (Eigen::Index i = 0; i < Y.rows(); ++i) {
       rows.emplace_back();
@@ -74,7 +74,8 @@ void encloseCoefficients(const scene::Scene& scene, std::uint64_t seed, BasePara
     auto next = base.K.begin();
     for (int r = 0; r < base.count(); ++r) {
       for (int j = 0; j < static_cast<int>(base.parameters.size()); ++j) {
-        if (std::find(base.independent.begin(), base.independent.end(), j) != base.independent.end())
+        if (std::find(base.independent.begin(), base.independent.end(), j) !=
+            base.independent.end())
           continue;
         const Ball& entry = rows[r][j];
         const bool listed = next != base.K.end() && next->base == r && next->parameter == j;
@@ -83,16 +84,20 @@ void encloseCoefficients(const scene::Scene& scene, std::uint64_t seed, BasePara
           continue;
         }
         sharp = sharp && (entry.isSharp(kSharpBits) || entry.atMost() < kNothing);
-        if (next->exact && !entry.contains(*next->exact)) throw failed("a rational is not in its ball");
+        if (next->exact && !entry.contains(*next->exact))
+          throw failed("a rational is not in its ball");
         next->value = entry.mid();
         // the midpoint was rounded to a double
-        next->error = entry.radius() + std::abs(entry.mid()) * std::numeric_limits<double>::epsilon();
+        next->error =
+            entry.radius() + std::abs(entry.mid()) * std::numeric_limits<double>::epsilon();
         ++next;
       }
     }
     if (!sharp) continue;
     // at the scene's own angles, where the field has generic ones
-    const auto vanishes = [](const Coefficient& c) { return std::abs(c.value) + c.error < kNothing; };
+    const auto vanishes = [](const Coefficient& c) {
+      return std::abs(c.value) + c.error < kNothing;
+    };
     base.K.erase(std::remove_if(base.K.begin(), base.K.end(), vanishes), base.K.end());
     return;
   }

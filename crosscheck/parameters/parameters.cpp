@@ -19,23 +19,25 @@ std::optional<double> conditionOf(const Eigen::MatrixXd& W) {
   if (W.rows() < W.cols() || W.cols() == 0) return {};
   // Jacobi's method keeps small singular values better, and takes minutes from here on
   constexpr Eigen::Index kMostByJacobi = 200;
-  const Eigen::VectorXd s = W.cols() <= kMostByJacobi ? Eigen::JacobiSVD<Eigen::MatrixXd>(W).singularValues()
-                                                      : Eigen::BDCSVD<Eigen::MatrixXd>(W).singularValues();
+  const Eigen::VectorXd s = W.cols() <= kMostByJacobi
+                                ? Eigen::JacobiSVD<Eigen::MatrixXd>(W).singularValues()
+                                : Eigen::BDCSVD<Eigen::MatrixXd>(W).singularValues();
   const double condition = s(0) / s(s.size() - 1);
   if (!(condition * std::numeric_limits<double>::epsilon() * static_cast<double>(W.rows()) < 1))
     return {};
   return condition;
 }
 
-UncertaintyResult propagate(const ParametersResult& result, const std::vector<scene::State<double>>& states,
+UncertaintyResult propagate(const ParametersResult& result,
+                            const std::vector<scene::State<double>>& states,
                             const std::vector<Eigen::MatrixXd>& Y) {
   const scene::Mechanism& mechanism = result.scene.mechanism;
   const ParametersOptions& options = result.options;
   UncertaintyResult out;
   out.given = readUncertainty(options.uncertainty);
   const Eigen::MatrixXd F = parameterFactor(mechanism, result.base.parameters, out.given);
-  const Eigen::VectorXd pi =
-      Eigen::Map<const Eigen::VectorXd>(result.values.data(), static_cast<Eigen::Index>(result.values.size()));
+  const Eigen::VectorXd pi = Eigen::Map<const Eigen::VectorXd>(
+      result.values.data(), static_cast<Eigen::Index>(result.values.size()));
   const int n = mechanism.dof();
   out.by_inertia = out.by_geometry = out.tau = Eigen::VectorXd::Zero(n);
   for (std::size_t k = 0; k < states.size(); ++k) {
@@ -52,7 +54,8 @@ UncertaintyResult propagate(const ParametersResult& result, const std::vector<sc
     return compareCovariance(effect * effect.transpose(), sampled, options.samples, options.chance);
   };
   if (out.given.ofInertia())
-    out.inertia = compare(Y[0] * F, sampledByInertia(mechanism, states[0], F, options.samples, options.seed));
+    out.inertia =
+        compare(Y[0] * F, sampledByInertia(mechanism, states[0], F, options.samples, options.seed));
   if (!out.given.ofGeometry()) return out;
   for (const double scale : {0.01, 0.1, 1.0, 3.0, 10.0, 30.0, 100.0}) {
     Uncertainty scaled = out.given;
@@ -89,7 +92,8 @@ ParametersResult examineParameters(const scene::Scene& scene, const ParametersOp
   ParametersResult out;
   out.scene = scene;
   out.options = options;
-  // shares as measured on a chain of 60 joints: two trials over the field, then balls, then the energy
+  // shares as measured on a chain of 60 joints: two trials over the field, then balls, then the
+  // energy
   scene::Work work("", 40);
   out.base = baseParameters(scene, options.seed, options.error_probability);
   out.values = recursive::inertialValues(mechanism, out.base.parameters,

@@ -12,12 +12,12 @@
 namespace dynwitness::crosscheck {
 
 struct ParametersOptions {
-  int states = 20;                  ///< seeded states of the stacked Y and of the uncertainty
+  int states = 20;  ///< seeded states of the stacked Y and of the uncertainty
   std::uint64_t seed = 1;
-  double error_probability = 1e-30; ///< of the rank
-  std::string uncertainty;          ///< readUncertainty(); empty: none
-  int samples = 10000;              ///< Monte Carlo draws
-  double chance = 1e-9;             ///< that draws of a right covariance are called wrong
+  double error_probability = 1e-30;  ///< of the rank
+  std::string uncertainty;           ///< readUncertainty(); empty: none
+  int samples = 10000;               ///< Monte Carlo draws
+  double chance = 1e-9;              ///< that draws of a right covariance are called wrong
 };
 
 /// First-order deviations of tau against draws, all errors of the geometry `scale` times as large.
@@ -40,15 +40,16 @@ struct ParametersResult {
   std::vector<double> values;  ///< pi
   int energy_rank = 0;
   std::optional<int> closed_form;  ///< mayedaCount()
-  /// Largest over smallest singular value of Y_1 stacked over the states: as it is in SI units, and with
-  /// each column divided by its length, which no unit changes. Nothing: fewer rows than columns, or
-  /// singular values that double precision does not tell from 0.
+  /// Largest over smallest singular value of Y_1 stacked over the states: as it is in SI units, and
+  /// with each column divided by its length, which no unit changes. Nothing: fewer rows than
+  /// columns, or singular values that double precision does not tell from 0.
   std::optional<double> condition, scaled_condition;
   std::optional<UncertaintyResult> uncertainty;
 
   /// pi_1 + K pi_2 of one base parameter.
   double baseValue(int row) const;
-  /// Both ranks and the closed form are the same, and draws at the smallest errors fit the first order.
+  /// Both ranks and the closed form are the same, and draws at the smallest errors fit the first
+  /// order.
   bool agrees() const;
 };
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
+#include <boost/math/distributions/chi_squared.hpp>
 
 #include "crosscheck/parameters/placement_errors.hpp"
 #include "crosscheck/states.hpp"
@@ -21,7 +21,8 @@ using Kind = scene::InertialParameter::Kind;
 /// Standard normal numbers in pairs (Box and Muller).
 class NormalStream {
  public:
-  NormalStream(const char* name, std::uint64_t seed, std::uint64_t index) : random_(name, seed, index) {}
+  NormalStream(const char* name, std::uint64_t seed, std::uint64_t index)
+      : random_(name, seed, index) {}
   double next() {
     if (has_spare_) return has_spare_ = false, spare_;
     constexpr double kTurn = 2 * 3.141592653589793;
@@ -68,7 +69,8 @@ Eigen::VectorXd asVector(const std::vector<double>& v) {
 
 double largestMomentAboutCom(const double* ten) {
   if (ten[0] == 0) return std::max({ten[4], ten[5], ten[6]});
-  const double xx = ten[1] * ten[1] / ten[0], yy = ten[2] * ten[2] / ten[0], zz = ten[3] * ten[3] / ten[0];
+  const double xx = ten[1] * ten[1] / ten[0], yy = ten[2] * ten[2] / ten[0],
+               zz = ten[3] * ten[3] / ten[0];
   return std::max({ten[4] - yy - zz, ten[5] - xx - zz, ten[6] - xx - yy});
 }
 
@@ -81,8 +83,11 @@ Uncertainty readUncertainty(const std::string& text) {
                                                    {"xyz", &out.xyz},         {"rpy", &out.rpy}};
   const auto refuse = [&](const std::string& read) {
     throw scene::InputError(
-        {}, fmt::format("--uncertainty: read '{}'; allowed is NAME=NUMBER[,...] with a number of at least 0 "
-                        "and the names mass, inertia, rotor (relative), com, xyz [m], rpy [rad]", read));
+        {},
+        fmt::format(
+            "--uncertainty: read '{}'; allowed is NAME=NUMBER[,...] with a number of at least 0 "
+            "and the names mass, inertia, rotor (relative), com, xyz [m], rpy [rad]",
+            read));
   };
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find(',', at), text.size());
@@ -133,8 +138,8 @@ Eigen::MatrixXd parameterFactor(const scene::Mechanism& mechanism,
   return factor;
 }
 
-Eigen::MatrixXd placementEffect(const scene::Mechanism& mechanism, const scene::State<double>& state,
-                                const Uncertainty& uncertainty) {
+Eigen::MatrixXd placementEffect(const scene::Mechanism& mechanism,
+                                const scene::State<double>& state, const Uncertainty& uncertainty) {
   const scene::RealNumbers<double> number(mechanism);
   Eigen::MatrixXd J = placementJacobian(mechanism, number, state);
   for (Eigen::Index k = 0; k < J.cols(); ++k)
@@ -152,8 +157,9 @@ Eigen::MatrixXd regressorAt(const scene::Mechanism& mechanism,
   return Y;
 }
 
-Eigen::MatrixXd sampledByInertia(const scene::Mechanism& mechanism, const scene::State<double>& state,
-                                 const Eigen::MatrixXd& factor, int samples, std::uint64_t seed) {
+Eigen::MatrixXd sampledByInertia(const scene::Mechanism& mechanism,
+                                 const scene::State<double>& state, const Eigen::MatrixXd& factor,
+                                 int samples, std::uint64_t seed) {
   const auto parameters = scene::inertialParameters(mechanism);
   const scene::RealNumbers<double> number(mechanism);
   const Eigen::VectorXd pi = asVector(recursive::inertialValues(mechanism, parameters, number));
@@ -163,7 +169,8 @@ Eigen::MatrixXd sampledByInertia(const scene::Mechanism& mechanism, const scene:
   Covariance covariance(model.dof());
   for (int k = 0; k < samples; ++k) {
     const Eigen::VectorXd drawn =
-        pi + factor * NormalStream("inertia", seed, static_cast<std::uint64_t>(k)).next(factor.cols());
+        pi +
+        factor * NormalStream("inertia", seed, static_cast<std::uint64_t>(k)).next(factor.cols());
     recursive::setInertialValues(model, parameters,
                                  std::vector<double>(drawn.begin(), drawn.end()));
     recursive::inverseDynamics(model, state.x, state.qd, state.qdd, ws, tau);
@@ -172,8 +179,9 @@ Eigen::MatrixXd sampledByInertia(const scene::Mechanism& mechanism, const scene:
   return covariance.result();
 }
 
-Eigen::MatrixXd sampledByGeometry(const scene::Mechanism& mechanism, const scene::State<double>& state,
-                                  const Uncertainty& uncertainty, int samples, std::uint64_t seed) {
+Eigen::MatrixXd sampledByGeometry(const scene::Mechanism& mechanism,
+                                  const scene::State<double>& state, const Uncertainty& uncertainty,
+                                  int samples, std::uint64_t seed) {
   const scene::RealNumbers<double> number(mechanism);
   const auto model = recursive::buildModel(mechanism, number, recursive::FixedJoints::kKept);
   const std::vector<int> joints = placedJoints(mechanism, model);
@@ -204,10 +212,9 @@ CovarianceCheck compareCovariance(const Eigen::MatrixXd& Sigma, const Eigen::Mat
   const Eigen::Index n = Sigma.rows();
   const double each = chance / static_cast<double>(n * (n + 1) / 2);
   const boost::math::chi_squared distribution(samples - 1);
-  CovarianceCheck out{
-      std::sqrt(quantile(distribution, each / 2) / (samples - 1)),
-      std::sqrt(quantile(complement(distribution, each / 2)) / (samples - 1)),
-      std::numeric_limits<double>::infinity(), 0};
+  CovarianceCheck out{std::sqrt(quantile(distribution, each / 2) / (samples - 1)),
+                      std::sqrt(quantile(complement(distribution, each / 2)) / (samples - 1)),
+                      std::numeric_limits<double>::infinity(), 0};
   const auto ask = [&](const Eigen::VectorXd& u) {
     const double expected = u.dot(Sigma * u), found = u.dot(sampled * u);
     if (expected == 0 && found == 0) return;

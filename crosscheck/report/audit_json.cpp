@@ -41,7 +41,8 @@ Json toJson(const audit::Entry& entry) {
   json["condition"] = textOrNull(entry.condition);
   json["residual_condition"] = toJson(entry.residual_condition);
   if (entry.numbers) {
-    json["numbers"] = {{"caption", cleanText(entry.numbers->caption)}, {"head", entry.numbers->head},
+    json["numbers"] = {{"caption", cleanText(entry.numbers->caption)},
+                       {"head", entry.numbers->head},
                        {"rows", entry.numbers->rows}};
   }
   json["why"] = cleanText(audit::plain(entry.why));

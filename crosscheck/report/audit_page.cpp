@@ -74,7 +74,8 @@ void putEntry(std::string* page, const Entry& entry) {
   if (entry.numbers) {
     put(page, "<dt>Numbers</dt><dd><table>\n<caption>{}</caption>\n<thead><tr>",
         escapeMarkup(entry.numbers->caption));
-    for (const std::string& cell : entry.numbers->head) put(page, "<th scope=\"col\">{}</th>", escapeMarkup(cell));
+    for (const std::string& cell : entry.numbers->head)
+      put(page, "<th scope=\"col\">{}</th>", escapeMarkup(cell));
     put(page, "</tr></thead>\n<tbody>\n");
     for (const auto& row : entry.numbers->rows) {
       put(page, "<tr>");
@@ -145,7 +146,8 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
       "<details><summary>How to read a residual</summary>\n"
       "<p>Both sides of an equation are computed by different roads, at random points and modulo "
       "random 63-bit primes. There a difference is 0 or it is not, without rounding; “chance of "
-      "error” bounds how probable it is that different formulas passed. One point with a difference "
+      "error” bounds how probable it is that different formulas passed. One point with a "
+      "difference "
       "refutes. Inequalities are decided with certified digits.</p>\n"
       "<p>The truth comes from point masses that obey Newton’s law, from positions differentiated "
       "twice, and from linear systems of all bodies and joints together. Symbols: {} is a velocity "

@@ -32,8 +32,10 @@ void addOnce(std::vector<std::string>& list, const std::string& text) {
 std::string digitsTable(const CrosscheckResult& result, const Environment& environment) {
   std::string text = fmt::format(
       "# Correct decimal digits\n\n"
-      "Counted against the certified truth, `-log10(largest error / largest entry)`: the fewest over {} "
-      "states a scene (seed {}), their median in brackets. In double where nothing else is said. A dash: "
+      "Counted against the certified truth, `-log10(largest error / largest entry)`: the fewest "
+      "over {} "
+      "states a scene (seed {}), their median in brackets. In double where nothing else is said. "
+      "A dash: "
       "not answered, or the quantity is 0.\n\n"
       "Written by `{}` as `digits.md` of its report, dynwitness {}",
       result.states, result.seed, cell(result.command), cell(environment.version));

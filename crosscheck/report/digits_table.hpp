@@ -9,8 +9,8 @@
 
 namespace dynwitness::crosscheck {
 
-/** Markdown: a table a quantity, a row a scene, a column a witness and scalar; fewest digits over the
-    states, their median in brackets. */
+/** Markdown: a table a quantity, a row a scene, a column a witness and scalar; fewest digits over
+    the states, their median in brackets. */
 std::string digitsTable(const CrosscheckResult& result, const Environment& environment);
 
 }  // namespace dynwitness::crosscheck

@@ -23,8 +23,9 @@ struct Environment {
 
     @param more  libraries whose version only their own headers tell (Simbody: include it here and
                  caller's layout changes with it), appended in the order given
-    @param gnuplot  its version, for callers that asked early (askGnuplotVersion()); empty: asked here
-    The date follows SOURCE_DATE_EPOCH where it is set, so that reports can be byte for byte equal.
+    @param gnuplot  its version, for callers that asked early (askGnuplotVersion()); empty: asked
+      here The date follows SOURCE_DATE_EPOCH where it is set, so that reports can be byte for byte
+      equal.
  */
 Environment thisEnvironment(const std::vector<Environment::Library>& more = {},
                             const std::string& gnuplot = {});

@@ -114,12 +114,14 @@ bool holdsOnly(const fs::path& folder, const std::set<fs::path>& files) {
     return entry.symlink_status().type() == fs::file_type::directory ||
            files.count(entry.path().lexically_relative(folder)) > 0;
   };
-  return std::all_of(fs::recursive_directory_iterator(folder), fs::recursive_directory_iterator(), is_ours);
+  return std::all_of(fs::recursive_directory_iterator(folder), fs::recursive_directory_iterator(),
+                     is_ours);
 }
 
 /// Whether `path` is `folder` or lies in it.
 bool isInside(const fs::path& path, const fs::path& folder) {
-  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first ==
+         folder.end();
 }
 
 /// Whether files can be renamed from one folder to the other, as far as the kernel says.
@@ -172,8 +174,8 @@ void requireWritableFolder(const fs::path& given) {
   try {
     const fs::path existing = nearestExisting(tidy(given));
     if (!fs::is_directory(existing))
-      refuse(given, fmt::format("cannot be a folder to write to: {} is not a folder",
-                                existing.string()));
+      refuse(given,
+             fmt::format("cannot be a folder to write to: {} is not a folder", existing.string()));
     // asking the system to do it is the only answer that holds for root and read-only disks too
     DraftFolder(existing, ".dynwitness-try");
   } catch (const scene::InputError&) {
@@ -230,7 +232,8 @@ void UnfinishedFolder::write(const fs::path& relative, std::string_view text) co
 }
 
 bool UnfinishedFolder::exchange() {
-  if (path().parent_path() != folder_.parent_path() || isInside(fs::current_path(), folder_)) return false;
+  if (path().parent_path() != folder_.parent_path() || isInside(fs::current_path(), folder_))
+    return false;
   struct stat there;
   if (stat(folder_.c_str(), &there) != 0 || there.st_uid != geteuid()) return false;
   chmod(path().c_str(), there.st_mode & 07777);

@@ -13,7 +13,8 @@
 namespace dynwitness::crosscheck {
 
 /// Writes one file: first beside it under another name, then renamed into place.
-/// @throws std::runtime_error  naming the file and the system's reason; nothing is left behind, and what a
+/// @throws std::runtime_error  naming the file and the system's reason; nothing is left behind, and
+/// what a
 ///                             KILL left behind goes with the next writing of that file
 void writeWholeFile(const std::filesystem::path& file, std::string_view text);
 
@@ -41,13 +42,13 @@ void requireWritable(const std::filesystem::path& folder);
 /** A folder in the making, beside (or inside) the place where it will appear.
 
     Everything is written here first; moveIntoPlace() then renames it into place. Destroyed without
-    that, it vanishes; after a KILL, with the next report. A folder that exists keeps all files that an earlier
-    report did not list in its contents.txt.
+    that, it vanishes; after a KILL, with the next report. A folder that exists keeps all files that
+    an earlier report did not list in its contents.txt.
 
-    Where a folder holds nothing but an earlier report, the two are exchanged in one step, so that even a KILL
-    finds one of them whole. Where other files are in it, where it is the working directory, somebody else's, or on
-    another disk than the folder around it, its files are exchanged one by one, and INT, TERM and HUP wait for
-    that. */
+    Where a folder holds nothing but an earlier report, the two are exchanged in one step, so that
+    even a KILL finds one of them whole. Where other files are in it, where it is the working
+    directory, somebody else's, or on another disk than the folder around it, its files are
+    exchanged one by one, and INT, TERM and HUP wait for that. */
 class UnfinishedFolder {
  public:
   explicit UnfinishedFolder(const std::filesystem::path& folder);

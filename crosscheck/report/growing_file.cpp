@@ -46,7 +46,8 @@ void GrowingFile::finish() {
 }
 
 void GrowingFile::fail(int error) const {
-  throw std::runtime_error(fmt::format("{}: cannot write: {}", file_.empty() ? "standard output" : file_.string(),
+  throw std::runtime_error(fmt::format("{}: cannot write: {}",
+                                       file_.empty() ? "standard output" : file_.string(),
                                        error != 0 ? std::strerror(error) : "unknown reason"));
 }
 

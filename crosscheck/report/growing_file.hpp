@@ -8,8 +8,8 @@
 
 namespace dynwitness::crosscheck {
 
-/** Pieces go to a file beside the one that is meant, which they replace at the end; without a name they go to
-    standard output as they come. */
+/** Pieces go to a file beside the one that is meant, which they replace at the end; without a name
+    they go to standard output as they come. */
 class GrowingFile {
  public:
   /// @param file  empty: standard output

@@ -178,9 +178,13 @@ Json toJson(const Environment& environment) {
 
 }  // namespace
 
-std::string checkJson(const CheckResult& check) { return toJson(check).dump(); }
+std::string checkJson(const CheckResult& check) {
+  return toJson(check).dump();
+}
 
-std::string environmentJson(const Environment& environment) { return toJson(environment).dump(); }
+std::string environmentJson(const Environment& environment) {
+  return toJson(environment).dump();
+}
 
 std::string reportJson(const CrosscheckResult& result, const Environment& environment,
                        const std::string& speed) {
@@ -212,7 +216,8 @@ std::string reportJson(const CrosscheckResult& result, const Environment& enviro
 
 namespace {
 
-/// The run's own control and its coverage as test cases: what makes the verdict no agreement is a failure.
+/// The run's own control and its coverage as test cases: what makes the verdict no agreement is a
+/// failure.
 std::string ownSuite(const CrosscheckResult& result) {
   const std::vector<std::string> thin = result.thinlyCovered();
   std::string list;

@@ -208,8 +208,8 @@ void putCheckRow(std::string* page, const CheckResult& check) {
       "<td class=\"share\">{}</td><td class=\"nowrap\">{}</td><td "
       "class=\"n\">{}</td><td class=\"nowrap\">{}</td><td>{}</td></tr>\n",
       witnesses(check), esc(readable(check.worst)), esc(limitText(check)), esc(check.unit),
-      share(check), worstAt(check), drawn(check) ? std::to_string(check.seed) : "–",
-      exactly(check), badge(check.verdict, name(check.verdict)));
+      share(check), worstAt(check), drawn(check) ? std::to_string(check.seed) : "–", exactly(check),
+      badge(check.verdict, name(check.verdict)));
 }
 
 using Rows = std::vector<const CheckResult*>;
@@ -341,8 +341,7 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
         files[all[k].scene].anchor, esc(sceneTitle(result.scenes[all[k].scene])),
         esc(check.statement.empty() ? check.check : check.statement),
         esc(quantityWords(check.quantity)), witnesses(check), esc(readable(check.worst)),
-        esc(limitText(check)), esc(check.unit), esc(shareOfLimit(check.ratio)),
-        worstAt(check));
+        esc(limitText(check)), esc(check.unit), esc(shareOfLimit(check.ratio)), worstAt(check));
   }
   put(page, "</tbody>\n</table>\n</div>\n</section>\n");
 }
@@ -351,8 +350,7 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
 void putKnownLosses(std::string* page, const CrosscheckResult& result) {
   const std::vector<CrosscheckResult::KnownLoss> losses = result.knownLosses();
   if (losses.empty()) return;
-  put(page,
-      "<section aria-labelledby=\"losses\">\n<h2 id=\"losses\">Digits lost, and why</h2>\n");
+  put(page, "<section aria-labelledby=\"losses\">\n<h2 id=\"losses\">Digits lost, and why</h2>\n");
   for (const CrosscheckResult::KnownLoss& loss : losses) {
     put(page,
         "<div class=\"finding loss\"><p class=\"who\">{} <span class=\"soft\">in</span> {}</p>"
@@ -378,17 +376,20 @@ void putCoverage(std::string* page, const CrosscheckResult& result) {
   const std::vector<std::string> thin = result.thinlyCovered();
   if (!thin.empty()) {
     put(page,
-        "<div class=\"finding\"><p>More than a tenth of the comparisons that ought to be possible is "
+        "<div class=\"finding\"><p>More than a tenth of the comparisons that ought to be possible "
+        "is "
         "missing:</p><ul class=\"reasons\">");
     for (const std::string& one : thin) put(page, "<li>{}</li>", esc(one));
     put(page, "</ul></div>\n");
   }
   openScroll(page, "Table of comparisons not answered");
   put(page,
-      "<table>\n<caption><span>A comparison is one check at one state. Those at which the quantity does not "
+      "<table>\n"
+      "<caption><span>A comparison is one check at one state. Those at which the quantity does not "
       "exist are excused; the others ought to be possible.</span></caption>\n<thead><tr>"
       "<th scope=\"col\">Quantity</th><th scope=\"col\" class=\"n\">Comparisons</th>"
-      "<th scope=\"col\" class=\"n\">Not answered</th><th scope=\"col\" class=\"n\">of these excused</th>"
+      "<th scope=\"col\" class=\"n\">Not answered</th><th scope=\"col\" class=\"n\">of these "
+      "excused</th>"
       "<th scope=\"col\">The first</th></tr></thead>\n<tbody>\n");
   for (const Coverage& gap : gaps)
     put(page,
@@ -455,17 +456,24 @@ void putHowToRead(std::string* page) {
       "cannot "
       "be rounding; then somebody is wrong. Where ulp is not the measure, the unit says what is: a "
       "published table, for instance, is held to its last printed digit.</p>\n"
-      "<p>The column <em>exactly</em> asks another question: is it the same mathematics? Both sides "
+      "<p>The column <em>exactly</em> asks another question: is it the same mathematics? Both "
+      "sides "
       "are computed once more over the integers modulo a 63-bit prime, with random points of the "
       "circle for the joint angles. There is no rounding there: the residual is zero or it is not, "
       "and <em>chance</em> bounds how probable it is that different formulas pass all points.</p>\n"
-      "<p>How many <em>digits</em> survive is counted against a certified truth: our sweeps in ball "
-      "arithmetic, which encloses the exact number, with the precision doubled until the enclosure is "
-      "below 2<sup>−80</sup> of it. The check <em>truth</em> holds each witness to its own error bound "
+      "<p>How many <em>digits</em> survive is counted against a certified truth: our sweeps in "
+      "ball "
+      "arithmetic, which encloses the exact number, with the precision doubled until the "
+      "enclosure is "
+      "below 2<sup>−80</sup> of it. The check <em>truth</em> holds each witness to its own error "
+      "bound "
       "there.</p>\n"
-      "<p>A state at which a check has no bound, no truth or no answer of a witness is left out of that check "
-      "and counted. Every run carries its own <em>control</em>: a witness whose kilogram is too heavy, by "
-      "1e-10 where rounding leaves room for that. It is judged by the same code and has to be found, in every "
+      "<p>A state at which a check has no bound, no truth or no answer of a witness is left out "
+      "of that check "
+      "and counted. Every run carries its own <em>control</em>: a witness whose kilogram is too "
+      "heavy, by "
+      "1e-10 where rounding leaves room for that. It is judged by the same code and has to be "
+      "found, in every "
       "quantity of every scene; otherwise the run proves nothing.</p>\n"
       "</section>\n");
 }
@@ -641,7 +649,8 @@ void putDigits(std::string* page, const SceneResult& scene) {
   put(page, "<h3>Digits kept</h3>\n");
   openScroll(page, "Table of digits");
   put(page,
-      "<table class=\"digits\">\n<caption><span>Correct decimal digits against the certified truth: "
+      "<table class=\"digits\">\n"
+      "<caption><span>Correct decimal digits against the certified truth: "
       "the fewest over the states, their median below. A dash: not answered, or the quantity is 0."
       "</span></caption>\n<thead><tr><th scope=\"col\">Witness</th><th scope=\"col\">Scalar</th>");
   for (const std::string& quantity : quantities)
@@ -722,7 +731,8 @@ void putChart(std::string* page, const SceneFiles& files) {
   put(page,
       "<figcaption>tau, inverse dynamics: each method's time and its worst error against the "
       "certified truth; lower left is better. Times are of this machine and of this run, and "
-      "nothing here is judged by them. Data: <a href=\"{}\">all methods</a>; <a href=\"{}\">gnuplot "
+      "nothing here is judged by them. Data: <a href=\"{}\">all methods</a>; <a "
+      "href=\"{}\">gnuplot "
       "script</a>.</figcaption>\n</figure>\n",
       files.chart_csv, files.chart_script);
 }

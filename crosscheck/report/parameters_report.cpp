@@ -34,8 +34,8 @@ std::vector<std::string> forceUnits(const scene::Mechanism& mechanism) {
     const scene::JointKind kind = mechanism.links[i].joint.kind;
     if (mechanism.links[i].joint.mimic) continue;
     for (const std::string& rate : scene::rateNames(kind)) {
-      const bool slides = kind == scene::JointKind::kPrismatic || rate == "slide" || rate[0] == 'v' ||
-                          (kind == scene::JointKind::kPlanar && rate != "turn");
+      const bool slides = kind == scene::JointKind::kPrismatic || rate == "slide" ||
+                          rate[0] == 'v' || (kind == scene::JointKind::kPlanar && rate != "turn");
       units.emplace_back(slides ? "N" : "N m");
     }
   }
@@ -58,7 +58,9 @@ std::string wrapped(const std::string& text, std::size_t indent) {
   return out + text.substr(begun);
 }
 
-std::string number(const std::optional<double>& x) { return x ? fmt::format("{:.3g}", *x) : "-"; }
+std::string number(const std::optional<double>& x) {
+  return x ? fmt::format("{:.3g}", *x) : "-";
+}
 
 /// What is 0 but for rounding on its way is 0 for a reader.
 double shown(double value, double scale) {
@@ -79,31 +81,36 @@ std::string uncertaintyText(const ParametersResult& result) {
   std::string out = fmt::format(
       "\nStandard deviations of tau for {}, root mean squares over {} states:\n\n"
       "{:<{}}  {:>12}  {:>12}  {:>12}  {:>12}  unit\n",
-      result.options.uncertainty, result.options.states, "joint", width, "by inertia", "by placement",
-      "together", "tau itself");
+      result.options.uncertainty, result.options.states, "joint", width, "by inertia",
+      "by placement", "together", "tau itself");
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     out += fmt::format("{:<{}}  {:>12.4g}  {:>12.4g}  {:>12.4g}  {:>12.4g}  {}\n", labels[i], width,
-                       u.by_inertia(k), u.by_geometry(k), std::hypot(u.by_inertia(k), u.by_geometry(k)),
-                       u.tau(k), units[i]);
+                       u.by_inertia(k), u.by_geometry(k),
+                       std::hypot(u.by_inertia(k), u.by_geometry(k)), u.tau(k), units[i]);
   }
-  out += "Inertia: Y Sigma Y', exact, for tau is linear in pi. Placement: first order, by dual numbers.\n";
+  out +=
+      "Inertia: Y Sigma Y', exact, for tau is linear in pi. Placement: first order, by dual "
+      "numbers.\n";
   if (u.inertia)
     out += fmt::format(
         "\nDrawn instead, {} times at state 0 of seed {}: sampled / computed deviations\n"
         "  inertia                      {}   {:.4f} to {:.4f} allowed: {}\n",
-        result.options.samples, result.options.seed, ratios(*u.inertia), u.inertia->low, u.inertia->high,
-        u.inertia->agrees() ? "agree" : "DISAGREE");
+        result.options.samples, result.options.seed, ratios(*u.inertia), u.inertia->low,
+        u.inertia->high, u.inertia->agrees() ? "agree" : "DISAGREE");
   if (u.geometry.empty()) return out;
   if (!u.inertia)
-    out += fmt::format("\nDrawn instead, {} times at state 0 of seed {}: sampled / computed deviations\n",
-                       result.options.samples, result.options.seed);
+    out += fmt::format(
+        "\nDrawn instead, {} times at state 0 of seed {}: sampled / computed deviations\n",
+        result.options.samples, result.options.seed);
   for (const GeometryRow& row : u.geometry)
     out += fmt::format("  placement {:>8.3g} m, {:>8.3g} rad   {}   {}\n", row.scale * u.given.xyz,
                        row.scale * u.given.rpy, ratios(row.check),
                        row.check.agrees() ? "first order agrees" : "first order breaks down");
-  out += fmt::format("Allowed is what chi-square quantiles leave to normal draws: outside with a chance of {:.0e}.\n",
-                     result.options.chance);
+  out += fmt::format(
+      "Allowed is what chi-square quantiles leave to normal draws: outside with a chance of "
+      "{:.0e}.\n",
+      result.options.chance);
   return out;
 }
 
@@ -113,15 +120,17 @@ std::string parametersText(const ParametersResult& result) {
   const scene::Mechanism& mechanism = result.scene.mechanism;
   const BaseParameters& base = result.base;
   std::string out = fmt::format(
-      "{}: {}\n\ntau = Y(q, qd, qdd) pi, plus springs, less loads. pi of a link, in the axes of its frame: "
-      "mass m,\nfirst moment m c, inertia I about the frame's origin; rotor: gear_ratio^2 rotor_inertia.\n\n",
+      "{}: {}\n\n"
+      "tau = Y(q, qd, qdd) pi, plus springs, less loads. pi of a link, in the axes of its frame: "
+      "mass m,\n"
+      "first moment m c, inertia I about the frame's origin; rotor: gear_ratio^2 rotor_inertia.\n\n",
       result.scene.name, result.scene.title);
 
   std::size_t width = 4;
   for (const scene::Link& link : mechanism.links)
     width = std::max({width, link.name.size(), link.joint.name.size()});
-  out += fmt::format("{:<{}}  {:<9}  {:>12}  {:<6}  the motion knows it\n", "link", width, "parameter",
-                     "value", "unit");
+  out += fmt::format("{:<{}}  {:<9}  {:>12}  {:<6}  the motion knows it\n", "link", width,
+                     "parameter", "value", "unit");
   for (std::size_t j = 0; j < base.parameters.size(); ++j) {
     const scene::InertialParameter& parameter = base.parameters[j];
     const scene::Link& link = mechanism.links[parameter.link];
@@ -131,9 +140,10 @@ std::string parametersText(const ParametersResult& result) {
       if (base.parameters[k].link == parameter.link &&
           unit(base.parameters[k], mechanism) == unit(parameter, mechanism))
         scale = std::max(scale, std::abs(result.values[k]));
-    out += fmt::format("{:<{}}  {:<9}  {:>12.6g}  {:<6}  {}\n", is_rotor ? link.joint.name : link.name,
-                       width, name(parameter.kind), shown(result.values[j], scale),
-                       unit(parameter, mechanism), words(base.status[j]));
+    out +=
+        fmt::format("{:<{}}  {:<9}  {:>12.6g}  {:<6}  {}\n", is_rotor ? link.joint.name : link.name,
+                    width, name(parameter.kind), shown(result.values[j], scale),
+                    unit(parameter, mechanism), words(base.status[j]));
   }
 
   const int p = static_cast<int>(base.parameters.size()), links = base.countWithoutRotors();
@@ -142,12 +152,14 @@ std::string parametersText(const ParametersResult& result) {
   out += fmt::format(
       ": the rank of Y at {} random points of prime fields;\nchance that it is larger: {:.1e}.\n",
       base.points, base.error_probability);
-  out += fmt::format("  energies of the Lagrangian, d(T + V)/dpi: {}: {}\n",
-                     result.energy_rank < 0 ? "other combinations" : fmt::format("rank {}", result.energy_rank),
-                     result.energy_rank == base.count() ? "agree" : "DISAGREE");
+  out += fmt::format(
+      "  energies of the Lagrangian, d(T + V)/dpi: {}: {}\n",
+      result.energy_rank < 0 ? "other combinations" : fmt::format("rank {}", result.energy_rank),
+      result.energy_rank == base.count() ? "agree" : "DISAGREE");
   if (result.closed_form)
-    out += fmt::format("  Mayeda, Yoshida and Osuka (1990), 7 n - 4 b [- 2], without rotors: {}: {}\n",
-                       *result.closed_form, *result.closed_form == links ? "agree" : "DISAGREE");
+    out +=
+        fmt::format("  Mayeda, Yoshida and Osuka (1990), 7 n - 4 b [- 2], without rotors: {}: {}\n",
+                    *result.closed_form, *result.closed_form == links ? "agree" : "DISAGREE");
 
   out += "\n  #         value  unit    base parameter\n";
   for (int r = 0; r < base.count(); ++r) {
@@ -158,19 +170,22 @@ std::string parametersText(const ParametersResult& result) {
                        unit(base.parameters[base.independent[r]], mechanism),
                        wrapped(combination(base, r, mechanism), 27));
   }
-  const bool rational =
-      std::all_of(base.K.begin(), base.K.end(), [](const Coefficient& c) { return c.exact.has_value(); });
-  out += fmt::format("Coefficients {}.\n",
-                     rational ? "are exact rationals, held to one prime more and to certified digits"
-                              : "have certified digits (some angles have no rational cosine)");
+  const bool rational = std::all_of(base.K.begin(), base.K.end(),
+                                    [](const Coefficient& c) { return c.exact.has_value(); });
+  out +=
+      fmt::format("Coefficients {}.\n",
+                  rational ? "are exact rationals, held to one prime more and to certified digits"
+                           : "have certified digits (some angles have no rational cosine)");
   if (result.condition || result.scaled_condition)
-    out += fmt::format("\nCondition number of Y's base columns over {} states of seed {}: {} in SI units, {} with "
-                       "columns of length 1.\n",
-                       result.options.states, result.options.seed, number(result.condition),
-                       number(result.scaled_condition));
+    out += fmt::format(
+        "\nCondition number of Y's base columns over {} states of seed {}: {} in SI units, {} with "
+        "columns of length 1.\n",
+        result.options.states, result.options.seed, number(result.condition),
+        number(result.scaled_condition));
   else
-    out += fmt::format("\nNo condition number: {} states give {} rows for {} base parameters.\n",
-                       result.options.states, result.options.states * mechanism.dof(), base.count());
+    out +=
+        fmt::format("\nNo condition number: {} states give {} rows for {} base parameters.\n",
+                    result.options.states, result.options.states * mechanism.dof(), base.count());
   if (result.uncertainty) out += uncertaintyText(result);
   return out;
 }
@@ -196,26 +211,32 @@ std::string parametersJson(const ParametersResult& result, const std::string& ve
             {"scene", cleanText(result.scene.name)},
             {"states", result.options.states},
             {"seed", result.options.seed},
-            {"rank", {{"base", base.count()},
-                      {"base_without_rotors", base.countWithoutRotors()},
-                      {"parameters", base.parameters.size()},
-                      {"points", base.points},
-                      {"error_probability", base.error_probability},
-                      {"energy_rank", result.energy_rank},
-                      {"closed_form", result.closed_form ? Json(*result.closed_form) : Json()}}}};
+            {"rank",
+             {{"base", base.count()},
+              {"base_without_rotors", base.countWithoutRotors()},
+              {"parameters", base.parameters.size()},
+              {"points", base.points},
+              {"error_probability", base.error_probability},
+              {"energy_rank", result.energy_rank},
+              {"closed_form", result.closed_form ? Json(*result.closed_form) : Json()}}}};
   json["parameters"] = Json::array();
   for (std::size_t j = 0; j < base.parameters.size(); ++j)
-    json["parameters"].push_back({{"name", cleanText(label(base.parameters[j], mechanism))},
-                                  {"link", cleanText(mechanism.links[base.parameters[j].link].name)},
-                                  {"parameter", name(base.parameters[j].kind)},
-                                  {"value", result.values[j]},
-                                  {"unit", unit(base.parameters[j], mechanism)},
-                                  {"identifiable", keyword(base.status[j])}});
+    json["parameters"].push_back(
+        {{"name", cleanText(label(base.parameters[j], mechanism))},
+         {"link", cleanText(mechanism.links[base.parameters[j].link].name)},
+         {"parameter", name(base.parameters[j].kind)},
+         {"value", result.values[j]},
+         {"unit", unit(base.parameters[j], mechanism)},
+         {"identifiable", keyword(base.status[j])}});
   json["base_parameters"] = Json::array();
   for (int r = 0; r < base.count(); ++r) {
     const scene::InertialParameter& first = base.parameters[base.independent[r]];
     Json terms = Json::array();
-    terms.push_back({{"name", cleanText(label(first, mechanism))}, {"coefficient", 1.0}, {"error", 0.0}, {"exact", "1"}, {"symbol", nullptr}});
+    terms.push_back({{"name", cleanText(label(first, mechanism))},
+                     {"coefficient", 1.0},
+                     {"error", 0.0},
+                     {"exact", "1"},
+                     {"symbol", nullptr}});
     for (const Coefficient& c : base.K)
       if (c.base == r)
         terms.push_back({{"name", cleanText(label(base.parameters[c.parameter], mechanism))},
@@ -226,7 +247,8 @@ std::string parametersJson(const ParametersResult& result, const std::string& ve
     json["base_parameters"].push_back(
         {{"value", result.baseValue(r)}, {"unit", unit(first, mechanism)}, {"terms", terms}});
   }
-  json["condition"] = {{"si", toJson(result.condition)}, {"unit_columns", toJson(result.scaled_condition)}};
+  json["condition"] = {{"si", toJson(result.condition)},
+                       {"unit_columns", toJson(result.scaled_condition)}};
   if (result.uncertainty) {
     const UncertaintyResult& u = *result.uncertainty;
     Json joints = Json::array();

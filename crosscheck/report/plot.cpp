@@ -65,7 +65,9 @@ std::function<std::string()> askGnuplotVersion() {
   };
 }
 
-std::string gnuplotVersion() { return askGnuplotVersion()(); }
+std::string gnuplotVersion() {
+  return askGnuplotVersion()();
+}
 
 std::string driftCsv(const SceneResult& scene) {
   std::string csv = heading(scene) + "step_s,time_s,energy_error_over_scale\n";

@@ -14,11 +14,12 @@ namespace dynwitness::crosscheck {
 
 /// "5.4 patchlevel 4"; "not found" where there is no gnuplot.
 std::string gnuplotVersion();
-/// Starts gnuplot, which takes a while to load, and goes on; what comes back waits for the answer, once.
+/// Starts gnuplot, which takes a while to load, and goes on; what comes back waits for the answer,
+/// once.
 std::function<std::string()> askGnuplotVersion();
 
-/// Colour and marker of a witness that is an outside engine, the same in every chart: a line type of
-/// style.gp. Nothing: it is none that has one.
+/// Colour and marker of a witness that is an outside engine, the same in every chart: a line type
+/// of style.gp. Nothing: it is none that has one.
 std::optional<int> lineTypeOfEngine(const std::string& witness);
 
 /// Every point of the paths: `step_s,time_s,energy_error_over_scale`, under `#` lines with scene,

@@ -63,8 +63,8 @@ void writeChart(const Chart& chart, const std::string& folder, const UnfinishedF
 
 }  // namespace
 
-BenchFiles writeBenchChart(const BenchResult& bench, const UnfinishedFolder& folder, const std::string& name,
-                           const std::string& style) {
+BenchFiles writeBenchChart(const BenchResult& bench, const UnfinishedFolder& folder,
+                           const std::string& name, const std::string& style) {
   const std::string in = name.empty() ? "" : name + "/";
   BenchFiles files;
   files.csv = in + "bench.csv";
@@ -76,7 +76,8 @@ BenchFiles writeBenchChart(const BenchResult& bench, const UnfinishedFolder& fol
   }
   files.script = in + "bench.gp";
   folder.write(files.script, script);
-  const auto problem = runGnuplot(folder.path() / name, "bench.gp", {"bench.svg", "bench_dark.svg"});
+  const auto problem =
+      runGnuplot(folder.path() / name, "bench.gp", {"bench.svg", "bench_dark.svg"});
   if (problem) {
     files.no_plot_reason = *problem;
     return files;
@@ -129,13 +130,16 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
     if (scene.drift)
       drawings.push_back([&, i, scene_folder] { writeDrift(scene, scene_folder, out, &files[i]); });
     if (!charts.empty() && !charts[i].points.empty())
-      drawings.push_back([&, i, scene_folder] { writeChart(charts[i], scene_folder, out, &files[i]); });
+      drawings.push_back(
+          [&, i, scene_folder] { writeChart(charts[i], scene_folder, out, &files[i]); });
   }
   BenchFiles bench_files;
   if (bench)
-    drawings.push_back([&] { bench_files = writeBenchChart(*bench, out, "bench", "../scenes/style.gp"); });
+    drawings.push_back(
+        [&] { bench_files = writeBenchChart(*bench, out, "bench", "../scenes/style.gp"); });
   inThreads(drawings);
-  out.write("report.json", reportJson(result, environment, bench ? benchJson(*bench) : std::string()));
+  out.write("report.json",
+            reportJson(result, environment, bench ? benchJson(*bench) : std::string()));
   out.write("junit.xml", reportJUnit(result, environment));
   out.write("digits.md", digitsTable(result, environment));
   out.write("index.html", reportPage(result, environment, files,

@@ -26,8 +26,8 @@ namespace dynwitness::crosscheck {
 /** Writes the report into `folder`, whole or not at all; an earlier report there is replaced, and
     files of anybody else stay. The same result, environment and charts give the same bytes.
 
-    @param charts  speed against accuracy, none or one a scene. Times differ from run to run, so they
-                   are apart from the result, and only in scenes/SCENE/speed*
+    @param charts  speed against accuracy, none or one a scene. Times differ from run to run, so
+      they are apart from the result, and only in scenes/SCENE/speed*
     @param bench   what a run of the benchmarks measured, for the section "Speed"; none: no section
     @throws scene::InputError   as requireWritable(), before any work
     @throws std::runtime_error  writing failed (disk full, ...); the folder is as it was before */
@@ -35,11 +35,11 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
                  const std::filesystem::path& folder, const std::vector<Chart>& charts = {},
                  const BenchResult* bench = nullptr);
 
-/** Writes bench.csv, bench.gp and, where gnuplot can, the pictures, and says where they are relative to
-    `folder`.
+/** Writes bench.csv, bench.gp and, where gnuplot can, the pictures, and says where they are
+    relative to `folder`.
     @param name   of their folder in it; empty: `folder` itself
     @param style  the path of style.gp, as seen from there */
-BenchFiles writeBenchChart(const BenchResult& bench, const UnfinishedFolder& folder, const std::string& name,
-                           const std::string& style);
+BenchFiles writeBenchChart(const BenchResult& bench, const UnfinishedFolder& folder,
+                           const std::string& name, const std::string& style);
 
 }  // namespace dynwitness::crosscheck

@@ -28,7 +28,8 @@ std::string readable(double value);
 /// "0.3 %", "42 %" up to the limit, "31 x limit" beyond it.
 std::string shareOfLimit(double ratio);
 
-/// The limit of a check as a reader compares it: "7.4", or "≥ 3.0" where the unit says "(at least)".
+/// The limit of a check as a reader compares it: "7.4", or "≥ 3.0" where the unit says "(at
+/// least)".
 std::string limitText(const CheckResult& check);
 /// "1.0 of 1.5 ulp"; "observed order 3.8, at least 3.0"
 std::string worstOfLimit(const CheckResult& check);

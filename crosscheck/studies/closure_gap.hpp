@@ -19,9 +19,10 @@ struct ClosureGap {
   std::string text() const;
 };
 
-/** phi and J qd of all closures at a state, on running error bounds. Nobody can give q and qd better than to half a
-    unit in their last place, so the state stands for all that round to it: closures are open where |phi| or |J qd|
-    of an equation is above the bound of phi and J qd over these states, the computation's own rounding included. */
+/** phi and J qd of all closures at a state, on running error bounds. Nobody can give q and qd
+    better than to half a unit in their last place, so the state stands for all that round to it:
+    closures are open where |phi| or |J qd| of an equation is above the bound of phi and J qd over
+    these states, the computation's own rounding included. */
 class ClosureGaps {
  public:
   explicit ClosureGaps(const scene::Scene& scene);

@@ -29,7 +29,8 @@ struct ConstrainedQuantities::Parts {
     for (const scene::Expression* motion : of.mechanism.motions()) driven.push_back(motion ? 1 : 0);
   }
   std::vector<recursive::LinkConstraint<double>> held(const scene::State<double>& state) {
-    return recursive::accelerationConstraints(scene.mechanism, number, model, state.x, state.qd, ws);
+    return recursive::accelerationConstraints(scene.mechanism, number, model, state.x, state.qd,
+                                              ws);
   }
   /// tau with the forces of springs between points; closures.J and gamma are of this state then.
   std::vector<double> forces(const scene::State<double>& state) {
@@ -53,7 +54,8 @@ ConstrainedQuantities::ConstrainedQuantities(const scene::Scene& scene)
 ConstrainedQuantities::~ConstrainedQuantities() = default;
 
 bool ConstrainedQuantities::isConstrained(const scene::Mechanism& mechanism) {
-  return !mechanism.isOpenTree() || mechanism.isDriven() || !mechanism.acceleration_constraints.empty();
+  return !mechanism.isOpenTree() || mechanism.isDriven() ||
+         !mechanism.acceleration_constraints.empty();
 }
 
 ConstrainedRoad ConstrainedQuantities::usualRoad() const {
@@ -70,12 +72,14 @@ Vector vectorOf(const std::vector<double>& v) {
   return Eigen::Map<const Vector>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 std::vector<bool> flags(const std::vector<char>& v, std::size_t from, std::size_t count) {
-  return {v.begin() + static_cast<std::ptrdiff_t>(from), v.begin() + static_cast<std::ptrdiff_t>(from + count)};
+  return {v.begin() + static_cast<std::ptrdiff_t>(from),
+          v.begin() + static_cast<std::ptrdiff_t>(from + count)};
 }
 
 }  // namespace
 
-ConstrainedMotion ConstrainedQuantities::motion(const scene::State<double>& state, ConstrainedRoad road) const {
+ConstrainedMotion ConstrainedQuantities::motion(const scene::State<double>& state,
+                                                ConstrainedRoad road) const {
   Parts& p = *parts_;
   const int n = p.model.dof(), m_c = p.closures.rows();
   const std::vector<double> tau = p.forces(state);
@@ -87,10 +91,12 @@ ConstrainedMotion ConstrainedQuantities::motion(const scene::State<double>& stat
   out.nu = Vector(m);
   if (road == ConstrainedRoad::kSweeps) {
     if (usualRoad() == ConstrainedRoad::kDense)
-      throw std::invalid_argument("motion: closures with driven joints or acceleration constraints, or joints "
-                                  "that follow others: expected the dense road");
+      throw std::invalid_argument(
+          "motion: closures with driven joints or acceleration constraints, or joints "
+          "that follow others: expected the dense road");
     if (m_c > 0) {
-      const auto swept = recursive::closedForwardDynamics(p.model, state.x, state.qd, tau, p.closures, p.ws);
+      const auto swept =
+          recursive::closedForwardDynamics(p.model, state.x, state.qd, tau, p.closures, p.ws);
       out.qdd = vectorOf(swept.qdd);
       out.lambda = swept.lambda;
       out.lambda_determined = flags(swept.determined, 0, m_c);
@@ -100,7 +106,8 @@ ConstrainedMotion ConstrainedQuantities::motion(const scene::State<double>& stat
     }
     recursive::ConstraintWorkspace<double> cws(p.model, m);
     std::vector<double> qdd = state.qdd, with_springs = tau;
-    recursive::hybridDynamics(p.model, state.x, state.qd, p.driven, held, p.ws, cws, qdd, with_springs);
+    recursive::hybridDynamics(p.model, state.x, state.qd, p.driven, held, p.ws, cws, qdd,
+                              with_springs);
     out.qdd = vectorOf(qdd);
     out.nu = cws.nu;
     out.nu_determined = flags(cws.of_N.determined(), 0, m);
@@ -119,7 +126,8 @@ ConstrainedMotion ConstrainedQuantities::motion(const scene::State<double>& stat
   J.bottomRows(m) = J_held;
   // A' a at qdd = 0 and without gravity is (dJ/dt) qd
   std::vector<double> zero(n, 0.0), bias(n);
-  recursive::inverseDynamics(p.model, state.x, state.qd, zero, p.ws, bias, recursive::Terms::none());
+  recursive::inverseDynamics(p.model, state.x, state.qd, zero, p.ws, bias,
+                             recursive::Terms::none());
   for (int k = 0; k < m; ++k) {
     b(m_c + k) = held[k].b(0) - held[k].A.col(0).dot(p.ws.a[held[k].link].vector());
     C(m_c + k) = held[k].compliance(0);
@@ -129,8 +137,10 @@ ConstrainedMotion ConstrainedQuantities::motion(const scene::State<double>& stat
   std::vector<int> free;
   Vector given = Vector::Zero(n);
   for (int i = 0; i < n; ++i) {
-    if (p.driven[i]) given(i) = state.qdd[i];
-    else free.push_back(i);
+    if (p.driven[i])
+      given(i) = state.qdd[i];
+    else
+      free.push_back(i);
   }
   const Vector f = vectorOf(tau) - vectorOf(bias) - M * given;
   const Eigen::LLT<Matrix> of_M(M(free, free));
@@ -159,16 +169,18 @@ ConstrainedMotion ConstrainedQuantities::motion(const scene::State<double>& stat
 }
 
 const std::vector<std::string>& ConstrainedQuantities::names() {
-  static const std::vector<std::string> kNames = {"qdd",    "lambda", "nu",   "tau_drive",   "N",
-                                                  "Lambda", "J",      "Jbar", "task_torque", "null_torque"};
+  static const std::vector<std::string> kNames = {
+      "qdd", "lambda", "nu", "tau_drive", "N", "Lambda", "J", "Jbar", "task_torque", "null_torque"};
   return kNames;
 }
 
-Eigen::MatrixXd ConstrainedQuantities::answer(const std::string& name, const scene::State<double>& state) const {
+Eigen::MatrixXd ConstrainedQuantities::answer(const std::string& name,
+                                              const scene::State<double>& state) const {
   Parts& p = *parts_;
   const auto require = [&](bool holds, const char* what) {
     if (!holds)
-      throw scene::InputError({p.scene.file.string(), 0}, name + ": the scene has no " + what + ", expected one");
+      throw scene::InputError({p.scene.file.string(), 0},
+                              name + ": the scene has no " + what + ", expected one");
   };
   if (name == "qdd") return motion(state, usualRoad()).qdd;
   if (name == "lambda") {
@@ -186,9 +198,11 @@ Eigen::MatrixXd ConstrainedQuantities::answer(const std::string& name, const sce
   }
   require(!held.empty(), "acceleration_constraint");
   if (p.scene.mechanism.hasMimics())
-    throw scene::InputError({p.scene.file.string(), 0},
-                            name + ": joints follow others (mimic), which the sweeps of tasks do not know, "
-                                   "allowed: qdd, lambda, nu, tau_drive");
+    throw scene::InputError(
+        {p.scene.file.string(), 0},
+        name +
+            ": joints follow others (mimic), which the sweeps of tasks do not know, "
+            "allowed: qdd, lambda, nu, tau_drive");
   auto tasks = held;
   for (auto& task : tasks) task.compliance.resize(0);
   const int n = p.model.dof(), m = static_cast<int>(tasks.size());
@@ -200,9 +214,10 @@ Eigen::MatrixXd ConstrainedQuantities::answer(const std::string& name, const sce
   if (name == "J") return J;
   if (name == "N") return cws.N;
   if (cws.of_N.rank() < m)
-    throw scene::InputError({p.scene.file.string(), 0},
-                            name + ": the constraints are " + std::to_string(m) + " of rank " +
-                                std::to_string(cws.of_N.rank()) + " here, allowed: independent ones");
+    throw scene::InputError({p.scene.file.string(), 0}, name + ": the constraints are " +
+                                                            std::to_string(m) + " of rank " +
+                                                            std::to_string(cws.of_N.rank()) +
+                                                            " here, allowed: independent ones");
   if (name == "Lambda") {
     Matrix inverse = Matrix::Identity(m, m);
     for (int k = 0; k < m; ++k) {

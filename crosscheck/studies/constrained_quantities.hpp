@@ -13,19 +13,20 @@
 
 namespace dynwitness::crosscheck {
 
-/// By the sweeps (loops eliminated where they close, hybrid dynamics), or by one dense system: closures together
-/// with driven joints or acceleration constraints have the latter only.
+/// By the sweeps (loops eliminated where they close, hybrid dynamics), or by one dense system:
+/// closures together with driven joints or acceleration constraints have the latter only.
 enum class ConstrainedRoad { kSweeps, kDense };
 
-/** Motion and forces of a scene with closures (m_c equations), driven joints (d) and acceleration constraints (m):
+/** Motion and forces of a scene with closures (m_c equations), driven joints (d) and acceleration
+    constraints (m):
 
         M qdd + c + g = tau + Q + springs + J_c' lambda + J' nu
-        J_c qdd + gamma = 0,     J qdd + (dJ/dt) qd + C nu = value,     qdd of driven joints given */
+        J_c qdd + gamma = 0,    J qdd + (dJ/dt) qd + C nu = value,     qdd of driven joints given */
 struct ConstrainedMotion {
   Eigen::VectorXd qdd, lambda, nu;  ///< n, m_c, m
   Eigen::VectorXd tau;              ///< n: as given, and what the drives take
   std::vector<bool> lambda_determined, nu_determined;
-  int rank = 0, rows = 0;           ///< of all equations together
+  int rank = 0, rows = 0;  ///< of all equations together
 };
 
 class ConstrainedQuantities {
@@ -33,19 +34,21 @@ class ConstrainedQuantities {
   explicit ConstrainedQuantities(const scene::Scene& scene);
   ~ConstrainedQuantities();
 
-  /// Whether the scene has closures, springs between points, driven joints or acceleration constraints.
+  /// Whether the scene has closures, springs between points, driven joints or acceleration
+  /// constraints.
   static bool isConstrained(const scene::Mechanism& mechanism);
   /// @throws std::invalid_argument  the sweeps are asked for what only the dense system has
   ConstrainedMotion motion(const scene::State<double>& state, ConstrainedRoad road) const;
   /// Which road motion() can go.
   ConstrainedRoad usualRoad() const;
 
-  /** The names that answer() knows: qdd, lambda, nu, tau_drive (forces of driven joints); of the acceleration constraints as
-      tasks: N (their accelerations by unit forces, without compliance), Lambda = N^-1 (task inertia), J, Jbar
-      (dynamically consistent inverse), task_torque (of the controller, the state's tau its posture), null_torque
-      ((1 - J' Jbar') tau). */
+  /** The names that answer() knows: qdd, lambda, nu, tau_drive (forces of driven joints); of the
+      acceleration constraints as tasks: N (their accelerations by unit forces, without compliance),
+      Lambda = N^-1 (task inertia), J, Jbar (dynamically consistent inverse), task_torque (of the
+      controller, the state's tau its posture), null_torque ((1 - J' Jbar') tau). */
   static const std::vector<std::string>& names();
-  /// Row by row. @throws scene::InputError  the scene has not what is asked about, or redundant tasks
+  /// Row by row. @throws scene::InputError  the scene has not what is asked about, or redundant
+  /// tasks
   Eigen::MatrixXd answer(const std::string& name, const scene::State<double>& state) const;
 
   /// The state of the scene's start at t = 0, driven joints with their accelerations.

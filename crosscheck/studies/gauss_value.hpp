@@ -17,16 +17,17 @@ namespace dynwitness::crosscheck {
           + sum over joints of   d u^2 / 2 - (tau - k (q - rest)) u,       a_j = X a_p + c_j + Z u
           + sum over gyroscopic rotors of  h u z'(X a_p) + (w_p x h qd z)'(X a_p)
 
-    is least. Let link i move with acceleration a and everything outboard give way: the least G of its
-    subtree is  a' M_A a / 2 + a' f_A + constant.  A sweep finds M_A and f_A joint by joint, the minimum of
-    one subtree from those of its children (Bellman). Here it is one minimisation: with a_j = T_j a + L_j u
-    + b_j for all joints outboard together,
+    is least. Let link i move with acceleration a and everything outboard give way: the least G of
+    its subtree is  a' M_A a / 2 + a' f_A + constant.  A sweep finds M_A and f_A joint by joint, the
+    minimum of one subtree from those of its children (Bellman). Here it is one minimisation: with
+    a_j = T_j a + L_j u + b_j for all joints outboard together,
 
         M_A = H_aa - H_au H_uu^-1 H_ua,    f_A = g_a - H_au H_uu^-1 g_u
 
     @param ws  holds X_up, v and c, as forwardDynamics() left them
-    @return  [M_A f_A] of all links, one below the other [6 links x 7]; division by zero where H_uu is
-             singular. H_uu is a mass matrix: where that is positive definite, stationary is least. */
+    @return  [M_A f_A] of all links, one below the other [6 links x 7]; division by zero where H_uu
+      is
+             singular. H_uu is a mass matrix: where it is positive definite, stationary is least. */
 template <typename T>
 recursive::MatrixX<T> leastGauss(const recursive::Model<T>& model,
                                  const std::vector<scene::JointPosition<T>>& x,
@@ -42,7 +43,8 @@ recursive::MatrixX<T> leastGauss(const recursive::Model<T>& model,
   Matrix out(6 * links, 7);
   for (int i = 0; i < links; ++i) {
     // the subtree, and the joints in it but that of link i
-    std::vector<int> column(links, -1);  // of a link's first joint axis in u; -2: not in the subtree
+    std::vector<int> column(links,
+                            -1);  // of a link's first joint axis in u; -2: not in the subtree
     int m = 0;
     for (int j = 0; j < links; ++j) {
       const int p = model.links[j].parent;
@@ -67,7 +69,8 @@ recursive::MatrixX<T> leastGauss(const recursive::Model<T>& model,
           A[j].col(u) += jointAxis(link, k);
           H(u, u) += link.rotor;
           T drive = tau[link.dof + k];
-          if (axisCount(link.kind) == 1) drive -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
+          if (axisCount(link.kind) == 1)
+            drive -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
           H(u, size) -= drive;
         }
         if (model.gyroscopic) {
@@ -106,11 +109,11 @@ recursive::MatrixX<T> leastGauss(const recursive::Model<T>& model,
 
 /// The same as the sweep of forwardDynamics() left it in ws.
 template <typename T>
-recursive::MatrixX<T> sweptGauss(const recursive::Model<T>& model, const recursive::Workspace<T>& ws) {
+recursive::MatrixX<T> sweptGauss(const recursive::Model<T>& model,
+                                 const recursive::Workspace<T>& ws) {
   recursive::MatrixX<T> out(6 * static_cast<Eigen::Index>(model.links.size()), 7);
   for (std::size_t i = 0; i < model.links.size(); ++i)
-    out.block(6 * static_cast<Eigen::Index>(i), 0, 6, 7)
-        << ws.M_A[i].matrix(), ws.f[i].vector();
+    out.block(6 * static_cast<Eigen::Index>(i), 0, 6, 7) << ws.M_A[i].matrix(), ws.f[i].vector();
   return out;
 }
 

@@ -35,9 +35,11 @@ MetricAt metricAt(const scene::Scene& scene, const std::vector<double>& q) {
     throw scene::InputError(
         {}, fmt::format("q: {} values, allowed: {}", q.size(), scene.mechanism.dof()));
   if (scene.mechanism.dof() > kMostMetricJoints)
-    throw scene::InputError({scene.file.string()},
-                            fmt::format("has {0} joints and {0}^3 Christoffel symbols of each kind, raised by {0}^4 "
-                                        "operations; allowed: {1} joints", scene.mechanism.dof(), kMostMetricJoints));
+    throw scene::InputError(
+        {scene.file.string()},
+        fmt::format("has {0} joints and {0}^3 Christoffel symbols of each kind, raised by {0}^4 "
+                    "operations; allowed: {1} joints",
+                    scene.mechanism.dof(), kMostMetricJoints));
   scene::Work work("metric", 40);  // shares as measured on a chain of 60 joints
   const auto model = recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism));
   std::vector<scene::JointPosition<Error>> x;

@@ -82,8 +82,7 @@ class Near {
     }
     using T = Dual<S>;  // along time
     std::vector<T> slots, zeta_moving, change(positions, T(S(0)));
-    for (int i = 0; i < positions; ++i)
-      slots.push_back(T(S(node.slots[i]), S(node.slot_rates[i])));
+    for (int i = 0; i < positions; ++i) slots.push_back(T(S(node.slots[i]), S(node.slot_rates[i])));
     for (int i = 0; i < problem_.n(); ++i) zeta_moving.push_back(T(zeta[i], zeta_rate[i]));
     recursive::positionRates(moving_, slotPositions(slots), zeta_moving, change);
     std::vector<S> now, rates;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "crosscheck/exact/exact.hpp"
-#include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/result.hpp"
+#include "crosscheck/studies/geometry.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
@@ -33,7 +33,7 @@ struct ImpedanceAt {
   Bounded compliance;  ///< J C_q J', 6 x 6
   Bounded mobility;    ///< J M^-1 J', 6 x 6: the inverse of the apparent inertia, of any rank
   Bounded inertia;     ///< (J M^-1 J')^-1 of the point alone, 3 x 3; bounds are infinite where the
-                    ///< point cannot move every way
+                       ///< point cannot move every way
   std::vector<CheckResult> checks;
 };
 ImpedanceAt impedanceAt(const scene::Scene& scene, const ImpedanceOptions& options);

@@ -45,7 +45,8 @@ ImpulseResult strike(const scene::Scene& scene, const ImpulseOptions& options) {
   requireTreated(scene, Command::kImpulse);
   requireMotion(scene);
   scene::State<double> state;
-  std::vector<scene::Number> own;  // one a position that is given: followers are where their leaders put them
+  std::vector<scene::Number>
+      own;  // one a position that is given: followers are where their leaders put them
   for (const int slot : scene::givenSlots(mechanism)) own.push_back(scene.start_q[slot]);
   for (const double q : scene::allPositions(mechanism, given("q", options.q, own, mechanism)))
     state.x.push_back(scene::jointPosition(q));

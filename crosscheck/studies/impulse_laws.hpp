@@ -140,7 +140,8 @@ class ImpulseModel {
           left(d, 0) = recursive::AnyJoints::force(link, k, through_[i]);
           right(d, 0) = impulse.joints[d] - link.rotor * (s.after(d) - s.before(d));
         }
-        if (link.dof >= 0 && link.parent >= 0)  // and what a gyroscopic rotor feels of its carrier's jump
+        if (link.dof >= 0 &&
+            link.parent >= 0)  // and what a gyroscopic rotor feels of its carrier's jump
           right(link.dof, 0) -= recursive::spinAxis(link).moment.dot(
               (setup_.ws.X_up[i] * setup_.ws.v[link.parent]).angular);
       }
@@ -229,9 +230,9 @@ class ImpulseModel {
     passOn(state, impulse, jump, out.p, &out.support);
     return out;
   }
-  /// What passes through each joint, outward in: f = M dv - p, summed over what is outboard, with the
-  /// gyroscopic rotors that it carries; and what the world gives, at its origin and in its axes. Leaves the
-  /// links' jumps in the workspace.
+  /// What passes through each joint, outward in: f = M dv - p, summed over what is outboard, with
+  /// the gyroscopic rotors that it carries; and what the world gives, at its origin and in its
+  /// axes. Leaves the links' jumps in the workspace.
   void passOn(const scene::State<T>& state, const Impulse<T>& impulse, const Vector& jump,
               const recursive::Vector6<T>& p, recursive::Vector6<T>* support) {
     recursive::linkVelocities(model, state.x, list(jump), setup_.ws);

@@ -20,7 +20,8 @@ scene::Mechanism withRotors(scene::Mechanism mechanism, bool gyroscopic, int fas
     if (joint.rotor_inertia.isLiteralZero()) continue;
     joint.gyroscopic = gyroscopic;
     if (faster == 1) continue;
-    const std::string n = "(" + joint.gear_ratio.text() + ")", J = "(" + joint.rotor_inertia.text() + ")";
+    const std::string n = "(" + joint.gear_ratio.text() + ")",
+                      J = "(" + joint.rotor_inertia.text() + ")";
     const std::string factor = std::to_string(faster);
     joint.gear_ratio = Number::parse(n + "*" + factor);
     joint.rotor_inertia = Number::parse(J + "/" + factor + "^2");
@@ -31,7 +32,8 @@ scene::Mechanism withRotors(scene::Mechanism mechanism, bool gyroscopic, int fas
 class InverseDynamics {
  public:
   explicit InverseDynamics(const scene::Mechanism& mechanism)
-      : model_(recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism))), ws_(model_) {}
+      : model_(recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism))),
+        ws_(model_) {}
   std::vector<double> operator()(const scene::State<double>& state) {
     std::vector<double> tau(model_.dof());
     recursive::inverseDynamics(model_, state.x, state.qd, state.qdd, ws_, tau);

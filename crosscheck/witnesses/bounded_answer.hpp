@@ -26,23 +26,23 @@ MatrixOf<T> scalar(const T& x) {
 /// A state of doubles as exact input with the C library's error in cos and sin.
 inline scene::State<RunningError> runningErrorState(const scene::State<double>& state) {
   scene::State<RunningError> out;
-  for (const scene::JointPosition<double>& x : state.x)
-    out.x.push_back(runningErrorPosition(x.q));
+  for (const scene::JointPosition<double>& x : state.x) out.x.push_back(runningErrorPosition(x.q));
   out.qd.assign(state.qd.begin(), state.qd.end());
   out.qdd.assign(state.qdd.begin(), state.qdd.end());
   out.tau.assign(state.tau.begin(), state.tau.end());
   return out;
 }
 
-/// The same of a mechanism where joints may follow others: their positions are rounded where they are formed.
+/// The same of a mechanism where joints may follow others: their positions are rounded where they
+/// are formed.
 inline scene::State<RunningError> runningErrorState(const scene::State<double>& state,
                                                     const scene::Mechanism& mechanism) {
   scene::State<RunningError> out = runningErrorState(state);
   if (!mechanism.hasMimics()) return out;
   const RunningErrorNumbers number(mechanism);
   for (const scene::Follower& f : scene::followers(mechanism))
-    out.x[f.slot] = runningErrorPosition(number(scene::Number(f.multiplier)) * out.x[f.leader_slot].q +
-                                         number(f.offset));
+    out.x[f.slot] = runningErrorPosition(
+        number(scene::Number(f.multiplier)) * out.x[f.leader_slot].q + number(f.offset));
   return out;
 }
 

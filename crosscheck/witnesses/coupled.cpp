@@ -10,9 +10,10 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-/** Asks a witness about the tree and sums over followers here. Bounds: the answers of the tree enter as
-    RunningError, with what the witness says of their error and with what the rounding of the tree's state
-    (positions, rates and accelerations of followers) does to them, which our sweep of the tree tells. */
+/** Asks a witness about the tree and sums over followers here. Bounds: the answers of the tree
+    enter as RunningError, with what the witness says of their error and with what the rounding of
+    the tree's state (positions, rates and accelerations of followers) does to them, which our sweep
+    of the tree tells. */
 class OverTree : public Witness {
  public:
   OverTree(std::unique_ptr<Witness> of_tree, const scene::Scene& scene)
@@ -80,8 +81,11 @@ class OverTree : public Witness {
 WitnessKind overTree(WitnessKind kind) {
   if (!kind.info.conventions.empty())
     kind.info.conventions +=
-        "\nfollowers (mimic): the tree without them, every joint with a rate of its own, is what it is asked "
-        "about; M = G'MG, c = G'c, g = G'g, tau = G'tau are summed here, and qdd solves M qdd = tau - bias";
+        "\n"
+        "followers (mimic): the tree without them, every joint with a rate of its own, is what it "
+        "is asked "
+        "about; M = G'MG, c = G'c, g = G'g, tau = G'tau are summed here, and qdd solves M qdd = "
+        "tau - bias";
   kind.make = [make = kind.make](const scene::Scene& scene) -> std::unique_ptr<Witness> {
     if (!scene.mechanism.hasMimics()) return make(scene);
     scene::Scene tree = scene;

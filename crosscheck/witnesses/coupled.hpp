@@ -11,14 +11,14 @@
 
 namespace dynwitness::crosscheck {
 
-/** From the tree with all joints let go to the mechanism where some follow others. With G the constant matrix
-    that makes all rates of the independent ones (1 for a rate's own joint, k for its followers), all the
-    tree's quantities at  G qd, G qdd  become
+/** From the tree with all joints let go to the mechanism where some follow others. With G the
+    constant matrix that makes all rates of the independent ones (1 for a rate's own joint, k for
+    its followers), all the tree's quantities at  G qd, G qdd  become
 
         M = G' M_tree G      c = G' c_tree      g = G' g_tree      tau = G' tau_tree
 
-    (dG/dt = 0), energies, momentum and reactions stay what they are, and qdd solves M qdd = tau - (tau at
-    qdd = 0). Positions are the same slots in both. */
+    (dG/dt = 0), energies, momentum and reactions stay what they are, and qdd solves M qdd = tau -
+    (tau at qdd = 0). Positions are the same slots in both. */
 template <typename T>
 class Coupling {
  public:
@@ -90,8 +90,8 @@ class Coupling {
   std::vector<Rate> rates_;  ///< by rate of the tree
 };
 
-/// The kind for mechanisms where joints follow others as well: its witness is asked about the tree, and bounds
-/// pass through Coupling with the answers. Others it makes as it does.
+/// The kind for mechanisms where joints follow others as well: its witness is asked about the tree,
+/// and bounds pass through Coupling with the answers. Others it makes as it does.
 WitnessKind overTree(WitnessKind kind);
 
 }  // namespace dynwitness::crosscheck

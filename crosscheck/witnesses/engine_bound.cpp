@@ -18,14 +18,15 @@ using Vector3 = recursive::Vector3<RunningError>;
 
 // What the header derives, in the norm of vectors and matrices.
 constexpr double u = RunningError::kUnitRoundoff;
-constexpr double kProduct = 3 * u;          ///< a x b, a b: of |a| |b|
-constexpr double kTurn = 6 * u;             ///< R r: of |r|
-constexpr double kTurnInertia = 12 * u;     ///< R' I R: of |I|
-constexpr double kTurnTurn = 9 * u;         ///< R Q, an orientation from two
-constexpr double kQuarterTurns = 5 * u;     ///< of an orientation that is given by angles
-constexpr double kQuaternion = 26 * u;      ///< of an orientation that a quaternion gives, besides
-constexpr double kAxis = 19 * u;            ///< of a joint's axis
-constexpr double kOwnAxes = 2 * 3 * kTurnTurn;  ///< of an inertia in axes of its own, three turns: of |I|
+constexpr double kProduct = 3 * u;       ///< a x b, a b: of |a| |b|
+constexpr double kTurn = 6 * u;          ///< R r: of |r|
+constexpr double kTurnInertia = 12 * u;  ///< R' I R: of |I|
+constexpr double kTurnTurn = 9 * u;      ///< R Q, an orientation from two
+constexpr double kQuarterTurns = 5 * u;  ///< of an orientation that is given by angles
+constexpr double kQuaternion = 26 * u;   ///< of an orientation that a quaternion gives, besides
+constexpr double kAxis = 19 * u;         ///< of a joint's axis
+constexpr double kOwnAxes =
+    2 * 3 * kTurnTurn;  ///< of an inertia in axes of its own, three turns: of |I|
 
 /// How large something is, and how far an engine's number for it may be off.
 struct Size {
@@ -37,10 +38,13 @@ struct Size {
 Size operator+(const Size& a, const Size& b) {
   return {a.size + b.size, a.error + b.error + u * (a.size + b.size)};
 }
-Size& operator+=(Size& a, const Size& b) { return a = a + b; }
+Size& operator+=(Size& a, const Size& b) {
+  return a = a + b;
+}
 /// Of vectors of any direction: a x b as well as a'b.
 Size operator*(const Size& a, const Size& b) {
-  return {a.size * b.size, a.size * b.error + (b.size + b.error) * a.error + kProduct * a.size * b.size};
+  return {a.size * b.size,
+          a.size * b.error + (b.size + b.error) * a.error + kProduct * a.size * b.size};
 }
 
 /// The norm of the values, and that of their bounds.
@@ -53,7 +57,9 @@ Size sizeOf(const Eigen::DenseBase<Derived>& m) {
   }
   return {std::sqrt(values), std::sqrt(bounds)};
 }
-Size sizeOf(const RunningError& x) { return {std::abs(x.value()), x.bound()}; }
+Size sizeOf(const RunningError& x) {
+  return {std::abs(x.value()), x.bound()};
+}
 
 Size larger(const Size& a, const Size& b) {
   return {std::max(a.size, b.size), std::max(a.error, b.error)};
@@ -63,10 +69,12 @@ Size larger(const Size& a, const Size& b) {
 struct Pair {
   Size linear, angular;
 };
-Pair operator+(const Pair& a, const Pair& b) { return {a.linear + b.linear, a.angular + b.angular}; }
+Pair operator+(const Pair& a, const Pair& b) {
+  return {a.linear + b.linear, a.angular + b.angular};
+}
 
-/// What is known of a link before it moves. An engine may refer it to the scene's link frame or to its joint's, the
-/// model's, from which X leads there: sizes are the larger of both.
+/// What is known of a link before it moves. An engine may refer it to the scene's link frame or to
+/// its joint's, the model's, from which X leads there: sizes are the larger of both.
 struct Body {
   recursive::Transform<RunningError> X = recursive::Transform<RunningError>::identity();
   double turn = 0;  ///< of the orientations at its joint, but for what the numbers are off
@@ -78,13 +86,13 @@ struct Body {
 
 /// The same mechanism as it goes through the sweeps: a position, the motion, the wrenches.
 struct Passage {
-  double turn = 0;         ///< of the joint's orientations
-  double turned = 0;       ///< of all orientations from the world to here
-  Size lever;              ///< from the parent to the joint
-  Pair v, a;               ///< of the link
-  Pair momentum, inertial; ///< of the link alone
-  Pair f;                  ///< through the joint
-  Size joint_moment;       ///< the moment about the joint
+  double turn = 0;                 ///< of the joint's orientations
+  double turned = 0;               ///< of all orientations from the world to here
+  Size lever;                      ///< from the parent to the joint
+  Pair v, a;                       ///< of the link
+  Pair momentum, inertial;         ///< of the link alone
+  Pair f;                          ///< through the joint
+  Size joint_moment;               ///< the moment about the joint
   Size rotor_speed, rotor_moment;  ///< of a gyroscopic rotor as a body of its own
 };
 
@@ -103,7 +111,8 @@ double turnOf(const scene::Joint& joint, const RunningErrorNumbers& number) {
   const int given = (turns(joint.placement.beforeJoint()) ? 1 : 0) +
                     (turns(joint.placement.afterJoint()) ? 1 : 0) +
                     (joint.kind != scene::JointKind::kFixed && !along_z ? 2 : 0);
-  const bool moves = joint.kind != scene::JointKind::kFixed && joint.kind != scene::JointKind::kPrismatic;
+  const bool moves =
+      joint.kind != scene::JointKind::kFixed && joint.kind != scene::JointKind::kPrismatic;
   return (given + (moves ? 1 : 0)) * kTurnTurn + (given > 0 ? kQuarterTurns : 0);
 }
 
@@ -118,14 +127,15 @@ struct EngineBound::Impl {
   explicit Impl(const scene::Mechanism& mechanism);
 
   void run(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd, Terms terms);
-  void moveOutward(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd, Terms terms);
+  void moveOutward(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd,
+                   Terms terms);
   void loadInward(const Rates& qd, const Rates& qdd, Terms terms);
   Pair throughJoint(const Link& link, const Passage& here, const Rates& rates) const;
   void spinRotor(std::size_t i, const Rates& qd, const Rates& qdd);
   Size jointForce(const Link& link, int k, const Passage& here) const;
   /// run(), and the errors of tau.
-  Eigen::VectorXd jointForces(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd,
-                              Terms terms);
+  Eigen::VectorXd jointForces(const scene::State<RunningError>& state, const Rates& qd,
+                              const Rates& qdd, Terms terms);
 
   Eigen::MatrixXd massMatrix(const scene::State<RunningError>& state);
   Eigen::VectorXd accelerations(const scene::State<RunningError>& state);
@@ -142,7 +152,8 @@ struct EngineBound::Impl {
 };
 
 EngineBound::Impl::Impl(const scene::Mechanism& mechanism)
-    : setup(recursive::buildModel(mechanism, RunningErrorNumbers(mechanism), recursive::FixedJoints::kKept)),
+    : setup(recursive::buildModel(mechanism, RunningErrorNumbers(mechanism),
+                                  recursive::FixedJoints::kKept)),
       bodies(setup.model.links.size()),
       at(setup.model.links.size()) {
   const recursive::Model<RunningError>& model = setup.model;
@@ -167,8 +178,10 @@ EngineBound::Impl::Impl(const scene::Mechanism& mechanism)
       body.I.error += kOwnAxes * body.I.size;
     // the parts of one joint are all of its orientations
     const double turn = turnOf(mechanism.links[i].joint, number);
-    const int inboard = mechanism.links[i].parent < 0 ? -1 : model.places[mechanism.links[i].parent].link;
-    for (int part = carrier; part != inboard; part = model.links[part].parent) bodies[part].turn = turn;
+    const int inboard =
+        mechanism.links[i].parent < 0 ? -1 : model.places[mechanism.links[i].parent].link;
+    for (int part = carrier; part != inboard; part = model.links[part].parent)
+      bodies[part].turn = turn;
   }
   for (const scene::Wrench& wrench : mechanism.wrenches) {
     const int carrier = model.places[wrench.link].link;
@@ -190,15 +203,16 @@ EngineBound::Impl::Impl(const scene::Mechanism& mechanism)
 }
 
 /// The motion at these rates, along axes of any direction.
-Pair EngineBound::Impl::throughJoint(const Link& link, const Passage& here, const Rates& rates) const {
+Pair EngineBound::Impl::throughJoint(const Link& link, const Passage& here,
+                                     const Rates& rates) const {
   if (link.dof < 0) return {};
   const recursive::Motion<RunningError> motion = recursive::AnyJoints::motion(link, rates);
   const double axis = axisUncertainty(link, here);
   return {sizeOf(motion.linear).turned(axis), sizeOf(motion.angular).turned(axis)};
 }
 
-void EngineBound::Impl::run(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd,
-                            Terms terms) {
+void EngineBound::Impl::run(const scene::State<RunningError>& state, const Rates& qd,
+                            const Rates& qdd, Terms terms) {
   setup.inverse(state, qd, qdd, terms);
   moveOutward(state, qd, qdd, terms);
   loadInward(qd, qdd, terms);
@@ -223,8 +237,8 @@ void EngineBound::Impl::moveOutward(const scene::State<RunningError>& state, con
     const bool on_world = link.parent < 0;
     const Passage& inboard = on_world ? world : at[link.parent];
     const recursive::Transform<RunningError>& X = setup.ws.X_up[i];
-    here.turn = body.turn + sizeOf(X.R).error +
-                (recursive::axisCount(link.kind) >= 3 ? kQuaternion : 0);
+    here.turn =
+        body.turn + sizeOf(X.R).error + (recursive::axisCount(link.kind) >= 3 ? kQuaternion : 0);
     here.turned = inboard.turned + here.turn;
     here.lever = sizeOf(X.p);
     if (!on_world) here.lever = larger(here.lever, sizeOf(Vector3(X.p - bodies[link.parent].X.p)));
@@ -239,7 +253,8 @@ void EngineBound::Impl::moveOutward(const scene::State<RunningError>& state, con
     Pair a_p = inboard.a;
     if (on_world && terms.gravity) a_p.linear = sizeOf(setup.model.gravity);
     const auto passed = [&](const Pair& x) {
-      return Pair{(x.linear + here.lever * x.angular).turned(here.turn), x.angular.turned(here.turn)};
+      return Pair{(x.linear + here.lever * x.angular).turned(here.turn),
+                  x.angular.turned(here.turn)};
     };
     // v = X v_p + Z qd, and its size as it came out
     Pair v = passed(inboard.v) + v_J;
@@ -255,16 +270,17 @@ void EngineBound::Impl::moveOutward(const scene::State<RunningError>& state, con
     a.angular.size = sizeOf(setup.ws.a[i].angular).size;
     v = here.v = seenFromLink(body, v, setup.ws.v[i]);
     a = here.a = seenFromLink(body, a, setup.ws.a[i]);
-    here.momentum = {body.m * v.linear + body.h * v.angular, body.I * v.angular + body.h * v.linear};
+    here.momentum = {body.m * v.linear + body.h * v.angular,
+                     body.I * v.angular + body.h * v.linear};
     const Pair& P = here.momentum;
-    here.inertial = {body.m * a.linear + body.h * a.angular + v.angular * P.linear,
-                     body.I * a.angular + body.h * a.linear + v.angular * P.angular +
-                         v.linear * P.linear};
+    here.inertial = {
+        body.m * a.linear + body.h * a.angular + v.angular * P.linear,
+        body.I * a.angular + body.h * a.linear + v.angular * P.angular + v.linear * P.linear};
   }
 }
 
-/// A gyroscopic rotor as a body that turns gear times as fast as the joint, w = w_p + n z qd: the moment that it
-/// exerts on its carrier, J dw/dt + w x J w.
+/// A gyroscopic rotor as a body that turns gear times as fast as the joint, w = w_p + n z qd: the
+/// moment that it exerts on its carrier, J dw/dt + w x J w.
 void EngineBound::Impl::spinRotor(std::size_t i, const Rates& qd, const Rates& qdd) {
   const Link& link = setup.model.links[i];
   const Body& body = bodies[i];
@@ -272,8 +288,8 @@ void EngineBound::Impl::spinRotor(std::size_t i, const Rates& qd, const Rates& q
   const Size axis{1, at[i].turn + kAxis};
   const Size spin = body.gear * sizeOf(qd[link.dof]) * axis;
   const Size w = carrier.v.angular + spin;
-  const Size w_rate = carrier.a.angular + body.gear * sizeOf(qdd[link.dof]) * axis +
-                      carrier.v.angular * spin;
+  const Size w_rate =
+      carrier.a.angular + body.gear * sizeOf(qdd[link.dof]) * axis + carrier.v.angular * spin;
   at[i].rotor_speed = w;
   at[i].rotor_moment = body.disc * w_rate + w * (body.disc * w);
 }
@@ -321,8 +337,8 @@ Size EngineBound::Impl::jointForce(const Link& link, int k, const Passage& here)
 }
 
 /// tau = Z' f + d qdd + k (q - rest) + friction, and what the spinning of a rotor needs
-Eigen::VectorXd EngineBound::Impl::jointForces(const scene::State<RunningError>& state, const Rates& qd,
-                                               const Rates& qdd, Terms terms) {
+Eigen::VectorXd EngineBound::Impl::jointForces(const scene::State<RunningError>& state,
+                                               const Rates& qd, const Rates& qdd, Terms terms) {
   run(state, qd, qdd, terms);
   Eigen::VectorXd errors(setup.model.dof());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -333,14 +349,16 @@ Eigen::VectorXd EngineBound::Impl::jointForces(const scene::State<RunningError>&
       if (k == 0 && terms.springs)
         tau += sizeOf(link.stiffness) * (sizeOf(state.x[link.slot].q) + sizeOf(link.rest));
       if (k == 0 && terms.friction)
-        tau += sizeOf(link.viscous) * sizeOf(qd[link.dof]) + sizeOf(link.positive) + sizeOf(link.negative);
+        tau += sizeOf(link.viscous) * sizeOf(qd[link.dof]) + sizeOf(link.positive) +
+               sizeOf(link.negative);
       errors(link.dof + k) = tau.error;
     }
   }
   return errors;
 }
 
-/// Column j: the forces of a unit acceleration of joint j alone. An engine may find either of two equal entries.
+/// Column j: the forces of a unit acceleration of joint j alone. An engine may find either of two
+/// equal entries.
 Eigen::MatrixXd EngineBound::Impl::massMatrix(const scene::State<RunningError>& state) {
   const int n = setup.model.dof();
   Eigen::MatrixXd errors(n, n);
@@ -362,16 +380,19 @@ Eigen::VectorXd EngineBound::Impl::accelerations(const scene::State<RunningError
   const Eigen::VectorXd size = x.unaryExpr(value).template cast<double>().cwiseAbs();
   // elimination: (3 n + 1) u of |L| |D| |L'|, whose entries are below sqrt(M_ii M_jj)
   const Eigen::VectorXd diagonal = M.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::MatrixXd of_M = massMatrix(state) + (3 * n + 1) * u * diagonal * diagonal.transpose();
+  const Eigen::MatrixXd of_M =
+      massMatrix(state) + (3 * n + 1) * u * diagonal * diagonal.transpose();
   Eigen::VectorXd forces = jointForces(state, state.qd, setup.zeros(), Terms::all()) + of_M * size;
   for (int i = 0; i < n; ++i) {
     const Link& link = setup.model.links[setup.model.link_of_dof[i]];
     const double turn = axisUncertainty(link, at[setup.model.link_of_dof[i]]);
-    forces(i) += state.tau[i].bound() + (2 * u + (recursive::axisCount(link.kind) >= 3 ? turn : 0)) *
-                                            std::abs(state.tau[i].value());
+    forces(i) +=
+        state.tau[i].bound() + (2 * u + (recursive::axisCount(link.kind) >= 3 ? turn : 0)) *
+                                   std::abs(state.tau[i].value());
   }
   const Eigen::MatrixXd inverse = M.fullPivLu().inverse().cwiseAbs();
-  // M + dM is regular, and the first order tells all but its own square, where |M^-1| |dM| is well below 1
+  // M + dM is regular, and the first order tells all but its own square, where |M^-1| |dM| is well
+  // below 1
   const double moved = (inverse * of_M).rowwise().sum().maxCoeff();
   if (!(moved < 0.5)) return Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
   return inverse * forces / (1 - moved);
@@ -434,7 +455,8 @@ Eigen::VectorXd EngineBound::Impl::momentum() const {
     sum.angular += (bodies[i].disc * at[i].rotor_speed).turned(at[i].turned);
   }
   return (Eigen::VectorXd(6) << Eigen::Vector3d::Constant(sum.linear.error),
-          Eigen::Vector3d::Constant(sum.angular.error)).finished();
+          Eigen::Vector3d::Constant(sum.angular.error))
+      .finished();
 }
 
 Eigen::VectorXd EngineBound::Impl::reactions() const {
@@ -455,24 +477,32 @@ Eigen::MatrixXd EngineBound::operator()(Quantity quantity, const scene::State<do
   return (*this)(quantity, runningErrorState(state));
 }
 
-Eigen::MatrixXd EngineBound::operator()(Quantity quantity, const scene::State<RunningError>& state) {
+Eigen::MatrixXd EngineBound::operator()(Quantity quantity,
+                                        const scene::State<RunningError>& state) {
   const Rates zeros = impl_->setup.zeros();
   switch (quantity) {
-    case Quantity::kM: return impl_->massMatrix(state);
-    case Quantity::kc: return impl_->jointForces(state, state.qd, zeros, Terms::none());
-    case Quantity::kg: return impl_->jointForces(state, zeros, zeros, Terms::potential());
-    case Quantity::kTau: return impl_->jointForces(state, state.qd, state.qdd, Terms::all());
-    case Quantity::kQdd: return impl_->accelerations(state);
+    case Quantity::kM:
+      return impl_->massMatrix(state);
+    case Quantity::kc:
+      return impl_->jointForces(state, state.qd, zeros, Terms::none());
+    case Quantity::kg:
+      return impl_->jointForces(state, zeros, zeros, Terms::potential());
+    case Quantity::kTau:
+      return impl_->jointForces(state, state.qd, state.qdd, Terms::all());
+    case Quantity::kQdd:
+      return impl_->accelerations(state);
     case Quantity::kReactions:
       impl_->run(state, state.qd, state.qdd, Terms::all());
       return impl_->reactions();
     case Quantity::kKinetic:
     case Quantity::kPotential:
-    case Quantity::kMomentum: break;
+    case Quantity::kMomentum:
+      break;
   }
   impl_->run(state, state.qd, zeros, Terms::none());
   if (quantity == Quantity::kMomentum) return impl_->momentum();
-  return scalar(quantity == Quantity::kKinetic ? impl_->kinetic(state.qd) : impl_->potential(state));
+  return scalar(quantity == Quantity::kKinetic ? impl_->kinetic(state.qd)
+                                               : impl_->potential(state));
 }
 
 }  // namespace dynwitness::crosscheck

@@ -9,46 +9,49 @@
 
 namespace dynwitness::crosscheck {
 
-/** Bounds for an engine that computes in double, in axes of its own, on the links as they stand in the
-    scene. In our axes much is zero by structure: a joint turns about (0, 0, 1), w x I w has no component along the
-    axis of a single joint, and running error bounds are zero there. In other axes the same numbers are sums of
-    terms that cancel, and each term leaves its rounding. So the bound is earned from the sizes of the terms:
-    it belongs to norms of vectors, which are the same in all axes.
+/** Bounds for an engine that computes in double, in axes of its own, on the links as they stand in
+    the scene. In our axes much is zero by structure: a joint turns about (0, 0, 1), w x I w has no
+    component along the axis of a single joint, and running error bounds are zero there. In other
+    axes the same numbers are sums of terms that cancel, and each term leaves its rounding. So the
+    bound is earned from the sizes of the terms: it belongs to norms of vectors, which are the same
+    in all axes.
 
-    The sweeps of inverse dynamics (newton_euler.hpp) are run on pairs (size, error). The size of a vector is the norm
-    of what our own sweep computed, or of the sum of terms where it is none of the sweep's; the error
-    follows the equations, to first order in u and with the products of errors where they are known:
+    The sweeps of inverse dynamics (newton_euler.hpp) are run on pairs (size, error). The size of a
+    vector is the norm of what our own sweep computed, or of the sum of terms where it is none of
+    the sweep's; the error follows the equations, to first order in u and with the products of
+    errors where they are known:
 
         a + b     errors add; the sum is rounded, u (|a| + |b|)
-        a x b     |a| eb + |b| ea + ea eb, and 3 u |a| |b|: two products and a difference an entry leave
-                  2 u (|a_y b_z| + |a_z b_y|), and the norm of these is below sqrt(2) 2 u |a| |b|. The same for a'b,
-                  of three products
-        R r       three products and two sums an entry: 3 u |r|, as a vector sqrt(3) times that, 6 u |r|; an R
-                  uncertain by e (its norm) turns r by e |r| more
+        a x b     |a| eb + |b| ea + ea eb, and 3 u |a| |b|: two products and a difference an entry
+                  leave 2 u (|a_y b_z| + |a_z b_y|), and the norm of these is below
+                  sqrt(2) 2 u |a| |b|. The same for a'b, of three products
+        R r       three products and two sums an entry: 3 u |r|, as a vector sqrt(3) times that,
+                  6 u |r|; an R uncertain by e (its norm) turns r by e |r| more
         R' I R    two products of matrices, 3 u |row| |column| an entry: 2 * 3 sqrt(3) u, 12 u |I|
 
     What an engine is given is uncertain by as much as it is turned, beside its rounding to double:
-    an engine turns three times to pass a joint (its inboard frame, its motion, its outboard frame), each a product
-    of matrices, 9 u; and a quarter turn, exact for us, is for it the cosine of a rounded angle, 5 u for all of
-    them: 32 u. This is so in world axes, too: there the product of all orientations is rounded at each
-    joint, which is exact for a mechanism that is turned by so much there. A quaternion is made one of length 1
-    first (4 u in each component), R is quadratic in it (16 u) and sums products of its
-    components (10 u): 26 u more. An axis is a unit vector (4 u), turned by an outboard orientation: 19 u.
-    Inertias in axes of their own (rpy) are turned by three orientations on either side.
-    Rates of spherical and floating joints are turned into the engine's axes, and its answers back, by
-    the orientation of the joint.
+    an engine turns three times to pass a joint (its inboard frame, its motion, its outboard frame),
+    each a product of matrices, 9 u; and a quarter turn, exact for us, is for it the cosine of a
+    rounded angle, 5 u for all of them: 32 u. This is so in world axes, too: there the product of
+    all orientations is rounded at each joint, which is exact for a mechanism that is turned by so
+    much there. A quaternion is made one of length 1 first (4 u in each component), R is quadratic
+    in it (16 u) and sums products of its components (10 u): 26 u more. An axis is a unit vector (4
+    u), turned by an outboard orientation: 19 u. Inertias in axes of their own (rpy) are turned by
+    three orientations on either side. Rates of spherical and floating joints are turned into the
+    engine's axes, and its answers back, by the orientation of the joint.
 
-    An engine may refer a link to the scene's link frame or to its joint frame, which differ where the placement
-    goes on after the joint (Denavit and Hartenberg's): sizes hold for either, |v| + reach |w| and so on.
-    Points' accelerations in place of spatial ones have w x (w x p) in place of v x w: both count. A gyroscopic
-    rotor may be a body that turns n times as fast, w = w_p + n z qd, whose moment acts n times on the joint:
-    n |w x J w| is counted although nothing of it is left when it is exact.
+    An engine may refer a link to the scene's link frame or to its joint frame, which differ where
+    the placement goes on after the joint (Denavit and Hartenberg's): sizes hold for either, |v| +
+    reach |w| and so on. Points' accelerations in place of spatial ones have w x (w x p) in place of
+    v x w: both count. A gyroscopic rotor may be a body that turns n times as fast, w = w_p + n z
+    qd, whose moment acts n times on the joint: n |w x J w| is counted although nothing of it is
+    left when it is exact.
 
-    M is found column by column. qdd leaves no force unexplained but errors: those of M times qdd, of the
-    bias, and of the elimination, (3 n + 1) u |L| |D| |L'| (N. Higham, Accuracy and Stability of Numerical Algorithms,
-    2002, theorem 10.4), at most (3 n + 1) u sqrt(M_ii M_jj); a sweep over articulated bodies is that elimination,
-    carried out joint by joint. |M^-1| times that, entry by entry, bounds qdd; there is no bound where M might be
-    singular within its errors. */
+    M is found column by column. qdd leaves no force unexplained but errors: those of M times qdd,
+    of the bias, and of the elimination, (3 n + 1) u |L| |D| |L'| (N. Higham, Accuracy and Stability
+    of Numerical Algorithms, 2002, theorem 10.4), at most (3 n + 1) u sqrt(M_ii M_jj); a sweep over
+    articulated bodies is that elimination, carried out joint by joint. |M^-1| times that, entry by
+    entry, bounds qdd; there is no bound where M might be singular within its errors. */
 class EngineBound {
  public:
   explicit EngineBound(const scene::Mechanism& mechanism);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fast sweeps as a witness: answers in double with their own sines and cosines, bounds by the same
-// sweeps on RunningError.
+// The fast sweeps as a witness: answers in double with their own sines and cosines, bounds by the
+// same sweeps on RunningError.
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 
+#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/sharp_bounds.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
-#include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/fast/dynamics.hpp"
@@ -16,8 +16,8 @@ namespace {
 class FastWitness : public Witness {
  public:
   explicit FastWitness(const scene::Scene& scene)
-      : in_double_(recursive::buildModel(scene.mechanism,
-                                         scene::RealNumbers<double>(scene.mechanism))),
+      : in_double_(
+            recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism))),
         with_bounds_(recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism))),
         sharp_([mechanism = scene.mechanism] {
           return std::make_unique<FastSweeps<AdjointError>>(
@@ -48,7 +48,8 @@ class FastWitness : public Witness {
     for (const scene::JointPosition<double>& x : state.x) q_.push_back(x.q);
     const int n = in_double_.plan().dof;
     Eigen::MatrixXd out(n, quantity == Quantity::kM ? n : 1);
-    if (quantity == Quantity::kM) in_double_.massMatrix(q_.data(), out.data());
+    if (quantity == Quantity::kM)
+      in_double_.massMatrix(q_.data(), out.data());
     else if (quantity == Quantity::kTau)
       in_double_.inverseDynamics(q_.data(), state.qd.data(), state.qdd.data(), out.data());
     else
@@ -68,11 +69,11 @@ class FastWitness : public Witness {
 }  // namespace
 
 WitnessKind fastKind() {
-  return overTree(
-      {{kFastName, DYNWITNESS_VERSION, "the sweeps of recursive/fast/, for any mechanism, made for speed"},
-       [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-         return std::make_unique<FastWitness>(scene);
-       }});
+  return overTree({{kFastName, DYNWITNESS_VERSION,
+                    "the sweeps of recursive/fast/, for any mechanism, made for speed"},
+                   [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
+                     return std::make_unique<FastWitness>(scene);
+                   }});
 }
 
 }  // namespace dynwitness::crosscheck

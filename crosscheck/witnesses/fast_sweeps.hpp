@@ -14,8 +14,12 @@
 namespace dynwitness::crosscheck {
 
 /// Zero without doubt: what a plan may leave out.
-inline bool isExactlyZero(const RunningError& x) { return x.value() == 0 && x.bound() == 0; }
-inline bool isExactlyZero(const AdjointError& x) { return isExactlyZero(x.running()); }
+inline bool isExactlyZero(const RunningError& x) {
+  return x.value() == 0 && x.bound() == 0;
+}
+inline bool isExactlyZero(const AdjointError& x) {
+  return isExactlyZero(x.running());
+}
 
 inline constexpr const char* kFastName = "fast";
 
@@ -32,12 +36,14 @@ class FastSweeps {
     namespace fast = recursive::fast;
     const int n = plan.dof;
     MatrixOf<T> out = MatrixOf<T>::Constant(n, quantity == Quantity::kM ? n : 1, T(0));
-    if (quantity == Quantity::kM) fast::massMatrix(plan, s.x.data(), m_, out.data());
+    if (quantity == Quantity::kM)
+      fast::massMatrix(plan, s.x.data(), m_, out.data());
     else if (quantity == Quantity::kTau)
       fast::inverseDynamics(plan, s.x.data(), s.qd.data(), s.qdd.data(), id_, out.data());
     else if (quantity == Quantity::kQdd)
       fast::forwardDynamics(plan, s.x.data(), s.qd.data(), s.tau.data(), fd_, out.data());
-    else throw std::logic_error("fast: not answered");
+    else
+      throw std::logic_error("fast: not answered");
     return out;
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fast sweeps over the prime field and in degrees. Compiled without much optimisation: all of a sweep
-// is inlined, which takes a compiler minutes for a scalar that is no double.
+// The fast sweeps over the prime field and in degrees. Compiled without much optimisation: all of a
+// sweep is inlined, which takes a compiler minutes for a scalar that is no double.
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "recursive/build_model.hpp"
@@ -8,8 +8,9 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-/// The tree without followers. Over the field every rate has the sign 1 (scene::directionOf), and of a joint
-/// that moves backward when its leader moves forward the tree does not know: it is told by its friction.
+/// The tree without followers. Over the field every rate has the sign 1 (scene::directionOf), and
+/// of a joint that moves backward when its leader moves forward the tree does not know: it is told
+/// by its friction.
 scene::Mechanism treeOf(const scene::Mechanism& mechanism) {
   scene::Mechanism tree = scene::withoutMimics(mechanism);
   for (const scene::Follower& f : scene::followers(mechanism)) {

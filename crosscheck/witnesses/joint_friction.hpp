@@ -21,8 +21,8 @@ class JointFriction {
     for (const scene::Link& link : mechanism.links) {
       const scene::Friction& f = link.joint.friction;
       for (int k = 0; k < scene::degreesOfFreedom(link.joint.kind); ++k)
-        joints_.push_back({parts == Parts::kAll ? number(f.viscous) : 0, number(f.positive),
-                           number(f.negative)});
+        joints_.push_back(
+            {parts == Parts::kAll ? number(f.viscous) : 0, number(f.positive), number(f.negative)});
     }
   }
 
@@ -56,9 +56,10 @@ class JointFriction {
 inline void requirePlainRotors(const scene::Mechanism& mechanism) {
   for (const scene::Link& link : mechanism.links)
     if (link.joint.gyroscopic)
-      throw std::runtime_error("the rotor of joint '" + link.joint.name +
-                               "' is gyroscopic, this witness knows a rotor as inertia n^2 J of its "
-                               "own joint only");
+      throw std::runtime_error(
+          "the rotor of joint '" + link.joint.name +
+          "' is gyroscopic, this witness knows a rotor as inertia n^2 J of its "
+          "own joint only");
 }
 
 }  // namespace dynwitness::crosscheck

@@ -153,8 +153,9 @@ class KdlWitness : public Witness {
     names_.push_back(link.name);
   }
 
-  /** KDL numbers joints in the order in which they were added; a copy of a tree adds them again, depth first. The
-      solvers of frames and jacobians keep copies, those of inverse dynamics references. */
+  /** KDL numbers joints in the order in which they were added; a copy of a tree adds them again,
+      depth first. The solvers of frames and jacobians keep copies, those of inverse dynamics
+      references. */
   void findCopiedNumbers(const scene::Mechanism& mechanism) {
     const KDL::Tree copy(tree_);
     for (const int i : mechanism.movingLinks())
@@ -333,8 +334,8 @@ class KdlWitness : public Witness {
   KDL::Tree tree_{kWorld};
   KDL::Chain chain_;  ///< the tree, where it does not branch
   KDL::Vector gravity_ = KDL::Vector::Zero();
-  std::vector<std::string> names_;  ///< of segments, one a scene link
-  std::vector<Spring> springs_;     ///< one a degree of freedom
+  std::vector<std::string> names_;            ///< of segments, one a scene link
+  std::vector<Spring> springs_;               ///< one a degree of freedom
   std::vector<Eigen::Index> copied_numbers_;  ///< of the same, in a copy of the tree
   std::vector<AppliedWrench> wrenches_;
   std::optional<KDL::TreeIdSolver_RNE> with_gravity_, without_gravity_;
@@ -354,11 +355,13 @@ constexpr const char* kConventions =
     "friction: its own is off; viscous and Coulomb friction are added here\n"
     "rotors: Joint's inertia = gear_ratio^2 rotor_inertia, read by the solvers of M and of tau\n"
     "loads: wrenches on segments, in the axes of the segment\n"
-    "joint numbers: as added, but depth first in a copy of the tree (Tree's copy constructor), and the solvers of "
+    "joint numbers: as added, but depth first in a copy of the tree (Tree's copy constructor), "
+    "and the solvers of "
     "frames and jacobians keep copies; renumbered here\n"
     "branches: M column by column from inverse dynamics, and M qdd = tau - bias solved here, since "
     "KDL's solvers for both take chains only\n"
-    "energies, momentum: KDL has no functions for them; T = qd' M qd / 2 with its M, the others are "
+    "energies, momentum: KDL has no functions for them; T = qd' M qd / 2 with its M, the others "
+    "are "
     "summed here over its frames, jacobians and inertias\n"
     "known loss: none";
 

@@ -39,13 +39,16 @@ std::shared_ptr<const kernel::Kernel> kernelOf(const scene::Scene& scene) {
   return kernel;
 }
 
-/** Values from the compiled code; bounds from the same program run on RunningError. The compiled code
-    does what the program says, operation by operation, and its cos and sin are within the error that
-    is taken for the C library's (kernel/emit.cpp); so the bound is that of the compiled code. */
+/** Values from the compiled code; bounds from the same program run on RunningError. The compiled
+    code does what the program says, operation by operation, and its cos and sin are within the
+    error that is taken for the C library's (kernel/emit.cpp); so the bound is that of the compiled
+    code. */
 class KernelWitness : public PartialWitness {
  public:
   KernelWitness(const scene::Scene& scene, bool lanes)
-      : name_(lanes ? "kernel_lanes" : "kernel"), lanes_(lanes), kernel_(kernelOf(scene)),
+      : name_(lanes ? "kernel_lanes" : "kernel"),
+        lanes_(lanes),
+        kernel_(kernelOf(scene)),
         solve_bound_(scene.mechanism, SolvedBy::kEither, 1) {
     const RunningErrorNumbers numbers(scene.mechanism);
     for (const Quantity quantity : kQuantities) {
@@ -61,13 +64,15 @@ class KernelWitness : public PartialWitness {
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override {
-    return std::find(std::begin(kQuantities), std::end(kQuantities), quantity) != std::end(kQuantities) &&
+    return std::find(std::begin(kQuantities), std::end(kQuantities), quantity) !=
+               std::end(kQuantities) &&
            kernel_->has(formulaOf(quantity));
   }
   std::vector<std::pair<Quantity, std::string>> leftOut() const override {
     std::vector<std::pair<Quantity, std::string>> all;
     for (const Quantity quantity : kQuantities)
-      if (const auto it = kernel_->notUsed().find(formulaOf(quantity)); it != kernel_->notUsed().end())
+      if (const auto it = kernel_->notUsed().find(formulaOf(quantity));
+          it != kernel_->notUsed().end())
         all.emplace_back(quantity, it->second);
     return all;
   }
@@ -78,17 +83,17 @@ class KernelWitness : public PartialWitness {
     const int rows = kernel_->dof(), columns = quantity == Quantity::kM ? rows : 1;
     using RowMajor = Eigen::Matrix<RunningError, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const auto sharply = [&](symbolic::ProgramRun<AdjointError>& run) {
-      using SharpRowMajor = Eigen::Matrix<AdjointError, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      using SharpRowMajor =
+          Eigen::Matrix<AdjointError, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
       const std::vector<AdjointError> sharp = run(adjointState(bounded_state));
       return MatrixOf<AdjointError>(Eigen::Map<const SharpRowMajor>(sharp.data(), rows, columns));
     };
     const MatrixOf<RunningError> shaped = Eigen::Map<const RowMajor>(bounded.data(), rows, columns);
     Answer out = boundedAnswer(value(quantity, state), shaped);
-    if (quantity != Quantity::kQdd)
-      out.bound = sharp_.at(formula)(shaped, sharply);
+    if (quantity != Quantity::kQdd) out.bound = sharp_.at(formula)(shaped, sharply);
     if (quantity == Quantity::kQdd && answers(Quantity::kTau))
-      solve_bound_.judge(state, answer(Quantity::kTau, moving(state, out.value)).bound, out, sharp_.at(formula),
-                         sharply);
+      solve_bound_.judge(state, answer(Quantity::kTau, moving(state, out.value)).bound, out,
+                         sharp_.at(formula), sharply);
     return out;
   }
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
@@ -111,7 +116,8 @@ class KernelWitness : public PartialWitness {
   }
 
   std::vector<double> inAllLanes(Quantity quantity, const std::vector<double>& q,
-                                 const std::vector<double>& qd, const std::vector<double>& w) const {
+                                 const std::vector<double>& qd,
+                                 const std::vector<double>& w) const {
     const std::size_t n = qd.size(), outputs = quantity == Quantity::kM ? n * n : n;
     const auto kernel = [&](const double* all_q, const double* all_qd, const double* all_w,
                             double* out,
@@ -143,7 +149,8 @@ class KernelWitness : public PartialWitness {
 
 WitnessKind kindOf(const std::string& name, bool lanes) {
   const std::string method =
-      lanes ? fmt::format("the same code on {} states at once, every lane asked", kernel::chosenLanes())
+      lanes ? fmt::format("the same code on {} states at once, every lane asked",
+                          kernel::chosenLanes())
             : "the smallest program of the scene, as compiled C";
   WitnessInfo info{name, DYNWITNESS_VERSION, method};
   try {
@@ -160,7 +167,11 @@ WitnessKind kindOf(const std::string& name, bool lanes) {
 
 }  // namespace
 
-WitnessKind kernelKind() { return kindOf("kernel", false); }
-WitnessKind kernelLanesKind() { return kindOf("kernel_lanes", true); }
+WitnessKind kernelKind() {
+  return kindOf("kernel", false);
+}
+WitnessKind kernelLanesKind() {
+  return kindOf("kernel_lanes", true);
+}
 
 }  // namespace dynwitness::crosscheck

@@ -26,12 +26,18 @@ std::vector<symbolic::Node> DerivedPrograms::outputs(Quantity quantity) const {
       for (const auto& row : equations.M) M.insert(M.end(), row.begin(), row.end());
       return M;
     }
-    case Quantity::kc: return equations.c;
-    case Quantity::kg: return equations.g;
-    case Quantity::kTau: return symbolic::inverseDynamics(equations);
-    case Quantity::kKinetic: return {equations.kinetic};
-    case Quantity::kPotential: return {equations.potential};
-    default: throw std::logic_error("DerivedPrograms: no program for this quantity");
+    case Quantity::kc:
+      return equations.c;
+    case Quantity::kg:
+      return equations.g;
+    case Quantity::kTau:
+      return symbolic::inverseDynamics(equations);
+    case Quantity::kKinetic:
+      return {equations.kinetic};
+    case Quantity::kPotential:
+      return {equations.potential};
+    default:
+      throw std::logic_error("DerivedPrograms: no program for this quantity");
   }
 }
 
@@ -58,7 +64,8 @@ class LagrangeWitness : public Witness {
         in_double_(programs_, scene::RealNumbers<double>(scene.mechanism)),
         with_bounds_(programs_, RunningErrorNumbers(scene.mechanism)),
         sharp_([this, mechanism = scene.mechanism] {
-          auto answers = std::make_unique<DerivedAnswers<AdjointError>>(programs_, AdjointErrorNumbers(mechanism));
+          auto answers = std::make_unique<DerivedAnswers<AdjointError>>(
+              programs_, AdjointErrorNumbers(mechanism));
           answers->startAll();  // their parameters belong to the kept part of the tape
           return answers;
         }),
@@ -87,10 +94,11 @@ class LagrangeWitness : public Witness {
 }  // namespace
 
 WitnessKind lagrangeKind() {
-  return {{"lagrange", DYNWITNESS_VERSION, "derived from T and V (Euler-Lagrange), run as a program"},
-          [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            return std::make_unique<LagrangeWitness>(scene);
-          }};
+  return {
+      {"lagrange", DYNWITNESS_VERSION, "derived from T and V (Euler-Lagrange), run as a program"},
+      [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
+        return std::make_unique<LagrangeWitness>(scene);
+      }};
 }
 
 }  // namespace dynwitness::crosscheck

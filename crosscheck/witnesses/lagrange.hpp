@@ -13,8 +13,9 @@
 
 namespace dynwitness::crosscheck {
 
-/** What the Lagrangian of a mechanism gives, for all arithmetics. A quantity is derived and compiled when it is
-    first asked for: M takes O(n^2) operations of a chain, reactions a mechanism of 6 n rates, all else O(n). */
+/** What the Lagrangian of a mechanism gives, for all arithmetics. A quantity is derived and
+    compiled when it is first asked for: M takes O(n^2) operations of a chain, reactions a mechanism
+    of 6 n rates, all else O(n). */
 class DerivedPrograms {
  public:
   /// @param fold_parameters  see symbolic::Options
@@ -46,7 +47,8 @@ class DerivedAnswers {
         runs_(std::size(kAllQuantities)),
         dof_(programs.dof()) {}
 
-  /// Builds every program now and not when it is first asked for: where the numbers of all are kept in one place.
+  /// Builds every program now and not when it is first asked for: where the numbers of all are kept
+  /// in one place.
   void startAll() {
     for (const Quantity quantity : kAllQuantities)
       if (DerivedPrograms::answers(quantity) && quantity != Quantity::kQdd) started(quantity);
@@ -73,7 +75,9 @@ class DerivedAnswers {
     if (!run) run.emplace(start_(quantity));
     return *run;
   }
-  std::vector<T> run(Quantity quantity, const scene::State<T>& state) { return started(quantity)(state); }
+  std::vector<T> run(Quantity quantity, const scene::State<T>& state) {
+    return started(quantity)(state);
+  }
   MatrixOf<T> massMatrix(const scene::State<T>& state) {
     const std::vector<T> entries = run(Quantity::kM, state);
     return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(

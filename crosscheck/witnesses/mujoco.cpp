@@ -226,8 +226,8 @@ class MujocoWitness : public Witness {
       const scene::State<double> answered = moving(state, out.value);
       solve_bound_.judge(state, bound_(Quantity::kTau, answered), out);
       out.residual_bound *= kQuaternion;
-      out.residual_bound.array() += axisError(Quantity::kTau, answered) +
-                                    massAxisError(state) * out.value.cwiseAbs().sum();
+      out.residual_bound.array() +=
+          axisError(Quantity::kTau, answered) + massAxisError(state) * out.value.cwiseAbs().sum();
       if (compiled_) {
         out.residual_loss = loss(Quantity::kTau, answered);
         out.residual_bound += out.residual_loss;
@@ -541,12 +541,14 @@ std::string conventions(Inertias inertias) {
     card +=
         "known loss: products of inertia. The compiler turns each inertia into its principal axes "
         "by Jacobi turns (mju_eig3) and stops when the cosine of the next turn exceeds 1 - 1e-12, "
-        "that is with up to 1.4e-6 rad still to turn; what is left off the diagonal is dropped. The "
+        "that is with up to 1.4e-6 rad still to turn; what is left off the diagonal is dropped. "
+        "The "
         "inertia is wrong by up to 1.4e-6 (largest - smallest moment)\n"
         "limit: the rounding of the algorithm, plus what the inertias in mjModel, where that rule "
         "explains them, do to the answer\n"
         "remedy: write each inertia in its principal axes (URDF: <inertial><origin rpy>; MJCF: "
-        "diaginertia and quat instead of fullinertia), as the witness mujoco_principal does; or set "
+        "diaginertia and quat instead of fullinertia), as the witness mujoco_principal does; or "
+        "set "
         "body_inertia and body_iquat after loading";
   else
     card +=

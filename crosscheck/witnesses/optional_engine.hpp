@@ -28,14 +28,15 @@ class RefusedWitness : public Witness {
   std::string name_, reason_;
 };
 
-/// A witness that answers some quantities for most scenes, and leaves them out for others, for a reason.
+/// A witness that answers some quantities for most scenes, and leaves them out for others, for a
+/// reason.
 class PartialWitness : public Witness {
  public:
   virtual std::vector<std::pair<Quantity, std::string>> leftOut() const = 0;
 };
 
-/// @throws std::runtime_error, which becomes the witness's answer, when a joint is of a kind that the
-/// witness does not build.
+/// @throws std::runtime_error, which becomes the witness's answer, when a joint is of a kind that
+/// the witness does not build.
 inline void requirePlainJoints(const scene::Mechanism& mechanism) {
   for (const scene::Link& link : mechanism.links) {
     const scene::JointKind kind = link.joint.kind;

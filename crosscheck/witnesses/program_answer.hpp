@@ -11,12 +11,14 @@ namespace dynwitness::crosscheck {
     @param with_bounds, sharp  what answers (quantity, state) on RunningError, and on AdjointError
     @param solve_bound  of M = L D L' */
 template <typename WithBounds, typename Sharp>
-Answer answerOfProgram(Quantity quantity, const scene::State<double>& state, const scene::Mechanism& mechanism,
-                       WithBounds& with_bounds, Sharp& sharp, SolveBound& solve_bound, Answer out) {
+Answer answerOfProgram(Quantity quantity, const scene::State<double>& state,
+                       const scene::Mechanism& mechanism, WithBounds& with_bounds, Sharp& sharp,
+                       SolveBound& solve_bound, Answer out) {
   const auto bound = [&](Quantity asked, const scene::State<double>& at) {
     const scene::State<RunningError> bounded_state = runningErrorState(at, mechanism);
-    return sharp(with_bounds(asked, bounded_state),
-                 [&](auto& computation) { return computation(asked, adjointState(bounded_state)); });
+    return sharp(with_bounds(asked, bounded_state), [&](auto& computation) {
+      return computation(asked, adjointState(bounded_state));
+    });
   };
   if (quantity != Quantity::kQdd) {
     out.bound = bound(quantity, state);

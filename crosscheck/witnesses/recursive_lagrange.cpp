@@ -15,7 +15,8 @@ class RecursiveLagrangeWitness : public Witness {
         in_double_(scene.mechanism, scene::RealNumbers<double>(scene.mechanism)),
         with_bounds_(scene.mechanism, RunningErrorNumbers(scene.mechanism)),
         sharp_([mechanism = scene.mechanism] {
-          return std::make_unique<RecursiveLagrange<AdjointError>>(mechanism, AdjointErrorNumbers(mechanism));
+          return std::make_unique<RecursiveLagrange<AdjointError>>(mechanism,
+                                                                   AdjointErrorNumbers(mechanism));
         }),
         solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, 1) {}
 

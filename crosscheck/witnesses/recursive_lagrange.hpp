@@ -27,23 +27,24 @@ struct LagrangeTerms {
 
 /** A mechanism as homogeneous matrices, read from the scene by itself.
 
-    A link's frame is its moved joint frame. With A the link's frame seen from its parent's, W from the
-    world's, E_k = [w]x with v beside it, the constant generator of axis k in the link's frame, and J the
-    pseudo-inertia, the sum of m x x' over the link's points x = (x, y, z, 1):
+    A link's frame is its moved joint frame. With A the link's frame seen from its parent's, W from
+    the world's, E_k = [w]x with v beside it, the constant generator of axis k in the link's frame,
+    and J the pseudo-inertia, the sum of m x x' over the link's points x = (x, y, z, 1):
 
         dA/dpi_k = A E_k                       pi_k: the k-th coordinate, or quasi-coordinate of a
                                                spherical or floating joint, whose rate is qd_k
         J = [ sum m x x'   m r_c ]             sum m x x' = (tr I / 2) 1 - I
             [ m r_c'       m     ]
 
-    Lagrange's equations in the form that needs no gradient of T (Hollerbach): tau_k is the virtual work of
-    the inertial forces of all points, whose places are W x,
+    Lagrange's equations in the form that needs no gradient of T (Hollerbach): tau_k is the virtual
+    work of the inertial forces of all points, whose places are W x,
 
         tau_k = sum over j outboard of tr( dW_j/dpi_k J_j Wdd_j' ) - loads
         dW_j/dpi_k = W_i E_k W_i^-1 W_j
 
-    Cylindrical, universal and planar joints are chains of axes. Fixed joints are kept. Gyroscopic rotors are
-    bodies. A joint that follows another has its leader's coordinate, and k times its own generator. */
+    Cylindrical, universal and planar joints are chains of axes. Fixed joints are kept. Gyroscopic
+    rotors are bodies. A joint that follows another has its leader's coordinate, and k times its own
+    generator. */
 template <typename T>
 class HomogeneousModel {
  public:
@@ -81,10 +82,10 @@ class HomogeneousModel {
         (2)  Wdd = Wdd_p A + 2 Wd_p A F + W (F F + sum of E_k qdd_k)
         (3)  D = J Wdd' - J e_4 (gravity, 0)' - loads + sum over children of A_child D_child
         (4)  tau_k = tr(W E_k D) + n^2 J_rotor qdd_k + stiffness (q - rest)
-      A force f at a point x does the virtual work tr(dW x (f, 0)'); a moment m turns by dR, which is
-      tr(dR R' [m]x') / 2.
-      @see J. Hollerbach, A Recursive Lagrangian Formulation of Manipulator Dynamics, IEEE Trans. Systems,
-      Man, and Cybernetics 10 (1980) */
+      A force f at a point x does the virtual work tr(dW x (f, 0)'); a moment m turns by dR, which
+      is tr(dR R' [m]x') / 2.
+      @see J. Hollerbach, A Recursive Lagrangian Formulation of Manipulator Dynamics, IEEE Trans.
+        Systems, Man, and Cybernetics 10 (1980) */
   std::vector<T> inverse(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd,
                          const std::vector<T>& qdd, LagrangeTerms terms);
   /// Column j is inverse() at rest for a unit acceleration of joint j alone.
@@ -146,9 +147,10 @@ class HomogeneousModel {
   template <typename Numbers>
   static Matrix4<T> pseudoInertia(const scene::MassProperties& m, const Numbers& number);
 
-  /** A gyroscopic rotor is a body of its own, which its joint's coordinate turns gear_ratio times as far about
-      the joint's axis on the link that carries it; that link then lacks it. Where it has been turned to makes
-      no difference, so it is left unturned and only its generator tells of its motion. */
+  /** A gyroscopic rotor is a body of its own, which its joint's coordinate turns gear_ratio times
+      as far about the joint's axis on the link that carries it; that link then lacks it. Where it
+      has been turned to makes no difference, so it is left unturned and only its generator tells of
+      its motion. */
   void addRotor(const Body& joint, const T& gear, const T& J_rotor);
 
   /// A of a joint at this position.
@@ -397,7 +399,7 @@ std::vector<T> HomogeneousModel<T>::inward(std::vector<Matrix4<T>> D) const {
     const Body& body = bodies[i];
     for (std::size_t k = 0; k < body.axes.size(); ++k)
       tau[body.dof + k] += trace(W_[i] * body.axes[k].E, D[i].transpose());  // (4)
-    if (body.parent >= 0) D[body.parent] += A_[i] * D[i];                   // (3), children
+    if (body.parent >= 0) D[body.parent] += A_[i] * D[i];                    // (3), children
   }
   return tau;
 }

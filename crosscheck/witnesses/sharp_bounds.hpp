@@ -14,9 +14,10 @@
 
 namespace dynwitness::crosscheck {
 
-/// Bounds beyond so many ulp of the largest entry are looked at more closely, which takes a pass over everything
-/// that was computed for every eight results; for many results (M, reactions) beyond four times as many. Both are
-/// less than half of what a limit may be of an error of 1 ulp (kWidestLimit).
+/// Bounds beyond so many ulp of the largest entry are looked at more closely, which takes a pass
+/// over everything that was computed for every eight results; for many results (M, reactions)
+/// beyond four times as many. Both are less than half of what a limit may be of an error of 1 ulp
+/// (kWidestLimit).
 inline constexpr double kWideBound = 1024;
 inline constexpr int kManyResults = 64;
 /// The same of a residual, which has but n entries.
@@ -39,7 +40,8 @@ template <typename Computation>
 class SharpBounds {
  public:
   /// @param make  makes it; called while recording
-  explicit SharpBounds(std::function<std::unique_ptr<Computation>()> make) : make_(std::move(make)) {}
+  explicit SharpBounds(std::function<std::unique_ptr<Computation>()> make)
+      : make_(std::move(make)) {}
 
   /** The bounds of `bounded`, sharper where they are wide.
       @param answer  (Computation&) -> the same answer on AdjointError */

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Simbody as a witness. Everything is built from the scene with Simbody's own transforms and inertia
-// shifts, link by link, fixed joints as welds.
+// Simbody as a witness. Everything is built from the scene with Simbody's own transforms and
+// inertia shifts, link by link, fixed joints as welds.
 //
-// This file is compiled with -UNDEBUG: Debian's Simbody 3.7 was, and its headers change the layout of
-// its classes with that macro.
+// This file is compiled with -UNDEBUG: Debian's Simbody 3.7 was, and its headers change the layout
+// of its classes with that macro.
 #include <Simbody.h>
 
 #include <algorithm>
@@ -32,15 +32,24 @@ SimTK::Transform turn(double angle, const SimTK::CoordinateAxis& axis) {
   return SimTK::Transform(SimTK::Rotation(angle, axis));
 }
 
-SimTK::Transform composed(const std::vector<scene::Step>& steps, const RealNumbers<double>& number) {
+SimTK::Transform composed(const std::vector<scene::Step>& steps,
+                          const RealNumbers<double>& number) {
   using Kind = scene::Step::Kind;
   SimTK::Transform X;
   for (const scene::Step& step : steps) {
     switch (step.kind) {
-      case Kind::kTranslate: X = X * SimTK::Transform(vec3(step.translation, number)); break;
-      case Kind::kRotateX: X = X * turn(number(step.angle), SimTK::XAxis); break;
-      case Kind::kRotateY: X = X * turn(number(step.angle), SimTK::YAxis); break;
-      case Kind::kRotateZ: X = X * turn(number(step.angle), SimTK::ZAxis); break;
+      case Kind::kTranslate:
+        X = X * SimTK::Transform(vec3(step.translation, number));
+        break;
+      case Kind::kRotateX:
+        X = X * turn(number(step.angle), SimTK::XAxis);
+        break;
+      case Kind::kRotateY:
+        X = X * turn(number(step.angle), SimTK::YAxis);
+        break;
+      case Kind::kRotateZ:
+        X = X * turn(number(step.angle), SimTK::ZAxis);
+        break;
     }
   }
   return X;
@@ -59,11 +68,11 @@ SimTK::MassProperties massProperties(const MassProperties& m, const RealNumbers<
   return {mass, com, I};
 }
 
-/** A geared rotor is a body of its own, pinned to the ground (a gyroscopic one: to the parent link) and
-    turning n times as fast as the joint:
-    the same kinetic energy n^2 J qd^2 / 2, arrived at through another body. Forces on it reach the
-    joint by virtual work. (A constraint in place of the virtual work was tried: its multipliers take
-    the rotor off a tree that accelerates freely, and lost four digits of qdd on the PUMA 560.) */
+/** A geared rotor is a body of its own, pinned to the ground (a gyroscopic one: to the parent link)
+    and turning n times as fast as the joint: the same kinetic energy n^2 J qd^2 / 2, arrived at
+    through another body. Forces on it reach the joint by virtual work. (A constraint in place of
+    the virtual work was tried: its multipliers take the rotor off a tree that accelerates freely,
+    and lost four digits of qdd on the PUMA 560.) */
 struct Rotor {
   SimTK::MobilizedBody body;
   double gear_ratio;
@@ -84,15 +93,18 @@ SimTK::Rotation rotorAxes(const scene::Joint& joint, const RealNumbers<double>& 
 }
 
 /// The thinnest rotor with this inertia about its axis: a disc.
-SimTK::Inertia disc(double J) { return {J / 2, J / 2, J}; }
+SimTK::Inertia disc(double J) {
+  return {J / 2, J / 2, J};
+}
 
-/// Of a gyroscopic rotor: its spin counts, its weight is part of the link's. With 1e-100 kg no digit feels it, while
-/// Simbody, which keeps inertias as multiples of the mass, can still hold J.
+/// Of a gyroscopic rotor: its spin counts, its weight is part of the link's. With 1e-100 kg no
+/// digit feels it, while Simbody, which keeps inertias as multiples of the mass, can still hold J.
 constexpr double kWeightless = 1e-100;
 
-/** What is left of a link when the gyroscopic rotors that it carries are bodies of their own: the inertia
-    less a disc each. Where on the link a rotor sits, and what it weighs, is part of the link's own
-    figures; only its spin is not. What rests in the world needs no inertia, and keeps what it has. */
+/** What is left of a link when the gyroscopic rotors that it carries are bodies of their own: the
+    inertia less a disc each. Where on the link a rotor sits, and what it weighs, is part of the
+    link's own figures; only its spin is not. What rests in the world needs no inertia, and keeps
+    what it has. */
 SimTK::MassProperties withoutDiscs(const scene::Mechanism& mechanism, int link,
                                    const RealNumbers<double>& number) {
   const SimTK::MassProperties whole = massProperties(mechanism.links[link].inertia, number);
@@ -111,16 +123,17 @@ bool hasRotors(const scene::Mechanism& mechanism) {
   });
 }
 
-/** The axes in which Simbody's mobilizer moves, seen from the joint frame: a Pin, Screw and Cylinder
-    about z, a Slider along x, a Planar in x and y about z; the others in the joint frame itself. */
+/** The axes in which Simbody's mobilizer moves, seen from the joint frame: a Pin, Screw and
+    Cylinder about z, a Slider along x, a Planar in x and y about z; the others in the joint frame
+    itself. */
 SimTK::Transform axisFrame(const scene::Joint& joint, const RealNumbers<double>& number) {
   if (!scene::hasAxis(joint.kind)) return {};
   const SimTK::UnitVec3 axis(vec3(joint.axis, number));
   if (joint.kind == JointKind::kPlanar) {  // Rz(alpha) Ry(beta) takes z to the axis
     const double rho = std::hypot(axis[0], axis[1]);
-    return SimTK::Transform(SimTK::Rotation(
-        SimTK::BodyRotationSequence, rho == 0 ? 0 : std::atan2(axis[1], axis[0]), SimTK::ZAxis,
-        std::atan2(rho, axis[2]), SimTK::YAxis));
+    return SimTK::Transform(SimTK::Rotation(SimTK::BodyRotationSequence,
+                                            rho == 0 ? 0 : std::atan2(axis[1], axis[0]),
+                                            SimTK::ZAxis, std::atan2(rho, axis[2]), SimTK::YAxis));
   }
   return SimTK::Transform(SimTK::Rotation(axis, joint.kind == JointKind::kPrismatic
                                                     ? SimTK::CoordinateAxis(SimTK::XAxis)
@@ -132,15 +145,24 @@ SimTK::MobilizedBody mobilizer(JointKind kind, double pitch, SimTK::MobilizedBod
                                const SimTK::Transform& X_BM) {
   using SimTK::MobilizedBody;
   switch (kind) {
-    case JointKind::kFixed: return MobilizedBody::Weld(parent, X_PF, body, X_BM);
-    case JointKind::kRevolute: return MobilizedBody::Pin(parent, X_PF, body, X_BM);
-    case JointKind::kPrismatic: return MobilizedBody::Slider(parent, X_PF, body, X_BM);
-    case JointKind::kHelical: return MobilizedBody::Screw(parent, X_PF, body, X_BM, pitch);
-    case JointKind::kCylindrical: return MobilizedBody::Cylinder(parent, X_PF, body, X_BM);
-    case JointKind::kUniversal: return MobilizedBody::Universal(parent, X_PF, body, X_BM);
-    case JointKind::kPlanar: return MobilizedBody::Planar(parent, X_PF, body, X_BM);
-    case JointKind::kSpherical: return MobilizedBody::Ball(parent, X_PF, body, X_BM);
-    case JointKind::kFloating: return MobilizedBody::Free(parent, X_PF, body, X_BM);
+    case JointKind::kFixed:
+      return MobilizedBody::Weld(parent, X_PF, body, X_BM);
+    case JointKind::kRevolute:
+      return MobilizedBody::Pin(parent, X_PF, body, X_BM);
+    case JointKind::kPrismatic:
+      return MobilizedBody::Slider(parent, X_PF, body, X_BM);
+    case JointKind::kHelical:
+      return MobilizedBody::Screw(parent, X_PF, body, X_BM, pitch);
+    case JointKind::kCylindrical:
+      return MobilizedBody::Cylinder(parent, X_PF, body, X_BM);
+    case JointKind::kUniversal:
+      return MobilizedBody::Universal(parent, X_PF, body, X_BM);
+    case JointKind::kPlanar:
+      return MobilizedBody::Planar(parent, X_PF, body, X_BM);
+    case JointKind::kSpherical:
+      return MobilizedBody::Ball(parent, X_PF, body, X_BM);
+    case JointKind::kFloating:
+      return MobilizedBody::Free(parent, X_PF, body, X_BM);
   }
   throw std::logic_error("simbody: unknown joint kind");
 }
@@ -149,10 +171,11 @@ SimTK::MobilizedBody mobilizer(JointKind kind, double pitch, SimTK::MobilizedBod
 
         u = E qd,   du/dt = E qdd + b,   generalised forces of qd = E' (those of u)
 
-    E permutes the rates of Cylinder (turn, slide) and Planar (turn, x, y). A Ball's u is the angular
-    velocity, a Free's the angular velocity and then the velocity of the origin, both in the axes of
-    the unmoved joint frame; the scene's are in those of the moved one. With R the orientation,
-    d(R w)/dt = R (dw/dt + w x w) = R dw/dt, but d(R v)/dt = R (dv/dt + w x v): b has R (w x v). */
+    E permutes the rates of Cylinder (turn, slide) and Planar (turn, x, y). A Ball's u is the
+    angular velocity, a Free's the angular velocity and then the velocity of the origin, both in the
+    axes of the unmoved joint frame; the scene's are in those of the moved one. With R the
+    orientation, d(R w)/dt = R (dw/dt + w x w) = R dw/dt, but d(R v)/dt = R (dv/dt + w x v): b has R
+    (w x v). */
 struct Joint {
   SimTK::MobilizedBody body;
   JointKind kind;
@@ -179,14 +202,16 @@ struct Joint {
       for (int k = 0; k < 3; ++k) body.setOneQ(state, 4 + k, x[slot + k].q);
       first += 3;
     }
-    const SimTK::Quaternion unit(SimTK::Vec4(x[first].q, x[first + 1].q, x[first + 2].q, x[first + 3].q));
+    const SimTK::Quaternion unit(
+        SimTK::Vec4(x[first].q, x[first + 1].q, x[first + 2].q, x[first + 3].q));
     for (int k = 0; k < 4; ++k) body.setOneQ(state, k, unit[k]);
   }
 
   /// R of the unit quaternion that Simbody was given.
   SimTK::Rotation orientation(const SimTK::State& state) const {
-    return SimTK::Rotation(SimTK::Quaternion(SimTK::Vec4(body.getOneQ(state, 0), body.getOneQ(state, 1),
-                                                         body.getOneQ(state, 2), body.getOneQ(state, 3))));
+    return SimTK::Rotation(
+        SimTK::Quaternion(SimTK::Vec4(body.getOneQ(state, 0), body.getOneQ(state, 1),
+                                      body.getOneQ(state, 2), body.getOneQ(state, 3))));
   }
 
   /// E x, to where the joint's speeds are in `u`.
@@ -223,8 +248,9 @@ struct Joint {
 
 class SimbodyWitness : public Witness {
  public:
-  /// kTree: the tree alone, for all questions; kClosed: with the scene's closures and springs between
-  /// points, for qdd; kPrescribed: the tree with its accelerations prescribed, for reactions.
+  /// kTree: the tree alone, for all questions; kClosed: with the scene's closures and springs
+  /// between points, for qdd; kPrescribed: the tree with its accelerations prescribed, for
+  /// reactions.
   enum class Build { kTree, kClosed, kPrescribed };
   explicit SimbodyWitness(const scene::Scene& scene, Build build = Build::kTree)
       : scene_(scene),
@@ -321,24 +347,32 @@ class SimbodyWitness : public Witness {
     setMotion(state, quantity != Quantity::kg);
     if (loaded) applyLoads();
     switch (quantity) {
-      case Quantity::kM: return massMatrix();
-      case Quantity::kc: return residual({}, false);
-      case Quantity::kg: return residual({}, true);
-      case Quantity::kTau: return residual(state.qdd, true);
-      case Quantity::kQdd: return accelerations(state.tau);
+      case Quantity::kM:
+        return massMatrix();
+      case Quantity::kc:
+        return residual({}, false);
+      case Quantity::kg:
+        return residual({}, true);
+      case Quantity::kTau:
+        return residual(state.qdd, true);
+      case Quantity::kQdd:
+        return accelerations(state.tau);
       case Quantity::kKinetic:
         system_.realize(state_, SimTK::Stage::Velocity);
         return Eigen::MatrixXd::Constant(1, 1, system_.calcKineticEnergy(state_));
       case Quantity::kPotential:
         system_.realize(state_, SimTK::Stage::Dynamics);
         return Eigen::MatrixXd::Constant(1, 1, system_.calcPotentialEnergy(state_));
-      case Quantity::kMomentum: return momentum();
-      case Quantity::kReactions: return reactions(state.qdd);
+      case Quantity::kMomentum:
+        return momentum();
+      case Quantity::kReactions:
+        return reactions(state.qdd);
     }
     throw std::logic_error("simbody: not answered");
   }
 
-  void addLink(const scene::Mechanism& mechanism, std::size_t index, const RealNumbers<double>& number) {
+  void addLink(const scene::Mechanism& mechanism, std::size_t index,
+               const RealNumbers<double>& number) {
     const scene::Link& link = mechanism.links[index];
     const scene::Joint& joint = link.joint;
     SimTK::MobilizedBody& parent =
@@ -348,8 +382,7 @@ class SimbodyWitness : public Witness {
     const SimTK::Transform X_after = composed(joint.placement.afterJoint(), number);
     if (joint.kind == JointKind::kFixed) {
       links_.push_back(
-          SimTK::MobilizedBody::Weld(parent, X_before, body, ~X_after)
-              .getMobilizedBodyIndex());
+          SimTK::MobilizedBody::Weld(parent, X_before, body, ~X_after).getMobilizedBodyIndex());
       return;
     }
     const SimTK::Transform X_axis = axisFrame(joint, number);
@@ -518,8 +551,8 @@ class SimbodyWitness : public Witness {
   Eigen::VectorXd accelerations(const std::vector<double>& tau) {
     if (has_rotors_) {  // Simbody's M and bias with the rotors, solved here
       const Eigen::VectorXd bias = residual({}, true);
-      return massMatrix().ldlt().solve(
-          Eigen::Map<const Eigen::VectorXd>(tau.data(), tau.size()) - bias);
+      return massMatrix().ldlt().solve(Eigen::Map<const Eigen::VectorXd>(tau.data(), tau.size()) -
+                                       bias);
     }
     // forces of u = E qd: tau = E' f, and E is a rotation or a permutation
     const SimTK::Vector f = expanded(tau);
@@ -545,7 +578,8 @@ class SimbodyWitness : public Witness {
     for (std::size_t i = 1; i < links_.size(); ++i) {
       const SimTK::Rotation R_BJ =
           ~composed(scene_.mechanism.links[i].joint.placement.afterJoint(), number).R();
-      const SimTK::Rotation R_GJ = matter_.getMobilizedBody(links_[i]).getBodyRotation(state_) * R_BJ;
+      const SimTK::Rotation R_GJ =
+          matter_.getMobilizedBody(links_[i]).getBodyRotation(state_) * R_BJ;
       const SimTK::Vec3 force = ~R_GJ * at_M[links_[i]][1], moment = ~R_GJ * at_M[links_[i]][0];
       for (int k = 0; k < 3; ++k) {
         out(6 * (i - 1) + k) = force[k];
@@ -595,12 +629,15 @@ class SimbodyWitness : public Witness {
 };
 
 constexpr const char* kConventions =
-    "reads: the scene, placed with Simbody's own Rotation and Transform, inertias turned and shifted "
+    "reads: the scene, placed with Simbody's own Rotation and Transform, inertias turned and "
+    "shifted "
     "by its Inertia; fixed joints are welds\n"
     "spatial vectors: angular part first, ground axes, about the body's origin\n"
-    "joint axis: a Pin, Screw or Cylinder about z, a Slider along x, a Planar in x and y, a Universal "
+    "joint axis: a Pin, Screw or Cylinder about z, a Slider along x, a Planar in x and y, a "
+    "Universal "
     "about x and the new y of its frame\n"
-    "speeds: those of Ball and Free are turned from the scene's moved joint frame to the unmoved one; a "
+    "speeds: those of Ball and Free are turned from the scene's moved joint frame to the unmoved "
+    "one; a "
     "Free's dv/dt has w x v besides\n"
     "inertia: given about the centre of mass, kept about the body's origin\n"
     "bias: c is the residual force of inverse dynamics without applied forces and accelerations; g "
@@ -625,7 +662,8 @@ std::string simbodyVersion() {
 
 Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
                                            const scene::State<double>& state) {
-  scene::requireNoMimics({scene.file.string(), 0}, scene.mechanism, "Simbody's closed system has none");
+  scene::requireNoMimics({scene.file.string(), 0}, scene.mechanism,
+                         "Simbody's closed system has none");
   return SimbodyWitness(scene, SimbodyWitness::Build::kClosed).value(Quantity::kQdd, state);
 }
 

@@ -20,9 +20,9 @@ constexpr double kUnitRoundoff = std::numeric_limits<double>::epsilon() / 2;
 
 recursive::Model<double> modelOf(const scene::Mechanism& mechanism, int turns) {
   // an engine passes fixed joints too
-  return recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism),
-                               turns == 1 ? recursive::FixedJoints::kLumped
-                                          : recursive::FixedJoints::kKept);
+  return recursive::buildModel(
+      mechanism, scene::RealNumbers<double>(mechanism),
+      turns == 1 ? recursive::FixedJoints::kLumped : recursive::FixedJoints::kKept);
 }
 
 }  // namespace
@@ -36,7 +36,8 @@ SolveBound::SolveBound(const scene::Mechanism& mechanism, SolvedBy method, int t
   for (std::size_t k = 0; k < model_.links.size(); ++k) {
     const bool by_quaternion = recursive::axisCount(model_.links[k].kind) >= 3;
     const double orientation = by_quaternion ? kQuaternion : kOrientation;
-    inertia_(static_cast<Eigen::Index>(k)) = (3 * 24 + (3 * 6 + 2 * orientation) * turns) * kUnitRoundoff;
+    inertia_(static_cast<Eigen::Index>(k)) =
+        (3 * 24 + (3 * 6 + 2 * orientation) * turns) * kUnitRoundoff;
     wrench_(static_cast<Eigen::Index>(k)) = 2 * (9 + (6 + orientation) * turns) * kUnitRoundoff;
   }
 }
@@ -55,7 +56,7 @@ void SolveBound::measure(const scene::State<double>& state, const std::vector<do
   a_ = c_ = p_ = VectorXd(links);
   V_ = W_ = N_ = MatrixXd::Zero(links, n);
   origin_.assign(links, Eigen::Vector3d::Zero());
-  std::vector<Eigen::Matrix3d> R_W(links);                   // world to link
+  std::vector<Eigen::Matrix3d> R_W(links);  // world to link
   // of each link's joint, in world axes, about the link's origin
   std::vector<std::vector<Motion<double>>> axes(static_cast<std::size_t>(links));
   for (int k = 0; k < links; ++k) {
@@ -82,7 +83,7 @@ void SolveBound::measure(const scene::State<double>& state, const std::vector<do
         W_(k, d) += axis.angular.norm();
       }
     }
-    N_.row(k) = a_(k) * V_.row(k) + (c_(k) + 2 * p_(k) * a_(k)) * W_.row(k);            // (4)
+    N_.row(k) = a_(k) * V_.row(k) + (c_(k) + 2 * p_(k) * a_(k)) * W_.row(k);  // (4)
   }
 }
 
@@ -100,16 +101,19 @@ VectorXd SolveBound::operator()(const scene::State<double>& state, const VectorX
       const Motion<double> bias = cross(ws_.v[k], v_J);
       // the parent's part is what is left of the sum
       const double linear = 2 * (joint.linear.norm() + bias.linear.norm()) + ws_.a[k].linear.norm();
-      const double angular = 2 * (joint.angular.norm() + bias.angular.norm()) + ws_.a[k].angular.norm();
-      E(k) = a_(k) * linear + (c_(k) + 2 * p_(k) * a_(k)) * angular;                    // (5)
+      const double angular =
+          2 * (joint.angular.norm() + bias.angular.norm()) + ws_.a[k].angular.norm();
+      E(k) = a_(k) * linear + (c_(k) + 2 * p_(k) * a_(k)) * angular;  // (5)
       force(k) = ws_.f[k].force.norm();
       moment(k) = ws_.f[k].moment.norm() + 2 * p_(k) * force(k);
     }
-    out += N_.transpose() * inertia_.cwiseProduct(E) + V_.transpose() * wrench_.cwiseProduct(force) +
-           W_.transpose() * wrench_.cwiseProduct(moment);                                // (7)
+    out += N_.transpose() * inertia_.cwiseProduct(E) +
+           V_.transpose() * wrench_.cwiseProduct(force) +
+           W_.transpose() * wrench_.cwiseProduct(moment);  // (7)
   }
   if (method_ != SolvedBy::kSweep) {
-    VectorXd root = VectorXd::Zero(qdd.size());  // sqrt(M_ii), from above: the rotor's inertia in it
+    VectorXd root =
+        VectorXd::Zero(qdd.size());  // sqrt(M_ii), from above: the rotor's inertia in it
     for (int k = 0; k < links; ++k) {
       const recursive::LinkModel<double>& link = model_.links[k];
       for (int i = link.dof; i >= 0 && i < link.dof + recursive::axisCount(link.kind); ++i)
@@ -117,12 +121,13 @@ VectorXd SolveBound::operator()(const scene::State<double>& state, const VectorX
     }
     const double steps = 3 * static_cast<double>(qdd.size()) + 1;
     out += massMatrix() * qdd.cwiseAbs() +
-           steps * kUnitRoundoff * root.dot(qdd.cwiseAbs()) * root;                     // (8)
+           steps * kUnitRoundoff * root.dot(qdd.cwiseAbs()) * root;  // (8)
   }
   return out;
 }
 
-void SolveBound::judge(const scene::State<double>& state, const MatrixXd& bound_of_tau, Answer& answer) {
+void SolveBound::judge(const scene::State<double>& state, const MatrixXd& bound_of_tau,
+                       Answer& answer) {
   answer.residual_bound = bound_of_tau + (*this)(state, answer.value);
   M_.resize(model_.dof(), model_.dof());
   recursive::massMatrix(model_, state.x, ws_, M_);
@@ -147,10 +152,11 @@ MatrixXd SolveBound::massMatrix(const scene::State<double>& state) {
 }
 
 MatrixXd SolveBound::massMatrix() const {
-  MatrixXd out = N_.transpose() * inertia_.asDiagonal() * N_;                           // (9)
+  MatrixXd out = N_.transpose() * inertia_.asDiagonal() * N_;  // (9)
   for (int k = 0; k < static_cast<int>(model_.links.size()); ++k) {
     const recursive::LinkModel<double>& outboard = model_.links[k];
-    for (int j = outboard.dof; j >= 0 && j < outboard.dof + recursive::axisCount(outboard.kind); ++j)
+    for (int j = outboard.dof; j >= 0 && j < outboard.dof + recursive::axisCount(outboard.kind);
+         ++j)
       addBroughtDown(k, j, out);
   }
   return out;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What solving M qdd = tau - c - g may leave of the equations: the backward error that a sweep can earn.
+// What solving M qdd = tau - c - g may leave of the equations: the backward error that a sweep can
+// earn.
 #pragma once
 
 #include <vector>
@@ -25,67 +26,74 @@ inline scene::State<double> moving(scene::State<double> state, const Eigen::Matr
 
 /** An answer qdd in double is judged by its residual
 
-        r = M qdd + c + g + friction - tau - Q                                                     (1)
+        r = M qdd + c + g + friction - tau - Q                                                   (1)
 
-    (in balls, so exactly), and not by its distance to the exact qdd: that is r times M^-1, and a bound
-    carried through the divisions of a chain grows by a factor at every joint, without any digit being lost.
-    Oettli and Prager: qdd solves a system whose numbers differ by as much as the limit of r says, and
-    nothing divides by a small number on the way to that limit. It has two parts.
+    (in balls, so exactly), and not by its distance to the exact qdd: that is r times M^-1, and a
+    bound carried through the divisions of a chain grows by a factor at every joint, without any
+    digit being lost. Oettli and Prager: qdd solves a system whose numbers differ by as much as the
+    limit of r says, and nothing divides by a small number on the way to that limit. It has two
+    parts.
 
-    The equations themselves, evaluated at qdd: what inverse dynamics may lose there. Whoever asks brings
-    that (running error bounds of our sweep, or EngineBound).
+    The equations themselves, evaluated at qdd: what inverse dynamics may lose there. Whoever asks
+    brings that (running error bounds of our sweep, or EngineBound).
 
-    The elimination. Let  Ic_k = [m 1, -skew(h); skew(h), I]  be the composite inertia of link k and all that it
-    carries, in the frame of k. As quadratic forms  0 <= M_A <= Ic  for the articulated inertia, whatever is
-    eliminated, so that entries of its blocks are below  a^2, a c, c^2  with
+    The elimination. Let  Ic_k = [m 1, -skew(h); skew(h), I]  be the composite inertia of link k and
+    all that it carries, in the frame of k. As quadratic forms  0 <= M_A <= Ic  for the articulated
+    inertia, whatever is eliminated, so that entries of its blocks are below  a^2, a c, c^2  with
 
-        a_k = sqrt(m),   c_k = sqrt(trace(I) / 2) >= sqrt(|I|)   (no principal moment exceeds the other two)  (2)
+        a_k = sqrt(m),  c_k = sqrt(trace(I) / 2) >= sqrt(|I|)  (no principal moment is above
+                                                             the sum of the others)              (2)
 
     One joint of the sweep rounds, entry by entry and in u times the size of the block:
-        M_A - U U'/D                  4     (1/D, two products, the difference; |U_j U_k| / D <= a c)
-        turned from both sides        6     a joint; an engine in axes of its own turns `turns` times
-        shifted by p                 10     (products of p with B and A, at most four of them a block, and sums;
-                                            the block is then of the size of  c + |p| a  in place of c)
-        added to the parent           1
-        used: M_A a, U'a, U u / D     9
-    A 3 x 3 block whose entries err by e has a norm of at most 3 e. R itself is made of cos and sin, each
-    within 2 u, and of fixed numbers; row by row |a c| + |b s| <= 1, in all 8 u in norm (60 u where a
-    quaternion gives it: 20 u an entry). It comes in from both sides:
+        M_A - U U'/D                 4     (1/D, two products, the difference; |U_j U_k| / D <= a c)
+        turned from both sides       6     a joint; an engine in axes of its own turns `turns` times
+        shifted by p                10     (products of p with B and A, at most four a block, and
+                                           sums; the block is then of the size of  c + |p| a)
+        added to the parent          1
+        used: M_A a, U'a, U u / D    9
+    A 3 x 3 block whose entries err by e has a norm of at most 3 e. R itself is made of cos and sin,
+    each within 2 u, and of fixed numbers; row by row |a c| + |b s| <= 1, in all 8 u in norm (60 u
+    where a quaternion gives it: 20 u an entry). It comes in from both sides:
 
-        kInertia = 3 * 24 + (3 * 6 + 2 * 8) turns  [u].                                             (3)
+        kInertia = 3 * 24 + (3 * 6 + 2 * 8) turns  [u].                                          (3)
 
-    So what the sweep has computed are the exact articulated inertias of links that err by blocks of that
-    size. With the motion (v, w)_ki that a unit rate of joint i gives to the frame of link k, and
+    So what the sweep has computed are the exact articulated inertias of links that err by blocks of
+    that size. With the motion (v, w)_ki that a unit rate of joint i gives to the frame of link k,
+    and
 
-        N_ki = a_k |v_ki| + (c_k + 2 |p_k| a_k) |w_ki|          (2 |p|: seen from either end of the offset)   (4)
+        N_ki = a_k |v_ki| + (c_k + 2 |p_k| a_k) |w_ki|  (2 |p|: seen from either end)      (4)
 
     an error of link k is felt at joint i as  N_ki E_k kInertia u,  where E_k is what moves it,
 
-        E_k = a_k |a_k| + (c_k + 2 |p_k| a_k) |alpha_k|,                                            (5)
+        E_k = a_k |a_k| + (c_k + 2 |p_k| a_k) |alpha_k|,                                         (5)
 
-    a_k and alpha_k being the sums of the magnitudes of what the acceleration of the link at this qdd is added
-    up from (that of the parent, the joint's, velocity products). Rounding qdd_k itself and the share
-    U u / D of it that is passed on is of the same kind, since |U| / sqrt(D) <= (a, c). The sweep's bias
-    wrench p_A differs from the wrench f_k through the joint by M_A a, which (5) has, so its rounding adds
+    a_k and alpha_k being the sums of the magnitudes of what the acceleration of the link at this
+    qdd is added up from (that of the parent, the joint's, velocity products). Rounding qdd_k itself
+    and the share U u / D of it that is passed on is of the same kind, since |U| / sqrt(D) <= (a,
+    c). The sweep's bias wrench p_A differs from the wrench f_k through the joint by M_A a, which
+    (5) has, so its rounding adds
 
-        kWrench u (|v_ki| |f_k| + |w_ki| (|m_k| + 2 |p_k| |f_k|)),   kWrench = 2 (9 + (6 + 8) turns)    (6)
+        kWrench u (|v_ki| |f_k| + |w_ki| (|m_k| + 2 |p_k| |f_k|)),                               (6)
+        kWrench = 2 (9 + (6 + 8) turns)
 
-    (turning a vector: 3 u an entry, below 6 in norm, and R's own 8; products with p, M_A c and the sums 9;
-    twice, as every one occurs on the way in and on the way out). By (3) to (6) a sweep leaves
+    (turning a vector: 3 u an entry, below 6 in norm, and R's own 8; products with p, M_A c and the
+    sums 9; twice, as every one occurs on the way in and on the way out). By (3) to (6) a sweep
+    leaves
 
-        |r_i| <= u sum over k carried by i of  N_ki kInertia E_k + (6).                                (7)
+        |r_i| <= u sum over k carried by i of  N_ki kInertia E_k + (6).                          (7)
 
-    By M = L D L' (or Cholesky): |dM_ij| <= (3 n + 1) u sqrt(M_ii M_jj) (Higham, theorems 10.3 and 10.4: |L| D |L'|
-    is below that by Cauchy and Schwarz, with N in place of the root of M_ii), and M itself, by composite bodies,
-    errs as in (3) (by columns of inverse dynamics as in (6), on the way in and out, which is less), with the wrench of Ic_j Z_j brought down joint by joint:
+    By M = L D L' (or Cholesky): |dM_ij| <= (3 n + 1) u sqrt(M_ii M_jj) (Higham, theorems 10.3 and
+    10.4: |L| D |L'| is below that by Cauchy and Schwarz, with N in place of the root of M_ii), and
+    M itself, by composite bodies, errs as in (3) (by columns of inverse dynamics as in (6), on the
+    way in and out, which is less), with the wrench of Ic_j Z_j brought down joint by joint:
 
-        |r_i| <= u sum over j of ((3 n + 1) sqrt(M_ii M_jj) + dM_ij) |qdd_j|                           (8)
+        |r_i| <= u sum over j of ((3 n + 1) sqrt(M_ii M_jj) + dM_ij) |qdd_j|                     (8)
         dM_ij = kInertia sum over k of N_ki N_kj
               + kWrench sum over joints m from j down to i of
-                    N_jj (a_j |v_mi| + (c_j + (|r_mj| + 2 |p_m|) a_j) |w_mi|)                         (9)
+                    N_jj (a_j |v_mi| + (c_j + (|r_mj| + 2 |p_m|) a_j) |w_mi|)                    (9)
 
-    A gyroscopic rotor couples a joint to its parent by h = n J, where D has n^2 J: h^2 / (n^2 J) = J is added to
-    c^2. u^2 is left out: it needs n^3 u of the whole to matter, with n below 10^4.
+    A gyroscopic rotor couples a joint to its parent by h = n J, where D has n^2 J: h^2 / (n^2 J) =
+    J is added to c^2. u^2 is left out: it needs n^3 u of the whole to matter, with n below 10^4.
 
     How much of these limits is used is measured in test_backward_error.cpp and written there. */
 class SolveBound {
@@ -96,12 +104,13 @@ class SolveBound {
   /// The elimination's part of the limit of r, entry by entry, for this qdd [N m, N].
   Eigen::VectorXd operator()(const scene::State<double>& state, const Eigen::VectorXd& qdd);
 
-  /** Puts the limit into an answer qdd: the elimination's part, and the equations' own, which is this bound
-      of tau at that qdd; or |M| times the answer's own bound, where that is less. */
-  void judge(const scene::State<double>& state, const Eigen::MatrixXd& bound_of_tau, Answer& answer);
+  /** Puts the limit into an answer qdd: the elimination's part, and the equations' own, which is
+      this bound of tau at that qdd; or |M| times the answer's own bound, where that is less. */
+  void judge(const scene::State<double>& state, const Eigen::MatrixXd& bound_of_tau,
+             Answer& answer);
 
-  /** The same for a computation of ours, whose every rounding is known: where the limit is wide, the smaller of it
-      and of what each rounding does to the residual, to first order.
+  /** The same for a computation of ours, whose every rounding is known: where the limit is wide,
+      the smaller of it and of what each rounding does to the residual, to first order.
       @param run  (Computation&) -> qdd on AdjointError */
   template <typename Computation, typename Run>
   void judge(const scene::State<double>& state, const Eigen::MatrixXd& bound_of_tau, Answer& answer,
@@ -109,7 +118,8 @@ class SolveBound {
     judge(state, bound_of_tau, answer);
     if (!isWide(answer.residual_bound)) return;
     const Eigen::VectorXd by_roundings = sharp.residual(M_, run);
-    if (by_roundings.allFinite()) answer.residual_bound = answer.residual_bound.cwiseMin(by_roundings);
+    if (by_roundings.allFinite())
+      answer.residual_bound = answer.residual_bound.cwiseMin(by_roundings);
   }
 
   /// The bounds of M: the smaller of its running error bounds and (9).

@@ -4,7 +4,8 @@
 
 namespace dynwitness::crosscheck {
 
-/// How qdd is found: by a sweep over articulated inertias, from M qdd = tau - c - g, or not known which.
+/// How qdd is found: by a sweep over articulated inertias, from M qdd = tau - c - g, or not known
+/// which.
 enum class SolvedBy { kSweep, kMassMatrix, kEither };
 
 }  // namespace dynwitness::crosscheck

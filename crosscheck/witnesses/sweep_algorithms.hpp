@@ -78,16 +78,22 @@ struct NewtonEuler {
         }
         return M;
       }
-      case Quantity::kc: return s.inverse(state, state.qd, s.zeros(), Terms::none());
-      case Quantity::kg: return s.inverse(state, s.zeros(), s.zeros(), Terms::potential());
-      case Quantity::kTau: return s.inverse(state, state.qd, state.qdd, Terms::all());
+      case Quantity::kc:
+        return s.inverse(state, state.qd, s.zeros(), Terms::none());
+      case Quantity::kg:
+        return s.inverse(state, s.zeros(), s.zeros(), Terms::potential());
+      case Quantity::kTau:
+        return s.inverse(state, state.qd, state.qdd, Terms::all());
       case Quantity::kKinetic:
         return scalar(recursive::kineticEnergy(s.model, state.x, state.qd, s.ws));
-      case Quantity::kPotential: return scalar(recursive::potentialEnergy(s.model, state.x, s.ws));
+      case Quantity::kPotential:
+        return scalar(recursive::potentialEnergy(s.model, state.x, s.ws));
       case Quantity::kMomentum:
         return recursive::momentum(s.model, state.x, state.qd, s.ws).vector();
-      case Quantity::kReactions: return s.reactions(state);
-      case Quantity::kQdd: break;
+      case Quantity::kReactions:
+        return s.reactions(state);
+      case Quantity::kQdd:
+        break;
     }
     throw std::logic_error("newton_euler: not answered");
   }

@@ -12,16 +12,18 @@
 
 namespace dynwitness::crosscheck {
 
-/// The setup of sweeps in one arithmetic. What is never asked for is never built: a model, or that with all
-/// fixed joints, which is for reactions.
+/// The setup of sweeps in one arithmetic. What is never asked for is never built: a model, or that
+/// with all fixed joints, which is for reactions.
 template <typename Numbers>
 class LazySetup {
  public:
   using T = typename Numbers::Scalar;
-  explicit LazySetup(const scene::Mechanism& mechanism) : mechanism_(mechanism), number_(mechanism_) {}
+  explicit LazySetup(const scene::Mechanism& mechanism)
+      : mechanism_(mechanism), number_(mechanism_) {}
 
   Setup<T>& operator()(Quantity quantity) {
-    if (quantity == Quantity::kReactions && !with_reactions_) with_reactions_.emplace(mechanism_, number_);
+    if (quantity == Quantity::kReactions && !with_reactions_)
+      with_reactions_.emplace(mechanism_, number_);
     if (with_reactions_) return *with_reactions_;
     if (!lumped_) lumped_.emplace(recursive::buildModel(mechanism_, number_));
     return *lumped_;
@@ -33,7 +35,8 @@ class LazySetup {
   std::optional<Setup<T>> lumped_, with_reactions_;
 };
 
-/** @tparam Algorithm  as those of sweep_algorithms.hpp; qdd is found by kSolvedBy. The bounds of M are the
+/** @tparam Algorithm  as those of sweep_algorithms.hpp; qdd is found by kSolvedBy. The bounds of M
+    are the
                       smaller of running error bounds and of SolveBound::massMatrix(). */
 template <typename Algorithm>
 class SweepWitness : public Witness {
@@ -52,10 +55,10 @@ class SweepWitness : public Witness {
     Answer out{value(quantity, state), {}};
     if (quantity == Quantity::kQdd) {
       out.bound = boundedAnswer({}, run<Algorithm>(quantity, state)).bound;
-      solveBound().judge(state, bound<NewtonEuler>(Quantity::kTau, moving(state, out.value)), out, sharp_,
-                         [&](Setup<AdjointError>& setup) {
-                           return Algorithm::answer(setup, quantity,
-                                                    adjointState(runningErrorState(state, mechanism_)));
+      solveBound().judge(state, bound<NewtonEuler>(Quantity::kTau, moving(state, out.value)), out,
+                         sharp_, [&](Setup<AdjointError>& setup) {
+                           return Algorithm::answer(
+                               setup, quantity, adjointState(runningErrorState(state, mechanism_)));
                          });
     } else {
       out.bound = bound<Algorithm>(quantity, state);

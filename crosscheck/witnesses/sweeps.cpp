@@ -17,8 +17,14 @@ WitnessKind sweepKind() {
 
 }  // namespace
 
-WitnessKind newtonEulerKind() { return sweepKind<NewtonEuler>(); }
-WitnessKind compositeBodyKind() { return sweepKind<CompositeBody>(); }
-WitnessKind articulatedBodyKind() { return sweepKind<ArticulatedBody>(); }
+WitnessKind newtonEulerKind() {
+  return sweepKind<NewtonEuler>();
+}
+WitnessKind compositeBodyKind() {
+  return sweepKind<CompositeBody>();
+}
+WitnessKind articulatedBodyKind() {
+  return sweepKind<ArticulatedBody>();
+}
 
 }  // namespace dynwitness::crosscheck

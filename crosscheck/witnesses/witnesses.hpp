@@ -12,12 +12,12 @@ WitnessKind compositeBodyKind();    ///< recursive/: M by composite bodies, M qd
 WitnessKind articulatedBodyKind();  ///< recursive/: articulated inertias
 WitnessKind fastKind();             ///< recursive/fast/: the same three algorithms, made for speed
 WitnessKind recursiveLagrangeKind();  ///< Lagrange's equations link by link, 4 x 4 matrices
-WitnessKind kernelKind();           ///< the scene's own compiled program, one state at a time
-WitnessKind kernelLanesKind();      ///< the same on several states at once
-WitnessKind simbodyKind();          ///< Simbody, which reads the scene with its own transforms
+WitnessKind kernelKind();             ///< the scene's own compiled program, one state at a time
+WitnessKind kernelLanesKind();        ///< the same on several states at once
+WitnessKind simbodyKind();            ///< Simbody, which reads the scene with its own transforms
 
-/** qdd [n] of the closed mechanism by Simbody's own constraints (Rod, PointOnLine, Ball, ConstantAngle,
-    Weld) and springs, at a state with phi = 0 and J qd = 0 and with its tau.
+/** qdd [n] of the closed mechanism by Simbody's own constraints (Rod, PointOnLine, Ball,
+    ConstantAngle, Weld) and springs, at a state with phi = 0 and J qd = 0 and with its tau.
     @throws std::invalid_argument  the scene has rotors */
 Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
                                            const scene::State<double>& state);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which instructions the fast sweeps may use: asked when running, so that one program runs everywhere.
+// Which instructions the fast sweeps may use: asked when running, so that one program runs
+// everywhere.
 #pragma once
 
 namespace dynwitness::recursive::fast {
 
-/** Before a function: compiled for processors with AVX2, whatever the rest of the program is for. What is
-    inlined into it is compiled so too. AVX2 alone has no instruction that fuses a multiplication with an
-    addition, so that the results are the same bits. */
+/** Before a function: compiled for processors with AVX2, whatever the rest of the program is for.
+    What is inlined into it is compiled so too. AVX2 alone has no instruction that fuses a
+    multiplication with an addition, so that the results are the same bits. */
 #if defined(__x86_64__)
 #define DYNWITNESS_FOR_AVX2 __attribute__((target("avx2")))
 inline const bool kHasAvx2 = (__builtin_cpu_init(), __builtin_cpu_supports("avx2"));

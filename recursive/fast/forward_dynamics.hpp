@@ -26,10 +26,10 @@ struct ForwardDynamicsWorkspace {
         axes(plan.world_loads.empty() ? 0 : plan.links.size() + 1),
         others(plan) {}
   struct Record {
-    T c, s;            ///< of the joint's angle
-    Vec<T> w;          ///< angular velocity
-    Symmetric3<T> W;   ///< [w]x [w]x
-    Vec<T> gamma;      ///< W_p p: what the parent's spin alone does to the joint, in the parent's axes
+    T c, s;           ///< of the joint's angle
+    Vec<T> w;         ///< angular velocity
+    Symmetric3<T> W;  ///< [w]x [w]x
+    Vec<T> gamma;  ///< W_p p: what the parent's spin alone does to the joint, in the parent's axes
     Vec<T> c_a, c_wd;  ///< velocity products of the joint: linear, angular
     Vec<T> f, n;       ///< own bias force
     Vec<T> a, wd;      ///< acceleration of the origin's body point, angular acceleration
@@ -71,9 +71,11 @@ DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, Articulated<T>& x) {
   const Symmetric3<T>& A = x.A;
   const Mat<T> B = x.B;
   Mat<T>& S = x.B;
-  S = {B.xx - (A.xy * p.z - A.xz * p.y), B.xy - (A.xz * p.x - A.xx * p.z), B.xz - (A.xx * p.y - A.xy * p.x),
-       B.yx - (A.yy * p.z - A.yz * p.y), B.yy - (A.yz * p.x - A.xy * p.z), B.yz - (A.xy * p.y - A.yy * p.x),
-       B.zx - (A.yz * p.z - A.zz * p.y), B.zy - (A.zz * p.x - A.xz * p.z), B.zz - (A.xz * p.y - A.yz * p.x)};
+  S = {B.xx - (A.xy * p.z - A.xz * p.y), B.xy - (A.xz * p.x - A.xx * p.z),
+       B.xz - (A.xx * p.y - A.xy * p.x), B.yx - (A.yy * p.z - A.yz * p.y),
+       B.yy - (A.yz * p.x - A.xy * p.z), B.yz - (A.xy * p.y - A.yy * p.x),
+       B.zx - (A.yz * p.z - A.zz * p.y), B.zy - (A.zz * p.x - A.xz * p.z),
+       B.zz - (A.xz * p.y - A.yz * p.x)};
   x.C = {x.C.xx + (p.y * (S.zx + B.zx) - p.z * (S.yx + B.yx)),
          x.C.yy + (p.z * (S.xy + B.xy) - p.x * (S.zy + B.zy)),
          x.C.zz + (p.x * (S.yz + B.yz) - p.y * (S.xz + B.xz)),
@@ -85,12 +87,14 @@ DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, Articulated<T>& x) {
 
 /// M -= U U' / D,  with U = M Z and D = d + Z' U for any axis Z.
 template <typename T>
-DYNWITNESS_INLINE void subtractOuter(const Vec<T>& f, const Vec<T>& n, const T& inverse_D, Articulated<T>& M) {
+DYNWITNESS_INLINE void subtractOuter(const Vec<T>& f, const Vec<T>& n, const T& inverse_D,
+                                     Articulated<T>& M) {
   const Vec<T> g = f * inverse_D, m = n * inverse_D;
   M.A = M.A - Symmetric3<T>{g.x * f.x, g.y * f.y, g.z * f.z, g.x * f.y, g.x * f.z, g.y * f.z};
   M.C = M.C - Symmetric3<T>{m.x * n.x, m.y * n.y, m.z * n.z, m.x * n.y, m.x * n.z, m.y * n.z};
-  M.B = {M.B.xx - g.x * n.x, M.B.xy - g.x * n.y, M.B.xz - g.x * n.z, M.B.yx - g.y * n.x, M.B.yy - g.y * n.y,
-         M.B.yz - g.y * n.z, M.B.zx - g.z * n.x, M.B.zy - g.z * n.y, M.B.zz - g.z * n.z};
+  M.B = {M.B.xx - g.x * n.x, M.B.xy - g.x * n.y, M.B.xz - g.x * n.z,
+         M.B.yx - g.y * n.x, M.B.yy - g.y * n.y, M.B.yz - g.y * n.z,
+         M.B.zx - g.z * n.x, M.B.zy - g.z * n.y, M.B.zz - g.z * n.z};
 }
 
 /// M Z_k
@@ -126,8 +130,9 @@ void columnOf(const Link<T>& link, int k, const Articulated<T>& M, Vec<T>& f, Ve
 }
 
 template <typename T>
-DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* tau,
-                     ForwardDynamicsWorkspace<T>& ws, T* qdd) {
+DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x,
+                                           const T* qd, const T* tau,
+                                           ForwardDynamicsWorkspace<T>& ws, T* qdd) {
   using Record = typename ForwardDynamicsWorkspace<T>::Record;
   using Joint = typename ForwardDynamicsWorkspace<T>::Joint;
   const int n = static_cast<int>(plan.links.size());
@@ -147,7 +152,7 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
       r.c = way.c;
       r.s = way.s;
       if (link.is_apart) r.gamma = times(parent.W, jointPlace<kStep>(link, x, ws.others));
-      Vec<T> w = way.outward(parent.w);                                               // (1)
+      Vec<T> w = way.outward(parent.w);  // (1)
       if constexpr (isTurn(kStep)) {
         const T rate = qd[link.dof];
         r.c_wd = {w.y * rate, -(w.x * rate), T(0)};
@@ -212,42 +217,46 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
       constexpr Step kStep = decltype(step)::value;
       if constexpr (isTurn(kStep)) {
         Joint& j = ws.joints[link.dof];
-        j.U_f = {M.B.xz, M.B.yz, M.B.zz};                                             // (2)
+        j.U_f = {M.B.xz, M.B.yz, M.B.zz};  // (2)
         j.U_n = {M.C.xz, M.C.yz, M.C.zz};
         j.inverse_D = T(1) / (link.rotor + j.U_n.z);
         j.u = tau[link.dof] - M.n.z;
         if (link.is_sprung) j.u = j.u - passiveForce(link, x, qd[link.dof]);
         if (link.parent == 0) return;
-        const Vec<T> g = j.U_f * j.inverse_D;                                         // (3)
+        const Vec<T> g = j.U_f * j.inverse_D;  // (3)
         const T m_x = j.U_n.x * j.inverse_D, m_y = j.U_n.y * j.inverse_D;
         const T left = link.rotor_less_spin * j.inverse_D;
         T left_zz = j.U_n.z * left;
-        if (link.is_special) {                                                        // (5)
+        if (link.is_special) {  // (5)
           j.U_n.z = j.U_n.z + link.spin;
           left_zz = left_zz - link.spin * (j.U_n.z * j.inverse_D);
         }
         const Vec<T>&f = j.U_f, &l = j.U_n;
         M.A = M.A - Symmetric3<T>{g.x * f.x, g.y * f.y, g.z * f.z, g.x * f.y, g.x * f.z, g.y * f.z};
-        M.B = {M.B.xx - g.x * l.x, M.B.xy - g.x * l.y, f.x * left, M.B.yx - g.y * l.x, M.B.yy - g.y * l.y,
-               f.y * left, M.B.zx - g.z * l.x, M.B.zy - g.z * l.y, f.z * left};
-        M.C = {M.C.xx - m_x * l.x, M.C.yy - m_y * l.y, left_zz, M.C.xy - m_x * l.y, l.x * left, l.y * left};
+        M.B = {M.B.xx - g.x * l.x, M.B.xy - g.x * l.y, f.x * left,
+               M.B.yx - g.y * l.x, M.B.yy - g.y * l.y, f.y * left,
+               M.B.zx - g.z * l.x, M.B.zy - g.z * l.y, f.z * left};
+        M.C = {M.C.xx - m_x * l.x, M.C.yy - m_y * l.y, left_zz,
+               M.C.xy - m_x * l.y, l.x * left,         l.y * left};
         const T c_x = r.c_wd.x, c_y = r.c_wd.y, e = j.u * j.inverse_D;
-        M.f = {M.f.x + (M.B.xx * c_x + M.B.xy * c_y) + f.x * e, M.f.y + (M.B.yx * c_x + M.B.yy * c_y) + f.y * e,
+        M.f = {M.f.x + (M.B.xx * c_x + M.B.xy * c_y) + f.x * e,
+               M.f.y + (M.B.yx * c_x + M.B.yy * c_y) + f.y * e,
                M.f.z + (M.B.zx * c_x + M.B.zy * c_y) + f.z * e};
-        M.n = {M.n.x + (M.C.xx * c_x + M.C.xy * c_y) + l.x * e, M.n.y + (M.C.xy * c_x + M.C.yy * c_y) + l.y * e,
+        M.n = {M.n.x + (M.C.xx * c_x + M.C.xy * c_y) + l.x * e,
+               M.n.y + (M.C.xy * c_x + M.C.yy * c_y) + l.y * e,
                M.n.z + (M.C.xz * c_x + M.C.yz * c_y) + l.z * e};
       } else if constexpr (isSlide(kStep)) {
         Joint& j = ws.joints[link.dof];
-        j.U_f = {M.A.xz, M.A.yz, M.A.zz};                                             // (2)
+        j.U_f = {M.A.xz, M.A.yz, M.A.zz};  // (2)
         j.U_n = {M.B.zx, M.B.zy, M.B.zz};
         j.inverse_D = T(1) / (link.rotor + j.U_f.z);
         j.u = tau[link.dof] - M.f.z;
         const T left = link.rotor * j.inverse_D;
         const T left_zz = j.U_n.z * left - link.spin * (j.U_f.z * j.inverse_D);
         if (link.is_sprung) j.u = j.u - passiveForce(link, x, qd[link.dof]);
-        j.U_n.z = j.U_n.z + link.spin;                                                // (5)
+        j.U_n.z = j.U_n.z + link.spin;  // (5)
         if (link.parent == 0) return;
-        subtractOuter(j.U_f, j.U_n, j.inverse_D, M);                           // (3)
+        subtractOuter(j.U_f, j.U_n, j.inverse_D, M);  // (3)
         // row z: d/D of what it was
         M.A.xz = j.U_f.x * left, M.A.yz = j.U_f.y * left, M.A.zz = j.U_f.z * left;
         M.B.zx = j.U_n.x * left, M.B.zy = j.U_n.y * left, M.B.zz = left_zz;
@@ -257,12 +266,12 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
       } else {
         for (int k = 0, d = link.dof; k < link.axes; ++k, ++d) {
           Joint& j = ws.joints[d];
-          columnOf(link, k, M, j.U_f, j.U_n);                                  // (2)
+          columnOf(link, k, M, j.U_f, j.U_n);  // (2)
           j.inverse_D = T(1) / (link.rotor + alongAxis(link, k, j.U_f, j.U_n));
           j.u = tau[d] - alongAxis(link, k, M.f, M.n);
           if (link.is_sprung) j.u = j.u - passiveForce(link, x, qd[d]);
-          j.U_n.z = j.U_n.z + link.spin;                                              // (5)
-          subtractOuter(j.U_f, j.U_n, j.inverse_D, M);                         // (3)
+          j.U_n.z = j.U_n.z + link.spin;                // (5)
+          subtractOuter(j.U_f, j.U_n, j.inverse_D, M);  // (3)
           const T e = j.u * j.inverse_D;
           M.f = M.f + j.U_f * e;
           M.n = M.n + j.U_n * e;
@@ -285,8 +294,10 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
     });
     if (link.parent == i || link.parent == 0) continue;  // the parent is next, or the world
     Articulated<T>& sum = ws.branches[plan.links[link.parent - 1].branch];
-    if (link.is_last_child) sum = M;
-    else add(sum, M);
+    if (link.is_last_child)
+      sum = M;
+    else
+      add(sum, M);
   }
 
   // outward: accelerations
@@ -304,7 +315,7 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
       const auto acceleration = [&](const Joint& j) {
         const T felt = (j.U_f.x * a.x + j.U_f.y * a.y + j.U_f.z * a.z) +
                        (j.U_n.x * wd.x + j.U_n.y * wd.y + j.U_n.z * wd.z);
-        return (j.u - felt) * j.inverse_D;                                            // (4)
+        return (j.u - felt) * j.inverse_D;  // (4)
       };
       if constexpr (isTurn(kStep)) {
         wd = {wd.x + r.c_wd.x, wd.y + r.c_wd.y, wd.z};
@@ -330,26 +341,30 @@ DYNWITNESS_INLINE void forwardDynamicsBody(const Plan<T>& plan, const JointPosit
   }
 }
 
-DYNWITNESS_FOR_AVX2 inline void forwardDynamicsForAvx2(const Plan<double>& plan, const JointPosition<double>* x, const double* qd, const double* tau,
-                     ForwardDynamicsWorkspace<double>& ws, double* qdd) {
+DYNWITNESS_FOR_AVX2 inline void forwardDynamicsForAvx2(const Plan<double>& plan,
+                                                       const JointPosition<double>* x,
+                                                       const double* qd, const double* tau,
+                                                       ForwardDynamicsWorkspace<double>& ws,
+                                                       double* qdd) {
   forwardDynamicsBody(plan, x, qd, tau, ws, qdd);
 }
 
 }  // namespace detail
 
-/** qdd of M(q) qdd + c(q, qd) + g(q) = tau + Q, as recursive::forwardDynamics, in O(n). M is not formed.
+/** qdd of M(q) qdd + c(q, qd) + g(q) = tau + Q, as recursive::forwardDynamics, in O(n). M is not
+    formed.
 
-    As there, but that accelerations are those of body points, which needs no linear velocities: with
-    W = [w]x [w]x, p the joint seen from the parent, and c the joint's own velocity products,
+    As there, but that accelerations are those of body points, which needs no linear velocities:
+    with W = [w]x [w]x, p the joint seen from the parent, and c the joint's own velocity products,
         (1)  w = R w_p + z qd,   gamma = W_p p,   f = W h,   n = w x I w
         (2)  U = M_A Z,   D = d + Z' U,   u = tau - k (q - rest) - friction(qd) - Z' f_A
-        (3)  M_a = M_A - U U' / D,   f_a = f_A + M_a c + U u / D,  turned back by R, then + M_a gamma,
+        (3)  M_a = M_A - U U' / D,  f_a = f_A + M_a c + U u / D,  turned back by R, + M_a gamma,
              then shifted by p: added to the parent's
         (4)  a = R (a_p + w'_p x p + gamma) + c,   qdd = (u - U' a) / D,   a += Z qdd
         (5)  a gyroscopic rotor of h:  once D is known, U_n += h z and n_A += h w_p x z qd
-    Where Z is the z axis of a turning joint, M_a's row z is (d - h)/D times M_A's, and its last entry
-    ((d - h) U_z - h (U_z + h)) / D: that cancels nothing.
-    The arrays are those of recursive::forwardDynamics, and are trusted to be as long as there. */
+    Where Z is the z axis of a turning joint, M_a's row z is (d - h)/D times M_A's, and its last
+    entry ((d - h) U_z - h (U_z + h)) / D: that cancels nothing. The arrays are those of
+    recursive::forwardDynamics, and are trusted to be as long as there. */
 template <typename T>
 void forwardDynamics(const Plan<T>& plan, const JointPosition<T>* x, const T* qd, const T* tau,
                      ForwardDynamicsWorkspace<T>& ws, T* qdd) {

@@ -16,16 +16,17 @@ struct InverseDynamicsWorkspace {
         others(plan) {}
   /// Apart from what the inward sweep needs: with very many links, memory is what takes the time.
   struct Motion {
-    Vec<T> w, wd, a;  ///< angular velocity and acceleration; acceleration of the origin's body point
-    Mat<T> U;         ///< a point r of the link accelerates by a + U r
+    Vec<T> w, wd,
+        a;     ///< angular velocity and acceleration; acceleration of the origin's body point
+    Mat<T> U;  ///< a point r of the link accelerates by a + U r
   };
   struct Record {
     T c, s;       ///< of the joint's angle
     Vec<T> f, n;  ///< force through the joint and moment about it
   };
-  std::vector<Motion> motions;     ///< the first is the world
-  std::vector<Record> records;     ///< the same
-  std::vector<Mat<T>> axes;        ///< columns: world axes in link axes
+  std::vector<Motion> motions;  ///< the first is the world
+  std::vector<Record> records;  ///< the same
+  std::vector<Mat<T>> axes;     ///< columns: world axes in link axes
   OtherJoints<T> others;
 };
 
@@ -43,7 +44,8 @@ void subtractWorldLoads(const Plan<T>& plan, const JointPosition<T>* x, OtherJoi
       constexpr Step kStep = decltype(step)::value;
       const auto way = wayThrough<kStep>(plan, link, x, others);
       const Mat<T>& from = axes[link.parent];
-      const Vec<T> e0 = way.outward({from.xx, from.yx, from.zx}), e1 = way.outward({from.xy, from.yy, from.zy}),
+      const Vec<T> e0 = way.outward({from.xx, from.yx, from.zx}),
+                   e1 = way.outward({from.xy, from.yy, from.zy}),
                    e2 = way.outward({from.xz, from.yz, from.zz});
       axes[i + 1] = {e0.x, e1.x, e2.x, e0.y, e1.y, e2.y, e0.z, e1.z, e2.z};
     });
@@ -66,7 +68,8 @@ void addParentsTurn(const Plan<T>& plan, const InverseDynamicsWorkspace<T>& ws, 
   });
 }
 
-/// From so many links on, what a sweep reads and writes (560 bytes a link) does not fit into most caches ...
+/// From so many links on, what a sweep reads and writes (560 bytes a link) does not fit into most
+/// caches ...
 inline constexpr int kManyLinks = 20000;
 /// ... and is asked for some links before its turn.
 inline constexpr int kAhead = 6;
@@ -78,8 +81,9 @@ DYNWITNESS_INLINE void fetch(const X& x) {
 }
 
 template <typename T>
-DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x, const T* qd,
-                                           const T* qdd, InverseDynamicsWorkspace<T>& ws, T* tau) {
+DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosition<T>* x,
+                                           const T* qd, const T* qdd,
+                                           InverseDynamicsWorkspace<T>& ws, T* tau) {
   using Motion = typename InverseDynamicsWorkspace<T>::Motion;
   using Record = typename InverseDynamicsWorkspace<T>::Record;
   const int n = static_cast<int>(plan.links.size());
@@ -110,7 +114,7 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
       Vec<T> w = way.outward(parent.w), wd = way.outward(parent.wd);
       Vec<T> a = parent.a;
       if (link.is_apart) a = a + times(parent.U, jointPlace<kStep>(link, x, ws.others));
-      a = way.outward(a);                                                             // (1)
+      a = way.outward(a);  // (1)
       if constexpr (isTurn(kStep)) {
         const T rate = qd[link.dof];
         wd = {wd.x + w.y * rate, wd.y - w.x * rate, wd.z + qdd[link.dof]};
@@ -134,7 +138,7 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
       const Vec<T>& h = link.h;
       const Symmetric3<T>& I = link.I;
       motion = {w, wd, a, U};
-      r.f = times(U, h) + a * link.mass;                                              // (2)
+      r.f = times(U, h) + a * link.mass;  // (2)
       // I w' + w x I w, with the products of w taken together
       r.n = Vec<T>{I.xx * wd.x + link.D.x * yz + I.yz * (yy - zz) - I.xy * U.zx + I.xz * U.yx,
                    I.yy * wd.y + link.D.y * xz + I.xz * (zz - xx) - I.yz * U.xy + I.xy * U.zy,
@@ -173,7 +177,7 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
       Vec<T> f = r.f, moment = r.n;
       way.inward(f);
       way.inward(moment);
-      parent.f = parent.f + f;                                                        // (3)
+      parent.f = parent.f + f;  // (3)
       parent.n = parent.n + moment;
       if (link.is_apart) parent.n = parent.n + cross(jointPlace<kStep>(link, x, ws.others), f);
     });
@@ -182,9 +186,10 @@ DYNWITNESS_INLINE void inverseDynamicsBody(const Plan<T>& plan, const JointPosit
 }
 
 DYNWITNESS_FOR_AVX2 inline void inverseDynamicsForAvx2(const Plan<double>& plan,
-                                                       const JointPosition<double>* x, const double* qd,
-                                                       const double* qdd,
-                                                       InverseDynamicsWorkspace<double>& ws, double* tau) {
+                                                       const JointPosition<double>* x,
+                                                       const double* qd, const double* qdd,
+                                                       InverseDynamicsWorkspace<double>& ws,
+                                                       double* tau) {
   inverseDynamicsBody(plan, x, qd, qdd, ws, tau);
 }
 
@@ -192,10 +197,11 @@ DYNWITNESS_FOR_AVX2 inline void inverseDynamicsForAvx2(const Plan<double>& plan,
 
 /** tau = M(q) qdd + c(q, qd) + g(q) - Q, as recursive::inverseDynamics, loads and springs included.
     It carries the acceleration a of the body's point at the origin and U = [w']x + [w]x [w]x:
-        (1)  w = R w_p + z qd,  w' = R w'_p + w x z qd + z qdd,  a = R (a_p + U_p p),  a_0 = -gravity
+        (1)  w = R w_p + z qd,  w' = R w'_p + w x z qd + z qdd,  a = R (a_p + U_p p), a_0 = -gravity
         (2)  f = m a + U h,     n = I w' + w x I w + h x a       the link's own
         (3)  f_p += R' f,       n_p += R' n + p x R' f,          tau = n_z + d qdd
-    and (f_z in place of n_z, 2 w x z qd + z qdd added to a, where the joint slides). A spring and friction:
+    and (f_z in place of n_z, 2 w x z qd + z qdd added to a, where the joint slides). A spring and
+    friction:
         (4)  tau += k (q - rest) + friction(qd); a gyroscopic rotor of h, which the parent carries:
              tau += h z'w'_p,   n_p += R' h (z qdd + w_p x z qd)
 

@@ -66,10 +66,16 @@ struct TwoPairs {
   DYNWITNESS_INLINE void scatterThree(double* to, std::size_t apart) const {
     to[0] = low[0], to[apart] = low[1], to[2 * apart] = high[0];
   }
-  DYNWITNESS_INLINE TwoPairs operator+(const TwoPairs& b) const { return {low + b.low, high + b.high}; }
-  DYNWITNESS_INLINE TwoPairs operator-(const TwoPairs& b) const { return {low - b.low, high - b.high}; }
+  DYNWITNESS_INLINE TwoPairs operator+(const TwoPairs& b) const {
+    return {low + b.low, high + b.high};
+  }
+  DYNWITNESS_INLINE TwoPairs operator-(const TwoPairs& b) const {
+    return {low - b.low, high - b.high};
+  }
   DYNWITNESS_INLINE TwoPairs operator-() const { return {-low, -high}; }
-  friend DYNWITNESS_INLINE TwoPairs operator*(double s, const TwoPairs& b) { return {s * b.low, s * b.high}; }
+  friend DYNWITNESS_INLINE TwoPairs operator*(double s, const TwoPairs& b) {
+    return {s * b.low, s * b.high};
+  }
 };
 
 /// ... and of four.
@@ -113,15 +119,17 @@ struct MassMatrixWorkspace {
     frames[0].x[0] = frames[0].y[1] = frames[0].z[2] = T(1);
   }
   struct Frame {
-    T c, s;                                        ///< of the joint's angle
-    T x[kBlock], y[kBlock], z[kBlock], p[kBlock];  ///< axes, and the way from the parent, in the world's
+    T c, s;  ///< of the joint's angle
+    T x[kBlock], y[kBlock], z[kBlock],
+        p[kBlock];  ///< axes, and the way from the parent, in the world's
   };
   struct Composite {
     T mass;
     Vec<T> h;
     Symmetric3<T> I;
   };
-  /// In world axes: forces of the accelerations of joints, and moments about each joint's own origin.
+  /// In world axes: forces of the accelerations of joints, and moments about each joint's own
+  /// origin.
   struct Columns {
     T f_x[kBlock], f_y[kBlock], f_z[kBlock], n_x[kBlock], n_y[kBlock], n_z[kBlock];
   };
@@ -166,7 +174,11 @@ DYNWITNESS_INLINE void shiftBack(const Vec<T>& p, const T& mass, Vec<T>& h, Symm
   const Vec<T> h_A = h + p * mass;
   const Vec<T> k = h + h_A;
   const T a = p.x * k.x, b = p.y * k.y, c = p.z * k.z;
-  I = I + Symmetric3<T>{b + c, a + c, a + b, -(p.y * h.x + h_A.y * p.x), -(p.z * h.x + h_A.z * p.x),
+  I = I + Symmetric3<T>{b + c,
+                        a + c,
+                        a + b,
+                        -(p.y * h.x + h_A.y * p.x),
+                        -(p.z * h.x + h_A.z * p.x),
                         -(p.z * h.y + h_A.z * p.y)};
   h = h_A;
 }
@@ -227,12 +239,13 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
       Vec<T> h = I_C.h;
       Symmetric3<T> I = I_C.I;
       const Pack e_x = Pack::load(frame.x), e_y = Pack::load(frame.y), e_z = Pack::load(frame.z);
-      const auto setColumn = [&](unsigned column, const Pack& f, const Pack& m) DYNWITNESS_INLINE_LAMBDA {
-        Columns& block = columns[column / kBlock];
-        f.scatterThree(block.f_x + column % kBlock, kBlock);
-        m.scatterThree(block.n_x + column % kBlock, kBlock);
-      };
-      if constexpr (isTurn(kStep)) {                                                   // (2)
+      const auto setColumn = [&](unsigned column, const Pack& f, const Pack& m)
+                                 DYNWITNESS_INLINE_LAMBDA {
+                                   Columns& block = columns[column / kBlock];
+                                   f.scatterThree(block.f_x + column % kBlock, kBlock);
+                                   m.scatterThree(block.n_x + column % kBlock, kBlock);
+                                 };
+      if constexpr (isTurn(kStep)) {  // (2)
         setColumn(link.column, h.x * e_y - h.y * e_x,
                   I.xz * e_x + I.yz * e_y + (I.zz + link.spin) * e_z);
         M[link.dof * dof + link.dof] = I.zz + link.rotor;
@@ -255,7 +268,7 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
       }
       if (link.parent == 0) return;
       const auto way = wayBack<kStep>(plan, link, frame.c, frame.s, ws.others);
-      way.inward(h);                                                                  // (1)
+      way.inward(h);  // (1)
       way.inward(I);
       if (link.is_apart) shiftBack(jointPlace<kStep>(link, x, ws.others), I_C.mass, h, I);
       I_C.h = h;
@@ -263,8 +276,10 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
     });
     if (link.parent == i || link.parent == 0) continue;  // the parent is next, or the world
     Composite& sum = ws.branches[links[link.parent - 1].branch];
-    if (link.is_last_child) sum = I_C;
-    else sum = {sum.mass + I_C.mass, sum.h + I_C.h, sum.I + I_C.I};
+    if (link.is_last_child)
+      sum = I_C;
+    else
+      sum = {sum.mass + I_C.mass, sum.h + I_C.h, sum.I + I_C.I};
   }
 
   // block by block, inward: what the joints on the way to the world feel of the block's columns
@@ -293,13 +308,14 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
       const Link<T>* const next = links + (link->parent - 1);
       const Frame* const inboard = frames + link->parent;
       if (link->column + link->axes > block.begin) {
-        // its columns join; the force of those inboard is left out, and their moment stays what it was
+        // its columns join; the force of those inboard is left out, and their moment stays what it
+        // was
         const int lane = link->column - block.begin;
         f_x = Pack::loadFrom(lane, F.f_x);
         f_y = Pack::loadFrom(lane, F.f_y);
         f_z = Pack::loadFrom(lane, F.f_z);
       }
-      if (link->is_apart) {                                                             // (3)
+      if (link->is_apart) {  // (3)
         const T* const p = frame->p;
         n_x = n_x + (p[1] * f_z - p[2] * f_y);
         n_y = n_y + (p[2] * f_x - p[0] * f_z);
@@ -325,19 +341,22 @@ DYNWITNESS_INLINE void massMatrixBody(const Plan<T>& plan, const JointPosition<T
   }
 }
 
-DYNWITNESS_FOR_AVX2 inline void massMatrixForAvx2(const Plan<double>& plan, const JointPosition<double>* x,
+DYNWITNESS_FOR_AVX2 inline void massMatrixForAvx2(const Plan<double>& plan,
+                                                  const JointPosition<double>* x,
                                                   MassMatrixWorkspace<double>& ws, double* M) {
   massMatrixBody<Quad>(plan, x, ws, M);
 }
 
 }  // namespace detail
 
-/** M(q), n x n, both halves, a symmetric matrix row by row or column by column; as recursive::massMatrix.
-        (1)  I_C of p  +=  R' I_C R shifted by p            everything outboard of a joint as one body
+/** M(q), n x n, both halves, a symmetric matrix row by row or column by column; as
+    recursive::massMatrix.
+        (1)  I_C of p  +=  R' I_C R shifted by p          everything outboard of a joint as one body
         (2)  F = I_C Z,  M_ii = Z' F + d                    the column that moves joint i alone
         (3)  columns are carried inward together, four a block;  M_ij = Z_j' F
-    A gyroscopic rotor of the joint, spun up, needs the moment h z of the parent: F has it from there on.
-    Columns keep to the world's axes, so that a joint turns none of them: n += p x f is all.
+    A gyroscopic rotor of the joint, spun up, needs the moment h z of the parent: F has it from
+    there on. Columns keep to the world's axes, so that a joint turns none of them: n += p x f is
+    all.
     @param M  n n numbers, written whole */
 template <typename T>
 void massMatrix(const Plan<T>& plan, const JointPosition<T>* x, MassMatrixWorkspace<T>& ws, T* M) {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A model made ready once for the fast sweeps: one contiguous record a link, in the order in which a
-// sweep wants them, with everything that the state cannot change already done.
+// A model made ready once for the fast sweeps: one contiguous record a link, in the order in which
+// a sweep wants them, with everything that the state cannot change already done.
 //
 // Three things save the most:
-//   - Link frames are turned about their own joint axes, which nobody notices outside, so that the fixed
-//     turn from parent to child is one about x alone, or none at all: a quarter turn costs no product.
-//     Which links allow it is decided by exact zeros; the others keep a matrix.
-//   - The kind of a joint and of its fixed turn pick the code once a link (Step), not once an entry.
+//  - Link frames are turned about their own joint axes, which nobody notices outside, so that the
+//    fixed turn from parent to child is one about x alone, or none at all: a quarter turn costs no
+//    product. Which links allow it is decided by exact zeros; the others keep a matrix.
+//  - The kind of a joint and of its fixed turn pick the code once a link (Step), not once an entry.
 //   - Links stand depth first, so that the one processed last is the first child of the next one
 //     inward, and hands its result over in registers; only branches are written to memory.
-// The same source runs on every scalar. recursive/*.hpp holds the textbook sweeps; the tests and the
-// crosscheck hold these to be the same functions.
+// The same source runs on every scalar. recursive/*.hpp holds the textbook sweeps; the tests and
+// the crosscheck hold these to be the same functions.
 #pragma once
 
 #include <algorithm>
@@ -27,26 +27,35 @@ namespace dynwitness::recursive::fast {
 inline constexpr int kBlock = 4;
 
 /// What the code of a sweep is specialised for: what the joint does, and the fixed turn before it.
-enum class Step { kTurnStraight, kTurnQuarter, kTurnTwist, kTurnMatrix, kSlideTwist, kSlideMatrix, kOther };
+enum class Step {
+  kTurnStraight,
+  kTurnQuarter,
+  kTurnTwist,
+  kTurnMatrix,
+  kSlideTwist,
+  kSlideMatrix,
+  kOther
+};
 
 /// Everything constant about a link, in the axes of its (turned) frame.
 template <typename T>
 struct Link {
   Step step = Step::kOther;
   JointKind kind = JointKind::kFixed;
-  int parent = 0;   ///< place of the parent's record: 0 is the world, k + 1 link k of the plan
+  int parent = 0;  ///< place of the parent's record: 0 is the world, k + 1 link k of the plan
   int dof = -1, slot = -1, axes = 0;
-  int branch = -1;  ///< where the inertias of all children but the first are summed; -1: at most one
-  int matrix = -1;  ///< place of the fixed turn, or of the joint's, among the matrices
-  int end = 0;      ///< the first link after this one that is not outboard of it
-  int column = 0;   ///< of the joint's first axis in the blocks of force columns
+  int branch =
+      -1;  ///< where the inertias of all children but the first are summed; -1: at most one
+  int matrix = -1;         ///< place of the fixed turn, or of the joint's, among the matrices
+  int end = 0;             ///< the first link after this one that is not outboard of it
+  int column = 0;          ///< of the joint's first axis in the blocks of force columns
   bool is_apart = false;   ///< the joint is not at the parent's origin
   bool is_offset = false;  ///< the angle has a constant part
   bool is_loaded = false;
   bool is_special = false;  ///< friction, or a gyroscopic rotor
   bool is_sprung = false;   ///< a spring, or special
   bool is_last_child = false;
-  T c = T(1), s = T(0);    ///< of the fixed turn about x
+  T c = T(1), s = T(0);      ///< of the fixed turn about x
   T c_o = T(1), s_o = T(0);  ///< of the angle's constant part
   Vec<T> p, slide;           ///< joint seen from the parent, and the axis there
   T mass;
@@ -56,7 +65,7 @@ struct Link {
   T rotor, stiffness, rest, pitch;
   T viscous, positive, negative;  ///< friction
   T spin, rotor_less_spin;        ///< of a gyroscopic rotor that the parent carries
-  Vec<T> force, moment;  ///< constant load about the origin
+  Vec<T> force, moment;           ///< constant load about the origin
 };
 
 template <typename T>
@@ -74,9 +83,9 @@ struct PlannedLoad {
 };
 
 struct ColumnBlock {
-  int begin = 0;     ///< column, a multiple of kBlock
+  int begin = 0;                        ///< column, a multiple of kBlock
   int dofs[kBlock] = {-1, -1, -1, -1};  ///< -1: the column is not in use
-  int first_dof = -1;    ///< of as many consecutive ones; -1: they are not, or a column is not in use
+  int first_dof = -1;  ///< of as many consecutive ones; -1: they are not, or a column is not in use
   int first_column = 0;  ///< the first in use; all after it are
   int last_link = -1;    ///< whose joint has the last column
 };
@@ -216,7 +225,8 @@ void Plan<T>::fill(const Model<T>& model) {
       to.is_special = to.is_special || !isExactlyZero(*x);
     has_specials = has_specials || to.is_special;
     to.is_sprung = to.is_special || !isExactlyZero(to.stiffness);
-    for (const T* x : {&to.force.x, &to.force.y, &to.force.z, &to.moment.x, &to.moment.y, &to.moment.z})
+    for (const T* x :
+         {&to.force.x, &to.force.y, &to.force.z, &to.moment.x, &to.moment.y, &to.moment.z})
       to.is_loaded = to.is_loaded || !isExactlyZero(*x);
 
     // R = turn after x, from the parent's turned axes: its rows
@@ -229,17 +239,18 @@ void Plan<T>::fill(const Model<T>& model) {
     row(R.yx, R.yy, R.yz);
     row(R.zx, R.zy, R.zz);
     to.slide = {R.zx, R.zy, R.zz};
-    const bool turns = from.kind == JointKind::kRevolute, slides = from.kind == JointKind::kPrismatic;
+    const bool turns = from.kind == JointKind::kRevolute,
+               slides = from.kind == JointKind::kPrismatic;
     Vec<T> offset = {T(1), T(0), T(0)};  // cos and sin of the angle's constant part, about z
     if ((turns || slides) && isExactlyZero(R.zx)) {
       // R = Rz(o)' Rx(a)':  first column (cos o, -sin o, 0), last row (0, -sin a, cos a)
       offset = {R.xx, -R.yx, T(0)};
       to.c = R.zz;
       to.s = -R.zy;
-      to.step = slides                                                  ? Step::kSlideTwist
-                : isExactlyZero(to.s) && isExactlyZero(to.c - T(1))     ? Step::kTurnStraight
-                : isExactlyZero(to.c)                                   ? Step::kTurnQuarter
-                                                                        : Step::kTurnTwist;
+      to.step = slides                                              ? Step::kSlideTwist
+                : isExactlyZero(to.s) && isExactlyZero(to.c - T(1)) ? Step::kTurnStraight
+                : isExactlyZero(to.c)                               ? Step::kTurnQuarter
+                                                                    : Step::kTurnTwist;
     } else {
       to.step = turns ? Step::kTurnMatrix : slides ? Step::kSlideMatrix : Step::kOther;
       to.matrix = static_cast<int>(matrices.size());
@@ -250,7 +261,8 @@ void Plan<T>::fill(const Model<T>& model) {
     to.s_o = offset.y;
     to.is_offset = !isExactlyZero(to.s_o) || !isExactlyZero(to.c_o - T(1));
   }
-  for (PlannedLoad<T>& load : world_loads) load.at = detail::inQuarters(quarters[load.link + 1], load.at);
+  for (PlannedLoad<T>& load : world_loads)
+    load.at = detail::inQuarters(quarters[load.link + 1], load.at);
 }
 
 template <typename T>
@@ -264,8 +276,9 @@ Plan<T>::Plan(const Model<T>& model)
   layColumns();
 }
 
-/// Columns, four a block. What a branch leaves of its blocks is left at its inboard end: no block holds
-/// columns of two branches, and its outermost four columns, which are carried farthest, fill one.
+/// Columns, four a block. What a branch leaves of its blocks is left at its inboard end: no block
+/// holds columns of two branches, and its outermost four columns, which are carried farthest, fill
+/// one.
 template <typename T>
 void Plan<T>::layColumns() {
   const int n = static_cast<int>(links.size());
@@ -300,12 +313,12 @@ void Plan<T>::layColumns() {
 
 // ---- between a link and its parent --------------------------------------------------------------
 
-/** How vectors and matrices pass the joint: outward from the parent's axes to the link's, inward back.
-    The step is a constant, so that each passage is straight code. */
+/** How vectors and matrices pass the joint: outward from the parent's axes to the link's, inward
+    back. The step is a constant, so that each passage is straight code. */
 template <Step kStep, typename T>
 struct Way {
   const Link<T>& link;
-  T c, s;          ///< of the joint's angle
+  T c, s;           ///< of the joint's angle
   const Mat<T>* R;  ///< for steps by matrix; of kOther the whole turn, joint included
 
   DYNWITNESS_INLINE Vec<T> outward(Vec<T> v) const {
@@ -321,7 +334,8 @@ struct Way {
   DYNWITNESS_INLINE void inward(X& x) const {
     if constexpr (kStep != Step::kOther) turnAboutZ(c, s, x);
     if constexpr (kStep == Step::kTurnQuarter) quarterAboutX(link.s, x);
-    if constexpr (kStep == Step::kTurnTwist || kStep == Step::kSlideTwist) turnAboutX(link.c, link.s, x);
+    if constexpr (kStep == Step::kTurnTwist || kStep == Step::kSlideTwist)
+      turnAboutX(link.c, link.s, x);
     if constexpr (kHasMatrix) {
       if constexpr (std::is_same_v<X, Vec<T>>)
         x = transposedTimes(*R, x);
@@ -338,19 +352,28 @@ constexpr bool isTurn(Step step) {
   return step == Step::kTurnStraight || step == Step::kTurnQuarter || step == Step::kTurnTwist ||
          step == Step::kTurnMatrix;
 }
-constexpr bool isSlide(Step step) { return step == Step::kSlideTwist || step == Step::kSlideMatrix; }
+constexpr bool isSlide(Step step) {
+  return step == Step::kSlideTwist || step == Step::kSlideMatrix;
+}
 
 /// Calls f with the step as a constant.
 template <typename F>
 DYNWITNESS_INLINE void withStep(Step step, const F& f) {
   switch (step) {
-    case Step::kTurnStraight: return f(std::integral_constant<Step, Step::kTurnStraight>());
-    case Step::kTurnQuarter: return f(std::integral_constant<Step, Step::kTurnQuarter>());
-    case Step::kTurnTwist: return f(std::integral_constant<Step, Step::kTurnTwist>());
-    case Step::kTurnMatrix: return f(std::integral_constant<Step, Step::kTurnMatrix>());
-    case Step::kSlideTwist: return f(std::integral_constant<Step, Step::kSlideTwist>());
-    case Step::kSlideMatrix: return f(std::integral_constant<Step, Step::kSlideMatrix>());
-    case Step::kOther: return f(std::integral_constant<Step, Step::kOther>());
+    case Step::kTurnStraight:
+      return f(std::integral_constant<Step, Step::kTurnStraight>());
+    case Step::kTurnQuarter:
+      return f(std::integral_constant<Step, Step::kTurnQuarter>());
+    case Step::kTurnTwist:
+      return f(std::integral_constant<Step, Step::kTurnTwist>());
+    case Step::kTurnMatrix:
+      return f(std::integral_constant<Step, Step::kTurnMatrix>());
+    case Step::kSlideTwist:
+      return f(std::integral_constant<Step, Step::kSlideTwist>());
+    case Step::kSlideMatrix:
+      return f(std::integral_constant<Step, Step::kSlideMatrix>());
+    case Step::kOther:
+      return f(std::integral_constant<Step, Step::kOther>());
   }
 }
 
@@ -369,15 +392,22 @@ DYNWITNESS_INLINE void jointAngle(const Link<T>& link, const JointPosition<T>* x
 
 /// The whole turn, and the place, of a joint that is neither turning nor sliding about one axis.
 template <typename T>
-void otherJoint(const Link<T>& link, const Mat<T>& fixed, const JointPosition<T>* x, Mat<T>& R, Vec<T>& p) {
+void otherJoint(const Link<T>& link, const Mat<T>& fixed, const JointPosition<T>* x, Mat<T>& R,
+                Vec<T>& p) {
   R = fixed;
   p = link.p;
   if (link.kind == JointKind::kHelical) {
     p = p + link.slide * (link.pitch * x[link.slot].q);
     const T c = x[link.slot].c, s = x[link.slot].s;
-    R = {c * fixed.xx + s * fixed.yx, c * fixed.xy + s * fixed.yy, c * fixed.xz + s * fixed.yz,
-         c * fixed.yx - s * fixed.xx, c * fixed.yy - s * fixed.xy, c * fixed.yz - s * fixed.xz,
-         fixed.zx, fixed.zy, fixed.zz};
+    R = {c * fixed.xx + s * fixed.yx,
+         c * fixed.xy + s * fixed.yy,
+         c * fixed.xz + s * fixed.yz,
+         c * fixed.yx - s * fixed.xx,
+         c * fixed.yy - s * fixed.xy,
+         c * fixed.yz - s * fixed.xz,
+         fixed.zx,
+         fixed.zy,
+         fixed.zz};
   } else if (link.axes >= 3) {
     int slot = link.slot;
     if (link.kind == JointKind::kFloating) {
@@ -407,8 +437,11 @@ void otherMotion(const Link<T>& link, const T* rates, Vec<T>& linear, Vec<T>& an
       linear = {rate[0], rate[1], rate[2]};
       rate += 3;
       [[fallthrough]];
-    case JointKind::kSpherical: angular = {rate[0], rate[1], rate[2]}; break;
-    default: break;
+    case JointKind::kSpherical:
+      angular = {rate[0], rate[1], rate[2]};
+      break;
+    default:
+      break;
   }
 }
 
@@ -433,11 +466,16 @@ template <typename T>
 T alongAxis(const Link<T>& link, int k, const Vec<T>& f, const Vec<T>& n) {
   const auto entry = [](const Vec<T>& v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; };
   switch (link.kind) {
-    case JointKind::kPrismatic: return f.z;
-    case JointKind::kHelical: return n.z + link.pitch * f.z;
-    case JointKind::kSpherical: return entry(n, k);
-    case JointKind::kFloating: return k < 3 ? entry(f, k) : entry(n, k - 3);
-    default: return n.z;
+    case JointKind::kPrismatic:
+      return f.z;
+    case JointKind::kHelical:
+      return n.z + link.pitch * f.z;
+    case JointKind::kSpherical:
+      return entry(n, k);
+    case JointKind::kFloating:
+      return k < 3 ? entry(f, k) : entry(n, k - 3);
+    default:
+      return n.z;
   }
 }
 
@@ -450,8 +488,11 @@ void addAlongAxis(const Link<T>& link, int k, const T& rate, Vec<T>& a, Vec<T>& 
       a.z = a.z + link.pitch * rate;
       wd.z = wd.z + rate;
       break;
-    case JointKind::kFloating: k < 3 ? add(a, k) : add(wd, k - 3); break;
-    default: add(wd, k);
+    case JointKind::kFloating:
+      k < 3 ? add(a, k) : add(wd, k - 3);
+      break;
+    default:
+      add(wd, k);
   }
 }
 
@@ -478,8 +519,8 @@ DYNWITNESS_INLINE Way<kStep, T> wayThrough(const Plan<T>& plan, const Link<T>& l
 }
 /// The same again, its angle remembered.
 template <Step kStep, typename T>
-DYNWITNESS_INLINE Way<kStep, T> wayBack(const Plan<T>& plan, const Link<T>& link, const T& c, const T& s,
-                                        const OtherJoints<T>& others) {
+DYNWITNESS_INLINE Way<kStep, T> wayBack(const Plan<T>& plan, const Link<T>& link, const T& c,
+                                        const T& s, const OtherJoints<T>& others) {
   const Mat<T>* R = nullptr;
   if constexpr (Way<kStep, T>::kHasMatrix)
     R = kStep == Step::kOther ? &others.R[link.matrix] : &plan.matrices[link.matrix];
@@ -495,8 +536,8 @@ DYNWITNESS_INLINE Vec<T> jointPlace(const Link<T>& link, const JointPosition<T>*
   return link.p;
 }
 
-/// Calls f(link, place of its record, step) for the links with friction or a gyroscopic rotor; plans without
-/// any pay nothing.
+/// Calls f(link, place of its record, step) for the links with friction or a gyroscopic rotor;
+/// plans without any pay nothing.
 template <typename T, typename F>
 void forEachSpecial(const Plan<T>& plan, const F& f) {
   if (!plan.has_specials) return;
@@ -508,7 +549,8 @@ void forEachSpecial(const Plan<T>& plan, const F& f) {
 
 /// Onto each parent's moment what the gyroscopic rotors of its children's joints ask of it:
 ///     h (z qdd + w_p x z qd),
-/// qdd left out where there is none. The motions hold w of the link itself, which differs along z only.
+/// qdd left out where there is none. The motions hold w of the link itself, which differs along z
+/// only.
 template <typename T, typename Motion, typename Record>
 void addRotors(const Plan<T>& plan, const T* qd, const T* qdd, const OtherJoints<T>& others,
                const std::vector<Motion>& motions, std::vector<Record>& records) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plain vectors and matrices for the fast sweeps: three numbers and nothing else, so that a compiler
-// keeps them in registers. spatial.hpp is the readable algebra; this is what its sweeps boil down to.
+// Plain vectors and matrices for the fast sweeps: three numbers and nothing else, so that a
+// compiler keeps them in registers. spatial.hpp is the readable algebra; this is what its sweeps
+// boil down to.
 #pragma once
 
 #include <utility>
@@ -58,9 +59,9 @@ DYNWITNESS_INLINE Vec<T> times(const Symmetric3<T>& m, const Vec<T>& v) {
 
 // ---- turns in a coordinate plane ----------------------------------------------------------------
 //
-// A vector's components (a, b) become (c a - s b, s a + c b). A matrix is turned from both sides. Every
-// new entry is a sum of products of old ones: shorter formulas exist (they use c^2 + s^2 = 1), but they
-// cancel, and lose the digits of a light direction beside a heavy one.
+// A vector's components (a, b) become (c a - s b, s a + c b). A matrix is turned from both sides.
+// Every new entry is a sum of products of old ones: shorter formulas exist (they use c^2 + s^2 =
+// 1), but they cancel, and lose the digits of a light direction beside a heavy one.
 
 template <typename T>
 DYNWITNESS_INLINE void turn(const T& c, const T& s, T& a, T& b) {
@@ -115,7 +116,8 @@ DYNWITNESS_INLINE void turnAboutX(const T& c, const T& s, Mat<T>& m) {
   turn(c, s, m.zy, m.zz);
 }
 
-// a quarter turn about x, s = 1 or -1: (y, z) becomes (-s z, s y), without a product of two unknowns
+// a quarter turn about x, s = 1 or -1: (y, z) becomes (-s z, s y), without a product of two
+// unknowns
 template <typename T>
 DYNWITNESS_INLINE void quarterAboutX(const T& s, Vec<T>& v) {
   const T y = -(s * v.z);

@@ -13,7 +13,7 @@ int main() {
   recursive::Workspace<double> workspace(model);
   const std::vector<double> qd = {1.0, -2.0}, qdd = {0.5, 3.0};  // [rad/s], [rad/s^2]
   std::vector<double> tau(2);                                    // [N m]
-  recursive::inverseDynamics(model, {scene::jointPosition(0.3), scene::jointPosition(-0.7)},
-                             qd, qdd, workspace, tau);
+  recursive::inverseDynamics(model, {scene::jointPosition(0.3), scene::jointPosition(-0.7)}, qd,
+                             qdd, workspace, tau);
   std::printf("tau = %.17g %.17g\n", tau[0], tau[1]);
 }
