@@ -32,7 +32,7 @@ struct Numbers {
 /** One statement of the chapter and how to compute it.
 
     Formulas in the texts stand between backticks, in the notation of
-   crosscheck/report/ascii_math.hpp. A statement is told in our own words and symbols.
+    crosscheck/report/ascii_math.hpp. A statement is told in our own words and symbols.
 
         Claim("eq1", "5.2", "Force and moment about another point")
             .printed("`m_1 = m_2 + r_12 x f_2`", exact([](auto& at) { ... }))
@@ -113,7 +113,7 @@ struct Entry {
 };
 
 /** Computes a claim. `holds` follows from the residuals and from nothing else: printed zero is
-   true; not zero, and zero under the condition, is "under condition"; else false. */
+    true; not zero, and zero under the condition, is "under condition"; else false. */
 Entry evaluate(const Claim& claim, std::uint64_t seed);
 
 // The chapter, a file a group of sections.

@@ -41,7 +41,7 @@ struct Counted {
 };
 
 /** P M of a revolute joint about z, M symmetric, at the fewest operations that we know: the
-   symmetric half only, and nothing for what becomes zero.
+    symmetric half only, and nothing for what becomes zero.
     @param with_rotor  d counts: then the last row and column, m_6j d / (d + m_66), are not zero */
 template <typename T>
 recursive::Matrix6<T> projectThroughZ(const recursive::Matrix6<T>& M, const T& d, bool with_rotor) {

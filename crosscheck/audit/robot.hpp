@@ -64,7 +64,7 @@ T determinant(MatrixX<T> A) {
 }
 
 /** A tree of one-dof joints whose links are point masses, in any state, with joint forces and
-   gravity.
+    gravity.
 
     Its truth knows no spatial vector, inertia or recursion: places of points as functions of time
     (truths.hpp), Newton's law for each, and the principle of virtual work,
@@ -244,10 +244,10 @@ Robot<ScalarOf<At>> anyRobot(At& at, const std::vector<JointKind>& kinds,
 inline constexpr JointKind kTurn = JointKind::kRevolute, kSlide = JointKind::kPrismatic;
 
 /** The chapter's quantities of a robot as six-vectors and 6 x 6 matrices in link coordinates,
-   linear part first, with spatial accelerations: X takes motions from parent to link (the chapter's
-   T_V), its transpose takes forces back (T_F); Z the joint axis, d the rotor; c the bias
-   acceleration, b the bias force of the link alone; M_A and D the articulated inertia and d + Z'
-   M_A Z. */
+    linear part first, with spatial accelerations: X takes motions from parent to link (the
+    chapter's T_V), its transpose takes forces back (T_F); Z the joint axis, d the rotor; c the bias
+    acceleration, b the bias force of the link alone; M_A and D the articulated inertia and d + Z'
+    M_A Z. */
 template <typename T>
 struct SixVectors {
   explicit SixVectors(const Robot<T>& robot) : robot(robot) {

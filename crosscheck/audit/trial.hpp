@@ -160,8 +160,8 @@ Outcome opposite(Outcome outcome);
     different formulas pass at most 1e-30 (degree.hpp derives it), or a point where it is not zero.
 
     @param statement  called as statement(at) with a Point: draws its indeterminates from it,
-   computes both sides by roads of their own, and says at.equal("what", left, right) for each
-   equation that the statement makes. What the statement assumes is how the point is drawn. */
+    computes both sides by roads of their own, and says at.equal("what", left, right) for each
+    equation that the statement makes. What the statement assumes is how the point is drawn. */
 template <typename Statement>
 Trial exact(Statement statement) {
   return [both = ExactStatement{statement, statement}](
@@ -202,8 +202,8 @@ class RealPoint {
 };
 
 /** Decides an inequality with certified digits at `points` random points: each value that is
-   claimed positive is enclosed, with more digits until the enclosure excludes 0. A negative one
-   refutes. That all are positive is certain for these points, and for no others. */
+    claimed positive is enclosed, with more digits until the enclosure excludes 0. A negative one
+    refutes. That all are positive is certain for these points, and for no others. */
 Trial certified(std::function<void(RealPoint&)> statement, int points = 20);
 
 /// What one computation decided, and the words that say what was found.

@@ -56,7 +56,7 @@ Eigen::Matrix<Jet<T>, R, C> still(const Eigen::Matrix<T, R, C>& m) {
 }
 
 /** A moving frame in the world, by its positions: R(t) takes its coordinates to the world's, p(t)
-   is its origin. All rates come from differentiating these. */
+    is its origin. All rates come from differentiating these. */
 template <typename T>
 struct Path {
   Matrix3<Jet<T>> R;
@@ -264,10 +264,14 @@ struct JointSolution {
 };
 
 /** Newton-Euler for the distal link, the joint, and the motor's shaft as one linear system in 14
-   unknowns (Xdd_2, qdd, the joint's force f, the shaft's torque s on the gear): M_2 Xdd_2 - f =
-   applied - bias_force        Xdd_2 - Z qdd = Xdd_1 + bias_acceleration Z' f = gear s rotor gear
-   qdd = tau / gear - s (the last two times gear; without a motor gear = 0, and s is what the shaft
-   makes of tau). */
+    unknowns (Xdd_2, qdd, the joint's force f, the shaft's torque s on the gear):
+
+        M_2 Xdd_2 - f = applied - bias_force
+        Xdd_2 - Z qdd = Xdd_1 + bias_acceleration
+        Z' f = gear s
+        rotor gear qdd = tau / gear - s
+
+    (the last two times gear; without a motor gear = 0, and s is what the shaft makes of tau). */
 template <typename T>
 JointSolution<T> solveJoint(const JointProblem<T>& problem) {
   MatrixX<T> A = MatrixX<T>::Constant(14, 14, T(0));

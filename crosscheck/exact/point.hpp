@@ -22,7 +22,7 @@ struct LinkPoint {
 };
 
 /** J, 6 x n: the point's velocity (rows 0 to 2) and the link's angular velocity (3 to 5) in world
-   axes are J qd. Column k is the velocity at qd = e_k.
+    axes are J qd. Column k is the velocity at qd = e_k.
     @param X_LW  if given, becomes the transform from world to the link's frame */
 template <typename T>
 recursive::MatrixX<T> pointJacobian(const recursive::Model<T>& model,
@@ -69,8 +69,8 @@ inline int linkNamed(const scene::Scene& scene, const std::string& name) {
 }
 
 /** Numbers that are as good as independent, from one indeterminate a: a^(3^k). Products of two of
-   them are all different powers, none of which is one of them: a law that is linear or quadratic in
-   such numbers holds for all numbers if it holds for these. */
+    them are all different powers, none of which is one of them: a law that is linear or quadratic
+    in such numbers holds for all numbers if it holds for these. */
 template <typename T>
 class Powers {
  public:

@@ -30,9 +30,9 @@ std::vector<scene::JointPosition<T>> slotPositions(const std::vector<T>& slots) 
 }
 
 /** What recursive::positionRates() undoes: rates qd from the rates of change of position slots: of
-   a quaternion q = (w, v)  omega = 2 (w v' - w' v - v x v') / q'q,  and of a floating joint's
-   position R' p'. A quaternion's change of length has no part in it. The same for any small change
-   of slots. */
+    a quaternion q = (w, v)  omega = 2 (w v' - w' v - v x v') / q'q,  and of a floating joint's
+    position R' p'. A quaternion's change of length has no part in it. The same for any small change
+    of slots. */
 template <typename T>
 std::vector<T> ratesOfSlots(const recursive::Model<T>& model,
                             const std::vector<scene::JointPosition<T>>& x,

@@ -22,7 +22,7 @@ void writeWholeFile(const std::filesystem::path& file, std::string_view text);
     before a long computation. An empty path is none, and passes.
 
     @throws scene::InputError  its folder does not exist or cannot be written to, or something that
-   is no file (a folder, a device) has this name */
+    is no file (a folder, a device) has this name */
 void requireWritableFile(const std::filesystem::path& file);
 
 /** Looks whether files can be written to `folder`, without leaving anything there: for calling
@@ -36,7 +36,7 @@ void requireWritableFolder(const std::filesystem::path& folder);
     before a long computation.
 
     @throws scene::InputError  the folder (or where it would be made) cannot be written to, is a
-   file, or holds an index.html etc. that dynwitness did not write */
+    file, or holds an index.html etc. that dynwitness did not write */
 void requireWritable(const std::filesystem::path& folder);
 
 /** A folder in the making, beside (or inside) the place where it will appear.

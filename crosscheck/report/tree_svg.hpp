@@ -15,7 +15,7 @@ enum class SvgUse {
 
 /** An SVG picture: links are boxes, joints are labelled edges with a glyph for revolute, prismatic
     and fixed (a joint label ends with " (revolute)" etc.; other joints get a dot). Base to tip runs
-   from left to right where that fits a page, from top to bottom otherwise.
+    from left to right where that fits a page, from top to bottom otherwise.
 
     @return the <svg> element; empty when there are no links or more than kLargestTree */
 std::string treeSvg(const SceneResult& scene, SvgUse use);

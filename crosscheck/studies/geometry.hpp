@@ -35,9 +35,11 @@ MetricAt metricAt(const scene::Scene& scene, const std::vector<double>& q);
       Gamma_i,jk qd_j qd_k = c           by Newton-Euler
       Gamma_i,jk qd_k = C_ij             by composite bodies
       qdd = -Gamma(qd, qd)               is the motion without forces, by articulated bodies
-      R(u, v, u, v)                      from M alone = from outside, by Gauss's equation, where the
-   robot is a surface in the flat space of all its points (4 x 4 matrices) D2J/dt2 = -R(J, qd) qd is
-   the derivative of that motion along J (Jacobi) R_ijkl + R_jkil + R_kijl = 0       (Bianchi) */
+      R(u, v, u, v)                      from M alone = from outside, by Gauss's equation: the robot
+                                         is a surface in the flat space of all its points (4 x 4
+                                         matrices)
+      D2J/dt2 = -R(J, qd) qd             is the derivative of that motion along J (Jacobi)
+      R_ijkl + R_jkil + R_kijl = 0       (Bianchi) */
 std::vector<CheckResult> checkGeometryExactly(const scene::Scene& scene,
                                               const ExactOptions& options);
 

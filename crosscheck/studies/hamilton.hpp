@@ -22,8 +22,8 @@ struct ActionOptions {
 };
 
 /** What was found. The motion is integrated in `steps` equal steps by a method of order 4, and
-   integrals over it are Simpson's sums of the same order, so that what vanishes in truth falls as
-   step^4. */
+    integrals over it are Simpson's sums of the same order, so that what vanishes in truth falls as
+    step^4. */
 struct Action {
   int dof = 0, steps = 0;
   double duration = 0;       ///< [s]
@@ -56,16 +56,20 @@ struct Action {
 
 /** Integrates the motion of a tree from its start and looks at the action of the paths near it.
 
-        (1)  dS(eta) + integral of Q' eta dt = 0      for every eta that vanishes at both ends:
-   Hamilton's principle, d'Alembert's and Lagrange's where Q != 0 (2)  q(t) + eps J(t) is again a
-   motion: J solves the variational equation, here by the steps on duals. J(0) = 0, J'(0) = e_k for
-   every k make a matrix A(t);  det A(t*) = 0: conjugate time (3)  the second variation of S on
-   variations with fixed ends has as many negative directions as there are conjugate times in (0,
-   duration) (Morse); on variations straight from node to node (3) knows T and V alone, (2) the
-   articulated-body sweep alone.
+        (1)  dS(eta) + integral of Q' eta dt = 0
+             for every eta that vanishes at both ends: Hamilton's principle, and d'Alembert's and
+             Lagrange's where Q != 0
+        (2)  q(t) + eps J(t) is again a motion
+             J solves the variational equation, here by the steps on duals. J(0) = 0, J'(0) = e_k
+             for every k make a matrix A(t); a time t* with det A(t*) = 0 is conjugate
+        (3)  the second variation of S on variations with fixed ends has as many negative
+             directions as there are conjugate times in (0, duration) (Morse), here on variations
+             that are straight from node to node
+
+    (3) knows T and V alone, (2) the articulated-body sweep alone.
 
     @throws scene::InputError  closures or springs between points, wrong sizes, duration not
-   positive
+                               positive
     @see C. Lanczos, The Variational Principles of Mechanics (1970), chapter V;
          I. Gelfand, S. Fomin, Calculus of Variations (1963), sections 24 to 29 */
 Action measureAction(const scene::Scene& scene, const ActionOptions& options);

@@ -39,14 +39,16 @@ struct ImpedanceAt {
 ImpedanceAt impedanceAt(const scene::Scene& scene, const ImpedanceOptions& options);
 
 /** The laws of impedances, over the field for every state, point and stiffness:
-      d2V/dq2 = J' K J + (dJ'/dq) f       V = (x - x_0)' K (x - x_0) / 2, f = K (x - x_0): places by
-   4 x 4 matrices, differentiated twice by nested duals w' C_x w = dq' K_q dq               C_x = J
-   C_q J', dq what a wrench w does to the joints qd' D_q qd = xd' D xd               xd by 4 x 4
-   matrices (J M^-1 J') f                       is the point's acceleration by articulated bodies
-      T(Jbar xd) = xd' (J M^-1 J')^-1 xd / 2     Jbar the dynamically consistent inverse
-      J^-T (J' K J) J^-1 = K              where J is square
-      t' K t and trace(C M)               stay when another frame is chosen: K_f = X^-T K X^-1, C_f
-   = X C X' */
+      d2V/dq2 = J' K J + (dJ'/dq) f             V = (x - x_0)' K (x - x_0) / 2, f = K (x - x_0):
+                                                places by 4 x 4 matrices, differentiated twice by
+                                                nested duals
+      w' C_x w = dq' K_q dq                     C_x = J C_q J', dq: what a wrench w does to q
+      qd' D_q qd = xd' D xd                     xd by 4 x 4 matrices
+      (J M^-1 J') f                             is the point's acceleration by articulated bodies
+      T(Jbar xd) = xd' (J M^-1 J')^-1 xd / 2    Jbar the dynamically consistent inverse
+      J^-T (J' K J) J^-1 = K                    where J is square
+      t' K t and trace(C M)                     stay when another frame is chosen:
+                                                K_f = X^-T K X^-1, C_f = X C X' */
 std::vector<CheckResult> checkImpedanceExactly(const scene::Scene& scene, const std::string& link,
                                                const ExactOptions& options);
 

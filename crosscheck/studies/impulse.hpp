@@ -38,21 +38,23 @@ struct ImpulseResult {
 /** Forces so short and strong that nothing moves while they act:
 
         [ M  -J_c' ] [ qd+ - qd- ]   [ J' p + j ]
-        [ J_c   0  ] [  Lambda   ] = [ -J_c qd- ]      p: impulse and its moment at the point, j:
-   joints'
+        [ J_c   0  ] [  Lambda   ] = [ -J_c qd- ]
 
-    so that afterwards closures hold their velocities too. An impact seeks p = n s with
+    (p: impulse and its moment at the point, j: the joints'), so that afterwards closures hold their
+    velocities too. An impact seeks p = n s with
     n' v+ = -restitution n' v- for the point's velocity v.
     @throws scene::InputError  sizes, names, or an impact of a point that does not move towards
-   anything */
+                               anything */
 ImpulseResult strike(const scene::Scene& scene, const ImpulseOptions& options);
 
 /** The laws of impulses, over the field for every state and impulse:
       qd+ - qd- is what the articulated bodies accelerate by under J' p + j (open trees)
       T+ - T-   = p' (v+ + v-)/2 + j' (qd+ + qd-)/2
-      momentum of all links (4 x 4 matrices) jumps by p and the impulses through the joints to the
-   world every joint passes on the impulse j - d (qd+ - qd-) along its axis an impact takes (1 -
-   e^2)/2 m (n' v-)^2, m the effective mass J_c qd+ = 0 */
+      the momentum of all links (4 x 4 matrices) jumps by p and by what the joints pass on to the
+      world
+      every joint passes on the impulse j - d (qd+ - qd-) along its axis
+      an impact takes  (1 - e^2)/2 m (n' v-)^2,  m being the effective mass
+      J_c qd+ = 0 */
 std::vector<CheckResult> checkImpulsesExactly(const scene::Scene& scene, const std::string& link,
                                               const ExactOptions& options);
 

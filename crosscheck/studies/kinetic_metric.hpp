@@ -13,19 +13,19 @@
 namespace dynwitness::crosscheck {
 
 /** Geometry of the configuration space of a tree, with M(q) as metric: T = |qd|^2 / 2. For joints
-   whose rates are the derivatives of q.
+    whose rates are the derivatives of q.
 
         (1)  Gamma_i,jk = (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) / 2       Christoffel, first kind
         (2)  Gamma^i_jk = sum of (M^-1)_il Gamma_l,jk                       second kind
-        (3)  R_ijkl = (d2M_il/dq_j dq_k + d2M_jk/dq_i dq_l - d2M_ik/dq_j dq_l - d2M_jl/dq_i dq_k) /
-   2
+        (3)  R_ijkl = (d2M_il/dq_j dq_k + d2M_jk/dq_i dq_l
+                       - d2M_ik/dq_j dq_l - d2M_jl/dq_i dq_k) / 2
                       + Gamma_jk' M^-1 Gamma_il - Gamma_jl' M^-1 Gamma_ik
         (4)  sectional curvature of the plane of u and v,
              K = R(u, v, u, v) / (|u|^2 |v|^2 - <u, v>^2);    for two joints Gauss's curvature
 
     M is the composite-body sweep's; derivatives are its runs on duals and nested duals: no step
-   size, and over a field they are exact. All arguments are coordinates of tangent vectors, length
-   n. Curvature is in 1/(kg m^2), for M is in kg m^2.
+    size, and over a field they are exact. All arguments are coordinates of tangent vectors, length
+    n. Curvature is in 1/(kg m^2), for M is in kg m^2.
     @see M. do Carmo, Riemannian Geometry (1992), chapters 2 and 4 (whose R has the other sign) */
 template <typename T>
 class KineticMetric {
