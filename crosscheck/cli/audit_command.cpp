@@ -128,8 +128,7 @@ int run(Arguments arguments) {
 
 Run addAudit(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "audit", "H. Bruyninckx, Dynamics of robots (2005), equation by equation: what holds");
+  CLI::App* command = app.add_subcommand("audit", kAuditDescription);
   command
       ->add_option("--equation", arguments->ids, "These entries only, e.g. 15, eq15 or eq15,eq16")
       ->delimiter(',');

@@ -11,6 +11,11 @@ namespace dynwitness::cli {
 
 using Run = std::function<int()>;
 
+inline constexpr const char* kAuditDescription =
+    "H. Bruyninckx, Dynamics of robots (2005), equation by equation: what holds";
+inline constexpr const char* kGrowthDescription =
+    "Measure time, memory and digits against the number of links";
+
 Run addCrosscheck(CLI::App& app);
 Run addDerive(CLI::App& app);
 Run addEvaluate(CLI::App& app);

@@ -24,7 +24,7 @@ foreach(library scene recursive symbolic)
           FILES_MATCHING PATTERN "*.hpp" PATTERN "*.inc" PATTERN "LICENSE")
 endforeach()
 
-install(TARGETS dynwitness_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS dynwitness_cli dynwitness_audit_program dynwitness_growth_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/scenes ${PROJECT_SOURCE_DIR}/data/reference
         DESTINATION ${data})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CITATION.cff

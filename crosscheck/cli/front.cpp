@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/cli/front.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/leaving.hpp"
+#include "scene/error.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+constexpr int kBadInput = 2, kOwnFailure = 3;
+
+/// The status of some work, or of how it failed, which is told.
+template <typename Work>
+int orFailure(const Work& work) {
+  try {
+    return work();
+  } catch (const scene::InputError& error) {
+    tell(fmt::format("dynwitness: {}\n", error.what()));
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    tell("dynwitness: failed: not enough memory\n");  // and without asking for any
+  } catch (const std::exception& error) {
+    tell(fmt::format("dynwitness: failed: {}{}\n", std::ferror(stdout) ? "standard output: " : "",
+                     error.what()));
+  }
+  return kOwnFailure;
+}
+
+/// The program that `command` is, in place of this one; returns where there is none.
+int become(const std::string& command, char** argv) {
+  std::error_code ignored;
+  std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  if (self.empty()) self = argv[0];
+  const std::filesystem::path program = self.parent_path() / ("dynwitness-" + command);
+  execv(program.c_str(), argv);
+  tell(fmt::format("dynwitness: {} is a program of its own, {}: {}; ./dynwitness {} builds it\n",
+                   command, program.string(), std::strerror(errno), command));
+  return kBadInput;
+}
+
+}  // namespace
+
+int front(int argc, char** argv, const std::vector<Command>& commands) {
+  occupyStandardFiles();
+  crosscheck::leaveNothingBehind();
+  CLI::App app("Independent computations of a mechanism's dynamics testify against each other.",
+               "dynwitness");
+  app.require_subcommand(1);
+  app.set_help_all_flag("--help-all", "Help of all subcommands");
+  app.footer(
+      "The wrapper ./dynwitness knows two more words: test builds and runs all tests, bench the "
+      "benchmarks.\n"
+      "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file "
+      "or a\n"
+      "URDF file. Exit status: 0 all agree; 1 a disagreement was found, or too little could be "
+      "compared;\n"
+      "2 bad usage or bad input; 3 a failure of dynwitness itself.");
+  std::vector<Run> runs;
+  for (const Command& command : commands) {
+    if (command.add) {
+      runs.push_back(command.add(app));
+      continue;
+    }
+    if (argc > 1 && command.name == argv[1]) return become(command.name, argv);
+    app.add_subcommand(command.name, command.description);
+    runs.emplace_back();
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return orFailure([&] {
+      const int status = app.exit(help);
+      requireOutputWritten();
+      return status;
+    });
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return kBadInput;
+  }
+  return orFailure([&] {
+    for (std::size_t k = 0; k < commands.size(); ++k)
+      if (app.got_subcommand(commands[k].name)) {
+        if (!runs[k]) return become(commands[k].name, argv);
+        const int status = runs[k]();
+        requireOutputWritten();
+        return status;
+      }
+    return kOwnFailure;
+  });
+}
+
+}  // namespace dynwitness::cli
