@@ -79,10 +79,11 @@ class AdjointTape {
     double lost;        ///< bound of what stands in brackets
     double own;         ///< bound of e
   };
-  /// Carries the derivatives of up to kTogether results back to all nodes up to `last`, and adds up
-  /// what they make of each node's error.
-  template <typename Block>
-  void carryBack(std::vector<Block>& derivative, int last, double Node::*error, Block& sum) const;
+  /// Derivatives of some results by the nodes that are still to be passed (adjoint_error.cpp).
+  class Derivatives;
+  /// Carries these derivatives back to all nodes up to `last`, and adds up what they make of each
+  /// node's error.
+  void carryBack(Derivatives& derivatives, int last, double Node::*error, double* sum) const;
 
   static inline thread_local AdjointTape* current_ = nullptr;
 

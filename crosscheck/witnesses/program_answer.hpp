@@ -28,9 +28,10 @@ Answer answerOfProgram(Quantity quantity, const scene::State<double>& state,
   // the elimination's part counts M by composite bodies: what this M may be off by comes on top
   const Eigen::MatrixXd bound_of_tau = bound(Quantity::kTau, moving(state, out.value)) +
                                        bound(Quantity::kM, state) * out.value.cwiseAbs();
-  solve_bound.judge(state, bound_of_tau, out, sharp, [&](auto& computation) {
+  const auto answered = [&](auto& computation) {
     return computation(quantity, adjointState(runningErrorState(state, mechanism)));
-  });
+  };
+  solve_bound.judge(state, bound_of_tau, out, sharp, answered, kWideResidualOfProgram);
   return out;
 }
 

@@ -137,8 +137,8 @@ void SolveBound::judge(const scene::State<double>& state, const MatrixXd& bound_
     answer.residual_bound = answer.residual_bound.cwiseMin(M_.cwiseAbs() * answer.bound);
 }
 
-bool SolveBound::isWide(const MatrixXd& residual_bound) const {
-  return residual_bound.maxCoeff() > kWideResidual * 2 * kUnitRoundoff * force_;
+bool SolveBound::isWide(const MatrixXd& residual_bound, double wide) const {
+  return residual_bound.maxCoeff() > wide * 2 * kUnitRoundoff * force_;
 }
 
 MatrixXd SolveBound::sharper(const MatrixOf<RunningError>& M, const scene::State<double>& state) {

@@ -111,12 +111,13 @@ class SolveBound {
 
   /** The same for a computation of ours, whose every rounding is known: where the limit is wide,
       the smaller of it and of what each rounding does to the residual, to first order.
-      @param run  (Computation&) -> qdd on AdjointError */
+      @param run   (Computation&) -> qdd on AdjointError
+      @param wide  [ulp of the largest force] */
   template <typename Computation, typename Run>
   void judge(const scene::State<double>& state, const Eigen::MatrixXd& bound_of_tau, Answer& answer,
-             SharpBounds<Computation>& sharp, const Run& run) {
+             SharpBounds<Computation>& sharp, const Run& run, double wide = kWideResidual) {
     judge(state, bound_of_tau, answer);
-    if (!isWide(answer.residual_bound)) return;
+    if (!isWide(answer.residual_bound, wide)) return;
     const Eigen::VectorXd by_roundings = sharp.residual(M_, run);
     if (by_roundings.allFinite())
       answer.residual_bound = answer.residual_bound.cwiseMin(by_roundings);
@@ -133,7 +134,7 @@ class SolveBound {
   Eigen::MatrixXd massMatrix() const;
   /// The sum over m in (9), for rate j of link k.
   void addBroughtDown(int k, int j, Eigen::MatrixXd& out) const;
-  bool isWide(const Eigen::MatrixXd& residual_bound) const;
+  bool isWide(const Eigen::MatrixXd& residual_bound, double wide) const;
 
   recursive::Model<double> model_;
   recursive::Workspace<double> ws_;
