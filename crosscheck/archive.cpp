@@ -30,8 +30,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckResult::Exact, prime, points, discarded,
                                    error_probability, residual_zero, parameters)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckResult, check, statement, quantity, left, right, unit,
                                    states, voided, excused, first_voided, voided_reason, worst,
-                                   limit, ratio, seen, loosest, worst_state, worst_entry, seed,
-                                   verdict, reason, exact, no_exact, digits, condition, known_loss)
+                                   limit, ratio, seen, loosest, largest, worst_state, worst_entry,
+                                   seed, verdict, reason, exact, no_exact, digits, condition,
+                                   known_loss)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DigitsResult, witness, quantity, scalar, states, worst, median,
                                    worst_single, worst_state, worst_entry)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Control, quantity, size, found, missed, blind, nothing)

@@ -138,10 +138,9 @@ void askInBalls(const scene::Scene& scene, const Options& options, std::vector<C
         for (const Ball& x : side->reshaped()) largest = std::max(largest, x.atMost());
       // a difference contains 0 when its midpoint is within its radius
       const MatrixOf<Ball> difference = law.left - law.right;
-      tallies[i].addDifference(
-          k, difference.unaryExpr([](const Ball& x) { return x.mid(); }),
-          difference.unaryExpr([](const Ball& x) { return x.radius(); }),
-          std::numeric_limits<double>::epsilon() * (largest > 0 ? largest : 1.0));
+      tallies[i].addDifference(k, difference.unaryExpr([](const Ball& x) { return x.mid(); }),
+                               difference.unaryExpr([](const Ball& x) { return x.radius(); }),
+                               largest);
     }
   }
   for (std::size_t i = 0; i < laws.size(); ++i)

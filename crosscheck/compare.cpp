@@ -27,7 +27,7 @@ void compareResiduals(int index, const Testimony& x, const Testimony& y, const s
     return ball.isFinite() ? ball.atLeast() : std::numeric_limits<double>::infinity();
   });
   tally.addDifference(index, at_least, x.answer.residual_bound + y.answer.residual_bound,
-                      std::max(x.residual->ulp, y.residual->ulp));
+                      std::max(x.residual->size, y.residual->size));
   tally.addCondition(x.condition);
 }
 

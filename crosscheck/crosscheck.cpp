@@ -226,6 +226,7 @@ std::vector<Finding> openStart(const scene::Scene& scene) {
   const ClosureGap gap = ClosureGaps::ofStart(scene);
   if (!gap.is_open) return {};
   Finding finding;
+  finding.kind = Finding::Kind::kOpenStart;
   finding.scene = scene.name;
   finding.quantity = "closures";
   finding.text =

@@ -98,7 +98,12 @@ std::string WitnessInfo::convention(const std::string& label) const {
 std::optional<double> CheckResult::limitOverSeen() const {
   if (unit != "ulp" || verdict == Verdict::kNotAnswerable || !std::isfinite(seen))
     return std::nullopt;
-  return loosest / std::max(seen, 1.0);
+  return loosest / std::max(seen, ulp());
+}
+
+double CheckResult::ulp() const {
+  const double one = std::numeric_limits<double>::epsilon() * largest;
+  return std::isnormal(one) ? one : std::numeric_limits<double>::epsilon();
 }
 
 int CrosscheckResult::count(Verdict verdict) const {

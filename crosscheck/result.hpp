@@ -63,8 +63,10 @@ struct CheckResult {
   double worst = 0;           ///< residual that uses the largest share of its limit [unit]
   double limit = 0;           ///< that limit [unit]
   double ratio = 0;           ///< largest residual / limit over all states and entries
-  double seen = 0;            ///< largest residual of any entry at any state [unit]
-  double loosest = 0;         ///< largest limit of any entry at any state [unit]
+  // of any entry at any state, in the quantity's own unit
+  double seen = 0;          ///< largest residual
+  double loosest = 0;       ///< largest limit
+  double largest = 0;       ///< largest magnitude, or magnitude of the terms of an equation
   int worst_state = 0;      ///< index of the state of `ratio`; with the seed it can be drawn again
   std::string worst_entry;  ///< "M[1,2]": where in the vector or matrix `ratio` is
   std::uint64_t seed = 0;
@@ -85,10 +87,12 @@ struct CheckResult {
   void addVoided(int state, const std::string& why, bool is_excused);
 
   /** How much wider the loosest limit is than the largest residual: what the check can miss,
-      counted in what it sees. Less than one ulp of the largest entry cannot be expected of any
-      computation in double, so a smaller residual counts as one. Empty where nothing is counted in
-      ulp. */
+      counted in what it sees. Less than one ulp of the largest entry of all states cannot be
+      expected of any computation in double, so a smaller residual counts as one. Empty where
+      nothing is counted in ulp. */
   std::optional<double> limitOverSeen() const;
+  /// One ulp of `largest`; of 1 where everything is zero.
+  double ulp() const;
 };
 
 /** How much of one quantity was compared. A comparison is one check at one state.
@@ -152,7 +156,8 @@ struct DigitsResult {
 
 /// What a person should know: who stands alone in a disagreement, or who loses digits and why.
 struct Finding {
-  enum class Kind { kDisagreement, kKnownLoss };
+  /// kOpenStart: the scene's own start leaves closures open
+  enum class Kind { kDisagreement, kKnownLoss, kOpenStart };
   Kind kind = Kind::kDisagreement;
   std::string scene, quantity;
   std::string witness;           ///< the one that stands alone; empty when no single one does

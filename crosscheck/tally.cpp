@@ -34,15 +34,16 @@ void Tally::add(int state, const Eigen::MatrixXd& left, const Eigen::MatrixXd& r
     ++result_.states;
     return;
   }
-  const double scale = std::max(left.cwiseAbs().maxCoeff(), right.cwiseAbs().maxCoeff());
-  const double ulp =
-      std::numeric_limits<double>::epsilon() * (scale > 0 && std::isfinite(scale) ? scale : 1.0);
-  addDifference(state, left - right, limit, ulp, excuse);
+  const double largest = std::max(left.cwiseAbs().maxCoeff(), right.cwiseAbs().maxCoeff());
+  addDifference(state, left - right, limit, std::isfinite(largest) ? largest : 0.0, excuse);
 }
 
 void Tally::addDifference(int state, const Eigen::MatrixXd& difference,
-                          const Eigen::MatrixXd& limit, double ulp, const std::string& excuse) {
+                          const Eigen::MatrixXd& limit, double largest, const std::string& excuse) {
   ++result_.states;
+  result_.largest = std::max(result_.largest, largest);
+  const double ulp = std::numeric_limits<double>::epsilon() *
+                     (largest > 0 && std::isfinite(largest) ? largest : 1.0);
   std::string unbounded;  // the first entry without a limit
   for (Eigen::Index j = 0; j < difference.cols(); ++j) {
     for (Eigen::Index i = 0; i < difference.rows(); ++i) {
@@ -51,8 +52,8 @@ void Tally::addDifference(int state, const Eigen::MatrixXd& difference,
         if (unbounded.empty()) unbounded = entryName(result_.quantity, i, j, difference);
         continue;
       }
-      result_.seen = std::max(result_.seen, residual / ulp);
-      result_.loosest = std::max(result_.loosest, limit(i, j) / ulp);
+      result_.seen = std::max(result_.seen, residual);
+      result_.loosest = std::max(result_.loosest, limit(i, j));
       const double used = share(residual, limit(i, j));
       if (result_.worst_entry.empty() || used > result_.ratio) {
         result_.ratio = used;

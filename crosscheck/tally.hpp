@@ -26,9 +26,9 @@ class Tally {
                       there is */
   void add(int state, const Eigen::MatrixXd& left, const Eigen::MatrixXd& right,
            const Eigen::MatrixXd& limit, const std::string& excuse = {});
-  /// The same of a difference that is known already, counted in these ulp.
+  /// The same of a difference that is known already, counted in ulp of this largest magnitude.
   void addDifference(int state, const Eigen::MatrixXd& difference, const Eigen::MatrixXd& limit,
-                     double ulp, const std::string& excuse = {});
+                     double largest, const std::string& excuse = {});
   /// The check could not be asked at this state.
   void fail(int state, const std::string& reason, const std::string& excuse = {});
 

@@ -13,7 +13,7 @@ using Block = std::array<double, kTogether>;
 
 }  // namespace
 
-/// A block is kept from the first node that leads to its own until that one is passed: few are alive
+/// A block is kept from the first node that leads to its own until that is passed: few are alive
 /// at a time, whatever the length of the tape, and these stay in the cache.
 class AdjointTape::Derivatives {
  public:

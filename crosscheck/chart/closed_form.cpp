@@ -73,6 +73,9 @@ class PrintedFormula {
             return std::sin(s.x[joint_].q);
           case symbolic::Input::kPosition:
             return s.x[joint_].q;
+          case symbolic::Input::
+              kRotation:  // joints with quaternions have no closed form (chart.cpp)
+            break;
         }
         break;
       case Formula::Kind::kSum: {

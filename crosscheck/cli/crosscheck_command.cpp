@@ -106,7 +106,7 @@ void printTable(const CrosscheckResult& result) {
   }
   for (const SceneResult& scene : result.scenes) {
     for (const Finding& finding : scene.findings)
-      if (finding.kind == Finding::Kind::kDisagreement) fmt::print("\nfinding: {}", finding.text);
+      if (finding.kind != Finding::Kind::kKnownLoss) fmt::print("\nfinding: {}", finding.text);
     std::map<std::string, std::string> refused_by;  // names, by reason
     for (const CheckResult& check : scene.checks) {
       if (check.verdict == Verdict::kAgree) continue;

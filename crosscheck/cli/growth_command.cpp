@@ -91,8 +91,7 @@ int run(const Arguments& arguments) {
 
 Run addGrowth(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("growth", kGrowthDescription);
+  CLI::App* command = app.add_subcommand("growth", kGrowthDescription);
   command
       ->add_option("--family", arguments->options.families,
                    "Chains, binary trees; both with a comma")

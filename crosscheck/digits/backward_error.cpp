@@ -63,19 +63,19 @@ Residual BackwardError::operator()(const Eigen::MatrixXd& qdd) {
   if (qdd.rows() != tau.rows() || qdd.cols() != 1 || !qdd.allFinite()) {
     const Ball nothing(std::numeric_limits<double>::quiet_NaN());
     out.value = MatrixOf<Ball>::Constant(tau.rows(), 1, nothing);
-    out.ulp = kEpsilon;
+    out.size = 1;
     return out;
   }
   const Eigen::VectorXd terms =
       tau.cwiseAbs() + s.without_qdd.cwiseAbs() + s.M.cwiseAbs() * qdd.cwiseAbs();
-  out.ulp = kEpsilon * (terms.maxCoeff() > 0 ? terms.maxCoeff() : 1.0);
+  out.size = terms.maxCoeff() > 0 ? terms.maxCoeff() : 1.0;
   scene::State<double> answered = s.state;
   answered.qdd.assign(qdd.data(), qdd.data() + qdd.size());
   for (;; s.bits *= 2) {
     const BallPrecision precision(s.bits);
     const scene::State<Ball> exactly = ballState(answered, s.mechanism);
     out.value = NewtonEuler::answer(s.setup(), Quantity::kTau, exactly) - column(exactly.tau);
-    if (widest(out.value) < kNarrow * out.ulp || 2 * s.bits > kMaxBits) return out;
+    if (widest(out.value) < kNarrow * kEpsilon * out.size || 2 * s.bits > kMaxBits) return out;
   }
 }
 

@@ -26,7 +26,7 @@ namespace dynwitness::crosscheck {
     2^-52. */
 struct Residual {
   MatrixOf<Ball> value;
-  double ulp = 0;  ///< [N m, N]
+  double size = 0;  ///< max_i (...), what ulp are counted of [N m, N]
 };
 
 class BackwardError {

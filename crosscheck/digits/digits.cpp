@@ -185,11 +185,11 @@ void DigitsTally::judge(int state, const Testimony& said) {
   ++check_.states;
   check_.condition = std::max(check_.condition.value_or(0), said.condition);
   const Eigen::MatrixXd shape(residual.value.rows(), 1);
-  const double size = residual.ulp / std::numeric_limits<double>::epsilon();
   for (Eigen::Index i = 0; i < shape.rows(); ++i) {
     const Ball& r = residual.value(i, 0);
     const double loss = said.answer.residual_loss.size() > 0 ? said.answer.residual_loss(i, 0) : 0;
-    judge({state, entry(i, 0, shape), joints(i, 0), size, residual.ulp},
+    judge({state, entry(i, 0, shape), joints(i, 0), residual.size,
+           std::numeric_limits<double>::epsilon() * residual.size},
           r.isFinite() ? r.atLeast() : std::numeric_limits<double>::infinity(),
           said.answer.residual_bound(i, 0), loss);
   }
@@ -209,8 +209,9 @@ void DigitsTally::judge(const Place& at, double at_least, double bound, double l
     loss_at_ = fmt::format("{} at state {}", where, at.state);
     digits_without_loss_ = digitsOf(rounding, at.size);
   }
-  check_.seen = std::max(check_.seen, at_least / at.ulp);
-  check_.loosest = std::max(check_.loosest, bound / at.ulp);
+  check_.seen = std::max(check_.seen, at_least);
+  check_.loosest = std::max(check_.loosest, bound);
+  check_.largest = std::max(check_.largest, at.size);
   const double ratio = at_least == 0 ? 0 : at_least / bound;
   if (!check_.worst_entry.empty() && !(ratio > check_.ratio)) return;
   check_.ratio = ratio;

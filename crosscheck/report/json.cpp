@@ -53,8 +53,8 @@ Json toJson(const CheckResult& check) {
     json["worst_state"] = check.worst_state;
     putText(&json, "worst_entry", check.worst_entry);
     if (const std::optional<double> room = check.limitOverSeen()) {
-      json["seen"] = number(check.seen);
-      json["loosest_limit"] = number(check.loosest);
+      json["seen"] = number(check.seen / check.ulp());
+      json["loosest_limit"] = number(check.loosest / check.ulp());
       json["limit_over_seen"] = number(*room);
     }
     if (check.digits) json["digits"] = number(*check.digits);
@@ -113,8 +113,10 @@ Json toJson(const DigitsResult& digits) {
 }
 
 Json toJson(const Finding& finding) {
-  const bool loss = finding.kind == Finding::Kind::kKnownLoss;
-  Json json{{"kind", loss ? "known loss" : "disagreement"},
+  const char* kind = finding.kind == Finding::Kind::kKnownLoss   ? "known loss"
+                     : finding.kind == Finding::Kind::kOpenStart ? "open start"
+                                                                 : "disagreement";
+  Json json{{"kind", kind},
             {"scene", cleanText(finding.scene)},
             {"quantity", cleanText(finding.quantity)}};
   putText(&json, "witness", finding.witness);

@@ -21,12 +21,17 @@ constexpr double u = RunningError::kUnitRoundoff;
 constexpr double kProduct = 3 * u;       ///< a x b, a b: of |a| |b|
 constexpr double kTurn = 6 * u;          ///< R r: of |r|
 constexpr double kTurnInertia = 12 * u;  ///< R' I R: of |I|
-constexpr double kTurnTurn = 9 * u;      ///< R Q, an orientation from two
-constexpr double kQuarterTurns = 5 * u;  ///< of an orientation that is given by angles
 constexpr double kQuaternion = 26 * u;   ///< of an orientation that a quaternion gives, besides
-constexpr double kAxis = 19 * u;         ///< of a joint's axis
-constexpr double kOwnAxes =
-    2 * 3 * kTurnTurn;  ///< of an inertia in axes of its own, three turns: of |I|
+
+/// What depends on how orientations are kept.
+struct Turns {
+  explicit Turns(double matrices) : turn_turn(9 * u * matrices), quarter_turns(5 * u * matrices) {}
+
+  double turn_turn;                     ///< R Q, an orientation from two
+  double quarter_turns;                 ///< of an orientation that is given by angles
+  double axis = 10 * u + turn_turn;     ///< of a joint's axis
+  double own_axes = 2 * 3 * turn_turn;  ///< of an inertia in axes of its own, three turns: of |I|
+};
 
 /// How large something is, and how far an engine's number for it may be off.
 struct Size {
@@ -103,7 +108,7 @@ bool isIdentity(const Eigen::MatrixBase<Derived>& R) {
 }
 
 /// What is lost at a joint by turning: to multiply by an identity is exact.
-double turnOf(const scene::Joint& joint, const RunningErrorNumbers& number) {
+double turnOf(const scene::Joint& joint, const RunningErrorNumbers& number, const Turns& by) {
   const auto turns = [&](const std::vector<scene::Step>& steps) {
     return !isIdentity(recursive::detail::composed<RunningError>(steps, number).R);
   };
@@ -113,18 +118,18 @@ double turnOf(const scene::Joint& joint, const RunningErrorNumbers& number) {
                     (joint.kind != scene::JointKind::kFixed && !along_z ? 2 : 0);
   const bool moves =
       joint.kind != scene::JointKind::kFixed && joint.kind != scene::JointKind::kPrismatic;
-  return (given + (moves ? 1 : 0)) * kTurnTurn + (given > 0 ? kQuarterTurns : 0);
+  return (given + (moves ? 1 : 0)) * by.turn_turn + (given > 0 ? by.quarter_turns : 0);
 }
 
 /// Of the joint's axes: the rates of spherical and floating joints are turned into the engine's.
-double axisUncertainty(const Link& link, const Passage& here) {
-  return recursive::axisCount(link.kind) >= 3 ? std::max(kAxis, here.turn) : kAxis;
+double axisUncertainty(const Link& link, const Passage& here, const Turns& by) {
+  return recursive::axisCount(link.kind) >= 3 ? std::max(by.axis, here.turn) : by.axis;
 }
 
 }  // namespace
 
 struct EngineBound::Impl {
-  explicit Impl(const scene::Mechanism& mechanism);
+  Impl(const scene::Mechanism& mechanism, double matrices);
 
   void run(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd, Terms terms);
   void moveOutward(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd,
@@ -146,13 +151,15 @@ struct EngineBound::Impl {
   Eigen::VectorXd reactions() const;
   std::vector<Size> places() const;  ///< of the links in the world
 
+  Turns turns;
   Setup<RunningError> setup;
   std::vector<Body> bodies;  ///< one a link of the model
   std::vector<Passage> at;
 };
 
-EngineBound::Impl::Impl(const scene::Mechanism& mechanism)
-    : setup(recursive::buildModel(mechanism, RunningErrorNumbers(mechanism),
+EngineBound::Impl::Impl(const scene::Mechanism& mechanism, double matrices)
+    : turns(matrices),
+      setup(recursive::buildModel(mechanism, RunningErrorNumbers(mechanism),
                                   recursive::FixedJoints::kKept)),
       bodies(setup.model.links.size()),
       at(setup.model.links.size()) {
@@ -175,9 +182,9 @@ EngineBound::Impl::Impl(const scene::Mechanism& mechanism)
     body.I.error += kTurnInertia * body.I.size;
     const scene::Vector& rpy = mechanism.links[i].inertia.rpy;
     if (!(rpy[0].isLiteralZero() && rpy[1].isLiteralZero() && rpy[2].isLiteralZero()))
-      body.I.error += kOwnAxes * body.I.size;
+      body.I.error += turns.own_axes * body.I.size;
     // the parts of one joint are all of its orientations
-    const double turn = turnOf(mechanism.links[i].joint, number);
+    const double turn = turnOf(mechanism.links[i].joint, number, turns);
     const int inboard =
         mechanism.links[i].parent < 0 ? -1 : model.places[mechanism.links[i].parent].link;
     for (int part = carrier; part != inboard; part = model.links[part].parent)
@@ -198,7 +205,7 @@ EngineBound::Impl::Impl(const scene::Mechanism& mechanism)
     if (link.spin.value() == 0 || link.parent < 0) continue;
     const double gear = link.rotor.value() / link.spin.value(), J = link.spin.value() / gear;
     bodies[i].gear = {std::abs(gear), u * std::abs(gear)};
-    bodies[i].disc = {std::abs(J), (kTurnInertia + kOwnAxes) * std::abs(J)};
+    bodies[i].disc = {std::abs(J), (kTurnInertia + turns.own_axes) * std::abs(J)};
   }
 }
 
@@ -207,7 +214,7 @@ Pair EngineBound::Impl::throughJoint(const Link& link, const Passage& here,
                                      const Rates& rates) const {
   if (link.dof < 0) return {};
   const recursive::Motion<RunningError> motion = recursive::AnyJoints::motion(link, rates);
-  const double axis = axisUncertainty(link, here);
+  const double axis = axisUncertainty(link, here, turns);
   return {sizeOf(motion.linear).turned(axis), sizeOf(motion.angular).turned(axis)};
 }
 
@@ -245,7 +252,7 @@ void EngineBound::Impl::moveOutward(const scene::State<RunningError>& state, con
     here.lever = here.lever.turned(kTurn);
     if (recursive::axisCount(link.kind) == 1 && link.kind != scene::JointKind::kRevolute) {
       const Size slide = sizeOf(state.x[link.slot].q);
-      here.lever.error += kAxis * slide.size *
+      here.lever.error += turns.axis * slide.size *
                           (link.kind == scene::JointKind::kHelical ? sizeOf(link.pitch).size : 1);
     }
 
@@ -285,7 +292,7 @@ void EngineBound::Impl::spinRotor(std::size_t i, const Rates& qd, const Rates& q
   const Link& link = setup.model.links[i];
   const Body& body = bodies[i];
   const Passage& carrier = at[link.parent];
-  const Size axis{1, at[i].turn + kAxis};
+  const Size axis{1, at[i].turn + turns.axis};
   const Size spin = body.gear * sizeOf(qd[link.dof]) * axis;
   const Size w = carrier.v.angular + spin;
   const Size w_rate =
@@ -328,7 +335,7 @@ void EngineBound::Impl::loadInward(const Rates& qd, const Rates& qdd, Terms term
 /// Z_k' f
 Size EngineBound::Impl::jointForce(const Link& link, int k, const Passage& here) const {
   const recursive::Vector6<RunningError> Z = recursive::jointAxis(link, k);
-  const double uncertainty = axisUncertainty(link, here);
+  const double uncertainty = axisUncertainty(link, here, turns);
   const auto along = [&](Size axis, const Size& f) {
     axis.error += uncertainty * axis.size;
     return axis.size == 0 ? Size{} : axis * f;
@@ -385,7 +392,7 @@ Eigen::VectorXd EngineBound::Impl::accelerations(const scene::State<RunningError
   Eigen::VectorXd forces = jointForces(state, state.qd, setup.zeros(), Terms::all()) + of_M * size;
   for (int i = 0; i < n; ++i) {
     const Link& link = setup.model.links[setup.model.link_of_dof[i]];
-    const double turn = axisUncertainty(link, at[setup.model.link_of_dof[i]]);
+    const double turn = axisUncertainty(link, at[setup.model.link_of_dof[i]], turns);
     forces(i) +=
         state.tau[i].bound() + (2 * u + (recursive::axisCount(link.kind) >= 3 ? turn : 0)) *
                                    std::abs(state.tau[i].value());
@@ -434,7 +441,7 @@ std::vector<Size> EngineBound::Impl::places() const {
 /// V = -g' sum m p + sum k (q - rest)^2 / 2
 double EngineBound::Impl::potential(const scene::State<RunningError>& state) const {
   const std::vector<Size> place = places();
-  Size h_world = sizeOf(setup.model.base.h).turned(3 * kTurnTurn), springs;
+  Size h_world = sizeOf(setup.model.base.h).turned(3 * turns.turn_turn), springs;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Link& link = setup.model.links[i];
     h_world += bodies[i].m * place[i] + bodies[i].h.turned(at[i].turned);
@@ -470,7 +477,8 @@ Eigen::VectorXd EngineBound::Impl::reactions() const {
   return errors;
 }
 
-EngineBound::EngineBound(const scene::Mechanism& mechanism) : impl_(new Impl(mechanism)) {}
+EngineBound::EngineBound(const scene::Mechanism& mechanism, double matrices)
+    : impl_(new Impl(mechanism, matrices)) {}
 EngineBound::~EngineBound() = default;
 
 Eigen::MatrixXd EngineBound::operator()(Quantity quantity, const scene::State<double>& state) {

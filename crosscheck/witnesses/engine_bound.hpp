@@ -54,7 +54,9 @@ namespace dynwitness::crosscheck {
     entry, bounds qdd; there is no bound where M might be singular within its errors. */
 class EngineBound {
  public:
-  explicit EngineBound(const scene::Mechanism& mechanism);
+  /// @param matrices  what an orientation loses when it is made of two others, counted in what a
+  ///                  product of matrices loses
+  explicit EngineBound(const scene::Mechanism& mechanism, double matrices = 1);
   ~EngineBound();
 
   /// Shaped like the quantity. The state is exact, or carries bounds of its own.

@@ -190,8 +190,8 @@ class MujocoWitness : public Witness {
   MujocoWitness(const scene::Scene& scene, Inertias inertias)
       : name_(nameOf(inertias)),
         friction_(scene.mechanism),
-        bound_(scene.mechanism),
-        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns),
+        bound_(scene.mechanism, kQuaternion),
+        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns, kQuaternion),
         sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
     requirePlainJoints(scene.mechanism);
     requirePlainRotors(scene.mechanism);
@@ -220,12 +220,11 @@ class MujocoWitness : public Witness {
   bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
-    Answer out{value(quantity, state), kQuaternion * bound_(quantity, state)};
+    Answer out{value(quantity, state), bound_(quantity, state)};
     out.bound.array() += axisError(quantity, state);
     if (quantity == Quantity::kQdd) {
       const scene::State<double> answered = moving(state, out.value);
       solve_bound_.judge(state, bound_(Quantity::kTau, answered), out);
-      out.residual_bound *= kQuaternion;
       out.residual_bound.array() +=
           axisError(Quantity::kTau, answered) + massAxisError(state) * out.value.cwiseAbs().sum();
       if (compiled_) {

@@ -20,8 +20,8 @@ namespace dynwitness::crosscheck {
 /// (kWidestLimit).
 inline constexpr double kWideBound = 1024;
 inline constexpr int kManyResults = 64;
-/// The same of a residual, which has but n entries; and where M is computed on the way entry by entry, so
-/// that a pass goes over n times as much.
+/// The same of a residual, which has but n entries; and where M is computed on the way, entry by
+/// entry, so that a pass goes over n times as much.
 inline constexpr double kWideResidual = 64, kWideResidualOfProgram = 4 * kWideBound;
 
 inline bool isWide(const MatrixOf<RunningError>& bounded) {

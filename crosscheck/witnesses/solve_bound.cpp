@@ -27,7 +27,8 @@ recursive::Model<double> modelOf(const scene::Mechanism& mechanism, int turns) {
 
 }  // namespace
 
-SolveBound::SolveBound(const scene::Mechanism& mechanism, SolvedBy method, int turns)
+SolveBound::SolveBound(const scene::Mechanism& mechanism, SolvedBy method, int turns,
+                       double matrices)
     : model_(modelOf(mechanism, turns)),
       ws_(model_),
       method_(method),
@@ -35,7 +36,7 @@ SolveBound::SolveBound(const scene::Mechanism& mechanism, SolvedBy method, int t
       wrench_(inertia_) {
   for (std::size_t k = 0; k < model_.links.size(); ++k) {
     const bool by_quaternion = recursive::axisCount(model_.links[k].kind) >= 3;
-    const double orientation = by_quaternion ? kQuaternion : kOrientation;
+    const double orientation = matrices * (by_quaternion ? kQuaternion : kOrientation);
     inertia_(static_cast<Eigen::Index>(k)) =
         (3 * 24 + (3 * 6 + 2 * orientation) * turns) * kUnitRoundoff;
     wrench_(static_cast<Eigen::Index>(k)) = 2 * (9 + (6 + orientation) * turns) * kUnitRoundoff;

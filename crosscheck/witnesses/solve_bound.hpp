@@ -98,8 +98,9 @@ inline scene::State<double> moving(scene::State<double> state, const Eigen::Matr
     How much of these limits is used is measured in test_backward_error.cpp and written there. */
 class SolveBound {
  public:
-  /// @param turns  how often a joint is turned: 1 in our sweeps, 3 by an engine in other axes
-  SolveBound(const scene::Mechanism& mechanism, SolvedBy method, int turns);
+  /// @param turns     how often a joint is turned: 1 in our sweeps, 3 by an engine in other axes
+  /// @param matrices  what an orientation loses, counted in what one made by matrices does
+  SolveBound(const scene::Mechanism& mechanism, SolvedBy method, int turns, double matrices = 1);
 
   /// The elimination's part of the limit of r, entry by entry, for this qdd [N m, N].
   Eigen::VectorXd operator()(const scene::State<double>& state, const Eigen::VectorXd& qdd);
