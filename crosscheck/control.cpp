@@ -12,7 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/tables.hpp"
-#include "crosscheck/witnesses/sweep_witness.hpp"
+#include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "crosscheck/witnesses/witnesses.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -24,20 +25,31 @@ double sizeOf(int power) {
   return std::pow(10.0, -power);
 }
 
-/// Which sweep the control runs.
-struct ControlSweep {
-  static constexpr const char* kName = kControl;
-  static constexpr SolvedBy kSolvedBy = SolvedBy::kSweep;
-  static bool answers(Quantity) { return true; }
-  template <typename T>
-  static MatrixX<T> answer(Setup<T>& s, Quantity quantity, const scene::State<T>& state) {
-    return quantity == Quantity::kQdd ? ArticulatedBody::answer(s, quantity, state)
-                                      : NewtonEuler::answer(s, quantity, state);
-  }
-};
+/// Articulated bodies answer it, not Newton-Euler.
+bool isForward(Quantity quantity) {
+  return quantity == Quantity::kQdd;
+}
 
 /// The control at one size, as a witness that believes in its kilogram.
-using HeavyWitness = SweepWitness<ControlSweep>;
+class HeavyWitness : public Witness {
+ public:
+  explicit HeavyWitness(const scene::Scene& scene)
+      : inverse_(newtonEulerKind().make(scene)), forward_(articulatedBodyKind().make(scene)) {}
+
+  const std::string& name() const override { return name_; }
+  bool answers(Quantity) const override { return true; }
+  Answer answer(Quantity quantity, const scene::State<double>& state) override {
+    return sweep(quantity).answer(quantity, state);
+  }
+  Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
+    return sweep(quantity).value(quantity, state);
+  }
+
+ private:
+  Witness& sweep(Quantity quantity) { return isForward(quantity) ? *forward_ : *inverse_; }
+  std::string name_ = kControl;
+  std::unique_ptr<Witness> inverse_, forward_;
+};
 
 void addOnce(std::vector<std::string>& list, const std::string& text) {
   if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
@@ -204,8 +216,11 @@ std::vector<Control> ControlWitness::results() const {
 
 namespace {
 
-/// Which quantities are zero, or have no value, at a random point: there is nothing to be too
-/// heavy.
+std::vector<ExactWitness> sweepsInField(const scene::Scene& scene, const ExactOptions& options) {
+  return exactWitnesses(scene, options.parameters, {NewtonEuler::kName, ArticulatedBody::kName});
+}
+
+/// Which quantities are zero, or have no value, at a random point: there is nothing to be too heavy.
 std::map<std::string, std::string> nothingInField(const scene::Scene& scene,
                                                   const ExactOptions& options) {
   const PrimeField::Modulus modulus(drawPrime(scene.name, options.seed, 0));
@@ -214,21 +229,18 @@ std::map<std::string, std::string> nothingInField(const scene::Scene& scene,
   const scene::State<PrimeField> state =
       indeterminateState(scene.mechanism, source, options.parameters);
   std::map<std::string, std::string> nothing;
-  try {
-    Setup<PrimeField> setup(scene.mechanism, number);
+  for (const ExactWitness& sweep : sweepsInField(scene, options)) {
     for (const Quantity quantity : kAllQuantities) {
-      try {
-        const MatrixX<PrimeField> value = ControlSweep::answer(setup, quantity, state);
-        bool is_zero = true;
-        for (Eigen::Index k = 0; k < value.size(); ++k)
-          is_zero = is_zero && value.data()[k].isZero();
+      if (isForward(quantity) != (sweep.name == ArticulatedBody::kName)) continue;
+      try {  // the prime may divide a number of the scene, too
+        const MatrixOf<PrimeField> value = sweep.in_field(number)(quantity, state);
+        const bool is_zero = std::all_of(value.data(), value.data() + value.size(),
+                                         [](const PrimeField& x) { return x.isZero(); });
         if (is_zero) nothing[name(quantity)] = "is zero";
       } catch (const DivisionByZero& error) {
         nothing[name(quantity)] = error.what();
       }
     }
-  } catch (const DivisionByZero& error) {  // the prime divides a number of the scene
-    for (const Quantity quantity : kAllQuantities) nothing[name(quantity)] = error.what();
   }
   return nothing;
 }
@@ -237,13 +249,14 @@ std::map<std::string, std::string> nothingInField(const scene::Scene& scene,
 
 std::vector<Control> controlInField(const scene::Scene& scene, const ExactOptions& options) {
   const std::map<std::string, std::string> nothing = nothingInField(scene, options);
-  const auto as_it_is = [](auto&, const auto&) {};
-  const std::vector<ExactWitness> witnesses = {
-      sweepWitness<NewtonEuler>(scene, as_it_is), sweepWitness<ArticulatedBody>(scene, as_it_is),
-      sweepWitness<ControlSweep>(heavier(scene, kUsualPower), as_it_is)};
+  std::vector<ExactWitness> witnesses = sweepsInField(scene, options);
+  for (ExactWitness& heavy : sweepsInField(heavier(scene, kUsualPower), options)) {
+    heavy.name = kControl;
+    witnesses.push_back(std::move(heavy));
+  }
   std::vector<Control> controls;
   for (const CheckResult& check : compareExactly(scene, witnesses, options)) {
-    if (check.right != kControl) continue;
+    if (check.right != kControl || check.left == kControl) continue;
     Control control;
     control.quantity = check.quantity;
     if (const auto it = nothing.find(check.quantity); it != nothing.end()) {

@@ -96,7 +96,7 @@ void Progress::watch() {
                        std::string(kWidth - filled, '.'), name_, status()));
       shown_ = true;
     } else if (Clock::now() >= next || (!estimated && fraction > 0)) {
-      show(fmt::format("{}: {}\n", name_, status()));
+      show(fmt::format("{}{}{}\n", name_, name_.empty() ? "" : ": ", status()));
       estimated = fraction > 0;
       next = Clock::now() + milliseconds(kBetweenLines_s);
     }
