@@ -15,8 +15,8 @@
 namespace dynwitness::crosscheck {
 
 struct CampaignOptions {
-  /// When it names no witnesses: all but kernels, whose making takes ten times as long as all other
-  /// checks together.
+  /// If it names no witnesses, all are asked but kernels, whose making takes ten times as long as
+  /// all other checks together.
   ExactOptions exact;
   std::vector<WitnessKind> in_double = {};  ///< asked in double; empty: nothing is
   int states = 3;                           ///< seeded states a mechanism, in double

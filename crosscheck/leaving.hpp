@@ -32,12 +32,11 @@ class SignalsHeld {
   sigset_t before_;
 };
 
-/// Asks a copy of this process to end, and waits for it; after two seconds it is killed. @return
-/// its status
+/// Asks a copy of this process to end, and waits for it; after two seconds it is killed.
+/// @return its status
 int endCopy(pid_t copy);
 
-/// A child (or, with a minus sign, a process group) that a signal to this process sends this signal
-/// to.
+/// A child (or a process group, with a minus sign) that gets this signal when one ends this process.
 class EndsWithUs {
  public:
   EndsWithUs() = default;

@@ -21,8 +21,8 @@ int availableProcessors();
     @return           what the tasks returned, by index
     @throws scene::InputError   what a task threw
     @throws std::runtime_error  the message of anything else that a task threw, or which task a copy
-      was at when it died. The other copies are stopped then, and when this
-                                process ends by a signal, KILL too. */
+                                was at when it died. The other copies are stopped then, and when
+                                this process ends by a signal, KILL too. */
 std::vector<std::string> inProcesses(int processes, int count,
                                      const std::function<std::string(int)>& work,
                                      const std::function<void(int)>& done = {});

@@ -13,7 +13,7 @@
 #include "crosscheck/exact/shared_subtrees.hpp"
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/report/files.hpp"
-#include "recursive/build_model.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/derivation.hpp"
 #include "symbolic/print.hpp"

@@ -4,7 +4,7 @@
 #include "crosscheck/features.hpp"
 #include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/studies/kinetic_metric.hpp"
-#include "recursive/articulated_body.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {

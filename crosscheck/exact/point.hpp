@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/constraints.hpp"
-#include "recursive/energy.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {

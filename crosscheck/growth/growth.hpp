@@ -50,8 +50,8 @@ struct GrowthOptions {
 /// Powers of four from 1 on below the largest, and that.
 std::vector<int> growthSizes(int most_links);
 
-/** At growthSizes(options.most_links): chain_N and tree_N of
-    scene/families.hpp at their first seeded state.
+/** At growthSizes(options.most_links): chain_N and tree_N of scene/families.hpp at their first
+    seeded state.
 
     Every measurement runs in a process of its own: its memory is its own, and an engine that dies
     does so alone. Ours are "fast" (recursive/fast/) and "textbook" (recursive/); neither forms M,

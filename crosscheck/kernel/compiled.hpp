@@ -69,8 +69,7 @@ inline constexpr double kMostCompileSeconds = 20;
     What has just been compiled is tried in a copy of this process before it is loaded or kept: it
     may be rubbish.
     @throws CannotCompile  the compiler cannot be run, refuses the source, does not end, or writes
-      what cannot be
-                           loaded or fails the trial; with its first lines */
+                           what cannot be loaded or fails the trial; with its first lines */
 std::vector<std::shared_ptr<SharedObject>> compileAndLoad(const std::vector<std::string>& sources,
                                                           const CompileOptions& options,
                                                           const Trial& trial = {});

@@ -23,8 +23,7 @@ int chosenLanes();
     kept) whose bits show whether sums are reordered, products fused with sums, divisions done by
     reciprocals, or small numbers flushed to zero.
     @throws CannotCompile  there is none, or what it makes does not compute as written; asked once,
-      the answer
-                           stays the same for the same compiler */
+                           the answer stays the same for the same compiler */
 void requireCompiler();
 
 struct KernelOptions {
@@ -45,8 +44,7 @@ struct KernelOptions {
 class Kernel {
  public:
   /// @throws CannotCompile (compiled.hpp) where there is no compiler or no cache folder; NotUsed
-  /// when no
-  ///         formula has code; and what else smallestRoad() throws
+  ///         when no formula has code; and what else smallestRoad() throws
   explicit Kernel(const scene::Mechanism& mechanism, const KernelOptions& options = {});
 
   int dof() const { return dof_; }

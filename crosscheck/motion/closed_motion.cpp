@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include "recursive/energy.hpp"
-#include "recursive/newton_euler.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/motion.hpp"
 
 namespace dynwitness::crosscheck {

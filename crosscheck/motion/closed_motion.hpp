@@ -17,8 +17,10 @@ namespace dynwitness::crosscheck {
     accelerations are those of their motions at that time. With indices f of the free and p of the
     driven degrees of freedom
 
-        M_ff qdd_f = (Q - bias)_f + J_f' lambda,   J_f qdd_f = -gamma - J_p qdd_p  bias at qdd_f = 0
+        M_ff qdd_f = (Q - bias)_f + J_f' lambda,   J_f qdd_f = -gamma - J_p qdd_p
         tau_p = (M qdd + bias - Q)_p - J_p' lambda                              what the drives take
+
+    (the bias being that at qdd_f = 0).
 
     so that the inertia that a drive moves need not be known. J qd, with all of qd, is dphi/dt. */
 class ClosedMotion {

@@ -17,9 +17,7 @@
 #include "crosscheck/arithmetic/rounded_state.hpp"
 #include "crosscheck/features.hpp"
 #include "crosscheck/motion/method_named.hpp"
-#include "recursive/articulated_body.hpp"
-#include "recursive/build_model.hpp"
-#include "recursive/energy.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {

@@ -26,8 +26,7 @@ std::vector<std::pair<std::string, int>> driftMethods();
     added. A path ends where it leaves the numbers; its `worst` is not finite then.
     @return without paths where M is singular at the start state, so that no motion follows
     @throws scene::InputError for an unknown method, a step that is not positive, and what
-      Command::kDrift
-            refuses: scenes whose energy is not constant, or jumps */
+            Command::kDrift refuses: scenes whose energy is not constant, or jumps */
 Drift measureDrift(const scene::Scene& scene, const DriftOptions& options);
 
 /// Why a Drift has no paths.

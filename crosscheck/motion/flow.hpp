@@ -7,10 +7,7 @@
 #include <vector>
 
 #include "crosscheck/exact/lifted.hpp"
-#include "recursive/articulated_body.hpp"
-#include "recursive/composite_body.hpp"
-#include "recursive/energy.hpp"
-#include "recursive/newton_euler.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::crosscheck {
 

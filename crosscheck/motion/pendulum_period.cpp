@@ -6,10 +6,7 @@
 #include <stdexcept>
 
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
-
-#include "recursive/articulated_body.hpp"
-#include "recursive/build_model.hpp"
-#include "recursive/newton_euler.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::crosscheck {
 

@@ -19,11 +19,11 @@ namespace dynwitness::crosscheck {
 enum class Stabilisation { kNone, kBaumgarte, kProjection };
 
 /** Which form of the constraints is solved for, together with M qdd = .. + J' lambda:
-      kIndex1   phi'' = 0:  multipliers and accelerations follow at once; phi and phi' drift kIndex2
-      phi' = 0;   phi drifts linearly kIndex3   phi = 0;    phi' = 0 holds as well as the
-      integrator's rates do kGgl      phi = 0 and phi' = 0, with q' = qd - J' mu: index 2 (Gear,
-      Leimkuhler and Gupta); mu is
-                as small as the error
+      kIndex1   phi'' = 0:  multipliers and accelerations follow at once; phi and phi' drift
+      kIndex2   phi' = 0;   phi drifts linearly
+      kIndex3   phi = 0;    phi' = 0 holds as well as the integrator's rates do
+      kGgl      phi = 0 and phi' = 0, with q' = qd - J' mu: index 2 (Gear, Leimkuhler and Gupta);
+                mu is as small as the error
     All but the first need an implicit method. */
 enum class Formulation { kIndex1, kIndex2, kIndex3, kGgl };
 

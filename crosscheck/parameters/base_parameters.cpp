@@ -12,7 +12,7 @@
 #include "crosscheck/arithmetic/prime_field.hpp"
 #include "crosscheck/exact/degree.hpp"
 #include "crosscheck/parameters/certified_solve.hpp"
-#include "recursive/composite_body.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/regressor.hpp"
 #include "scene/work.hpp"
 #include "symbolic/program.hpp"

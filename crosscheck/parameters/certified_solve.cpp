@@ -8,7 +8,7 @@
 
 #include "crosscheck/arithmetic/ball.hpp"
 #include "crosscheck/states.hpp"
-#include "recursive/composite_body.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/regressor.hpp"
 #include "scene/work.hpp"
 

@@ -5,9 +5,7 @@
 #include <vector>
 
 #include "crosscheck/arithmetic/dual.hpp"
-#include "recursive/build_model.hpp"
-#include "recursive/composite_body.hpp"
-#include "recursive/newton_euler.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::crosscheck {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "recursive/articulated_body.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/factorization.hpp"
 
 namespace dynwitness::crosscheck {
@@ -26,8 +26,8 @@ namespace dynwitness::crosscheck {
 
     @param ws  holds X_up, v and c, as forwardDynamics() left them
     @return  [M_A f_A] of all links, one below the other [6 links x 7]; division by zero where H_uu
-      is
-             singular. H_uu is a mass matrix: where it is positive definite, stationary is least. */
+             is singular. H_uu is a mass matrix: where it is positive definite, stationary is least.
+             */
 template <typename T>
 recursive::MatrixX<T> leastGauss(const recursive::Model<T>& model,
                                  const std::vector<scene::JointPosition<T>>& x,

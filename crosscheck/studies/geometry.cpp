@@ -9,7 +9,7 @@
 #include "crosscheck/features.hpp"
 #include "crosscheck/studies/kinetic_metric.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
-#include "recursive/build_model.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {

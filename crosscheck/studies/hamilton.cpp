@@ -15,7 +15,7 @@
 #include "crosscheck/features.hpp"
 #include "crosscheck/motion/flow.hpp"
 #include "crosscheck/states.hpp"
-#include "recursive/build_model.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {

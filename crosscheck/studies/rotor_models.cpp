@@ -5,8 +5,7 @@
 #include <cmath>
 
 #include "crosscheck/states.hpp"
-#include "recursive/build_model.hpp"
-#include "recursive/newton_euler.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/mimic.hpp"
 
 namespace dynwitness::crosscheck {

@@ -12,8 +12,8 @@ namespace dynwitness::crosscheck {
 /** The state in each lane in turn, other states beside it. What two lanes do not agree on, bit for
     bit, is no number, for the comparisons to find.
 
-    @param run      called as run(q, qd, w, out, count): `count` states, entry i of state k at [i
-      count + k]
+    @param run      called as run(q, qd, w, out, count): `count` states, entry i of state k at
+                    [i * count + k]
     @param lanes    of a vector; two whole blocks of them are asked for, and a rest
     @param outputs  numbers that a state gives */
 template <typename Run>

@@ -3,11 +3,11 @@
 // same sweeps on RunningError.
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/sharp_bounds.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
-#include "recursive/build_model.hpp"
 #include "recursive/fast/dynamics.hpp"
 
 namespace dynwitness::crosscheck {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The fast sweeps over the prime field and in degrees. Compiled without much optimisation: all of a
 // sweep is inlined, which takes a compiler minutes for a scalar that is no double.
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
-#include "recursive/build_model.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {

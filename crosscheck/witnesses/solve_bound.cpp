@@ -3,10 +3,7 @@
 
 #include <cmath>
 #include <limits>
-
-#include "recursive/build_model.hpp"
-#include "recursive/composite_body.hpp"
-#include "recursive/newton_euler.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {

@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "crosscheck/witnesses/bounded_answer.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/solved_by.hpp"
-#include "recursive/articulated_body.hpp"
-#include "recursive/build_model.hpp"
-#include "recursive/composite_body.hpp"
-#include "recursive/energy.hpp"
 #include "recursive/factorization.hpp"
-#include "recursive/newton_euler.hpp"
-#include "recursive/reactions.hpp"
 
 namespace dynwitness::crosscheck {
 
