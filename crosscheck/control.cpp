@@ -220,7 +220,7 @@ std::vector<ExactWitness> sweepsInField(const scene::Scene& scene, const ExactOp
   return exactWitnesses(scene, options.parameters, {NewtonEuler::kName, ArticulatedBody::kName});
 }
 
-/// Which quantities are zero, or have no value, at a random point: there is nothing to be too heavy.
+/// Which quantities are zero, or have no value, at a random point: nothing to be too heavy there.
 std::map<std::string, std::string> nothingInField(const scene::Scene& scene,
                                                   const ExactOptions& options) {
   const PrimeField::Modulus modulus(drawPrime(scene.name, options.seed, 0));

@@ -36,7 +36,7 @@ class SignalsHeld {
 /// @return its status
 int endCopy(pid_t copy);
 
-/// A child (or a process group, with a minus sign) that gets this signal when one ends this process.
+/// A child (or a process group, with a minus sign) that gets `signal` when one ends this process.
 class EndsWithUs {
  public:
   EndsWithUs() = default;

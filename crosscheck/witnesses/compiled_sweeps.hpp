@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The sweeps on the scalars of the crosscheck: compiled once each, in compiled_sweeps_*.cpp, and not
+// The sweeps on the scalars of the crosscheck: compiled once each (compiled_sweeps_*.cpp), and not
 // again in every file that runs them. What is not listed here is compiled where it is used.
 #pragma once
 
