@@ -22,6 +22,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
@@ -210,7 +211,7 @@ class MujocoWitness : public Witness {
     for (const scene::Link& link : mechanism.links) findLink(link, number);
     for (std::size_t i = 0; i < bodies.size(); ++i)
       if (!was_read[i] && links_[i] != 0) setBody(links_[i], bodies[i]);
-    if (inertias == Inertias::kAsWritten) prepareLoss(mechanism, bodies, was_read);
+    if (inertias == Inertias::kAsWritten) prepareLoss(scene, bodies, was_read);
     setPhysics(mechanism, number);
     data_.reset(mj_makeData(model_.get()));
     mj_setConst(model_.get(), data_.get());  // derived numbers, after the changes
@@ -361,8 +362,9 @@ class MujocoWitness : public Witness {
 
   /** The mechanism with the inertias that MuJoCo's compiler made of the written ones. A difference
       that its stopping rule explains is accepted; one that it does not is left to be found. */
-  void prepareLoss(const scene::Mechanism& mechanism, const std::vector<Body>& bodies,
+  void prepareLoss(const scene::Scene& scene, const std::vector<Body>& bodies,
                    const std::vector<bool>& was_read) {
+    const scene::Mechanism& mechanism = scene.mechanism;
     scene::Mechanism compiled = mechanism;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const int id = links_[i];
@@ -381,23 +383,23 @@ class MujocoWitness : public Witness {
       const Matrix3d I = R * moments.asDiagonal() * R.transpose();
       compiled.links[i].inertia = inertiaAs(mechanism.links[i].inertia, I, Vector3d::Zero());
     }
-    const auto setup = [](const scene::Mechanism& m) {
-      return std::make_unique<Setup<RunningError>>(
-          recursive::buildModel(m, RunningErrorNumbers(m)));
+    const auto sweeps = [&scene](const scene::Mechanism& m) {
+      scene::Scene with = scene;
+      with.mechanism = m;
+      return Sweeps{newtonEulerKind().make(with), articulatedBodyKind().make(with)};
     };
-    written_ = setup(mechanism);
-    compiled_ = setup(compiled);
+    written_ = sweeps(mechanism);
+    compiled_ = sweeps(compiled);
   }
 
   /// How far the compiled inertias move the answer, with the error of finding out.
   Eigen::MatrixXd loss(Quantity quantity, const scene::State<double>& state) {
-    const scene::State<RunningError> bounded = runningErrorState(state);
-    const auto by = [&](Setup<RunningError>& setup) {
-      return quantity == Quantity::kQdd ? ArticulatedBody::answer(setup, quantity, bounded)
-                                        : NewtonEuler::answer(setup, quantity, bounded);
+    const auto by = [&](Sweeps& sweeps) {
+      Witness& sweep = quantity == Quantity::kQdd ? *sweeps.forward : *sweeps.inverse;
+      return sweep.answer(quantity, state);
     };
-    const MatrixX<RunningError> moved = by(*compiled_) - by(*written_);
-    return moved.unaryExpr([](const RunningError& x) { return std::abs(x.value()) + x.bound(); });
+    const Answer compiled = by(*compiled_), written = by(*written_);
+    return (compiled.value - written.value).cwiseAbs() + compiled.bound + written.bound;
   }
 
   void setMotion(const scene::State<double>& state, bool moving) {
@@ -506,8 +508,11 @@ class MujocoWitness : public Witness {
   JointFriction friction_;
   EngineBound bound_;
   SolveBound solve_bound_;
-  Setup<double> sweep_;                                      ///< for axisError()
-  std::unique_ptr<Setup<RunningError>> written_, compiled_;  ///< of `mujoco` only
+  Setup<double> sweep_;  ///< for axisError()
+  struct Sweeps {
+    std::unique_ptr<Witness> inverse, forward;
+  };
+  std::optional<Sweeps> written_, compiled_;  ///< of `mujoco` only
   Owned<mjModel> model_;
   Owned<mjData> data_;
   Vector3d gravity_ = Vector3d::Zero();
