@@ -20,7 +20,7 @@ Graph::Graph() {
 
 Node Graph::intern(Op op, int joint, int a, int b, bool depends_on_state) {
   const Key key{static_cast<int>(op) + 16 * joint, a, b};
-  const auto [it, is_new] = index_.emplace(key, size());
+  const auto [it, is_new] = index_.try_emplace(key, size());
   if (is_new) entries_.push_back({op, depends_on_state, joint, a, b});
   return {it->second};
 }
@@ -32,7 +32,7 @@ Node Graph::operation(Op op, Node a, Node b, int joint) {
 }
 
 Node Graph::constant(const Rational& value) {
-  const auto [it, is_new] = constant_index_.emplace(value, static_cast<int>(constants_.size()));
+  const auto [it, is_new] = constant_index_.try_emplace(value, static_cast<int>(constants_.size()));
   if (is_new) constants_.push_back(value);
   return intern(Op::kConstant, 0, it->second, 0, false);
 }

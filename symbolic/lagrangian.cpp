@@ -1014,6 +1014,27 @@ void formCoriolisAndGravity(Lagrangian& lagrangian, Equations& e) {
   formForces(lagrangian, e);
 }
 
+/// Pairs of a rate and one inboard of it or the same.
+double massEntries(const std::vector<Body>& bodies) {
+  double entries = 0;
+  std::vector<int> rates_inboard;
+  for (const Body& body : bodies) {
+    rates_inboard.push_back(body.rates() + (body.parent < 0 ? 0 : rates_inboard[body.parent]));
+    entries += body.rates() * rates_inboard.back();
+  }
+  return entries;
+}
+
+/// Before anything is derived.
+void requireMassMatrixFits(const Lagrangian& lagrangian) {
+  const double entries = massEntries(lagrangian.bodies());
+  if (entries > kMostMassEntries)
+    throw scene::InputError(
+        {}, fmt::format("M has {:.0f} entries to derive on and above its diagonal, {:.1f} GB of "
+                        "operations; allowed: {:.0f}, such as those of a chain of 400 joints",
+                        entries, entries * kBytesOfMassEntry / 1e9, kMostMassEntries));
+}
+
 void formMassMatrix(Lagrangian& lagrangian, Equations& e) {
   Graph& graph = e.graph;
   const std::vector<Body>& bodies = lagrangian.bodies();
@@ -1022,18 +1043,7 @@ void formMassMatrix(Lagrangian& lagrangian, Equations& e) {
   for (std::size_t b = 0; b < bodies.size(); ++b)
     for (int k = 0; k < bodies[b].rates(); ++k)
       bodies_of_rate[bodies[b].rate + k].push_back(static_cast<int>(b));
-  // pairs of a rate and one inboard of it or the same
-  double entries = 0;
-  std::vector<int> rates_inboard;
-  for (const Body& body : bodies) {
-    rates_inboard.push_back(body.rates() + (body.parent < 0 ? 0 : rates_inboard[body.parent]));
-    entries += body.rates() * rates_inboard.back();
-  }
-  if (entries > kMostMassEntries)
-    throw scene::InputError(
-        {}, fmt::format("M has {:.0f} entries to derive on and above its diagonal, {:.1f} GB of "
-                        "operations; allowed: {:.0f}, such as those of a chain of 400 joints",
-                        entries, entries * kBytesOfMassEntry / 1e9, kMostMassEntries));
+  const double entries = massEntries(bodies);
   std::vector<Variable> qd;
   for (int i = 0; i < n; ++i) qd.push_back({Input::kVelocity, i});
 
@@ -1066,6 +1076,14 @@ void formMassMatrix(Lagrangian& lagrangian, Equations& e) {
 
 }  // namespace
 
+Equations deriveGravity(const scene::Mechanism& mechanism, const Options& options) {
+  Equations e;
+  Lagrangian lagrangian(mechanism, options, &e.graph);
+  formEnergies(mechanism, lagrangian, e);
+  e.g = positionGradient(e, e.potential);
+  return e;
+}
+
 Equations deriveForces(const scene::Mechanism& mechanism, const Options& options) {
   Equations e;
   Lagrangian lagrangian(mechanism, options, &e.graph);
@@ -1076,12 +1094,14 @@ Equations deriveForces(const scene::Mechanism& mechanism, const Options& options
 
 void addMassMatrix(const scene::Mechanism& mechanism, const Options& options, Equations& e) {
   Lagrangian lagrangian(mechanism, options, &e.graph);  // finds the nodes that it made before
+  requireMassMatrixFits(lagrangian);
   formMassMatrix(lagrangian, e);
 }
 
 Equations derive(const scene::Mechanism& mechanism, const Options& options) {
   Equations e;
   Lagrangian lagrangian(mechanism, options, &e.graph);
+  requireMassMatrixFits(lagrangian);
   formEnergies(mechanism, lagrangian, e);
   formCoriolisAndGravity(lagrangian, e);
   formMassMatrix(lagrangian, e);

@@ -23,6 +23,7 @@ WIDER = {
     # at state 87 the bob is 4 mm from the pivot: M qdd sums 3e5 m/s^2 that cancel in the spring's force
     ("elastic_pendulum", "qdd", "simbody"): 3e4,
     ("elastic_pendulum", "qdd", "kdl"): 3e4,
+    ("elastic_pendulum", "qdd", "dart"): 3e4,
     # forces in world axes about the centre of mass, orientations as quaternions
     ("elastic_pendulum", "qdd", "mujoco"): 3e5,
     ("elastic_pendulum", "qdd", "mujoco_principal"): 3e5,

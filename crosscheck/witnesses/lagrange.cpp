@@ -47,6 +47,9 @@ const symbolic::Program& DerivedPrograms::operator[](Quantity quantity) const {
   if (quantity == Quantity::kReactions) {
     const symbolic::Reactions cut = symbolic::reactions(mechanism_, options_);
     program = symbolic::compile(cut.graph, cut.lambda);
+  } else if (quantity == Quantity::kg && !equations_) {  // nobody has asked for more
+    const symbolic::Equations g = symbolic::deriveGravity(mechanism_, options_);
+    program = symbolic::compile(g.graph, g.g);
   } else {
     const std::vector<symbolic::Node> nodes = outputs(quantity);
     program = symbolic::compile(equations_->graph, nodes);
