@@ -985,7 +985,6 @@ void formEnergies(const scene::Mechanism& mechanism, Lagrangian& lagrangian, Equ
     e.link_kinetic.push_back(share.node);
     e.kinetic = graph.add(e.kinetic, share.node);
   }
-  for (const Value& share : lagrangian.potentialByBody()) e.link_potential.push_back(share.node);
   e.potential = lagrangian.potential().node;
   e.p = graph.gradient(e.kinetic, qd);  // (1)
 }
@@ -1103,6 +1102,8 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
   Lagrangian lagrangian(mechanism, options, &e.graph);
   requireMassMatrixFits(lagrangian);
   formEnergies(mechanism, lagrangian, e);
+  // link by link from the world, O(n depth): for readers
+  for (const Value& share : lagrangian.potentialByBody()) e.link_potential.push_back(share.node);
   formCoriolisAndGravity(lagrangian, e);
   formMassMatrix(lagrangian, e);
   return e;
