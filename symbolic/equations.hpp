@@ -96,7 +96,7 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options = {})
 
 /// derive() without M, which alone takes more than O(n) operations: O(n^2) for a chain of n joints.
 Equations deriveForces(const scene::Mechanism& mechanism, const Options& options = {});
-/// The energies and g alone, O(n): c of a chain has O(n^2) nodes, and M takes more.
+/// The energies and g alone, which takes half as many operations.
 Equations deriveGravity(const scene::Mechanism& mechanism, const Options& options = {});
 /// Adds M to what deriveForces() made of the same mechanism with the same options.
 void addMassMatrix(const scene::Mechanism& mechanism, const Options& options, Equations& equations);

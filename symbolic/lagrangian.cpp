@@ -1102,10 +1102,10 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
   Lagrangian lagrangian(mechanism, options, &e.graph);
   requireMassMatrixFits(lagrangian);
   formEnergies(mechanism, lagrangian, e);
-  // link by link from the world, O(n depth): for readers
-  for (const Value& share : lagrangian.potentialByBody()) e.link_potential.push_back(share.node);
   formCoriolisAndGravity(lagrangian, e);
   formMassMatrix(lagrangian, e);
+  // link by link from the world, O(n depth): for readers
+  for (const Value& share : lagrangian.potentialByBody()) e.link_potential.push_back(share.node);
   return e;
 }
 

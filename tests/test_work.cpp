@@ -85,9 +85,9 @@ BOOST_AUTO_TEST_CASE(only_what_is_asked_is_derived) {
   const auto nodes_with_M = [](int n) {
     return symbolic::derive(scene::chainOf(n).mechanism).graph.size();
   };
-  // M takes four times as many of twice the joints; c and g measured 3.54 times (49963 and 176761
+  // M takes four times as many of twice the joints; c and g measured 2.03 times (13385 and 27213
   // nodes)
-  BOOST_TEST(nodes(80) < 3.6 * nodes(40));
+  BOOST_TEST(nodes(80) < 2.1 * nodes(40));
   BOOST_TEST(nodes_with_M(80) - nodes(80) > 3.5 * (nodes_with_M(40) - nodes(40)));
 
   // M added later is M derived at once
@@ -96,7 +96,7 @@ BOOST_AUTO_TEST_CASE(only_what_is_asked_is_derived) {
   BOOST_TEST(later.M.empty());
   symbolic::addMassMatrix(mechanism, {}, later);
   const symbolic::Equations at_once = symbolic::derive(mechanism);
-  BOOST_TEST(later.graph.size() == at_once.graph.size());
+  BOOST_TEST(later.graph.size() < at_once.graph.size());  // which has V link by link as well
   BOOST_TEST((later.M == at_once.M));
 }
 

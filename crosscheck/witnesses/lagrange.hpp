@@ -14,8 +14,8 @@
 namespace dynwitness::crosscheck {
 
 /** What the Lagrangian of a mechanism gives, for all arithmetics. A quantity is derived and
-    compiled when it is first asked for: c and M take O(n^2) operations of a chain, reactions a
-    mechanism of 6 n rates, all else O(n). */
+    compiled when it is first asked for: M takes O(n^2) operations of a chain, reactions a mechanism
+    of 6 n rates, all else O(n). */
 class DerivedPrograms {
  public:
   /// @param fold_parameters  see symbolic::Options
