@@ -284,7 +284,7 @@ void putVerdict(std::string* page, const CrosscheckResult& result, const Environ
       badge(result.controlMissed() ? Verdict::kDisagree : Verdict::kAgree,
             result.controlMissed() ? "control missed" : "control") +
           " ",
-      esc(result.controlLine()));
+      esc(result.controlLine().substr(std::string("control: ").size())));  // the badge says it
 }
 
 void putDisagreements(std::string* page, const CrosscheckResult& result,
