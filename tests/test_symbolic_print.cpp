@@ -257,7 +257,6 @@ BOOST_DATA_TEST_CASE(c_computes_what_the_program_computes,
 BOOST_DATA_TEST_CASE(python_computes_what_the_program_computes, data::make(sceneNames()), file) {
   const scene::Mechanism m = scene::readScene(file).mechanism;
   const Equations e = derive(m);
-  const int n = e.dof();
   const Folder folder;
   const DoubleState s = randomState(m, 3);
   const auto list = [](const std::vector<double>& v) {
