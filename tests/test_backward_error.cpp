@@ -16,6 +16,7 @@
 #include "crosscheck/digits/backward_error.hpp"
 #include "crosscheck/digits/digits.hpp"
 #include "crosscheck/states.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -111,6 +112,40 @@ BOOST_AUTO_TEST_CASE(the_condition_of_m_does_not_depend_on_units) {
   const Eigen::MatrixXd M = CompositeBody::answer(setup, Quantity::kM, state);
   const double r = std::abs(M(0, 1)) / std::sqrt(M(0, 0) * M(1, 1));
   BOOST_TEST(backward_error.condition() == (1 + r) / (1 - r), boost::test_tools::tolerance(1e-10));
+}
+
+// A slide without mass outboard, driven by a gyroscopic rotor: by hand, M = [J_b + n^2 J_1, n J; n J,
+// n^2 J], and n J is all that couples them. It is rounded, so its bound cannot be zero.
+BOOST_AUTO_TEST_CASE(what_a_gyroscopic_rotor_couples_has_a_bound) {
+  const scene::Scene scene = scene::readSceneToml(R"(
+[[link]]
+name = "world"
+[[link]]
+name = "arm"
+parent = "world"
+inertia = { xx = 0.1, yy = 0.1, zz = 0.7 }
+[link.joint]
+kind = "revolute"
+[[link]]
+name = "slide"
+parent = "arm"
+[link.joint]
+kind = "prismatic"
+rpy = [0.3, 0, 0]
+rotor_inertia = 0.01
+gear_ratio = 30
+gyroscopic = true
+)",
+                                                  "slide.toml");
+  const scene::State<double> state = drawState(scene.mechanism, scene.name, 1, 0);
+  SolveBound bound(scene.mechanism, SolvedBy::kSweep, 1);
+  const Eigen::MatrixXd of_M = bound.massMatrix(state);
+  const double coupling = 30 * 0.01 * std::cos(0.3);
+  BOOST_TEST(of_M(0, 1) == of_M(1, 0));
+  BOOST_TEST(of_M(0, 1) > 1e-16 * coupling);
+  BOOST_TEST(of_M(0, 1) < 1e-13 * coupling);
+  const Eigen::VectorXd of_residual = bound(state, Eigen::Vector2d(0, 1));
+  BOOST_TEST(of_residual(0) > 1e-16 * coupling);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

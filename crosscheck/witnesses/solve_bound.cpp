@@ -82,6 +82,7 @@ void SolveBound::measure(const scene::State<double>& state, const std::vector<do
       }
     }
     N_.row(k) = a_(k) * V_.row(k) + (c_(k) + 2 * p_(k) * a_(k)) * W_.row(k);  // (4)
+    if (link.spin != 0) N_(k, link.dof) += std::sqrt(link.rotor);
   }
 }
 
@@ -102,6 +103,7 @@ VectorXd SolveBound::operator()(const scene::State<double>& state, const VectorX
       const double angular =
           2 * (joint.angular.norm() + bias.angular.norm()) + ws_.a[k].angular.norm();
       E(k) = a_(k) * linear + (c_(k) + 2 * p_(k) * a_(k)) * angular;  // (5)
+      if (link.spin != 0) E(k) += std::sqrt(link.rotor) * std::abs(rates[link.dof]);
       force(k) = ws_.f[k].force.norm();
       moment(k) = ws_.f[k].moment.norm() + 2 * p_(k) * force(k);
     }

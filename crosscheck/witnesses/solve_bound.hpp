@@ -93,7 +93,8 @@ inline scene::State<double> moving(scene::State<double> state, const Eigen::Matr
                     N_jj (a_j |v_mi| + (c_j + (|r_mj| + 2 |p_m|) a_j) |w_mi|)                    (9)
 
     A gyroscopic rotor couples a joint to its parent by h = n J, where D has n^2 J: h^2 / (n^2 J) =
-    J is added to c^2. u^2 is left out: it needs n^3 u of the whole to matter, with n below 10^4.
+    J is added to c^2, and n sqrt(J), at which the joint's own rate turns the rotor, to N_kk and,
+    times that qdd, to E_k: a slide without mass outboard couples by nothing else. u^2 is left out: it needs n^3 u of the whole to matter, with n below 10^4.
 
     How much of these limits is used is measured in test_backward_error.cpp and written there. */
 class SolveBound {
