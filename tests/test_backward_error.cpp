@@ -123,7 +123,8 @@ name = "world"
 [[link]]
 name = "arm"
 parent = "world"
-inertia = { xx = 0.1, yy = 0.1, zz = 0.7 }
+mass = 1
+inertia = { xx = 0.5, yy = 0.5, zz = 0.7 }
 [link.joint]
 kind = "revolute"
 [[link]]
