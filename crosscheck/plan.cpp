@@ -32,4 +32,10 @@ Plan planFor(const scene::Scene& scene, const Options& options) {
   return plan;
 }
 
+double expectedSeconds(const scene::Scene& scene, const Plan& plan) {
+  const double n = scene.mechanism.dof();
+  const double states = 9e-4 * n * n * plan.states;
+  return 0.5 + states + (plan.whole ? 0.1 * n + 2e-4 * n * n * n : 0.0);
+}
+
 }  // namespace dynwitness::crosscheck

@@ -170,6 +170,24 @@ void tellMissingKernels() {
   }
 }
 
+/// What a run will do and about how long it takes, where that is longer than one likes to wait.
+void tellPlan(const std::vector<scene::Scene>& scenes, std::size_t witnesses,
+              const Arguments& arguments) {
+  constexpr double kWorthTelling_s = 5;
+  double seconds = 0;
+  for (const scene::Scene& scene : scenes) {
+    const Plan plan = planFor(scene, arguments.options);
+    for (const std::string& told : plan.told) tell(fmt::format("{}: {}\n", scene.name, told));
+    seconds += expectedSeconds(scene, plan);
+  }
+  const int processes = std::min(arguments.processes, static_cast<int>(scenes.size()));
+  if (seconds / processes < kWorthTelling_s) return;
+  tell(
+      fmt::format("crosscheck of {} scene{} at {} states by {} witnesses, {} process{}: about {}\n",
+                  scenes.size(), scenes.size() == 1 ? "" : "s", arguments.options.states, witnesses,
+                  processes, processes == 1 ? "" : "es", duration(seconds / processes)));
+}
+
 int run(const Arguments& arguments) {
   tellMissingKernels();
   if (arguments.random > 0) return runRandom(arguments);
@@ -178,9 +196,8 @@ int run(const Arguments& arguments) {
   for (const scene::Scene& scene : scenes) {
     requireMotion(scene);
     admit(scene, {Command::kCrosscheck});
-    for (const std::string& told : planFor(scene, arguments.options).told)
-      tell(fmt::format("{}: {}\n", scene.name, told));
   }
+  tellPlan(scenes, kinds.size(), arguments);
   std::optional<BenchResult> bench;
   if (!arguments.bench.empty()) bench = readBench(arguments.bench);
   requireWritable(arguments.report);

@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kQuiet_s = 1, kBetweenLines_s = 30, kBetweenBars_s = 0.25;
 constexpr int kWidth = 24;
+/// What comes first is not like the rest: of 2 s for the first 0.1 % no end can be told.
+constexpr double kWorthExtrapolating = 0.01;
 
 std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<long>(1000 * seconds));
@@ -73,7 +75,7 @@ void Progress::show(const std::string& line) {
 std::string Progress::status() const {
   const scene::WorkSeen seen = scene::seenWork();
   const double elapsed = std::chrono::duration<double>(Clock::now() - begin_).count();
-  std::string text = seen.fraction > 0
+  std::string text = seen.fraction >= kWorthExtrapolating
                          ? fmt::format("{:.{}f} %, {} of about {}", 100 * seen.fraction,
                                        seen.fraction < 0.1 ? 1 : 0, duration(elapsed),
                                        duration(elapsed / seen.fraction))
@@ -95,9 +97,9 @@ void Progress::watch() {
       show(fmt::format("\r\033[K[{}{}] {} {}", std::string(filled, '#'),
                        std::string(kWidth - filled, '.'), name_, status()));
       shown_ = true;
-    } else if (Clock::now() >= next || (!estimated && fraction > 0)) {
+    } else if (Clock::now() >= next || (!estimated && fraction >= kWorthExtrapolating)) {
       show(fmt::format("{}{}{}\n", name_, name_.empty() ? "" : ": ", status()));
-      estimated = fraction > 0;
+      estimated = fraction >= kWorthExtrapolating;
       next = Clock::now() + milliseconds(kBetweenLines_s);
     }
     if (ended_.wait_for(hold, milliseconds(kBetweenBars_s), ended)) return;
