@@ -64,7 +64,7 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
   return shared;
 }
 
-/** forwardDynamics() of a model with followers. The recursion is that of articulated_body.hpp, by the same steps; only
+/** forwardDynamics() of a model with followers. The steps are those of articulated_body.hpp; only
     a rate y that several joints share cannot be solved for where one of them is passed. It is
     carried inward as an unknown: with F the force that a unit of y asks of a link, all links obey
 

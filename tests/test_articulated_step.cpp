@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every sweep that takes the articulated-body step, on wrists with all that acts on joints and links
-// (gyroscopic rotors, springs, friction, loads), against Lagrange's equations over the rationals.
+// Every sweep that takes the articulated-body step, on wrists with all that acts on joints and
+// links (gyroscopic rotors, springs, friction, loads), against the Lagrangian over the rationals.
 #define BOOST_TEST_DYN_LINK
 #define BOOST_TEST_MODULE articulated_step
 #include "recursive/articulated_step.hpp"
@@ -189,8 +189,8 @@ BOOST_DATA_TEST_CASE(hybrid_dynamics, data::xrange(kSeeds) * data::make({false, 
   BOOST_TEST(mismatch(cws.nu, nu) == "");
 }
 
-// Which loops are closed where, in the case below: some at links that move, so that the local road is
-// seen, and some at the world.
+// Which loops are closed where, in the case below: some at links that move, so that the local road
+// is seen, and some at the world.
 BOOST_AUTO_TEST_CASE(loops_of_the_next_case_close_at_moving_links_too) {
   int at_links = 0, at_world = 0;
   for (int seed = 0; seed < 2 * kSeeds; ++seed) {
