@@ -11,6 +11,7 @@
 #include "crosscheck/exact/two_sides.hpp"
 #include "crosscheck/studies/gauss_value.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "recursive/joint_forces.hpp"
 #include "recursive/projection.hpp"
 #include "recursive/regressor.hpp"
 #include "recursive/reroot.hpp"

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "recursive/articulated_step.hpp"
 #include "recursive/constraints.hpp"
 #include "recursive/factorization.hpp"
-#include "recursive/newton_euler.hpp"
 #include "recursive/semidefinite.hpp"
 
 namespace dynwitness::recursive {
@@ -88,12 +88,142 @@ std::vector<LoopGroup<T>> loopGroups(const Model<T>& model, const Constraints<T>
 /// What a group carries through its links.
 template <typename T>
 struct LoopSums {
+  LoopSums(const Model<T>& model, const LoopGroup<T>& group)
+      : group(&group),
+        E(model.links.size(), MatrixX<T>::Constant(6, group.rows, T(0))),
+        e(model.dof(), VectorX<T>::Constant(group.rows, T(0))),
+        N(MatrixX<T>::Constant(group.rows, group.rows, T(0))),
+        left(VectorX<T>::Constant(group.rows, T(0))),
+        solver(group.rows) {}
+
+  bool passes(int link) const {
+    return std::binary_search(group->links.begin(), group->links.end(), link);
+  }
+  /// What link i feels of a unit of one multiplier.
+  Force<T> unit(int i, Eigen::Index column) const {
+    return {E[i].col(column).template head<3>(), E[i].col(column).template tail<3>()};
+  }
+
+  const LoopGroup<T>* group;
   std::vector<MatrixX<T>> E;  ///< by link: unit multipliers as that link feels them, 6 x m
   std::vector<VectorX<T>> e;  ///< by degree of freedom: Z' E
   MatrixX<T> N;               ///< A' a of unit multipliers, the ancestor held
   VectorX<T> left;            ///< b - A' a with lambda = 0, the ancestor held
+  SemidefiniteSolver<T> solver;
   VectorX<T> lambda;
 };
+
+/// Starts E and left: the wrenches of a group's closures, from how their equations see unit motions
+/// of B on A. ws.a: the accelerations at qdd = 0.
+template <typename T>
+void startLoop(const Constraints<T>& constraints, const Workspace<T>& ws, LoopSums<T>& sum) {
+  int column = 0;
+  for (const int c : sum.group->closures) {
+    const Closure<T>& closure = constraints.closures[c];
+    const int a = closure.a, b = closure.b, rows = scene::equationCount(closure.kind);
+    const Transform<T> X_AW = a < 0 ? closure.X_A : closure.X_A * constraints.X_W[a];
+    const Transform<T> X_BW = b < 0 ? closure.X_B : closure.X_B * constraints.X_W[b];
+    const Transform<T> X_BA = X_BW * X_AW.inverse();
+    MatrixX<T> w(6, rows);
+    for (int k = 0; k < 6; ++k) {
+      Motion<T> unit = Motion<T>::zero();
+      (k < 3 ? unit.linear(k) : unit.angular(k - 3)) = T(1);
+      closureRates(closure.kind, unit, X_BA, [&](int row, const T& rate) { w(k, row) = rate; });
+    }
+    for (int row = 0; row < rows; ++row, ++column) {
+      const Force<T> in_A = {w.col(row).template head<3>(), w.col(row).template tail<3>()};
+      // A' a = A' a(qdd = 0) - gamma; gravity, which a has in it, is on both sides
+      T at_rest = T(0);
+      if (a >= 0) {
+        const Force<T> f = closure.X_A.inverseTimes(in_A);
+        sum.E[a].col(column) -= f.vector();
+        at_rest -= dot(ws.a[a], f);
+      }
+      if (b >= 0) {
+        const Force<T> f = closure.X_B.inverseTimes(X_BA * in_A);
+        sum.E[b].col(column) += f.vector();
+        at_rest += dot(ws.a[b], f);
+      }
+      sum.left(column) = at_rest - constraints.gamma(closure.row + row);
+    }
+  }
+}
+
+/// Eliminates a loop at its ancestor, link i:  M_A += E N^-1 E',  f_A -= E N^-1 left.
+/// @return whether N is regular; if not, nothing is done
+template <typename T>
+bool closeLoop(int i, Workspace<T>& ws, LoopSums<T>& sum) {
+  const int m = sum.group->rows;
+  sum.solver.factorize(sum.N);
+  if (sum.solver.rank() < m) return false;
+  // N^-1 column by column; E N^-1 E' is added as a sum over rows of symmetric outer products
+  MatrixX<T> LDL = sum.N;
+  factorize(LDL);
+  MatrixX<T> F = sum.E[i];  // E L'^-1
+  for (int k = 0; k < m; ++k)
+    for (int j = 0; j < k; ++j) F.col(k) -= F.col(j) * LDL(k, j);
+  for (int k = 0; k < m; ++k) {
+    const Force<T> f = {F.col(k).template head<3>(), F.col(k).template tail<3>()};
+    ws.M_A[i] = ws.M_A[i].minusOuter(f, -T(1) / LDL(k, k));
+  }
+  VectorX<T> lambda = sum.left;
+  solve(LDL, lambda);
+  const Vector6<T> f = sum.E[i] * lambda;
+  ws.f[i] = ws.f[i] - Force<T>{f.template head<3>(), f.template tail<3>()};
+  return true;
+}
+
+/// Takes a loop through axis k of link i's joint, rate d, which gives way as ws.U, D and u say:
+/// with e = Z'E,   N += e e' / D,   left -= e u / D,   E -= U e' / D.
+template <typename T>
+void passAxis(const Model<T>& model, int i, int k, int d, const Workspace<T>& ws,
+              LoopSums<T>& sum) {
+  const T inverse_D = T(1) / ws.D[d];
+  VectorX<T>& e = sum.e[d];
+  for (Eigen::Index j = 0; j < e.size(); ++j)
+    e(j) = AnyJoints::force(model.links[i], k, sum.unit(i, j));
+  sum.N += e * (e.transpose() * inverse_D);
+  sum.left -= e * (ws.u[d] * inverse_D);
+  sum.E[i] -= ws.U[d].vector() * (e.transpose() * inverse_D);
+}
+
+/// Hands a loop on to link i's parent; the world's acceleration is known.
+template <typename T>
+void handOn(const Model<T>& model, int i, const Motion<T>& carried, const Workspace<T>& ws,
+            LoopSums<T>& sum) {
+  const int p = model.links[i].parent;
+  for (Eigen::Index j = 0; j < sum.left.size(); ++j) {
+    const Force<T> E = sum.unit(i, j);
+    sum.left(j) -= dot(ws.c[i], E);
+    if (p >= 0)
+      sum.E[p].col(j) += ws.X_up[i].inverseTimes(E).vector();
+    else
+      sum.left(j) -= dot(carried, E);
+  }
+}
+
+/// N lambda = left - E' a of the ancestor, whose acceleration is known now.
+template <typename T>
+void solveLoop(const Constraints<T>& constraints, const Workspace<T>& ws, LoopSums<T>& sum,
+               ClosedMotionResult<T>& out) {
+  const int ancestor = sum.group->ancestor;
+  sum.lambda = sum.left;
+  if (ancestor >= 0)
+    for (int j = 0; j < sum.group->rows; ++j)
+      sum.lambda(j) -= dot(ws.a[ancestor], sum.unit(ancestor, j));
+  else
+    sum.solver.factorize(sum.N);
+  sum.solver.solve(sum.lambda);
+  out.rank += sum.solver.rank();
+  int column = 0;
+  for (const int c : sum.group->closures) {
+    const Closure<T>& closure = constraints.closures[c];
+    for (int row = 0; row < scene::equationCount(closure.kind); ++row, ++column) {
+      out.lambda(closure.row + row) = sum.lambda(column);
+      out.determined[closure.row + row] = sum.solver.determined()[column];
+    }
+  }
+}
 
 }  // namespace detail
 
@@ -132,172 +262,50 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model,
   out.lambda = VectorX<T>::Constant(constraints.rows(), T(0));
   out.determined.assign(constraints.rows(), 1);
   out.groups = detail::loopGroups(model, constraints, at_base);
-  Motion<T> a_0 = Motion<T>::zero();
-  a_0.linear = -model.gravity;
+  ArticulatedSteps<AnyJoints, T> step(model, x, qd, Terms::all(), ws);
 
   // outward: velocities, what each link alone brings, and accelerations at qdd = 0
-  linkVelocities(model, x, qd, ws);
-  for (int i = 0; i < n; ++i) {
-    const LinkModel<T>& link = model.links[i];
-    ws.c[i] = cross(ws.v[i], AnyJoints::motion(link, qd));
-    ws.a[i] = ws.X_up[i] * (link.parent < 0 ? a_0 : ws.a[link.parent]) + ws.c[i];
-    ws.M_A[i] = ArticulatedInertia<T>::fromRigid(link.M);
-    ws.f[i] = biasForce(link.M, ws.v[i]);
+  step.start();
+  for (int i = 0; i < n; ++i) ws.a[i] = step.carried(i) + ws.c[i];
+  std::vector<detail::LoopSums<T>> loops;
+  for (const LoopGroup<T>& group : out.groups) {
+    loops.emplace_back(model, group);
+    detail::startLoop(constraints, ws, loops.back());
   }
-  subtractLoads(model, ws, ws.f);
-
-  // the wrenches of each closure, from how its equations see unit motions of B on A
-  std::vector<detail::LoopSums<T>> sums(out.groups.size());
-  for (std::size_t g = 0; g < sums.size(); ++g) {
-    const int m = out.groups[g].rows;
-    detail::LoopSums<T>& sum = sums[g];
-    sum.E.assign(n, MatrixX<T>::Constant(6, m, T(0)));
-    sum.e.assign(model.dof(), VectorX<T>::Constant(m, T(0)));
-    sum.N = MatrixX<T>::Constant(m, m, T(0));
-    sum.left = VectorX<T>::Constant(m, T(0));
-    int column = 0;
-    for (const int c : out.groups[g].closures) {
-      const Closure<T>& closure = constraints.closures[c];
-      const int a = closure.a, b = closure.b, rows = scene::equationCount(closure.kind);
-      const Transform<T> X_AW = a < 0 ? closure.X_A : closure.X_A * constraints.X_W[a];
-      const Transform<T> X_BW = b < 0 ? closure.X_B : closure.X_B * constraints.X_W[b];
-      const Transform<T> X_BA = X_BW * X_AW.inverse();
-      MatrixX<T> w(6, rows);
-      for (int k = 0; k < 6; ++k) {
-        Motion<T> unit = Motion<T>::zero();
-        (k < 3 ? unit.linear(k) : unit.angular(k - 3)) = T(1);
-        detail::closureRates(closure.kind, unit, X_BA,
-                             [&](int row, const T& rate) { w(k, row) = rate; });
-      }
-      for (int row = 0; row < rows; ++row, ++column) {
-        const Force<T> in_A = {w.col(row).template head<3>(), w.col(row).template tail<3>()};
-        // A' a = A' a(qdd = 0) - gamma; gravity, which a has in it, is on both sides
-        T at_rest = T(0);
-        if (a >= 0) {
-          const Force<T> f = closure.X_A.inverseTimes(in_A);
-          sum.E[a].col(column) -= f.vector();
-          at_rest -= dot(ws.a[a], f);
-        }
-        if (b >= 0) {
-          const Force<T> f = closure.X_B.inverseTimes(X_BA * in_A);
-          sum.E[b].col(column) += f.vector();
-          at_rest += dot(ws.a[b], f);
-        }
-        sum.left(column) = at_rest - constraints.gamma(closure.row + row);
-      }
-    }
-  }
-  std::vector<SemidefiniteSolver<T>> solvers;
-  for (const LoopGroup<T>& group : out.groups) solvers.emplace_back(group.rows);
 
   // inward: what each link feels of its subtree, loops eliminated where they close
   for (int i = n - 1; i >= 0; --i) {
     const LinkModel<T>& link = model.links[i];
-    for (std::size_t g = 0; g < sums.size(); ++g) {
-      if (out.groups[g].ancestor != i) continue;
-      detail::LoopSums<T>& sum = sums[g];
-      solvers[g].factorize(sum.N);
-      if (solvers[g].rank() < out.groups[g].rows)
-        return closedForwardDynamics(model, x, qd, tau, constraints, ws, true);
-      // N^-1 column by column; E N^-1 E' is added as a sum over rows of symmetric outer products
-      MatrixX<T> LDL = sum.N;
-      factorize(LDL);
-      const int m = out.groups[g].rows;
-      MatrixX<T> F = sum.E[i];  // E L'^-1
-      for (int k = 0; k < m; ++k)
-        for (int j = 0; j < k; ++j) F.col(k) -= F.col(j) * LDL(k, j);
-      for (int k = 0; k < m; ++k) {
-        const Force<T> f = {F.col(k).template head<3>(), F.col(k).template tail<3>()};
-        ws.M_A[i] = ws.M_A[i].minusOuter(f, -T(1) / LDL(k, k));
-      }
-      VectorX<T> lambda = sum.left;
-      solve(LDL, lambda);
-      const Vector6<T> f = sum.E[i] * lambda;
-      ws.f[i] = ws.f[i] - Force<T>{f.template head<3>(), f.template tail<3>()};
-    }
-    ArticulatedInertia<T> M_a = ws.M_A[i];
-    Force<T> f_a = ws.f[i];
     std::vector<detail::LoopSums<T>*> through;
-    for (std::size_t g = 0; g < sums.size(); ++g)
-      if (std::binary_search(out.groups[g].links.begin(), out.groups[g].links.end(), i))
-        through.push_back(&sums[g]);
-    for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
-      ws.U[d] = AnyJoints::column(link, k, M_a);
-      ws.D[d] = link.rotor + AnyJoints::force(link, k, ws.U[d]);
-      ws.u[d] = tau[d] - AnyJoints::force(link, k, f_a) -
-                link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
-      if (model.friction) ws.u[d] -= frictionForce(link, qd[d]);
-      if (model.gyroscopic && link.parent >= 0) ws.U[d] = ws.U[d] + spinAxis(link);
-      const T inverse_D = T(1) / ws.D[d];
-      for (detail::LoopSums<T>* sum : through) {
-        MatrixX<T>& E = sum->E[i];
-        for (Eigen::Index j = 0; j < E.cols(); ++j)
-          sum->e[d](j) = AnyJoints::force(
-              link, k, Force<T>{E.col(j).template head<3>(), E.col(j).template tail<3>()});
-        sum->N += sum->e[d] * (sum->e[d].transpose() * inverse_D);
-        sum->left -= sum->e[d] * (ws.u[d] * inverse_D);
-        E -= ws.U[d].vector() * (sum->e[d].transpose() * inverse_D);
-      }
-      M_a = M_a.minusOuter(ws.U[d], inverse_D);
-      f_a = f_a + ws.U[d] * (ws.u[d] * inverse_D);
+    for (detail::LoopSums<T>& loop : loops) {
+      if (loop.group->ancestor == i && !detail::closeLoop(i, ws, loop))
+        return closedForwardDynamics(model, x, qd, tau, constraints, ws, true);
+      if (loop.passes(i)) through.push_back(&loop);
     }
-    for (detail::LoopSums<T>* sum : through)
-      for (Eigen::Index j = 0; j < sum->left.size(); ++j) {
-        const Force<T> E = {sum->E[i].col(j).template head<3>(),
-                            sum->E[i].col(j).template tail<3>()};
-        sum->left(j) -= dot(ws.c[i], E);
-        if (link.parent >= 0)
-          sum->E[link.parent].col(j) += ws.X_up[i].inverseTimes(E).vector();
-        else
-          sum->left(j) -= dot(ws.X_up[i] * a_0, E);
-      }
-    if (link.parent < 0) continue;
-    if (model.gyroscopic && link.dof >= 0)
-      f_a = f_a + spinForce(link, qd[link.dof], T(0), ws.X_up[i] * ws.v[link.parent]);
-    ws.M_A[link.parent] = ws.M_A[link.parent] + ws.X_up[i].inverseTimes(M_a);
-    ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(f_a + M_a * ws.c[i]);
+    ArticulatedBody<T> body = step.body(i);
+    for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
+      step.formEquation(i, k, d, tau[d], body);
+      for (detail::LoopSums<T>* loop : through) detail::passAxis(model, i, k, d, ws, *loop);
+      step.project(d, body);
+    }
+    for (detail::LoopSums<T>* loop : through) detail::handOn(model, i, step.carried(i), ws, *loop);
+    step.handOn(i, body);
   }
 
   // outward: multipliers where the ancestor's acceleration is known, and accelerations
-  const auto settle = [&](int link) {
-    for (std::size_t g = 0; g < sums.size(); ++g) {
-      const LoopGroup<T>& group = out.groups[g];
-      if (group.ancestor != link) continue;
-      detail::LoopSums<T>& sum = sums[g];
-      sum.lambda = sum.left;
-      if (link >= 0) {
-        for (int j = 0; j < group.rows; ++j) {
-          const Force<T> E = {sum.E[link].col(j).template head<3>(),
-                              sum.E[link].col(j).template tail<3>()};
-          sum.lambda(j) -= dot(ws.a[link], E);
-        }
-      } else {
-        solvers[g].factorize(sum.N);
-      }
-      solvers[g].solve(sum.lambda);
-      out.rank += solvers[g].rank();
-      int column = 0;
-      for (const int c : group.closures)
-        for (int row = 0; row < scene::equationCount(constraints.closures[c].kind);
-             ++row, ++column) {
-          out.lambda(constraints.closures[c].row + row) = sum.lambda(column);
-          out.determined[constraints.closures[c].row + row] = solvers[g].determined()[column];
-        }
-    }
+  const auto solveLoopsAt = [&](int link) {
+    for (detail::LoopSums<T>& loop : loops)
+      if (loop.group->ancestor == link) detail::solveLoop(constraints, ws, loop, out);
   };
-  settle(-1);
+  solveLoopsAt(-1);
   for (int i = 0; i < n; ++i) {
-    const LinkModel<T>& link = model.links[i];
-    ws.a[i] = ws.X_up[i] * (link.parent < 0 ? a_0 : ws.a[link.parent]) + ws.c[i];
-    for (int k = AnyJoints::axes(link) - 1, d = link.dof + k; k >= 0; --k, --d) {
+    step.accelerate(i, out.qdd, [&](int d) {
       T u = ws.u[d];
-      for (std::size_t g = 0; g < sums.size(); ++g)
-        if (std::binary_search(out.groups[g].links.begin(), out.groups[g].links.end(), i))
-          u += sums[g].e[d].dot(sums[g].lambda);
-      out.qdd[d] = (u - dot(ws.a[i], ws.U[d])) / ws.D[d];
-      AnyJoints::addMotion(link, k, out.qdd[d], ws.a[i]);
-    }
-    settle(i);
+      for (const detail::LoopSums<T>& loop : loops)
+        if (loop.passes(i)) u += loop.e[d].dot(loop.lambda);
+      return step.acceleration(i, d, u);
+    });
+    solveLoopsAt(i);
   }
   return out;
 }

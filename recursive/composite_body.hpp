@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "recursive/model.hpp"
+#include "recursive/joint_forces.hpp"
 
 namespace dynwitness::recursive {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "recursive/articulated_step.hpp"
 #include "recursive/composite_body.hpp"
-#include "recursive/model.hpp"
 
 namespace dynwitness::recursive::detail {
 
@@ -64,7 +64,7 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
   return shared;
 }
 
-/** forwardDynamics() of a model with followers. The recursion is that of articulated_body.hpp; only
+/** forwardDynamics() of a model with followers. The steps are those of articulated_body.hpp; only
     a rate y that several joints share cannot be solved for where one of them is passed. It is
     carried inward as an unknown: with F the force that a unit of y asks of a link, all links obey
 
@@ -86,8 +86,7 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
                             const std::vector<T>& qd, const std::vector<T>& tau, Workspace<T>& ws,
                             std::vector<T>& qdd, Terms terms) {
   const int n = static_cast<int>(model.links.size());
-  Motion<T> a_0 = Motion<T>::zero();
-  if (terms.gravity) a_0.linear = -model.gravity;
+  ArticulatedSteps<AnyJoints, T> step(model, x, qd, terms, ws);
   std::vector<int> of_rate;
   std::vector<std::vector<int>> waiting;
   std::vector<SharedRate<T>> shared = sharedRates(model, of_rate, waiting);
@@ -97,17 +96,7 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
   for (SharedRate<T>& g : shared) g.u = tau[g.rate];
 
   // outward: velocities, and what each link alone brings
-  for (int i = 0; i < n; ++i) {
-    const LinkModel<T>& link = model.links[i];
-    const int p = link.parent;
-    ws.X_up[i] = AnyJoints::transform(link, x);
-    const Motion<T> v_J = AnyJoints::motion(link, qd);
-    ws.v[i] = p < 0 ? v_J : ws.X_up[i] * ws.v[p] + v_J;
-    ws.c[i] = cross(ws.v[i], v_J);
-    ws.M_A[i] = ArticulatedInertia<T>::fromRigid(link.M);
-    ws.f[i] = biasForce(link.M, ws.v[i]);
-  }
-  if (terms.loads) subtractLoads(model, ws, ws.f);
+  step.start();
 
   // (4) at link i, -1: the world, which takes any force
   std::vector<int> order;  // in which shared rates were solved for
@@ -136,54 +125,40 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
     const LinkModel<T>& link = model.links[i];
     for (int g = 0; g < count; ++g)
       if (shared[g].ancestor == i) solveFor(g, i);
-    ArticulatedInertia<T> M_a = ws.M_A[i];
-    Force<T> f_a = ws.f[i];
+    ArticulatedBody<T> body = step.body(i);
     const int own = link.dof < 0 ? -1 : of_rate[link.dof];
     for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
-      Force<T> U = AnyJoints::column(link, k, M_a);
-      const T inertia = link.rotor + AnyJoints::force(link, k, U);
-      T u = -AnyJoints::force(link, k, f_a);
-      if (terms.springs) u -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
-      if (model.friction && terms.friction) u -= frictionForce(link, qd[d]);
-      if (model.gyroscopic && link.parent >= 0) U = U + spinAxis(link);
+      step.formEquation(i, k, d, own < 0 ? tau[d] : T(0), body);
       for (const int h : waiting[i]) e(d, h) = AnyJoints::force(link, k, shared[h].F[i]);
       if (own >= 0) {  // (2)
-        D(own, own) += inertia + e(d, own) + e(d, own);
+        D(own, own) += ws.D[d] + e(d, own) + e(d, own);
         for (const int h : waiting[i]) {
           if (h == own) continue;
           D(own, h) += e(d, h);
           D(h, own) += e(d, h);
         }
-        shared[own].u += u;
-        shared[own].F[i] = shared[own].F[i] + U;
+        shared[own].u += ws.u[d];
+        shared[own].F[i] = shared[own].F[i] + ws.U[d];
         continue;
       }
-      ws.U[d] = U;
-      ws.D[d] = inertia;
-      ws.u[d] = tau[d] + u;
-      const T inverse = T(1) / inertia;
+      const T inverse = T(1) / ws.D[d];
       for (const int h : waiting[i]) {  // (3)
         const T share = e(d, h) * inverse;
-        shared[h].F[i] = shared[h].F[i] - U * share;
+        shared[h].F[i] = shared[h].F[i] - ws.U[d] * share;
         shared[h].u -= share * ws.u[d];
         for (const int l : waiting[i]) D(h, l) -= share * e(d, l);
       }
-      M_a = M_a.minusOuter(U, inverse);
-      f_a = f_a + U * (ws.u[d] * inverse);
+      step.project(d, body);
     }
     for (const int h : waiting[i]) {
       SharedRate<T>& of = shared[h];
       of.u -= dot(ws.c[i], of.F[i]);
       if (link.parent < 0)
-        of.u -= dot(ws.X_up[i] * a_0, of.F[i]);
+        of.u -= dot(step.carried(i), of.F[i]);
       else
         of.F[link.parent] = of.F[link.parent] + ws.X_up[i].inverseTimes(of.F[i]);
     }
-    if (link.parent < 0) continue;
-    if (model.gyroscopic && link.dof >= 0)
-      f_a = f_a + spinForce(link, qd[link.dof], T(0), ws.X_up[i] * ws.v[link.parent]);
-    ws.M_A[link.parent] = ws.M_A[link.parent] + ws.X_up[i].inverseTimes(M_a);
-    ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(f_a + M_a * ws.c[i]);
+    step.handOn(i, body);
   }
   for (int g = 0; g < count; ++g)
     if (shared[g].ancestor < 0) solveFor(g, -1);
@@ -204,17 +179,12 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
   };
   settle(-1);
   for (int i = 0; i < n; ++i) {
-    const LinkModel<T>& link = model.links[i];
-    ws.a[i] = ws.X_up[i] * (link.parent < 0 ? a_0 : ws.a[link.parent]) + ws.c[i];
-    const bool is_shared = link.dof >= 0 && of_rate[link.dof] >= 0;
-    for (int k = AnyJoints::axes(link) - 1, d = link.dof + k; k >= 0; --k, --d) {
-      if (!is_shared) {
-        T u = ws.u[d] - dot(ws.a[i], ws.U[d]);
-        for (const int h : waiting[i]) u -= e(d, h) * qdd[shared[h].rate];
-        qdd[d] = u / ws.D[d];
-      }
-      AnyJoints::addMotion(link, k, qdd[d], ws.a[i]);
-    }
+    step.accelerate(i, qdd, [&](int d) {
+      if (of_rate[d] >= 0) return qdd[d];
+      T u = ws.u[d];
+      for (const int h : waiting[i]) u -= e(d, h) * qdd[shared[h].rate];
+      return step.acceleration(i, d, u);
+    });
     settle(i);
   }
 }

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "recursive/model.hpp"
+#include "recursive/joint_forces.hpp"
 
 namespace dynwitness::recursive {
 
@@ -32,7 +32,7 @@ T kineticEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
     const LinkModel<T>& link = model.links[i];
     twice += dot(ws.v[i], link.M * ws.v[i]);
     if (link.dof >= 0) twice += link.rotor * qd[link.dof] * qd[link.dof];
-    if (model.gyroscopic && link.dof >= 0 && link.parent >= 0)
+    if (spinsOnALink(model, link))
       twice += T(2) * qd[link.dof] * dot(ws.X_up[i] * ws.v[link.parent], spinAxis(link));
   }
   return twice / T(2);
@@ -76,7 +76,7 @@ T potentialEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
       ws.I_C[link.parent].h += h;
     }
     if (link.dof >= 0) {
-      const T stretch = x[link.slot + link.spring_from].q - link.rest;
+      const T stretch = springStretch(link, x);
       twice_springs += link.stiffness * stretch * stretch;
     }
   }
@@ -96,8 +96,7 @@ Force<T> momentum(const Model<T>& model, const std::vector<JointPosition<T>>& x,
     const LinkModel<T>& link = model.links[i];
     Force<T>& inboard = link.parent < 0 ? total : ws.f[link.parent];
     Force<T> f = ws.f[i];
-    if (model.gyroscopic && link.dof >= 0 && link.parent >= 0)
-      f = f + spinAxis(link) * qd[link.dof];
+    if (spinsOnALink(model, link)) f = f + spinAxis(link) * qd[link.dof];
     inboard = inboard + ws.X_up[i].inverseTimes(f);
   }
   return total;

@@ -2,8 +2,8 @@
 // Some joints' accelerations given, the forces of the others: driven joints, prescribed bases.
 #pragma once
 
+#include "recursive/articulated_step.hpp"
 #include "recursive/constrained_dynamics.hpp"
-#include "recursive/energy.hpp"
 #include "recursive/newton_euler.hpp"
 
 namespace dynwitness::recursive {
@@ -40,60 +40,29 @@ void hybridDynamics(const Model<T>& model, const std::vector<JointPosition<T>>& 
   requireSize(model, "hybridDynamics", "tau", tau.size());
   requireOwnRates(model, "hybridDynamics");
   const int n = static_cast<int>(model.links.size());
-  Motion<T> a_0 = Motion<T>::zero();
-  if (terms.gravity) a_0.linear = -model.gravity;
+  ArticulatedSteps<AnyJoints, T> step(model, x, qd, terms, ws);
 
   // outward: velocities, and what each link alone brings
-  linkVelocities(model, x, qd, ws);
-  for (int i = 0; i < n; ++i) {
-    const LinkModel<T>& link = model.links[i];
-    ws.c[i] = cross(ws.v[i], AnyJoints::motion(link, qd));
-    ws.M_A[i] = ArticulatedInertia<T>::fromRigid(link.M);
-    ws.f[i] = biasForce(link.M, ws.v[i]);
-  }
-  if (terms.loads) subtractLoads(model, ws, ws.f);
+  step.start();
 
   // inward: what each link feels of its subtree
   for (int i = n - 1; i >= 0; --i) {
     const LinkModel<T>& link = model.links[i];
-    ArticulatedInertia<T> M_a = ws.M_A[i];
-    Force<T> f_a = ws.f[i];
+    ArticulatedBody<T> body = step.body(i);
     for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
       if (driven[d]) {
-        Motion<T> given = Motion<T>::zero();
-        AnyJoints::addMotion(link, k, qdd[d], given);
-        f_a = f_a + M_a * given;
-        if (model.gyroscopic && link.parent >= 0) f_a = f_a + spinAxis(link) * qdd[d];
+        step.passGiven(i, k, qdd[d], body);
         continue;
       }
-      ws.U[d] = AnyJoints::column(link, k, M_a);
-      ws.D[d] = link.rotor + AnyJoints::force(link, k, ws.U[d]);
-      ws.u[d] = tau[d] - AnyJoints::force(link, k, f_a);
-      if (terms.springs)
-        ws.u[d] -= link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
-      if (model.friction && terms.friction) ws.u[d] -= frictionForce(link, qd[d]);
-      if (model.gyroscopic && link.parent >= 0) ws.U[d] = ws.U[d] + spinAxis(link);
-      const T inverse_D = T(1) / ws.D[d];
-      M_a = M_a.minusOuter(ws.U[d], inverse_D);
-      f_a = f_a + ws.U[d] * (ws.u[d] * inverse_D);
+      step.formEquation(i, k, d, tau[d], body);
+      step.project(d, body);
     }
-    if (link.parent >= 0) {
-      if (model.gyroscopic && link.dof >= 0)
-        f_a = f_a + spinForce(link, qd[link.dof], T(0), ws.X_up[i] * ws.v[link.parent]);
-      ws.M_A[link.parent] = ws.M_A[link.parent] + ws.X_up[i].inverseTimes(M_a);
-      ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(f_a + M_a * ws.c[i]);
-    }
+    step.handOn(i, body);
   }
 
   // outward: accelerations
-  for (int i = 0; i < n; ++i) {
-    const LinkModel<T>& link = model.links[i];
-    ws.a[i] = ws.X_up[i] * (link.parent < 0 ? a_0 : ws.a[link.parent]) + ws.c[i];
-    for (int k = AnyJoints::axes(link) - 1, d = link.dof + k; k >= 0; --k, --d) {
-      if (!driven[d]) qdd[d] = (ws.u[d] - dot(ws.a[i], ws.U[d])) / ws.D[d];
-      AnyJoints::addMotion(link, k, qdd[d], ws.a[i]);
-    }
-  }
+  for (int i = 0; i < n; ++i)
+    step.accelerate(i, qdd, [&](int d) { return driven[d] ? qdd[d] : step.acceleration(i, d); });
   addConstraintForces(model, constraints, terms.gravity, ws, cws, qdd, driven);
 
   // the forces of the driven joints

@@ -93,32 +93,6 @@ struct Terms {
   static constexpr Terms potential() { return {true, true, false, false}; }
 };
 
-/// What friction takes of a joint's force at this rate [N m], [N]: viscous qd + Coulomb's part,
-/// which is 0 at rest.
-template <typename T>
-T frictionForce(const LinkModel<T>& link, const T& qd) {
-  using scene::directionOf;
-  const int direction = directionOf(qd);
-  T force = link.viscous * qd;
-  if (direction > 0) force += link.positive;
-  if (direction < 0) force -= link.negative;
-  return force;
-}
-
-/// (0, h z): what a gyroscopic rotor does to its parent by spinning up, and, as a product with a
-/// motion of the parent in the link's coordinates, h z'w, what it feels of that motion.
-template <typename T>
-Force<T> spinAxis(const LinkModel<T>& link) {
-  return {Vector3<T>::Constant(T(0)), Vector3<T>(T(0), T(0), link.spin)};
-}
-/// The rate of change of that rotor's momentum h qd z as it is carried around by its parent, whose
-/// motion in the link's coordinates is v_p:  h qdd z + w_p x h qd z.
-template <typename T>
-Force<T> spinForce(const LinkModel<T>& link, const T& qd, const T& qdd, const Motion<T>& v_p) {
-  const Force<T> axis = spinAxis(link);
-  return {axis.force, axis.moment * qdd + v_p.angular.cross(axis.moment) * qd};
-}
-
 /// A caller's vector must have one entry a degree of freedom.
 /// @throws std::invalid_argument  "inverseDynamics: qd: expected 3 joint values, got 2"
 template <typename T>
@@ -371,23 +345,6 @@ Vector6<T> jointAxis(const LinkModel<T>& link, int k) {
   Motion<T> Z = Motion<T>::zero();
   AnyJoints::addMotion(link, k, T(1), Z);
   return Z.vector();
-}
-
-/// Takes the scene's loads off the forces f that the links need, link by link.
-/// ws.X_up must be set; ws.R_W is set when a load in world axes asks for it.
-template <typename T>
-void subtractLoads(const Model<T>& model, Workspace<T>& ws, std::vector<Force<T>>& f) {
-  for (std::size_t i = 0; i < model.links.size(); ++i) f[i] = f[i] - model.links[i].load;
-  if (model.world_loads.empty()) return;
-  for (std::size_t i = 0; i < model.links.size(); ++i) {
-    const int p = model.links[i].parent;
-    ws.R_W[i] = p < 0 ? ws.X_up[i].R : Matrix3<T>(ws.X_up[i].R * ws.R_W[p]);
-  }
-  for (const WorldLoad<T>& load : model.world_loads) {
-    const Matrix3<T>& R = ws.R_W[load.link];
-    const Vector3<T> force = R * load.force;
-    f[load.link] = f[load.link] - Force<T>{force, R * load.moment + load.at.cross(force)};
-  }
 }
 
 }  // namespace dynwitness::recursive

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "recursive/model.hpp"
+#include "recursive/joint_forces.hpp"
 
 namespace dynwitness::recursive {
 
@@ -71,13 +71,12 @@ void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
         else
           tau[d] = own;
       }
-      if (terms.springs && link.dof >= 0)
-        tau[link.dof] += link.stiffness * (x[link.slot + link.spring_from].q - link.rest);
-      if (model.friction && terms.friction && link.dof >= 0)
-        tau[link.dof] += frictionForce(link, qd[link.dof]);
+      if (link.dof >= 0)
+        passiveForces(model, link, link.dof, x, qd, terms,
+                      [&](const T& force) { tau[link.dof] += force; });
       if (link.parent < 0) continue;
       Force<T> f = ws.f[i];
-      if (model.gyroscopic && link.dof >= 0) {
+      if (spinsOnALink(model, link)) {
         const Motion<T> v_p = ws.X_up[i] * ws.v[link.parent], a_p = ws.X_up[i] * ws.a[link.parent];
         f = f + spinForce(link, qd[link.dof], qdd[link.dof], v_p);  // (5)
         tau[link.dof] += dot(a_p, spinAxis(link));                  // (6)

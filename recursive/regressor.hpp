@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "recursive/build_model.hpp"
+#include "recursive/joint_forces.hpp"
 #include "scene/inertial_parameters.hpp"
 
 namespace dynwitness::recursive {

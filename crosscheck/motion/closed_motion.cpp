@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "recursive/joint_forces.hpp"
 #include "scene/motion.hpp"
 
 namespace dynwitness::crosscheck {

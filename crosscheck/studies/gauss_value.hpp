@@ -6,6 +6,7 @@
 
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/factorization.hpp"
+#include "recursive/joint_forces.hpp"
 
 namespace dynwitness::crosscheck {
 

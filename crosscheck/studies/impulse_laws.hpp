@@ -9,6 +9,7 @@
 #include "crosscheck/exact/two_sides.hpp"
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "recursive/joint_forces.hpp"
 
 namespace dynwitness::crosscheck {
 
