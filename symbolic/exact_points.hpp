@@ -27,9 +27,9 @@ inline scene::CosSin<Rational> randomCirclePoint(std::mt19937& random) {
 
 /** A scene's numbers as exact rationals. Three kinds have no rational value, and something else
     stands in for them: random points of the circle for angles that are not multiples of pi/2 and
-    for oblique axes, 22/7 for pi. This is fair, since the equations are polynomials in these
-    numbers and use nothing of them but c^2 + s^2 = 1: an identity holds for all such points or,
-    with probability close to 1, for none that is drawn. */
+    for oblique axes, 22/7 for pi. An identity that holds at such points holds for the true values
+    too, since the equations are polynomials in these numbers and use of them c^2 + s^2 = 1 alone.
+    */
 class ExactNumbers {
  public:
   using Scalar = Rational;
