@@ -153,8 +153,8 @@ void checkIdentities(const scene::Mechanism& m, unsigned seed) {
   BOOST_TEST(evaluate(e, m, rate, state) == power);
 }
 
-/** The Christoffel form of the Coriolis matrix [n x n], with  c = C qd  and  dM/dt - 2 C  skew, where
-    all rates are derivatives of positions:
+/** The Christoffel form of the Coriolis matrix [n x n], with  c = C qd  and  dM/dt - 2 C  skew,
+    where all rates are derivatives of positions:
         C_ij = sum_k Gamma_ijk qd_k = (dM_ij/dt + dp_i/dq_j - dp_j/dq_i) / 2 */
 std::vector<std::vector<Node>> christoffelMatrix(Equations& e) {
   const int n = e.dof();
