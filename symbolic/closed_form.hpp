@@ -18,7 +18,7 @@
 
 namespace dynwitness::symbolic {
 
-/// Closed forms grow about fourteen-fold with each joint; beyond this many they are no read-out.
+/// Closed forms grow about fourteen-fold with each joint; beyond this many nobody can read them.
 constexpr int kClosedFormJoints = 3;
 
 /** The nodes of a graph as polynomials of GiNaC in parameters, rates, and c_k and s_k. */
@@ -37,9 +37,10 @@ class ClosedAlgebra {
   /// Is x = 0 for all values of its symbols with c_k^2 + s_k^2 = 1? Exact, by normal form.
   bool isZero(const GiNaC::ex& x);
 
-  /** The shortest of several forms of x: with the cosines or the sines reduced to first powers, in
-      the joints' angles or in the sums of angles of parallel joints, or as a sum of cosines and
-      sines of multiple angles. The choice and the order of terms depend on x alone. */
+  /** The shortest of several forms of x: polynomials in which the cosines, or the sines, have first
+      powers only, written in the joints' angles or in sums of the angles of parallel joints; and a
+      sum of cosines and sines of multiple angles. The choice and the order of terms depend on x
+      alone. */
   Formula formula(const GiNaC::ex& x);
 
  private:

@@ -10,6 +10,7 @@
 #include "symbolic/closed_form.hpp"
 #include "symbolic/exact_points.hpp"
 #include "symbolic/print.hpp"
+#include "symbolic/quasi_velocities.hpp"
 
 namespace dynwitness::symbolic {
 
@@ -176,7 +177,7 @@ bool vanish(const Equations& e, const std::vector<Node>& nodes, const scene::Mec
   const Program program = compile(e.graph, nodes);
   for (int seed = 1; seed <= points; ++seed) {
     ProgramRun<Rational> run(program, ExactNumbers(mechanism, seed));
-    for (const Rational& residual : run(exactState(e.dof(), seed, e.positions())))
+    for (const Rational& residual : run(exactState(e.dof(), seed, e.positions)))
       if (residual != 0) return false;
   }
   return true;

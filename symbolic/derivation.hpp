@@ -32,9 +32,9 @@ struct Derivation {
 bool hasClosedForm(const scene::Mechanism& mechanism);
 
 /** Derives M, c and g of a mechanism step by step. Up to kClosedFormJoints joints the steps are
-    closed forms, derived by GiNaC and compared with the graph's derivatives by normal form. Beyond,
-    they list named intermediates, and identities are evaluated in exact rational arithmetic at
-    `points` random points of the circle c^2 + s^2 = 1. Not thread safe (GiNaC is not). */
+    closed forms, derived by GiNaC and compared with the graph's derivatives by normal form. With
+    more joints the steps list named intermediates, and are checked by identities in exact rational
+    arithmetic at `points` random states. Not thread safe (GiNaC is not). */
 Derivation derivation(const scene::Mechanism& mechanism, int points = 2);
 
 /// A derivation as plain text, as a LaTeX fragment (amsmath), or as an HTML fragment with MathML.

@@ -25,10 +25,11 @@ inline scene::CosSin<Rational> randomCirclePoint(std::mt19937& random) {
   return {(1 - t * t) / d, 2 * t / d};
 }
 
-/** A scene's numbers as exact rationals. Angles that are not multiples of pi/2, axes and pi have no
-    rational values; random points of the circle, and a random rational, take their place. An
-    identity that holds at such points holds for the true values too, since the equations here are
-    polynomials in them that use c^2 + s^2 = 1 alone. */
+/** A scene's numbers as exact rationals. Three kinds have no rational value, and something else
+    stands in for them: random points of the circle for angles that are not multiples of pi/2 and
+    for oblique axes, 22/7 for pi. An identity that holds at such points holds for the true values
+    too, since the equations are polynomials in these numbers and use of them c^2 + s^2 = 1 alone.
+    */
 class ExactNumbers {
  public:
   using Scalar = Rational;

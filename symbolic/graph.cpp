@@ -269,8 +269,8 @@ Node Graph::trigDerivative(Node trig) {
   return is_sine ? input(Input::kCos, joint(trig)) : negate(input(Input::kSin, joint(trig)));
 }
 
-std::vector<Node> Graph::directionalDerivative(
-    const std::vector<Node>& nodes, const std::vector<std::pair<Variable, Node>>& direction) {
+std::vector<Node> Graph::directionalDerivative(const std::vector<Node>& nodes,
+                                               const Direction& direction) {
   std::map<std::pair<Input, int>, Node> speed;
   for (const auto& [variable, node] : direction) speed[{variable.input, variable.joint}] = node;
   const auto speedOf = [&speed](Input input, int joint) {

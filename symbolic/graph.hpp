@@ -7,14 +7,15 @@
 // so the same scene gives the same numbers in every run.
 //
 // Joint angles enter as two symbols each, c_k and s_k, with  d c_k = -s_k dq_k,  d s_k = c_k dq_k;
-// quaternions as the nine entries of their rotation R. Here these are variables like any other:
-// that they move together, dR = R [w]x dt, is said where it is used (equations.hpp).
+// quaternions as the nine entries of their rotation R. In a graph these entries are variables like
+// any other; that they move together, dR = R [w]x dt, is the business of quasi_velocities.hpp.
 #pragma once
 
 #include <cstdint>
 #include <map>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "scene/mechanism.hpp"
@@ -52,9 +53,9 @@ struct Atom {
   std::string name;      ///< unique in its graph, in letters that a person reads
 };
 
-/// A component of the state. Positions q_k are counted from 0 over the position slots, rates qd_k,
-/// qdd_k, forces and directions (the sign of qd_k, a constant of its own) over the degrees of
-/// freedom; kRotation counts as rotationEntry() says.
+/// A component of the state. Positions q_k are counted from 0 over the position slots; rates qd_k,
+/// accelerations qdd_k, forces tau_k and directions over the degrees of freedom; kRotation as
+/// rotationEntry() says. A direction is the sign of qd_k, and is differentiated as a constant.
 enum class Input : std::uint8_t {
   kPosition,
   kCos,
@@ -66,18 +67,22 @@ enum class Input : std::uint8_t {
   kDirection
 };
 
-/// The number of R_ij (i, j from 0), R turning link axes to joint axes, of the quaternion that
-/// starts at this slot.
+/// Numbers the entries R_ij (i, j from 0) of a quaternion's rotation, which takes coordinates in
+/// link axes to coordinates in joint axes.
+/// @param slot  first component of the quaternion
 constexpr int rotationEntry(int slot, int i, int j) {
   return 9 * slot + 3 * i + j;
 }
 
 /// What the derivative is taken with respect to: q_k, qd_k, qdd_k or R_ij.
 struct Variable {
-  Input
-      input;  ///< kPosition (c_k and s_k follow it), kVelocity, kAcceleration, kForce or kRotation
+  /// kPosition (c_k and s_k follow it), kVelocity, kAcceleration, kForce or kRotation
+  Input input;
   int joint;
 };
+
+/// A direction in which the state moves: dx/dt of each variable that moves.
+using Direction = std::vector<std::pair<Variable, Node>>;
 
 class Graph {
  public:
@@ -96,7 +101,7 @@ class Graph {
   Node inverse(Node a);  ///< @throws std::invalid_argument when a is 0
   /// c_k a + s_k b
   Node turn(int joint, Node a, Node b);
-  /// The sum of many terms; those that a joint's c_k or s_k multiplies are gathered first.
+  /// The sum of many terms; those with a factor c_k or s_k are gathered first, joint by joint.
   Node sum(const std::vector<Node>& terms);
 
   // ---- reading
@@ -125,7 +130,7 @@ class Graph {
   // ---- derivatives
   /** Directional derivative  sum_i (dn/dx_i) direction_i  of many nodes, by forward mode. */
   std::vector<Node> directionalDerivative(const std::vector<Node>& nodes,
-                                          const std::vector<std::pair<Variable, Node>>& direction);
+                                          const Direction& direction);
   /** All derivatives  dn/dx_i  of one node, by reverse mode: the result costs a small multiple of
       n itself, however many variables there are.
       @param atoms  numbers of the scene to differentiate by as well

@@ -154,9 +154,11 @@ class Compiler {
   std::map<std::tuple<Program::Code, int, int>, int> emitted_;
 };
 
-Program::Operations count(const std::vector<Program::Instruction>& instructions) {
-  Program::Operations operations;
-  for (const Program::Instruction& i : instructions) {
+}  // namespace
+
+Program::Operations Program::bodyOperations() const {
+  Operations operations;
+  for (const Instruction& i : body) {
     switch (i.code) {
       case Program::Code::kAdd:
       case Program::Code::kSubtract:
@@ -173,15 +175,6 @@ Program::Operations count(const std::vector<Program::Instruction>& instructions)
     }
   }
   return operations;
-}
-
-}  // namespace
-
-Program::Operations Program::bodyOperations() const {
-  return count(body);
-}
-Program::Operations Program::prologueOperations() const {
-  return count(prologue);
 }
 
 Program compile(const Graph& graph, const std::vector<Node>& outputs) {

@@ -42,7 +42,6 @@ struct Program {
   int slots = 0;
 
   Operations bodyOperations() const;
-  Operations prologueOperations() const;
 };
 
 /// Only what the outputs need; operations on numbers of the scene go to the prologue.

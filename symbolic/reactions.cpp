@@ -3,8 +3,6 @@
 
 #include <stdexcept>
 
-#include "symbolic/lagrangian.hpp"
-
 namespace dynwitness::symbolic {
 namespace {
 
@@ -148,10 +146,8 @@ class Closed {
 
 Reactions reactions(const scene::Mechanism& mechanism, const Options& options) {
   const Freed cut = freed(mechanism);
-  Equations e;
-  Lagrangian lagrangian(cut.mechanism, options, &e.graph);
-  formEnergies(cut.mechanism, lagrangian, e);
-  formForces(lagrangian, e);
+  Equations e = deriveEnergies(cut.mechanism, options);
+  addGeneralizedForces(cut.mechanism, options, e);
   const std::vector<Node> all = inverseDynamics(e);
   Reactions out;
   Closed closed(e.graph, cut, &out.graph);

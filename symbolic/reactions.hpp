@@ -8,20 +8,20 @@
 
 namespace dynwitness::symbolic {
 
-/** What every joint transmits, by cutting it: 6 numbers a link but the root, force then moment.
+/** What every joint transmits: six numbers for each link but the root, force then moment.
 
-    Each link is let go of its moved joint frame: between the two comes a free joint, with six rates
-    u (velocity of the origin, angular velocity, in the axes of that frame) besides the joint's own.
-    The real motion has u = 0, du/dt = 0 and no displacement. The constraint u = 0 has a multiplier
-    for each of the six, and the equations of the freed mechanism (Lagrange's, with Boltzmann's and
-    Hamel's term) say what it is where the constraint holds:
+    Every joint is cut. Between the frame that it moves and the link that it carries, we put a free
+    joint with six rates u (velocity of the origin and angular velocity, in the axes of that frame).
+    In the real motion the cuts stay closed: u = 0, du/dt = 0, and no displacement. Each of the six
+    constraints u_k = 0 has a multiplier, and Lagrange's equations of the freed mechanism (with
+    Boltzmann's and Hamel's term) give it:
 
         lambda_k = d/dt (dT/du_k) + sum_jl b_kjl u_j p_l - X_k (T - V) - Q_k     at u = 0
 
-    Its power is lambda' u: that of the wrench which holds the link on its moved joint frame, and
-    acts on the link. The joint's own equation says what of it is tau.
+    lambda' u is the power of the wrench that acts on the link and holds it on its joint. How much
+    of that wrench is tau, the joint's own equation says.
 
-    The outputs read the position, velocity and acceleration of `mechanism`.
+    The outputs are functions of the position, velocity and acceleration of `mechanism`.
     @see scene::Joint for what counts as the parent's (gyroscopic rotors), Witness::answer for the
          axes */
 struct Reactions {

@@ -11,8 +11,8 @@
 namespace dynwitness::symbolic {
 
 /** The equations of a mechanism with a symbol for each of its inertial parameters pi: masses m,
-    centres of mass c, inertias about the link's origin and rotors are symbols, whatever the scene
-    says. T and V are linear in pi (with h = m c), and so is all that follows from them. */
+    centres of mass c, inertias about the link's origin and rotor inertias, whatever values the
+    scene gives them. T and V are linear in pi (with h = m c), and so is all that follows. */
 struct InertialSymbols {
   scene::Mechanism mechanism;  ///< with the symbols as parameters: m = 1, all others 0
   std::vector<scene::InertialParameter> parameters;
@@ -30,8 +30,8 @@ std::vector<Node> byInertialParameters(InertialSymbols& symbols, Node f);
     linear in pi, without springs and loads. */
 std::vector<std::vector<Node>> regressor(InertialSymbols& symbols);
 
-/** sum_i w_i Y_ij for all j, w being the joint forces of the state: the same as Y, entry by entry,
-    where w is any vector, for the price of one row. */
+/** sum_i w_i Y_ij for all j, for the price of one row of Y. The weights w are the joint forces of
+    the state; where they may be any vector, this says as much as all of Y. */
 std::vector<Node> weightedRegressor(InertialSymbols& symbols);
 
 /// d(T + V)/dpi_j for all j.

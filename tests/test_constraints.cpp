@@ -19,6 +19,7 @@
 #include "recursive/constrained_solver.hpp"
 #include "recursive/factorization.hpp"
 #include "recursive/newton_euler.hpp"
+#include "symbolic/closures.hpp"
 #include "symbolic/equations.hpp"
 
 namespace data = boost::unit_test::data;

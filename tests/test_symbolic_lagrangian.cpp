@@ -16,6 +16,7 @@
 #include "scene/scene.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/exact_points.hpp"
+#include "symbolic/quasi_velocities.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::symbolic;
@@ -150,6 +151,24 @@ void checkIdentities(const scene::Mechanism& m, unsigned seed) {
   Rational power = 0;
   for (int i = 0; i < n; ++i) power += (v.tau[i] + v.Q[i]) * state.qd[i];
   BOOST_TEST(evaluate(e, m, rate, state) == power);
+}
+
+/** The Christoffel form of the Coriolis matrix [n x n], with  c = C qd  and  dM/dt - 2 C  skew,
+    where all rates are derivatives of positions:
+        C_ij = sum_k Gamma_ijk qd_k = (dM_ij/dt + dp_i/dq_j - dp_j/dq_i) / 2 */
+std::vector<std::vector<Node>> christoffelMatrix(Equations& e) {
+  const int n = e.dof();
+  Graph& graph = e.graph;
+  std::vector<std::vector<Node>> A;  // A[j][i] = dp_i/dq_j
+  for (int j = 0; j < n; ++j) A.push_back(graph.directionalDerivative(e.p, e.directions[j]));
+  std::vector<std::vector<Node>> C(n, std::vector<Node>(n));
+  const Node half = graph.constant(Rational(1, 2));
+  for (int i = 0; i < n; ++i) {
+    const std::vector<Node> M_rate = graph.directionalDerivative(e.M[i], motion(e));
+    for (int j = 0; j < n; ++j)
+      C[i][j] = graph.multiply(half, graph.add(M_rate[j], graph.subtract(A[j][i], A[i][j])));
+  }
+  return C;
 }
 
 void checkChristoffelMatrix(const scene::Mechanism& m, unsigned seed) {

@@ -19,6 +19,7 @@
 #include "crosscheck/witnesses/lagrange.hpp"
 #include "recursive/constraints.hpp"
 #include "scene/work.hpp"
+#include "symbolic/closures.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
 

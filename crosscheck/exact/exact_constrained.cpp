@@ -9,6 +9,7 @@
 #include "recursive/hybrid_dynamics.hpp"
 #include "recursive/least_constraint.hpp"
 #include "recursive/operational_space.hpp"
+#include "symbolic/closures.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
 

@@ -79,12 +79,12 @@ Symmetric3 symmetricProduct(const Vector3& a, const Vector3& b) {
 }
 
 /// Mass moments about a point from which the old origin lies at p.
-struct Moments {
+struct MassMoments {
   Traced mass;
   Vector3 h;
   Symmetric3 S;
 };
-Moments shiftedBack(const Vector3& p, const Moments& b) {
+MassMoments shiftedBack(const Vector3& p, const MassMoments& b) {
   return {b.mass, b.h + p * b.mass, b.S + symmetricProduct(b.h, p) + Symmetric3::outer(p, b.mass)};
 }
 
@@ -151,7 +151,7 @@ class Passage {
     v = R_.transpose() * v;
     return turned_by_parent_ ? turnedBack(parent_angle_, v) : v;
   }
-  Moments inward(const Moments& b) const {
+  MassMoments inward(const MassMoments& b) const {
     Symmetric3 S = turned_ ? turnedBack(angle_, b.S) : b.S;
     S = S.turnedBack(by_matrix_ ? unturned_ : R_);
     if (turned_by_parent_) S = turnedBack(parent_angle_, S);
@@ -225,7 +225,7 @@ LeanModel leanModel(const recursive::Model<Traced>& model) {
 
 namespace {
 
-void add(LeanLink& link, const Moments& b) {
+void add(LeanLink& link, const MassMoments& b) {
   link.mass += b.mass;
   link.h += b.h;
   link.S = link.S + b.S;
@@ -234,7 +234,7 @@ void add(LeanLink& link, const Moments& b) {
 /// Moves to the parent what the joint's motion cannot tell apart.
 void regroupLink(LeanModel& model, int i) {
   LeanLink& link = model.links[i];
-  Moments moved{0, Vector3::Zero(), Symmetric3::zero()};
+  MassMoments moved{0, Vector3::Zero(), Symmetric3::zero()};
   if (link.turns) {
     moved = {link.mass, alongZ(link.h.z()), Symmetric3::zero()};
     moved.S.zz = link.S.zz;
@@ -268,7 +268,7 @@ void takeRod(LeanModel& model, int i, const Rod& rod) {
 void slide(LeanModel& model, int moved, Traced t) {
   LeanLink& link = model.links[moved];
   link.p += link.R.row(2).transpose() * t;
-  const Moments about = shiftedBack(alongZ(-t), {link.mass, link.h, link.S});
+  const MassMoments about = shiftedBack(alongZ(-t), {link.mass, link.h, link.S});
   link.h = about.h;
   link.S = about.S;
   link.moment -= alongZ(t).cross(link.force);
@@ -403,11 +403,11 @@ std::vector<Traced> inverseDynamics(const LeanModel& model, const scene::State<T
 namespace {
 
 /// Everything outboard of each joint as one body, and the ways between them.
-std::pair<std::vector<Passage>, std::vector<Moments>> compositeBodies(
+std::pair<std::vector<Passage>, std::vector<MassMoments>> compositeBodies(
     const LeanModel& model, const scene::State<Traced>& state, Turning turning) {
   std::vector<Passage> passage;
   passage.reserve(model.links.size());
-  std::vector<Moments> composite;
+  std::vector<MassMoments> composite;
   for (const LeanLink& link : model.links) {
     const int i = static_cast<int>(passage.size());
     passage.emplace_back(model, passage, i, state, turning);
@@ -415,8 +415,8 @@ std::pair<std::vector<Passage>, std::vector<Moments>> compositeBodies(
   }
   for (int i = static_cast<int>(model.links.size()) - 1; i >= 0; --i) {
     if (model.links[i].parent < 0) continue;
-    const Moments carried = passage[i].inward(composite[i]);
-    Moments& parent = composite[model.links[i].parent];
+    const MassMoments carried = passage[i].inward(composite[i]);
+    MassMoments& parent = composite[model.links[i].parent];
     parent = {parent.mass + carried.mass, parent.h + carried.h, parent.S + carried.S};
   }
   return {std::move(passage), std::move(composite)};
@@ -431,7 +431,7 @@ std::vector<Traced> massMatrix(const LeanModel& model, const scene::State<Traced
   std::vector<Traced> M(static_cast<std::size_t>(n) * n);
   for (int i = n - 1; i >= 0; --i) {
     const LeanLink& link = model.links[i];
-    const Moments& b = composite[i];
+    const MassMoments& b = composite[i];
     // force and moment that a unit acceleration of joint i alone needs
     Vector3 f = {-b.h.y(), b.h.x(), 0}, m = {-b.S.xz, -b.S.yz, b.S.xx + b.S.yy};
     if (!link.turns) {
@@ -459,7 +459,7 @@ std::vector<Traced> gravity(const LeanModel& model, const scene::State<Traced>& 
   for (int i = 0; i < n; ++i) {
     const LeanLink& link = model.links[i];
     a[i] = passage[i].outward(link.parent < 0 ? Vector3(-model.gravity) : a[link.parent]);
-    const Moments& b = composite[i];
+    const MassMoments& b = composite[i];
     g[link.dof] = link.turns ? b.h.x() * a[i].y() - b.h.y() * a[i].x() : b.mass * a[i].z();
     g[link.dof] += link.stiffness * (state.x[link.slot].q - link.rest);
   }

@@ -62,7 +62,7 @@ std::vector<T> ratesOfSlots(const recursive::Model<T>& model,
 
 /// A state as the integrator has it.
 template <typename T>
-struct Moment {
+struct PhasePoint {
   std::vector<T> slots, qd;
 };
 
@@ -83,26 +83,26 @@ class Flow {
 
   const recursive::Model<T>& model() const { return model_; }
 
-  std::vector<T> accelerations(const Moment<T>& y) {
+  std::vector<T> accelerations(const PhasePoint<T>& y) {
     for (int i = 0; i < model_.dof(); ++i) tau_[i] = y.qd[i] * T(-damping_);
     recursive::forwardDynamics(model_, slotPositions(y.slots), y.qd, tau_, ws_, qdd_, terms_);
     return qdd_;
   }
-  std::vector<T> slotRates(const Moment<T>& y) {
+  std::vector<T> slotRates(const PhasePoint<T>& y) {
     recursive::positionRates(model_, slotPositions(y.slots), y.qd, slot_rates_);
     return slot_rates_;
   }
   /// The state a time h [s] later.
-  Moment<T> step(const Moment<T>& y, double h) {
-    const Moment<T> k_1 = rate(y), k_2 = rate(moved(y, k_1, h / 2)),
-                    k_3 = rate(moved(y, k_2, h / 2)), k_4 = rate(moved(y, k_3, h));
+  PhasePoint<T> step(const PhasePoint<T>& y, double h) {
+    const PhasePoint<T> k_1 = rate(y), k_2 = rate(moved(y, k_1, h / 2)),
+                        k_3 = rate(moved(y, k_2, h / 2)), k_4 = rate(moved(y, k_3, h));
     const double sixth = h / 6;
     return moved(moved(moved(moved(y, k_1, sixth), k_2, 2 * sixth), k_3, 2 * sixth), k_4, sixth);
   }
 
  private:
-  Moment<T> rate(const Moment<T>& y) { return {slotRates(y), accelerations(y)}; }
-  static Moment<T> moved(Moment<T> y, const Moment<T>& rate, double h) {
+  PhasePoint<T> rate(const PhasePoint<T>& y) { return {slotRates(y), accelerations(y)}; }
+  static PhasePoint<T> moved(PhasePoint<T> y, const PhasePoint<T>& rate, double h) {
     for (std::size_t i = 0; i < y.slots.size(); ++i) y.slots[i] += rate.slots[i] * T(h);
     for (std::size_t i = 0; i < y.qd.size(); ++i) y.qd[i] += rate.qd[i] * T(h);
     return y;

@@ -49,7 +49,7 @@ struct Problem {
   double damping, duration;
   bool coordinates;  ///< rates are the derivatives of q
   bool conservative;
-  Moment<double> start;
+  PhasePoint<double> start;
 
   int n() const { return model.dof(); }
 };
@@ -133,7 +133,7 @@ std::vector<Node> motionOf(const Problem& problem, int steps) {
   const double h = problem.duration / steps;
   const Values none(problem.n(), 0.0);
   std::vector<Node> nodes;
-  Moment<double> y = problem.start;
+  PhasePoint<double> y = problem.start;
   for (int k = 0; k <= steps; ++k) {
     if (k > 0) y = flow.step(y, h);
     const double share = k == 0 || k == steps ? 1 : k % 2 == 1 ? 4 : 2;
@@ -332,7 +332,7 @@ struct Neighbours {
     const Values slot_rates = plain.slotRates(problem.start),
                  qdd = plain.accelerations(problem.start);
     for (int k = 0; k <= problem.n(); ++k) {
-      Moment<D> y;
+      PhasePoint<D> y;
       const bool later = k == problem.n();
       for (std::size_t i = 0; i < problem.start.slots.size(); ++i)
         y.slots.push_back(D(problem.start.slots[i], later ? slot_rates[i] : 0.0));
@@ -342,13 +342,13 @@ struct Neighbours {
     }
   }
   void step(double h) {
-    for (Moment<D>& y : now) y = flow.step(y, h);
+    for (PhasePoint<D>& y : now) y = flow.step(y, h);
   }
   /// A(t), column k: where the k-th neighbour is, seen from the motion, n x n.
   Eigen::MatrixXd places() const {
     Eigen::MatrixXd A(problem.n(), problem.n());
     for (int k = 0; k < problem.n(); ++k) {
-      const Moment<D>& y = now[k];
+      const PhasePoint<D>& y = now[k];
       Values slots, aside;
       for (const D& q : y.slots) {
         slots.push_back(q.value);
@@ -378,7 +378,7 @@ struct Neighbours {
 
   const Problem& problem;
   Flow<D> flow;
-  std::vector<Moment<D>> now;  ///< n neighbours by velocity, then the motion a little later
+  std::vector<PhasePoint<D>> now;  ///< n neighbours by velocity, then the motion a little later
 };
 
 struct JacobiFields {
@@ -391,8 +391,8 @@ struct JacobiFields {
 /** How many singular values of A vanish together within two steps after `from`. Each passes 0 as |t
    - t*|; the least of the smallest is sought by golden sections, and one that would reach 0 within
    duration / kSharp of there counts. */
-Action::Conjugate manyMeet(Neighbours* neighbours, const std::vector<Moment<D>>& from, double start,
-                           double h) {
+Action::Conjugate manyMeet(Neighbours* neighbours, const std::vector<PhasePoint<D>>& from,
+                           double start, double h) {
   const auto values = [&](double later) {
     neighbours->now = from;
     neighbours->step(later);
@@ -425,13 +425,13 @@ JacobiFields jacobiFields(const Problem& problem, int steps, scene::Work& work) 
   const auto determinant = [](const Eigen::MatrixXd& A, double t) {
     return (A / t).eval().determinant();
   };
-  double before = 0, earlier = 0;       // determinants at the last two nodes
-  std::vector<Moment<D>> last_but_one;  // neighbours at the node before the last
+  double before = 0, earlier = 0;           // determinants at the last two nodes
+  std::vector<PhasePoint<D>> last_but_one;  // neighbours at the node before the last
   for (int k = 1; k <= steps; ++k) {
-    const std::vector<Moment<D>> from = neighbours.now;
+    const std::vector<PhasePoint<D>> from = neighbours.now;
     neighbours.step(h);
     work.doneTo((steps - kFirstSteps + k) / (2.0 * std::max(steps, 2 * kFirstSteps) - kFirstSteps));
-    const std::vector<Moment<D>> to = neighbours.now;
+    const std::vector<PhasePoint<D>> to = neighbours.now;
     const double time = h * k, det = determinant(neighbours.places(), time);
     if (k > 1 && before * det < 0) {  // between: halve the step until nothing is left of it
       double low = 0, high = h;
@@ -462,8 +462,8 @@ JacobiFields jacobiFields(const Problem& problem, int steps, scene::Work& work) 
       out.size_symmetric = std::max(out.size_symmetric, product.cwiseAbs().maxCoeff());
     }
     // the motion a little later is a neighbour: its place is ahead by qd
-    const Moment<D>& later = neighbours.now.back();
-    Moment<double> y;
+    const PhasePoint<D>& later = neighbours.now.back();
+    PhasePoint<double> y;
     for (const D& q : later.slots) y.slots.push_back(q.value);
     for (const D& qd : later.qd) y.qd.push_back(qd.value);
     for (const Values* values : {&y.slots, &y.qd})

@@ -7,6 +7,7 @@
 
 #include "crosscheck/witnesses/program_answer.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
+#include "symbolic/quasi_velocities.hpp"
 #include "symbolic/reactions.hpp"
 
 namespace dynwitness::crosscheck {
@@ -48,8 +49,9 @@ const symbolic::Program& DerivedPrograms::operator[](Quantity quantity) const {
     const symbolic::Reactions cut = symbolic::reactions(mechanism_, options_);
     program = symbolic::compile(cut.graph, cut.lambda);
   } else if (quantity == Quantity::kg && !equations_) {  // nobody has asked for more
-    const symbolic::Equations g = symbolic::deriveGravity(mechanism_, options_);
-    program = symbolic::compile(g.graph, g.g);
+    symbolic::Equations energies = symbolic::deriveEnergies(mechanism_, options_);
+    const std::vector<symbolic::Node> g = symbolic::positionGradient(energies, energies.potential);
+    program = symbolic::compile(energies.graph, g);
   } else {
     const std::vector<symbolic::Node> nodes = outputs(quantity);
     program = symbolic::compile(equations_->graph, nodes);

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "symbolic/quasi_velocities.hpp"
+
+#include <map>
+#include <utility>
+
+namespace dynwitness::symbolic {
+namespace {
+
+using Key = std::pair<Input, int>;  ///< of a variable
+
+Key keyOf(const Variable& variable) {
+  return {variable.input, variable.joint};
+}
+
+/// b_ijk of a joint's rates, turns and shifts, as (j, k, sign) for one i.
+struct Bracket {
+  int j, k, sign;
+};
+std::vector<Bracket> brackets(const QuasiJoint& joint, int i) {
+  std::vector<Bracket> out;
+  const int turns = joint.rate + (joint.floats ? 3 : 0);
+  for (const int shift : {1, 2}) {  // e_a x e_b = sign e_c
+    const int a = (i - joint.rate) % 3, b = (a + shift) % 3, c = (a + 3 - shift) % 3;
+    const int sign = shift == 1 ? 1 : -1;
+    if (i >= turns) {
+      out.push_back({turns + b, turns + c, sign});  // [turn, turn] = turn
+      if (joint.floats)
+        out.push_back({joint.rate + b, joint.rate + c, sign});  // [turn, shift] = shift
+    } else {
+      out.push_back({turns + b, joint.rate + c, sign});  // [shift, turn] = shift
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Node> positionGradient(Equations& e, Node f) {
+  Graph& graph = e.graph;
+  std::vector<Variable> variables;
+  std::map<Key, Node> slope;
+  for (const Direction& direction : e.directions)
+    for (const auto& [variable, node] : direction)
+      if (slope.emplace(keyOf(variable), Node{}).second) variables.push_back(variable);
+  const std::vector<Node> slopes = graph.gradient(f, variables);
+  for (std::size_t i = 0; i < variables.size(); ++i) slope[keyOf(variables[i])] = slopes[i];
+  std::vector<Node> result;
+  for (const Direction& direction : e.directions) {
+    Node sum;
+    for (const auto& [variable, node] : direction)
+      sum = graph.add(sum, graph.multiply(slope.at(keyOf(variable)), node));
+    result.push_back(sum);
+  }
+  return result;
+}
+
+Direction motion(Equations& e, bool with_accelerations) {
+  Graph& graph = e.graph;
+  std::vector<Variable> order;
+  std::map<Key, Node> speed;
+  for (int i = 0; i < e.dof(); ++i) {
+    const Node qd = graph.input(Input::kVelocity, i);
+    for (const auto& [variable, node] : e.directions[i]) {
+      const auto [it, is_new] = speed.emplace(keyOf(variable), Node{});
+      if (is_new) order.push_back(variable);
+      it->second = graph.add(it->second, graph.multiply(node, qd));
+    }
+  }
+  Direction result;
+  for (const Variable& variable : order) result.push_back({variable, speed[keyOf(variable)]});
+  if (with_accelerations)
+    for (int i = 0; i < e.dof(); ++i)
+      result.push_back({{Input::kVelocity, i}, graph.input(Input::kAcceleration, i)});
+  return result;
+}
+
+std::vector<Node> structureTerms(Equations& e, const std::vector<Node>& p) {
+  Graph& graph = e.graph;
+  std::vector<Node> terms(p.size());
+  for (const QuasiJoint& joint : e.quasi) {
+    for (int i = joint.rate; i < joint.rate + (joint.floats ? 6 : 3); ++i) {
+      for (const Bracket& b : brackets(joint, i)) {
+        const Node term = graph.multiply(graph.input(Input::kVelocity, b.j), p[b.k]);
+        terms[i] = b.sign > 0 ? graph.add(terms[i], term) : graph.subtract(terms[i], term);
+      }
+    }
+  }
+  return terms;
+}
+
+}  // namespace dynwitness::symbolic
