@@ -123,11 +123,11 @@ BOOST_AUTO_TEST_CASE(verdicts_do_not_depend_on_the_seed) {
 // What is wrong in the chapter, planted as a correction: the entry must not stand.
 BOOST_AUTO_TEST_CASE(a_wrong_correction_is_noticed_in_every_entry_that_has_one) {
   int planted = 0;
-  for (Claim claim : allClaims()) {
-    if (!claim.corrected_trial) continue;
-    claim.corrected_trial = claim.printed_trial;
+  for (Claim claim : joined(bundledChapter(), allTrials())) {
+    if (!claim.trials.corrected_trial) continue;
+    claim.trials.corrected_trial = claim.trials.printed_trial;
     const bool stands = evaluate(claim, 3).isSound();
-    BOOST_TEST(stands == (entry(claim.id).holds == Holds::kTrue), claim.id);
+    BOOST_TEST(stands == (entry(claim.trials.id).holds == Holds::kTrue), claim.trials.id);
     ++planted;
   }
   BOOST_TEST(planted > 10);
@@ -150,11 +150,12 @@ BOOST_AUTO_TEST_CASE(a_flipped_sign_in_a_right_equation_is_noticed) {
 
 BOOST_AUTO_TEST_CASE(holds_follows_from_the_residuals_alone) {
   const auto made = [](Trial printed, Trial corrected, Trial condition) {
-    Claim claim("some", "1", "some");
-    claim.printed("p", std::move(printed));
-    if (corrected) claim.corrected("c", std::move(corrected));
-    if (condition) claim.condition("i", std::move(condition));
-    return evaluate(claim, 1);
+    return evaluate({{},
+                     Trials("some")
+                         .printed(std::move(printed))
+                         .corrected(std::move(corrected))
+                         .condition(std::move(condition))},
+                    1);
   };
   BOOST_TEST((made(alwaysZero(), {}, {}).holds == Holds::kTrue));
   BOOST_TEST((made(neverZero(), alwaysZero(), {}).holds == Holds::kFalse));
@@ -164,7 +165,7 @@ BOOST_AUTO_TEST_CASE(holds_follows_from_the_residuals_alone) {
   BOOST_TEST(!made(neverZero(), {}, {}).isSound());  // wrong, and no word of what is right
   BOOST_TEST(!made(neverZero(), neverZero(), {}).isSound());
   BOOST_TEST(!made(neverZero(), alwaysZero(), neverZero()).isSound());
-  BOOST_CHECK_THROW(evaluate(Claim("none", "1", "none"), 1), std::logic_error);
+  BOOST_CHECK_THROW(evaluate({{}, Trials("none")}, 1), std::logic_error);
 }
 
 BOOST_AUTO_TEST_CASE(a_trial_that_compares_nothing_is_refused) {
