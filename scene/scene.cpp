@@ -84,7 +84,7 @@ fs::path dataFolder() {
   std::error_code error;
   if (!fs::is_directory(set, error))
     throw InputError({}, "DYNWITNESS_DATA: '" + std::string(set) +
-                             "' is no folder, allowed: one with the folders scenes and reference");
+                             "' is no folder, allowed: one with the folders audit, scenes and reference");
   return set;
 }
 

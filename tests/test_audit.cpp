@@ -18,6 +18,7 @@
 #include "crosscheck/audit/truths.hpp"
 #include "crosscheck/report/ascii_math.hpp"
 #include "crosscheck/report/audit_report.hpp"
+#include "scene/error.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::audit;
@@ -82,6 +83,110 @@ BOOST_AUTO_TEST_CASE(every_entry_is_complete_and_points_at_a_file_that_is_there)
   }
 }
 
+// ---- sentences and trials ----------------------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(every_statement_has_its_trials_and_every_trial_its_statement) {
+  const Chapter chapter = bundledChapter();
+  const std::vector<Trials> trials = allTrials();
+  const std::vector<Claim> claims = joined(chapter, trials);
+  BOOST_TEST(claims.size() == chapter.statements.size());
+  BOOST_TEST(claims.size() == trials.size());
+  for (const Claim& claim : claims) BOOST_TEST(claim.statement.id == claim.trials.id);
+}
+
+namespace {
+
+const std::string kChapter =
+    "[chapter]\nauthor = \"a\"\ntitle = \"t\"\nyear = \"1\"\nsections = [\"one\", \"two\"]\n";
+
+/// A statement of section 1 whose lines begin at line 7 of a file that starts with kChapter.
+std::string statement(const std::string& id, const std::string& more = "") {
+  return "\n[[statement]]\nid = \"" + id +
+         "\"\nsection = \"1\"\ntitle = \"t\"\nprinted = \"p\"\nwhy = \"w\"\n"
+         "implemented_in = \"f\"\n" +
+         more;
+}
+
+/// What the audit of a file with these sentences, computed by these trials, says against it.
+std::string refusal(const std::string& text, const std::vector<Trials>& trials) {
+  try {
+    joined(readChapter(text, "c.toml"), trials);
+  } catch (const scene::InputError& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+Trials trialsOf(const std::string& id) {
+  return Trials(id).printed(alwaysZero());
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(sentences_that_do_not_fit_the_trials_are_refused) {
+  const std::vector<Trials> one = {trialsOf("a")};
+  const auto refused = [](const std::string& text, const std::vector<Trials>& trials,
+                          const std::string& words) { BOOST_TEST(refusal(text, trials) == words); };
+  const std::string a = kChapter + statement("a");
+  refused(a, one, "not refused");
+  refused(a + statement("b"), one,
+          "c.toml:15: statement \"b\": crosscheck/audit/ computes no such statement, allowed: "
+          "none, each that it computes is there");
+  refused(kChapter + statement("b"), one,
+          "c.toml:7: statement \"b\": crosscheck/audit/ computes no such statement, allowed: a");
+  refused(a, {one[0], trialsOf("b")},
+          "c.toml: lacks statements that crosscheck/audit/ computes: b");
+  refused(a + "corrected = \"c\"\n", one,
+          "c.toml:7: statement \"a\": has a correction that crosscheck/audit/ does not compute, "
+          "allowed: none");
+  refused(a, {trialsOf("a").condition(neverZero())},
+          "c.toml:7: statement \"a\": has no condition, allowed: one, as crosscheck/audit/ "
+          "computes it");
+  refused(a + "numbers_caption = \"c\"\n", {trialsOf("a").numbers(definitenessRows)},
+          "c.toml:7: statement \"a\": has no numbers_head, allowed: one, as crosscheck/audit/ "
+          "computes it");
+  BOOST_CHECK_THROW(joined(readChapter(a, "c.toml"), {one[0], one[0]}), std::logic_error);
+}
+
+BOOST_AUTO_TEST_CASE(a_file_of_sentences_is_refused_with_file_and_line) {
+  const std::vector<Trials> one = {trialsOf("a")};
+  const auto refused = [&](const std::string& text, const std::string& words) {
+    const std::string said = refusal(text, one);
+    BOOST_TEST(said.compare(0, words.size(), words) == 0, said);
+  };
+  const std::string a = kChapter + statement("a");
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = a;
+    text.replace(text.rfind(from), from.size(), to);
+    return text;
+  };
+  refused(a + "whi = \"w\"\n", "c.toml:14: statement: unknown key \"whi\", allowed: id, section");
+  refused(a + "[[statment]]\n", "c.toml:14: file: unknown key \"statment\"");
+  refused(with("why = \"w\"\n", ""), "c.toml:7: statement: has no why, allowed: a text");
+  refused(with("\"w\"", "\" \""), "c.toml:12: statement: why: an empty string, allowed: a text");
+  refused(with("\"w\"", "7"), "c.toml:12: statement: why: an integer, allowed: a string");
+  refused(with("\"w\"", "\"`x\""), "c.toml:12: statement: why: an odd number of backticks");
+  refused(with("\"w\"", "w"), "c.toml:12: not TOML");
+  refused(with("\"1\"", "\"3\""), "c.toml:7: statement \"a\": section \"3\", allowed: 1 to 2");
+  refused(with("\"1\"", "\"1..2\""), "c.toml:7: statement \"a\": section \"1..2\", allowed");
+  refused(a + "left_open = 1\n", "c.toml:14: statement: left_open: an integer, allowed: true");
+  refused(with("\"1\"", "\"1.1\"") + statement("b"),
+          "c.toml:15: statement \"b\": section \"1\" after a later one");
+  refused(a + statement("a"), "c.toml:15: statement \"a\": a second one");
+  refused(statement("a"), "c.toml");
+  BOOST_TEST(
+      readChapter(with("\"w\"", "\"\"\"\na\n  b `c\nd`\"\"\""), "c.toml").statements[0].why ==
+      "a b `c d`");
+}
+
+BOOST_AUTO_TEST_CASE(a_table_has_as_many_columns_as_heads) {
+  Claim claim{{}, trialsOf("a").numbers([] { return Rows{{"1", "2"}}; })};
+  claim.statement.numbers_head = {"one"};
+  BOOST_CHECK_THROW(evaluate(claim, 1), scene::InputError);
+  claim.statement.numbers_head.push_back("two");
+  BOOST_TEST(evaluate(claim, 1).numbers->head.size() == 2u);
+}
+
 // ---- computed ----------------------------------------------------------------------------------
 
 BOOST_AUTO_TEST_CASE(every_correction_and_every_condition_is_found_to_hold) {
@@ -123,11 +228,11 @@ BOOST_AUTO_TEST_CASE(verdicts_do_not_depend_on_the_seed) {
 // What is wrong in the chapter, planted as a correction: the entry must not stand.
 BOOST_AUTO_TEST_CASE(a_wrong_correction_is_noticed_in_every_entry_that_has_one) {
   int planted = 0;
-  for (Claim claim : allClaims()) {
-    if (!claim.corrected_trial) continue;
-    claim.corrected_trial = claim.printed_trial;
+  for (Claim claim : joined(bundledChapter(), allTrials())) {
+    if (!claim.trials.corrected_trial) continue;
+    claim.trials.corrected_trial = claim.trials.printed_trial;
     const bool stands = evaluate(claim, 3).isSound();
-    BOOST_TEST(stands == (entry(claim.id).holds == Holds::kTrue), claim.id);
+    BOOST_TEST(stands == (entry(claim.trials.id).holds == Holds::kTrue), claim.trials.id);
     ++planted;
   }
   BOOST_TEST(planted > 10);
@@ -150,11 +255,12 @@ BOOST_AUTO_TEST_CASE(a_flipped_sign_in_a_right_equation_is_noticed) {
 
 BOOST_AUTO_TEST_CASE(holds_follows_from_the_residuals_alone) {
   const auto made = [](Trial printed, Trial corrected, Trial condition) {
-    Claim claim("some", "1", "some");
-    claim.printed("p", std::move(printed));
-    if (corrected) claim.corrected("c", std::move(corrected));
-    if (condition) claim.condition("i", std::move(condition));
-    return evaluate(claim, 1);
+    return evaluate({{},
+                     Trials("some")
+                         .printed(std::move(printed))
+                         .corrected(std::move(corrected))
+                         .condition(std::move(condition))},
+                    1);
   };
   BOOST_TEST((made(alwaysZero(), {}, {}).holds == Holds::kTrue));
   BOOST_TEST((made(neverZero(), alwaysZero(), {}).holds == Holds::kFalse));
@@ -164,7 +270,7 @@ BOOST_AUTO_TEST_CASE(holds_follows_from_the_residuals_alone) {
   BOOST_TEST(!made(neverZero(), {}, {}).isSound());  // wrong, and no word of what is right
   BOOST_TEST(!made(neverZero(), neverZero(), {}).isSound());
   BOOST_TEST(!made(neverZero(), alwaysZero(), neverZero()).isSound());
-  BOOST_CHECK_THROW(evaluate(Claim("none", "1", "none"), 1), std::logic_error);
+  BOOST_CHECK_THROW(evaluate({{}, Trials("none")}, 1), std::logic_error);
 }
 
 BOOST_AUTO_TEST_CASE(a_trial_that_compares_nothing_is_refused) {

@@ -44,8 +44,8 @@ const Q m1 = 2, l1 = Q(1) / 3, m2 = 5, l2 = Q(3) / 4, length = Q(7) / 5;
 const scene::CosSin<Q> q1 = fixtures::circlePoint(Q(1) / 2), q2 = fixtures::circlePoint(Q(-2) / 3);
 
 Claim claimOf(const std::string& id) {
-  for (const Claim& claim : allClaims())
-    if (claim.id == id) return claim;
+  for (const Claim& claim : joined(bundledChapter(), allTrials()))
+    if (claim.trials.id == id) return claim;
   throw std::invalid_argument("no claim " + id);
 }
 
@@ -100,7 +100,7 @@ BOOST_AUTO_TEST_SUITE(verdicts)
 
 BOOST_AUTO_TEST_CASE(equations_51_to_74_have_one_entry_each) {
   std::map<std::string, int> count;
-  for (const Claim& claim : allClaims()) ++count[claim.id];
+  for (const Statement& statement : bundledChapter().statements) ++count[statement.id];
   for (int i = 51; i <= 74; ++i) BOOST_TEST(count["eq" + std::to_string(i)] == 1, "eq" << i);
   for (const auto& [id, times] : count) BOOST_TEST(times == 1, id);
 }
@@ -154,13 +154,13 @@ BOOST_AUTO_TEST_CASE(our_own_part_stands) {
   const std::set<std::string> sections = {"9",  "9.1", "9.2",  "10", "11.1", "11.2", "11.3", "12",
                                           "13", "14",  "14.1", "15", "15.1", "16",   "16.1", "17"};
   std::set<std::string> seen;
-  for (const Claim& claim : allClaims()) {
-    if (sections.count(claim.section) == 0) continue;
-    seen.insert(claim.section);
+  for (const Claim& claim : joined(bundledChapter(), allTrials())) {
+    if (sections.count(claim.statement.section) == 0) continue;
+    seen.insert(claim.statement.section);
     const Entry entry = evaluate(claim, 3);
-    BOOST_TEST(entry.isSound(), claim.id << ": " << entry.residual_printed.residual);
-    BOOST_TEST(!entry.implemented_in.empty(), claim.id);
-    if (entry.holds != Holds::kTrue) BOOST_TEST(!entry.why.empty(), claim.id);
+    BOOST_TEST(entry.isSound(), claim.trials.id << ": " << entry.residual_printed.residual);
+    BOOST_TEST(!entry.implemented_in.empty(), claim.trials.id);
+    if (entry.holds != Holds::kTrue) BOOST_TEST(!entry.why.empty(), claim.trials.id);
   }
   BOOST_TEST(seen.size() == sections.size() - 1);  // section 9 has no statement of its own
 }

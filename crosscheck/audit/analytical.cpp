@@ -38,233 +38,195 @@ void compareEnergy(At& at, const Robot<T>& robot, int divisor) {
   at.equal("T", T(qd.dot(VectorX<T>(M * qd)) / T(divisor)), T(energy / T(2)));
 }
 
-std::vector<Claim> form() {
-  std::vector<Claim> claims;
-  claims.push_back(
-      Claim("linear_terms", "14", "How accelerations, velocities and gravity enter")
-          .printed(
-              "tau is linear in `qdd`, not linear in `qd` (its velocity products are quadratic), "
-              "and linear in gravity",
-              both(exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto robot = anyRobot(at, kMixed);
-                     const auto& [qd, qdd, zero] = std::tuple(robot.qd, robot.qdd, robot.zeros());
-                     const T s = at.number();
-                     const Vector3<T> none = Vector3<T>::Zero();
-                     const auto times = [&](const std::vector<T>& v) {
-                       return Robot<T>::values(scaled<T>(Robot<T>::column(v), s));
-                     };
-                     const VectorX<T> M_qdd = robot.forces(zero, qdd, none),
-                                      c = robot.forces(qd, zero, none),
-                                      g = robot.forces(zero, zero, robot.gravity);
-                     at.equal("sum of the three", robot.forces(qdd), VectorX<T>(M_qdd + c + g));
-                     at.equal("s qdd", robot.forces(zero, times(qdd), none), scaled<T>(M_qdd, s));
-                     at.equal("s qd", robot.forces(times(qd), zero, none), scaled<T>(c, T(s * s)));
-                     at.equal("s g", robot.forces(zero, zero, Vector3<T>(robot.gravity * s)),
-                              scaled<T>(g, s));
-                   }),
-                   differs([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto robot = anyRobot(at, kMixed);
-                     const T s = at.number();
-                     at.equal(
-                         "s qd",
-                         robot.forces(Robot<T>::values(scaled<T>(Robot<T>::column(robot.qd), s)),
-                                      robot.zeros(), Vector3<T>::Zero()),
-                         scaled<T>(robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()), s));
-                   })))
-          .why("Places depend on q alone, so velocities are linear in qd and accelerations in qdd, "
-               "with products of two velocities beside them.")
-          .in("recursive/newton_euler.hpp"));
-  claims.push_back(
-      Claim("parameter_linearity", "14", "Which linearity helps to estimate parameters")
-          .printed("tau is linear in the parameters of section 6, `m`, `r_c` and `I_c`: the mean "
-                   "of `r_c + s` and `r_c - s` gives the mean of the forces",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     auto robot = anyRobot(at, {kTurn, kTurn});
-                     const Vector3<T> s = at.vector();
-                     const VectorX<T> middle = robot.forces(robot.qdd);
-                     auto moved = [&](const Vector3<T>& by) {
-                       auto other = robot;
-                       other.body[1] = robot.body[1].seenFrom(Matrix3<T>::Identity(), by);
-                       return other.forces(robot.qdd);
-                     };
-                     at.equal("mean", VectorX<T>(moved(s) + moved(-s)), scaled<T>(middle, T(2)));
-                   }))
-          .corrected(
-              "tau is linear in `m`, `m r_c` and the inertia about the link frame's origin: those "
-              "of two bodies on one link add up, and so do their forces",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto first = anyRobot(at, kMixed, Rotors::kNone);
-                auto second = first, together = first;
-                for (int i = 0; i < first.n(); ++i) {
-                  for (Vector3<T>& r : second.body[i].r) r = at.vector();
-                  for (std::size_t k = 0; k < 3; ++k) {
-                    together.body[i].m.push_back(second.body[i].m[k]);
-                    together.body[i].r.push_back(second.body[i].r[k]);
-                  }
-                  const RigidInertia<T> sum = first.body[i].inertia() + second.body[i].inertia();
-                  const RigidInertia<T> whole = together.body[i].inertia();
-                  at.equal("first moment", sum.h, whole.h);
-                  at.equal("inertia", sum.I.matrix(), whole.I.matrix());
-                }
-                at.equal("tau", VectorX<T>(first.forces(first.qdd) + second.forces(first.qdd)),
-                         together.forces(first.qdd));
-              }))
-          .why("That accelerations and gravity enter linearly does not help an estimator; that the "
-               "unknown parameters do, does. The inertia about the joint grows with the square of "
-               "r_c, which is why one estimates m r_c and the inertia about the origin.")
-          .in("recursive/spatial.hpp"));
+Trials linearTerms() {
+  return Trials("linear_terms")
+      .printed(both(exact([](auto& at) {
+                      using T = ScalarOf<decltype(at)>;
+                      const auto robot = anyRobot(at, kMixed);
+                      const auto& [qd, qdd, zero] = std::tuple(robot.qd, robot.qdd, robot.zeros());
+                      const T s = at.number();
+                      const Vector3<T> none = Vector3<T>::Zero();
+                      const auto times = [&](const std::vector<T>& v) {
+                        return Robot<T>::values(scaled<T>(Robot<T>::column(v), s));
+                      };
+                      const VectorX<T> M_qdd = robot.forces(zero, qdd, none),
+                                       c = robot.forces(qd, zero, none),
+                                       g = robot.forces(zero, zero, robot.gravity);
+                      at.equal("sum of the three", robot.forces(qdd), VectorX<T>(M_qdd + c + g));
+                      at.equal("s qdd", robot.forces(zero, times(qdd), none), scaled<T>(M_qdd, s));
+                      at.equal("s qd", robot.forces(times(qd), zero, none), scaled<T>(c, T(s * s)));
+                      at.equal("s g", robot.forces(zero, zero, Vector3<T>(robot.gravity * s)),
+                               scaled<T>(g, s));
+                    }),
+                    differs([](auto& at) {
+                      using T = ScalarOf<decltype(at)>;
+                      const auto robot = anyRobot(at, kMixed);
+                      const T s = at.number();
+                      at.equal(
+                          "s qd",
+                          robot.forces(Robot<T>::values(scaled<T>(Robot<T>::column(robot.qd), s)),
+                                       robot.zeros(), Vector3<T>::Zero()),
+                          scaled<T>(robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()), s));
+                    })));
+}
 
-  claims.push_back(
-      Claim("eq61", "14", "Equations of motion")
-          .printed("`tau = M(q) qdd + c(q, qd) + g(q)`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto robot = anyRobot(at, kMixed);
-                     const recursive::Model<T> model = robot.model();
-                     recursive::Workspace<T> ws(model);
-                     std::vector<T> c = robot.zeros(), g = robot.zeros();
-                     recursive::inverseDynamics(model, robot.x, robot.qd, robot.zeros(), ws, c,
-                                                recursive::Terms::none());
-                     recursive::inverseDynamics(model, robot.x, robot.zeros(), robot.zeros(), ws, g,
-                                                recursive::Terms::potential());
-                     const MatrixX<T> M = compositeMassMatrix<T>(model, robot.x);
-                     at.equal("tau", robot.forces(robot.qdd),
-                              VectorX<T>(M * Robot<T>::column(robot.qdd) + Robot<T>::column(c) +
-                                         Robot<T>::column(g)));
-                   }))
-          .why("M by composite bodies, c and g by Newton-Euler, their sum by virtual work on point "
-               "masses. Rotors are in M; forces from outside would be subtracted as J' F.")
-          .in("recursive/composite_body.hpp"));
-  claims.push_back(
-      Claim("eq62", "14", "The same in components")
-          .printed("`tau_i = sum M_ij qdd_j + sum C_ijk qd_j qd_k + g_i`, with `C_ijk` the "
-                   "Christoffel symbols `1/2 (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)`",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto robot = anyRobot(at, kMixed);
-                     const auto metric = metricOf(robot);
-                     VectorX<T> c(3);
-                     for (int i = 0; i < 3; ++i) {
-                       c(i) = T(0);
-                       for (int j = 0; j < 3; ++j)
-                         for (int k = 0; k < 3; ++k)
-                           c(i) += metric.christoffel(i, j, k) * robot.qd[j] * robot.qd[k];
-                     }
-                     at.equal("c", c, robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()));
-                   }))
-          .why("Only the part of C_ijk that is symmetric in j and k matters, so the C_ijk are not "
-               "unique; the Christoffel symbols are the symmetric choice.")
-          .in("recursive/composite_body.hpp"));
-  claims.push_back(
-      Claim("coriolis_choice", "14", "A matrix C with c = C qd")
-          .printed(
-              "any C with `C qd = c` will do for `dM/dt - 2 C` skew-symmetric", exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto robot = anyRobot(at, {kTurn, kTurn});
-                const auto metric = metricOf(robot);
-                const auto& dM = metric.gradient();
-                // C_ij = sum of (dM_ij/dq_k - 1/2 dM_jk/dq_i) qd_k, the terms as Lagrange gives
-                // them
-                MatrixX<T> S = MatrixX<T>::Constant(2, 2, T(0));
-                for (int i = 0; i < 2; ++i)
-                  for (int j = 0; j < 2; ++j)
-                    for (int k = 0; k < 2; ++k)
-                      S(i, j) +=
-                          (dM[k](i, j) - T(2) * (dM[k](i, j) - dM[i](j, k) / T(2))) * robot.qd[k];
-                at.zero("S + S'", MatrixX<T>(S + S.transpose()));
-              }))
-          .corrected(
-              "`C_ij = sum C_ijk qd_k` with the Christoffel symbols has it", exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                const auto metric = metricOf(robot);
-                MatrixX<T> S = MatrixX<T>::Constant(3, 3, T(0));
-                for (int i = 0; i < 3; ++i)
-                  for (int j = 0; j < 3; ++j)
-                    for (int k = 0; k < 3; ++k)
-                      S(i, j) += (metric.gradient()[k](i, j) - T(2) * metric.christoffel(i, j, k)) *
-                                 robot.qd[k];
-                at.zero("S + S'", MatrixX<T>(S + S.transpose()));
-              }))
-          .why("C qd fixes C only up to matrices that annihilate qd. That qd' (dM/dt - 2 C) qd = 0 "
-               "holds for all of them (it is the power balance); skewness is a choice, and "
-               "controllers need it.")
-          .in("recursive/composite_body.hpp"));
-  claims.push_back(
-      Claim("static_gravity", "14", "Gravity forces")
-          .printed("`tau = g(q)` keeps the robot at rest, `qd = qdd = 0`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     auto robot = anyRobot(at, kMixed);
-                     robot.qd = robot.zeros();
-                     const recursive::Model<T> model = robot.model();
-                     recursive::Workspace<T> ws(model);
-                     std::vector<T> g = robot.zeros();
-                     recursive::inverseDynamics(model, robot.x, robot.qd, robot.qd, ws, g);
-                     robot.tau = g;
-                     at.zero("qdd", Robot<T>::column(robot.accelerations()));
-                   }))
-          .why("At rest M qdd and c are zero, and g is all that is left.")
-          .in("recursive/newton_euler.hpp"));
-  claims.push_back(
-      Claim("coasting", "14", "Forces of a motion without joint acceleration")
-          .printed("`tau = c` keeps the joints moving without acceleration", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     auto robot = anyRobot(at, {kTurn, kTurn});
-                     robot.tau = Robot<T>::values(
-                         robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()));
-                     at.zero("qdd", Robot<T>::column(robot.accelerations()));
-                   }))
-          .condition("without gravity", exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       auto robot = anyRobot(at, kMixed);
-                       robot.gravity = Vector3<T>::Zero();
-                       robot.tau = Robot<T>::values(
-                           robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()));
-                       at.zero("qdd", Robot<T>::column(robot.accelerations()));
-                     }))
-          .corrected("`tau = c + g`", exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       auto robot = anyRobot(at, kMixed);
-                       const recursive::Model<T> model = robot.model();
-                       recursive::Workspace<T> ws(model);
-                       recursive::inverseDynamics(model, robot.x, robot.qd, robot.zeros(), ws,
-                                                  robot.tau);
-                       at.zero("qdd", Robot<T>::column(robot.accelerations()));
-                     }))
-          .why("A robot that coasts has to be held up as well.")
-          .in("recursive/newton_euler.hpp"));
-  claims.push_back(
-      Claim("mass_column", "14", "What a column of M is")
-          .printed("from rest, `M_i + g` gives joint i the acceleration 1 and the others none",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     auto robot = anyRobot(at, kMixed);
-                     robot.qd = robot.zeros();
-                     const MatrixX<T> M = compositeMassMatrix<T>(robot.model(), robot.x);
-                     for (int i = 0; i < 3; ++i)
-                       at.equal(
-                           "tau", robot.forces(robot.unit(i)),
-                           VectorX<T>(M.col(i) + robot.forces(robot.qd, robot.qd, robot.gravity)));
-                   }))
-          .why("The other way round it is not: a unit torque at joint i alone gives the column of "
-               "the inverse of M, and moves all joints.")
-          .in("recursive/composite_body.hpp"));
-  claims.push_back(Claim("eq63", "14", "Kinetic energy")
-                       .printed("`T = qd' M qd`", exact([](auto& at) {
-                                  const auto robot = anyRobot(at, {kTurn, kTurn});
-                                  compareEnergy(at, robot, 1);
-                                }))
-                       .corrected("`T = 1/2 qd' M qd`", exact([](auto& at) {
-                                    const auto robot = anyRobot(at, kMixed);
-                                    compareEnergy(at, robot, 2);
-                                  }))
-                       .why("The form is that of 1/2 m v^2, and so is the factor: without it the "
-                            "torque from Lagrange's equations would be twice what Newton says.")
-                       .in("recursive/energy.hpp"));
-  return claims;
+Trials parameterLinearity() {
+  return Trials("parameter_linearity")
+      .printed(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        auto robot = anyRobot(at, {kTurn, kTurn});
+        const Vector3<T> s = at.vector();
+        const VectorX<T> middle = robot.forces(robot.qdd);
+        auto moved = [&](const Vector3<T>& by) {
+          auto other = robot;
+          other.body[1] = robot.body[1].seenFrom(Matrix3<T>::Identity(), by);
+          return other.forces(robot.qdd);
+        };
+        at.equal("mean", VectorX<T>(moved(s) + moved(-s)), scaled<T>(middle, T(2)));
+      }))
+      .corrected(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto first = anyRobot(at, kMixed, Rotors::kNone);
+        auto second = first, together = first;
+        for (int i = 0; i < first.n(); ++i) {
+          for (Vector3<T>& r : second.body[i].r) r = at.vector();
+          for (std::size_t k = 0; k < 3; ++k) {
+            together.body[i].m.push_back(second.body[i].m[k]);
+            together.body[i].r.push_back(second.body[i].r[k]);
+          }
+          const RigidInertia<T> sum = first.body[i].inertia() + second.body[i].inertia();
+          const RigidInertia<T> whole = together.body[i].inertia();
+          at.equal("first moment", sum.h, whole.h);
+          at.equal("inertia", sum.I.matrix(), whole.I.matrix());
+        }
+        at.equal("tau", VectorX<T>(first.forces(first.qdd) + second.forces(first.qdd)),
+                 together.forces(first.qdd));
+      }));
+}
+
+Trials eq61() {
+  return Trials("eq61").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto robot = anyRobot(at, kMixed);
+    const recursive::Model<T> model = robot.model();
+    recursive::Workspace<T> ws(model);
+    std::vector<T> c = robot.zeros(), g = robot.zeros();
+    recursive::inverseDynamics(model, robot.x, robot.qd, robot.zeros(), ws, c,
+                               recursive::Terms::none());
+    recursive::inverseDynamics(model, robot.x, robot.zeros(), robot.zeros(), ws, g,
+                               recursive::Terms::potential());
+    const MatrixX<T> M = compositeMassMatrix<T>(model, robot.x);
+    at.equal(
+        "tau", robot.forces(robot.qdd),
+        VectorX<T>(M * Robot<T>::column(robot.qdd) + Robot<T>::column(c) + Robot<T>::column(g)));
+  }));
+}
+
+Trials eq62() {
+  return Trials("eq62").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto robot = anyRobot(at, kMixed);
+    const auto metric = metricOf(robot);
+    VectorX<T> c(3);
+    for (int i = 0; i < 3; ++i) {
+      c(i) = T(0);
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) c(i) += metric.christoffel(i, j, k) * robot.qd[j] * robot.qd[k];
+    }
+    at.equal("c", c, robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()));
+  }));
+}
+
+Trials coriolisChoice() {
+  return Trials("coriolis_choice")
+      .printed(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto robot = anyRobot(at, {kTurn, kTurn});
+        const auto metric = metricOf(robot);
+        const auto& dM = metric.gradient();
+        // C_ij = sum of (dM_ij/dq_k - 1/2 dM_jk/dq_i) qd_k, the terms as Lagrange gives them
+        MatrixX<T> S = MatrixX<T>::Constant(2, 2, T(0));
+        for (int i = 0; i < 2; ++i)
+          for (int j = 0; j < 2; ++j)
+            for (int k = 0; k < 2; ++k)
+              S(i, j) += (dM[k](i, j) - T(2) * (dM[k](i, j) - dM[i](j, k) / T(2))) * robot.qd[k];
+        at.zero("S + S'", MatrixX<T>(S + S.transpose()));
+      }))
+      .corrected(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+        const auto metric = metricOf(robot);
+        MatrixX<T> S = MatrixX<T>::Constant(3, 3, T(0));
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k)
+              S(i, j) +=
+                  (metric.gradient()[k](i, j) - T(2) * metric.christoffel(i, j, k)) * robot.qd[k];
+        at.zero("S + S'", MatrixX<T>(S + S.transpose()));
+      }));
+}
+
+Trials staticGravity() {
+  return Trials("static_gravity").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    auto robot = anyRobot(at, kMixed);
+    robot.qd = robot.zeros();
+    const recursive::Model<T> model = robot.model();
+    recursive::Workspace<T> ws(model);
+    std::vector<T> g = robot.zeros();
+    recursive::inverseDynamics(model, robot.x, robot.qd, robot.qd, ws, g);
+    robot.tau = g;
+    at.zero("qdd", Robot<T>::column(robot.accelerations()));
+  }));
+}
+
+Trials coasting() {
+  return Trials("coasting")
+      .printed(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        auto robot = anyRobot(at, {kTurn, kTurn});
+        robot.tau = Robot<T>::values(robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()));
+        at.zero("qdd", Robot<T>::column(robot.accelerations()));
+      }))
+      .condition(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        auto robot = anyRobot(at, kMixed);
+        robot.gravity = Vector3<T>::Zero();
+        robot.tau = Robot<T>::values(robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()));
+        at.zero("qdd", Robot<T>::column(robot.accelerations()));
+      }))
+      .corrected(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        auto robot = anyRobot(at, kMixed);
+        const recursive::Model<T> model = robot.model();
+        recursive::Workspace<T> ws(model);
+        recursive::inverseDynamics(model, robot.x, robot.qd, robot.zeros(), ws, robot.tau);
+        at.zero("qdd", Robot<T>::column(robot.accelerations()));
+      }));
+}
+
+Trials massColumn() {
+  return Trials("mass_column").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    auto robot = anyRobot(at, kMixed);
+    robot.qd = robot.zeros();
+    const MatrixX<T> M = compositeMassMatrix<T>(robot.model(), robot.x);
+    for (int i = 0; i < 3; ++i)
+      at.equal("tau", robot.forces(robot.unit(i)),
+               VectorX<T>(M.col(i) + robot.forces(robot.qd, robot.qd, robot.gravity)));
+  }));
+}
+
+Trials eq63() {
+  return Trials("eq63")
+      .printed(exact([](auto& at) {
+        const auto robot = anyRobot(at, {kTurn, kTurn});
+        compareEnergy(at, robot, 1);
+      }))
+      .corrected(exact([](auto& at) {
+        const auto robot = anyRobot(at, kMixed);
+        compareEnergy(at, robot, 2);
+      }));
 }
 
 /// Operations of one evaluation for a chain of n turning joints in general position.
@@ -354,7 +316,7 @@ struct Explicit {
   double named = 0;    ///< repeated terms computed once
   double written = 0;  ///< every entry written out to the end
 };
-Explicit explicitForm() {
+Explicit costOfExplicitForm() {
   const symbolic::Equations equations = symbolic::derive(scene::findScene("puma_560").mechanism);
   const symbolic::Program program =
       symbolic::compile(equations.graph, symbolic::massCoriolisGravity(equations));
@@ -375,7 +337,7 @@ enum class Form { kNamed, kWritten };
 /// Whether the explicit form costs more (or less) than the inverse dynamics sweep of six joints.
 Trial explicitAgainstSweep(Form form, Composite is) {
   return decided("count", [=]() -> Decision {
-    const Explicit formulas = explicitForm();
+    const Explicit formulas = costOfExplicitForm();
     const double operations = form == Form::kNamed ? formulas.named : formulas.written;
     const double sweep = static_cast<double>(costOf(6).inverse);
     return {(operations > sweep) == (is == Composite::kDearer),
@@ -384,83 +346,63 @@ Trial explicitAgainstSweep(Form form, Composite is) {
   });
 }
 
-std::vector<Claim> compositeBodies() {
-  std::vector<Claim> claims;
-  claims.push_back(
-      Claim("composite_bodies", "14.1", "TODO: the composite inertia method")
-          .open()
-          .printed(
-              "Our answer: `M_ij = Z_i' X_ji' I_C,j Z_j` for i inboard of j (plus `d_i` on the "
-              "diagonal), `I_C,j = M_j + sum over children of X' I_C X`",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto robot = anyRobot(at, {kTurn, kSlide, kTurn}, Rotors::kAll, {-1, 0, 0});
-                const SixVectors<T> six(robot);
-                std::vector<Matrix6<T>> I_C = six.M;
-                for (int i = 2; i > 0; --i)
-                  I_C[robot.parent[i]] += six.X[i].transpose() * I_C[i] * six.X[i];
-                const MatrixX<T> M = robot.massMatrix();
-                for (int j = 0; j < 3; ++j) {
-                  at.equal("M_jj", M(j, j), T(six.Z[j].dot(I_C[j] * six.Z[j]) + robot.rotor[j]));
-                  if (j == 0) continue;
-                  const Vector6<T> F = six.X[j].transpose() * (I_C[j] * six.Z[j]);
-                  at.equal("M_0j", M(0, j), T(six.Z[0].dot(F)));
-                  at.equal("M_j0", M(j, 0), T(six.Z[0].dot(F)));
-                }
-                at.zero("different branches", M(1, 2));
-              }))
-          .why("When joint j alone accelerates, everything outboard moves as one rigid body; the "
-               "force that this takes is carried inward and read off at each joint on the way.")
-          .in("recursive/composite_body.hpp"));
-  claims.push_back(
-      Claim("composite_order", "14.1", "Cost of the composite inertia method")
-          .printed("the method is `O(n^3)`",
-                   growsWithDegree(3, &Cost::mass_matrix, "M by composite bodies"))
-          .condition(
-              "it is to give accelerations: bias forces, factorization and solution belong to it",
-              growsWithDegree(3, &Cost::solve, "bias forces, L D L' and its solution"))
-          .corrected("M costs `O(n^2)` on a chain; `O(n^3)` is the factorization that forward "
-                     "dynamics adds",
-                     both(growsWithDegree(2, &Cost::mass_matrix, "M by composite bodies"),
-                          growsWithDegree(3, &Cost::solve, "bias forces, L D L' and its solution")))
-          .why("Each joint's force passes every joint inboard of it once: n (n + 1) / 2 steps. On "
-               "branching trees it is n times the depth.")
-          .in("recursive/composite_body.hpp"));
-  return claims;
+Trials compositeBodies() {
+  return Trials("composite_bodies").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto robot = anyRobot(at, {kTurn, kSlide, kTurn}, Rotors::kAll, {-1, 0, 0});
+    const SixVectors<T> six(robot);
+    std::vector<Matrix6<T>> I_C = six.M;
+    for (int i = 2; i > 0; --i) I_C[robot.parent[i]] += six.X[i].transpose() * I_C[i] * six.X[i];
+    const MatrixX<T> M = robot.massMatrix();
+    for (int j = 0; j < 3; ++j) {
+      at.equal("M_jj", M(j, j), T(six.Z[j].dot(I_C[j] * six.Z[j]) + robot.rotor[j]));
+      if (j == 0) continue;
+      const Vector6<T> F = six.X[j].transpose() * (I_C[j] * six.Z[j]);
+      at.equal("M_0j", M(0, j), T(six.Z[0].dot(F)));
+      at.equal("M_j0", M(j, 0), T(six.Z[0].dot(F)));
+    }
+    at.zero("different branches", M(1, 2));
+  }));
+}
+
+Trials compositeOrder() {
+  return Trials("composite_order")
+      .printed(growsWithDegree(3, &Cost::mass_matrix, "M by composite bodies"))
+      .condition(growsWithDegree(3, &Cost::solve, "bias forces, L D L' and its solution"))
+      .corrected(both(growsWithDegree(2, &Cost::mass_matrix, "M by composite bodies"),
+                      growsWithDegree(3, &Cost::solve, "bias forces, L D L' and its solution")));
+}
+
+Trials explicitForm() {
+  return Trials("explicit_form")
+      .printed(explicitAgainstSweep(Form::kNamed, Composite::kDearer))
+      .condition(explicitAgainstSweep(Form::kWritten, Composite::kDearer))
+      .corrected(explicitAgainstSweep(Form::kNamed, Composite::kCheaper));
+}
+
+Trials compositeEfficiency() {
+  return Trials("composite_efficiency")
+      .printed(composite(Composite::kDearer, 1, kLongest))
+      .condition(composite(Composite::kDearer, 20, kLongest))
+      .corrected(composite(Composite::kCheaper, 2, 8));
 }
 
 }  // namespace
 
-std::vector<Claim> analytical() {
-  std::vector<Claim> claims = form();
-  for (Claim& claim : compositeBodies()) claims.push_back(std::move(claim));
-  claims.push_back(
-      Claim("explicit_form", "14", "Cost of the explicit form")
-          .printed("an explicit form of the equations takes more operations than a recursion",
-                   explicitAgainstSweep(Form::kNamed, Composite::kDearer))
-          .condition("every entry of M, c and g is written out to the end",
-                     explicitAgainstSweep(Form::kWritten, Composite::kDearer))
-          .corrected("with each repeated term computed once and given a name, the explicit M, c "
-                     "and g of a six-axis arm take fewer operations than a general sweep",
-                     explicitAgainstSweep(Form::kNamed, Composite::kCheaper))
-          .why("It is the repetition that costs, not the form; and formulas for one robot leave "
-               "out every product with 0 and 1, which a general sweep carries out.")
-          .in("symbolic/program.hpp"));
-  claims.push_back(
-      Claim("composite_efficiency", "14.1", "Composite bodies against the linear-time recursion")
-          .printed("forward dynamics by composite bodies takes more operations than by articulated "
-                   "bodies, for every n",
-                   composite(Composite::kDearer, 1, kLongest))
-          .condition("long chains: n = 20 and more (counted up to 24)",
-                     composite(Composite::kDearer, 20, kLongest))
-          .corrected("chains of 2 to 8 joints are cheaper by composite bodies",
-                     composite(Composite::kCheaper, 2, 8))
-          .why(
-              "A cubic with a small factor lies below a line with a large one while n is small. "
-              "Counted on our own sweeps, without the shortcuts that either method has for special "
-              "frames.")
-          .in("recursive/articulated_body.hpp"));
-  return claims;
+std::vector<Trials> analytical() {
+  return {linearTerms(),
+          parameterLinearity(),
+          eq61(),
+          eq62(),
+          coriolisChoice(),
+          staticGravity(),
+          coasting(),
+          massColumn(),
+          eq63(),
+          compositeBodies(),
+          compositeOrder(),
+          explicitForm(),
+          compositeEfficiency()};
 }
 
 }  // namespace dynwitness::audit

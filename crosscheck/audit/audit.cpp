@@ -2,9 +2,13 @@
 #include "crosscheck/audit/audit.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "scene/error.hpp"
 
 namespace dynwitness::audit {
 
@@ -22,25 +26,21 @@ const char* name(Holds holds) {
 
 namespace {
 
-/// "eq" and digits
-bool isNumbered(const std::string& id) {
-  return id.size() > 2 && id.compare(0, 2, "eq") == 0 &&
-         std::all_of(id.begin() + 2, id.end(), [](char c) { return c >= '0' && c <= '9'; });
-}
-
-/// "7.1.2" as numbers, for the order of the chapter.
-std::vector<int> sectionNumbers(const std::string& section) {
-  std::vector<int> numbers(1, 0);
-  for (const char c : section) {
-    if (c == '.')
-      numbers.push_back(0);
-    else
-      numbers.back() = 10 * numbers.back() + (c - '0');
-  }
-  return numbers;
+/// What a statement has and its trials lack, or the other way round, is refused.
+void requireBoth(const Statement& statement, const std::string& what, bool said, bool computed) {
+  if (said == computed) return;
+  throw scene::InputError(
+      statement.where,
+      "statement \"" + statement.id + "\": " +
+          (said ? "has a " + what + " that crosscheck/audit/ does not compute, allowed: none"
+                : "has no " + what + ", allowed: one, as crosscheck/audit/ computes it"));
 }
 
 }  // namespace
+
+std::string Entry::kind() const {
+  return left_open ? "open item" : isEquation() ? "equation" : "sentence";
+}
 
 bool Entry::isSound() const {
   if (residual_corrected && !residual_corrected->zero) return false;
@@ -49,22 +49,21 @@ bool Entry::isSound() const {
 }
 
 Entry evaluate(const Claim& claim, std::uint64_t seed) {
-  if (!claim.printed_trial) throw std::logic_error(claim.id + ": nothing to compute");
-  Entry entry;
-  entry.id = claim.id;
-  entry.section = claim.section;
-  entry.title = claim.title;
-  entry.kind = claim.is_open ? "open item" : isNumbered(claim.id) ? "equation" : "sentence";
-  entry.printed = claim.printed_text;
-  entry.corrected = claim.corrected_text;
-  entry.condition = claim.condition_text;
-  entry.why = claim.why_text;
-  entry.implemented_in = claim.implemented_in;
-  const std::string name = "audit " + claim.id;
-  entry.residual_printed = claim.printed_trial(name, seed);
-  if (claim.corrected_trial) entry.residual_corrected = claim.corrected_trial(name, seed);
-  if (claim.condition_trial) entry.residual_condition = claim.condition_trial(name, seed);
-  if (claim.table_of_numbers) entry.numbers = claim.table_of_numbers();
+  const Trials& trials = claim.trials;
+  if (!trials.printed_trial) throw std::logic_error(trials.id + ": nothing to compute");
+  Entry entry{claim.statement, Holds::kFalse, {}, {}, {}, {}};
+  const std::string name = "audit " + entry.id;
+  entry.residual_printed = trials.printed_trial(name, seed);
+  if (trials.corrected_trial) entry.residual_corrected = trials.corrected_trial(name, seed);
+  if (trials.condition_trial) entry.residual_condition = trials.condition_trial(name, seed);
+  if (trials.rows_of_numbers)
+    entry.numbers = Numbers{entry.numbers_caption, entry.numbers_head, trials.rows_of_numbers()};
+  if (entry.numbers)
+    for (const auto& row : entry.numbers->rows)
+      if (row.size() != entry.numbers_head.size())
+        throw scene::InputError(entry.where,
+                                fmt::format("statement \"{}\": numbers_head: {} heads, allowed: {}",
+                                            entry.id, entry.numbers_head.size(), row.size()));
   if (entry.residual_printed.zero)
     entry.holds = Holds::kTrue;
   else if (entry.residual_condition && entry.residual_condition->zero)
@@ -72,17 +71,53 @@ Entry evaluate(const Claim& claim, std::uint64_t seed) {
   return entry;
 }
 
-std::vector<Claim> allClaims() {
-  std::vector<Claim> all;
-  for (const auto& group : {frames, rigidBody, projections, recursions, algorithms,
-                            constrainedSystems, constraints, analytical, lagrange, geometry}) {
-    std::vector<Claim> claims = group();
-    std::move(claims.begin(), claims.end(), std::back_inserter(all));
+std::vector<Trials> allTrials() {
+  std::vector<Trials> all;
+  for (const auto& group :
+       {frames, rigidBody, projections, recursions, algorithms, constrainedSystems, constraints,
+        tasks, analytical, lagrange, geometry}) {
+    std::vector<Trials> trials = group();
+    std::move(trials.begin(), trials.end(), std::back_inserter(all));
   }
-  std::stable_sort(all.begin(), all.end(), [](const Claim& a, const Claim& b) {
-    return sectionNumbers(a.section) < sectionNumbers(b.section);
-  });
   return all;
+}
+
+std::vector<Claim> joined(const Chapter& chapter, const std::vector<Trials>& trials) {
+  std::map<std::string, const Trials*> by_id;
+  for (const Trials& one : trials)
+    if (!by_id.emplace(one.id, &one).second)
+      throw std::logic_error("audit: two trials are called " + one.id);
+  std::vector<Claim> claims;
+  const Statement* without = nullptr;
+  for (const Statement& statement : chapter.statements) {
+    const auto found = by_id.find(statement.id);
+    if (found == by_id.end()) {
+      if (!without) without = &statement;
+      continue;
+    }
+    const Trials& computed = *found->second;
+    requireBoth(statement, "correction", !statement.corrected.empty(),
+                static_cast<bool>(computed.corrected_trial));
+    requireBoth(statement, "condition", !statement.condition.empty(),
+                static_cast<bool>(computed.condition_trial));
+    requireBoth(statement, "numbers_caption", !statement.numbers_caption.empty(),
+                static_cast<bool>(computed.rows_of_numbers));
+    requireBoth(statement, "numbers_head", !statement.numbers_head.empty(),
+                static_cast<bool>(computed.rows_of_numbers));
+    claims.push_back({statement, computed});
+    by_id.erase(found);
+  }
+  std::string unsaid;  // a wrong id leaves one of each
+  for (const auto& [id, one] : by_id) unsaid += (unsaid.empty() ? "" : ", ") + id;
+  if (without)
+    throw scene::InputError(without->where,
+                            "statement \"" + without->id +
+                                "\": crosscheck/audit/ computes no such statement, allowed: " +
+                                (unsaid.empty() ? "none, each that it computes is there" : unsaid));
+  if (!unsaid.empty())
+    throw scene::InputError({chapter.file, 0},
+                            "lacks statements that crosscheck/audit/ computes: " + unsaid);
+  return claims;
 }
 
 int Audit::count(Holds holds) const {
@@ -112,11 +147,12 @@ std::string Audit::headline() const {
          counted(false, "sentence or open item", "sentences and open items");
 }
 
-Audit runAudit(std::uint64_t seed, const std::function<bool(const Claim&)>& select) {
+Audit runAudit(std::uint64_t seed, const std::function<bool(const Statement&)>& select) {
   Audit audit;
   audit.seed = seed;
-  for (const Claim& claim : allClaims())
-    if (!select || select(claim)) audit.entries.push_back(evaluate(claim, seed));
+  audit.chapter = bundledChapter();
+  for (const Claim& claim : joined(audit.chapter, allTrials()))
+    if (!select || select(claim.statement)) audit.entries.push_back(evaluate(claim, seed));
   return audit;
 }
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "crosscheck/audit/chapter.hpp"
+
 namespace dynwitness::audit {
 
 /// What came of computing both sides of a statement.
@@ -22,91 +24,62 @@ struct Outcome {
 /// Computes both sides at random points, a pure function of (name, seed).
 using Trial = std::function<Outcome(const std::string& name, std::uint64_t seed)>;
 
-/// Numbers that answer a question, computed when the audit runs.
+/// Numbers that answer a question, computed when the audit runs, under a caption and heads that the
+/// chapter's file gives.
 struct Numbers {
   std::string caption;
   std::vector<std::string> head;
   std::vector<std::vector<std::string>> rows;
 };
+using Rows = std::vector<std::vector<std::string>>;
 
-/** One statement of the chapter and how to compute it.
+/** How a statement of data/audit/chapter.toml is computed, found by its id.
 
-    Formulas in the texts stand between backticks, in the notation of
-    crosscheck/report/ascii_math.hpp. A statement is told in our own words and symbols.
-
-        Claim("eq1", "5.2", "Force and moment about another point")
-            .printed("`m_1 = m_2 + r_12 x f_2`", exact([](auto& at) { ... }))
-            .corrected("...", exact(...))
-            .why("...")
-            .in("recursive/spatial.hpp") */
-class Claim {
+        Trials("eq1").printed(exact([](auto& at) { ... })).corrected(exact(...)) */
+class Trials {
  public:
-  /// @param id       "eq1" ... "eq74", a short name for what has no number
-  /// @param section  of the chapter, "5.2"
-  /// @param title    what it is about, a few words
-  Claim(std::string id, std::string section, std::string title)
-      : id(std::move(id)), section(std::move(section)), title(std::move(title)) {}
+  explicit Trials(std::string id) : id(std::move(id)) {}
 
-  /// What the chapter says, and its two sides.
-  Claim& printed(std::string text, Trial trial) {
-    return set(&printed_text, &printed_trial, std::move(text), std::move(trial));
-  }
-  /// What is so. Left out where the chapter is right.
-  Claim& corrected(std::string text, Trial trial) {
-    return set(&corrected_text, &corrected_trial, std::move(text), std::move(trial));
-  }
-  /// A restriction under which the printed statement holds, tested on points that satisfy it.
-  Claim& condition(std::string text, Trial trial) {
-    return set(&condition_text, &condition_trial, std::move(text), std::move(trial));
-  }
-  /// The chapter leaves this open (a TODO, "...", a question): what is printed is then what its
-  /// context says or asks.
-  Claim& open() {
-    is_open = true;
-    return *this;
-  }
+  /// The two sides of what the chapter says.
+  Trials& printed(Trial trial) { return set(&printed_trial, std::move(trial)); }
+  /// Those of what is so. Left out where the chapter is right.
+  Trials& corrected(Trial trial) { return set(&corrected_trial, std::move(trial)); }
+  /// Those of what the chapter says, on points that satisfy the condition.
+  Trials& condition(Trial trial) { return set(&condition_trial, std::move(trial)); }
   /// A table beside the verdict.
-  Claim& numbers(std::function<Numbers()> table) {
-    table_of_numbers = std::move(table);
-    return *this;
-  }
-  /// One or two sentences for a student.
-  Claim& why(std::string text) {
-    why_text = std::move(text);
-    return *this;
-  }
-  /// The file of this repository that computes it (of the corrected statement, where there is one).
-  Claim& in(std::string file) {
-    implemented_in = std::move(file);
+  Trials& numbers(std::function<Rows()> rows) {
+    rows_of_numbers = std::move(rows);
     return *this;
   }
 
-  std::string id, section, title, printed_text, corrected_text, condition_text, why_text,
-      implemented_in;
-  bool is_open = false;
+  std::string id;
   Trial printed_trial, corrected_trial, condition_trial;
-  std::function<Numbers()> table_of_numbers;
+  std::function<Rows()> rows_of_numbers;
 
  private:
-  Claim& set(std::string* text, Trial* trial, std::string new_text, Trial new_trial) {
-    *text = std::move(new_text);
+  Trials& set(Trial* trial, Trial new_trial) {
     *trial = std::move(new_trial);
     return *this;
   }
+};
+
+/// A statement, and how it is computed.
+struct Claim {
+  Statement statement;
+  Trials trials;
 };
 
 enum class Holds { kTrue, kFalse, kUnderCondition };
 const char* name(Holds holds);  ///< "true", "false", "under condition"
 
 /// A claim that was computed.
-struct Entry {
-  std::string id, section, title, kind, printed, corrected, condition, why, implemented_in;
+struct Entry : Statement {
   Holds holds = Holds::kFalse;
   Outcome residual_printed;
   std::optional<Outcome> residual_corrected, residual_condition;
   std::optional<Numbers> numbers;
 
-  bool isEquation() const { return kind == "equation"; }  ///< or "sentence", "open item"
+  std::string kind() const;  ///< "equation", "sentence", "open item"
   /// Our own part stands: what is called corrected or conditional was computed to be so, and
   /// nothing that is wrong lacks a correction.
   bool isSound() const;
@@ -116,26 +89,31 @@ struct Entry {
     true; not zero, and zero under the condition, is "under condition"; else false. */
 Entry evaluate(const Claim& claim, std::uint64_t seed);
 
-// The chapter, a file a group of sections.
-std::vector<Claim> frames();              ///< 5
-std::vector<Claim> rigidBody();           ///< 6
-std::vector<Claim> projections();         ///< 7
-std::vector<Claim> recursions();          ///< 8
-std::vector<Claim> algorithms();          ///< 9
-std::vector<Claim> constrainedSystems();  ///< 10
-std::vector<Claim> constraints();         ///< 11 to 13
-std::vector<Claim> analytical();          ///< 14
-std::vector<Claim> lagrange();            ///< 15, 16
-std::vector<Claim> geometry();            ///< 16.1, 17
+// The trials, a file a group of sections.
+std::vector<Trials> frames();              ///< 2, 5
+std::vector<Trials> rigidBody();           ///< 6
+std::vector<Trials> projections();         ///< 7
+std::vector<Trials> recursions();          ///< 4, 8
+std::vector<Trials> algorithms();          ///< 9
+std::vector<Trials> constrainedSystems();  ///< 10
+std::vector<Trials> constraints();         ///< 11.1
+std::vector<Trials> tasks();               ///< 11.2 to 13
+std::vector<Trials> analytical();          ///< 14
+std::vector<Trials> lagrange();            ///< 15, 16
+std::vector<Trials> geometry();            ///< 16.1, 17
+std::vector<Trials> allTrials();
 
-/// Arms, poses and constraints with the eigenvalues of N_0: 11.1.
-Numbers definitenessNumbers();
+/// Arms, poses and constraints with the eigenvalues of N_0: 11.1. The last column is the verdict.
+Rows definitenessRows();
 
-/// All of them, in the order of the chapter.
-std::vector<Claim> allClaims();
+/** Each statement with its trials, in the order of the chapter.
+    @throws scene::InputError  a statement without trials or trials without a statement; a
+    correction, a condition or a table that one of them has and the other lacks */
+std::vector<Claim> joined(const Chapter& chapter, const std::vector<Trials>& trials);
 
 struct Audit {
   std::uint64_t seed = 1;
+  Chapter chapter;
   std::vector<Entry> entries;
 
   int count(Holds holds) const;
@@ -144,8 +122,9 @@ struct Audit {
   std::string headline() const;
 };
 
-/// @param select  which claims to compute; all when empty
-Audit runAudit(std::uint64_t seed, const std::function<bool(const Claim&)>& select = {});
+/// @param select  which statements of the bundled chapter to compute; all when empty
+/// @throws scene::InputError  as bundledChapter() and joined() do
+Audit runAudit(std::uint64_t seed, const std::function<bool(const Statement&)>& select = {});
 
 /// Formulas without their backticks, for plain text.
 std::string plain(const std::string& text);

@@ -70,143 +70,105 @@ std::vector<T> tied(const Robot<T>& robot, const LinkConstraint<T>& one,
   return Robot<T>::values(x.head(n));
 }
 
+Trials constraintLevels() {
+  return Trials("constraint_levels").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+    const auto plane = anyPlane(at);
+    const Jet<T> phi = plane.phi(robot, robot.qdd);
+    const auto held = plane.constraint(robot, T(0));
+    const auto path = robot.paths(robot.qd, robot.qdd).back();
+    at.equal("rate", phi.value.derivative, T(held.A.col(0).dot(robot.velocityOf(path))));
+    at.equal("second rate", phi.derivative.derivative,
+             T(held.A.col(0).dot(robot.accelerationOf(path)) - held.b(0)));
+  }));
+}
+
+Trials daeIndex() {
+  return Trials("dae_index")
+      .printed(both(exact([](auto& at) {
+                      using T = ScalarOf<decltype(at)>;
+                      const auto robot = anyRobot(at, {kTurn, kTurn});
+                      const auto plane = anyPlane(at);
+                      const T nu = at.number();
+                      const Jet<T> with = plane.phi(robot, pushed(robot, plane, nu)),
+                                   without = plane.phi(robot, pushed(robot, plane, T(0)));
+                      const VectorX<T> J = plane.gradient(robot);
+                      at.equal("phi", with.value.value, without.value.value);
+                      at.equal("rate", with.value.derivative, without.value.derivative);
+                      at.equal("second rate",
+                               T(with.derivative.derivative - without.derivative.derivative),
+                               T(nu * J.dot(solveDense<T>(robot.massMatrix(), J))));
+                    }),
+                    differs([](auto& at) {
+                      using T = ScalarOf<decltype(at)>;
+                      const auto robot = anyRobot(at, {kTurn, kTurn});
+                      const VectorX<T> J = anyPlane(at).gradient(robot);
+                      at.zero("J M^-1 J'", T(J.dot(solveDense<T>(robot.massMatrix(), J))));
+                    })));
+}
+
+Trials baumgarte() {
+  return Trials("baumgarte").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+    const auto plane = anyPlane(at);
+    const T a = at.number(), k = at.number();
+    const Jet<T> phi = plane.phi(robot, robot.zeros());
+    const T wanted = -(T(2) * a * phi.value.derivative + k * k * phi.value.value);
+    const Swept<T> swept(robot, {plane.constraint(robot, wanted)});
+    at.equal("second rate", plane.phi(robot, swept.qdd).derivative.derivative, wanted);
+  }));
+}
+
+Trials softConstraint() {
+  return Trials("soft_constraint").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+    const auto held = anyConstraint<1>(at, 2);
+    const T w = at.number();
+    const Swept<T> hard(robot, {held});
+    const std::vector<T> free = robot.accelerations();
+    const T missing = (held.b - constrainedAcceleration(robot, held, free))(0);
+    const T nu = missing / (hard.N(0, 0) + T(1) / w);
+    const VectorX<T> J = robot.jacobian(2).transpose() * held.A;
+    Robot<T> other = robot;
+    for (int i = 0; i < 3; ++i) other.tau[i] += J(i) * nu;
+    const std::vector<T> qdd = other.accelerations();
+    const T missed = (held.b - constrainedAcceleration(robot, held, qdd))(0);
+    const VectorX<T> change = Robot<T>::column(qdd) - Robot<T>::column(free);
+    at.equal("stationary", VectorX<T>(robot.massMatrix() * change), VectorX<T>(J * (w * missed)));
+    at.equal("missed", T(w * missed), nu);
+  }));
+}
+
+Trials localConstraint() {
+  return Trials("local_constraint").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    auto robot = anyRobot(at, {kTurn, kTurn, kSlide}, Rotors::kAll, {-1, 0, 0});
+    robot.gravity = Vector3<T>::Zero();
+    // A_1' a_1 + A_2' a_2 = b: accelerations of two tips tied together
+    const auto one = anyConstraint<2>(at, 1), two = anyConstraint<2>(at, 2);
+    const SixVectors<T> six(robot);
+    const auto from_one = carriedInward(six, one, six.c, true, 0),
+               from_two = carriedInward(six, two, six.c, true, 0);
+    const MatrixX<T> E = from_one.E[0] + from_two.E[0];
+    const MatrixX<T> N = -(from_one.N_0 + from_two.N_0);
+    const VectorX<T> left = one.b - from_one.beta_0 - from_two.beta_0;
+    const MatrixX<T> E_N = E * inverseDense<T>(N);
+    const Matrix6<T> M_k = six.M_A[0] + E_N * E.transpose();
+    const Vector6<T> F_k = six.biasForces()[0] - E_N * left;
+    const Vector6<T> Z = six.Z[0];
+    const T qdd_0 =
+        (robot.tau[0] - Z.dot(F_k + M_k * six.c[0])) / (robot.rotor[0] + Z.dot(M_k * Z));
+    at.equal("qdd of the ancestor", qdd_0, tied(robot, one, two)[0]);
+  }));
+}
+
 }  // namespace
 
-std::vector<Claim> constrainedSystems() {
-  std::vector<Claim> claims;
-  claims.push_back(
-      Claim("constraint_levels", "10", "TODO: constraints on position, velocity and acceleration")
-          .open()
-          .printed("Our answer: one constraint at three levels, `phi(q) = 0`, `A' Xd = 0`, `A' Xdd "
-                   "= b`: `d phi/dt = A' Xd` and `d2 phi/dt2 = A' Xdd - b` with b the velocity "
-                   "products",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                     const auto plane = anyPlane(at);
-                     const Jet<T> phi = plane.phi(robot, robot.qdd);
-                     const auto held = plane.constraint(robot, T(0));
-                     const auto path = robot.paths(robot.qd, robot.qdd).back();
-                     at.equal("rate", phi.value.derivative,
-                              T(held.A.col(0).dot(robot.velocityOf(path))));
-                     at.equal("second rate", phi.derivative.derivative,
-                              T(held.A.col(0).dot(robot.accelerationOf(path)) - held.b(0)));
-                   }))
-          .why("A hard constraint on positions can be obeyed through accelerations only if "
-               "position and velocity obey it at the start, and only as long as integration errors "
-               "are small.")
-          .in("recursive/constrained_dynamics.hpp"));
-  claims.push_back(
-      Claim("dae_index", "10", "TODO: index of the differential-algebraic equations")
-          .open()
-          .printed("Our answer: `M qdd + h = tau + (dphi/dq)' nu`, `phi(q) = 0` has index 3: nu is "
-                   "in neither phi nor its rate, `d2 phi/dt2` has it with the factor `(dphi/dq) "
-                   "M^-1 (dphi/dq)'`, which is not 0; one differentiation more makes an ODE for nu",
-                   both(exact([](auto& at) {
-                          using T = ScalarOf<decltype(at)>;
-                          const auto robot = anyRobot(at, {kTurn, kTurn});
-                          const auto plane = anyPlane(at);
-                          const T nu = at.number();
-                          const Jet<T> with = plane.phi(robot, pushed(robot, plane, nu)),
-                                       without = plane.phi(robot, pushed(robot, plane, T(0)));
-                          const VectorX<T> J = plane.gradient(robot);
-                          at.equal("phi", with.value.value, without.value.value);
-                          at.equal("rate", with.value.derivative, without.value.derivative);
-                          at.equal("second rate",
-                                   T(with.derivative.derivative - without.derivative.derivative),
-                                   T(nu * J.dot(solveDense<T>(robot.massMatrix(), J))));
-                        }),
-                        differs([](auto& at) {
-                          using T = ScalarOf<decltype(at)>;
-                          const auto robot = anyRobot(at, {kTurn, kTurn});
-                          const VectorX<T> J = anyPlane(at).gradient(robot);
-                          at.zero("J M^-1 J'", T(J.dot(solveDense<T>(robot.massMatrix(), J))));
-                        })))
-          .why("The index counts differentiations until every unknown has an ODE. Solving for nu "
-               "at the acceleration level leaves index 1 (algebraic in nu), which is what the "
-               "sweeps of section 11 do.")
-          .in("recursive/constrained_dynamics.hpp"));
-  claims.push_back(
-      Claim("baumgarte", "10", "TODO: Baumgarte stabilization")
-          .open()
-          .printed(
-              "Our answer: with `b` lowered by `2 a d phi/dt + k^2 phi` the sweeps give "
-              "`d2 phi/dt2 + 2 a d phi/dt + k^2 phi = 0`: an error decays like a damped oscillator",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                const auto plane = anyPlane(at);
-                const T a = at.number(), k = at.number();
-                const Jet<T> phi = plane.phi(robot, robot.zeros());
-                const T wanted = -(T(2) * a * phi.value.derivative + k * k * phi.value.value);
-                const Swept<T> swept(robot, {plane.constraint(robot, wanted)});
-                at.equal("second rate", plane.phi(robot, swept.qdd).derivative.derivative, wanted);
-              }))
-          .why("With a = k = 0 an error grows like phi_0 + t phid_0. The gains are no physics: "
-               "they pull the state back onto the constraint while the constraint forces do a "
-               "little work.")
-          .in("recursive/constrained_dynamics.hpp"));
-  claims.push_back(
-      Claim("soft_constraint", "10", "TODO: soft and hard constraints")
-          .open()
-          .printed(
-              "Our answer: weight w on a missed `A' Xdd = b` in Gauss's sum gives the forces "
-              "`nu = (N + 1/w)^-1 (b - A' Xdd_free)`, which `w -> infinity` makes the hard ones: "
-              "`M (qdd - qdd_free) = w J' A (b - A' Xdd)`",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                const auto held = anyConstraint<1>(at, 2);
-                const T w = at.number();
-                const Swept<T> hard(robot, {held});
-                const std::vector<T> free = robot.accelerations();
-                const T missing = (held.b - constrainedAcceleration(robot, held, free))(0);
-                const T nu = missing / (hard.N(0, 0) + T(1) / w);
-                const VectorX<T> J = robot.jacobian(2).transpose() * held.A;
-                Robot<T> other = robot;
-                for (int i = 0; i < 3; ++i) other.tau[i] += J(i) * nu;
-                const std::vector<T> qdd = other.accelerations();
-                const T missed = (held.b - constrainedAcceleration(robot, held, qdd))(0);
-                const VectorX<T> change = Robot<T>::column(qdd) - Robot<T>::column(free);
-                at.equal("stationary", VectorX<T>(robot.massMatrix() * change),
-                         VectorX<T>(J * (w * missed)));
-                at.equal("missed", T(w * missed), nu);
-              }))
-          .why("A soft constraint is a compliance 1/w added to N, so it is never redundant: N + "
-               "1/w is definite where N is only semidefinite.")
-          .in("recursive/constrained_dynamics.hpp"));
-  claims.push_back(
-      Claim("local_constraint", "10", "TODO: what a local constraint is")
-          .open()
-          .printed("Our answer: m constraints between links whose common ancestor is link k are "
-                   "solved there: `M_A,k + E N^-1 E'` and `F_k - E N^-1 (b - beta)` replace the "
-                   "ancestor's inertia and bias force, and the sweeps inboard never see them",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     auto robot = anyRobot(at, {kTurn, kTurn, kSlide}, Rotors::kAll, {-1, 0, 0});
-                     robot.gravity = Vector3<T>::Zero();
-                     // A_1' a_1 + A_2' a_2 = b: accelerations of two tips tied together
-                     const auto one = anyConstraint<2>(at, 1), two = anyConstraint<2>(at, 2);
-                     const SixVectors<T> six(robot);
-                     const auto from_one = carriedInward(six, one, six.c, true, 0),
-                                from_two = carriedInward(six, two, six.c, true, 0);
-                     const MatrixX<T> E = from_one.E[0] + from_two.E[0];
-                     const MatrixX<T> N = -(from_one.N_0 + from_two.N_0);
-                     const VectorX<T> left = one.b - from_one.beta_0 - from_two.beta_0;
-                     const MatrixX<T> E_N = E * inverseDense<T>(N);
-                     const Matrix6<T> M_k = six.M_A[0] + E_N * E.transpose();
-                     const Vector6<T> F_k = six.biasForces()[0] - E_N * left;
-                     const Vector6<T> Z = six.Z[0];
-                     const T qdd_0 = (robot.tau[0] - Z.dot(F_k + M_k * six.c[0])) /
-                                     (robot.rotor[0] + Z.dot(M_k * Z));
-                     at.equal("qdd of the ancestor", qdd_0, tied(robot, one, two)[0]);
-                   }))
-          .why(
-              "Only the ratio of m to n makes a constraint local in the chapter; the place does it "
-              "better. An m x m system at the common ancestor, and the rest of the robot stays "
-              "O(n).")
-          .in("crosscheck/audit/constrained_systems.cpp"));
-  return claims;
+std::vector<Trials> constrainedSystems() {
+  return {constraintLevels(), daeIndex(), baumgarte(), softConstraint(), localConstraint()};
 }
 
 }  // namespace dynwitness::audit

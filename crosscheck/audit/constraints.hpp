@@ -10,9 +10,6 @@
 
 namespace dynwitness::audit {
 
-std::vector<Claim> bases();  ///< 11.2, 11.3
-std::vector<Claim> tasks();  ///< 12, 13
-
 /// m constraints in any directions.
 template <int M, typename At>
 LinkConstraint<ScalarOf<At>> anyConstraint(At& at, int link) {

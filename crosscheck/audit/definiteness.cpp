@@ -58,14 +58,8 @@ scene::Scene twoPointMasses() {
 
 }  // namespace
 
-Numbers definitenessNumbers() {
-  Numbers table;
-  table.caption =
-      "N = -N_0 in double precision. Two rods of 1 m, 1 kg at the end of each, elbow angle q: det "
-      "N = sin(q)^2 / "
-      "(1 + sin(q)^2), so that near the stretched pose the smallest eigenvalue falls with the "
-      "square of q";
-  table.head = {"robot and pose", "held", "m", "rank", "least eigenvalue", "largest", "N_0 is"};
+Rows definitenessRows() {
+  Rows rows;
   const auto add = [&](const std::string& pose, const std::string& what,
                        const scene::Mechanism& mechanism, const std::vector<double>& q,
                        const std::vector<Held>& held) {
@@ -75,11 +69,11 @@ Numbers definitenessNumbers() {
     recursive::SemidefiniteSolver<double> solver(static_cast<int>(N.rows()));
     solver.factorize(N);
     const bool definite = solver.rank() == N.rows();
-    table.rows.push_back({pose, what, std::to_string(N.rows()), std::to_string(solver.rank()),
-                          definite ? fmt::format("{:.2e}", lambda(0))
-                                   : fmt::format("0 (rounding {:.0e})", std::abs(lambda(0))),
-                          fmt::format("{:.3g}", lambda(lambda.size() - 1)),
-                          definite ? "definite" : "semidefinite"});
+    rows.push_back({pose, what, std::to_string(N.rows()), std::to_string(solver.rank()),
+                    definite ? fmt::format("{:.2e}", lambda(0))
+                             : fmt::format("0 (rounding {:.0e})", std::abs(lambda(0))),
+                    fmt::format("{:.3g}", lambda(lambda.size() - 1)),
+                    definite ? "definite" : "semidefinite"});
   };
   const scene::Mechanism arm = twoPointMasses().mechanism;
   for (const double q : {1.0, 0.1, 0.01, 0.001, 0.0})
@@ -101,7 +95,7 @@ Numbers definitenessNumbers() {
   add("Franka Panda, ready pose", "hand in all 6: a joint to spare",
       scene::findScene("franka_panda").mechanism, {0, -pi / 4, 0, -3 * pi / 4, 0, pi / 2, pi / 4},
       {along(6, 6)});
-  return table;
+  return rows;
 }
 
 }  // namespace dynwitness::audit

@@ -75,380 +75,301 @@ Matrix3<T> none() {
 
 // ---- forces ------------------------------------------------------------------------------------
 
-void addForces(std::vector<Claim>* claims) {
-  claims->push_back(
-      Claim("eq1", "5.2", "Force and moment at another reference point")
-          .printed("`f_1 = f_2`, `m_1 = m_2 + r_12 x f_2`, `r_12` from 1 to 2", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto system = anyForces(at);
-                     const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
-                     const Force<T> F_1 = system.about(p_1), F_2 = system.about(p_2);
-                     at.equal("force", F_1.force, F_2.force);
-                     at.equal("moment", F_1.moment, F_2.moment + r_12.cross(F_2.force));
-                     at.equal("our code", F_1, Transform<T>{one<T>(), -r_12} * F_2);
-                   }))
-          .why("A moment about 1 counts each force with its lever from 1, which is the lever from "
-               "2 plus the vector from 1 to 2.")
-          .in("recursive/spatial.hpp"));
+Trials eq1() {
+  return Trials("eq1").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto system = anyForces(at);
+    const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
+    const Force<T> F_1 = system.about(p_1), F_2 = system.about(p_2);
+    at.equal("force", F_1.force, F_2.force);
+    at.equal("moment", F_1.moment, F_2.moment + r_12.cross(F_2.force));
+    at.equal("our code", F_1, Transform<T>{one<T>(), -r_12} * F_2);
+  }));
+}
 
-  claims->push_back(
-      Claim("eq2", "5.2", "A force as six numbers")
-          .printed("`F = (f, m)`, so that with `Xd = (v, w)` the power is `F' Xd`",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     // forces on points of a moving body; each works at its own point's velocity
-                     const Path<T> path = anyPath(at);
-                     T power = T(0);
-                     Force<T> F = Force<T>::zero();
-                     for (int k = 0; k < 2; ++k) {
-                       const Vector3<Jet<T>> x = path.place(at.vector());
-                       const Vector3<T> f = at.vector();
-                       power += f.dot(rate<T, 3, 1>(x));
-                       F = F + Force<T>{f, (now<T, 3, 1>(x) - path.origin()).cross(f)};
-                     }
-                     at.equal("power", F.vector().dot(path.velocity().vector()), power);
-                   }))
-          .why("Linear part first in both, so that no permutation stands between a force and the "
-               "motion that it works on.")
-          .in("recursive/spatial.hpp"));
+Trials eq2() {
+  return Trials("eq2").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    // forces on points of a moving body; each works at its own point's velocity
+    const Path<T> path = anyPath(at);
+    T power = T(0);
+    Force<T> F = Force<T>::zero();
+    for (int k = 0; k < 2; ++k) {
+      const Vector3<Jet<T>> x = path.place(at.vector());
+      const Vector3<T> f = at.vector();
+      power += f.dot(rate<T, 3, 1>(x));
+      F = F + Force<T>{f, (now<T, 3, 1>(x) - path.origin()).cross(f)};
+    }
+    at.equal("power", F.vector().dot(path.velocity().vector()), power);
+  }));
+}
 
-  claims->push_back(
-      Claim("eq3", "5.2", "Force transformation as a matrix")
-          .printed("`F_1 = T_F_12 F_2` with `T_F_12 = [1, 0; hat(r_12), 1]`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto system = anyForces(at);
-                     const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
-                     const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
-                     at.equal("F_1", system.about(p_1).vector(), T_F * system.about(p_2).vector());
-                   }))
-          .why("Equation 1 with the cross product as a matrix.")
-          .in("recursive/spatial.hpp"));
+Trials eq3() {
+  return Trials("eq3").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto system = anyForces(at);
+    const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
+    const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
+    at.equal("F_1", system.about(p_1).vector(), T_F * system.about(p_2).vector());
+  }));
+}
 
-  claims->push_back(
-      Claim("eq4", "5.2", "The matrix of a cross product")
-          .printed("`hat(r) x = r x x` with `hat(r) = [0, -r_z, r_y; r_z, 0, -r_x; -r_y, r_x, 0]`",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const Vector3<T> r = at.vector(), x = at.vector();
-                     Matrix3<T> hat;
-                     hat << T(0), -r.z(), r.y(), r.z(), T(0), -r.x(), -r.y(), r.x(), T(0);
-                     at.equal("hat(r) x", Vector3<T>(hat * x), r.cross(x));
-                     at.equal("our code", hat, skew<T>(r));
-                   }))
-          .why("Each row is a component of the cross product.")
-          .in("recursive/spatial.hpp"));
+Trials eq4() {
+  return Trials("eq4").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const Vector3<T> r = at.vector(), x = at.vector();
+    Matrix3<T> hat;
+    hat << T(0), -r.z(), r.y(), r.z(), T(0), -r.x(), -r.y(), r.x(), T(0);
+    at.equal("hat(r) x", Vector3<T>(hat * x), r.cross(x));
+    at.equal("our code", hat, skew<T>(r));
+  }));
+}
 
-  claims->push_back(
-      Claim("eq5", "5.2", "The inverse, axes parallel")
-          .printed(
-              "`T_F_12^-1 = [1, 0; -hat(r_12), 1] = [1, 0; hat(r_21), 1]`", exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
-                const Vector3<T> r_21 = p_1 - p_2;
-                const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
-                const Matrix6<T> back = blocks<T>(one<T>(), none<T>(), -skew<T>(r_12), one<T>());
-                at.equal("product", T_F * back, Matrix6<T>::Identity());
-                at.equal("second form", back,
-                         blocks<T>(one<T>(), none<T>(), skew<T>(r_21), one<T>()));
-              }))
-          .why("Going from 1 to 2 and back adds the same lever with both signs.")
-          .in("recursive/spatial.hpp"));
+Trials eq5() {
+  return Trials("eq5").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
+    const Vector3<T> r_21 = p_1 - p_2;
+    const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
+    const Matrix6<T> back = blocks<T>(one<T>(), none<T>(), -skew<T>(r_12), one<T>());
+    at.equal("product", T_F * back, Matrix6<T>::Identity());
+    at.equal("second form", back, blocks<T>(one<T>(), none<T>(), skew<T>(r_21), one<T>()));
+  }));
+}
 
-  claims->push_back(
-      Claim("inverse_reason", "5.2", "Why that inverse is simple")
-          .printed("The inverse has this form because `hat(r)` is antisymmetric, `A' = -A`: for an "
-                   "`A` with another symmetry, `[1, 0; A, 1] [1, 0; -A, 1]` is not the unit matrix",
-                   differs([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const Matrix3<T> A = at.template matrix<3, 3>();
-                     at.equal("product",
-                              blocks<T>(one<T>(), none<T>(), A, one<T>()) *
-                                  blocks<T>(one<T>(), none<T>(), -A, one<T>()),
-                              Matrix6<T>::Identity());
-                   }))
-          .corrected(
-              "`[1, 0; A, 1] [1, 0; -A, 1] = 1` for every `A`: the matrix without its diagonal has "
-              "the square 0",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const Matrix3<T> A = at.template matrix<3, 3>();
-                const Matrix6<T> N = blocks<T>(none<T>(), none<T>(), A, none<T>());
-                at.zero("square", Matrix6<T>(N * N));
-                at.equal("product", (Matrix6<T>::Identity() + N) * (Matrix6<T>::Identity() - N),
-                         Matrix6<T>::Identity());
-              }))
-          .why(
-              "Antisymmetry is not used. What is used is that a shift changes moments by forces "
-              "and "
-              "forces by nothing. The step from `-hat(r_12)` to `hat(r_21)` is that hat is linear.")
-          .in("recursive/spatial.hpp"));
+Trials inverseReason() {
+  return Trials("inverse_reason")
+      .printed(differs([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const Matrix3<T> A = at.template matrix<3, 3>();
+        at.equal("product",
+                 blocks<T>(one<T>(), none<T>(), A, one<T>()) *
+                     blocks<T>(one<T>(), none<T>(), -A, one<T>()),
+                 Matrix6<T>::Identity());
+      }))
+      .corrected(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const Matrix3<T> A = at.template matrix<3, 3>();
+        const Matrix6<T> N = blocks<T>(none<T>(), none<T>(), A, none<T>());
+        at.zero("square", Matrix6<T>(N * N));
+        at.equal("product", (Matrix6<T>::Identity() + N) * (Matrix6<T>::Identity() - N),
+                 Matrix6<T>::Identity());
+      }));
+}
 
-  claims->push_back(
-      Claim("eq6", "5.2", "Force transformation between link frames")
-          .printed(
-              "`T_F_12 = [R, 0; hat(r_12) R, R]`, `R` and `r_12` the place of frame 2 in frame 1",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto system = anyForces(at);
-                const auto frames = anyFrames(at);
-                const Matrix3<T> R = frames.R_12();
-                const Matrix6<T> T_F = blocks<T>(R, none<T>(), skew<T>(frames.r_12()) * R, R);
-                at.equal("F_1", frames.in_1(system.about(frames.p_1)),
-                         T_F * frames.in_2(system.about(frames.p_2)));
-                const Transform<T> X_21{R.transpose(), frames.r_12()};
-                at.equal("our code", T_F, X_21.inverse().forceMatrix());
-              }))
-          .why("Turn into the axes of 1 first, then add the moment of the force with the lever in "
-               "those axes.")
-          .in("recursive/spatial.hpp"));
+Trials eq6() {
+  return Trials("eq6").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto system = anyForces(at);
+    const auto frames = anyFrames(at);
+    const Matrix3<T> R = frames.R_12();
+    const Matrix6<T> T_F = blocks<T>(R, none<T>(), skew<T>(frames.r_12()) * R, R);
+    at.equal("F_1", frames.in_1(system.about(frames.p_1)),
+             T_F * frames.in_2(system.about(frames.p_2)));
+    const Transform<T> X_21{R.transpose(), frames.r_12()};
+    at.equal("our code", T_F, X_21.inverse().forceMatrix());
+  }));
+}
 
-  claims->push_back(
-      Claim("eq7", "5.2", "The inverse between link frames")
-          .printed("`T_F_21 = [R', 0; -R' hat(r_12), R']`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto system = anyForces(at);
-                     const auto frames = anyFrames(at);
-                     const Matrix3<T> R_T = frames.R_12().transpose();
-                     const Matrix6<T> T_F =
-                         blocks<T>(R_T, none<T>(), -(R_T * skew<T>(frames.r_12())), R_T);
-                     at.equal("F_2", frames.in_2(system.about(frames.p_2)),
-                              T_F * frames.in_1(system.about(frames.p_1)));
-                     at.equal("our code", T_F, Transform<T>{R_T, frames.r_12()}.forceMatrix());
-                   }))
-          .why("Shift back, then turn back.")
-          .in("recursive/spatial.hpp"));
+Trials eq7() {
+  return Trials("eq7").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto system = anyForces(at);
+    const auto frames = anyFrames(at);
+    const Matrix3<T> R_T = frames.R_12().transpose();
+    const Matrix6<T> T_F = blocks<T>(R_T, none<T>(), -(R_T * skew<T>(frames.r_12())), R_T);
+    at.equal("F_2", frames.in_2(system.about(frames.p_2)),
+             T_F * frames.in_1(system.about(frames.p_1)));
+    at.equal("our code", T_F, Transform<T>{R_T, frames.r_12()}.forceMatrix());
+  }));
+}
 
-  claims->push_back(
-      Claim("momentum_transformation", "5.3", "TODO: transformation of momentum")
-          .open()
-          .printed("Momentum `(l, h)`, with `h` about the origin, is carried between frames by the "
-                   "matrix of forces, (6)",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     // momenta m v of points, as vectors at places, and the linear ones of their
-                     // mass
-                     const Path<T> path = anyPath(at);
-                     const auto body = anyBody(at);
-                     const auto frames = anyFrames(at);
-                     ForceSystem<T> momenta;
-                     for (std::size_t k = 0; k < body.m.size(); ++k) {
-                       const Vector3<Jet<T>> x = path.place(body.r[k]);
-                       momenta.places.push_back(now<T, 3, 1>(x));
-                       momenta.forces.push_back(rate<T, 3, 1>(x) * body.m[k]);
-                     }
-                     const Transform<T> X_21{frames.R_12().transpose(), frames.r_12()};
-                     at.equal(
-                         "momentum", frames.in_1(momenta.about(frames.p_1)),
-                         X_21.inverse().forceMatrix() * frames.in_2(momenta.about(frames.p_2)));
-                   }))
-          .why("The section is empty in the chapter. Force is the rate of momentum, so both are "
-               "carried alike; the momentum of a body is `M Xd`.")
-          .in("recursive/spatial.hpp"));
+Trials momentumTransformation() {
+  return Trials("momentum_transformation").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    // momenta m v of points, as vectors at places, and the linear ones of their mass
+    const Path<T> path = anyPath(at);
+    const auto body = anyBody(at);
+    const auto frames = anyFrames(at);
+    ForceSystem<T> momenta;
+    for (std::size_t k = 0; k < body.m.size(); ++k) {
+      const Vector3<Jet<T>> x = path.place(body.r[k]);
+      momenta.places.push_back(now<T, 3, 1>(x));
+      momenta.forces.push_back(rate<T, 3, 1>(x) * body.m[k]);
+    }
+    const Transform<T> X_21{frames.R_12().transpose(), frames.r_12()};
+    at.equal("momentum", frames.in_1(momenta.about(frames.p_1)),
+             X_21.inverse().forceMatrix() * frames.in_2(momenta.about(frames.p_2)));
+  }));
 }
 
 // ---- motions -----------------------------------------------------------------------------------
 
-void addMotions(std::vector<Claim>* claims) {
-  claims->push_back(
-      Claim("eq8", "5.4", "Velocity at another reference point")
-          .printed(
-              "`w_1 = w_2`, `v_1 = v_2 + r_12 x w_2`", exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const Path<T> path = anyPath(at);
-                const Vector3<Jet<T>> x_1 = path.place(at.vector()), x_2 = path.place(at.vector());
-                const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1), w = path.omega();
-                at.equal("v_1", rate<T, 3, 1>(x_1), rate<T, 3, 1>(x_2) + r_12.cross(w));
-                at.equal("our code", rate<T, 3, 1>(x_1),
-                         (Transform<T>{one<T>(), -r_12} * Motion<T>{rate<T, 3, 1>(x_2), w}).linear);
-              }))
-          .why("Point 1 lies at `-r_12` from point 2, and `w x (-r_12) = r_12 x w`.")
-          .in("recursive/spatial.hpp"));
-
-  claims->push_back(
-      Claim("eq9", "5.4", "A velocity as six numbers")
-          .printed("`Xd_i = (v_i, w)` says how every point of the body moves", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const Path<T> path = anyPath(at);
-                     const Vector3<Jet<T>> x_i = path.place(at.vector()),
-                                           x = path.place(at.vector());
-                     at.equal("velocity of another point", rate<T, 3, 1>(x),
-                              rate<T, 3, 1>(x_i) +
-                                  path.omega().cross(now<T, 3, 1>(x) - now<T, 3, 1>(x_i)));
-                   }))
-          .why("Six numbers are enough for a rigid body: one point's velocity and the angular "
-               "velocity.")
-          .in("recursive/spatial.hpp"));
-
-  const auto velocityBlocks = [](auto& at, bool turned) {
+Trials eq8() {
+  return Trials("eq8").printed(exact([](auto& at) {
     using T = ScalarOf<decltype(at)>;
     const Path<T> path = anyPath(at);
-    auto frames = anyFrames(at);
-    if (!turned) frames.R_1 = frames.R_2 = one<T>();
-    const Vector3<T> w = path.omega(), v = path.velocity().linear, o = path.origin();
-    const Vector6<T> x_1 = frames.in_1(Motion<T>{v + w.cross(frames.p_1 - o), w});
-    const Vector6<T> x_2 = frames.in_2(Motion<T>{v + w.cross(frames.p_2 - o), w});
-    const Matrix3<T> R = frames.R_12();
-    const Matrix6<T> T_V = blocks<T>(R, skew<T>(frames.r_12()) * R, none<T>(), R);
-    at.equal(turned ? "link frames" : "parallel axes", x_1, T_V * x_2);
-  };
-  claims->push_back(
-      Claim("eq10", "5.4", "Velocity transformation")
-          .printed("`Xd_1 = T_V_12 Xd_2`, one matrix for all velocities", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     // a linear map of the velocities: the columns are found from six motions, and
-                     // a seventh must follow
-                     const auto frames = anyFrames(at);
-                     const auto seen = [&](const Path<T>& path, bool from_1) {
-                       const Vector3<T> w = path.omega();
-                       const Vector3<T> p = from_1 ? frames.p_1 : frames.p_2;
-                       const Motion<T> x{path.velocity().linear + w.cross(p - path.origin()), w};
-                       return from_1 ? frames.in_1(x) : frames.in_2(x);
-                     };
-                     const Transform<T> X_21{frames.R_12().transpose(), frames.r_12()};
-                     const Path<T> path = anyPath(at);
-                     at.equal("Xd_1", seen(path, true),
-                              X_21.inverse().motionMatrix() * seen(path, false));
-                   }))
-          .why("The map depends on the two frames and not on the motion.")
-          .in("recursive/spatial.hpp"));
-  claims->push_back(
-      Claim("eq11", "5.4", "The velocity transformation's blocks")
-          .printed("`T_V_12 = [1, hat(r_12); 0, 1]`, or between link frames "
-                   "`[R, hat(r_12) R; 0, R]`",
-                   exact([velocityBlocks](auto& at) {
-                     velocityBlocks(at, false);
-                     velocityBlocks(at, true);
-                   }))
-          .why("The blocks of the force transformation, the other way round: here the "
-               "angular part changes the linear one.")
-          .in("recursive/spatial.hpp"));
-
-  claims->push_back(
-      Claim("eq12", "5.4", "Its inverse")
-          .printed("`T_V_21 = [R', -R' hat(r_12); 0, R']`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const Matrix3<T> R = at.rotation();
-                     const Vector3<T> r = at.vector();
-                     const Matrix6<T> T_V = blocks<T>(R, skew<T>(r) * R, none<T>(), R);
-                     const Matrix6<T> back = blocks<T>(R.transpose(), -(R.transpose() * skew<T>(r)),
-                                                       none<T>(), R.transpose());
-                     at.equal("product", T_V * back, Matrix6<T>::Identity());
-                     at.equal("our code", back, Transform<T>{R.transpose(), r}.motionMatrix());
-                   }))
-          .why("Shift back in the axes of 1, then turn.")
-          .in("recursive/spatial.hpp"));
-
-  claims->push_back(
-      Claim("eq13", "5.4", "Duality of the two transformations")
-          .printed("`T_F_21 = T_V_12'`, `T_V_21 = T_F_12'`", exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const Transform<T> X_21 = at.transform();
-                     const Transform<T> X_12 = X_21.inverse();
-                     at.equal("first", X_21.forceMatrix(), X_12.motionMatrix().transpose());
-                     at.equal("second", X_21.motionMatrix(), X_12.forceMatrix().transpose());
-                     // what it rests on: power does not depend on the frame
-                     const Force<T> F_1 = at.force();
-                     const Motion<T> x_1 = at.motion();
-                     at.equal("power", dot(X_21 * x_1, X_21 * F_1), dot(x_1, F_1));
-                   }))
-          .why("Force times velocity is power, which no choice of frame can change.")
-          .in("recursive/spatial.hpp"));
-
-  claims->push_back(
-      Claim("velocity_order", "5.4", "Angular part first")
-          .printed("With `Xd = (w, v)` the matrix of velocities is that of forces `(f, m)`",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const Transform<T> X = at.transform();
-                     const Motion<T> x = at.motion(), y = X * x;
-                     Vector6<T> w_v_x, w_v_y;
-                     w_v_x << x.angular, x.linear;
-                     w_v_y << y.angular, y.linear;
-                     at.equal("(w, v)", w_v_y, X.forceMatrix() * w_v_x);
-                   }))
-          .why("Angular velocity is a free-standing vector like force, and the velocity of a point "
-               "changes with the point as a moment does.")
-          .in("recursive/spatial.hpp"));
-
-  const auto accelerations = [](auto& at, const Path<ScalarOf<decltype(at)>>& path) {
-    using T = ScalarOf<decltype(at)>;
     const Vector3<Jet<T>> x_1 = path.place(at.vector()), x_2 = path.place(at.vector());
-    const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1);
-    at.equal("vd_1", secondRate<T, 3, 1>(x_1), secondRate<T, 3, 1>(x_2) + r_12.cross(path.alpha()));
-  };
-  claims->push_back(
-      Claim("eq14", "5.4", "Acceleration transformation")
-          .printed("`Xdd_1 = T_V_12 Xdd_2` with `Xdd = (vd, wd)`",
-                   exact([accelerations](auto& at) { accelerations(at, anyPath(at)); }))
-          .condition("`w = 0`: the body does not turn at this moment",
-                     exact([accelerations](auto& at) {
-                       accelerations(at, anyPath(at, Start::kNotTurning));
-                     }))
-          .corrected(
-              "`vd_1 = vd_2 + r_12 x wd - w x (w x r_12)`; what is carried by `T_V_12` is the "
-              "spatial acceleration `(vd - w x v, wd)`",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const Path<T> path = anyPath(at);
-                const Vector3<Jet<T>> x_1 = path.place(at.vector()), x_2 = path.place(at.vector());
-                const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1);
-                const Vector3<T> w = path.omega(), wd = path.alpha();
-                const Vector3<T> vd_1 = secondRate<T, 3, 1>(x_1), vd_2 = secondRate<T, 3, 1>(x_2);
-                at.equal("vd_1", vd_1, vd_2 + r_12.cross(wd) - w.cross(w.cross(r_12)));
-                const Motion<T> a_1{vd_1 - w.cross(rate<T, 3, 1>(x_1)), wd};
-                const Motion<T> a_2{vd_2 - w.cross(rate<T, 3, 1>(x_2)), wd};
-                at.equal("spatial", a_1, Transform<T>{one<T>(), -r_12} * a_2);
-              }))
-          .why("Differentiating (8), `r_12` moves with the body too: its rate is `w x r_12`. (15) "
-               "and (46) need `vd`, the acceleration of a point of the body; (19) and (49) need "
-               "what transforms.")
-          .in("recursive/spatial.hpp"));
+    const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1), w = path.omega();
+    at.equal("v_1", rate<T, 3, 1>(x_1), rate<T, 3, 1>(x_2) + r_12.cross(w));
+    at.equal("our code", rate<T, 3, 1>(x_1),
+             (Transform<T>{one<T>(), -r_12} * Motion<T>{rate<T, 3, 1>(x_2), w}).linear);
+  }));
+}
 
-  claims->push_back(
-      Claim("not_a_derivative", "2", "No six coordinates have Xd as their rate")
-          .printed(
-              "No coordinates `x` of position and orientation have `xd = Xd`: `w dt` is not the "
-              "differential of anything, `d_a w_b - d_b w_a` is not 0",
-              differs([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                // w_a: the angular velocity when coordinate a alone moves at rate 1. Were w dt =
-                // dx, d_1 w_2 would be d_1 d_2 x = d_2 w_1, in every choice of coordinates.
-                const T w = at.number();
-                const Vector3<T> u = at.vector();
-                const auto R_along = [&](int a, int b) {
-                  // along a by the inner dual, b by the outer
-                  Vector3<Jet<T>> moved = still<T, 3, 1>(u);
-                  moved(a).value.derivative = T(1);
-                  moved(b).derivative.value += T(1);
-                  return std::decay_t<decltype(at)>::template rotationOf<Jet<T>>(constantJet(w),
-                                                                                 moved);
-                };
-                const auto d_b_of_w_a = [&](int a, int b) {
-                  const Matrix3<Jet<T>> R = R_along(a, b);
-                  Matrix3<T> R_0, R_a, R_b, R_ab;
-                  for (int i = 0; i < 9; ++i) {
-                    R_0(i) = R(i).value.value;
-                    R_a(i) = R(i).value.derivative;
-                    R_b(i) = R(i).derivative.value;
-                    R_ab(i) = R(i).derivative.derivative;
-                  }
-                  const Matrix3<T> rate_of_hat = R_ab * R_0.transpose() + R_a * R_b.transpose();
-                  return Vector3<T>(rate_of_hat(2, 1), rate_of_hat(0, 2), rate_of_hat(1, 0));
-                };
-                at.equal("d_1 w_2 and d_2 w_1", d_b_of_w_a(1, 0), d_b_of_w_a(0, 1));
-              }))
-          .why("Turning about x and then about y ends elsewhere than about y and then about x: the "
-               "components of angular velocity do not add up to coordinates.")
-          .in("crosscheck/audit/frames.cpp"));
+Trials eq9() {
+  return Trials("eq9").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const Path<T> path = anyPath(at);
+    const Vector3<Jet<T>> x_i = path.place(at.vector()), x = path.place(at.vector());
+    at.equal("velocity of another point", rate<T, 3, 1>(x),
+             rate<T, 3, 1>(x_i) + path.omega().cross(now<T, 3, 1>(x) - now<T, 3, 1>(x_i)));
+  }));
+}
+
+template <typename At>
+void velocityBlocks(At& at, bool turned) {
+  using T = ScalarOf<At>;
+  const Path<T> path = anyPath(at);
+  auto frames = anyFrames(at);
+  if (!turned) frames.R_1 = frames.R_2 = one<T>();
+  const Vector3<T> w = path.omega(), v = path.velocity().linear, o = path.origin();
+  const Vector6<T> x_1 = frames.in_1(Motion<T>{v + w.cross(frames.p_1 - o), w});
+  const Vector6<T> x_2 = frames.in_2(Motion<T>{v + w.cross(frames.p_2 - o), w});
+  const Matrix3<T> R = frames.R_12();
+  const Matrix6<T> T_V = blocks<T>(R, skew<T>(frames.r_12()) * R, none<T>(), R);
+  at.equal(turned ? "link frames" : "parallel axes", x_1, T_V * x_2);
+}
+
+Trials eq10() {
+  return Trials("eq10").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    // a linear map of the velocities: the columns are found from six motions, and a seventh must
+    // follow
+    const auto frames = anyFrames(at);
+    const auto seen = [&](const Path<T>& path, bool from_1) {
+      const Vector3<T> w = path.omega();
+      const Vector3<T> p = from_1 ? frames.p_1 : frames.p_2;
+      const Motion<T> x{path.velocity().linear + w.cross(p - path.origin()), w};
+      return from_1 ? frames.in_1(x) : frames.in_2(x);
+    };
+    const Transform<T> X_21{frames.R_12().transpose(), frames.r_12()};
+    const Path<T> path = anyPath(at);
+    at.equal("Xd_1", seen(path, true), X_21.inverse().motionMatrix() * seen(path, false));
+  }));
+}
+
+Trials eq11() {
+  return Trials("eq11").printed(exact([](auto& at) {
+    velocityBlocks(at, false);
+    velocityBlocks(at, true);
+  }));
+}
+
+Trials eq12() {
+  return Trials("eq12").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const Matrix3<T> R = at.rotation();
+    const Vector3<T> r = at.vector();
+    const Matrix6<T> T_V = blocks<T>(R, skew<T>(r) * R, none<T>(), R);
+    const Matrix6<T> back =
+        blocks<T>(R.transpose(), -(R.transpose() * skew<T>(r)), none<T>(), R.transpose());
+    at.equal("product", T_V * back, Matrix6<T>::Identity());
+    at.equal("our code", back, Transform<T>{R.transpose(), r}.motionMatrix());
+  }));
+}
+
+Trials eq13() {
+  return Trials("eq13").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const Transform<T> X_21 = at.transform();
+    const Transform<T> X_12 = X_21.inverse();
+    at.equal("first", X_21.forceMatrix(), X_12.motionMatrix().transpose());
+    at.equal("second", X_21.motionMatrix(), X_12.forceMatrix().transpose());
+    // what it rests on: power does not depend on the frame
+    const Force<T> F_1 = at.force();
+    const Motion<T> x_1 = at.motion();
+    at.equal("power", dot(X_21 * x_1, X_21 * F_1), dot(x_1, F_1));
+  }));
+}
+
+Trials velocityOrder() {
+  return Trials("velocity_order").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const Transform<T> X = at.transform();
+    const Motion<T> x = at.motion(), y = X * x;
+    Vector6<T> w_v_x, w_v_y;
+    w_v_x << x.angular, x.linear;
+    w_v_y << y.angular, y.linear;
+    at.equal("(w, v)", w_v_y, X.forceMatrix() * w_v_x);
+  }));
+}
+
+template <typename At>
+void accelerations(At& at, const Path<ScalarOf<At>>& path) {
+  using T = ScalarOf<At>;
+  const Vector3<Jet<T>> x_1 = path.place(at.vector()), x_2 = path.place(at.vector());
+  const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1);
+  at.equal("vd_1", secondRate<T, 3, 1>(x_1), secondRate<T, 3, 1>(x_2) + r_12.cross(path.alpha()));
+}
+
+Trials eq14() {
+  return Trials("eq14")
+      .printed(exact([](auto& at) { accelerations(at, anyPath(at)); }))
+      .condition(exact([](auto& at) { accelerations(at, anyPath(at, Start::kNotTurning)); }))
+      .corrected(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const Path<T> path = anyPath(at);
+        const Vector3<Jet<T>> x_1 = path.place(at.vector()), x_2 = path.place(at.vector());
+        const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1);
+        const Vector3<T> w = path.omega(), wd = path.alpha();
+        const Vector3<T> vd_1 = secondRate<T, 3, 1>(x_1), vd_2 = secondRate<T, 3, 1>(x_2);
+        at.equal("vd_1", vd_1, vd_2 + r_12.cross(wd) - w.cross(w.cross(r_12)));
+        const Motion<T> a_1{vd_1 - w.cross(rate<T, 3, 1>(x_1)), wd};
+        const Motion<T> a_2{vd_2 - w.cross(rate<T, 3, 1>(x_2)), wd};
+        at.equal("spatial", a_1, Transform<T>{one<T>(), -r_12} * a_2);
+      }));
+}
+
+Trials notADerivative() {
+  return Trials("not_a_derivative").printed(differs([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    // w_a: the angular velocity when coordinate a alone moves at rate 1. Were w dt = dx, d_1 w_2
+    // would be d_1 d_2 x = d_2 w_1, in every choice of coordinates.
+    const T w = at.number();
+    const Vector3<T> u = at.vector();
+    const auto R_along = [&](int a, int b) {
+      // along a by the inner dual, b by the outer
+      Vector3<Jet<T>> moved = still<T, 3, 1>(u);
+      moved(a).value.derivative = T(1);
+      moved(b).derivative.value += T(1);
+      return std::decay_t<decltype(at)>::template rotationOf<Jet<T>>(constantJet(w), moved);
+    };
+    const auto d_b_of_w_a = [&](int a, int b) {
+      const Matrix3<Jet<T>> R = R_along(a, b);
+      Matrix3<T> R_0, R_a, R_b, R_ab;
+      for (int i = 0; i < 9; ++i) {
+        R_0(i) = R(i).value.value;
+        R_a(i) = R(i).value.derivative;
+        R_b(i) = R(i).derivative.value;
+        R_ab(i) = R(i).derivative.derivative;
+      }
+      const Matrix3<T> rate_of_hat = R_ab * R_0.transpose() + R_a * R_b.transpose();
+      return Vector3<T>(rate_of_hat(2, 1), rate_of_hat(0, 2), rate_of_hat(1, 0));
+    };
+    at.equal("d_1 w_2 and d_2 w_1", d_b_of_w_a(1, 0), d_b_of_w_a(0, 1));
+  }));
 }
 
 }  // namespace
 
-std::vector<Claim> frames() {
-  std::vector<Claim> claims;
-  addForces(&claims);
-  addMotions(&claims);
-  return claims;
+std::vector<Trials> frames() {
+  return {eq1(),           eq2(),  eq3(),
+          eq4(),           eq5(),  inverseReason(),
+          eq6(),           eq7(),  momentumTransformation(),
+          eq8(),           eq9(),  eq10(),
+          eq11(),          eq12(), eq13(),
+          velocityOrder(), eq14(), notADerivative()};
 }
 
 }  // namespace dynwitness::audit

@@ -274,13 +274,15 @@ struct Oscillator {
   Ball m, k, duration;
 };
 
-std::vector<Claim> hamilton() {
-  std::vector<Claim> claims;
-  const Trial saddle = certified([](RealPoint& at) {
+Trial saddle() {
+  return certified([](RealPoint& at) {
     const Oscillator oscillator(at, 3.3, 6);
     at.positive("- (slow) (fast)", -(oscillator.slow() * oscillator.fast()));
   });
-  const Trial stationary = exact([](auto& at) {
+}
+
+Trial stationary() {
+  return exact([](auto& at) {
     using T = ScalarOf<decltype(at)>;
     // a free fall: I(q + r) - I(q) has no part linear in r
     const T m = at.number(), g = at.number(), t1 = at.number(), t2 = at.number();
@@ -294,304 +296,220 @@ std::vector<Claim> hamilton() {
     at.equal("I(q + r) - I(q)", T(action(q + r) - action(q)),
              T((Poly<T>(m / T(2)) * rd * rd).integral(t1, t2)));
   });
-  claims.push_back(
-      Claim("eq64", "15", "Hamilton's principle")
-          .printed("the action of the motion is a local minimum or maximum: all variations change "
-                   "it with the same sign (an oscillator over more than half a period)",
-                   certified([](RealPoint& at) {
-                     const Oscillator oscillator(at, 3.3, 6);
-                     at.positive("(slow) (fast)", oscillator.slow() * oscillator.fast());
-                   }))
-          .condition(
-              "the time between the end points is short: less than half a period of an oscillator",
-              certified([](RealPoint& at) {
-                const Oscillator oscillator(at, 0.5, 3.14);
-                at.positive("slow", oscillator.slow());
-                at.positive("fast", oscillator.fast());
-                Poly<Ball> any(std::vector<Ball>{at.number(-1, 1), at.number(-1, 1),
-                                                 at.number(-1, 1), at.number(-1, 1)});
-                at.positive("any", oscillator.excess(any));
-              }))
-          .corrected(
-              "the action is stationary: `I(q + r) - I(q)` has no part of first order in r; "
-              "over more than half a period a slow variation lowers it and a fast one raises "
-              "it",
-              both(stationary, saddle))
-          .why("Beyond half a period (a conjugate point) the motion is a saddle of the action. A "
-               "maximum it never is: fast wiggles cost kinetic energy without end. Lagrange's "
-               "equations say stationary and nothing more, so with that word both are equivalent.")
-          .in("crosscheck/audit/lagrange.cpp"));
-  claims.push_back(
-      Claim("least_action", "15", "The physical path and its neighbours")
-          .printed("the action of the motion is smaller than that of every path near by: `I(q + r) "
-                   "> I(q)`",
-                   certified([](RealPoint& at) {
-                     at.positive("I(q + r) - I(q)", Oscillator(at, 3.3, 6).slow());
-                   }))
-          .condition("over less than half a period of an oscillator", certified([](RealPoint& at) {
-                       at.positive("I(q + r) - I(q)", Oscillator(at, 0.5, 3.14).slow());
-                     }))
-          .corrected("over more than half a period there is a path near by whose action is smaller",
-                     certified([](RealPoint& at) {
-                       at.positive("I(q) - I(q + r)", -Oscillator(at, 3.3, 6).slow());
-                     }))
-          .why("The bump r = t (t2 - t) makes it smaller: over a long time, the potential energy "
-               "that a slow detour gains outweighs the kinetic energy that it costs.")
-          .in("crosscheck/audit/lagrange.cpp"));
-  claims.push_back(Claim("eq65", "15", "The Lagrangian")
-                       .printed("`L = T - V` gives the equations of motion", exact([](auto& at) {
-                                  const auto robot = anyRobot(at, {kTurn, kSlide});
-                                  at.equal("forces", robotEulerLagrange(robot, -1),
-                                           robot.forces(robot.qdd));
-                                }))
-                       .why("T and V by sweeps, differentiated by nested dual numbers, against "
-                            "virtual work on point masses. T + V, the energy, would turn the sign "
-                            "of gravity.")
-                       .in("recursive/energy.hpp"));
-  claims.push_back(
-      Claim("eq66", "15", "Forces without potential in the Lagrangian")
-          .printed(
-              "`L = T - V + W` with W the work of the forces, for friction `Q = -b qd`: `W = Q q`",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const T b = at.number();
-                compareWork(
-                    at,
-                    [&](const auto& q, const auto& qd) {
-                      using S = std::decay_t<decltype(q)>;
-                      return -(S(Dual<T>(b)) * qd * q);
-                    },
-                    [&](const T& qd) { return -b * qd; });
-              }))
-          .condition("the forces are given functions of time, or constant, so that W = Q q",
-                     exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       const T Q = at.number(), rate_of_Q = at.number();
-                       compareWork(
-                           at,
-                           [&](const auto& q, const auto&) {
-                             using S = std::decay_t<decltype(q)>;
-                             return S(Dual<T>(Q), Dual<T>(rate_of_Q)) * q;
-                           },
-                           [&](const T&) { return Q; });
-                     }))
-          .corrected("`d/dt dL/dqd - dL/dq = Q` with `L = T - V`; for the integral: the variation "
-                     "of the action plus the integral of the virtual work `Q r` vanishes",
-                     exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       // any polynomial path q; Q(t) is what it takes: m qdd + k q
-                       const T m = at.number(), k = at.number(), t1 = at.number(), t2 = at.number();
-                       const Poly<T> q = anyPoly(at, 3), r = anyVariation(at, t1, t2);
-                       const Poly<T> Q = Poly<T>(m) * q.derivative().derivative() + Poly<T>(k) * q;
-                       const T slope =
-                           (Poly<T>(m) * q.derivative() * r.derivative() - Poly<T>(k) * q * r)
-                               .integral(t1, t2);
-                       at.zero("variation and virtual work", T(slope + (Q * r).integral(t1, t2)));
-                     }))
-          .why("The term -b qd q is the rate of -b q^2 / 2, so it drops out of the equations and "
-               "the friction with it. Work depends on the path; what enters is virtual work, Q "
-               "times the variation, not the variation of a function W.")
-          .in("recursive/newton_euler.hpp"));
-  return claims;
 }
 
-std::vector<Claim> variations() {
-  std::vector<Claim> claims;
-  claims.push_back(
-      Claim("eq67", "15.1", "The action as a functional of the path")
-          .printed(
-              "`I = integral of L(q, qd, t) dt`; for free motion from (t1, q1) to (t2, q2) it is "
-              "`m (q2 - q1)^2 / (2 (t2 - t1))`",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const T m = at.number(), t1 = at.number(), t2 = at.number();
-                const Poly<T> q = anyPoly(at, 1), v = q.derivative();
-                const T distance = q.at(t2) - q.at(t1);
-                at.equal("I", (Poly<T>(m / T(2)) * v * v).integral(t1, t2),
-                         T(m * distance * distance / (T(2) * (t2 - t1))));
-              }))
-          .why("A number for a whole path. Its value for free motion tells how it depends on the "
-               "end points.")
-          .in("crosscheck/audit/lagrange.cpp"));
-  claims.push_back(
-      Claim("eq68", "15.1", "A varied path")
-          .printed("`Phi(eps) = integral of L(q + eps' r, qd + eps' rd, t) dt`, with the "
-                   "derivative (70) by eps_1",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto v = anyVaried(at);
-                     // eps' r is one number, added to every coordinate: d/deps_1 moves both along
-                     // r_1
-                     const T slope =
-                         actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 0, v.t1, v.t2) +
-                         actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 1, v.t1, v.t2);
-                     at.equal("dPhi/deps_1", slope,
-                              (partial(v.L, v.q, 0, false) * v.r[0] +
-                               partial(v.L, v.q, 0, true) * v.r[0].derivative())
-                                  .integral(v.t1, v.t2));
-                   }))
-          .corrected("`q_i + eps_i r_i`, component by component", exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       const auto v = anyVaried(at);
-                       at.equal("dPhi/deps_1",
-                                actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, 0, v.t1, v.t2),
-                                (partial(v.L, v.q, 0, false) * v.r[0] +
-                                 partial(v.L, v.q, 0, true) * v.r[0].derivative())
-                                    .integral(v.t1, v.t2));
-                     }))
-          .why("eps' r is a scalar product, one number, and cannot be added to a vector. (70) is "
-               "what comes of varying each coordinate by its own eps_i r_i.")
-          .in("crosscheck/audit/lagrange.cpp"));
-  claims.push_back(
-      Claim("eq69", "15.1", "First variation")
-          .printed("`0 = eps_1 dPhi/deps_1 + ...`, each derivative taken at its own `eps_i = 0`, "
-                   "the other eps being anything (a path that makes Phi stationary)",
-                   exact([](auto& at) { compareFirstVariation(at, false); }))
-          .corrected("all derivatives at `eps = 0`",
-                     exact([](auto& at) { compareFirstVariation(at, true); }))
-          .why("Away from eps = 0 the second coordinate is no longer on the physical path, and the "
-               "derivative by eps_1 feels that through the coupling in L.")
-          .in("crosscheck/audit/lagrange.cpp"));
-  claims.push_back(
-      Claim("eq70", "15.1", "First variation under the integral")
-          .printed(
-              "`sum eps_i dPhi/deps_i = integral of sum eps_i (dL/dq_i r_i + dL/dqd_i rd_i) dt`",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto v = anyVaried(at);
-                T left = T(0);
-                Poly<T> right;
-                for (int i = 0; i < 2; ++i) {
-                  const T eps = at.number();
-                  left += eps * actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, i, v.t1, v.t2);
-                  right += Poly<T>(eps) * (partial(v.L, v.q, i, false) * v.r[i] +
-                                           partial(v.L, v.q, i, true) * v.r[i].derivative());
-                }
-                at.equal("first variation", left, right.integral(v.t1, v.t2));
-              }))
-          .why("The chain rule under the integral: the action is a sum over instants, and so is "
-               "its slope.")
-          .in("crosscheck/audit/lagrange.cpp"));
-  claims.push_back(
-      Claim("eq71", "15.1", "Integration by parts")
-          .printed("`integral of eps_i (dL/dq_i r_i + dL/dqd_i rd_i) = [eps_i r_i dL/dqd_i] + "
-                   "integral of eps_i r_i (dL/dq_i - d/dt dL/dqd_i)`",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto v = anyVaried(at);
-                     const Poly<T> r = anyPoly(at, 2);  // need not vanish at the ends here
-                     const Poly<T> p = partial(v.L, v.q, 0, true), f = partial(v.L, v.q, 0, false);
-                     at.equal("first variation", (f * r + p * r.derivative()).integral(v.t1, v.t2),
-                              T((r * p).at(v.t2) - (r * p).at(v.t1) +
-                                (r * (f - p.derivative())).integral(v.t1, v.t2)));
-                   }))
-          .why("The rate of the variation is traded for the rate of the momentum dL/dqd; the price "
-               "is paid at the ends, where (72) lets the variation vanish.")
-          .in("crosscheck/audit/lagrange.cpp"));
-  claims.push_back(Claim("eq72", "15.1", "Lagrange's equations")
-                       .printed("`d/dt dL/dqd_i - dL/dq_i = 0` where no forces but those of V act",
-                                exact([](auto& at) {
-                                  using T = ScalarOf<decltype(at)>;
-                                  auto robot = anyRobot(at, {kTurn, kTurn});
-                                  robot.tau = robot.zeros();
-                                  robot.qdd = robot.accelerations();  // by virtual work
-                                  at.zero("d/dt dL/dqd - dL/dq",
-                                          VectorX<T>(robotEulerLagrange(robot, -1)));
-                                }))
-                       .why("Of a free fall of point masses on joints. With joint torques, tau "
-                            "stands on the right.")
-                       .in("recursive/energy.hpp"));
-  return claims;
+Trials eq64() {
+  return Trials("eq64")
+      .printed(certified([](RealPoint& at) {
+        const Oscillator oscillator(at, 3.3, 6);
+        at.positive("(slow) (fast)", oscillator.slow() * oscillator.fast());
+      }))
+      .condition(certified([](RealPoint& at) {
+        const Oscillator oscillator(at, 0.5, 3.14);
+        at.positive("slow", oscillator.slow());
+        at.positive("fast", oscillator.fast());
+        Poly<Ball> any(std::vector<Ball>{at.number(-1, 1), at.number(-1, 1), at.number(-1, 1),
+                                         at.number(-1, 1)});
+        at.positive("any", oscillator.excess(any));
+      }))
+      .corrected(both(stationary(), saddle()));
 }
 
-std::vector<Claim> comparison() {
-  std::vector<Claim> claims;
-  claims.push_back(
-      Claim("invariance", "16", "Lagrange's equations under another representation")
-          .printed("they keep their form under any change of representation, angular velocities "
-                   "for rates of coordinates included: `d/dt dT/dw = moment`",
-                   exact([](auto& at) { compareRotation(at, false); }))
-          .condition("a change of coordinates, q = f(x): `E_x = (df/dx)' E_q`", exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       const Lagrangian<T> L = anyLagrangian(at);
-                       const T a = at.number(), b = at.number(), c = at.number();
-                       const auto f = [&](const auto& x) {  // any quadratic change of coordinates
-                         using S = typename std::decay_t<decltype(x)>::value_type;
-                         const auto k = [](const T& y) { return S(y); };
-                         return std::vector<S>{x[0] + k(a) * x[1] * x[1],
-                                               x[1] + k(b) * x[0] * x[1] + k(c) * x[0]};
-                       };
-                       const std::vector<T> x = {at.number(), at.number()},
-                                            xd = {at.number(), at.number()},
-                                            xdd = {at.number(), at.number()};
-                       std::vector<Jet<T>> moving;
-                       for (int i = 0; i < 2; ++i) moving.push_back(jet<T>(x[i], xd[i], xdd[i]));
-                       const std::vector<Jet<T>> q = f(moving);
-                       MatrixX<T> slope(2, 2);
-                       for (int j = 0; j < 2; ++j) {
-                         std::vector<Dual<T>> seeded = {{x[0], T(j == 0 ? 1 : 0)},
-                                                        {x[1], T(j == 1 ? 1 : 0)}};
-                         const auto moved = f(seeded);
-                         for (int i = 0; i < 2; ++i) slope(i, j) = moved[i].derivative;
-                       }
-                       using DD = Dual<Dual<T>>;
-                       const auto lifted_L = [&](const std::vector<DD>& q,
-                                                 const std::vector<DD>& v) {
-                         const auto k = [](const T& y) { return DD(Dual<T>(y)); };
-                         return Lagrangian<DD>{k(L.a), k(L.b), k(L.c), k(L.d), k(L.e)}(q, v);
-                       };
-                       const auto in_x = [&](const std::vector<DD>& y, const std::vector<DD>& yd) {
-                         // f(y) and its rate along yd, by duals over these scalars
-                         std::vector<Dual<DD>> path = {{y[0], yd[0]}, {y[1], yd[1]}};
-                         const auto k = [](const T& z) { return Dual<DD>(DD(Dual<T>(z))); };
-                         const std::vector<Dual<DD>> image = {
-                             path[0] + k(a) * path[1] * path[1],
-                             path[1] + k(b) * path[0] * path[1] + k(c) * path[0]};
-                         return lifted_L({image[0].value, image[1].value},
-                                         {image[0].derivative, image[1].derivative});
-                       };
-                       const auto part = [&](auto which) {
-                         return std::vector<T>{which(q[0]), which(q[1])};
-                       };
-                       const VectorX<T> E_q = eulerLagrange<T>(
-                           lifted_L, part([](const Jet<T>& y) { return y.value.value; }),
-                           part([](const Jet<T>& y) { return y.value.derivative; }),
-                           part([](const Jet<T>& y) { return y.derivative.derivative; }));
-                       at.equal("E_x", eulerLagrange<T>(in_x, x, xd, xdd),
-                                VectorX<T>(slope.transpose() * E_q));
-                     }))
-          .corrected("in angular velocities a term of their own appears: `d/dt dT/dw + w x dT/dw = "
-                     "moment`",
-                     exact([](auto& at) { compareRotation(at, true); }))
-          .why("w is not the rate of any three coordinates, so Lagrange's derivation, which varies "
-               "coordinates, does not apply to it (Euler-Poincare's does).")
-          .in("recursive/spatial.hpp"));
-  claims.push_back(
-      Claim("cartesian_local", "16", "End-effector coordinates as generalised coordinates")
-          .printed("six end-effector coordinates are only local: where two axes coincide, `J M^-1 "
-                   "J'`, the inverse of their mass matrix, is singular",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     auto robot = anyRobot(at, {kTurn, kTurn, kTurn});
-                     robot.R[2] = Matrix3<T>::Identity();
-                     robot.r[2] = Vector3<T>::Zero();
-                     const MatrixX<T> J = at.template matrix<3, 6>() * robot.jacobian(2);
-                     at.zero("det J M^-1 J'",
-                             determinant<T>(MatrixX<T>(J * inverseDense<T>(robot.massMatrix()) *
-                                                       J.transpose())));
-                   }))
-          .why("Three joints and three task coordinates here, for brevity: the same holds for six.")
-          .in("recursive/operational_space.hpp"));
-  return claims;
+Trials leastAction() {
+  return Trials("least_action")
+      .printed(certified(
+          [](RealPoint& at) { at.positive("I(q + r) - I(q)", Oscillator(at, 3.3, 6).slow()); }))
+      .condition(certified(
+          [](RealPoint& at) { at.positive("I(q + r) - I(q)", Oscillator(at, 0.5, 3.14).slow()); }))
+      .corrected(certified(
+          [](RealPoint& at) { at.positive("I(q) - I(q + r)", -Oscillator(at, 3.3, 6).slow()); }));
+}
+
+Trials eq65() {
+  return Trials("eq65").printed(exact([](auto& at) {
+    const auto robot = anyRobot(at, {kTurn, kSlide});
+    at.equal("forces", robotEulerLagrange(robot, -1), robot.forces(robot.qdd));
+  }));
+}
+
+Trials eq66() {
+  return Trials("eq66")
+      .printed(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const T b = at.number();
+        compareWork(
+            at,
+            [&](const auto& q, const auto& qd) {
+              using S = std::decay_t<decltype(q)>;
+              return -(S(Dual<T>(b)) * qd * q);
+            },
+            [&](const T& qd) { return -b * qd; });
+      }))
+      .condition(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const T Q = at.number(), rate_of_Q = at.number();
+        compareWork(
+            at,
+            [&](const auto& q, const auto&) {
+              using S = std::decay_t<decltype(q)>;
+              return S(Dual<T>(Q), Dual<T>(rate_of_Q)) * q;
+            },
+            [&](const T&) { return Q; });
+      }))
+      .corrected(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        // any polynomial path q; Q(t) is what it takes: m qdd + k q
+        const T m = at.number(), k = at.number(), t1 = at.number(), t2 = at.number();
+        const Poly<T> q = anyPoly(at, 3), r = anyVariation(at, t1, t2);
+        const Poly<T> Q = Poly<T>(m) * q.derivative().derivative() + Poly<T>(k) * q;
+        const T slope =
+            (Poly<T>(m) * q.derivative() * r.derivative() - Poly<T>(k) * q * r).integral(t1, t2);
+        at.zero("variation and virtual work", T(slope + (Q * r).integral(t1, t2)));
+      }));
+}
+
+Trials eq67() {
+  return Trials("eq67").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const T m = at.number(), t1 = at.number(), t2 = at.number();
+    const Poly<T> q = anyPoly(at, 1), v = q.derivative();
+    const T distance = q.at(t2) - q.at(t1);
+    at.equal("I", (Poly<T>(m / T(2)) * v * v).integral(t1, t2),
+             T(m * distance * distance / (T(2) * (t2 - t1))));
+  }));
+}
+
+Trials eq68() {
+  return Trials("eq68")
+      .printed(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto v = anyVaried(at);
+        // eps' r is one number, added to every coordinate: d/deps_1 moves both along r_1
+        const T slope = actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 0, v.t1, v.t2) +
+                        actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 1, v.t1, v.t2);
+        at.equal("dPhi/deps_1", slope,
+                 (partial(v.L, v.q, 0, false) * v.r[0] +
+                  partial(v.L, v.q, 0, true) * v.r[0].derivative())
+                     .integral(v.t1, v.t2));
+      }))
+      .corrected(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto v = anyVaried(at);
+        at.equal("dPhi/deps_1", actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, 0, v.t1, v.t2),
+                 (partial(v.L, v.q, 0, false) * v.r[0] +
+                  partial(v.L, v.q, 0, true) * v.r[0].derivative())
+                     .integral(v.t1, v.t2));
+      }));
+}
+
+Trials eq69() {
+  return Trials("eq69")
+      .printed(exact([](auto& at) { compareFirstVariation(at, false); }))
+      .corrected(exact([](auto& at) { compareFirstVariation(at, true); }));
+}
+
+Trials eq70() {
+  return Trials("eq70").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto v = anyVaried(at);
+    T left = T(0);
+    Poly<T> right;
+    for (int i = 0; i < 2; ++i) {
+      const T eps = at.number();
+      left += eps * actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, i, v.t1, v.t2);
+      right += Poly<T>(eps) * (partial(v.L, v.q, i, false) * v.r[i] +
+                               partial(v.L, v.q, i, true) * v.r[i].derivative());
+    }
+    at.equal("first variation", left, right.integral(v.t1, v.t2));
+  }));
+}
+
+Trials eq71() {
+  return Trials("eq71").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto v = anyVaried(at);
+    const Poly<T> r = anyPoly(at, 2);  // need not vanish at the ends here
+    const Poly<T> p = partial(v.L, v.q, 0, true), f = partial(v.L, v.q, 0, false);
+    at.equal(
+        "first variation", (f * r + p * r.derivative()).integral(v.t1, v.t2),
+        T((r * p).at(v.t2) - (r * p).at(v.t1) + (r * (f - p.derivative())).integral(v.t1, v.t2)));
+  }));
+}
+
+Trials eq72() {
+  return Trials("eq72").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    auto robot = anyRobot(at, {kTurn, kTurn});
+    robot.tau = robot.zeros();
+    robot.qdd = robot.accelerations();  // by virtual work
+    at.zero("d/dt dL/dqd - dL/dq", VectorX<T>(robotEulerLagrange(robot, -1)));
+  }));
+}
+
+Trials invariance() {
+  return Trials("invariance")
+      .printed(exact([](auto& at) { compareRotation(at, false); }))
+      .condition(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const Lagrangian<T> L = anyLagrangian(at);
+        const T a = at.number(), b = at.number(), c = at.number();
+        const auto f = [&](const auto& x) {  // any quadratic change of coordinates
+          using S = typename std::decay_t<decltype(x)>::value_type;
+          const auto k = [](const T& y) { return S(y); };
+          return std::vector<S>{x[0] + k(a) * x[1] * x[1], x[1] + k(b) * x[0] * x[1] + k(c) * x[0]};
+        };
+        const std::vector<T> x = {at.number(), at.number()}, xd = {at.number(), at.number()},
+                             xdd = {at.number(), at.number()};
+        std::vector<Jet<T>> moving;
+        for (int i = 0; i < 2; ++i) moving.push_back(jet<T>(x[i], xd[i], xdd[i]));
+        const std::vector<Jet<T>> q = f(moving);
+        MatrixX<T> slope(2, 2);
+        for (int j = 0; j < 2; ++j) {
+          std::vector<Dual<T>> seeded = {{x[0], T(j == 0 ? 1 : 0)}, {x[1], T(j == 1 ? 1 : 0)}};
+          const auto moved = f(seeded);
+          for (int i = 0; i < 2; ++i) slope(i, j) = moved[i].derivative;
+        }
+        using DD = Dual<Dual<T>>;
+        const auto lifted_L = [&](const std::vector<DD>& q, const std::vector<DD>& v) {
+          const auto k = [](const T& y) { return DD(Dual<T>(y)); };
+          return Lagrangian<DD>{k(L.a), k(L.b), k(L.c), k(L.d), k(L.e)}(q, v);
+        };
+        const auto in_x = [&](const std::vector<DD>& y, const std::vector<DD>& yd) {
+          // f(y) and its rate along yd, by duals over these scalars
+          std::vector<Dual<DD>> path = {{y[0], yd[0]}, {y[1], yd[1]}};
+          const auto k = [](const T& z) { return Dual<DD>(DD(Dual<T>(z))); };
+          const std::vector<Dual<DD>> image = {path[0] + k(a) * path[1] * path[1],
+                                               path[1] + k(b) * path[0] * path[1] + k(c) * path[0]};
+          return lifted_L({image[0].value, image[1].value},
+                          {image[0].derivative, image[1].derivative});
+        };
+        const auto part = [&](auto which) { return std::vector<T>{which(q[0]), which(q[1])}; };
+        const VectorX<T> E_q =
+            eulerLagrange<T>(lifted_L, part([](const Jet<T>& y) { return y.value.value; }),
+                             part([](const Jet<T>& y) { return y.value.derivative; }),
+                             part([](const Jet<T>& y) { return y.derivative.derivative; }));
+        at.equal("E_x", eulerLagrange<T>(in_x, x, xd, xdd), VectorX<T>(slope.transpose() * E_q));
+      }))
+      .corrected(exact([](auto& at) { compareRotation(at, true); }));
+}
+
+Trials cartesianLocal() {
+  return Trials("cartesian_local").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    auto robot = anyRobot(at, {kTurn, kTurn, kTurn});
+    robot.R[2] = Matrix3<T>::Identity();
+    robot.r[2] = Vector3<T>::Zero();
+    const MatrixX<T> J = at.template matrix<3, 6>() * robot.jacobian(2);
+    at.zero("det J M^-1 J'",
+            determinant<T>(MatrixX<T>(J * inverseDense<T>(robot.massMatrix()) * J.transpose())));
+  }));
 }
 
 }  // namespace
 
-std::vector<Claim> lagrange() {
-  std::vector<Claim> claims = hamilton();
-  for (auto group : {variations, comparison})
-    for (Claim& claim : group()) claims.push_back(std::move(claim));
-  return claims;
+std::vector<Trials> lagrange() {
+  return {eq64(), leastAction(), eq65(), eq66(), eq67(),       eq68(),
+          eq69(), eq70(),        eq71(), eq72(), invariance(), cartesianLocal()};
 }
 
 }  // namespace dynwitness::audit

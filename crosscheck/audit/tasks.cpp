@@ -78,113 +78,75 @@ Trial transposeFits(const MatrixX<double>& A_0) {
   });
 }
 
-}  // namespace
-
-std::vector<Claim> bases() {
-  std::vector<Claim> claims;
-  claims.push_back(
-      Claim("eq59", "11.2", "Acceleration of a floating base")
-          .printed("`Xdd_0 = -M_A,0^-1 (F_0 + A_0 nu)`, with `A_0` the constraint directions seen "
-                   "from the base",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto robot = floatingRobot(at, {kTurn});
-                     const auto held = anyConstraint<1>(at, 0);
-                     const MatrixX<T> none(6, 0);
-                     const Floating<T> truth = denseFloating<T>(robot, held, none, VectorX<T>(0));
-                     const BaseProblem<T> base(robot, held);
-                     const Vector6<T> load =
-                         base.F - base.six.fromBase(0).transpose() * (held.A * truth.nu);
-                     at.equal("M_A,0 Xdd_0", Vector6<T>(base.M_A * truth.a_0), Vector6<T>(-load));
-                   }))
-          .condition("without constraint and without gravity", exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       auto robot = floatingRobot(at, {kTurn});
-                       robot.gravity = Vector3<T>::Zero();
-                       const auto held = anyConstraint<1>(at, 0);
-                       LinkConstraint<T> none;
-                       none.A = held.A.leftCols(0);
-                       none.b = VectorX<T>(0);
-                       const Floating<T> truth =
-                           denseFloating<T>(robot, none, MatrixX<T>(6, 0), VectorX<T>(0));
-                       const BaseProblem<T> base(robot, held);
-                       at.equal("M_A,0 Xdd_0", Vector6<T>(base.M_A * truth.a_0),
-                                Vector6<T>(-base.F));
-                     }))
-          .corrected("`Xdd_0 - g = -M_A,0^-1 (F_0 + E_0 nu)` with the projected `E_0`, and, since "
-                     "the base yields, `(N_0 - E_0' M_A,0^-1 E_0) nu = b_N - A_N' g_N + E_0' "
-                     "M_A,0^-1 F_0 - beta_0`",
-                     exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       const auto robot = floatingRobot(at, {kTurn, kSlide});
-                       const auto held = anyConstraint<1>(at, 1);
-                       const Floating<T> truth =
-                           denseFloating<T>(robot, held, MatrixX<T>(6, 0), VectorX<T>(0));
-                       const BaseProblem<T> base(robot, held);
-                       const MatrixX<T>& E = base.inward.E_0;
-                       const VectorX<T> nu = -truth.nu;
-                       at.equal("Xdd_0", Vector6<T>(base.M_A * (truth.a_0 - base.g)),
-                                Vector6<T>(-(base.F + E * nu)));
-                       const VectorX<T> E_in = solveDense<T>(base.M_A, E.col(0));  // m = 1
-                       at.equal("nu", VectorX<T>(base.inward.N_0 * nu - E.transpose() * E_in * nu),
-                                VectorX<T>(base.shifted_b + E_in.transpose() * base.F -
-                                           base.inward.beta_0));
-                     }))
-          .why(
-              "What the base feels of the constraint forces has passed the joints: E_0, not A. "
-              "And the base gives way to them, which makes the constraint softer: the balance of "
-              "section 11.1 gets the term E_0' M_A,0^-1 E_0, or nu is that of a robot with a fixed "
-              "base.")
-          .in("crosscheck/audit/tasks.cpp"));
-
-  claims.push_back(Claim("eq60", "11.3", "Constraint on the base")
-                       .printed("`A_0' Xdd_0 = b_0` with `A_0` of k rows and 6 columns (k = 2)",
-                                transposeFits(MatrixX<double>::Zero(2, 6)))
-                       .corrected("`A_0` has 6 rows and k columns, one a constraint force",
-                                  transposeFits(MatrixX<double>::Zero(6, 2)))
-                       .why("Each column is a wrench of six numbers, as in (53); the transpose "
-                            "then makes k numbers of the acceleration.")
-                       .in("crosscheck/audit/tasks.cpp"));
-
-  claims.push_back(
-      Claim("base_optimum", "11.3", "The optimization problem that the chapter leaves out")
-          .open()
-          .printed(
-              "Our answer, least constraint: minimize `1/2 a' M_A,0 a + a' (F_0 + E_0 nu)` over `a "
-              "= Xdd_0 - g` under `A_0' Xdd_0 = b_0`, that is `M_A,0 a + F_0 + E_0 nu = A_0 "
-              "kappa`, "
-              "together with `N_0 nu = b_N - A_N' g_N - E_0' a - beta_0`",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto robot = floatingRobot(at, {kTurn, kTurn});
-                const auto held = anyConstraint<1>(at, 1);
-                const MatrixX<T> A_0 = at.template matrix<6, 2>();
-                const VectorX<T> b_0 = at.template matrix<2, 1>();
-                const Floating<T> truth = denseFloating<T>(robot, held, A_0, b_0);
-                const BaseProblem<T> base(robot, held);
-                MatrixX<T> K = MatrixX<T>::Constant(9, 9, T(0));  // a (6), nu (1), kappa (2)
-                VectorX<T> rhs(9);
-                K.block(0, 0, 6, 6) = base.M_A;
-                K.block(0, 6, 6, 1) = base.inward.E_0;
-                K.block(0, 7, 6, 2) = -A_0;
-                K.block(6, 0, 1, 6) = base.inward.E_0.transpose();
-                K.block(6, 6, 1, 1) = base.inward.N_0;
-                K.block(7, 0, 2, 6) = A_0.transpose();
-                rhs << -base.F, base.shifted_b - base.inward.beta_0, b_0 - A_0.transpose() * base.g;
-                const VectorX<T> x = solveDense<T>(K, rhs);
-                at.equal("Xdd_0", Vector6<T>(x.head(6) + base.g), truth.a_0);
-                at.equal("kappa", VectorX<T>(x.tail(2)), truth.kappa);
-              }))
-          .why(
-              "Gauss: of all accelerations that the constraints allow, the true one is nearest to "
-              "the free one, distance being measured by the inertia. Seen from the base, the whole "
-              "robot has the inertia M_A,0 and wants to move with -M_A,0^-1 F_0. Nine unknowns "
-              "here instead of all.")
-          .in("crosscheck/audit/tasks.cpp"));
-  return claims;
+Trials eq59() {
+  return Trials("eq59")
+      .printed(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto robot = floatingRobot(at, {kTurn});
+        const auto held = anyConstraint<1>(at, 0);
+        const MatrixX<T> none(6, 0);
+        const Floating<T> truth = denseFloating<T>(robot, held, none, VectorX<T>(0));
+        const BaseProblem<T> base(robot, held);
+        const Vector6<T> load = base.F - base.six.fromBase(0).transpose() * (held.A * truth.nu);
+        at.equal("M_A,0 Xdd_0", Vector6<T>(base.M_A * truth.a_0), Vector6<T>(-load));
+      }))
+      .condition(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        auto robot = floatingRobot(at, {kTurn});
+        robot.gravity = Vector3<T>::Zero();
+        const auto held = anyConstraint<1>(at, 0);
+        LinkConstraint<T> none;
+        none.A = held.A.leftCols(0);
+        none.b = VectorX<T>(0);
+        const Floating<T> truth = denseFloating<T>(robot, none, MatrixX<T>(6, 0), VectorX<T>(0));
+        const BaseProblem<T> base(robot, held);
+        at.equal("M_A,0 Xdd_0", Vector6<T>(base.M_A * truth.a_0), Vector6<T>(-base.F));
+      }))
+      .corrected(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto robot = floatingRobot(at, {kTurn, kSlide});
+        const auto held = anyConstraint<1>(at, 1);
+        const Floating<T> truth = denseFloating<T>(robot, held, MatrixX<T>(6, 0), VectorX<T>(0));
+        const BaseProblem<T> base(robot, held);
+        const MatrixX<T>& E = base.inward.E_0;
+        const VectorX<T> nu = -truth.nu;
+        at.equal("Xdd_0", Vector6<T>(base.M_A * (truth.a_0 - base.g)),
+                 Vector6<T>(-(base.F + E * nu)));
+        const VectorX<T> E_in = solveDense<T>(base.M_A, E.col(0));  // m = 1
+        at.equal("nu", VectorX<T>(base.inward.N_0 * nu - E.transpose() * E_in * nu),
+                 VectorX<T>(base.shifted_b + E_in.transpose() * base.F - base.inward.beta_0));
+      }));
 }
 
-namespace {
+Trials eq60() {
+  return Trials("eq60")
+      .printed(transposeFits(MatrixX<double>::Zero(2, 6)))
+      .corrected(transposeFits(MatrixX<double>::Zero(6, 2)));
+}
+
+Trials baseOptimum() {
+  return Trials("base_optimum").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto robot = floatingRobot(at, {kTurn, kTurn});
+    const auto held = anyConstraint<1>(at, 1);
+    const MatrixX<T> A_0 = at.template matrix<6, 2>();
+    const VectorX<T> b_0 = at.template matrix<2, 1>();
+    const Floating<T> truth = denseFloating<T>(robot, held, A_0, b_0);
+    const BaseProblem<T> base(robot, held);
+    MatrixX<T> K = MatrixX<T>::Constant(9, 9, T(0));  // a (6), nu (1), kappa (2)
+    VectorX<T> rhs(9);
+    K.block(0, 0, 6, 6) = base.M_A;
+    K.block(0, 6, 6, 1) = base.inward.E_0;
+    K.block(0, 7, 6, 2) = -A_0;
+    K.block(6, 0, 1, 6) = base.inward.E_0.transpose();
+    K.block(6, 6, 1, 1) = base.inward.N_0;
+    K.block(7, 0, 2, 6) = A_0.transpose();
+    rhs << -base.F, base.shifted_b - base.inward.beta_0, b_0 - A_0.transpose() * base.g;
+    const VectorX<T> x = solveDense<T>(K, rhs);
+    at.equal("Xdd_0", Vector6<T>(x.head(6) + base.g), truth.a_0);
+    at.equal("kappa", VectorX<T>(x.tail(2)), truth.kappa);
+  }));
+}
 
 template <typename At>
 void compareTaskTorques(At& at, bool projected) {
@@ -242,306 +204,232 @@ MatrixX<T> one(Eigen::Index n) {
   return MatrixX<T>::Identity(n, n);
 }
 
-std::vector<Claim> specifiedAccelerations() {
-  std::vector<Claim> claims;
-  claims.push_back(
-      Claim("task_torques", "12", "Torques of a specified end-effector acceleration")
-          .printed("the joint torques are `Z_i' E_i nu` with the `E_i` of the recursion (55)",
-                   exact([](auto& at) { compareTaskTorques(at, true); }))
-          .corrected("they are `Z_i' A_i nu`, `A_i` carried inward through locked joints: "
-                     "`A_(i-1) = T_F A_i` without projection",
-                     exact([](auto& at) { compareTaskTorques(at, false); }))
-          .why("E_i has lost what free joints outboard do not transmit. The sweep needs that for "
-               "the accelerations; a motor that replaces the virtual force must supply its whole "
-               "component at the joint, J' A nu.")
-          .in("recursive/operational_space.hpp"));
-  claims.push_back(
-      Claim("null_torque", "12", "Joint torques beside a specified acceleration")
-          .printed("whatever the `tau_i`, the constrained link keeps its acceleration: `A_N' Xdd_N "
-                   "= b_N`",
-                   exact([](auto& at) {
-                     compareNullMotion(at, {kTurn, kSlide, kTurn}, false);
-                   }))
-          .why("The constraint forces adapt: what tau would add along the task, nu takes away.")
-          .in("recursive/constrained_dynamics.hpp"));
-  claims.push_back(
-      Claim("null_motion", "12", "Null-space motion")
-          .printed("such `tau_i` make the links move, in the robot of section 9.1 with as many "
-                   "joints as task accelerations",
-                   differs([](auto& at) {
-                     compareNullMotion(at, {kTurn, kTurn}, true);
-                   }))
-          .condition("the robot has more joints than the task has independent rows",
-                     differs([](auto& at) {
-                       compareNullMotion(at, {kTurn, kSlide, kTurn}, true);
-                     }))
-          .corrected("with as many joints as rows in a regular pose, `qdd` does not depend on tau",
-                     exact([](auto& at) {
-                       compareNullMotion(at, {kTurn, kTurn}, true);
-                     }))
-          .why("A regular square J has no null space: the task fixes every joint, and torques "
-               "change the constraint forces only.")
-          .in("recursive/constrained_dynamics.hpp"));
-
-  claims.push_back(
-      Claim("E0_rank", "12", "Question: is A_0 always of full rank?")
-          .open()
-          .printed("with `A_N = 1`, the projected matrix at the base is invertible: `det E_0 /= 0` "
-                   "(joints without rotors)",
-                   differs([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto robot = anyRobot(at, {kTurn, kSlide}, Rotors::kNone);
-                     auto held = anyConstraint<6>(at, 1);
-                     held.A = Matrix6<T>::Identity();
-                     at.zero("det E_0",
-                             determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
-                   }))
-          .condition("every joint has a rotor, d_i > 0", differs([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       const auto robot = anyRobot(at, {kTurn, kSlide});
-                       auto held = anyConstraint<6>(at, 1);
-                       held.A = Matrix6<T>::Identity();
-                       at.zero("det E_0",
-                               determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
-                     }))
-          .corrected("`det E_0` = product of `d_i / D_i`", exact([](auto& at) {
-                       using T = ScalarOf<decltype(at)>;
-                       const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                       auto held = anyConstraint<6>(at, 2);
-                       held.A = Matrix6<T>::Identity();
-                       const SixVectors<T> six(robot);
-                       T product = T(1);
-                       for (int i = 0; i < 3; ++i) product *= robot.rotor[i] / six.D[i];
-                       at.equal("det E_0", determinant<T>(carriedInward(six, held).E_0), product);
-                     }))
-          .why("A free joint without a rotor transmits no force along itself, so each projection "
-               "has determinant 0; with a rotor it is d/D. Frame changes have determinant 1.")
-          .in("recursive/projection.hpp"));
-  claims.push_back(
-      Claim("E0_overconstrained", "12",
-            "Question: does that occur when the robot is over-constrained?")
-          .open()
-          .printed("`det E_0 = 0` in an over-constrained robot (six constraints, two joints with "
-                   "rotors)",
-                   exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto robot = anyRobot(at, {kTurn, kTurn});
-                     const auto held = anyConstraint<6>(at, 1);
-                     at.zero("det E_0",
-                             determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
-                   }))
-          .corrected("`E_0` does not show it; `N_0` does: `det N_0 = 0` as soon as there are more "
-                     "constraints than joints",
-                     both(differs([](auto& at) {
-                            using T = ScalarOf<decltype(at)>;
-                            const auto robot = anyRobot(at, {kTurn, kTurn});
-                            const auto held = anyConstraint<6>(at, 1);
-                            at.zero("det E_0",
-                                    determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
-                          }),
-                          exact([](auto& at) {
-                            using T = ScalarOf<decltype(at)>;
-                            const auto robot = anyRobot(at, {kTurn, kTurn});
-                            const auto held = anyConstraint<3>(at, 1);
-                            at.zero("det N_0",
-                                    determinant<T>(carriedInward(SixVectors<T>(robot), held).N_0));
-                          })))
-          .why("What E_0 loses it loses joint by joint, to rotors of zero inertia. Too many "
-               "constraints are a matter of rank A' J <= n, and that is the rank of N_0.")
-          .in("recursive/constrained_dynamics.hpp"));
-  claims.push_back(Claim("E0_weighted", "12", "Question: is A_0 also weighted by the mass matrix?")
-                       .open()
-                       .printed("Our answer, yes: `E_0' = A' (X_N0 - J M^-1 H)`, H the joint "
-                                "forces of unit accelerations of the base",
-                                exact([](auto& at) {
-                                  using T = ScalarOf<decltype(at)>;
-                                  auto robot = anyRobot(at, {kTurn, kSlide});
-                                  const auto held = anyConstraint<2>(at, 1);
-                                  const SixVectors<T> six(robot);
-                                  MatrixX<T> H(2, 6);
-                                  for (int k = 0; k < 6; ++k) {
-                                    Motion<T> base = Motion<T>::zero();
-                                    (k < 3 ? base.linear(k) : base.angular(k - 3)) = T(1);
-                                    H.col(k) = robot.forces(robot.zeros(), robot.zeros(),
-                                                            Vector3<T>::Zero(), base);
-                                  }
-                                  const MatrixX<T> response =
-                                      six.fromBase(1) -
-                                      robot.jacobian(1) * inverseDense<T>(robot.massMatrix()) * H;
-                                  at.equal("E_0'",
-                                           MatrixX<T>(carriedInward(six, held).E_0.transpose()),
-                                           MatrixX<T>(held.A.transpose() * response));
-                                }))
-                       .why("X_N0 is what a locked robot would pass on; M^-1 H is how the joints "
-                            "give way, and inertia decides that.")
-                       .in("recursive/constrained_dynamics.hpp"));
-  claims.push_back(Claim("posture_control", "12", "XXX: null-space posture control")
-                       .open()
-                       .printed("Our answer: `qdd = Jbar (b - Jd qd) + (1 - Jbar J) qdd_p` does "
-                                "the task, and is nearest to the posture's `qdd_p`: `|x - qdd_p|^2 "
-                                "= |qdd - qdd_p|^2 + |x - qdd|^2` for every x that does the task, "
-                                "with `|y|^2 = y' M y`",
-                                exact([](auto& at) {
-                                  using T = ScalarOf<decltype(at)>;
-                                  const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                                  const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
-                                  const VectorX<T> wanted =
-                                      at.template matrix<1, 1>();  // b - Jd qd
-                                  const VectorX<T> posture = at.template matrix<3, 1>(),
-                                                   any = at.template matrix<3, 1>();
-                                  const MatrixX<T> keep = one<T>(3) - task.Jbar * task.J;
-                                  const VectorX<T> qdd = task.Jbar * wanted + keep * posture;
-                                  const VectorX<T> x = task.Jbar * wanted + keep * any;
-                                  const auto norm = [&](const VectorX<T>& y) {
-                                    return T(y.dot(VectorX<T>(task.M * y)));
-                                  };
-                                  at.equal("J qdd", VectorX<T>(task.J * qdd), wanted);
-                                  at.equal("J x", VectorX<T>(task.J * x), wanted);
-                                  at.equal("Pythagoras", norm(x - posture),
-                                           T(norm(qdd - posture) + norm(x - qdd)));
-                                }))
-                       .why("The posture gets exactly what the task leaves over, and the right "
-                            "angle is the one that the inertia defines.")
-                       .in("recursive/operational_space.hpp"));
-  claims.push_back(
-      Claim("branch_merge", "12", "XXX: merging constraint recursions from two branches")
-          .open()
-          .printed(
-              "Our answer: where branches meet, the columns of E are put side by side (they share "
-              "one 6 x m matrix that adds up), and N of both is one m x m matrix that couples them "
-              "from there inward: `N = J M^-1 J'` for constraints on two tips",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto robot = anyRobot(at, {kTurn, kTurn, kSlide}, Rotors::kAll, {-1, 0, 0});
-                const auto left = anyConstraint<1>(at, 1), right = anyConstraint<1>(at, 2);
-                const Swept<T> swept(robot, {left, right});
-                MatrixX<T> J(2, 3);
-                J << left.A.transpose() * robot.jacobian(1),
-                    right.A.transpose() * robot.jacobian(2);
-                at.equal("N", swept.N,
-                         MatrixX<T>(J * inverseDense<T>(robot.massMatrix()) * J.transpose()));
-                at.equal("tau", VectorX<T>(robot.forces(swept.qdd) - Robot<T>::column(robot.tau)),
-                         VectorX<T>(J.transpose() * swept.nu));
-                at.equal("left", constrainedAcceleration(robot, left, swept.qdd), left.b);
-                at.equal("right", constrainedAcceleration(robot, right, swept.qdd), right.b);
-              }))
-          .why("Constraints on different branches do not notice each other until they push on a "
-               "common link; from there on the joints see both.")
-          .in("recursive/constrained_dynamics.hpp"));
-  return claims;
+Trials taskTorques() {
+  return Trials("task_torques")
+      .printed(exact([](auto& at) { compareTaskTorques(at, true); }))
+      .corrected(exact([](auto& at) { compareTaskTorques(at, false); }));
 }
 
-std::vector<Claim> consistentInverse() {
-  std::vector<Claim> claims;
-  claims.push_back(
-      Claim("consistent_inverse", "13",
-            "The dynamically consistent pseudo-inverse, left out by the chapter")
-          .open()
-          .printed(
-              "Our answer: `Jbar = M^-1 J' (J M^-1 J')^-1`, from the sweeps without forming M; "
-              "`J Jbar = 1` and `J M^-1 (1 - J' Jbar') = 0`",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                const auto held = anyConstraint<2>(at, 2);
-                const Task<T> task = taskOf(robot, held);
-                const recursive::Model<T> model = robot.model();
-                recursive::Workspace<T> ws(model);
-                recursive::ConstraintWorkspace<T> cws(model, 2);
-                std::vector<T> qdd = robot.zeros();
-                recursive::forwardDynamics(model, robot.x, robot.qd, robot.tau, ws, qdd);
-                recursive::propagateConstraints(model, {held}, ws, cws);
-                MatrixX<T> Jbar(3, 2);
-                recursive::dynamicallyConsistentInverse(model, ws, cws, Jbar);
-                at.equal("by sweeps", Jbar, task.Jbar);
-                at.equal("J Jbar", MatrixX<T>(task.J * Jbar), one<T>(2));
-                at.zero("J M^-1 (1 - J' Jbar')",
-                        MatrixX<T>(task.J * task.M_inverse *
-                                   (one<T>(3) - task.J.transpose() * Jbar.transpose())));
-              }))
-          .why("Torques filtered with 1 - J' Jbar' accelerate the posture and not the task.")
-          .in("recursive/operational_space.hpp"));
-  claims.push_back(
-      Claim("plain_pseudo_inverse", "13", "Why not the Moore-Penrose inverse")
-          .open()
-          .printed(
-              "the filter `1 - J' (J+)'` with `J+ = J' (J J')^-1` leaves the task alone as well: "
-              "`J M^-1 (1 - J' (J+)') = 0`",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
-                const MatrixX<T> plus =
-                    task.J.transpose() * inverseDense<T>(MatrixX<T>(task.J * task.J.transpose()));
-                at.zero("J M^-1 (1 - J' (J+)')",
-                        MatrixX<T>(task.J * task.M_inverse *
-                                   (one<T>(3) - task.J.transpose() * plus.transpose())));
-              }))
-          .corrected(
-              "a right inverse B of J with `J M^-1 (1 - J' B') = 0` is Jbar: multiplied out, "
-              "`B' = (J M^-1 J')^-1 J M^-1`",
-              exact([](auto& at) {
-                using T = ScalarOf<decltype(at)>;
-                const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
-                // every right inverse is Jbar + (1 - Jbar J) Y; what it leaves is that of Y alone
-                const MatrixX<T> Y = at.template matrix<3, 1>();
-                const MatrixX<T> rest = (one<T>(3) - task.Jbar * task.J) * Y;
-                const MatrixX<T> B = task.Jbar + rest;
-                const MatrixX<T> mobility = task.J * task.M_inverse * task.J.transpose();
-                at.equal("J B", MatrixX<T>(task.J * B), one<T>(1));
-                at.equal("what B lets through",
-                         MatrixX<T>(task.J * task.M_inverse *
-                                    (one<T>(3) - task.J.transpose() * B.transpose())),
-                         MatrixX<T>(-mobility * rest.transpose()));
-              }))
-          .why("J+ measures joint velocities by their squares in rad and m added up, which is no "
-               "property of the robot; the mass matrix is the metric that the dynamics knows.")
-          .in("recursive/operational_space.hpp"));
-  claims.push_back(
-      Claim("least_kinetic_energy", "13", "What the consistent inverse makes least")
-          .open()
-          .printed(
-              "Our answer: `qd = Jbar xd` has the least kinetic energy of all qd with `J qd = xd`: "
-              "`T(qd + (1 - Jbar J) y) = T(qd) + T((1 - Jbar J) y)`, and T is positive",
-              both(exact([](auto& at) {
-                     using T = ScalarOf<decltype(at)>;
-                     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-                     const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
-                     const VectorX<T> qd = task.Jbar * at.template matrix<1, 1>();
-                     const VectorX<T> other =
-                         (one<T>(3) - task.Jbar * task.J) * at.template matrix<3, 1>();
-                     const auto energy = [&](const VectorX<T>& y) {
-                       return T(y.dot(VectorX<T>(task.M * y)) / T(2));
-                     };
-                     at.equal("T", energy(qd + other), T(energy(qd) + energy(other)));
-                   }),
-                   certified([](RealPoint& at) {
-                     const Robot<Ball> robot = realRobot(at, 2);
-                     Ball twice_T(0);
-                     for (int i = 0; i < 2; ++i)
-                       twice_T += robot.rotor[i] * robot.qd[i] * robot.qd[i];
-                     const auto paths = robot.paths(robot.qd, robot.zeros());
-                     for (int i = 0; i < 2; ++i)
-                       for (std::size_t k = 0; k < robot.body[i].m.size(); ++k) {
-                         const Vector3<Ball> v =
-                             rate<Ball, 3, 1>(paths[i].place(robot.body[i].r[k]));
-                         twice_T += robot.body[i].m[k] * v.dot(v);
-                       }
-                     at.positive("T", twice_T);
-                   })))
-          .why("The null-space part is orthogonal to Jbar xd in the metric M, so it can only add "
-               "energy.")
-          .in("recursive/operational_space.hpp"));
-  return claims;
+Trials nullTorque() {
+  return Trials("null_torque").printed(exact([](auto& at) {
+    compareNullMotion(at, {kTurn, kSlide, kTurn}, false);
+  }));
+}
+
+Trials nullMotion() {
+  return Trials("null_motion")
+      .printed(differs([](auto& at) {
+        compareNullMotion(at, {kTurn, kTurn}, true);
+      }))
+      .condition(differs([](auto& at) {
+        compareNullMotion(at, {kTurn, kSlide, kTurn}, true);
+      }))
+      .corrected(exact([](auto& at) {
+        compareNullMotion(at, {kTurn, kTurn}, true);
+      }));
+}
+
+Trials E0Rank() {
+  return Trials("E0_rank")
+      .printed(differs([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto robot = anyRobot(at, {kTurn, kSlide}, Rotors::kNone);
+        auto held = anyConstraint<6>(at, 1);
+        held.A = Matrix6<T>::Identity();
+        at.zero("det E_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
+      }))
+      .condition(differs([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto robot = anyRobot(at, {kTurn, kSlide});
+        auto held = anyConstraint<6>(at, 1);
+        held.A = Matrix6<T>::Identity();
+        at.zero("det E_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
+      }))
+      .corrected(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+        auto held = anyConstraint<6>(at, 2);
+        held.A = Matrix6<T>::Identity();
+        const SixVectors<T> six(robot);
+        T product = T(1);
+        for (int i = 0; i < 3; ++i) product *= robot.rotor[i] / six.D[i];
+        at.equal("det E_0", determinant<T>(carriedInward(six, held).E_0), product);
+      }));
+}
+
+Trials E0Overconstrained() {
+  return Trials("E0_overconstrained")
+      .printed(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto robot = anyRobot(at, {kTurn, kTurn});
+        const auto held = anyConstraint<6>(at, 1);
+        at.zero("det E_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
+      }))
+      .corrected(
+          both(differs([](auto& at) {
+                 using T = ScalarOf<decltype(at)>;
+                 const auto robot = anyRobot(at, {kTurn, kTurn});
+                 const auto held = anyConstraint<6>(at, 1);
+                 at.zero("det E_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
+               }),
+               exact([](auto& at) {
+                 using T = ScalarOf<decltype(at)>;
+                 const auto robot = anyRobot(at, {kTurn, kTurn});
+                 const auto held = anyConstraint<3>(at, 1);
+                 at.zero("det N_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).N_0));
+               })));
+}
+
+Trials E0Weighted() {
+  return Trials("E0_weighted").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    auto robot = anyRobot(at, {kTurn, kSlide});
+    const auto held = anyConstraint<2>(at, 1);
+    const SixVectors<T> six(robot);
+    MatrixX<T> H(2, 6);
+    for (int k = 0; k < 6; ++k) {
+      Motion<T> base = Motion<T>::zero();
+      (k < 3 ? base.linear(k) : base.angular(k - 3)) = T(1);
+      H.col(k) = robot.forces(robot.zeros(), robot.zeros(), Vector3<T>::Zero(), base);
+    }
+    const MatrixX<T> response =
+        six.fromBase(1) - robot.jacobian(1) * inverseDense<T>(robot.massMatrix()) * H;
+    at.equal("E_0'", MatrixX<T>(carriedInward(six, held).E_0.transpose()),
+             MatrixX<T>(held.A.transpose() * response));
+  }));
+}
+
+Trials postureControl() {
+  return Trials("posture_control").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+    const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
+    const VectorX<T> wanted = at.template matrix<1, 1>();  // b - Jd qd
+    const VectorX<T> posture = at.template matrix<3, 1>(), any = at.template matrix<3, 1>();
+    const MatrixX<T> keep = one<T>(3) - task.Jbar * task.J;
+    const VectorX<T> qdd = task.Jbar * wanted + keep * posture;
+    const VectorX<T> x = task.Jbar * wanted + keep * any;
+    const auto norm = [&](const VectorX<T>& y) { return T(y.dot(VectorX<T>(task.M * y))); };
+    at.equal("J qdd", VectorX<T>(task.J * qdd), wanted);
+    at.equal("J x", VectorX<T>(task.J * x), wanted);
+    at.equal("Pythagoras", norm(x - posture), T(norm(qdd - posture) + norm(x - qdd)));
+  }));
+}
+
+Trials branchMerge() {
+  return Trials("branch_merge").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto robot = anyRobot(at, {kTurn, kTurn, kSlide}, Rotors::kAll, {-1, 0, 0});
+    const auto left = anyConstraint<1>(at, 1), right = anyConstraint<1>(at, 2);
+    const Swept<T> swept(robot, {left, right});
+    MatrixX<T> J(2, 3);
+    J << left.A.transpose() * robot.jacobian(1), right.A.transpose() * robot.jacobian(2);
+    at.equal("N", swept.N, MatrixX<T>(J * inverseDense<T>(robot.massMatrix()) * J.transpose()));
+    at.equal("tau", VectorX<T>(robot.forces(swept.qdd) - Robot<T>::column(robot.tau)),
+             VectorX<T>(J.transpose() * swept.nu));
+    at.equal("left", constrainedAcceleration(robot, left, swept.qdd), left.b);
+    at.equal("right", constrainedAcceleration(robot, right, swept.qdd), right.b);
+  }));
+}
+
+Trials consistentInverse() {
+  return Trials("consistent_inverse").printed(exact([](auto& at) {
+    using T = ScalarOf<decltype(at)>;
+    const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+    const auto held = anyConstraint<2>(at, 2);
+    const Task<T> task = taskOf(robot, held);
+    const recursive::Model<T> model = robot.model();
+    recursive::Workspace<T> ws(model);
+    recursive::ConstraintWorkspace<T> cws(model, 2);
+    std::vector<T> qdd = robot.zeros();
+    recursive::forwardDynamics(model, robot.x, robot.qd, robot.tau, ws, qdd);
+    recursive::propagateConstraints(model, {held}, ws, cws);
+    MatrixX<T> Jbar(3, 2);
+    recursive::dynamicallyConsistentInverse(model, ws, cws, Jbar);
+    at.equal("by sweeps", Jbar, task.Jbar);
+    at.equal("J Jbar", MatrixX<T>(task.J * Jbar), one<T>(2));
+    at.zero(
+        "J M^-1 (1 - J' Jbar')",
+        MatrixX<T>(task.J * task.M_inverse * (one<T>(3) - task.J.transpose() * Jbar.transpose())));
+  }));
+}
+
+Trials plainPseudoInverse() {
+  return Trials("plain_pseudo_inverse")
+      .printed(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+        const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
+        const MatrixX<T> plus =
+            task.J.transpose() * inverseDense<T>(MatrixX<T>(task.J * task.J.transpose()));
+        at.zero("J M^-1 (1 - J' (J+)')",
+                MatrixX<T>(task.J * task.M_inverse *
+                           (one<T>(3) - task.J.transpose() * plus.transpose())));
+      }))
+      .corrected(exact([](auto& at) {
+        using T = ScalarOf<decltype(at)>;
+        const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+        const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
+        // every right inverse is Jbar + (1 - Jbar J) Y; what it leaves is that of Y alone
+        const MatrixX<T> Y = at.template matrix<3, 1>();
+        const MatrixX<T> rest = (one<T>(3) - task.Jbar * task.J) * Y;
+        const MatrixX<T> B = task.Jbar + rest;
+        const MatrixX<T> mobility = task.J * task.M_inverse * task.J.transpose();
+        at.equal("J B", MatrixX<T>(task.J * B), one<T>(1));
+        at.equal(
+            "what B lets through",
+            MatrixX<T>(task.J * task.M_inverse * (one<T>(3) - task.J.transpose() * B.transpose())),
+            MatrixX<T>(-mobility * rest.transpose()));
+      }));
+}
+
+Trials leastKineticEnergy() {
+  return Trials("least_kinetic_energy")
+      .printed(both(exact([](auto& at) {
+                      using T = ScalarOf<decltype(at)>;
+                      const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+                      const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
+                      const VectorX<T> qd = task.Jbar * at.template matrix<1, 1>();
+                      const VectorX<T> other =
+                          (one<T>(3) - task.Jbar * task.J) * at.template matrix<3, 1>();
+                      const auto energy = [&](const VectorX<T>& y) {
+                        return T(y.dot(VectorX<T>(task.M * y)) / T(2));
+                      };
+                      at.equal("T", energy(qd + other), T(energy(qd) + energy(other)));
+                    }),
+                    certified([](RealPoint& at) {
+                      const Robot<Ball> robot = realRobot(at, 2);
+                      Ball twice_T(0);
+                      for (int i = 0; i < 2; ++i)
+                        twice_T += robot.rotor[i] * robot.qd[i] * robot.qd[i];
+                      const auto paths = robot.paths(robot.qd, robot.zeros());
+                      for (int i = 0; i < 2; ++i)
+                        for (std::size_t k = 0; k < robot.body[i].m.size(); ++k) {
+                          const Vector3<Ball> v =
+                              rate<Ball, 3, 1>(paths[i].place(robot.body[i].r[k]));
+                          twice_T += robot.body[i].m[k] * v.dot(v);
+                        }
+                      at.positive("T", twice_T);
+                    })));
 }
 
 }  // namespace
 
-std::vector<Claim> tasks() {
-  std::vector<Claim> claims = specifiedAccelerations();
-  for (Claim& claim : consistentInverse()) claims.push_back(std::move(claim));
-  return claims;
+std::vector<Trials> tasks() {
+  return {eq59(),
+          eq60(),
+          baseOptimum(),
+          taskTorques(),
+          nullTorque(),
+          nullMotion(),
+          E0Rank(),
+          E0Overconstrained(),
+          E0Weighted(),
+          postureControl(),
+          branchMerge(),
+          consistentInverse(),
+          plainPseudoInverse(),
+          leastKineticEnergy()};
 }
 
 }  // namespace dynwitness::audit

@@ -43,7 +43,7 @@ void print(const Entry& entry) {
              entry.holds == Holds::kTrue    ? "holds"
              : entry.holds == Holds::kFalse ? "WRONG"
                                             : "holds under a condition");
-  printBlock(entry.kind == "open item" ? "left open" : "printed", entry.printed);
+  printBlock(entry.left_open ? "left open" : "printed", entry.printed);
   printBlock("", "residual " + entry.residual_printed.residual);
   if (entry.residual_condition) {
     printBlock("holds if", entry.condition);
@@ -77,13 +77,13 @@ std::string canonical(const std::string& id) {
   return digits ? "eq" + id : id;
 }
 
-void requireKnown(const std::vector<std::string>& ids) {
-  const std::vector<Claim> claims = allClaims();
+void requireKnown(const std::vector<std::string>& ids, const Chapter& chapter) {
+  const std::vector<Statement>& all = chapter.statements;
   for (const std::string& id : ids) {
-    if (std::any_of(claims.begin(), claims.end(), [&](const Claim& c) { return c.id == id; }))
+    if (std::any_of(all.begin(), all.end(), [&](const Statement& s) { return s.id == id; }))
       continue;
     std::string known;
-    for (const Claim& claim : claims) known += (known.empty() ? "" : ", ") + claim.id;
+    for (const Statement& statement : all) known += (known.empty() ? "" : ", ") + statement.id;
     throw scene::InputError({}, fmt::format("--equation: no entry '{}'; there are {}", id, known));
   }
 }
@@ -96,12 +96,12 @@ bool shown(const Entry& entry, const std::string& only) {
 
 int run(Arguments arguments) {
   for (std::string& id : arguments.ids) id = canonical(id);
-  requireKnown(arguments.ids);
+  if (!arguments.ids.empty()) requireKnown(arguments.ids, bundledChapter());
   if (!arguments.report.empty()) crosscheck::requireWritable(arguments.report);
   crosscheck::requireWritableFile(arguments.json);
-  const Audit audit = runAudit(arguments.seed, [&](const Claim& claim) {
-    return arguments.ids.empty() ||
-           std::find(arguments.ids.begin(), arguments.ids.end(), claim.id) != arguments.ids.end();
+  const Audit audit = runAudit(arguments.seed, [&](const Statement& statement) {
+    return arguments.ids.empty() || std::find(arguments.ids.begin(), arguments.ids.end(),
+                                              statement.id) != arguments.ids.end();
   });
   for (const Entry& entry : audit.entries)
     if (shown(entry, arguments.only)) {

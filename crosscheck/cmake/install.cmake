@@ -21,11 +21,13 @@ foreach(library scene recursive symbolic)
   install(TARGETS dynwitness_${library} EXPORT dynwitnessTargets
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${library} DESTINATION ${headers}
-          FILES_MATCHING PATTERN "*.hpp" PATTERN "*.inc" PATTERN "LICENSE")
+          FILES_MATCHING PATTERN "*.hpp" PATTERN "*.inc" PATTERN "LICENSE"
+          PATTERN "toml_file.hpp" EXCLUDE)  # needs toml++, which users do not
 endforeach()
 
 install(TARGETS dynwitness_cli dynwitness_audit_program dynwitness_growth_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/scenes ${PROJECT_SOURCE_DIR}/data/reference
+                  ${PROJECT_SOURCE_DIR}/data/audit
         DESTINATION ${data})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CITATION.cff
         DESTINATION ${CMAKE_INSTALL_DOCDIR})

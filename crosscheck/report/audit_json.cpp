@@ -27,7 +27,7 @@ Json toJson(const std::optional<audit::Outcome>& outcome) {
 
 Json toJson(const audit::Entry& entry) {
   Json json{{"id", entry.id},
-            {"kind", entry.kind},
+            {"kind", entry.kind()},
             {"section", entry.section},
             {"title", cleanText(audit::plain(entry.title))},
             {"printed", cleanText(audit::plain(entry.printed))}};
@@ -55,7 +55,8 @@ Json toJson(const audit::Entry& entry) {
 std::string auditJson(const audit::Audit& audit, const Environment& environment) {
   Json json{{"dynwitness", cleanText(environment.version)},
             {"headline", audit.headline()},
-            {"source", "H. Bruyninckx, Dynamics of robots, 2005"},
+            {"source", cleanText(audit.chapter.author + ", " + audit.chapter.title + ", " +
+                                 audit.chapter.year)},
             {"seed", audit.seed}};
   if (!environment.commit.empty()) json["commit"] = cleanText(environment.commit);
   json["date"] = environment.date;

@@ -65,7 +65,7 @@ void putEntry(std::string* page, const Entry& entry) {
       cssClass(entry.holds), escapeMarkup(entry.id),
       entry.isEquation() ? number(entry) : "§ " + escapeMarkup(entry.section),
       textWithMath(entry.title), badge(cssClass(entry.holds), word(entry.holds)));
-  putStatement(page, entry.kind == "open item" ? "Left open" : "Printed", entry.printed,
+  putStatement(page, entry.left_open ? "Left open" : "Printed", entry.printed,
                entry.residual_printed);
   if (entry.residual_condition)
     putStatement(page, "Holds if", entry.condition, *entry.residual_condition);
@@ -100,28 +100,6 @@ void putIndex(std::string* page, const Audit& audit, Holds holds, const char* he
   put(page, "</ul>\n");
 }
 
-const char* sectionTitle(const std::string& section) {
-  static constexpr const char* kTitles[] = {"Introduction",
-                                            "Forward and inverse dynamics",
-                                            "Local and global dynamics",
-                                            "Trees and graphs",
-                                            "Frames and transformations",
-                                            "One rigid body",
-                                            "Projections through a joint",
-                                            "Recursions from link to link",
-                                            "Algorithms",
-                                            "Constrained systems",
-                                            "Over- and under-constrained robots",
-                                            "Specified link accelerations",
-                                            "Pseudo-inverse based control",
-                                            "Analytical form",
-                                            "Euler-Lagrange",
-                                            "Newton-Euler and Euler-Lagrange",
-                                            "Differential geometry"};
-  const int n = std::atoi(section.c_str());
-  return n >= 1 && n <= static_cast<int>(std::size(kTitles)) ? kTitles[n - 1] : "";
-}
-
 }  // namespace
 
 std::string auditPage(const Audit& audit, const Environment& environment) {
@@ -132,10 +110,11 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
   const char* css = audit.isSound() ? "none" : "disagree";  // what is wrong is the chapter
   put(&page,
       "<main>\n<header id=\"top\">\n<p class=\"eyebrow\"><strong>dynwitness</strong> audit of "
-      "H. Bruyninckx, Dynamics of robots (2005)</p>\n<div class=\"verdict "
+      "{}, {} ({})</p>\n<div class=\"verdict "
       "{}\">{}\n<h1><span>{}</span> "
       "<span class=\"detail\">{}</span></h1></div>\n",
-      css, icon(css), escapeMarkup(headline.substr(0, cut)),
+      escapeMarkup(audit.chapter.author), escapeMarkup(audit.chapter.title),
+      escapeMarkup(audit.chapter.year), css, icon(css), escapeMarkup(headline.substr(0, cut)),
       escapeMarkup(headline.substr(cut + 2)));
   put(&page, "<p>{}</p>\n",
       audit.isSound()
@@ -163,7 +142,8 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
     const std::string chapter = entry.section.substr(0, entry.section.find('.'));
     if (chapter != section) {
       section = chapter;
-      put(&page, "<h2>{} {}</h2>\n", escapeMarkup(section), sectionTitle(section));
+      const std::string& title = audit.chapter.sections.at(std::stoul(section) - 1);
+      put(&page, "<h2>{} {}</h2>\n", escapeMarkup(section), escapeMarkup(title));
     }
     putEntry(&page, entry);
   }
