@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/witness.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::crosscheck {
 
