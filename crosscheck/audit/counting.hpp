@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "crosscheck/arithmetic/eigen_scalar.hpp"
+#include "crosscheck/scalars/eigen_scalar.hpp"
 #include "recursive/spatial.hpp"
 
 namespace dynwitness::audit {

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "crosscheck/arithmetic/ball.hpp"
-#include "crosscheck/arithmetic/dual.hpp"
-#include "crosscheck/arithmetic/prime_field.hpp"
 #include "crosscheck/audit/audit.hpp"
-#include "crosscheck/exact/degree.hpp"
-#include "crosscheck/states.hpp"
+#include "crosscheck/inputs/states.hpp"
+#include "crosscheck/scalars/ball.hpp"
+#include "crosscheck/scalars/degree.hpp"
+#include "crosscheck/scalars/dual.hpp"
+#include "crosscheck/scalars/prime_field.hpp"
 #include "recursive/spatial.hpp"
 
 namespace dynwitness::audit {

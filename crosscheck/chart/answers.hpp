@@ -2,7 +2,7 @@
 // From a method's scalar to balls, without any rounding.
 #pragma once
 
-#include "crosscheck/arithmetic/ball.hpp"
+#include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 
 namespace dynwitness::crosscheck {

@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 
 #include "crosscheck/chart/methods.hpp"
-#include "crosscheck/digits/truth.hpp"
-#include "crosscheck/report/environment.hpp"
-#include "crosscheck/states.hpp"
+#include "crosscheck/inputs/states.hpp"
+#include "crosscheck/system/environment.hpp"
+#include "crosscheck/verdicts/truth.hpp"
 #include "scene/error.hpp"
 #include "scene/work.hpp"
 #include "symbolic/closed_form.hpp"

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "crosscheck/arithmetic/ball.hpp"
-#include "crosscheck/witness.hpp"
+#include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 #include "scene/mechanism.hpp"
 
 namespace dynwitness::crosscheck {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "crosscheck/chart/digits50.hpp"
 #include "crosscheck/chart/sweep_method.hpp"
+#include "crosscheck/scalars/digits50.hpp"
 
 namespace dynwitness::crosscheck {
 

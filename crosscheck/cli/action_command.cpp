@@ -11,8 +11,8 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
-#include "crosscheck/report/files.hpp"
 #include "crosscheck/studies/hamilton.hpp"
+#include "crosscheck/system/files.hpp"
 
 namespace dynwitness::cli {
 namespace {

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "crosscheck/audit/audit.hpp"
+#include "crosscheck/audit/audit_report.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/options.hpp"
-#include "crosscheck/report/audit_report.hpp"
-#include "crosscheck/report/files.hpp"
+#include "crosscheck/system/files.hpp"
 #include "scene/error.hpp"
 
 namespace dynwitness::cli {

@@ -5,8 +5,8 @@
 #include <chrono>
 #include <string>
 
-#include "crosscheck/campaign.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/conductor/campaign.hpp"
 
 namespace dynwitness::cli {
 

@@ -9,16 +9,17 @@
 #include <fmt/format.h>
 
 #include "crosscheck/chart/chart.hpp"
-#include "crosscheck/chart/drawing.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
-#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/report/assets.hpp"
-#include "crosscheck/report/files.hpp"
+#include "crosscheck/report/chart_drawing.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
+#include "crosscheck/system/files.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::cli {
 namespace {

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/campaign.hpp"
 #include "crosscheck/chart/chart.hpp"
 #include "crosscheck/cli/campaign.hpp"
 #include "crosscheck/cli/commands.hpp"
@@ -15,16 +14,21 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
-#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/conductor/campaign.hpp"
+#include "crosscheck/conductor/crosscheck.hpp"
+#include "crosscheck/conductor/plan.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/kernel/compiled.hpp"
 #include "crosscheck/kernel/kernel.hpp"
-#include "crosscheck/plan.hpp"
-#include "crosscheck/processes.hpp"
-#include "crosscheck/report/files.hpp"
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/report.hpp"
-#include "crosscheck/tables.hpp"
+#include "crosscheck/system/files.hpp"
+#include "crosscheck/system/gnuplot.hpp"
+#include "crosscheck/system/processes.hpp"
+#include "crosscheck/verdicts/options.hpp"
+#include "crosscheck/verdicts/tables.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::cli {
 namespace {

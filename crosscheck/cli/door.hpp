@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/features.hpp"
+#include "crosscheck/inputs/features.hpp"
 
 namespace dynwitness::cli {
 
 /// Lets a scene in: tells on standard error what the commands leave out of it.
-/// @throws scene::InputError  what one of them refuses (crosscheck/features.hpp)
+/// @throws scene::InputError  what one of them refuses (crosscheck/inputs/features.hpp)
 void admit(const scene::Scene& scene, const std::vector<crosscheck::Command>& commands);
 
 /// The scene of this name or file, let in.

@@ -13,12 +13,13 @@
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
-#include "crosscheck/crosscheck.hpp"
-#include "crosscheck/report/files.hpp"
-#include "crosscheck/report/growing_file.hpp"
-#include "crosscheck/states_file.hpp"
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/studies/closure_gap.hpp"
 #include "crosscheck/studies/constrained_quantities.hpp"
+#include "crosscheck/system/files.hpp"
+#include "crosscheck/system/growing_file.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::cli {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crosscheck/result.hpp"
 #include "crosscheck/studies/geometry.hpp"
+#include "crosscheck/verdicts/result.hpp"
 #include "scene/error.hpp"
 #include "scene/scene.hpp"
 

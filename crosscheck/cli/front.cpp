@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/standard_files.hpp"
-#include "crosscheck/leaving.hpp"
+#include "crosscheck/system/leaving.hpp"
 #include "scene/error.hpp"
 
 namespace dynwitness::cli {

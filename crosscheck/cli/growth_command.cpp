@@ -10,12 +10,12 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
-#include "crosscheck/crosscheck.hpp"
 #include "crosscheck/growth/growth.hpp"
 #include "crosscheck/growth/ours.hpp"
 #include "crosscheck/report/assets.hpp"
-#include "crosscheck/report/files.hpp"
 #include "crosscheck/report/plot.hpp"
+#include "crosscheck/system/files.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 #include "scene/families.hpp"
 
 namespace dynwitness::cli {

@@ -10,10 +10,10 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
-#include "crosscheck/report/files.hpp"
 #include "crosscheck/studies/closure_gap.hpp"
 #include "crosscheck/studies/constrained_quantities.hpp"
 #include "crosscheck/studies/impulse.hpp"
+#include "crosscheck/system/files.hpp"
 
 namespace dynwitness::cli {
 namespace {

@@ -10,8 +10,8 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/parameters/parameters.hpp"
-#include "crosscheck/report/files.hpp"
 #include "crosscheck/report/parameters_report.hpp"
+#include "crosscheck/system/files.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::cli {

@@ -9,9 +9,10 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
-#include "crosscheck/crosscheck.hpp"
-#include "crosscheck/report/files.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/rotor_models.hpp"
+#include "crosscheck/system/files.hpp"
+#include "crosscheck/verdicts/options.hpp"
 
 namespace dynwitness::cli {
 namespace {

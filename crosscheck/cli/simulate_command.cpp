@@ -11,11 +11,11 @@
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
-#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/motion_tables.hpp"
-#include "crosscheck/report/files.hpp"
 #include "crosscheck/studies/closure_gap.hpp"
+#include "crosscheck/system/files.hpp"
 #include "scene/mimic.hpp"
 
 namespace dynwitness::cli {

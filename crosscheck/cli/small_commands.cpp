@@ -12,13 +12,14 @@
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
-#include "crosscheck/crosscheck.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/report/assets.hpp"
-#include "crosscheck/report/environment.hpp"
-#include "crosscheck/report/files.hpp"
 #include "crosscheck/report/plot.hpp"
-#include "crosscheck/witness.hpp"
+#include "crosscheck/system/environment.hpp"
+#include "crosscheck/system/files.hpp"
+#include "crosscheck/verdicts/check_drift.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::cli {
 

@@ -7,7 +7,7 @@ else()
   find_program(DYNWITNESS_SECOND_COMPILER NAMES g++-12 g++)
 endif()
 mark_as_advanced(DYNWITNESS_SECOND_COMPILER)
-set(fast_source ${PROJECT_SOURCE_DIR}/tests/fast_by_compiler.cpp)
+set(fast_source ${PROJECT_SOURCE_DIR}/tests/benchmarks/fast_by_compiler.cpp)
 file(GLOB fast_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/recursive/*.hpp
      ${PROJECT_SOURCE_DIR}/recursive/fast/*)
 get_target_property(eigen_folders Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
@@ -24,7 +24,7 @@ function(dynwitness_fast_by PREFIX COMPILER)
   add_custom_command(OUTPUT ${object}
     COMMAND ${COMPILER} -std=c++17 -O3 -DNDEBUG -fPIC -shared -fvisibility=hidden -DCOMPILER=${PREFIX}
             ${fast_includes} -o ${object} ${fast_source}
-    DEPENDS ${fast_source} ${PROJECT_SOURCE_DIR}/tests/fast_by_compiler.hpp ${fast_headers}
+    DEPENDS ${fast_source} ${PROJECT_SOURCE_DIR}/tests/benchmarks/fast_by_compiler.hpp ${fast_headers}
     COMMENT "Building the fast sweeps with ${COMPILER}" VERBATIM)
   add_custom_target(dynwitness_fast_${PREFIX} DEPENDS ${object})
   add_dependencies(dynwitness_fast_by_compiler dynwitness_fast_${PREFIX})

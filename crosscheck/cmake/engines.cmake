@@ -1,5 +1,5 @@
 # The witnesses that need an engine which may be absent: MuJoCo, DART, Orocos KDL. Included by the
-# top-level CMakeLists.txt after the target dynwitness_crosscheck, among whose sources is one file an
+# top-level CMakeLists.txt after the target dynwitness_witnesses, among whose sources is one file an
 # engine; without its engine a file is a stub, whose witness the report names as absent.
 #
 #     apt-get install libmujoco-dev libdart-utils-urdf-dev liborocos-kdl-dev
@@ -15,7 +15,7 @@ function(dynwitness_engine FILE DEFINITION)
     list(TRANSFORM folders REPLACE "/$" "")
     list(REMOVE_ITEM folders folders-NOTFOUND ${CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES})
     set_property(SOURCE ${source} APPEND PROPERTY INCLUDE_DIRECTORIES ${folders})
-    target_link_libraries(dynwitness_crosscheck PRIVATE $<LINK_ONLY:${target}>)
+    target_link_libraries(dynwitness_witnesses PRIVATE $<LINK_ONLY:${target}>)
   endforeach()
 endfunction()
 

@@ -8,8 +8,8 @@
 # dynwitness_scene, dynwitness_recursive and dynwitness_symbolic (whose EXPORT_NAME is without the
 # prefix, and whose installed include folder is the one below) and dynwitness_cli.
 #
-# The witnesses and the report (dynwitness_crosscheck) are installed as the program: as a library
-# they would ask every user for Simbody, and nobody has wanted that so far.
+# The floors of crosscheck/ are installed as the program: as libraries they would ask every
+# user for Simbody, and nobody has wanted that so far.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 

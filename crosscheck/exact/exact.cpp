@@ -12,8 +12,7 @@
 
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/kernel/roads.hpp"
-#include "crosscheck/parameters/regressor_checks.hpp"
-#include "crosscheck/tally.hpp"
+#include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
@@ -295,7 +294,9 @@ SidesOfAll<T> ask(const std::vector<Pair>& pairs,
   return all;
 }
 
-Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
+}  // namespace
+
+Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses) {
   const std::vector<Pair> pairs = pairsOf(witnesses);
   Inquiry inquiry;
   for (const Pair& pair : pairs) {
@@ -320,6 +321,8 @@ Inquiry comparisons(const std::vector<ExactWitness>& witnesses) {
   };
   return inquiry;
 }
+
+namespace {
 
 // ---- closures -----------------------------------------------------------------------------------
 
@@ -381,7 +384,8 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
   return inquiry;
 }
 
-/// The checks of both, asked at the same points.
+}  // namespace
+
 Inquiry both(const Inquiry& a, const Inquiry& b) {
   Inquiry inquiry{a.checks, {}, {}};
   inquiry.checks.insert(inquiry.checks.end(), b.checks.begin(), b.checks.end());
@@ -396,8 +400,6 @@ Inquiry both(const Inquiry& a, const Inquiry& b) {
   inquiry.in_degrees = joined(a.in_degrees, b.in_degrees);
   return inquiry;
 }
-
-}  // namespace
 
 std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
                                          const std::vector<std::string>& names) {
@@ -427,7 +429,7 @@ std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters p
 std::vector<CheckResult> compareExactly(const scene::Scene& scene,
                                         const std::vector<ExactWitness>& witnesses,
                                         const ExactOptions& options) {
-  return decide(scene, comparisons(witnesses), options);
+  return decide(scene, comparisonInquiry(witnesses), options);
 }
 
 std::vector<CheckResult> checkIdentitiesExactly(const scene::Scene& scene,
@@ -442,20 +444,6 @@ std::vector<CheckResult> checkClosuresExactly(const scene::Scene& scene,
   return decide(scene,
                 closures(scene.mechanism, derived ? *derived : scene.mechanism, options.parameters),
                 options);
-}
-
-std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options) {
-  scene::Work work("", 4);
-  std::vector<CheckResult> checks =
-      decide(scene,
-             both(comparisons(exactWitnesses(scene, options.parameters, options.witnesses)),
-                  identityInquiry(scene.mechanism)),
-             options);
-  for (const auto more : {checkClosuresExactly, checkRegressorExactly, checkConstrainedExactly}) {
-    work.done();
-    for (const CheckResult& check : more(scene, options, nullptr)) checks.push_back(check);
-  }
-  return checks;
 }
 
 std::string describeExact(const CheckResult::Exact& exact) {

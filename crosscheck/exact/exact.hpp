@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/arithmetic/prime_field.hpp"
-#include "crosscheck/exact/degree.hpp"
-#include "crosscheck/witness.hpp"
+#include "crosscheck/scalars/degree.hpp"
+#include "crosscheck/scalars/prime_field.hpp"
+#include "crosscheck/verdicts/result.hpp"
+#include "crosscheck/witnesses/exact_witness.hpp"
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -25,20 +27,6 @@ struct ExactOptions {
   /// Names of those to compare, which may name others that do not compute exactly; empty: all. The
   /// identities are laws of our sweeps and hold whoever is compared.
   std::vector<std::string> witnesses = {};
-};
-
-/** A witness in any arithmetic: built with a scene's numbers once, then asked at many states.
-
-    A sweep or a derived program is one template, run in the field for its answers and in
-    DegreeBound for the size of its formulas; so both ways are made of the same code. */
-struct ExactWitness {
-  template <typename T>
-  using Answers = std::function<MatrixOf<T>(Quantity, const scene::State<T>&)>;
-
-  std::string name;
-  std::function<bool(Quantity)> answers;
-  std::function<Answers<PrimeField>(const FieldNumbers&)> in_field;
-  std::function<Answers<DegreeBound>(const DegreeNumbers&)> in_degrees;
 };
 
 /** A sweep of sweep_algorithms.hpp as exact witness.
@@ -80,20 +68,6 @@ ExactWitness kernelWitness(const scene::Scene& scene);
 /// those of them that `names` names.
 std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
                                          const std::vector<std::string>& names = {});
-
-/** Runs the comparisons of witnesses and the identities of identities.hpp over the field.
-
-    A point is a prime, a state, and a value for whatever of the scene's numbers has no place in a
-    field (IndeterminateNumbers); it is a pure function of (scene name, seed, index). A point at
-    which a check divides by zero is drawn again, for that check. errorProbability() in degree.hpp
-    says what the chance is a chance of, and why no formula that differs is exempt from it.
-
-    @return  one result a pair and quantity ("same") and one an identity, unit "exact"; `states` and
-      `exact` say at how many points the residual was zero, or at which it was not. A check is
-             not answerable when a divisor is zero at all points, or when its formulas are too large
-             for the field to say anything.
-    @throws std::invalid_argument unless 0 < error_probability < 1 */
-std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options);
 
 /// The comparisons alone, of witnesses of the caller's choice.
 std::vector<CheckResult> compareExactly(const scene::Scene& scene,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The identities over the prime field: apart from exact.cpp, because both are long to compile.
 #include "crosscheck/exact/inquiry.hpp"
-#include "crosscheck/identities.hpp"
+#include "crosscheck/laws/identities.hpp"
+#include "crosscheck/verdicts/within_bounds.hpp"
 
 namespace dynwitness::crosscheck {
 

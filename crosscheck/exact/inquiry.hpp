@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "crosscheck/exact/exact.hpp"
-#include "crosscheck/exact/two_sides.hpp"
+#include "crosscheck/laws/two_sides.hpp"
+#include "crosscheck/verdicts/within_bounds.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -25,6 +26,12 @@ struct Inquiry {
 
 /// The identities of identities.hpp; the mechanism must outlive it.
 Inquiry identityInquiry(const scene::Mechanism& mechanism);
+
+/// Every quantity, each pair of witnesses that answer it.
+Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses);
+
+/// The checks of both, asked at the same points.
+Inquiry both(const Inquiry& a, const Inquiry& b);
 
 /// Asks at as many points as options.error_probability takes.
 std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquiry,

@@ -17,9 +17,9 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/digits/truth.hpp"
 #include "crosscheck/growth/ours.hpp"
-#include "crosscheck/states.hpp"
+#include "crosscheck/inputs/states.hpp"
+#include "crosscheck/verdicts/truth.hpp"
 #include "scene/families.hpp"
 
 namespace dynwitness::crosscheck {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/witness.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -95,7 +95,7 @@ int linksInCache(const std::vector<GrowthPoint>& points, const std::string& fami
 std::string growthCsv(const std::vector<GrowthPoint>& points, const GrowthOptions& options,
                       double cache);
 
-/// The same for programs; crosscheck/report/growth.schema.json says what it is.
+/// The same for programs; crosscheck/growth/growth.schema.json says what it is.
 std::string growthJson(const std::vector<GrowthPoint>& points, const GrowthOptions& options,
                        double cache, const std::string& version);
 

@@ -7,9 +7,9 @@
 
 #include "crosscheck/growth/growth.hpp"
 #include "crosscheck/growth/ours.hpp"
-#include "crosscheck/report/environment.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
+#include "crosscheck/system/environment.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {

@@ -17,8 +17,8 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/children.hpp"
-#include "crosscheck/leaving.hpp"
+#include "crosscheck/system/children.hpp"
+#include "crosscheck/system/leaving.hpp"
 
 namespace dynwitness::crosscheck::kernel {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/arithmetic/eigen_scalar.hpp"
-#include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "crosscheck/scalars/eigen_scalar.hpp"
+#include "recursive/build_model.hpp"
 #include "recursive/fast/forward_dynamics.hpp"
 #include "recursive/fast/inverse_dynamics.hpp"
 #include "recursive/fast/mass_matrix.hpp"

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "crosscheck/arithmetic/traced.hpp"
+#include "crosscheck/scalars/traced.hpp"
 #include "recursive/model.hpp"
 #include "symbolic/graph.hpp"
 

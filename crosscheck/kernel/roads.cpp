@@ -12,7 +12,7 @@
 #include "crosscheck/kernel/general_cost.hpp"
 #include "crosscheck/kernel/lean_sweeps.hpp"
 #include "crosscheck/kernel/traced_sweeps.hpp"
-#include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "recursive/build_model.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/equations.hpp"
 

@@ -14,9 +14,9 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 
-#include "crosscheck/arithmetic/rounded_state.hpp"
-#include "crosscheck/features.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/method_named.hpp"
+#include "crosscheck/scalars/rounded_state.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 
@@ -137,12 +137,6 @@ double orderBetween(const Drift::Path& coarse, const Drift::Path& fine) {
   return std::log(coarse.worst / fine.worst) / std::log(coarse.step / fine.step);
 }
 
-/// Each step may add a rounding error of eps to the energy's scale: below steps * eps, differences
-/// between step sizes mean nothing.
-double roundingFloor(const Drift& drift, const Drift::Path& path) {
-  return std::numeric_limits<double>::epsilon() * drift.duration / path.step;
-}
-
 /// The order between the two finest steps whose drift lies above rounding; 0 when there are no two.
 double observedOrder(const Drift& drift) {
   for (std::size_t k = drift.paths.size(); k-- > 1;)
@@ -155,12 +149,6 @@ double observedOrder(const Drift& drift) {
 
 bool orderShows(const Drift& drift) {
   return drift.paths.size() >= 2 && drift.observed_order > drift.method_order - 1;
-}
-
-/// With its finest steps the method loses nothing but rounding, as it does in free fall with any.
-/// (A wrong qdd drifts by the same amount at every step size, far above that.)
-bool belowRounding(const Drift& drift) {
-  return drift.paths.back().worst <= roundingFloor(drift, drift.paths.back());
 }
 
 /// How much rounding the state to double may move E = T + V [J].
@@ -182,68 +170,6 @@ class EnergyRounding {
   recursive::Model<RunningError> model_;
   recursive::Workspace<RunningError> ws_;
 };
-
-/// A motion in steps that adapt to it.
-struct AdaptiveRun {
-  struct Point {
-    double time, worst, rounding,
-        kinetic;  ///< [s]; largest |E - E0|, sum of roundings, largest T so far [J]
-  };
-  double step_error;
-  double shortest_step = 0;  ///< [s]
-  std::vector<Point> points;
-
-  double end() const { return points.empty() ? 0 : points.back().time; }
-  /// The last point up to this time.
-  const Point& at(double time) const {
-    const auto after = std::upper_bound(points.begin(), points.end(), time,
-                                        [](double t, const Point& p) { return t < p.time; });
-    return *std::prev(after);
-  }
-};
-
-/// By Dormand and Prince's pair of orders 5 and 4, each step's error kept below step_error (1 +
-/// |y|). Ends early where the steps become too many or nothing finite follows.
-AdaptiveRun runAdaptively(const scene::Scene& scene, const DriftOptions& options,
-                          double step_error) {
-  constexpr int kMostAdaptiveSteps = 200000;
-  Motion motion(scene.mechanism, options.moved_by);
-  EnergyRounding rounding(scene.mechanism);
-  auto stepper =
-      odeint::make_controlled(step_error, step_error, odeint::runge_kutta_dopri5<Vector>());
-  Vector y = startOf(scene);
-  const double E_0 = motion.energy(y);
-  AdaptiveRun run{step_error, 0, {}};
-  AdaptiveRun::Point point{0, 0, rounding(y), 0};
-  double time = 0, step = kFirstStep;
-  for (int k = 0; k < kMostAdaptiveSteps && time < options.duration; ++k) {
-    const double before = time, tried = std::min(step, options.duration - time);
-    if (before + tried == before) break;
-    step = tried;
-    Vector next = y;
-    if (stepper.try_step(std::ref(motion), next, time, step) != odeint::success) continue;
-    const double error = std::abs(motion.energy(next) - E_0), kinetic = motion.kinetic(next);
-    if (!std::isfinite(error) || !std::isfinite(kinetic)) {  // no error, for the stepper
-      stepper.reset();
-      time = before;
-      step = tried / 2;
-      continue;
-    }
-    y = next;
-    // the step that ends the path is cut, and says nothing of what the motion asks for
-    if (run.points.empty() || (tried < run.shortest_step && time < options.duration))
-      run.shortest_step = tried;
-    point = {time, std::max(point.worst, error), point.rounding + rounding(y),
-             std::max(point.kinetic, kinetic)};
-    run.points.push_back(point);
-  }
-  return run;
-}
-
-/// Whether the finest path stayed with the numbers.
-bool isFinite(const Drift& drift) {
-  return std::isfinite(drift.scale) && std::isfinite(drift.paths.back().worst);
-}
 
 }  // namespace
 
@@ -329,84 +255,59 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
   return relative();
 }
 
-namespace {
-
-std::string unresolved(const Drift& drift) {
-  if (!isFinite(drift))
-    return fmt::format(
-        "the motion leaves the numbers (NaN or infinite energy) at steps of {:.2g} s",
-        drift.paths.back().step);
-  return fmt::format("energy drift falls with order {:.2f} down to steps of {:.2g} s; {} has {}",
-                     drift.observed_order, drift.paths.back().step, drift.method,
-                     drift.method_order);
+double roundingFloor(const Drift& drift, const Drift::Path& path) {
+  return std::numeric_limits<double>::epsilon() * drift.duration / path.step;
 }
 
-/** Equal steps have failed: is it them, or qdd? An integrator that adapts asks every step for an
-    error below its step_error, and so the error of the path, and of E, falls with what is asked of
-    a step: as its power 5/6 with a method of order 5 that controls the error a step (Hairer,
-    Norsett, Wanner, Solving Ordinary Differential Equations I, II.4). A wrong qdd drifts by the
-    same amount whatever is asked, the power 0. Between the two lies 1/2.
-
-    Where rounding is all that is left, the drift is held to the sum of what rounding the state does
-    to E at each step. A sum above the kinetic energy itself would let everything pass, and nothing
-    is answered. */
-void judgeAdaptively(const scene::Scene& scene, const Drift& drift, DriftOptions options,
-                     CheckResult* check) {
-  constexpr double kStepErrors[] = {1e-6, 1e-8, 1e-10};
-  constexpr double kLeastPower = 0.5;
-  options.duration = drift.duration;
-  std::vector<AdaptiveRun> runs;
-  double time = drift.duration;
-  for (const double step_error : kStepErrors) {
-    runs.push_back(runAdaptively(scene, options, step_error));
-    time = std::min(time, runs.back().end());
-  }
-  const std::string equal_steps = unresolved(drift);
-  if (!(time > 0)) {
-    check->verdict = Verdict::kNotAnswerable;
-    check->ratio = check->worst = check->limit = 0;
-    check->reason = fmt::format(
-        "not answerable by this step: {}, and steps that adapt come no further than the start",
-        equal_steps);
-    return;
-  }
-  const AdaptiveRun& coarse = runs.front();
-  const AdaptiveRun& fine = runs.back();
-  const AdaptiveRun::Point &first = coarse.at(time), &last = fine.at(time);
-  const double scale = last.kinetic;
-  const double power =
-      std::log(first.worst / last.worst) / std::log(coarse.step_error / fine.step_error);
-  const std::string found = fmt::format(
-      "{}; adaptive steps, down to {:.2g} s, drift by {:.2g}, {:.2g}, {:.2g} at step_errors of "
-      "{:.0e}, {:.0e}, {:.0e}{}",
-      equal_steps, fine.shortest_step, first.worst / scale, runs[1].at(time).worst / scale,
-      last.worst / scale, coarse.step_error, runs[1].step_error, fine.step_error,
-      time < drift.duration ? fmt::format(" until t = {:.3g} s", time) : "");
-  if (power > kLeastPower) {
-    check->statement = "|E - E0| falls with what is asked of a step of adaptive steps: " + found;
-    check->unit = "power of a step's error (at least)";
-    check->worst = power;
-    check->limit = kLeastPower;
-    check->ratio = kLeastPower / power;
-  } else if (!(last.rounding < scale)) {
-    check->verdict = Verdict::kNotAnswerable;
-    check->ratio = check->worst = check->limit = 0;
-    check->reason =
-        fmt::format("not answerable by this step: {}; rounding alone may move E by {:.2g}", found,
-                    last.rounding / scale);
-  } else if (last.worst <= last.rounding) {
-    check->statement = "|E - E0| is what rounding the state does to E in adaptive steps: " + found;
-    check->unit = "rounding of the steps";
-    check->worst = check->ratio = last.worst / last.rounding;
-    check->limit = 1;
-  } else {
-    check->verdict = Verdict::kDisagree;
-    check->ratio = std::numeric_limits<double>::infinity();
-    check->reason = found;
-  }
+bool belowRounding(const Drift& drift) {
+  return drift.paths.back().worst <= roundingFloor(drift, drift.paths.back());
 }
 
-}  // namespace
+bool isFinite(const Drift& drift) {
+  return std::isfinite(drift.scale) && std::isfinite(drift.paths.back().worst);
+}
+
+const AdaptiveRun::Point& AdaptiveRun::at(double time) const {
+  const auto after = std::upper_bound(points.begin(), points.end(), time,
+                                      [](double t, const Point& p) { return t < p.time; });
+  return *std::prev(after);
+}
+
+AdaptiveRun runAdaptively(const scene::Scene& scene, const DriftOptions& options,
+                          double step_error) {
+  constexpr int kMostAdaptiveSteps = 200000;
+  Motion motion(scene.mechanism, options.moved_by);
+  EnergyRounding rounding(scene.mechanism);
+  auto stepper =
+      odeint::make_controlled(step_error, step_error, odeint::runge_kutta_dopri5<Vector>());
+  Vector y = startOf(scene);
+  const double E_0 = motion.energy(y);
+  AdaptiveRun run{step_error, 0, {}};
+  AdaptiveRun::Point point{0, 0, rounding(y), 0};
+  double time = 0, step = kFirstStep;
+  for (int k = 0; k < kMostAdaptiveSteps && time < options.duration; ++k) {
+    const double before = time, tried = std::min(step, options.duration - time);
+    if (before + tried == before) break;
+    step = tried;
+    Vector next = y;
+    if (stepper.try_step(std::ref(motion), next, time, step) != odeint::success) continue;
+    const double error = std::abs(motion.energy(next) - E_0), kinetic = motion.kinetic(next);
+    if (!std::isfinite(error) || !std::isfinite(kinetic)) {  // no error, for the stepper
+      stepper.reset();
+      time = before;
+      step = tried / 2;
+      continue;
+    }
+    y = next;
+    // the step that ends the path is cut, and says nothing of what the motion asks for
+    if (run.points.empty() || (tried < run.shortest_step && time < options.duration))
+      run.shortest_step = tried;
+    point = {time, std::max(point.worst, error), point.rounding + rounding(y),
+             std::max(point.kinetic, kinetic)};
+    run.points.push_back(point);
+  }
+  return run;
+}
 
 bool isResolved(const Drift& drift) {
   return !drift.paths.empty() && drift.scale > 0 && isFinite(drift) &&
@@ -418,35 +319,6 @@ void eraseLostPaths(Drift& drift) {
       std::remove_if(drift.paths.begin(), drift.paths.end(),
                      [](const Drift::Path& path) { return !std::isfinite(path.worst); }),
       drift.paths.end());
-}
-
-CheckResult checkDrift(const scene::Scene& scene, const Drift& drift, const DriftOptions& options) {
-  CheckResult check;
-  check.check = "energy drift";
-  check.statement =
-      fmt::format("|E - E0| falls as step^{} with {}", drift.method_order, drift.method);
-  check.quantity = "energy";
-  check.left = "articulated_body";
-  check.unit = "observed order (at least)";
-  check.states = static_cast<int>(drift.paths.size());
-  check.worst = drift.observed_order;
-  check.limit = drift.method_order - 1;
-  if (drift.paths.empty()) {
-    check.verdict = Verdict::kNotAnswerable;
-    check.reason = kNoMotion;
-  } else if (drift.scale == 0) {
-    check.verdict = Verdict::kNotAnswerable;
-    check.reason = "nothing moves from the start state: give the scene a [start]";
-  } else if (!isResolved(drift)) {
-    judgeAdaptively(scene, drift, options, &check);
-  } else if (belowRounding(drift)) {
-    check.unit = "rounding of the steps";
-    check.ratio = check.worst = drift.paths.back().worst / roundingFloor(drift, drift.paths.back());
-    check.limit = 1;
-  } else {
-    check.ratio = check.limit / check.worst;
-  }
-  return check;
 }
 
 }  // namespace dynwitness::crosscheck

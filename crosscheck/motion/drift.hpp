@@ -5,10 +5,25 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/result.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
+
+/// Energy along simulated paths of one scene with one integrator.
+struct Drift {
+  struct Path {
+    double step = 0;            ///< [s]
+    double worst = 0;           ///< largest |E - E0| / scale along the path
+    std::vector<double> time;   ///< [s], thinned for charts
+    std::vector<double> error;  ///< |E - E0| / scale at those times
+  };
+  std::string method;  ///< "runge_kutta4"
+  int method_order = 0;
+  double duration = 0;        ///< [s]
+  double scale = 0;           ///< [J]: the largest kinetic energy seen along the finest path
+  double observed_order = 0;  ///< of the worst drift, from the two finest steps above rounding
+  std::vector<Path> paths;    ///< step sizes falling
+};
 
 struct DriftOptions {
   double duration = 10;       ///< [s]
@@ -36,16 +51,38 @@ inline constexpr const char* kNoMotion = "qdd has no value at the start state: M
 /// rounding.
 bool isResolved(const Drift& drift);
 
+/// Each step may add a rounding error of eps to the energy's scale: below steps * eps, differences
+/// between step sizes mean nothing.
+double roundingFloor(const Drift& drift, const Drift::Path& path);
+
+/// With its finest steps the method loses nothing but rounding, as it does in free fall with any.
+/// (A wrong qdd drifts by the same amount at every step size, far above that.)
+bool belowRounding(const Drift& drift);
+
+/// Whether the finest path stayed with the numbers.
+bool isFinite(const Drift& drift);
+
 /// Takes out the paths that left the numbers: they have nothing to show.
 void eraseLostPaths(Drift& drift);
 
-/** The verdict on a drift: with a correct qdd an integrator of order p loses energy as step^p, so
-    the observed order must come out above p - 1. A wrong qdd drifts by the same amount at every
-    step, an order of 0. So do steps that are too long for a stiff motion: where the order does not
-    show, steps that adapt decide whether qdd is to blame, and the statement or the reason says what
-    both found.
-    @param options  those of the drift */
-CheckResult checkDrift(const scene::Scene& scene, const Drift& drift,
-                       const DriftOptions& options = {});
+/// A motion in steps that adapt to it.
+struct AdaptiveRun {
+  struct Point {
+    double time, worst, rounding,
+        kinetic;  ///< [s]; largest |E - E0|, sum of roundings, largest T so far [J]
+  };
+  double step_error;
+  double shortest_step = 0;  ///< [s]
+  std::vector<Point> points;
+
+  double end() const { return points.empty() ? 0 : points.back().time; }
+  /// The last point up to this time.
+  const Point& at(double time) const;
+};
+
+/// By Dormand and Prince's pair of orders 5 and 4, each step's error kept below step_error (1 +
+/// |y|). Ends early where the steps become too many or nothing finite follows.
+AdaptiveRun runAdaptively(const scene::Scene& scene, const DriftOptions& options,
+                          double step_error);
 
 }  // namespace dynwitness::crosscheck

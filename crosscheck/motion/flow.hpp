@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "crosscheck/exact/lifted.hpp"
+#include "crosscheck/scalars/lifted.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::crosscheck {

@@ -12,7 +12,7 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 
-#include "crosscheck/features.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/closed_motion.hpp"
 #include "crosscheck/motion/implicit.hpp"
 #include "crosscheck/motion/method_named.hpp"

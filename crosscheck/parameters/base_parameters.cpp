@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/arithmetic/prime_field.hpp"
-#include "crosscheck/exact/degree.hpp"
 #include "crosscheck/parameters/certified_solve.hpp"
+#include "crosscheck/scalars/degree.hpp"
+#include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/regressor.hpp"
 #include "scene/work.hpp"

@@ -6,8 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "crosscheck/arithmetic/ball.hpp"
-#include "crosscheck/states.hpp"
+#include "crosscheck/inputs/states.hpp"
+#include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/regressor.hpp"
 #include "scene/work.hpp"

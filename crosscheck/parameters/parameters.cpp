@@ -6,8 +6,8 @@
 
 #include <Eigen/SVD>
 
-#include "crosscheck/crosscheck.hpp"
-#include "crosscheck/states.hpp"
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/inputs/states.hpp"
 #include "recursive/regressor.hpp"
 #include "scene/work.hpp"
 

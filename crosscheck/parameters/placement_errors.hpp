@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "crosscheck/arithmetic/dual.hpp"
+#include "crosscheck/scalars/dual.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::crosscheck {

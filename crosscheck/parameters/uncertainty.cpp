@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "crosscheck/inputs/states.hpp"
 #include "crosscheck/parameters/placement_errors.hpp"
-#include "crosscheck/states.hpp"
 #include "recursive/regressor.hpp"
 
 namespace dynwitness::crosscheck {

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "crosscheck/report/environment.hpp"
-#include "crosscheck/result.hpp"
+#include "crosscheck/system/environment.hpp"
+#include "crosscheck/verdicts/result.hpp"
 
 namespace dynwitness::crosscheck {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/report/environment.hpp"
-#include "crosscheck/result.hpp"
+#include "crosscheck/system/environment.hpp"
+#include "crosscheck/verdicts/result.hpp"
 
 namespace dynwitness::crosscheck {
 

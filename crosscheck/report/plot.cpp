@@ -6,13 +6,12 @@
 #include <fstream>
 #include <limits>
 #include <map>
-#include <memory>
 #include <system_error>
 
 #include <fmt/format.h>
 
-#include "crosscheck/children.hpp"
 #include "crosscheck/report/text.hpp"
+#include "crosscheck/system/children.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -52,22 +51,6 @@ bool wholeSvg(const fs::path& file) {
 }
 
 }  // namespace
-
-std::function<std::string()> askGnuplotVersion() {
-  const auto gnuplot = std::make_shared<Child>(std::vector<std::string>{"gnuplot", "--version"});
-  return [gnuplot]() -> std::string {
-    const Ending ending = gnuplot->wait();
-    if (!ending.problem.empty()) return "not found";
-    std::string version = ending.output.substr(0, ending.output.find('\n'));
-    constexpr std::string_view kName = "gnuplot ";
-    if (version.rfind(kName, 0) == 0) version.erase(0, kName.size());
-    return version;
-  };
-}
-
-std::string gnuplotVersion() {
-  return askGnuplotVersion()();
-}
 
 std::string driftCsv(const SceneResult& scene) {
   std::string csv = heading(scene) + "step_s,time_s,energy_error_over_scale\n";

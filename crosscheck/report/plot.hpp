@@ -4,19 +4,13 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "crosscheck/result.hpp"
+#include "crosscheck/verdicts/result.hpp"
 
 namespace dynwitness::crosscheck {
-
-/// "5.4 patchlevel 4"; "not found" where there is no gnuplot.
-std::string gnuplotVersion();
-/// Starts gnuplot, which takes a while to load, and goes on; what comes back waits for the answer,
-/// once.
-std::function<std::string()> askGnuplotVersion();
 
 /// Colour and marker of a witness that is an outside engine, the same in every chart: a line type
 /// of style.gp. Nothing: it is none that has one.

@@ -10,15 +10,15 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/chart/drawing.hpp"
-#include "crosscheck/processes.hpp"
 #include "crosscheck/report/assets.hpp"
+#include "crosscheck/report/chart_drawing.hpp"
 #include "crosscheck/report/digits_table.hpp"
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/page.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/report/tree_svg.hpp"
+#include "crosscheck/system/processes.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {

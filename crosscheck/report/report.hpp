@@ -15,11 +15,11 @@
 #include <filesystem>
 #include <vector>
 
-#include "crosscheck/bench/results.hpp"
 #include "crosscheck/chart/chart.hpp"
-#include "crosscheck/report/environment.hpp"
-#include "crosscheck/report/files.hpp"
-#include "crosscheck/result.hpp"
+#include "crosscheck/report/bench.hpp"
+#include "crosscheck/system/environment.hpp"
+#include "crosscheck/system/files.hpp"
+#include "crosscheck/verdicts/result.hpp"
 
 namespace dynwitness::crosscheck {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "crosscheck/result.hpp"
+#include "crosscheck/verdicts/result.hpp"
 
 namespace dynwitness::crosscheck {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "crosscheck/result.hpp"
+#include "crosscheck/verdicts/result.hpp"
 
 namespace dynwitness::crosscheck {
 

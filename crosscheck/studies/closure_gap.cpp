@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/arithmetic/rounded_state.hpp"
+#include "crosscheck/scalars/rounded_state.hpp"
 #include "crosscheck/studies/constrained_quantities.hpp"
 #include "recursive/constraints.hpp"
 

@@ -5,8 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/crosscheck.hpp"
-#include "crosscheck/features.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/kinetic_metric.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"

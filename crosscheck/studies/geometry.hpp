@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 #include "crosscheck/exact/exact.hpp"
-#include "crosscheck/result.hpp"
+#include "crosscheck/verdicts/result.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {

@@ -11,10 +11,9 @@
 #include <Eigen/LU>
 #include <boost/math/constants/constants.hpp>
 
-#include "crosscheck/crosscheck.hpp"
-#include "crosscheck/features.hpp"
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/inputs/states.hpp"
 #include "crosscheck/motion/flow.hpp"
-#include "crosscheck/states.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 

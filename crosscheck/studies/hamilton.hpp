@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/result.hpp"
+#include "crosscheck/verdicts/result.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {

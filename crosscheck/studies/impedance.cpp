@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/studies/impedance.hpp"
 
-#include "crosscheck/crosscheck.hpp"
-#include "crosscheck/features.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/impedance_laws.hpp"
+#include "crosscheck/verdicts/within_bounds.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "crosscheck/exact/exact.hpp"
-#include "crosscheck/result.hpp"
 #include "crosscheck/studies/geometry.hpp"
+#include "crosscheck/verdicts/result.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {

@@ -5,9 +5,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "crosscheck/exact/lifted.hpp"
-#include "crosscheck/exact/point.hpp"
-#include "crosscheck/exact/two_sides.hpp"
+#include "crosscheck/laws/two_sides.hpp"
+#include "crosscheck/scalars/lifted.hpp"
+#include "crosscheck/studies/point.hpp"
+#include "crosscheck/verdicts/result.hpp"
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "crosscheck/crosscheck.hpp"
-#include "crosscheck/features.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/impulse_laws.hpp"
+#include "crosscheck/verdicts/within_bounds.hpp"
 #include "recursive/constrained_solver.hpp"
 #include "scene/mimic.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "crosscheck/exact/exact.hpp"
-#include "crosscheck/result.hpp"
+#include "crosscheck/verdicts/result.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {

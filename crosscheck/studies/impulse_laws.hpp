@@ -5,8 +5,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "crosscheck/exact/point.hpp"
-#include "crosscheck/exact/two_sides.hpp"
+#include "crosscheck/laws/two_sides.hpp"
+#include "crosscheck/studies/point.hpp"
+#include "crosscheck/verdicts/result.hpp"
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "recursive/joint_forces.hpp"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "crosscheck/exact/lifted.hpp"
+#include "crosscheck/scalars/lifted.hpp"
 #include "recursive/constraints.hpp"
 #include "recursive/factorization.hpp"
 

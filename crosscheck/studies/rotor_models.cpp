@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "crosscheck/states.hpp"
+#include "crosscheck/inputs/states.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/mimic.hpp"
 

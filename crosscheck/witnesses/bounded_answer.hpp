@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "crosscheck/arithmetic/running_error.hpp"
-#include "crosscheck/witness.hpp"
+#include "crosscheck/scalars/running_error.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 #include "scene/mimic.hpp"
 
 namespace dynwitness::crosscheck {

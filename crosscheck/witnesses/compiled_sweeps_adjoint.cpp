@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sweeps on errors weighed by their derivatives.
-#include "crosscheck/arithmetic/adjoint_error.hpp"
+#include "crosscheck/scalars/adjoint_error.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::recursive {

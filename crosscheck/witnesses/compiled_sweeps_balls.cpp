@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sweeps on balls.
-#include "crosscheck/arithmetic/ball.hpp"
+#include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::recursive {

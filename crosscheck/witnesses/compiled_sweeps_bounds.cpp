@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sweeps on running error bounds.
-#include "crosscheck/arithmetic/running_error.hpp"
+#include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::recursive {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sweeps on degrees of formulas.
-#include "crosscheck/exact/degree.hpp"
+#include "crosscheck/scalars/degree.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::recursive {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sweeps on the prime field.
-#include "crosscheck/arithmetic/prime_field.hpp"
+#include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::recursive {

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "crosscheck/arithmetic/running_error.hpp"
-#include "crosscheck/witness.hpp"
+#include "crosscheck/scalars/running_error.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::crosscheck {
 

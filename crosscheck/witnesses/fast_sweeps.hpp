@@ -4,9 +4,9 @@
 
 #include <stdexcept>
 
-#include "crosscheck/arithmetic/adjoint_error.hpp"
-#include "crosscheck/exact/exact.hpp"
+#include "crosscheck/scalars/adjoint_error.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
+#include "crosscheck/witnesses/exact_witness.hpp"
 #include "recursive/fast/forward_dynamics.hpp"
 #include "recursive/fast/inverse_dynamics.hpp"
 #include "recursive/fast/mass_matrix.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/witness.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {

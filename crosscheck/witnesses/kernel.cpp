@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/arithmetic/running_error.hpp"
 #include "crosscheck/kernel/compiled.hpp"
 #include "crosscheck/kernel/kernel.hpp"
+#include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/witnesses/all_lanes.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "crosscheck/witnesses/coupled.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "crosscheck/witness.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::crosscheck {
 

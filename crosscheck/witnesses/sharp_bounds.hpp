@@ -9,7 +9,7 @@
 #include <memory>
 #include <utility>
 
-#include "crosscheck/arithmetic/adjoint_error.hpp"
+#include "crosscheck/scalars/adjoint_error.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 
 namespace dynwitness::crosscheck {

@@ -2,7 +2,7 @@
 // The witnesses that witnessKinds() lists, one source file each.
 #pragma once
 
-#include "crosscheck/witness.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::crosscheck {
 

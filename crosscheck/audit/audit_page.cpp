@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <iterator>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "crosscheck/audit/audit_report.hpp"
+#include "crosscheck/report/ascii_math.hpp"
+#include "crosscheck/report/page_parts.hpp"
+#include "crosscheck/report/text.hpp"
+#include "crosscheck/system/files.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using audit::Audit;
+using audit::Entry;
+using audit::Holds;
+
+template <typename... Args>
+void put(std::string* page, const char* format, const Args&... args) {
+  fmt::format_to(std::back_inserter(*page), fmt::runtime(format), args...);
+}
+
+const char* cssClass(Holds holds) {
+  switch (holds) {
+    case Holds::kTrue:
+      return "agree";
+    case Holds::kFalse:
+      return "disagree";
+    case Holds::kUnderCondition:
+      break;
+  }
+  return "none";
+}
+
+const char* word(Holds holds) {
+  switch (holds) {
+    case Holds::kTrue:
+      return "holds";
+    case Holds::kFalse:
+      return "wrong";
+    case Holds::kUnderCondition:
+      break;
+  }
+  return "under a condition";
+}
+
+/// "(15)" for an equation, "" for what has no number.
+std::string number(const Entry& entry) {
+  return entry.isEquation() ? "(" + entry.id.substr(2) + ")" : "";
+}
+
+void putStatement(std::string* page, const char* label, const std::string& text,
+                  const audit::Outcome& outcome) {
+  put(page, "<dt>{}</dt><dd>{}<span class=\"residual\">residual {} [{}]</span></dd>\n", label,
+      textWithMath(text), escapeMarkup(outcome.residual), escapeMarkup(outcome.method));
+}
+
+void putEntry(std::string* page, const Entry& entry) {
+  put(page,
+      "<article class=\"entry {}\" id=\"{}\">\n<h3><span "
+      "class=\"id\">{}</span><span>{}</span>{}</h3>\n"
+      "<dl>\n",
+      cssClass(entry.holds), escapeMarkup(entry.id),
+      entry.isEquation() ? number(entry) : "§ " + escapeMarkup(entry.section),
+      textWithMath(entry.title), badge(cssClass(entry.holds), word(entry.holds)));
+  putStatement(page, entry.left_open ? "Left open" : "Printed", entry.printed,
+               entry.residual_printed);
+  if (entry.residual_condition)
+    putStatement(page, "Holds if", entry.condition, *entry.residual_condition);
+  if (entry.residual_corrected)
+    putStatement(page, "Correct", entry.corrected, *entry.residual_corrected);
+  if (entry.numbers) {
+    put(page, "<dt>Numbers</dt><dd><table>\n<caption>{}</caption>\n<thead><tr>",
+        escapeMarkup(entry.numbers->caption));
+    for (const std::string& cell : entry.numbers->head)
+      put(page, "<th scope=\"col\">{}</th>", escapeMarkup(cell));
+    put(page, "</tr></thead>\n<tbody>\n");
+    for (const auto& row : entry.numbers->rows) {
+      put(page, "<tr>");
+      for (const std::string& cell : row) put(page, "<td>{}</td>", escapeMarkup(cell));
+      put(page, "</tr>\n");
+    }
+    put(page, "</tbody></table></dd>\n");
+  }
+  put(page, "<dt>Why</dt><dd>{}</dd>\n<dt>Code</dt><dd><code>{}</code></dd>\n</dl>\n</article>\n",
+      textWithMath(entry.why), escapeMarkup(entry.implemented_in));
+}
+
+/// A list of links to the entries of one verdict.
+void putIndex(std::string* page, const Audit& audit, Holds holds, const char* heading) {
+  if (audit.count(holds) == 0) return;
+  put(page, "<h2>{}</h2>\n<ul class=\"index\">\n", heading);
+  for (const Entry& entry : audit.entries)
+    if (entry.holds == holds)
+      put(page, "<li><a href=\"#{}\">{} {}</a></li>\n", escapeMarkup(entry.id),
+          entry.isEquation() ? number(entry) : "§ " + escapeMarkup(entry.section),
+          textWithMath(entry.title));
+  put(page, "</ul>\n");
+}
+
+}  // namespace
+
+std::string auditPage(const Audit& audit, const Environment& environment) {
+  std::string page = pageHead("Audit: " + audit.headline(), environment.version, "", "entries",
+                              "Skip to the entries");
+  const std::string headline = audit.headline();
+  const std::size_t cut = headline.find("; ");
+  const char* css = audit.isSound() ? "none" : "disagree";  // what is wrong is the chapter
+  put(&page,
+      "<main>\n<header id=\"top\">\n<p class=\"eyebrow\"><strong>dynwitness</strong> audit of "
+      "{}, {} ({})</p>\n<div class=\"verdict "
+      "{}\">{}\n<h1><span>{}</span> "
+      "<span class=\"detail\">{}</span></h1></div>\n",
+      escapeMarkup(audit.chapter.author), escapeMarkup(audit.chapter.title),
+      escapeMarkup(audit.chapter.year), css, icon(css), escapeMarkup(headline.substr(0, cut)),
+      escapeMarkup(headline.substr(cut + 2)));
+  put(&page, "<p>{}</p>\n",
+      audit.isSound()
+          ? "Every verdict was computed for this page, and so was every correction: all "
+            "corrections hold."
+          : "<strong>Not every correction was found to hold</strong>: the entries say which.");
+  put(&page,
+      "<details><summary>How to read a residual</summary>\n"
+      "<p>Both sides of an equation are computed by different roads, at random points and modulo "
+      "random 63-bit primes. There a difference is 0 or it is not, without rounding; “chance of "
+      "error” bounds how probable it is that different formulas passed. One point with a "
+      "difference "
+      "refutes. Inequalities are decided with certified digits.</p>\n"
+      "<p>The truth comes from point masses that obey Newton’s law, from positions differentiated "
+      "twice, and from linear systems of all bodies and joints together. Symbols: {} is a velocity "
+      "or force’s six numbers, linear part first; {} transforms velocities and {} "
+      "forces.</p></details>\n"
+      "</header>\n",
+      textWithMath("`Xd = (v, w)`, `F = (f, m)`"), mathMl("T_V"), mathMl("T_F"));
+  putIndex(&page, audit, Holds::kFalse, "Wrong");
+  putIndex(&page, audit, Holds::kUnderCondition, "Right under a condition");
+  put(&page, "<div id=\"entries\"></div>\n");
+  std::string section;
+  for (const Entry& entry : audit.entries) {
+    const std::string chapter = entry.section.substr(0, entry.section.find('.'));
+    if (chapter != section) {
+      section = chapter;
+      const std::string& title = audit.chapter.sections.at(std::stoul(section) - 1);
+      put(&page, "<h2>{} {}</h2>\n", escapeMarkup(section), escapeMarkup(title));
+    }
+    putEntry(&page, entry);
+  }
+  put(&page,
+      "</main>\n<footer>\n<h2>Compute it again</h2>\n<pre tabindex=\"0\"><code>dynwitness audit "
+      "--seed "
+      "{}</code></pre>\n<dl "
+      "class=\"meta\">\n<dt>dynwitness</dt><dd>{}{}</dd>\n<dt>Date</dt><dd>{}</dd>\n"
+      "<dt>For programs</dt><dd><a "
+      "href=\"audit.json\">audit.json</a></dd>\n</dl>\n</footer>\n</body>\n"
+      "</html>\n",
+      audit.seed, escapeMarkup(environment.version),
+      environment.commit.empty() ? "" : ", commit " + escapeMarkup(environment.commit),
+      escapeMarkup(environment.date));
+  return page;
+}
+
+void writeAudit(const Audit& audit, const Environment& environment,
+                const std::filesystem::path& folder) {
+  requireWritable(folder);
+  UnfinishedFolder out(folder);
+  out.write("audit.json", auditJson(audit, environment));
+  out.write("index.html", auditPage(audit, environment));
+  out.moveIntoPlace("index.html");
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/conductor/campaign.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <regex>
+
+#include <fmt/format.h>
+
+#include "crosscheck/conductor/archive.hpp"
+#include "crosscheck/conductor/ask_witnesses.hpp"
+#include "crosscheck/conductor/exact_checks.hpp"
+#include "crosscheck/system/processes.hpp"
+#include "crosscheck/verdicts/compare.hpp"
+#include "crosscheck/verdicts/digits.hpp"
+#include "crosscheck/verdicts/options.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+void checkExactly(const scene::Scene& scene, const ExactOptions& options, RandomCampaign& campaign,
+                  RandomCampaign::Failure& failure) {
+  const std::vector<CheckResult> checks = exactChecks(scene, options);
+  for (const CheckResult& check : checks) {
+    // a single body has no other root, and there is nothing to ask
+    if (check.verdict == Verdict::kNotAnswerable &&
+        check.check == "independence of the chosen root")
+      continue;
+    if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);
+    if (check.verdict == Verdict::kNotAnswerable) {
+      ++campaign.not_answerable;
+      continue;
+    }
+    ++campaign.checks;
+    campaign.error_probability =
+        std::max(campaign.error_probability, check.exact->error_probability);
+  }
+  failure.findings = findOutliers(scene.name, checks);
+}
+
+/// A reason without what is the mechanism's own: names in quotes, entries, states and numbers.
+std::string reasonInGeneral(const std::string& reason) {
+  static const std::regex quoted("'[^']*'"), entry("\\[[0-9,]+\\]"),
+      number("([ (<=])[0-9][0-9.]*(e[-+]?[0-9]+)?");
+  std::string text = std::regex_replace(reason, quoted, "'...'");
+  text = std::regex_replace(text, entry, "[...]");
+  return std::regex_replace(text, number, "$1...");
+}
+
+/// @return whether there was a witness that does not build the mechanism
+bool checkInDouble(const scene::Scene& scene, const CampaignOptions& options,
+                   RandomCampaign& campaign, RandomCampaign::Failure& failure) {
+  Options asked;
+  asked.seed = options.exact.seed;
+  asked.states = options.states;
+  std::vector<CheckResult> checks;
+  std::vector<Control>
+      controls;  // a campaign over random mechanisms has no verdict on its own control
+  DigitsFound truth = askWitnesses(scene, options.in_double, asked, checks, controls);
+  std::move(truth.checks.begin(), truth.checks.end(), std::back_inserter(checks));
+  bool refused = false;
+  for (const WitnessKind& kind : options.in_double) ++campaign.asked[kind.info.name];
+  for (const CheckResult& check : checks) {
+    if (check.verdict == Verdict::kNotAnswerable) {
+      const bool by_one = check.quantity.empty();
+      refused = refused || by_one;
+      if (by_one) --campaign.asked[check.left];
+      ++campaign.unanswered[reasonInGeneral(check.reason)][by_one ? check.left : check.quantity];
+      continue;
+    }
+    campaign.comparisons += check.states;
+    if (check.verdict == Verdict::kDisagree) failure.checks.push_back(check);
+  }
+  for (Finding& finding : findOutliers(scene.name, checks))
+    failure.findings.push_back(std::move(finding));
+  return refused;
+}
+
+void checkOne(int index, int max_joints, const CampaignOptions& options, RandomCampaign& campaign) {
+  const auto keep = [&campaign](RandomCampaign::Failure failure) {
+    if (!failure.checks.empty()) campaign.failures.push_back(std::move(failure));
+  };
+  RandomCampaign::Failure failure{randomScene(options.exact.seed, index, max_joints), {}, {}};
+  checkExactly(failure.scene, options.exact, campaign, failure);
+  ++campaign.mechanisms;
+  campaign.joints += failure.scene.mechanism.dof();
+  const bool refused =
+      !options.in_double.empty() && checkInDouble(failure.scene, options, campaign, failure);
+  keep(std::move(failure));
+  if (!refused) return;
+  RandomCampaign::Failure plain{
+      randomScene(options.exact.seed, index, max_joints, JointKinds::kPlain), {}, {}};
+  checkInDouble(plain.scene, options, campaign, plain);
+  ++campaign.plain;
+  keep(std::move(plain));
+}
+
+void append(RandomCampaign& all, RandomCampaign more) {
+  all.mechanisms += more.mechanisms;
+  all.joints += more.joints;
+  all.checks += more.checks;
+  all.not_answerable += more.not_answerable;
+  all.error_probability = std::max(all.error_probability, more.error_probability);
+  all.plain += more.plain;
+  all.comparisons += more.comparisons;
+  for (const auto& [name, count] : more.asked) all.asked[name] += count;
+  for (const auto& [reason, counts] : more.unanswered)
+    for (const auto& [who, count] : counts) all.unanswered[reason][who] += count;
+  std::move(more.failures.begin(), more.failures.end(), std::back_inserter(all.failures));
+}
+
+}  // namespace
+
+RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions& options,
+                                int processes, const std::function<void(int)>& progress) {
+  CampaignOptions asked = options;
+  if (asked.exact.witnesses.empty())
+    for (const WitnessKind& kind : witnessKinds())
+      if (kind.info.name.rfind("kernel", 0) != 0) asked.exact.witnesses.push_back(kind.info.name);
+  // mechanisms a task; of many mechanisms there are no more than so many tasks, whose parts are
+  // kept
+  constexpr int kLeast = 5, kMostTasks = 10000;
+  const int block_size = std::max(kLeast, (count - 1) / kMostTasks + 1);
+  int done = 0;
+  const auto size = [=](int block) { return std::min(block_size, count - block * block_size); };
+  const std::vector<std::string> parts = inProcesses(
+      processes, (count - 1) / block_size + 1,
+      [&](int block) {
+        RandomCampaign part;
+        for (int i = 0; i < size(block); ++i)
+          checkOne(block * block_size + i, max_joints, asked, part);
+        return archived(part);
+      },
+      [&](int block) {
+        done += size(block);
+        if (progress) progress(done);
+      });
+  RandomCampaign campaign;
+  for (const std::string& part : parts) append(campaign, randomCampaignOf(part));
+  return campaign;
+}
+
+std::string describeFailure(const RandomCampaign::Failure& failure) {
+  std::string text;
+  for (const Finding& finding : failure.findings) text += finding.text + "\n";
+  for (const CheckResult& check : failure.checks)
+    text += fmt::format("{}: {}: {}, {} ({}{}{}): {}\n", failure.scene.name, name(check.verdict),
+                        check.check, check.quantity, check.left, check.right.empty() ? "" : " and ",
+                        check.right, check.reason);
+  return text + fmt::format(
+                    "to see it again: write the scene below to {0}, then\n"
+                    "  dynwitness crosscheck {0} --seed {1}\n\n{2}",
+                    failure.scene.file.string(), failure.checks.front().seed,
+                    scene::writeSceneToml(failure.scene));
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/conductor/exact_checks.hpp"
+
+#include "crosscheck/exact/inquiry.hpp"
+#include "crosscheck/parameters/regressor_checks.hpp"
+#include "scene/work.hpp"
+
+namespace dynwitness::crosscheck {
+
+std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options) {
+  scene::Work work("", 4);
+  std::vector<CheckResult> checks =
+      decide(scene,
+             both(comparisonInquiry(exactWitnesses(scene, options.parameters, options.witnesses)),
+                  identityInquiry(scene.mechanism)),
+             options);
+  for (const auto more : {checkClosuresExactly, checkRegressorExactly, checkConstrainedExactly}) {
+    work.done();
+    for (const CheckResult& check : more(scene, options, nullptr)) checks.push_back(check);
+  }
+  return checks;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/inputs/random_mechanism.hpp"
+
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "crosscheck/inputs/states.hpp"
+#include "scene/mimic.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using scene::JointKind;
+using scene::Number;
+using scene::Rational;
+using scene::Vector;
+using Convention = scene::Placement::Convention;
+
+/// Draws the parts of one mechanism.
+class Drawing {
+ public:
+  Drawing(std::uint64_t seed, std::uint64_t index, JointKinds kinds)
+      : kinds_(kinds),
+        random_(kinds == JointKinds::kAll ? "random mechanism" : "random plain mechanism", seed,
+                index),
+        followers_("random followers", seed, index) {}
+
+  scene::Mechanism mechanism(int max_joints) {
+    scene::Mechanism out;
+    out.has_gravity = chance(85);
+    if (out.has_gravity) {
+      out.gravity = {Number(0), Number(0), Number::parse("-9.81")};
+      if (chance(30)) out.gravity = vector(-981, 981);
+    }
+    scene::Link root;
+    root.name = "base";
+    if (chance(30)) root.inertia = body();
+    out.links.push_back(root);
+    const int joints = 1 + below(max_joints);
+    for (int made = 0; made < joints;) {
+      const bool fixed = chance(15);
+      out.links.push_back(link(static_cast<int>(out.links.size()), fixed));
+      made += fixed ? 0 : 1;
+    }
+    for (int i = below(3); i > 0; --i) {
+      scene::Wrench wrench;
+      wrench.link = below(static_cast<int>(out.links.size()));
+      wrench.force = vector(-900, 900);
+      wrench.moment = vector(-300, 300);
+      wrench.at = vector(-50, 50);
+      wrench.axes = chance(50) ? scene::Wrench::Axes::kWorld : scene::Wrench::Axes::kLink;
+      out.wrenches.push_back(wrench);
+    }
+    follow(out);
+    return out;
+  }
+
+ private:
+  /// Lets some joints of one position follow others, from a stream of its own: what else is drawn
+  /// stays.
+  void follow(scene::Mechanism& mechanism) {
+    static constexpr const char* kMultipliers[] = {"1",   "-1", "-0.5", "2",
+                                                   "0.7", "-3", "1/3",  "-1.25"};
+    static constexpr const char* kOffsets[] = {"0", "0", "0.1", "-0.25", "pi/4", "1.2"};
+    const auto draw = [this](std::size_t n) { return followers_.next() % n; };
+    std::vector<int> joints;
+    for (std::size_t i = 1; i < mechanism.links.size(); ++i)
+      if (scene::degreesOfFreedom(mechanism.links[i].joint.kind) == 1)
+        joints.push_back(static_cast<int>(i));
+    if (joints.size() < 2 || draw(100) >= 35) return;
+    for (std::size_t k = joints.size(); k > 1; --k) std::swap(joints[k - 1], joints[draw(k)]);
+    // each follows one that stands before it in this order, so that there is no circle; the first
+    // leads
+    for (std::size_t k = 1; k < joints.size(); ++k) {
+      if (draw(100) >= 50 && k + 1 < joints.size()) continue;
+      const std::string& leader = mechanism.links[joints[draw(k)]].joint.name;
+      mechanism.links[joints[k]].joint.mimic = scene::Mimic{
+          leader, Number::parse(kMultipliers[draw(8)]), Number::parse(kOffsets[draw(6)])};
+    }
+  }
+
+  int below(int n) { return static_cast<int>(random_.next() % static_cast<std::uint64_t>(n)); }
+  bool chance(int percent) { return below(100) < percent; }
+
+  /// A decimal with two places, low/100 ... high/100.
+  Number decimal(int low, int high) {
+    const int k = low + below(high - low + 1), magnitude = std::abs(k);
+    return Number::parse(
+        fmt::format("{}{}.{:02}", k < 0 ? "-" : "", magnitude / 100, magnitude % 100));
+  }
+  Vector vector(int low, int high) {
+    return {decimal(low, high), decimal(low, high), decimal(low, high)};
+  }
+  Number angle() {
+    static constexpr const char* kCommon[] = {"0", "0", "pi/2", "-pi/2", "pi", "pi/3", "-pi/4"};
+    return chance(50) ? Number::parse(kCommon[below(7)]) : decimal(-314, 314);
+  }
+  /// An axis: z, another coordinate axis, of rational length, or any.
+  Vector axis() {
+    static constexpr int kAxes[][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, -1},
+                                       {0, 0, 2},  {3, 0, 4},  {0, 4, 3}, {3, -4, 0}, {1, 2, 2},
+                                       {-2, 1, 2}, {1, 1, 0},  {1, 0, 1}, {1, 1, 1},  {0, -1, -1}};
+    if (chance(40)) return {Number(0), Number(0), Number(1)};
+    if (chance(30)) return {decimal(-99, 99), decimal(-99, 99), decimal(1, 99)};
+    const auto& a = kAxes[below(15)];
+    return {Number(a[0]), Number(a[1]), Number(a[2])};
+  }
+
+  scene::Placement placement() {
+    scene::Placement p;
+    const int kind = below(4);
+    if (kind < 2) {
+      p.xyz = vector(-60, 60);
+      p.rpy = {angle(), angle(), angle()};
+      return p;
+    }
+    p.convention = kind == 2 ? Convention::kDh : Convention::kMdh;
+    p.a = decimal(-60, 60);
+    p.d = decimal(-60, 60);
+    p.alpha = angle();
+    p.theta = angle();
+    return p;
+  }
+
+  /// The mass properties of two to five point masses. The last one, of 1 kg, is where it makes the
+  /// centre of mass a short decimal; so all numbers are decimals. Two are a rod, without inertia
+  /// about its own line: where a joint turns freely every way, M would be singular.
+  scene::MassProperties body(bool may_be_a_rod = true) {
+    const bool general = chance(85) || !may_be_a_rod;
+    const int count = general ? 4 + below(2) : 2 + below(2);
+    Rational mass = 1;
+    std::array<Rational, 3> last{0, 0, 0}, com;
+    std::vector<std::pair<Rational, std::array<Rational, 3>>> points;  // from the centre of mass
+    for (int i = 1; i < count; ++i) {
+      const Rational m(1 + below(20), 10);
+      std::array<Rational, 3> r;
+      for (int k = 0; k < 3; ++k) {
+        r[k] = Rational(below(61) - 30, 100);
+        last[k] -= m * r[k];
+      }
+      mass += m;
+      points.emplace_back(m, r);
+    }
+    points.emplace_back(1, last);
+    for (Rational& x : com) x = Rational(below(61) - 30, 100);
+
+    scene::MassProperties out;
+    out.mass = mass;
+    out.com = {Number(com[0]), Number(com[1]), Number(com[2])};
+    const bool at_origin = chance(30);
+    if (at_origin)
+      out.about = scene::MassProperties::About::kLinkOrigin;
+    else if (chance(30))
+      out.rpy = {angle(), angle(), angle()};
+    Rational I[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    for (auto [m, r] : points) {
+      if (at_origin)
+        for (int k = 0; k < 3; ++k) r[k] += com[k];
+      const Rational r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) I[i][j] += m * ((i == j ? r2 : Rational(0)) - r[i] * r[j]);
+    }
+    out.xx = I[0][0];
+    out.yy = I[1][1];
+    out.zz = I[2][2];
+    out.xy = I[0][1];
+    out.xz = I[0][2];
+    out.yz = I[1][2];
+    return out;
+  }
+
+  /// Mostly revolute or prismatic.
+  JointKind kind() {
+    static constexpr JointKind kRare[] = {JointKind::kHelical,   JointKind::kCylindrical,
+                                          JointKind::kUniversal, JointKind::kPlanar,
+                                          JointKind::kSpherical, JointKind::kFloating};
+    if (kinds_ == JointKinds::kAll && chance(30)) return kRare[below(6)];
+    return chance(70) ? JointKind::kRevolute : JointKind::kPrismatic;
+  }
+
+  scene::Link link(int index, bool fixed) {
+    scene::Link out;
+    out.name = fmt::format("link_{}", index);
+    out.parent = chance(65) ? index - 1 : below(index);
+    scene::Joint& joint = out.joint;
+    joint.name = fmt::format("joint_{}", index);
+    joint.kind = fixed ? JointKind::kFixed : kind();
+    const bool has_axis = scene::hasAxis(joint.kind),
+               has_one_q = scene::degreesOfFreedom(joint.kind) == 1;
+    do {
+      joint.placement = placement();
+    } while (!fixed && (!has_axis || joint.kind == JointKind::kPlanar) &&
+             joint.placement.convention != Convention::kXyzRpy);
+    if (joint.placement.convention == Convention::kXyzRpy && has_axis) joint.axis = axis();
+    if (joint.kind == JointKind::kHelical) joint.pitch = decimal(-40, 40);
+    const bool has_rotor = has_one_q && chance(40);
+    if (has_rotor) {
+      joint.rotor_inertia = Rational(1 + below(50), 10000);
+      joint.gear_ratio = decimal(-9999, 9999);
+    }
+    if (has_one_q && chance(25)) {
+      joint.stiffness = decimal(0, 5000);
+      joint.rest = joint.kind != JointKind::kPrismatic ? angle() : decimal(-50, 50);
+    }
+    joint.gyroscopic = kinds_ == JointKinds::kAll && has_rotor && chance(30);
+    if (has_one_q && chance(20)) {
+      joint.friction.viscous = decimal(0, 300);
+      if (chance(50)) joint.friction.positive = joint.friction.negative = decimal(0, 300);
+    }
+    // without a mass of its own, or a rotor, a joint could move nothing that another one does not
+    if (chance(90) || !(fixed || has_rotor))
+      out.inertia = body(joint.kind != JointKind::kSpherical && joint.kind != JointKind::kFloating);
+    return out;
+  }
+
+  JointKinds kinds_;
+  RandomStream random_, followers_;
+};
+
+}  // namespace
+
+scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints,
+                         JointKinds kinds) {
+  if (max_joints < 1)
+    throw std::invalid_argument(
+        fmt::format("randomScene: max_joints: expected 1 or more, got {}", max_joints));
+  Drawing drawing(seed, index, kinds);
+  const char* plain = kinds == JointKinds::kAll ? "" : "plain ";
+  scene::Scene out;
+  out.name = fmt::format("random_{}{}_{}", kinds == JointKinds::kAll ? "" : "plain_", seed, index);
+  out.title = fmt::format("Random {}mechanism {}", plain, index);
+  out.source = fmt::format("dynwitness, random {}mechanism {} of seed {} with up to {} joints",
+                           plain, index, seed, max_joints);
+  out.file = out.name + ".toml";
+  while (true) {
+    out.mechanism = drawing.mechanism(max_joints);
+    out.start_q = out.mechanism.restPosition();
+    out.start_qd.assign(out.mechanism.dof(), Number(0));
+    try {
+      scene::validate(out);
+      return out;
+    } catch (const scene::InputError&) {  // a joint that moves no inertia: the next one, then
+    }
+  }
+}
+
+scene::Scene randomTreeScene(std::uint64_t seed, std::uint64_t index, int max_joints) {
+  scene::Scene out = randomScene(seed, index, max_joints);
+  out.mechanism = scene::withoutMimics(out.mechanism);
+  out.start_q = out.mechanism.restPosition();
+  out.start_qd.assign(out.mechanism.dof(), Number(0));
+  return out;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/inputs/states_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "scene/error.hpp"
+#include "scene/mimic.hpp"
+#include "scene/text_file.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using scene::InputError;
+using scene::SourceLocation;
+
+enum Group { kQ, kQd, kQdd, kTau };
+constexpr std::array<const char*, 4> kGroups = {"q", "qd", "qdd", "tau"};
+
+std::string_view trimmed(std::string_view cell) {
+  const char* blanks = " \t\r";
+  const std::size_t begin = cell.find_first_not_of(blanks);
+  if (begin == std::string_view::npos) return {};
+  return cell.substr(begin, cell.find_last_not_of(blanks) - begin + 1);
+}
+
+void split(std::string_view line, std::vector<std::string_view>* cells) {
+  cells->clear();
+  for (std::size_t begin = 0;;) {
+    const std::size_t comma = line.find(',', begin);
+    cells->push_back(trimmed(line.substr(begin, comma - begin)));
+    if (comma == std::string_view::npos) return;
+    begin = comma + 1;
+  }
+}
+
+/// Lines of an open file. A line is gone when the next is asked for.
+class Lines {
+ public:
+  Lines(int descriptor, std::string name) : descriptor_(descriptor), where_{std::move(name), 0} {
+    struct stat status;
+    if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode))
+      size_ = static_cast<double>(status.st_size);
+  }
+  Lines(const Lines&) = delete;
+  Lines& operator=(const Lines&) = delete;
+  ~Lines() {
+    if (descriptor_ != STDIN_FILENO) close(descriptor_);
+  }
+
+  const SourceLocation& where() const { return where_; }  ///< of the last line
+  double fraction() const { return size_ > 0 ? std::min(1.0, bytes_ / size_) : -1; }
+  void setLongest(std::size_t bytes) { longest_ = bytes; }
+
+  bool next(std::string_view* line) {
+    std::size_t end;
+    while ((end = buffer_.find('\n', searched_)) == std::string::npos && !at_end_) {
+      buffer_.erase(0, begin_);
+      begin_ = 0;
+      searched_ = buffer_.size();
+      if (searched_ > longest_) refuse(fmt::format("a line of more than {} bytes", longest_));
+      read();
+    }
+    if (end == std::string::npos) {
+      if (begin_ == buffer_.size()) return false;
+      end = buffer_.size();
+    }
+    *line = std::string_view(buffer_).substr(begin_, end - begin_);
+    if (where_.line == 0 && line->substr(0, 3) == "\xEF\xBB\xBF")
+      line->remove_prefix(3);  // byte order mark
+    ++where_.line;
+    begin_ = searched_ = std::min(end + 1, buffer_.size());
+    return true;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw InputError({where_.file, where_.line + 1}, what + ", allowed: a CSV file of states");
+  }
+
+  void read() {
+    std::array<char, 1 << 16> chunk;
+    ssize_t got;
+    while ((got = ::read(descriptor_, chunk.data(), chunk.size())) < 0 && errno == EINTR) {
+    }
+    if (got < 0)
+      throw InputError({where_.file}, fmt::format("cannot be read: {}", std::strerror(errno)));
+    at_end_ = got == 0;
+    bytes_ += static_cast<double>(got);
+    buffer_.append(chunk.data(), static_cast<std::size_t>(got));
+  }
+
+  int descriptor_;
+  SourceLocation where_;
+  std::string buffer_;
+  std::size_t begin_ = 0,
+              searched_ = 0;  ///< of what is not handed out, of what may hold a line's end
+  std::size_t longest_ = std::size_t{1} << 20;
+  double size_ = -1, bytes_ = 0;
+  bool at_end_ = false;
+};
+
+void requireQuaternions(const scene::Mechanism& mechanism, const scene::State<double>& state,
+                        const SourceLocation& where) {
+  int slot = 0;
+  for (const scene::Link& link : mechanism.links) {
+    const std::vector<scene::SlotKind>& slots = scene::positionSlots(link.joint.kind);
+    slot += static_cast<int>(slots.size());
+    if (slots.empty() || slots.back() != scene::SlotKind::kQuaternion) continue;
+    double size = 0;
+    for (int k = slot - 4; k < slot; ++k) size += std::abs(state.x[k].q);
+    if (size == 0)
+      throw InputError(where,
+                       fmt::format("q{} to q{} are the quaternion of joint '{}' and all zero, "
+                                   "allowed: any other (1, 0, 0, 0 is no turn)",
+                                   slot - 3, slot, link.joint.name));
+  }
+}
+
+}  // namespace
+
+struct StatesReader::Parts {
+  Parts(int descriptor, const std::string& name, const scene::Mechanism& of)
+      : lines(descriptor, name), mechanism(&of), given(scene::givenSlots(of)) {}
+
+  int count(int group) const {
+    return group == kQ ? static_cast<int>(given.size()) : mechanism->dof();
+  }
+
+  /// The next line that says something, as cells.
+  bool nextCells() {
+    std::string_view line;
+    while (lines.next(&line)) {
+      split(line, &cells);
+      if (cells[0].substr(0, 1) != "#" && !(cells.size() == 1 && cells[0].empty())) return true;
+    }
+    return false;
+  }
+
+  void readHeader() {
+    const std::string allowed = fmt::format(
+        "q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}", mechanism->dof(), given.size());
+    // 64 bytes are more than a number or a name of a column takes
+    std::size_t columns = 0;
+    for (std::size_t group = 0; group < kGroups.size(); ++group)
+      columns += static_cast<std::size_t>(count(group));
+    lines.setLongest((std::size_t{1} << 16) + 64 * columns);
+    if (!nextCells()) throw InputError(lines.where(), "no header, expected " + allowed);
+
+    std::unordered_map<std::string, int> at;  // column name -> place in the row
+    for (const std::string_view cell : cells) {
+      names.emplace_back(cell);
+      if (!at.emplace(names.back(), static_cast<int>(names.size()) - 1).second)
+        throw InputError(lines.where(), fmt::format("column '{}' stands twice", cell));
+    }
+    std::size_t known = 0;
+    for (std::size_t group = 0; group < kGroups.size(); ++group) {
+      std::string missing;
+      for (int i = 1; i <= count(group); ++i) {
+        const std::string column = kGroups[group] + std::to_string(i);
+        const auto found = at.find(column);
+        if (found == at.end() && missing.empty()) missing = column;
+        if (found == at.end()) continue;
+        places[group].push_back(found->second);
+        at.erase(found);
+        ++known;
+      }
+      if (missing.empty() || (places[group].empty() && group != kQ)) continue;
+      if (first_missing.empty()) first_missing = missing;
+    }
+    if (known < names.size())
+      for (const std::string& column : names)
+        if (at.count(column) > 0)
+          throw InputError(lines.where(),
+                           fmt::format("column '{}' is unknown, allowed: {}", column, allowed));
+    if (!first_missing.empty())
+      throw InputError(lines.where(),
+                       fmt::format("column '{}' is missing, expected {}", first_missing, allowed));
+  }
+
+  double number(int place) const {
+    const std::string_view cell = cells[static_cast<std::size_t>(place)];
+    double value = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
+      throw InputError(lines.where(),
+                       fmt::format("{} is '{}', allowed: a finite number",
+                                   names[static_cast<std::size_t>(place)], cell.substr(0, 80)));
+    return value;
+  }
+
+  void fill(int group, std::vector<double>* values) const {
+    values->assign(static_cast<std::size_t>(count(group)), 0.0);
+    for (std::size_t i = 0; i < places[group].size(); ++i) (*values)[i] = number(places[group][i]);
+  }
+
+  Lines lines;
+  const scene::Mechanism* mechanism;
+  std::vector<int> given;          ///< slots of q that have a column: those of followers have none
+  std::vector<std::string> names;  ///< of the columns
+  std::array<std::vector<int>, 4> places;  ///< of each group's columns in a row; empty: not given
+  std::string first_missing;
+  std::vector<std::string_view> cells;  ///< of the last line
+};
+
+StatesReader::StatesReader(const std::filesystem::path& file, const scene::Mechanism& mechanism) {
+  const bool is_piped = file == "-";
+  const int descriptor =
+      is_piped ? STDIN_FILENO
+               : scene::openRegularFile(file, "a CSV file of states, or - for standard input");
+  parts_ =
+      std::make_unique<Parts>(descriptor, is_piped ? "standard input" : file.string(), mechanism);
+  parts_->readHeader();
+}
+StatesReader::~StatesReader() = default;
+
+bool StatesReader::gives(const std::string& group) const {
+  const auto found = std::find(kGroups.begin(), kGroups.end(), group);
+  return found != kGroups.end() &&
+         !parts_->places[static_cast<std::size_t>(found - kGroups.begin())].empty();
+}
+
+double StatesReader::fraction() const {
+  return parts_->lines.fraction();
+}
+
+bool StatesReader::next(scene::State<double>* state) {
+  Parts& p = *parts_;
+  if (!p.nextCells()) return false;
+  if (p.cells.size() != p.names.size())
+    throw InputError(p.lines.where(), fmt::format("{} entries, the header names {}", p.cells.size(),
+                                                  p.names.size()));
+  state->x.resize(static_cast<std::size_t>(p.mechanism->positions()));
+  for (std::size_t i = 0; i < p.given.size(); ++i)
+    state->x[static_cast<std::size_t>(p.given[i])] =
+        scene::jointPosition(p.number(p.places[kQ][i]));
+  scene::followLeaders(*p.mechanism, &state->x);
+  requireQuaternions(*p.mechanism, *state, p.lines.where());
+  p.fill(kQd, &state->qd);
+  p.fill(kQdd, &state->qdd);
+  p.fill(kTau, &state->tau);
+  return true;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The same tables for a terminal and for the report.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "crosscheck/report/bench.hpp"
+#include "crosscheck/report/page_parts.hpp"
+#include "crosscheck/report/text.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+std::string esc(const std::string& text) {
+  return escapeMarkup(text);
+}
+
+/// Digits that can be read at a glance: "0.32", "8.30", "14.2", "142".
+std::string figure(double x) {
+  if (x < 1) return fmt::format("{:.2g}", x);
+  if (x >= 10 && x == std::floor(x)) return fmt::format("{:.0f}", x);
+  return fmt::format("{:.{}f}", x, x < 10 ? 2 : x < 100 ? 1 : 0);
+}
+std::string figure(const std::optional<double>& x) {
+  return x ? figure(*x) : "-";
+}
+
+/// One contender at one scene: a cell a formula.
+struct Row {
+  std::string label;
+  struct Cell {
+    std::optional<double> ns, mujoco, simbody;
+  } cells[std::size(kTimed)];
+};
+struct SceneTable {
+  std::string scene;
+  std::vector<Row> rows;
+};
+
+std::vector<SceneTable> sceneTables(const BenchResult& result) {
+  std::vector<SceneTable> tables;
+  for (const Measurement& m : result.measured) {
+    const bool is_new =
+        m.isTime() && std::none_of(tables.begin(), tables.end(),
+                                   [&](const SceneTable& t) { return t.scene == m.subject; });
+    if (!is_new) continue;
+    tables.push_back({m.subject, {}});
+    for (const Contender& contender : result.contenders) {
+      Row row{contender.label, {}};
+      bool is_there = false;
+      for (std::size_t k = 0; k < std::size(kTimed); ++k) {
+        row.cells[k] = {result.value(kTimed[k], m.subject, contender.name, "ns"),
+                        result.timesFaster(kRawMujoco, kTimed[k], m.subject, contender.name),
+                        result.timesFaster(kRawSimbody, kTimed[k], m.subject, contender.name)};
+        is_there = is_there || row.cells[k].ns;
+      }
+      if (is_there) tables.back().rows.push_back(row);
+    }
+  }
+  return tables;
+}
+
+/// What else was measured, a line a contender: "5.44 ms, 2.48 MB, 1141 operations".
+struct OtherNumbers {
+  std::string what, subject, label, values;
+};
+std::vector<OtherNumbers> otherNumbers(const BenchResult& result) {
+  std::vector<OtherNumbers> lines;
+  for (const Measurement& m : result.measured) {
+    if (m.isTime()) continue;
+    const std::string label = result.label(m.by),
+                      value = fmt::format("{} {}", figure(m.value), m.unit);
+    const auto found = std::find_if(lines.begin(), lines.end(), [&](const OtherNumbers& o) {
+      return o.what == m.what && o.subject == m.subject && o.label == label;
+    });
+    if (found == lines.end())
+      lines.push_back({m.what, m.subject, label, value});
+    else
+      found->values += ", " + value;
+  }
+  return lines;
+}
+
+std::string goalName(const BenchResult& result, const Goal& goal) {
+  return fmt::format("{}, {}: {}", goal.subject, goal.what, result.label(goal.by));
+}
+std::string wanted(const Goal& goal) {
+  return fmt::format("{} {} {}", goal.at_least ? "at least" : "at most", goal.wanted, goal.unit);
+}
+std::string verdictWords(const GoalVerdict& verdict) {
+  return verdict.measured && !verdict.is_reached ? "MISSED by " + figure(verdict.missed_by) + " %"
+                                                 : verdict.word();
+}
+
+/// "31 of 40 goals reached, 7 missed, 2 not measured"
+std::string goalsSentence(const BenchResult& result) {
+  int reached = 0, missed = 0, unknown = 0;
+  for (const Goal& goal : result.goals) {
+    const GoalVerdict verdict = judge(result, goal);
+    ++(!verdict.measured ? unknown : verdict.is_reached ? reached : missed);
+  }
+  std::string text = fmt::format("{} of {} goals reached", reached, result.goals.size());
+  if (missed > 0) text += fmt::format(", {} missed", missed);
+  if (unknown > 0) text += fmt::format(", {} not measured", unknown);
+  return text;
+}
+
+std::string how(const BenchResult& result, const char* line_end) {
+  return fmt::format(
+      "Nanoseconds a state, cosines and sines included: fastest of {0} repetitions in random "
+      "order, "
+      "{1} states{2}cycled. × MuJoCo, × Simbody: how many times faster than these engines, called "
+      "as their users call them",
+      result.repetitions, result.states, line_end);
+}
+
+}  // namespace
+
+std::string benchText(const BenchResult& result) {
+  std::string text;
+  for (const SceneTable& table : sceneTables(result)) {
+    if (text.empty()) text = fmt::format("\n{}.\n", how(result, "\n"));
+    text += fmt::format("\n{:<34}", table.scene);
+    for (const char* formula : kTimed)
+      text += fmt::format(" {:>8} {:>6} {:>6}", std::string(formula) + " [ns]", "xMuJ.", "xSimb.");
+    text += "\n";
+    for (const Row& row : table.rows) {
+      text += fmt::format("{:<34}", row.label);
+      for (const Row::Cell& cell : row.cells)
+        text += fmt::format(" {:>8} {:>6} {:>6}", figure(cell.ns), figure(cell.mujoco),
+                            figure(cell.simbody));
+      text += "\n";
+    }
+  }
+  const std::vector<OtherNumbers> others = otherNumbers(result);
+  if (!others.empty()) text += "\nother numbers\n";
+  for (const OtherNumbers& o : others)
+    text +=
+        fmt::format("{:<64} {}\n", fmt::format("{}, {}: {}", o.subject, o.what, o.label), o.values);
+  if (!result.goals.empty())
+    text +=
+        fmt::format("\n{:<57} {:>26} {:>10} {:>9}\n", "goal", "wanted", "measured", "x Simbody");
+  for (const Goal& goal : result.goals) {
+    const GoalVerdict verdict = judge(result, goal);
+    text += fmt::format("{} {:<55} {:>26} {:>10} {:>9}  {}\n", goal.number, goalName(result, goal),
+                        wanted(goal), figure(verdict.measured), figure(verdict.times_simbody),
+                        verdictWords(verdict));
+  }
+  text += "\n" + goalsSentence(result) + "\n";
+  for (const std::string& reason : result.left_out) text += "left out: " + reason + "\n";
+  return text;
+}
+
+std::string benchSection(const BenchResult& result, const BenchFiles& files) {
+  const Environment& where = result.environment;
+  std::string page = fmt::format(
+      "<section aria-labelledby=\"speed\">\n<h2 id=\"speed\">Speed</h2>\n<p>{}.</p>\n"
+      "<p>Measured by <code>dynwitness bench</code> on {}, {}. Nothing of the verdict above "
+      "depends on it. {}.</p>\n"
+      "<figure class=\"charts\">\n",
+      esc(goalsSentence(result)), esc(where.cpu), esc(where.date), esc(how(result, " ")));
+  if (!files.light.empty())
+    page += fmt::format(
+        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Charts of speed\">\n"
+        "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
+        "<img src=\"{}\" width=\"1000\" alt=\"Time of one evaluation of each contender, a panel a "
+        "scene and "
+        "formula. The numbers are in the table below.\"></picture>\n</div>\n",
+        files.dark, files.light);
+  else
+    page += fmt::format("<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
+                        esc(files.no_plot_reason));
+  page += fmt::format(
+      "<figcaption>Time of one evaluation [s]; further left is better. Data: "
+      "<a href=\"{}\">all contenders</a>",
+      files.csv);
+  if (!files.script.empty())
+    page += fmt::format("; <a href=\"{}\">gnuplot script</a>", files.script);
+  page += ".</figcaption>\n</figure>\n";
+
+  const auto open = [&](const char* label, const std::string& caption) {
+    page += fmt::format(
+        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table>\n"
+        "<caption><span>{}</span></caption>\n",
+        label, esc(caption));
+  };
+  open("Table of goals",
+       "Goals, and by how much those are missed that are: so much more it takes than granted.");
+  page +=
+      "<thead><tr><th scope=\"col\" class=\"n\">Goal</th><th scope=\"col\">What</th><th "
+      "scope=\"col\">Who</th>"
+      "<th scope=\"col\" class=\"n\">Wanted</th><th scope=\"col\" class=\"n\">Measured</th>"
+      "<th scope=\"col\" class=\"n\">Times Simbody</th><th "
+      "scope=\"col\">Verdict</th></tr></thead>\n<tbody>\n";
+  for (const Goal& goal : result.goals) {
+    const GoalVerdict verdict = judge(result, goal);
+    const char* css = !verdict.measured ? "none" : verdict.is_reached ? "agree" : "disagree";
+    page += fmt::format(
+        "<tr><td class=\"n\">{}</td><th scope=\"row\">{} <span class=\"soft\">of</span> {}</th>"
+        "<td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
+        "<td>{}</td></tr>\n",
+        goal.number, esc(goal.what), esc(goal.subject), esc(result.label(goal.by)),
+        esc(wanted(goal)), figure(verdict.measured), figure(verdict.times_simbody),
+        badge(css, verdictWords(verdict)));
+  }
+  page += "</tbody>\n</table>\n</div>\n";
+
+  for (const SceneTable& table : sceneTables(result)) {
+    open("Table of times",
+         table.scene + ": nanoseconds a state, and how many times faster than MuJoCo and Simbody.");
+    page += "<thead><tr><th scope=\"col\">Contender</th>";
+    for (const char* formula : kTimed)
+      page += fmt::format(
+          "<th scope=\"col\" class=\"n\">{} [ns]</th><th scope=\"col\" class=\"n\">× MuJoCo</th>"
+          "<th scope=\"col\" class=\"n\">× Simbody</th>",
+          formula);
+    page += "</tr></thead>\n<tbody>\n";
+    for (const Row& row : table.rows) {
+      page += fmt::format("<tr><th scope=\"row\">{}</th>", esc(row.label));
+      for (const Row::Cell& cell : row.cells)
+        page += fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
+                            figure(cell.ns), figure(cell.mujoco), figure(cell.simbody));
+      page += "</tr>\n";
+    }
+    page += "</tbody>\n</table>\n</div>\n";
+  }
+
+  open("Table of other numbers", "What else was measured.");
+  page +=
+      "<thead><tr><th scope=\"col\">What</th><th scope=\"col\">Who</th><th "
+      "scope=\"col\">Measured</th>"
+      "</tr></thead>\n<tbody>\n";
+  for (const OtherNumbers& o : otherNumbers(result))
+    page += fmt::format(
+        "<tr><th scope=\"row\">{} <span class=\"soft\">of</span> "
+        "{}</th><td>{}</td><td>{}</td></tr>\n",
+        esc(o.what), esc(o.subject), esc(o.label), esc(o.values));
+  page += "</tbody>\n</table>\n</div>\n";
+  if (!result.left_out.empty()) {
+    page += "<p class=\"soft\">Left out:</p>\n<ul class=\"reasons\">\n";
+    for (const std::string& reason : result.left_out) page += "<li>" + esc(reason) + "</li>\n";
+    page += "</ul>\n";
+  }
+  std::string libraries;
+  for (const Environment::Library& library : where.libraries)
+    libraries +=
+        fmt::format("{}{} {}", libraries.empty() ? "" : ", ", library.name, library.version);
+  return page + fmt::format(
+                    "<p class=\"soft small\">dynwitness {}{}; {} processors, load {:.1f} before; "
+                    "{} {}; {}</p>\n"
+                    "</section>\n",
+                    esc(where.version), where.commit.empty() ? "" : ", commit " + esc(where.commit),
+                    result.processors, result.load, esc(where.compiler), esc(where.flags),
+                    esc(libraries));
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/scalars/prime_field.hpp"
+
+#include <limits>
+
+#include <flint/ulong_extras.h>
+
+#include <fmt/format.h>
+
+#include "crosscheck/inputs/states.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+/// |n| mod p with the sign of n.
+PrimeField fromInteger(const scene::Integer& n) {
+  if (n >= std::numeric_limits<int>::min() && n <= std::numeric_limits<int>::max())
+    return static_cast<int>(n);
+  const scene::Integer magnitude = abs(n);
+  const auto residue =
+      static_cast<std::uint64_t>(scene::Integer(magnitude % PrimeField::modulus()));
+  const PrimeField element = PrimeField::fromResidue(residue);
+  return n < 0 ? -element : element;
+}
+
+/// Any element of the field: 63 random bits, drawn again until they are below p.
+PrimeField anyElement(RandomStream& random) {
+  std::uint64_t bits = random.next() >> 1;
+  while (bits >= PrimeField::modulus()) bits = random.next() >> 1;
+  return PrimeField::fromResidue(bits);
+}
+
+}  // namespace
+
+PrimeField::Modulus::Modulus(std::uint64_t prime) : outer_(modulus_) {
+  if (prime <= (std::uint64_t(1) << 61) || prime >> 63 != 0 || prime % 4 != 3 ||
+      n_is_prime(prime) == 0)
+    throw std::invalid_argument(fmt::format(
+        "PrimeField::Modulus: prime: expected a prime p = 3 mod 4, 2^61 < p < 2^63, got {}",
+        prime));
+  nmod_init(&modulus_, prime);
+}
+
+PrimeField PrimeField::fromRational(const scene::Rational& value) {
+  const PrimeField top = fromInteger(numerator(value));
+  return denominator(value) == 1 ? top : top / fromInteger(denominator(value));
+}
+
+PrimeField PrimeField::inverse() const {
+  if (isZero()) throw DivisionByZero("division by zero modulo " + std::to_string(modulus_.n));
+  return {nmod_inv(residue_, modulus_), Raw{}};
+}
+
+PrimeField FieldSource::element(const std::string& what) const {
+  RandomStream random(name_ + " " + what, seed_, index_);
+  return anyElement(random);
+}
+
+scene::CosSin<PrimeField> FieldSource::circlePoint(const std::string& what) const {
+  const PrimeField t = element(what), t2 = t * t;
+  const PrimeField scale = (PrimeField(1) + t2).inverse();
+  return {(PrimeField(1) - t2) * scale, (t + t) * scale};
+}
+
+std::uint64_t drawPrime(const std::string& name, std::uint64_t seed, std::uint64_t index) {
+  RandomStream random(name + " prime", seed, index);
+  while (true) {
+    const std::uint64_t candidate = (std::uint64_t(1) << 62) | (random.next() >> 2) | 3;
+    if (n_is_prime(candidate) != 0) return candidate;
+  }
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The laws of impedances over the field.
+#include "crosscheck/exact/inquiry.hpp"
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/studies/impedance.hpp"
+#include "crosscheck/studies/impedance_laws.hpp"
+#include "crosscheck/verdicts/within_bounds.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+/// A symmetric matrix of independent numbers.
+template <typename T>
+recursive::Matrix6<T> symmetric(Powers<T>* any, int free) {
+  recursive::Matrix6<T> m = recursive::Matrix6<T>::Identity();
+  for (int i = 0; i < free; ++i)
+    for (int j = 0; j <= i; ++j) m(i, j) = m(j, i) = (*any)();
+  return m;
+}
+
+}  // namespace
+
+std::vector<CheckResult> checkImpedanceExactly(const scene::Scene& scene, const std::string& link,
+                                               const ExactOptions& options) {
+  requireTreated(scene, Command::kImpedance);
+  const int seen = linkNamed(scene, link);
+  Inquiry inquiry;
+  inquiry.checks = inWords(kImpedanceLaws);
+  const auto ask = [&](const auto& number, const auto& state) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    // tau is used as joint compliance; the rest is made of qdd, which the laws do not use
+    Powers<T> any(state.qdd[0]);
+    Impedance<T> z;
+    z.point = {seen, any.vector()};
+    z.stretch = any.vector();
+    z.wrench << any.vector(), any.vector();
+    Powers<T> more(state.tau[0] * state.qdd[0] + T(1));
+    z.K = symmetric<T>(&more, 3);
+    z.D = recursive::Matrix6<T>(z.K * T(2));
+    for (int i = 3; i < 6; ++i) z.D(i, 0) = z.D(0, i) = z.K(i - 3, 1);
+    z.joint_compliance = state.tau;
+    try {
+      return ImpedanceModel<T>(scene.mechanism, number).laws(state, z);
+    } catch (const DivisionByZero& error) {
+      return std::vector<TwoSides<T>>(std::size(kImpedanceLaws), TwoSides<T>{{}, {}, error.what()});
+    }
+  };
+  inquiry.in_field = ask;
+  inquiry.in_degrees = ask;
+  return impedanceLawsOf(scene.mechanism, decide(scene, inquiry, options));
+}
+
+}  // namespace dynwitness::crosscheck

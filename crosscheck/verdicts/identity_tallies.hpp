@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The verdict on both sides of the identities, state by state.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "crosscheck/laws/two_sides.hpp"
+#include "crosscheck/scalars/running_error.hpp"
+#include "crosscheck/verdicts/tally.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// One tally a law, in the order of kIdentities.
+class IdentityTallies {
+ public:
+  explicit IdentityTallies(std::uint64_t seed);
+  /// @param is_singular  says why M is singular at a state, or nothing: asked where a law has no
+  ///   bound
+  void add(int state, const std::vector<TwoSides<RunningError>>& sides,
+           const std::function<std::string(int)>& is_singular);
+  std::vector<CheckResult> results() const;
+
+ private:
+  std::vector<Tally> tallies_;
+};
+
+}  // namespace dynwitness::crosscheck

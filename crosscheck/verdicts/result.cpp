@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/verdicts/result.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace dynwitness::crosscheck {
+
+const char* name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kAgree:
+      return "agree";
+    case Verdict::kDisagree:
+      return "disagree";
+    case Verdict::kNotAnswerable:
+      return "not answerable";
+  }
+  return "?";
+}
+
+const char* name(RunVerdict verdict) {
+  switch (verdict) {
+    case RunVerdict::kAgree:
+      return "agree";
+    case RunVerdict::kNotAnswerable:
+      return "not answerable";
+    case RunVerdict::kIncomplete:
+      return "incomplete";
+    case RunVerdict::kProvesNothing:
+      return "proves nothing";
+    case RunVerdict::kDisagree:
+      return "disagree";
+  }
+  return "?";
+}
+
+int exitStatus(RunVerdict verdict) {
+  switch (verdict) {
+    case RunVerdict::kAgree:
+      return 0;
+    case RunVerdict::kIncomplete:
+    case RunVerdict::kDisagree:
+      return 1;
+    case RunVerdict::kNotAnswerable:
+    case RunVerdict::kProvesNothing:
+      break;
+  }
+  return 3;
+}
+
+void CheckResult::addVoided(int state, const std::string& why, bool is_excused) {
+  const bool is_first = is_excused ? voided == 0 : voided == excused;
+  if (is_first) {
+    first_voided = state;
+    voided_reason = why;
+  }
+  ++voided;
+  excused += is_excused ? 1 : 0;
+}
+
+std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks) {
+  std::vector<Coverage> all;
+  for (const CheckResult& check : checks) {
+    if (check.quantity.empty())
+      continue;  // a witness that cannot hold the scene: nothing was asked of it
+    auto at = std::find_if(all.begin(), all.end(),
+                           [&](const Coverage& c) { return c.quantity == check.quantity; });
+    if (at == all.end()) {
+      all.emplace_back();
+      at = all.end() - 1;
+      at->quantity = check.quantity;
+    }
+    // no state is to blame: there was nothing to ask
+    const bool is_idle = check.verdict == Verdict::kNotAnswerable && check.voided == 0;
+    const long voided = is_idle ? 1 : check.voided, excused = is_idle ? 1 : check.excused;
+    if (voided > excused ? at->missing() == 0 : voided > 0 && at->voided == 0)
+      at->reason = is_idle ? check.reason : check.voided_reason;
+    at->asked += is_idle ? 1 : check.states;
+    at->voided += voided;
+    at->excused += excused;
+  }
+  return all;
+}
+
+std::optional<double> CheckResult::limitOverSeen() const {
+  if (unit != "ulp" || verdict == Verdict::kNotAnswerable || !std::isfinite(seen))
+    return std::nullopt;
+  return loosest / std::max(seen, ulp());
+}
+
+double CheckResult::ulp() const {
+  const double one = std::numeric_limits<double>::epsilon() * largest;
+  return std::isnormal(one) ? one : std::numeric_limits<double>::epsilon();
+}
+
+int CrosscheckResult::count(Verdict verdict) const {
+  int count = 0;
+  for (const SceneResult& scene : scenes)
+    for (const CheckResult& check : scene.checks) count += check.verdict == verdict ? 1 : 0;
+  return count;
+}
+
+int CrosscheckResult::checkCount() const {
+  return count(Verdict::kAgree) + count(Verdict::kDisagree);
+}
+
+int CrosscheckResult::exactCount() const {
+  int count = 0;
+  for (const SceneResult& scene : scenes)
+    for (const CheckResult& check : scene.checks)
+      count += check.exact && check.exact->residual_zero ? 1 : 0;
+  return count;
+}
+
+RunVerdict CrosscheckResult::verdict() const {
+  if (count(Verdict::kDisagree) > 0) return RunVerdict::kDisagree;
+  if (controlMissed()) return RunVerdict::kProvesNothing;
+  if (count(Verdict::kAgree) == 0) return RunVerdict::kNotAnswerable;
+  return thinlyCovered().empty() ? RunVerdict::kAgree : RunVerdict::kIncomplete;
+}
+
+std::vector<Coverage> CrosscheckResult::coverage() const {
+  std::vector<CheckResult> all;
+  for (const SceneResult& scene : scenes)
+    all.insert(all.end(), scene.checks.begin(), scene.checks.end());
+  return coverageOf(all);
+}
+
+std::vector<std::string> CrosscheckResult::thinlyCovered() const {
+  std::vector<std::string> thin;
+  for (const SceneResult& scene : scenes)
+    for (const Coverage& coverage : coverageOf(scene.checks))
+      if (coverage.isThin()) thin.push_back(fmt::format("{} of {}", coverage.quantity, scene.name));
+  return thin;
+}
+
+bool CrosscheckResult::controlMissed() const {
+  for (const SceneResult& scene : scenes)
+    for (const Control& control : scene.controls)
+      if (!control.missed.empty()) return true;
+  return false;
+}
+
+namespace {
+
+/// "a, b and c"
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
+  return text;
+}
+
+void addOnce(std::vector<std::string>& list, const std::string& text) {
+  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
+}
+
+/// At most `most` of them, and how many more there are.
+std::string shortened(std::vector<std::string> words, std::size_t most) {
+  if (words.size() > most) {
+    const std::size_t more = words.size() - most;
+    words.resize(most);
+    words.push_back(fmt::format("{} more", more));
+  }
+  return listed(words);
+}
+
+}  // namespace
+
+std::string CrosscheckResult::controlLine() const {
+  std::vector<std::string> quantities, roads, larger, missed, idle;
+  std::map<std::string, int> nothing;  // scenes, by quantity
+  std::set<std::string> seen_in;
+  double least = 0, table = 0;
+  for (const SceneResult& scene : scenes)
+    for (const Control& control : scene.controls)
+      if (control.size > 0 && control.found != std::vector<std::string>{"table"})
+        least = least == 0 ? control.size : std::min(least, control.size);
+  for (const SceneResult& scene : scenes) {
+    for (const Control& control : scene.controls) {
+      const std::string where = fmt::format("{} of {}", control.quantity, scene.name);
+      if (!control.missed.empty())
+        missed.push_back(fmt::format("{} by {}", where, listed(control.missed)));
+      if (!control.nothing.empty()) ++nothing[control.quantity];
+      if (control.found.empty()) continue;
+      seen_in.insert(scene.name);
+      if (control.found == std::vector<std::string>{"table"}) {
+        table = std::max(table, control.size);
+        continue;
+      }
+      addOnce(quantities, control.quantity);
+      for (const std::string& road : control.found) addOnce(roads, road);
+      if (control.size > least) larger.push_back(fmt::format("{} at {:.0e}", where, control.size));
+    }
+  }
+  if (seen_in.empty() && missed.empty()) return "control: nothing was planted";
+  std::string line;
+  if (!missed.empty())
+    line =
+        fmt::format("control: a known fault, a kilogram too heavy by {:.0e}, was not found in {}",
+                    least, shortened(missed, 5));
+  else
+    line = fmt::format(
+        "control: a kilogram too heavy by {:.0e} was found in {} of {}{} scene{}, by {}", least,
+        listed(quantities), seen_in.size() == scenes.size() && scenes.size() > 1 ? "all " : "",
+        seen_in.size(), seen_in.size() == 1 ? "" : "s", listed(roads));
+  if (table > 0) line += fmt::format("; in tables by their digits, at most {:.0e}", table);
+  if (!larger.empty()) line += "; " + shortened(larger, 3);
+  for (const auto& [quantity, count] : nothing)
+    idle.push_back(fmt::format("{} of {} scene{}", quantity, count, count == 1 ? "" : "s"));
+  if (!idle.empty()) line += "; nothing to plant in " + listed(idle);
+  return line;
+}
+
+std::pair<const SceneResult*, const CheckResult*> CrosscheckResult::worst() const {
+  std::pair<const SceneResult*, const CheckResult*> worst{nullptr, nullptr};
+  for (const SceneResult& scene : scenes)
+    for (const CheckResult& check : scene.checks)
+      if (check.verdict != Verdict::kNotAnswerable && check.unit == "ulp" && !check.known_loss &&
+          (worst.second == nullptr || !(check.ratio <= worst.second->ratio)))
+        worst = {&scene, &check};
+  return worst;
+}
+
+std::vector<CrosscheckResult::KnownLoss> CrosscheckResult::knownLosses() const {
+  std::vector<KnownLoss> losses;
+  for (const WitnessInfo& witness : witnesses) {
+    KnownLoss loss{&witness, nullptr, 0};
+    for (const SceneResult& scene : scenes) {
+      for (const Finding& finding : scene.findings) {
+        if (finding.kind != Finding::Kind::kKnownLoss || finding.witness != witness.name) continue;
+        ++loss.scenes;
+        if (loss.worst == nullptr || finding.digits < loss.worst->digits) loss.worst = &finding;
+      }
+    }
+    if (loss.worst != nullptr) losses.push_back(loss);
+  }
+  return losses;
+}
+
+std::string CrosscheckResult::headline() const {
+  const int disagreeing = count(Verdict::kDisagree);
+  std::string line = fmt::format("{} scene{}, {} checks, ", scenes.size(),
+                                 scenes.size() == 1 ? "" : "s", checkCount());
+  switch (verdict()) {
+    case RunVerdict::kAgree:
+      line += "all agree";
+      break;
+    case RunVerdict::kNotAnswerable:
+      line += "nothing could be answered";
+      break;
+    case RunVerdict::kIncomplete:
+      line += fmt::format("incomplete: what was answered agrees, but too little was of {}",
+                          shortened(thinlyCovered(), 3));
+      break;
+    case RunVerdict::kProvesNothing:
+      line += "this run proves nothing: its own control, a known fault, was not found";
+      break;
+    case RunVerdict::kDisagree:
+      line += fmt::format("{} disagree{}", disagreeing,
+                          controlMissed() ? ", and the control, a known fault, was not found" : "");
+      break;
+  }
+  if (exactCount() > 0) line += fmt::format(", {} exactly", exactCount());
+  std::vector<Coverage> gaps;
+  for (const Coverage& coverage : coverage())
+    if (coverage.voided > 0) gaps.push_back(coverage);
+  std::stable_sort(gaps.begin(), gaps.end(),
+                   [](const Coverage& a, const Coverage& b) { return a.missing() > b.missing(); });
+  std::vector<std::string> unanswered;
+  for (const Coverage& gap : gaps)
+    unanswered.push_back(fmt::format("{} {} of {} comparisons{}", gap.quantity, gap.voided,
+                                     gap.asked,
+                                     gap.missing() > 0 ? fmt::format(" ({})", gap.reason) : ""));
+  if (!unanswered.empty()) line += "; not answered: " + shortened(unanswered, 4);
+  const auto [scene, check] = worst();
+  if (check != nullptr)
+    line += fmt::format("; closest to its rounding limit {:.3g} of {:.3g} ulp: {}, {} ({}{}{})",
+                        check->worst, check->limit, scene->name, check->worst_entry, check->left,
+                        check->right.empty() ? "" : " and ", check->right);
+  return line;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a crosscheck found: plain data, written by the checks, read by the report.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "crosscheck/motion/drift.hpp"
+#include "crosscheck/witnesses/witness_info.hpp"
+
+namespace dynwitness::crosscheck {
+
+enum class Verdict { kAgree, kDisagree, kNotAnswerable };
+/// "agree", "disagree", "not answerable"
+const char* name(Verdict verdict);
+
+/// What a whole run says. Each but the first two outweighs those before it.
+enum class RunVerdict {
+  kAgree,          ///< everything that can be compared was, and agrees
+  kNotAnswerable,  ///< nothing could be compared
+  kIncomplete,     ///< what was compared agrees; too much that can be compared was not (Coverage)
+  kProvesNothing,  ///< the run's own control, a known fault, was not found (Control)
+  kDisagree,
+};
+/// "agree", "not answerable", "incomplete", "proves nothing", "disagree"
+const char* name(RunVerdict verdict);
+/// Of the program: 0; 3; 1; 3; 1.
+int exitStatus(RunVerdict verdict);
+
+/** One check over all states.
+
+    A state at which nothing can be judged is voided: it is counted, and says nothing about the
+    others. The check is not answerable when that leaves none. A voided state is excused when there
+    is nothing that could be compared, whoever tried; Coverage says when.
+
+    Residuals are counted in ulp: |left - right| / (eps * scale), eps = 2^-52, scale = the largest
+    magnitude in the compared vector or matrix. `limit` is the error bound of the same computation
+    at that state, in the same unit. Both belong to the entry and state that use the largest share
+    of their limit; the check agrees when that share, `ratio`, is at most 1. */
+struct CheckResult {
+  /// The verdict without rounding: both sides over the integers modulo a prime.
+  struct Exact {
+    std::uint64_t prime = 0;
+    int points = 0;                ///< random points at which the residual was evaluated
+    int discarded = 0;             ///< points drawn again because a divisor was zero there
+    double degree = 0;             ///< bound of the residual's degree in the random inputs
+    double error_probability = 1;  ///< chance at most that different formulas pass all points
+    bool residual_zero = false;
+    std::string parameters;  ///< "as written", or "random": then for every mechanism like this
+  };
+
+  std::string
+      check;  ///< "same", "truth" (distance to the certified one), or the name of an identity
+  std::string statement;     ///< one line: what must hold, as a formula
+  std::string quantity;      ///< "M", "c", "g", "tau", "qdd", "kinetic", ...
+  std::string left, right;   ///< witnesses; right is empty for an identity of one witness
+  std::string unit = "ulp";  ///< of worst and limit; a published table counts in its last digit
+  int states = 0;            ///< at which it was asked; cases of a table, points over the field
+  int voided = 0;            ///< of them: not judged, or not in all entries
+  int excused = 0;           ///< of the voided: there is nothing to compare
+  int first_voided =
+      0;  ///< index of the first voided state that is not excused, or else of the first
+  std::string voided_reason;  ///< of that state
+  double worst = 0;           ///< residual that uses the largest share of its limit [unit]
+  double limit = 0;           ///< that limit [unit]
+  double ratio = 0;           ///< largest residual / limit over all states and entries
+  // of any entry at any state, in the quantity's own unit
+  double seen = 0;          ///< largest residual
+  double loosest = 0;       ///< largest limit
+  double largest = 0;       ///< largest magnitude, or magnitude of the terms of an equation
+  int worst_state = 0;      ///< index of the state of `ratio`; with the seed it can be drawn again
+  std::string worst_entry;  ///< "M[1,2]": where in the vector or matrix `ratio` is
+  std::uint64_t seed = 0;
+  Verdict verdict = Verdict::kAgree;
+  std::string reason;  ///< for kDisagree and kNotAnswerable
+  std::optional<Exact> exact;
+  std::string no_exact;          ///< why the field, which was asked, could not decide
+  std::optional<double> digits;  ///< fewest correct ones, where the check is against the truth
+  std::optional<double>
+      condition;  ///< of M, the largest met, where M is solved with (backward_error.hpp)
+  /// Beyond rounding, within what a witness documents as its loss: agrees, and its limit hides more
+  /// than others do.
+  bool known_loss = false;
+
+  /// States that were judged.
+  int judged() const { return states - voided; }
+  /// Counts a voided state; there is nothing to compare when `excused`.
+  void addVoided(int state, const std::string& why, bool is_excused);
+
+  /** How much wider the loosest limit is than the largest residual: what the check can miss,
+      counted in what it sees. Less than one ulp of the largest entry of all states cannot be
+      expected of any computation in double, so a smaller residual counts as one. Empty where
+      nothing is counted in ulp. */
+  std::optional<double> limitOverSeen() const;
+  /// One ulp of `largest`; of 1 where everything is zero.
+  double ulp() const;
+};
+
+/** How much of one quantity was compared. A comparison is one check at one state.
+
+    Every comparison ought to be possible but these, which are excused:
+    - those of a witness that cannot hold the scene at all (a kind of joint that it does not have,
+      loads, a scene that its format cannot spell): the check "witness" gives the reason, and none
+      of its
+      comparisons is asked;
+    - those of a quantity that does not exist: M is singular at the state, certified by the
+      enclosure of a pivot, and qdd and the laws that divide by an inertia have no value; over the
+      field, a divisor
+      that is zero as a formula; a law that needs more than the mechanism has (another root, where
+      there is one body);
+    - energy along a path where nothing moves, or which the fixed steps do not resolve.
+    An error bound that runs away, a witness that throws at a state that others answer, an enclosure
+    that does not get sharp are held against the run: when more than a tenth of the comparisons of a
+    quantity of a scene are missing in this way, the run is incomplete. */
+struct Coverage {
+  std::string quantity;
+  long asked = 0, voided = 0, excused = 0;
+  std::string reason;  ///< of the first voided comparison, missing ones before excused ones
+
+  long missing() const { return voided - excused; }
+  bool isThin() const { return 10 * missing() > asked - excused; }
+};
+/// By quantity, in the order of the checks.
+std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks);
+
+/** The run's own control: a witness whose kilogram is too heavy by `size`. Then M, c, g, tau,
+    reactions, energies and momentum are too large by just that, entry by entry (they have the
+    dimension of a mass); for qdd inertia alone is too large, weights are not. It is judged as the
+    witnesses are, and must be found; crosscheck/verdicts/control.hpp says how large it is. */
+struct Control {
+  std::string quantity;
+  double size = 0;                         ///< relative; the largest planted
+  std::vector<std::string> found, missed;  ///< by "pairs", "truth", "field", "table"
+  std::vector<std::string>
+      blind;            ///< witnesses whose pairs with the control have limits too wide for it
+  std::string nothing;  ///< why nothing can be planted; empty: something was
+};
+
+/** What is left of one quantity by one witness, over the states of a crosscheck.
+
+    Digits are counted against the quantity as a whole,
+        digits = -log10( max_i |x_i - truth_i| / max_i |truth_i| ),
+    because an entry that should be 0 has no digits of its own. Distance to the truth means to the
+    farthest point of its enclosure, so no digit is counted that is not there. Digits that a
+    scalar has no room for are not counted either: 9 in float, 17 in double, 21 in long double
+    (max_digits10). */
+struct DigitsResult {
+  std::string witness, quantity;
+  std::string scalar;                   ///< "double"; our sweeps in "float" and "long double" too
+  int states = 0;                       ///< that have digits: the truth is certified and not 0
+  std::optional<double> worst, median;  ///< digits over those states; empty when there are none
+  /// Fewest digits of a single entry against itself, over entries that are not 0.
+  std::optional<double> worst_single;
+  int worst_state = 0;      ///< where `worst` is
+  std::string worst_entry;  ///< the entry farthest from the truth there
+};
+
+/// What a person should know: who stands alone in a disagreement, or who loses digits and why.
+struct Finding {
+  /// kOpenStart: the scene's own start leaves closures open
+  enum class Kind { kDisagreement, kKnownLoss, kOpenStart };
+  Kind kind = Kind::kDisagreement;
+  std::string scene, quantity;
+  std::string witness;           ///< the one that stands alone; empty when no single one does
+  std::string text;              ///< a sentence for people
+  std::optional<double> digits;  ///< of a known loss: how many are left
+};
+
+/// The derived equations, ready to be shown; empty when they are too long to read.
+struct Equations {
+  std::string summary;  ///< "closed form, 34 terms" or "573 multiplications, 412 additions"
+  std::string kinetic, potential;  ///< MathML
+  std::vector<std::string> lines;  ///< MathML, one equation each: M entries, c, g
+};
+
+struct SceneResult {
+  std::string name, title, source, file;
+  int dof = 0, links = 0;
+  std::vector<std::string> link_names, joint_labels;  ///< one a link; label of the root is empty
+  std::vector<int> parents;                           ///< -1 for the root
+  std::vector<std::string> not_modelled;
+  Equations equations;
+  std::vector<CheckResult> checks;
+  std::vector<DigitsResult> digits;
+  std::vector<Finding> findings;
+  std::vector<Control> controls;  ///< by quantity
+  std::optional<Drift> drift;
+};
+
+struct CrosscheckResult {
+  std::vector<WitnessInfo> witnesses;
+  std::vector<SceneResult> scenes;
+  std::uint64_t seed = 0;
+  int states = 0;
+  std::string command;  ///< reproduces this result
+
+  int checkCount() const;  ///< answered checks
+  int exactCount() const;  ///< checks whose residual is zero over the prime field
+  int count(Verdict verdict) const;
+  RunVerdict verdict() const;
+  /// Over all scenes.
+  std::vector<Coverage> coverage() const;
+  /// Quantities of a scene of which too much is missing: "qdd of chain".
+  std::vector<std::string> thinlyCovered() const;
+  /// "control: a kilogram off by 1e-10 was found in M, c, ... of all 46 scenes by pairs, truth,
+  /// field"
+  std::string controlLine() const;
+  bool controlMissed() const;
+  /// The check in ulp with the largest ratio, and its scene. Limits that contain a known loss do
+  /// not compete: they say nothing about rounding.
+  std::pair<const SceneResult*, const CheckResult*> worst() const;
+  /// A witness that loses digits as it documents: the worst finding, and the number of scenes.
+  struct KnownLoss {
+    const WitnessInfo* witness;
+    const Finding* worst;
+    int scenes;
+  };
+  std::vector<KnownLoss> knownLosses() const;
+  /// "14 scenes, 1212 checks, all agree; not answered: qdd 3 of 660 comparisons (..); closest .."
+  std::string headline() const;
+};
+
+}  // namespace dynwitness::crosscheck

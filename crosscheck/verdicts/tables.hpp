@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The witness `table`: published numbers, compared at the digits that their source prints.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "crosscheck/verdicts/result.hpp"
+#include "crosscheck/witnesses/witness.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// The tables beside the bundled scenes, in alphabetical order.
+std::vector<std::filesystem::path> bundledTables();
+/// The table's own scene file, or empty when it speaks about a bundled scene.
+std::filesystem::path ownScene(const std::filesystem::path& table);
+/// True when the table speaks about this scene.
+bool isAbout(const std::filesystem::path& table, const scene::Scene& scene);
+
+/** Every printed quantity of a table against every witness that answers it.
+    @throws scene::InputError when the file is not a table or its scene does not fit */
+std::vector<CheckResult> compareWithTable(const std::filesystem::path& table,
+                                          const scene::Scene& scene,
+                                          const std::vector<WitnessKind>& kinds);
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The parts of `./dynwitness bench`. A benchmark is named SUBJECT/WHAT/BY, as
+// "franka_panda/ID/fast"; what it measured becomes a crosscheck::Measurement: its time (CPU time,
+// or wall time where it was registered for that; divided by the counter kStatesCounter if there is
+// one), and each other counter under the counter's name as unit.
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include "crosscheck/report/bench.hpp"
+
+namespace dynwitness::benchmarks {
+
+constexpr int kStates = 1000;  ///< that a benchmark cycles through
+constexpr std::uint64_t kSeed = 1;
+constexpr const char* kStatesCounter = "states";
+
+/// Each adds its benchmarks to google-benchmark's list, and what the table must know of them to the
+/// result: contenders, and what is left out here.
+void registerSweeps(crosscheck::BenchResult* result);       ///< SCENE/ID, M, FD/...
+void registerDerivations(crosscheck::BenchResult* result);  ///< SCENE/derivation/...
+void registerStarts(crosscheck::BenchResult* result);       ///< making, crosscheck, counts
+
+/// A contender that may have been added before.
+void addContender(crosscheck::BenchResult* result, const crosscheck::Contender& contender);
+
+}  // namespace dynwitness::benchmarks

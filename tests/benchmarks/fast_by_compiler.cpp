@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The fast sweeps behind four C functions, so that one program can hold what two compilers make of
+// the same source. COMPILER is the prefix of the functions; nothing else is visible outside.
+#include "tests/benchmarks/fast_by_compiler.hpp"
+
+#include "recursive/fast/dynamics.hpp"
+
+using dynwitness::recursive::fast::Dynamics;
+
+#define JOINED(a, b) a##b
+#define NAME(a, b) JOINED(a, b)
+#define EXPORTED extern "C" __attribute__((visibility("default")))
+
+EXPORTED void* NAME(COMPILER, _fast_make)(const dynwitness::recursive::Model<double>* model) {
+  return new Dynamics(*model);
+}
+EXPORTED void NAME(COMPILER, _fast_free)(void* fast) {
+  delete static_cast<Dynamics*>(fast);
+}
+EXPORTED void NAME(COMPILER, _fast_ID)(void* fast, const double* q, const double* qd,
+                                       const double* qdd, double* tau) {
+  static_cast<Dynamics*>(fast)->inverseDynamics(q, qd, qdd, tau);
+}
+EXPORTED void NAME(COMPILER, _fast_M)(void* fast, const double* q, double* M) {
+  static_cast<Dynamics*>(fast)->massMatrix(q, M);
+}
+EXPORTED void NAME(COMPILER, _fast_FD)(void* fast, const double* q, const double* qd,
+                                       const double* tau, double* qdd) {
+  static_cast<Dynamics*>(fast)->forwardDynamics(q, qd, tau, qdd);
+}
+EXPORTED const char* NAME(COMPILER, _fast_compiler)() {
+#define TEXT_OF(x) #x
+#define TEXT(x) TEXT_OF(x)
+#ifdef __clang__
+  return "clang " TEXT(__clang_major__);
+#else
+  return "g++ " TEXT(__GNUC__);
+#endif
+}

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What evaluate takes for granted: nothing. Accelerations that were not given are found or asked
+// for, and states that leave closures open are told.
+#define BOOST_TEST_DYN_LINK
+#define BOOST_TEST_MODULE evaluate
+#include <boost/test/unit_test.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "crosscheck/studies/closure_gap.hpp"
+#include "crosscheck/studies/constrained_quantities.hpp"
+#include "tests/fixtures/program.hpp"
+
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+using fixtures::Outcome;
+using fixtures::Program;
+using fixtures::refuses;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// The second line of what a command says.
+std::vector<double> numbers(const std::string& text) {
+  std::vector<double> out;
+  const char* at = text.c_str() + text.find('\n') + 1;
+  for (int used = 0; *at != '\n' && *at != 0; at += used + (at[used] == ',' ? 1 : 0)) {
+    double x = 0;
+    BOOST_REQUIRE(std::sscanf(at, "%lf%n", &x, &used) == 1);
+    out.push_back(x);
+  }
+  return out;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(accelerations)
+
+// By hand: the simple pendulum has m = l = 1, g = 9.81, and with tau = 2 at q = 1/2 qdd = 2 - 9.81
+// sin(1/2); the pivot holds m (g cos q + l qd^2) along the rod and what is left across it.
+BOOST_AUTO_TEST_CASE(qdd_is_found_from_tau_where_it_is_not_given) {
+  const Program program;
+  program.write("s.csv", "q1,qd1,tau1\n0.5,3,2\n");
+  const std::string words = "evaluate simple_pendulum --quantity tau,reactions,qdd --states s.csv";
+  const std::vector<double> row = numbers(program.run(words, "2>/dev/null").out);
+  BOOST_REQUIRE(row.size() == 8u);
+  const double qdd = 2 - 9.81 * std::sin(0.5);
+  BOOST_TEST(row[0] == 2, boost::test_tools::tolerance(1e-15));
+  BOOST_TEST(row[1] == -(qdd + 9.81 * std::sin(0.5)), boost::test_tools::tolerance(1e-14));
+  BOOST_TEST(row[3] == 9.81 * std::cos(0.5) + 9, boost::test_tools::tolerance(1e-15));
+  BOOST_TEST(row[7] == qdd, boost::test_tools::tolerance(1e-15));
+  BOOST_TEST(
+      has(program.run(words, "2>&1 >/dev/null").out, "no qdd given: it is found from tau first"));
+}
+
+BOOST_AUTO_TEST_CASE(what_is_needed_and_not_given_is_refused) {
+  const Program program;
+  program.write("neither.csv", "q1,qd1\n0.5,3\n");
+  program.write("qdd.csv", "q1,qd1,qdd1\n0.5,3,1\n");
+  program.write("driven.csv", "q1,q2,tau1,tau2\n0,3,0,0\n");
+  for (const char* quantity : {"tau", "reactions", "M,reactions"})
+    refuses(program,
+            std::string("evaluate simple_pendulum --states neither.csv --quantity ") + quantity,
+            "neither qdd nor tau given");
+  for (const char* file : {"neither.csv", "qdd.csv"})
+    refuses(program, std::string("evaluate simple_pendulum --quantity qdd --states ") + file,
+            std::string(file) + ": qdd asked, and no tau given");
+  refuses(program, "evaluate kapitza_pendulum --quantity qdd --states driven.csv",
+          "driven joints, and no qdd given");
+  BOOST_TEST(program.run("evaluate simple_pendulum --states neither.csv --quantity M,c,g,kinetic")
+                 .status == 0);
+}
+
+BOOST_AUTO_TEST_CASE(what_is_taken_is_told) {
+  const Program program;
+  program.write("both.csv", "q1,tau1,qdd1\n0.5,2,1\n");
+  const Outcome both = program.run("evaluate simple_pendulum --states both.csv --quantity tau,qdd");
+  BOOST_TEST(both.status == 0);
+  BOOST_TEST(has(both.out, "no qd given: at rest"), both.out);
+  BOOST_TEST(has(both.out, "both given: tau and reactions belong to qdd as given"), both.out);
+  BOOST_TEST(has(program.run("evaluate simple_pendulum --quantity qdd").out,
+                 "without joint forces (tau = 0)"));
+}
+
+// The drive of Kapitza's pendulum, asked for twice: as the tau of all joints, and as what the drive
+// takes.
+BOOST_AUTO_TEST_CASE(a_driven_scene_moves_with_its_constrained_accelerations) {
+  const Program program;
+  const std::vector<double> row =
+      numbers(program.run("evaluate kapitza_pendulum --quantity tau,tau_drive", "2>/dev/null").out);
+  BOOST_REQUIRE(row.size() == 4u);
+  BOOST_TEST(row[0] == row[2], boost::test_tools::tolerance(1e-13));
+  BOOST_TEST(std::abs(row[1]) < 1e-13);  // nothing drives the rod
+  BOOST_TEST(std::abs(row[0]) > 1);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+BOOST_AUTO_TEST_SUITE(open_closures)
+
+BOOST_AUTO_TEST_CASE(the_bundled_starts_are_closed) {
+  int closed = 0;
+  for (const auto& file : scene::bundledScenes()) {
+    const scene::Scene scene = scene::readScene(file);
+    const ClosureGap gap = ClosureGaps::ofStart(scene);
+    BOOST_TEST(!gap.is_open, scene.name << ": " << gap.text());
+    closed += scene.mechanism.closures.empty() ? 0 : 1;
+  }
+  BOOST_TEST(closed >= 8);
+}
+
+// A gap of this size is seen, one of rounding is not: q moved by a millionth of a millionth, and by
+// its last place.
+BOOST_AUTO_TEST_CASE(more_than_rounding_is_open) {
+  const scene::Scene scene = scene::findScene("andrews_squeezer");
+  ClosureGaps gaps(scene);
+  const scene::State<double> start = ConstrainedQuantities(scene).start();
+  const auto moved = [&](double by) {
+    scene::State<double> state = start;
+    state.x[2] = scene::jointPosition(start.x[2].q + by);
+    return gaps.at(state);
+  };
+  BOOST_TEST(!moved(0).is_open);
+  const double last_place = std::nextafter(start.x[2].q, 1.0) - start.x[2].q;
+  BOOST_TEST(!moved(last_place).is_open);
+  BOOST_TEST(moved(1e-12).is_open);
+  // the lever arm is below 1 m and above 1 mm
+  BOOST_TEST(moved(1e-3).phi < 1e-3);
+  BOOST_TEST(moved(1e-3).phi > 1e-6);
+
+  scene::State<double> running = start;
+  running.qd[0] = 1;  // alone, it pulls the loops apart
+  const ClosureGap gap = gaps.at(running);
+  BOOST_TEST(gap.is_open);
+  BOOST_TEST(gap.phi_rate > 1e-3);
+}
+
+BOOST_AUTO_TEST_CASE(evaluate_simulate_and_crosscheck_tell_them) {
+  const Program program;
+  program.write("s.csv", "q1,q2,qd1,qd2,tau1,tau2\n0,0,0,0,0,0\n0.1,0,0,0,0,0\n0,0,0,2,0,0\n");
+  const std::string rods =
+      "title = \"Rods\"\nsource = \"chosen here\"\n[[link]]\nname = \"base\"\n"
+      "[[link]]\nname = \"arm\"\nparent = \"base\"\nmass = 2\ncom = [0.3, 0, 0]\n"
+      "inertia = { yy = 0.06, zz = 0.06 }\n"
+      "joint = { kind = \"revolute\" }\n"
+      "[[link]]\nname = \"tip\"\nparent = \"arm\"\nmass = 1\ncom = [0.2, 0, 0]\n"
+      "inertia = { yy = 0.02, zz = 0.02 }\n"
+      "joint = { kind = \"revolute\", xyz = [0.5, 0, 0] }\n"
+      "[[closure]]\nkind = \"plane\"\n"
+      "a = { link = \"base\", xyz = [0, 0, 0], rpy = [\"pi/2\", 0, 0] }\n"
+      "b = { link = \"tip\", xyz = [0.25, 0, 0] }\n[start]\nq = [0, 0]\n";
+  program.write("closed.toml", rods);
+  const Outcome evaluate = program.run("evaluate closed.toml --quantity qdd --states s.csv");
+  BOOST_TEST(evaluate.status == 0);
+  // by hand: 0.75 sin(0.1) m, and 0.25 m at 2 rad/s
+  BOOST_TEST(has(evaluate.out,
+                 "open at 2 of 3 states, worst |phi| = 0.0749 (state 2), |J qd| = 0.5 (state 3)"),
+             evaluate.out);
+  BOOST_TEST(!has(program.run("simulate closed.toml --duration 0.1").out, "open"));
+
+  std::string open = rods;
+  open.replace(open.find("q = [0, 0]"), 10, "q = [0, 0.001]");
+  program.write("open.toml", open);
+  const Outcome simulate = program.run("simulate open.toml --duration 0.1");
+  BOOST_TEST(simulate.status == 0);
+  BOOST_TEST(has(simulate.out, "the start leaves closures open, |phi| = 0.00025, |J qd| = 0"),
+             simulate.out);
+  const std::string words = " --witness newton_euler,lagrange --states 2 --no-charts --report r";
+  program.run("crosscheck open.toml" + words);
+  BOOST_TEST(has(program.read("r/report.json"), "the start leaves closures open, |phi| = 0.00025"));
+  program.run("crosscheck closed.toml" + words);
+  BOOST_TEST(!has(program.read("r/report.json"), "leaves closures open"));
+}
+
+BOOST_AUTO_TEST_SUITE_END()

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// No kind of check is vacuous: a fault is planted for each kind that a report can hold, and that
+// kind turns red. A new kind without a plant here fails the last test.
+#define BOOST_TEST_DYN_LINK
+#define BOOST_TEST_MODULE kinds_of_checks
+#include <stdlib.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <set>
+
+#include <boost/test/data/monomorphic.hpp>
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+#include <nlohmann/json.hpp>
+
+#include "crosscheck/conductor/crosscheck.hpp"
+#include "crosscheck/exact/exact.hpp"
+#include "crosscheck/exact/inquiry.hpp"
+#include "crosscheck/inputs/states.hpp"
+#include "crosscheck/laws/identities.hpp"
+#include "crosscheck/motion/drift.hpp"
+#include "crosscheck/parameters/regressor_checks.hpp"
+#include "crosscheck/verdicts/check_drift.hpp"
+#include "crosscheck/verdicts/check_identities.hpp"
+#include "crosscheck/verdicts/compare.hpp"
+#include "crosscheck/verdicts/digits.hpp"
+#include "crosscheck/verdicts/identity_tallies.hpp"
+#include "crosscheck/verdicts/options.hpp"
+#include "crosscheck/verdicts/tables.hpp"
+#include "crosscheck/witnesses/witness.hpp"
+
+namespace data = boost::unit_test::data;
+namespace fs = std::filesystem;
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+
+namespace {
+
+/// A kind: the name of the check and its quantity, where the name alone is that of several.
+std::string kindOf(const CheckResult& check) {
+  static const std::set<std::string> kSeveral = {
+      "closures", "closed loops", "hybrid dynamics", "least constraint", "same", "truth", "table"};
+  return kSeveral.count(check.check) > 0 ? check.check + ": " + check.quantity : check.check;
+}
+
+/// The kinds of which a check disagrees.
+std::set<std::string> red(const std::vector<CheckResult>& checks) {
+  std::set<std::string> kinds;
+  for (const CheckResult& check : checks)
+    if (check.verdict == Verdict::kDisagree) kinds.insert(kindOf(check));
+  return kinds;
+}
+void add(std::set<std::string>& all, const std::set<std::string>& more) {
+  all.insert(more.begin(), more.end());
+}
+
+Options few(int states) {
+  Options options;
+  options.states = states;
+  options.drift = false;
+  return options;
+}
+
+scene::Number times(const scene::Number& number, const char* factor) {
+  return scene::Number::parse("(" + number.text() + ") * " + factor);
+}
+
+// ---- plants
+// -----------------------------------------------------------------------------------------
+
+/// A witness that is off by one part in a million in everything.
+class Off : public Witness {
+ public:
+  explicit Off(const scene::Scene& scene)
+      : inverse_(makeWitness(selectWitnesses({"newton_euler"}).front(), scene)),
+        forward_(makeWitness(selectWitnesses({"articulated_body"}).front(), scene)) {}
+  const std::string& name() const override { return name_; }
+  bool answers(Quantity) const override { return true; }
+  Answer answer(Quantity quantity, const scene::State<double>& state) override {
+    Answer out = (quantity == Quantity::kQdd ? forward_ : inverse_)->answer(quantity, state);
+    out.value *= 1 + 1e-6;
+    return out;
+  }
+
+ private:
+  std::string name_ = "off";
+  std::unique_ptr<Witness> inverse_, forward_;
+};
+
+WitnessKind offKind() {
+  return {{"off", "1", "off by 1e-6"}, [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
+            return std::make_unique<Off>(scene);
+          }};
+}
+
+std::set<std::string> redByAWitnessThatIsOff() {
+  const scene::Scene scene = scene::findScene("puma_560");
+  std::vector<WitnessKind> kinds = selectWitnesses({"newton_euler", "composite_body"});
+  kinds.push_back(offKind());
+  std::set<std::string> kinds_red = red(compareWitnesses(scene, kinds, few(2)));
+  add(kinds_red, red(measureDigits(scene, kinds, few(2)).checks));
+  for (const fs::path& table : bundledTables()) {
+    const fs::path own = ownScene(table);
+    const std::string about = nlohmann::json::parse(std::ifstream(table)).value("scene", "");
+    if (own.empty() && about == "simple_pendulum") continue;  // its period
+    const scene::Scene asked = own.empty() ? scene::findScene(about) : scene::readScene(own);
+    add(kinds_red, red(compareWithTable(table, asked, {offKind()})));
+  }
+  return kinds_red;
+}
+
+/// The printed period off in its third digit. (No witness answers it: a motion is simulated.)
+std::set<std::string> redByAWrongPeriod() {
+  std::string pattern = (fs::temp_directory_path() / "dynwitness-kinds-XXXXXX").string();
+  BOOST_REQUIRE(::mkdtemp(pattern.data()) != nullptr);
+  nlohmann::json table = nlohmann::json::parse(
+      std::ifstream(scene::dataFolder() / "reference/simple_pendulum_period.json"));
+  nlohmann::json& printed = table["cases"].back()["expect"]["period_ratio"][0];
+  std::string text = printed.get<std::string>();
+  char& third = text[3];
+  third = third == '5' ? '6' : '5';
+  printed = text;
+  const fs::path copy = fs::path(pattern) / "table.json";
+  std::ofstream(copy) << table.dump();
+  const std::set<std::string> kinds = red(compareWithTable(
+      copy, scene::findScene("simple_pendulum"), selectWitnesses({"articulated_body"})));
+  fs::remove_all(pattern);
+  return kinds;
+}
+
+std::set<std::string> redByANegativeMass() {
+  scene::Scene scene = scene::findScene("double_pendulum");
+  for (scene::Link& link : scene.mechanism.links)
+    for (scene::Number* number :
+         {&link.inertia.mass, &link.inertia.xx, &link.inertia.yy, &link.inertia.zz})
+      *number = times(*number, "(-1)");
+  return red(checkIdentities(scene, few(2)));
+}
+
+/// A motion in which gravity pulls upwards, with the energy of one in which it pulls down.
+std::set<std::string> redByAWrongMotion() {
+  const scene::Scene scene = scene::findScene("double_pendulum");
+  scene::Mechanism wrong = scene.mechanism;
+  for (scene::Number& g : wrong.gravity) g = times(g, "(-1)");
+  DriftOptions options;
+  options.duration = 1;
+  options.moved_by = &wrong;
+  return red({checkDrift(scene, measureDrift(scene, options), options)});
+}
+
+// Faults in the derivation that the sweeps are compared with: a mass, and a length.
+std::set<std::string> redByAnotherDerivation(const std::string& name) {
+  const scene::Scene scene = scene::findScene(name);
+  scene::Mechanism mass = scene.mechanism, length = scene.mechanism;
+  for (scene::Link& link : mass.links)
+    for (scene::Number* number :
+         {&link.inertia.mass, &link.inertia.xx, &link.inertia.yy, &link.inertia.zz})
+      if (!number->isLiteralZero()) *number = times(*number, "(1 + 1e-18)");
+  for (scene::Link& link : length.links)
+    link.joint.placement.xyz[0] = times(link.joint.placement.xyz[0], "1 + 1e-18");
+  for (scene::Closure& closure : length.closures)
+    closure.b.xyz[0] = times(closure.b.xyz[0], "1 + 1e-18");
+  std::set<std::string> kinds = red(checkConstrainedExactly(scene, {}, &mass));
+  add(kinds, red(checkClosuresExactly(scene, {}, &length)));
+  add(kinds, red(checkRegressorExactly(scene, {}, &length)));
+  return kinds;
+}
+
+// ---- the identities, with one operation that goes wrong
+// -----------------------------------------------
+
+/// An element of the field whose arithmetic fails once: the result of operation number `wrong` is
+/// one more.
+class Faulty {
+ public:
+  static inline long done = 0, wrong = -1;
+
+  Faulty() = default;
+  Faulty(int value) : x_(value) {}  // NOLINT(google-explicit-constructor): as for the field
+  Faulty(PrimeField x) : x_(x) {}   // NOLINT(google-explicit-constructor)
+  PrimeField inner() const { return x_; }
+
+  friend Faulty operator+(Faulty a, Faulty b) { return after(a.x_ + b.x_); }
+  friend Faulty operator-(Faulty a, Faulty b) { return after(a.x_ - b.x_); }
+  friend Faulty operator*(Faulty a, Faulty b) { return after(a.x_ * b.x_); }
+  friend Faulty operator/(Faulty a, Faulty b) { return after(a.x_ / b.x_); }
+  Faulty operator-() const { return Faulty(-x_); }
+  Faulty& operator+=(Faulty b) { return *this = *this + b; }
+  Faulty& operator-=(Faulty b) { return *this = *this - b; }
+  Faulty& operator*=(Faulty b) { return *this = *this * b; }
+  Faulty& operator/=(Faulty b) { return *this = *this / b; }
+  friend bool operator==(Faulty a, Faulty b) { return a.x_ == b.x_; }
+  friend bool operator!=(Faulty a, Faulty b) { return a.x_ != b.x_; }
+
+ private:
+  static Faulty after(PrimeField x) {
+    return done++ == wrong ? Faulty(x + PrimeField(1)) : Faulty(x);
+  }
+  PrimeField x_;
+};
+
+/// The scene's numbers for it.
+class FaultyNumbers {
+ public:
+  using Scalar = Faulty;
+  explicit FaultyNumbers(const FieldNumbers& inner) : inner_(inner) {}
+  Scalar operator()(const scene::Number& number) const { return inner_(number); }
+  scene::CosSin<Scalar> angle(const scene::Number& radians) const {
+    return lifted(inner_.angle(radians));
+  }
+  scene::AxisTurn<Scalar> axisTurn(const scene::Vector& axis) const {
+    const auto turn = inner_.axisTurn(axis);
+    return {lifted(turn.alpha), lifted(turn.beta)};
+  }
+
+ private:
+  static scene::CosSin<Scalar> lifted(const scene::CosSin<PrimeField>& p) { return {p.c, p.s}; }
+  const FieldNumbers& inner_;
+};
+
+}  // namespace
+
+namespace Eigen {
+template <>
+struct NumTraits<Faulty> : dynwitness::crosscheck::EigenScalar<Faulty, 1, 2, 6> {};
+}  // namespace Eigen
+
+namespace {
+
+/// The identities with operation number `wrong` of their evaluation gone wrong (-1: none), decided
+/// as in a run.
+std::vector<CheckResult> decidedWithAFault(const scene::Scene& scene, long wrong,
+                                           long* operations) {
+  Inquiry inquiry = identityInquiry(scene.mechanism);
+  inquiry.in_field = [&scene, wrong, operations](const FieldNumbers& number,
+                                                 const scene::State<PrimeField>& state) {
+    Faulty::wrong = -1;
+    const FaultyNumbers numbers(number);
+    Identities<FaultyNumbers> identities(scene.mechanism, numbers);
+    scene::State<Faulty> at;
+    for (const auto& x : state.x) at.x.push_back({x.q, x.c, x.s});
+    at.qd.assign(state.qd.begin(), state.qd.end());
+    at.qdd.assign(state.qdd.begin(), state.qdd.end());
+    at.tau.assign(state.tau.begin(), state.tau.end());
+    Faulty::done = 0;
+    Faulty::wrong = wrong;
+    SidesOfAll<PrimeField> all;
+    const auto inner = [](const Faulty& x) { return x.inner(); };
+    for (const TwoSides<Faulty>& law : identities.evaluate(at))
+      all.push_back({law.left.unaryExpr(inner), law.right.unaryExpr(inner), law.failure});
+    *operations = Faulty::done;
+    return all;
+  };
+  ExactOptions options;
+  options.error_probability = 0.5;  // one point
+  return decide(scene, inquiry, options);
+}
+
+/// A law that is the same computation on both sides stays green whichever operation fails.
+std::set<std::string> redByAFaultyOperation(const std::string& name) {
+  const scene::Scene scene = scene::findScene(name);
+  long operations = 0;
+  for (const CheckResult& check : decidedWithAFault(scene, -1, &operations))
+    BOOST_TEST((check.verdict != Verdict::kDisagree), check.check << ": " << check.reason);
+  std::set<std::string> kinds;
+  constexpr long kFaults = 300;
+  for (long k = 0; k < kFaults; ++k) {
+    long ignored = 0;
+    add(kinds, red(decidedWithAFault(scene, (2 * k + 1) * operations / (2 * kFaults), &ignored)));
+  }
+  return kinds;
+}
+
+/// In double: one entry of one side off by more than its bounds, law by law.
+std::set<std::string> redByASideThatIsOff() {
+  const scene::Scene scene = scene::findScene("puma_560");
+  Identities<RunningErrorNumbers> identities(scene.mechanism, RunningErrorNumbers(scene.mechanism));
+  const auto sides =
+      identities.evaluate(runningErrorState(drawState(scene.mechanism, scene.name, 1, 0)));
+  std::set<std::string> kinds;
+  for (int law = 0; law < kIdentityCount; ++law) {
+    auto spoiled = sides;
+    auto& left = spoiled[law].left;
+    RunningError& last = left(left.rows() - 1, left.cols() - 1);
+    double largest = 1e-300;
+    for (const RunningError& x : left.reshaped()) largest = std::max(largest, std::abs(x.value()));
+    last = RunningError(last.value() + 1e-6 * largest, last.bound());
+    IdentityTallies tallies(1);
+    tallies.add(0, spoiled, [](int) { return std::string(); });
+    const std::set<std::string> now = red(tallies.results());
+    BOOST_TEST(now.size() == 1u);  // this law, and no other
+    add(kinds, now);
+  }
+  return kinds;
+}
+
+/// The kinds that a report of all bundled scenes and of those of the tables holds.
+std::set<std::string> kindsOfReports() {
+  std::vector<scene::Scene> scenes;
+  for (const auto& file : scene::bundledScenes()) scenes.push_back(scene::readScene(file));
+  for (const fs::path& table : bundledTables())
+    if (const fs::path own = ownScene(table); !own.empty()) scenes.push_back(scene::readScene(own));
+  std::set<std::string> kinds;
+  const std::vector<WitnessKind> witnesses =
+      selectWitnesses({"newton_euler", "composite_body", "articulated_body"});
+  for (const scene::Scene& scene : scenes) {
+    Options options = few(1);
+    options.error_probability = 0.5;
+    options.drift = scene.name == "simple_pendulum";
+    for (const CheckResult& check : crosscheckScene(scene, witnesses, options).checks)
+      if (check.verdict != Verdict::kNotAnswerable)  // a refusal has no verdict to miss
+        kinds.insert(kindOf(check));
+  }
+  return kinds;
+}
+
+void requireAll(const std::set<std::string>& red, const std::set<std::string>& expected) {
+  for (const std::string& kind : expected)
+    BOOST_TEST(red.count(kind) == 1u, kind << " stays green");
+}
+
+std::set<std::string> allIdentities() {
+  std::set<std::string> names;
+  for (const IdentityInfo& law : kIdentities) names.insert(law.name);
+  return names;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(every_identity_is_red_when_one_operation_goes_wrong) {
+  std::set<std::string> red;
+  for (const char* name : {"modern_robotics_3link", "prismatic_revolute_mix"})
+    add(red, redByAFaultyOperation(name));
+  requireAll(red, allIdentities());
+}
+
+BOOST_AUTO_TEST_CASE(every_identity_in_double_is_red_when_a_side_is_off) {
+  requireAll(redByASideThatIsOff(), allIdentities());
+}
+
+BOOST_AUTO_TEST_CASE(every_kind_of_check_that_a_report_holds_has_a_plant_that_turns_it_red) {
+  std::set<std::string> red = redByAWitnessThatIsOff();
+  add(red, redByAWrongPeriod());
+  add(red, redByANegativeMass());
+  add(red, redByAWrongMotion());
+  add(red, redByASideThatIsOff());
+  for (const char* name :
+       {"car_axis", "andrews_squeezer", "two_handed", "satellite_held", "puma_560"})
+    add(red, redByAnotherDerivation(name));
+  const std::set<std::string> kinds = kindsOfReports();
+  BOOST_TEST(kinds.size() >= 40u);
+  requireAll(red, kinds);
+}

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Whom the energy drift condemns: a wrong qdd, in every scene whose energy is constant, and never
+// steps that are too long for a stiff motion.
+#define BOOST_TEST_DYN_LINK
+#define BOOST_TEST_MODULE drift
+#include "crosscheck/motion/drift.hpp"
+
+#include <cmath>
+#include <ostream>
+
+#include <boost/test/data/monomorphic.hpp>
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/verdicts/check_drift.hpp"
+#include "tests/fixtures/program.hpp"
+
+namespace data = boost::unit_test::data;
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+using fixtures::Outcome;
+using fixtures::Program;
+
+namespace {
+
+/// A point on a rod that falls over on a cart of this mass [kg] (the pole: 0.1 kg). M is regular;
+/// but where the pole hangs straight down, the cart alone can turn it back, within sqrt(mass of the
+/// cart over that of the pole) of the time of its fall.
+std::string lightCartPole(const std::string& cart) {
+  return "title = \"Light cart-pole\"\nsource = \"chosen here\"\ngravity = [0, 0, -9.8]\n"
+         "[[link]]\nname = \"track\"\n[[link]]\nname = \"cart\"\nparent = \"track\"\nmass = " +
+         cart +
+         "\njoint = { name = \"slide\", kind = \"prismatic\", axis = [1, 0, 0] }\n"
+         "[[link]]\nname = \"pole\"\nparent = \"cart\"\nmass = 0.1\ncom = [0, 0, 0.5]\n"
+         "joint = { name = \"hinge\", kind = \"revolute\", axis = [0, 1, 0] }\n"
+         "[start]\nq = [0, 0.1]\nqd = [0.2, 0]\n";
+}
+
+/// Weight acts upwards.
+scene::Mechanism upsideDown(scene::Mechanism mechanism) {
+  for (scene::Number& g : mechanism.gravity) g = scene::Number::parse("-(" + g.text() + ")");
+  return mechanism;
+}
+
+std::vector<std::string> falling() {
+  std::vector<std::string> names;
+  for (const auto& file : scene::bundledScenes()) {
+    const scene::Scene scene = scene::readScene(file);
+    // the humanoids take minutes
+    if (refusals(scene, Command::kDrift).empty() && scene.mechanism.has_gravity &&
+        scene.mechanism.dof() <= 9)
+      names.push_back(scene.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+BOOST_DATA_TEST_CASE(a_stiff_motion_condemns_nobody, data::make({"1e-3", "1e-6", "1e-9"}), cart) {
+  const scene::Scene scene = scene::readSceneToml(lightCartPole(cart), "light.toml");
+  const Drift drift = measureDrift(scene, {});
+  const CheckResult check = checkDrift(scene, drift);
+  BOOST_TEST((check.verdict == Verdict::kAgree), check.reason);
+  BOOST_TEST(check.ratio <= 1);
+  // equal steps follow the heaviest of the carts at most
+  if (std::string(cart) == "1e-9") {
+    BOOST_TEST(!isResolved(drift));
+    BOOST_TEST(check.unit == "power of a step's error (at least)");
+    BOOST_TEST(check.worst > 0.7);  // 5/6 by theory
+  }
+}
+
+BOOST_DATA_TEST_CASE(a_wrong_qdd_is_condemned_in_a_stiff_motion_too,
+                     data::make({"1e-3", "1e-6", "1e-9"}), cart) {
+  const scene::Scene scene = scene::readSceneToml(lightCartPole(cart), "light.toml");
+  const scene::Mechanism wrong = upsideDown(scene.mechanism);
+  DriftOptions options;
+  options.moved_by = &wrong;
+  const CheckResult check = checkDrift(scene, measureDrift(scene, options), options);
+  BOOST_TEST((check.verdict == Verdict::kDisagree), check.statement << check.reason);
+}
+
+BOOST_DATA_TEST_CASE(a_wrong_sign_of_gravity_is_condemned_in_every_bundled_scene,
+                     data::make(falling()), name) {
+  const scene::Scene scene = scene::findScene(name);
+  const scene::Mechanism wrong = upsideDown(scene.mechanism);
+  DriftOptions options;
+  options.duration = 2;
+  const CheckResult right = checkDrift(scene, measureDrift(scene, options), options);
+  BOOST_TEST((right.verdict != Verdict::kDisagree), right.reason);
+  options.moved_by = &wrong;
+  const CheckResult check = checkDrift(scene, measureDrift(scene, options), options);
+  if (right.verdict == Verdict::kAgree)
+    BOOST_TEST((check.verdict == Verdict::kDisagree), check.statement << check.reason);
+}
+
+BOOST_AUTO_TEST_CASE(the_program_says_which_steps_do_not_follow_a_motion) {
+  const Program program;
+  program.write("light.toml", lightCartPole("1e-9"));
+  const Outcome none = program.run("drift light.toml --step 0.1,0.05 --duration 1");
+  BOOST_TEST(none.status == 2);
+  for (const char* part : {"not answerable by this step: at 0.1 s the motion leaves the numbers",
+                           "dynwitness simulate", "qdd is not to blame"})
+    BOOST_TEST(none.out.find(part) != std::string::npos, none.out);
+  program.write("heavier.toml", lightCartPole("1e-3"));
+  const Outcome some = program.run("drift heavier.toml --step 0.1,0.0001 --duration 1");
+  BOOST_TEST(some.out.find(",nan") == std::string::npos, some.out);
+  const Outcome crosscheck =
+      program.run("crosscheck light.toml --witness newton_euler,lagrange --states 2 --no-charts");
+  BOOST_TEST(crosscheck.out.find("DISAGREE") == std::string::npos, crosscheck.out);
+}
+
+BOOST_AUTO_TEST_CASE(what_has_no_constant_energy_is_told_in_the_report) {
+  const Program program;
+  program.run(
+      "crosscheck kapitza_pendulum --witness newton_euler,lagrange --states 2 --no-charts "
+      "--report r");
+  const std::string report = program.read("r/report.json");
+  BOOST_TEST(report.find("energy along a motion: joint 'pivot' is driven") != std::string::npos);
+  BOOST_TEST(report.find("\"drift\"") == std::string::npos);
+}

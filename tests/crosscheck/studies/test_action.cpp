@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Hamilton's principle on simulated motions, and conjugate times against closed forms.
+#define BOOST_TEST_DYN_LINK
+#define BOOST_TEST_MODULE action
+#include "crosscheck/studies/hamilton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+#include <string>
+
+#include <Eigen/Eigenvalues>
+#include <boost/math/constants/constants.hpp>
+#include <boost/test/data/monomorphic.hpp>
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+
+#include "crosscheck/inputs/features.hpp"
+
+namespace data = boost::unit_test::data;
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+
+namespace {
+
+const double kPi = boost::math::constants::pi<double>();
+
+const CheckResult* find(const Action& action, const std::string& name) {
+  for (const CheckResult& check : action.checks)
+    if (check.check.find(name) != std::string::npos) return &check;
+  return nullptr;
+}
+bool allAgree(const Action& action) {
+  return std::all_of(action.checks.begin(), action.checks.end(),
+                     [](const CheckResult& c) { return c.verdict == Verdict::kAgree; });
+}
+
+/// Arithmetic-geometric mean.
+double agm(double a, double b) {
+  for (int k = 0; k < 8; ++k) {
+    const double mean = (a + b) / 2;
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return a;
+}
+
+std::vector<std::string> trees() {
+  std::vector<std::string> names;
+  for (const auto& file : scene::bundledScenes()) {
+    const scene::Scene scene = scene::readScene(file);
+    // the humanoids take minutes
+    if (refusals(scene, Command::kAction).empty() && scene.mechanism.dof() <= 9)
+      names.push_back(scene.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+// A pendulum let go at rest: qd is a neighbour of the motion (the same, a little later) that
+// vanishes at the start and again where the pendulum turns. So the conjugate time is half the
+// period, which the arithmetic-geometric mean gives: T = 2 pi sqrt(l / g) / agm(1, cos(q0 / 2)).
+BOOST_DATA_TEST_CASE(a_pendulum_is_conjugate_to_its_start_after_half_a_period,
+                     data::make({0.5, 1.5, 2 * kPi / 3, 2.8}), q_0) {
+  ActionOptions options;
+  options.q = {q_0};
+  options.duration = 2.5;
+  const Action action = measureAction(scene::findScene("simple_pendulum"), options);
+  const double half = kPi * std::sqrt(1 / 9.81) / agm(1, std::cos(q_0 / 2));
+  BOOST_REQUIRE(action.conjugates.size() == static_cast<std::size_t>(options.duration / half));
+  for (std::size_t k = 0; k < action.conjugates.size(); ++k) {
+    const Action::Conjugate& found = action.conjugates[k];
+    BOOST_TEST(std::abs(found.time - (k + 1) * half) <= found.error);
+    BOOST_TEST(found.error < half / 1000);
+  }
+  BOOST_TEST(action.negative == static_cast<int>(action.conjugates.size()));
+  BOOST_TEST(allAgree(action));
+}
+
+// At rest where it hangs, the motion is no motion, and its neighbours are small oscillations: sin(w
+// t) of the two modes, w from M and K by hand for two rods.
+BOOST_AUTO_TEST_CASE(a_hanging_double_pendulum_is_conjugate_after_half_periods_of_its_modes) {
+  const double m1 = 1, m2 = 0.8, l1 = 0.5, l2 = 0.4, g = 9.81;
+  const double b = m2 * l1 * l2 / 2, e = m2 * l2 * l2 / 3;
+  const double a = m1 * l1 * l1 / 3 + m2 * l1 * l1 + e;
+  const double k2 = m2 * g * l2 / 2, k1 = m1 * g * l1 / 2 + m2 * g * l1 + k2;
+  Eigen::Matrix2d M, K;
+  M << a + 2 * b, e + b, e + b, e;
+  K << k1, k2, k2, k2;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(K, M);
+  std::vector<double> expected;
+  ActionOptions options;
+  options.q = {0, 0};
+  options.duration = 1.5;
+  for (int i = 0; i < 2; ++i)
+    for (int k = 1; k * kPi / std::sqrt(modes.eigenvalues()(i)) < options.duration; ++k)
+      expected.push_back(k * kPi / std::sqrt(modes.eigenvalues()(i)));
+  std::sort(expected.begin(), expected.end());
+  BOOST_TEST(expected.size() >= 4u);
+
+  const Action action = measureAction(scene::findScene("double_pendulum"), options);
+  BOOST_REQUIRE(action.conjugates.size() == expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k)
+    BOOST_TEST(std::abs(action.conjugates[k].time - expected[k]) <= action.conjugates[k].error);
+  BOOST_TEST(action.negative == static_cast<int>(expected.size()));
+  BOOST_TEST(allAgree(action));
+}
+
+// Hanging from a universal joint, a point swings alike in all directions: two neighbours meet at
+// once.
+BOOST_AUTO_TEST_CASE(two_neighbours_may_meet_at_once) {
+  const scene::Scene bob = scene::readSceneToml(R"(
+title = "x"
+source = "x"
+gravity = [0, 0, -10]
+[[link]]
+name = "base"
+[[link]]
+name = "bob"
+parent = "base"
+mass = 3
+com = [0, 0, -1]
+joint = { kind = "universal" }
+)",
+                                                "bob.toml");
+  ActionOptions options;
+  options.duration = 2.5;
+  const Action action = measureAction(bob, options);
+  BOOST_REQUIRE(action.conjugates.size() == 2u);
+  for (int k = 0; k < 2; ++k) {  // by hand: half periods of w^2 = g / l
+    BOOST_TEST(std::abs(action.conjugates[k].time - (k + 1) * kPi / std::sqrt(10.0)) < 1e-3);
+    BOOST_TEST(action.conjugates[k].multiplicity == 2);
+  }
+  BOOST_TEST(action.negative == 4);
+  BOOST_TEST(allAgree(action));
+}
+
+// Balanced upside down, neighbours run away and never come back: the action is least for ever.
+BOOST_AUTO_TEST_CASE(an_inverted_pendulum_has_no_conjugate_time) {
+  ActionOptions options;
+  options.q = {kPi};
+  options.duration = 2;
+  const Action action = measureAction(scene::findScene("simple_pendulum"), options);
+  BOOST_TEST(action.conjugates.empty());
+  BOOST_TEST(action.negative == 0);
+  BOOST_TEST(allAgree(action));
+}
+
+// Short motions have the least action, and every varied path shows it; over a longer time of the
+// same motion a slow detour lowers it and a fast one does not.
+BOOST_AUTO_TEST_CASE(the_action_is_least_for_short_times_only) {
+  const scene::Scene scene = scene::findScene("double_pendulum");
+  ActionOptions options;
+  options.duration = 0.2;
+  const Action brief = measureAction(scene, options);
+  BOOST_TEST(brief.negative == 0);
+  for (const Action::Path& path : brief.paths) BOOST_TEST(path.change > 0);
+  BOOST_TEST(allAgree(brief));
+  options.duration = 1;
+  const Action later = measureAction(scene, options);
+  BOOST_TEST(later.negative >= 1);
+  bool slow = false, fast = false;
+  for (const Action::Path& path : later.paths) {
+    slow = slow || (path.name == "slow" && path.change < 0);
+    fast = fast || (path.name == "fast" && path.change > 0);
+  }
+  BOOST_TEST(slow);
+  BOOST_TEST(fast);
+  BOOST_TEST(allAgree(later));
+}
+
+BOOST_DATA_TEST_CASE(the_first_variation_vanishes_in_every_bundled_tree, data::make(trees()),
+                     name) {
+  ActionOptions options;
+  options.duration = 0.3;
+  const Action action = measureAction(scene::findScene(name), options);
+  for (const CheckResult& check : action.checks)
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.check << ": " << check.reason);
+  BOOST_REQUIRE(find(action, "principle") != nullptr);
+}
+
+// Friction has no potential: the principle of d'Alembert and Lagrange holds, and putting its work
+// into the Lagrangian gives something that is not 0 at any step size. A force along a joint that is
+// constant may be treated so; that is what a potential is.
+BOOST_AUTO_TEST_CASE(work_is_no_part_of_a_lagrangian) {
+  ActionOptions options;
+  options.damping = 0.2;
+  options.duration = 0.5;
+  const Action action = measureAction(scene::findScene("double_pendulum"), options);
+  BOOST_TEST(allAgree(action));
+  BOOST_TEST(!action.conservative);
+  BOOST_TEST(action.with_work > 1e-3);
+  BOOST_TEST(std::abs(action.with_work / action.with_work_coarse - 1) < 0.01);
+
+  const scene::Scene pushed = scene::readSceneToml(R"(
+title = "x"
+source = "x"
+[[link]]
+name = "base"
+[[link]]
+name = "bead"
+parent = "base"
+mass = 2
+joint = { kind = "prismatic", axis = [1, 0, 0] }
+[[wrench]]
+link = "bead"
+force = [3, 0, 0]
+)",
+                                                   "pushed.toml");
+  options.damping = 0;
+  const Action constant = measureAction(pushed, options);
+  BOOST_TEST(!constant.conservative);
+  BOOST_TEST(allAgree(constant));
+  BOOST_TEST(constant.with_work < 1e-12);
+}
+
+// Without gravity the motion is a geodesic; on a sphere (a point on crossing axes) all great
+// circles from a point meet again at the opposite one, after a half turn.
+BOOST_AUTO_TEST_CASE(geodesics_of_a_sphere_meet_after_half_a_turn) {
+  const scene::Scene sphere = scene::readSceneToml(R"(
+title = "x"
+source = "x"
+[[link]]
+name = "base"
+[[link]]
+name = "bob"
+parent = "base"
+mass = 3
+com = [2, 0, 0]
+[link.joint]
+kind = "universal"
+rpy = [0, "pi/2", 0]
+)",
+                                                   "sphere.toml");
+  ActionOptions options;
+  options.potential = false;
+  options.q = {0.1, 0.2};
+  options.qd = {0.5, 0.4};
+  options.duration = 8;
+  // by hand: speed^2 = M_11 qd_1^2 + qd_2^2 on the unit sphere, with the sine or cosine of q2 in
+  // M_11
+  const Action action = measureAction(sphere, options);
+  BOOST_REQUIRE(action.conjugates.size() == 1u);
+  bool matches = false;
+  for (const double share : {std::cos(0.2), std::sin(0.2)}) {
+    const double speed = std::hypot(share * 0.5, 0.4);
+    matches =
+        matches || std::abs(action.conjugates[0].time - kPi / speed) <= action.conjugates[0].error;
+  }
+  BOOST_TEST(matches);
+  BOOST_TEST(action.negative == 1);
+  BOOST_TEST(allAgree(action));
+}
+
+BOOST_AUTO_TEST_CASE(bad_questions_are_refused) {
+  const scene::Scene scene = scene::findScene("simple_pendulum");
+  ActionOptions options;
+  options.duration = 0;
+  BOOST_CHECK_THROW(measureAction(scene, options), scene::InputError);
+  options = {};
+  options.q = {1, 2};
+  BOOST_CHECK_THROW(measureAction(scene, options), scene::InputError);
+  options = {};
+  options.damping = -1;
+  BOOST_CHECK_THROW(measureAction(scene, options), scene::InputError);
+  options = {};
+  options.paths = 0;
+  BOOST_CHECK_THROW(measureAction(scene, options), scene::InputError);
+  BOOST_CHECK_THROW(measureAction(scene::findScene("bricard"), {}), scene::InputError);
+}

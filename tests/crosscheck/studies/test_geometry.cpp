@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The kinetic metric: its laws over the field, closed forms by other roads, and what it refuses.
+#define BOOST_TEST_DYN_LINK
+#define BOOST_TEST_MODULE geometry
+#include "crosscheck/studies/geometry.hpp"
+
+#include <ostream>
+#include <string>
+
+#include <boost/test/data/monomorphic.hpp>
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/studies/kinetic_metric.hpp"
+#include "recursive/build_model.hpp"
+#include "tests/fixtures/fixtures.hpp"
+
+namespace data = boost::unit_test::data;
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+using fixtures::Q;
+
+namespace {
+
+constexpr int kSeeds = 5;
+using D = Dual<Q>;
+using DD = Dual<D>;
+using VectorQ = recursive::VectorX<Q>;
+
+std::vector<std::string> namesWithCoordinates() {
+  std::vector<std::string> names;
+  for (const auto& file : scene::bundledScenes())
+    if (refusals(scene::readScene(file), Command::kGeometry).empty())
+      names.push_back(file.stem().string());
+  return names;
+}
+
+/// Links in the x-y plane that turn about z; joint k at (offset, 0) of its parent, point masses.
+scene::Mechanism planarArm(const Q& offset, const std::vector<fixtures::V3<Q>>& first,
+                           const std::vector<fixtures::V3<Q>>& second, const Q& mass) {
+  scene::Mechanism m;
+  m.links.emplace_back();
+  for (const auto* cloud : {&first, &second}) {
+    scene::Link link;
+    link.parent = static_cast<int>(m.links.size()) - 1;
+    link.joint.kind = scene::JointKind::kRevolute;
+    if (link.parent > 0) link.joint.placement.xyz[0] = fixtures::numberOf(offset);
+    Q xx, yy, zz, xy;
+    fixtures::V3<Q> h = fixtures::V3<Q>::Constant(Q(0));
+    for (const auto& r : *cloud) {
+      h += r * mass;
+      xx += mass * r.y() * r.y();
+      yy += mass * r.x() * r.x();
+      xy -= mass * r.x() * r.y();
+    }
+    const Q total = mass * Q(static_cast<int>(cloud->size()));
+    link.inertia.mass = fixtures::numberOf(total);
+    link.inertia.com = fixtures::vectorOf(fixtures::V3<Q>(h / total));
+    link.inertia.about = scene::MassProperties::About::kLinkOrigin;
+    link.inertia.xx = fixtures::numberOf(xx);
+    link.inertia.yy = fixtures::numberOf(yy);
+    link.inertia.zz = fixtures::numberOf(xx + yy);
+    link.inertia.xy = fixtures::numberOf(xy);
+    m.links.push_back(link);
+  }
+  return m;
+}
+
+Q determinant(const Q (&m)[3][3]) {
+  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+         m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+/** Gauss's curvature of E du^2 + 2 F du dv + G dv^2 by Brioschi's formula, which knows no
+   Christoffel symbols, where E, F, G depend on v alone: K (E G - F^2)^2 = | -E_vv/2  0  -E_v/2 | |
+   0      E_v/2  0     | | F_v      E   F     | - | E_v/2  E      F     | | G_v/2    F   G     |   |
+   0      F      G     |                      */
+Q brioschi(const DD& E, const DD& F, const DD& G) {
+  const Q e = E.value.value, f = F.value.value, g = G.value.value;
+  const Q E_v = E.value.derivative, F_v = F.value.derivative, G_v = G.value.derivative,
+          E_vv = E.derivative.derivative;
+  const Q first[3][3] = {{-E_vv / 2, 0, -E_v / 2}, {F_v, e, f}, {G_v / 2, f, g}};
+  const Q second[3][3] = {{0, E_v / 2, 0}, {E_v / 2, e, f}, {0, f, g}};
+  const Q area = e * g - f * f;
+  return (determinant(first) - determinant(second)) / (area * area);
+}
+
+}  // namespace
+
+BOOST_DATA_TEST_CASE(the_laws_hold_in_every_scene_that_has_coordinates,
+                     data::make(namesWithCoordinates()), name) {
+  const auto checks = checkGeometryExactly(scene::findScene(name), {});
+  BOOST_TEST(checks.size() == 6u);
+  int decided = 0;
+  for (const CheckResult& check : checks) {
+    BOOST_TEST((check.verdict != Verdict::kDisagree), check.check << ": " << check.reason);
+    decided += check.verdict == Verdict::kAgree ? 1 : 0;
+  }
+  if (scene::findScene(name).mechanism.dof() <= 9) BOOST_TEST(decided == 6);
+}
+
+BOOST_AUTO_TEST_CASE(the_laws_hold_for_every_robot_of_a_structure) {
+  ExactOptions options;
+  options.parameters = Parameters::kRandom;
+  for (const char* name : {"double_pendulum", "scara", "furuta_pendulum", "lead_screw"})
+    for (const CheckResult& check : checkGeometryExactly(scene::findScene(name), options))
+      BOOST_TEST((check.verdict == Verdict::kAgree), name << " " << check.check);
+}
+
+// A planar arm's metric from its textbook closed form, its curvature by Brioschi's determinants,
+// and as one fraction:  K = b cos q2 (a e - e^2 - b^2) / (det M)^2, here with b cos q2 for any
+// second cloud.
+BOOST_DATA_TEST_CASE(the_curvature_of_a_planar_arm_is_its_closed_form, data::xrange(kSeeds), seed) {
+  fixtures::Sampler sample(seed);
+  const Q l = sample.positive(), mass = sample.positive();
+  std::vector<fixtures::V3<Q>> clouds[2];
+  for (auto& cloud : clouds)
+    for (int i = 0; i < 3; ++i) cloud.push_back({sample.rational(), sample.rational(), Q(0)});
+  const scene::Mechanism arm = planarArm(l, clouds[0], clouds[1], mass);
+  const auto model = recursive::buildModel(arm, fixtures::RationalNumbers(arm));
+  const scene::State<Q> state = fixtures::randomState(2, seed);
+  KineticMetric<Q> metric(model, state.x);
+
+  // by hand: M = (a + 2 b, e + b; e + b, e) with b(q2) = l (h_x cos q2 - h_y sin q2)
+  Q a = 0, e = 0, h_x = 0, h_y = 0;
+  for (const auto& r : clouds[0]) a += mass * r.dot(r);
+  for (const auto& r : clouds[1]) {
+    e += mass * r.dot(r);
+    h_x += mass * r.x();
+    h_y += mass * r.y();
+  }
+  a += e + Q(3) * mass * l * l;
+  const auto second = moving(moving(state.x[1], Q(1)), D(Q(1)));  // q2, d/dq2, d2/dq2^2
+  const DD b = (DD(D(h_x)) * second.c - DD(D(h_y)) * second.s) * DD(D(l));
+  const DD E = DD(D(a)) + b + b, F = DD(D(e)) + b, G = DD(D(e));
+  BOOST_TEST(metric.M()(0, 0) == E.value.value);
+  BOOST_TEST(metric.M()(0, 1) == F.value.value);
+  const Q K = metric.sectional(metric.unit(0), metric.unit(1));
+  BOOST_TEST(K == brioschi(E, F, G));
+  // b'' = -b, b^2 + b'^2 = l^2 h^2
+  const Q value = b.value.value, det = E.value.value * e - F.value.value * F.value.value;
+  BOOST_TEST(K == value * (a * e - e * e - l * l * (h_x * h_x + h_y * h_y)) / (det * det));
+}
+
+// Two slides move on a plane, a slide that turns in polar coordinates on one too; a body that turns
+// about two crossing axes with equal moments J moves on a sphere of radius 2 sqrt(J).
+BOOST_AUTO_TEST_CASE(flat_is_flat) {
+  const scene::Scene polar = scene::readSceneToml(R"(
+title = "x"
+source = "x"
+[[link]]
+name = "base"
+[[link]]
+name = "arm"
+parent = "base"
+joint = { kind = "revolute" }
+[[link]]
+name = "bead"
+parent = "arm"
+mass = 3
+joint = { kind = "prismatic", axis = [1, 0, 0] }
+)",
+                                                  "polar.toml");
+  for (const double r : {0.5, 2.0}) {
+    const MetricAt at = metricAt(polar, {0.3, r});
+    BOOST_TEST(std::abs(at.M.value(0, 0) - 3 * r * r) <= at.M.bound(0, 0));
+    // by hand, polar coordinates: Gamma^r_tt = -r, Gamma^t_tr = 1/r
+    BOOST_TEST(std::abs(at.second[1].value(0, 0) + r) <= at.second[1].bound(0, 0));
+    BOOST_TEST(std::abs(at.second[0].value(0, 1) - 1 / r) <= at.second[0].bound(0, 1));
+    BOOST_TEST(std::abs(at.sectional.value(0, 1)) <= at.sectional.bound(0, 1));
+  }
+}
+// A point at distance r = 2 m, mass 3 kg, on crossing axes: a sphere, K = 1 / (m r^2).
+BOOST_AUTO_TEST_CASE(a_spherical_pendulum_moves_on_a_sphere) {
+  const scene::Scene sphere = scene::readSceneToml(R"(
+title = "x"
+source = "x"
+[[link]]
+name = "base"
+[[link]]
+name = "bob"
+parent = "base"
+mass = 3
+com = [2, 0, 0]
+[link.joint]
+kind = "universal"
+xyz = [0, 0, 0]
+rpy = [0, "pi/2", 0]
+)",
+                                                   "sphere.toml");
+  for (const double q : {0.4, 1.1, -0.7}) {
+    const MetricAt at = metricAt(sphere, {0.3, q});
+    BOOST_TEST(std::abs(at.sectional.value(0, 1) - 1.0 / 12) <=
+               at.sectional.bound(0, 1) + 0x1p-57);  // 1/12 rounded
+  }
+}
+
+// The bound of the printed numbers covers the exact ones: rationals of the same doubles.
+BOOST_AUTO_TEST_CASE(bounds_are_not_empty) {
+  const MetricAt at = metricAt(scene::findScene("puma_560"), {0.1, 0.2, 0.3, 0.4, 0.5, 0.6});
+  BOOST_TEST(at.sectional.value.rows() == 6);
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) {
+      BOOST_TEST(std::isfinite(at.sectional.bound(i, j)));
+      BOOST_TEST(at.sectional.value(i, j) == at.sectional.value(j, i));
+      for (int k = 0; k < 6; ++k)  // dM_ij/dq_k = Gamma_i,jk + Gamma_j,ik, symmetric in j and k
+        BOOST_TEST(at.first[i].value(j, k) == at.first[i].value(k, j));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(what_has_no_coordinates_is_refused) {
+  for (const char* name : {"heavy_top", "satellite_arm", "bricard", "flyball_governor"})
+    BOOST_CHECK_THROW(metricAt(scene::findScene(name), {}), scene::InputError);
+}
