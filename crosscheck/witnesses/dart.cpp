@@ -1,6 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // DART as a witness. It reads the mechanism from URDF: the scene's own file, or one written for it.
-// What URDF cannot say is set in DART's skeleton: gravity, springs; rotors as bodies of their own.
+// What URDF cannot say is set in DART's skeleton: gravity, springs; rotors as bodies of their own;
+// joints of several degrees of freedom and screws, which the URDF has as revolute ones, in the same
+// place and about the same axis, and which are then exchanged for DART's own.
+//
+// DART's BallJoint and FreeJoint turn by the exponential of a rotation vector, and their speeds are
+// those of the body, in the axes of the moved joint frame, the angular part first. Their Jacobian
+// is constant there, so that accelerations are the derivatives of the speeds as they stand: the
+// scene's rates in another order, and nothing like w x v is left to convert. (By test: a free body
+// at speeds v, w and accelerations 0 has BodyNode::getSpatialAcceleration() = 0.)
 //
 // DART's joint springs are those of an implicit integrator: with the time step h they push with
 // -k (q + h qd - rest), and forward dynamics divides by M + h^2 k. The skeleton therefore gets a
@@ -15,16 +23,24 @@
 #include "crosscheck/witnesses/witnesses.hpp"
 
 #ifdef DYNWITNESS_HAS_DART
+#include <dart/dynamics/BallJoint.hpp>
 #include <dart/dynamics/BodyNode.hpp>
 #include <dart/dynamics/DegreeOfFreedom.hpp>
+#include <dart/dynamics/FreeJoint.hpp>
+#include <dart/dynamics/PlanarJoint.hpp>
+#include <dart/dynamics/PrismaticJoint.hpp>
 #include <dart/dynamics/RevoluteJoint.hpp>
+#include <dart/dynamics/ScrewJoint.hpp>
 #include <dart/dynamics/Skeleton.hpp>
+#include <dart/dynamics/UniversalJoint.hpp>
 #include <dart/utils/urdf/DartLoader.hpp>
 
+#include <cmath>
 #include <iostream>
 #include <sstream>
 
 #include <Eigen/Cholesky>
+#include <boost/math/constants/constants.hpp>
 
 #include "crosscheck/witnesses/engine_bound.hpp"
 #include "scene/numbers.hpp"
@@ -35,7 +51,8 @@ namespace {
 
 constexpr const char* kName = "dart";
 constexpr const char* kMethod =
-    "DART reads the URDF; articulated bodies in link axes; rotors as bodies of their own";
+    "DART reads the URDF, and gets its own free, ball, ... joints; articulated bodies in link "
+    "axes; rotors as bodies of their own";
 
 #ifdef DYNWITNESS_HAS_DART
 
@@ -43,7 +60,9 @@ using dart::dynamics::BodyNode;
 using dart::dynamics::DegreeOfFreedom;
 using dart::dynamics::SkeletonPtr;
 using Eigen::Vector3d;
+using scene::JointKind;
 using scene::RealNumbers;
+namespace joints = dart::dynamics;
 
 Vector3d vector(const scene::Vector& v, const RealNumbers<double>& number) {
   return {number(v[0]), number(v[1]), number(v[2])};
@@ -63,14 +82,41 @@ class Hushed {
   std::streambuf* original_;
 };
 
+/// Joints that DART reads from URDF as they are.
+bool isPlain(JointKind kind) {
+  return kind == JointKind::kFixed || kind == JointKind::kRevolute || kind == JointKind::kPrismatic;
+}
+
+/// The scene that DART is told: in place of a joint that URDF cannot say, a revolute one.
+scene::Scene told(scene::Scene scene) {
+  for (scene::Link& link : scene.mechanism.links)
+    if (!isPlain(link.joint.kind)) link.joint.kind = JointKind::kRevolute;
+  return scene;
+}
+
+/** The rotation vector of a quaternion (w, x, y, z) of any length other than 0: the axis times an
+    angle of at most pi. Below 1e-3 rad DART's expMapRot breaks the series of the exponential off,
+    which leaves up to 2e-10 of R: such a turn is told as one of almost 2 pi the other way. Long
+    double, so that the rounding of the vector is all that is lost here. */
+Vector3d rotationVector(const scene::JointPosition<double>* q) {
+  using Real = long double;
+  const Real w = q[0].q, x = q[1].q, y = q[2].q, z = q[3].q;
+  const Real sine = std::sqrt(x * x + y * y + z * z);  // of half the angle, times the length
+  if (sine == 0) return Vector3d::Zero();
+  Real angle = 2 * std::atan2(sine, std::abs(w));
+  if (angle < Real(1.001e-3)) angle -= boost::math::constants::two_pi<Real>();
+  const Real scale = (w < 0 ? -angle : angle) / sine;
+  return {static_cast<double>(scale * x), static_cast<double>(scale * y),
+          static_cast<double>(scale * z)};
+}
+
 SkeletonPtr loaded(const scene::Scene& scene) {
-  requirePlainJoints(scene.mechanism);
   using dart::utils::DartLoader;
   const Hushed hushed;
   // DART's defaults are a root that floats, and 1 kg for a link without <inertial>
   const dart::dynamics::Inertia none(0, Vector3d::Zero(), Eigen::Matrix3d::Zero());
   DartLoader loader(DartLoader::Options(nullptr, DartLoader::RootJointType::FIXED, none));
-  SkeletonPtr skeleton = loader.parseSkeletonString(scene::urdfForEngines(scene), "");
+  SkeletonPtr skeleton = loader.parseSkeletonString(scene::urdfForEngines(told(scene)), "");
   if (!skeleton) throw std::runtime_error("DART does not read the URDF: " + hushed.text());
   return skeleton;
 }
@@ -105,12 +151,14 @@ class DartWitness : public Witness {
   }
 
  private:
-  /// One degree of freedom of the scene. A geared rotor is a body of its own, pinned to the world,
+  /// One degree of freedom of the scene; of a floating joint, too, linear ones come first. A geared
+  /// rotor is a body of its own, pinned to the world,
   /// that turns n times as fast as the joint.
   struct Joint {
     DegreeOfFreedom* joint;
     DegreeOfFreedom* rotor;  ///< null: none
     double gear_ratio;
+    JointKind kind;  ///< of the scene's joint
   };
   struct AppliedWrench {
     BodyNode* body;
@@ -126,16 +174,95 @@ class DartWitness : public Witness {
       throw std::runtime_error("DART did not make '" + link.name + "' of the URDF");
     links_.push_back(body);
     if (link.joint.kind == scene::JointKind::kFixed) return;
-    dart::dynamics::Joint* joint = skeleton_->getJoint(link.joint.name);
+    joints::Joint* joint = skeleton_->getJoint(link.joint.name);
     if (!joint || joint->getNumDofs() != 1)
       throw std::runtime_error("DART did not make '" + link.joint.name + "' of the URDF");
+    if (scene::degreesOfFreedom(link.joint.kind) > 1) {
+      for (DegreeOfFreedom* dof : exchanged(*joint, link.joint))
+        joints_.push_back({dof, nullptr, 1, link.joint.kind});
+      return;
+    }
+    if (link.joint.kind == JointKind::kHelical) {
+      auto screw = like<joints::ScrewJoint>(*joint, "screw");
+      screw.mAxis = axisOf(*joint);
+      screw.mPitch = boost::math::constants::two_pi<double>() * number(link.joint.pitch);
+      joint = exchange<joints::ScrewJoint>(*joint, screw);
+    }
     DegreeOfFreedom* dof = joint->getDof(0);
     dof->setDampingCoefficient(0);  // a URDF file may have it
     dof->setSpringStiffness(number(link.joint.stiffness));
     dof->setRestPosition(number(link.joint.rest));
     const double gear = number(link.joint.gear_ratio), J = number(link.joint.rotor_inertia);
-    joints_.push_back({dof, J == 0 ? nullptr : addRotor(link.joint.name + ".rotor", J), gear});
+    joints_.push_back(
+        {dof, J == 0 ? nullptr : addRotor(link.joint.name + ".rotor", J), gear, link.joint.kind});
     has_rotors_ = has_rotors_ || J != 0;
+  }
+
+  /// Of the joint that DART made of the URDF, as a unit vector.
+  static Vector3d axisOf(const joints::Joint& revolute) {
+    return dynamic_cast<const joints::RevoluteJoint&>(revolute).getAxis();
+  }
+
+  /// In the same place as another joint.
+  template <typename Made>
+  static typename Made::Properties like(const joints::Joint& joint, const char* what) {
+    typename Made::Properties made;
+    made.mName = joint.getName() + "." + what;
+    made.mT_ParentBodyToJoint = joint.getTransformFromParentBodyNode();
+    made.mT_ChildBodyToJoint = joint.getTransformFromChildBodyNode();
+    return made;
+  }
+  template <typename Made>
+  static Made* exchange(joints::Joint& joint, const typename Made::Properties& made) {
+    return joint.getChildBodyNode()->changeParentJointType<Made>(made);
+  }
+
+  /// Puts DART's own joint in the place of a revolute one. @return in the order of the scene's rates
+  std::vector<DegreeOfFreedom*> exchanged(joints::Joint& joint, const scene::Joint& wanted) {
+    const Hushed hushed;
+    const auto inOrder = [](joints::Joint* made, std::initializer_list<int> order) {
+      std::vector<DegreeOfFreedom*> dofs;
+      for (const int k : order) dofs.push_back(made->getDof(static_cast<std::size_t>(k)));
+      return dofs;
+    };
+    switch (wanted.kind) {
+      case JointKind::kSpherical:
+        return inOrder(exchange<joints::BallJoint>(joint, like<joints::BallJoint>(joint, "ball")),
+                       {0, 1, 2});
+      case JointKind::kFloating:
+        return inOrder(exchange<joints::FreeJoint>(joint, like<joints::FreeJoint>(joint, "free")),
+                       {3, 4, 5, 0, 1, 2});
+      case JointKind::kUniversal: {
+        auto made = like<joints::UniversalJoint>(joint, "universal");
+        made.mAxis = {Vector3d::UnitX(), Vector3d::UnitY()};
+        return inOrder(exchange<joints::UniversalJoint>(joint, made), {0, 1});
+      }
+      case JointKind::kPlanar: {  // Rz(alpha) Ry(beta) takes z to the axis, x and y to these
+        const Vector3d z = axisOf(joint);
+        const double rho = std::hypot(z[0], z[1]);
+        const Vector3d y = rho == 0 ? Vector3d(0, 1, 0) : Vector3d(-z[1] / rho, z[0] / rho, 0);
+        auto made = like<joints::PlanarJoint>(joint, "planar");
+        made.setArbitraryPlane(y.cross(z), y);
+        return inOrder(exchange<joints::PlanarJoint>(joint, made), {0, 1, 2});
+      }
+      case JointKind::kCylindrical: {  // a body without mass slides, and carries the one that turns
+        auto slide = like<joints::PrismaticJoint>(joint, "slide");
+        auto turn = like<joints::RevoluteJoint>(joint, "turn");
+        slide.mAxis = turn.mAxis = axisOf(joint);
+        slide.mT_ChildBodyToJoint.setIdentity();
+        turn.mT_ParentBodyToJoint.setIdentity();
+        BodyNode::Properties sliding;
+        sliding.mName = slide.mName;
+        sliding.mInertia = joints::Inertia(0, Vector3d::Zero(), Eigen::Matrix3d::Zero());
+        BodyNode* body = joint.getChildBodyNode();
+        const auto made = skeleton_->createJointAndBodyNodePair<joints::PrismaticJoint>(
+            body->getParentBodyNode(), slide, sliding);
+        joints::Joint* turning = body->moveTo<joints::RevoluteJoint>(made.second, turn);
+        return {made.first->getDof(0), turning->getDof(0)};
+      }
+      default:
+        throw std::logic_error("dart: unknown joint kind");
+    }
   }
 
   DegreeOfFreedom* addRotor(const std::string& name, double J) {
@@ -158,10 +285,25 @@ class DartWitness : public Witness {
     }
   }
 
-  void setState(const scene::State<double>& state, bool moving) {
+  /// Positions of the degrees of freedom: DART's rotation vectors in place of quaternions.
+  std::vector<double> coordinates(const scene::State<double>& state) const {
     std::vector<double> q;
-    for (const auto& x : state.x) q.push_back(x.q);
-    const std::vector<double> zeros(q.size(), 0.0);
+    const scene::JointPosition<double>* x = state.x.data();
+    while (q.size() < joints_.size()) {
+      const JointKind kind = joints_[q.size()].kind;
+      const bool turns = !scene::ratesArePositionDerivatives(kind);
+      for (int k = scene::degreesOfFreedom(kind) - (turns ? 3 : 0); k > 0; --k)
+        q.push_back((x++)->q);
+      if (!turns) continue;
+      const Vector3d r = rotationVector(x);
+      q.insert(q.end(), r.data(), r.data() + 3);
+      x += 4;
+    }
+    return q;
+  }
+
+  void setState(const scene::State<double>& state, bool moving) {
+    const std::vector<double> q = coordinates(state), zeros(q.size(), 0.0);
     setEach(q, [](DegreeOfFreedom* dof, double x) { dof->setPosition(x); });
     setEach(moving ? state.qd : zeros, [](DegreeOfFreedom* dof, double x) { dof->setVelocity(x); });
     setEach(zeros, [](DegreeOfFreedom* dof, double x) {
@@ -280,7 +422,7 @@ class DartWitness : public Witness {
   SkeletonPtr skeleton_;
   bool has_rotors_ = false;
   std::vector<BodyNode*> links_;  ///< one a scene link; null: the world
-  std::vector<Joint> joints_;     ///< one a degree of freedom
+  std::vector<Joint> joints_;     ///< one a degree of freedom, in the scene's order
   std::vector<AppliedWrench> wrenches_;
   std::unique_ptr<SolveBound> solve_bound_;
 };
@@ -293,6 +435,13 @@ constexpr const char* kConventions =
     "bias: getCoriolisForces = c; c is velocity products only\n"
     "gravity: setGravity takes the acceleration of a falling body, as in the scene; g comes from "
     "inverse dynamics at rest, so that the springs are in it\n"
+    "joints: BallJoint, FreeJoint, UniversalJoint, PlanarJoint and ScrewJoint are put in the place "
+    "of revolute ones of the URDF; a cylindrical joint is a PrismaticJoint, a body without mass and "
+    "a RevoluteJoint\n"
+    "orientations: a rotation vector; below 1e-3 rad, where DART breaks the series of its "
+    "exponential off, one of almost 2 pi the other way\n"
+    "speeds: those of BallJoint and FreeJoint are the body's own in its axes, as in the scene, "
+    "angular part first\n"
     "springs: those of an implicit integrator, -stiffness (q + h qd - rest), and h^2 stiffness "
     "added to M in forward dynamics; the time step h is 1e-100 s here\n"
     "friction: its own is off; viscous and Coulomb friction are added here\n"

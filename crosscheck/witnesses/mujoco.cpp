@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // MuJoCo as a witness. It reads the mechanism from URDF: the scene's own file, or one written for
-// it. What URDF cannot say is set in MuJoCo's model: gravity, rotors (armature), springs.
+// it; from MJCF where a joint is of a kind that a URDF cannot say (mjcf.hpp). What neither says is
+// set in MuJoCo's model: gravity, rotors (armature), springs.
 //
 // MuJoCo keeps a link's inertia as principal moments and axes. Its compiler finds the axes by
 // Jacobi turns and stops when the cosine of the next turn is above 1 - 1e-12 (mju_eig3, eigEPS;
@@ -30,6 +31,7 @@
 #include <Eigen/LU>
 
 #include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/mjcf.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #endif
 
@@ -43,8 +45,8 @@ const char* nameOf(Inertias inertias) {
 }
 const char* methodOf(Inertias inertias) {
   return inertias == Inertias::kAsWritten
-             ? "MuJoCo reads the URDF; M by composite bodies in world axes, qdd from M = L'DL"
-             : "MuJoCo, the URDF's inertias turned into their principal axes before";
+             ? "MuJoCo reads URDF or MJCF; M by composite bodies in world axes, qdd from M = L'DL"
+             : "MuJoCo, the inertias turned into their principal axes before";
 }
 
 #ifdef DYNWITNESS_HAS_MUJOCO
@@ -128,6 +130,43 @@ scene::MassProperties placeholder() {
   return m;
 }
 
+/// The same for MJCF: in link axes, or in the principal ones.
+std::string inertial(const Body& body, Inertias inertias) {
+  const std::string begin = fmt::format("<inertial mass=\"{:.17g}\" pos=\"{}\"", body.mass,
+                                        mjcfNumbers({body.com[0], body.com[1], body.com[2]}));
+  const Matrix3d& I = body.I;
+  if (inertias == Inertias::kAsWritten)
+    return fmt::format("{} fullinertia=\"{}\"/>", begin,
+                       mjcfNumbers({I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)}));
+  const Eigen::Quaterniond q = Eigen::Quaterniond(body.R).normalized();
+  return fmt::format("{} diaginertia=\"{}\" quat=\"{}\"/>", begin,
+                     mjcfNumbers({body.moments[0], body.moments[1], body.moments[2]}),
+                     mjcfNumbers({q.w(), q.x(), q.y(), q.z()}));
+}
+
+std::vector<std::string> inertialsTold(const std::vector<Body>& bodies, Inertias inertias,
+                                       bool with_placeholders) {
+  std::vector<std::string> out;
+  for (const Body& body : bodies) {
+    if (with_placeholders && isRefused(body))
+      out.emplace_back(R"(<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>)");
+    else  // what rests may have no mass; what moves without is refused
+      out.push_back(body.mass == 0 && body.moments.isZero(0) ? "" : inertial(body, inertias));
+  }
+  return out;
+}
+
+/// Whether URDF has words for all joints, and readers that agree about them.
+bool isSaidByUrdf(const scene::Mechanism& mechanism) {
+  for (const scene::Link& link : mechanism.links) {
+    const scene::JointKind kind = link.joint.kind;
+    if (kind != scene::JointKind::kFixed && kind != scene::JointKind::kRevolute &&
+        kind != scene::JointKind::kPrismatic)
+      return false;
+  }
+  return true;
+}
+
 /// The scene that MuJoCo is told.
 scene::Scene told(scene::Scene scene, const std::vector<Body>& bodies, Inertias inertias,
                   bool with_placeholders) {
@@ -160,27 +199,34 @@ void installHandlers() {
   mju_user_error = [](const char* text) { throw std::runtime_error(text); };
 }
 
-Owned<mjModel> loaded(std::string urdf) {
+/// @param text  URDF or MJCF
+Owned<mjModel> loaded(std::string text) {
   // nothing may be fused, bounded, balanced or inferred: the model is to be what the file says
-  urdf.insert(urdf.rfind("</robot>"),
-              "<mujoco><compiler fusestatic=\"false\" inertiafromgeom=\"false\" "
-              "balanceinertia=\"false\" boundmass=\"0\" boundinertia=\"0\"/>"
-              // no limits and no contacts: MuJoCo clears the room for them at every state
-              "<size njmax=\"1\" nconmax=\"1\"/></mujoco>");
-  constexpr const char* kFile = "scene.urdf";
+  const std::string settings =
+      "<compiler fusestatic=\"false\" inertiafromgeom=\"false\" "
+      "balanceinertia=\"false\" boundmass=\"0\" boundinertia=\"0\"/>"
+      // no limits and no contacts: MuJoCo clears the room for them at every state
+      "<size njmax=\"1\" nconmax=\"1\"/>";
+  const std::size_t end_of_robot = text.rfind("</robot>");
+  const bool is_urdf = end_of_robot != std::string::npos;
+  if (is_urdf)
+    text.insert(end_of_robot, "<mujoco>" + settings + "</mujoco>");
+  else
+    text.insert(text.rfind("</mujoco>"), settings);
+  const char* kFile = is_urdf ? "scene.urdf" : "scene.xml";
   const Owned<mjVFS> files(new mjVFS);
   mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(urdf.size()));
-  std::memcpy(files->filedata[0], urdf.data(), urdf.size());
+  mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(text.size()));
+  std::memcpy(files->filedata[0], text.data(), text.size());
   char error[1000] = "";
   Owned<mjModel> model(mj_loadXML(kFile, files.get(), error, sizeof error));
-  if (!model) throw std::runtime_error(fmt::format("MuJoCo does not read the URDF: {}", error));
+  if (!model) throw std::runtime_error(fmt::format("MuJoCo does not read the file: {}", error));
   return model;
 }
 
 int idOf(const mjModel* model, mjtObj kind, const std::string& name) {
   const int id = mj_name2id(model, kind, name.c_str());
-  if (id < 0) throw std::runtime_error("MuJoCo did not make '" + name + "' of the URDF");
+  if (id < 0) throw std::runtime_error("MuJoCo did not make '" + name + "' of the file");
   return id;
 }
 
@@ -194,7 +240,6 @@ class MujocoWitness : public Witness {
         bound_(scene.mechanism, kQuaternion),
         solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns, kQuaternion),
         sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
-    requirePlainJoints(scene.mechanism);
     requirePlainRotors(scene.mechanism);
     installHandlers();
     const scene::Mechanism& mechanism = scene.mechanism;
@@ -202,19 +247,35 @@ class MujocoWitness : public Witness {
     std::vector<Body> bodies;
     for (const scene::Link& link : mechanism.links) bodies.push_back(bodyOf(link.inertia, number));
     std::vector<bool> was_read(bodies.size(), true);
+    const bool by_urdf = isSaidByUrdf(mechanism);
+    const auto file = [&](bool with_placeholders) {
+      return by_urdf ? scene::urdfForEngines(told(scene, bodies, inertias, with_placeholders))
+                     : mjcf(mechanism, inertialsTold(bodies, inertias, with_placeholders));
+    };
+    const std::string first = file(false);  // what cannot be written is refused here
     try {
-      model_ = loaded(scene::urdfForEngines(told(scene, bodies, inertias, false)));
+      model_ = loaded(first);
     } catch (const std::runtime_error&) {
-      model_ = loaded(scene::urdfForEngines(told(scene, bodies, inertias, true)));
+      model_ = loaded(file(true));
       for (std::size_t i = 0; i < bodies.size(); ++i) was_read[i] = !isRefused(bodies[i]);
     }
-    for (const scene::Link& link : mechanism.links) findLink(link, number);
+    for (std::size_t i = 0; i < mechanism.links.size(); ++i) {
+      const scene::Link& link = mechanism.links[i];
+      if (by_urdf)
+        findLink(link, link.name, link.joint.name, number);
+      else
+        findLink(link, mjcfLink(static_cast<int>(i)), mjcfJoint(static_cast<int>(i)), number);
+      if (link.joint.kind == scene::JointKind::kFloating)
+        findFrame(mjcfJointFrame(static_cast<int>(i)));
+    }
     for (std::size_t i = 0; i < bodies.size(); ++i)
       if (!was_read[i] && links_[i] != 0) setBody(links_[i], bodies[i]);
     if (inertias == Inertias::kAsWritten) prepareLoss(scene, bodies, was_read);
     setPhysics(mechanism, number);
     data_.reset(mj_makeData(model_.get()));
     mj_setConst(model_.get(), data_.get());  // derived numbers, after the changes
+    mj_kinematics(model_.get(), data_.get());
+    for (Floating& joint : floating_) placeFrame(joint);
   }
 
   const std::string& name() const override { return name_; }
@@ -222,12 +283,12 @@ class MujocoWitness : public Witness {
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), bound_(quantity, state)};
-    out.bound.array() += axisError(quantity, state);
+    out.bound += axisError(quantity, state);
     if (quantity == Quantity::kQdd) {
       const scene::State<double> answered = moving(state, out.value);
       solve_bound_.judge(state, bound_(Quantity::kTau, answered), out);
-      out.residual_bound.array() +=
-          axisError(Quantity::kTau, answered) + massAxisError(state) * out.value.cwiseAbs().sum();
+      out.residual_bound +=
+          axisError(Quantity::kTau, answered) + massAxisError(state) * out.value.cwiseAbs();
       if (compiled_) {
         out.residual_loss = loss(Quantity::kTau, answered);
         out.residual_bound += out.residual_loss;
@@ -247,22 +308,61 @@ class MujocoWitness : public Witness {
     Vector3d force, moment, at;
   };
 
-  void findLink(const scene::Link& link, const RealNumbers<double>& number) {
+  /** A floating joint: MuJoCo's free one, or three slides and a ball. Its linear speeds are in the
+      axes of the world, of the joint frame, which R turns the scene's into,
+
+          v' = R v    dv'/dt = R (dv/dt + w x v)
+
+      while the angular ones are in the axes of the body, like the scene's. A free joint's position
+      is the body's in the world, which p, q of the joint frame lead to. */
+  struct Floating {
+    int slot, dof;
+    int frame;  ///< MuJoCo's body in the place of the joint frame; -1: slides and a ball
+    Vector3d p = Vector3d::Zero();
+    RowMajor3 R_frame = RowMajor3::Identity();
+    mjtNum q[4] = {1, 0, 0, 0};
+    RowMajor3 R = RowMajor3::Identity();  ///< at the state that was set
+  };
+
+  void findLink(const scene::Link& link, const std::string& name, const std::string& joint_name,
+                const RealNumbers<double>& number) {
     // of a root called "world", MuJoCo makes its own world, without mass
-    const bool is_world = link.parent < 0 && link.name == "world";
+    const bool is_world = link.parent < 0 && name == "world";
     if (is_world && number(link.inertia.mass) != 0)
       throw std::runtime_error("MuJoCo drops the mass of a root link called 'world'");
-    links_.push_back(is_world ? 0 : idOf(model_.get(), mjOBJ_BODY, link.name));
+    links_.push_back(is_world ? 0 : idOf(model_.get(), mjOBJ_BODY, name));
     if (link.joint.kind == scene::JointKind::kFixed) return;
-    const int joint = idOf(model_.get(), mjOBJ_JOINT, link.joint.name);
-    const int dof = model_->jnt_dofadr[joint];
-    dofs_.push_back(dof);
-    positions_.push_back(model_->jnt_qposadr[joint]);
+    const int joint = idOf(model_.get(), mjOBJ_JOINT, joint_name);
+    const int dof = model_->jnt_dofadr[joint], position = model_->jnt_qposadr[joint];
+    if (link.joint.kind == scene::JointKind::kFloating)
+      floating_.push_back(
+          {static_cast<int>(positions_.size()), static_cast<int>(dofs_.size()), -1});
+    if (!scene::ratesArePositionDerivatives(link.joint.kind))
+      quaternions_.push_back(position + scene::degreesOfFreedom(link.joint.kind) - 3);
+    // the joints of a body stand in the order of the scene's rates
+    const int slots = static_cast<int>(scene::positionSlots(link.joint.kind).size());
+    for (int k = 0; k < slots; ++k) positions_.push_back(position + k);
+    for (int k = 0; k < scene::degreesOfFreedom(link.joint.kind); ++k) {
+      dofs_.push_back(dof + k);
+      model_->dof_damping[dof + k] = model_->dof_frictionloss[dof + k] = 0;  // URDF may have them
+    }
+    if (scene::degreesOfFreedom(link.joint.kind) > 1) return;  // no rotor, no spring
     const double gear = number(link.joint.gear_ratio);
     model_->dof_armature[dof] = gear * gear * number(link.joint.rotor_inertia);
-    model_->dof_damping[dof] = model_->dof_frictionloss[dof] = 0;  // a URDF file may have them
     model_->jnt_stiffness[joint] = number(link.joint.stiffness);
     model_->qpos_spring[positions_.back()] = number(link.joint.rest);
+  }
+
+  void findFrame(const std::string& name) {
+    floating_.back().frame = mj_name2id(model_.get(), mjOBJ_BODY, name.c_str());
+  }
+
+  /// Of a free joint: where its frame is in the world, by MuJoCo.
+  void placeFrame(Floating& joint) const {
+    if (joint.frame < 0) return;
+    joint.p = Eigen::Map<const Vector3d>(data_->xpos + 3 * joint.frame);
+    joint.R_frame = Eigen::Map<const RowMajor3>(data_->xmat + 9 * joint.frame);
+    std::copy_n(data_->xquat + 4 * joint.frame, 4, joint.q);
   }
 
   void setBody(int id, const Body& body) {
@@ -300,9 +400,10 @@ class MujocoWitness : public Witness {
      on the axes of joints. Each component of a joint's force therefore counts in full, with the
      error of an orientation: three turns a joint, 10 u each. Our sweeps project in the joint's own
      axes, where most components drop out exactly.
-      @return a bound for all entries: 30 u (|m| + r |f|) of the largest force through a joint, r
-     its distance from the centre of mass; 1/2 qd' qd of it for T, times |M^-1| for qdd */
-  double axisError(Quantity quantity, const scene::State<double>& state) {
+      @return 30 u (|m| + r |f|) of the largest force through a joint or one that it carries, r
+     that one's distance from the centre of mass, where the joint turns; 30 u |f| where it slides.
+     |qd|' times that of M times |qd| / 2 for T, |M^-1| times those of what qdd solves for qdd */
+  Eigen::MatrixXd axisError(Quantity quantity, const scene::State<double>& state) {
     const std::vector<double> zeros = sweep_.zeros();
     switch (quantity) {
       case Quantity::kM:
@@ -314,50 +415,64 @@ class MujocoWitness : public Witness {
       case Quantity::kTau:
         return forceAxisError(state, state.qd, state.qdd, Terms::all());
       case Quantity::kKinetic: {
-        double sum = 0;
-        for (const double qd : state.qd) sum += std::abs(qd);
-        return massAxisError(state) * sum * sum / 2;
+        const Eigen::VectorXd qd = column(state.qd).cwiseAbs();
+        return scalar(double(qd.dot(massAxisError(state) * qd) / 2));
       }
       case Quantity::kQdd: {
         const Eigen::MatrixXd M = CompositeBody::answer(sweep_, Quantity::kM, state);
         const Eigen::VectorXd qdd = CompositeBody::answer(sweep_, Quantity::kQdd, state);
-        const Eigen::MatrixXd inverse = M.inverse();
-        return inverse.cwiseAbs().rowwise().sum().maxCoeff() *
-               (forceAxisError(state, state.qd, zeros, Terms::all()) +
-                massAxisError(state) * qdd.lpNorm<1>());
+        return M.inverse().cwiseAbs() * (forceAxisError(state, state.qd, zeros, Terms::all()) +
+                                         massAxisError(state) * qdd.cwiseAbs());
       }
       case Quantity::kPotential:
+        return scalar(0.0);
       case Quantity::kMomentum:
+        return Eigen::MatrixXd::Zero(6, 1);
       case Quantity::kReactions:
-        return 0;
+        break;
     }
     throw std::logic_error("mujoco: unknown quantity");
   }
 
-  double massAxisError(const scene::State<double>& state) {
-    double largest = 0;
-    for (std::size_t j = 0; j < dofs_.size(); ++j) {
+  Eigen::MatrixXd massAxisError(const scene::State<double>& state) {
+    const auto n = static_cast<Eigen::Index>(dofs_.size());
+    Eigen::MatrixXd errors(n, n);
+    for (Eigen::Index j = 0; j < n; ++j) {
       std::vector<double> unit = sweep_.zeros();
-      unit[j] = 1;
-      largest = std::max(largest, forceAxisError(state, sweep_.zeros(), unit, Terms::none()));
+      unit[static_cast<std::size_t>(j)] = 1;
+      errors.col(j) = forceAxisError(state, sweep_.zeros(), unit, Terms::none());
     }
-    return largest;
+    return errors.cwiseMax(errors.transpose());
   }
 
-  double forceAxisError(const scene::State<double>& state, const std::vector<double>& qd,
-                        const std::vector<double>& qdd, Terms terms) {
+  Eigen::VectorXd forceAxisError(const scene::State<double>& state, const std::vector<double>& qd,
+                                 const std::vector<double>& qdd, Terms terms) {
     sweep_.inverse(state, qd, qdd, terms);
-    double largest = 0;
-    for (std::size_t i = 0; i < dofs_.size(); ++i) {
-      const recursive::Force<double>& f = sweep_.ws.f[sweep_.model.link_of_dof[i]];
-      const int joint = model_->dof_jntid[dofs_[i]];
+    const auto& links = sweep_.model.links;
+    const auto n = static_cast<Eigen::Index>(links.size());
+    Eigen::VectorXd force(n), moment(n), errors(static_cast<Eigen::Index>(dofs_.size()));
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const recursive::LinkModel<double>& link = links[static_cast<std::size_t>(k)];
+      const recursive::Force<double>& f = sweep_.ws.f[static_cast<std::size_t>(k)];
+      const int joint = model_->dof_jntid[dofs_[static_cast<std::size_t>(link.dof)]];
       const int root = model_->body_rootid[model_->jnt_bodyid[joint]];
       const double r = (Eigen::Map<const Vector3d>(data_->subtree_com + 3 * root) -
                         Eigen::Map<const Vector3d>(data_->xanchor + 3 * joint))
                            .norm();
-      largest = std::max(largest, f.moment.norm() + r * f.force.norm());
+      force(k) = f.force.norm();
+      moment(k) = f.moment.norm() + r * force(k);
     }
-    return 30 * RunningError::kUnitRoundoff * largest;
+    for (Eigen::Index k = n - 1; k >= 0; --k) {
+      const recursive::LinkModel<double>& link = links[static_cast<std::size_t>(k)];
+      if (link.parent >= 0) {
+        force(link.parent) = std::max(force(link.parent), force(k));
+        moment(link.parent) = std::max(moment(link.parent), moment(k));
+      }
+      for (int i = 0; i < recursive::axisCount(link.kind); ++i)
+        errors(link.dof + i) =
+            recursive::jointAxis(link, i).tail<3>().isZero(0) ? force(k) : moment(k);
+    }
+    return 30 * RunningError::kUnitRoundoff * errors;
   }
 
   /** The mechanism with the inertias that MuJoCo's compiler made of the written ones. A difference
@@ -404,10 +519,44 @@ class MujocoWitness : public Witness {
 
   void setMotion(const scene::State<double>& state, bool moving) {
     mj_resetData(model_.get(), data_.get());
-    for (std::size_t i = 0; i < dofs_.size(); ++i) {
-      data_->qpos[positions_[i]] = state.x[i].q;
-      if (moving) data_->qvel[dofs_[i]] = state.qd[i];
+    mjtNum* qpos = data_->qpos;
+    for (std::size_t i = 0; i < positions_.size(); ++i) qpos[positions_[i]] = state.x[i].q;
+    for (const int at : quaternions_) {
+      Eigen::Map<Eigen::Vector4d> q(qpos + at);
+      q.stableNormalize();  // of any length in a scene
     }
+    for (Floating& joint : floating_) {
+      mjtNum* p = qpos + positions_[static_cast<std::size_t>(joint.slot)];
+      if (joint.frame >= 0) {
+        Eigen::Map<Vector3d> at(p);
+        at = (joint.p + joint.R_frame * at).eval();
+        mju_mulQuat(p + 3, joint.q, Eigen::Vector4d(Eigen::Map<Eigen::Vector4d>(p + 3)).data());
+      }
+      mju_quat2Mat(joint.R.data(), p + 3);
+    }
+    if (moving) expand(state.qd, data_->qvel);
+    velocity_ = moving ? state.qd : sweep_.zeros();
+  }
+
+  /// From the scene's rates (or forces) to MuJoCo's.
+  void expand(const std::vector<double>& rates, mjtNum* out) const {
+    for (std::size_t i = 0; i < dofs_.size(); ++i) out[dofs_[i]] = rates[i];
+    for (const Floating& joint : floating_) {
+      Eigen::Map<Vector3d> v(out + dofs_[static_cast<std::size_t>(joint.dof)]);
+      v = (joint.R * v).eval();
+    }
+  }
+  /// What accelerations have besides: R (w x v), at the state that was set.
+  std::vector<mjtNum> accelerationBias() const {
+    std::vector<mjtNum> bias(static_cast<std::size_t>(model_->nv), 0.0);
+    for (const Floating& joint : floating_) {
+      const double* rates = velocity_.data() + joint.dof;
+      const Vector3d v = Eigen::Map<const Vector3d>(rates),
+                     w = Eigen::Map<const Vector3d>(rates + 3);
+      Eigen::Map<Vector3d>(bias.data() + dofs_[static_cast<std::size_t>(joint.dof)]) =
+          joint.R * w.cross(v);
+    }
+    return bias;
   }
 
   void setGravity(bool on) {
@@ -429,9 +578,12 @@ class MujocoWitness : public Witness {
     return Q;
   }
 
+  /// From MuJoCo's forces (or rates) to the scene's: expand() is its own inverse's transpose.
   Eigen::MatrixXd inOrderOfScene(const mjtNum* forces) const {
     Eigen::MatrixXd out(dofs_.size(), 1);
     for (std::size_t i = 0; i < dofs_.size(); ++i) out(i, 0) = forces[dofs_[i]];
+    for (const Floating& joint : floating_)
+      out.middleRows<3>(joint.dof) = (joint.R.transpose() * out.middleRows<3>(joint.dof)).eval();
     return out;
   }
 
@@ -451,11 +603,11 @@ class MujocoWitness : public Witness {
       case Quantity::kM:
         return massMatrix();
       case Quantity::kc:
-        return inOrderOfScene(d->qfrc_bias);
+        return velocityForces();
       case Quantity::kg:
         return inOrderOfScene(d->qfrc_bias) - inOrderOfScene(d->qfrc_passive);
       case Quantity::kTau:
-        for (std::size_t i = 0; i < dofs_.size(); ++i) d->qacc[dofs_[i]] = state.qdd[i];
+        setAccelerations(state.qdd);
         mj_inverse(m, d);
         return inOrderOfScene(d->qfrc_inverse) - inOrderOfScene(loads().data());
       case Quantity::kQdd:
@@ -474,23 +626,43 @@ class MujocoWitness : public Witness {
     throw std::logic_error("mujoco: unknown quantity");
   }
 
+  void setAccelerations(const std::vector<double>& qdd) {
+    expand(qdd, data_->qacc);
+    if (!floating_.empty()) mju_addTo(data_->qacc, accelerationBias().data(), model_->nv);
+  }
+
+  /// c: inverse dynamics without gravity, at the accelerations that the scene's qdd = 0 are.
+  Eigen::MatrixXd velocityForces() {
+    if (floating_.empty()) return inOrderOfScene(data_->qfrc_bias);
+    setAccelerations(sweep_.zeros());
+    std::vector<mjtNum> forces(static_cast<std::size_t>(model_->nv));
+    mj_rne(model_.get(), data_.get(), 1, forces.data());
+    return inOrderOfScene(forces.data());
+  }
+
   Eigen::MatrixXd massMatrix() {
     Eigen::MatrixXd full(model_->nv, model_->nv), M(dofs_.size(), dofs_.size());
     mj_fullM(model_.get(), full.data(), data_->qM);
     for (std::size_t j = 0; j < dofs_.size(); ++j)
       for (std::size_t i = 0; i < dofs_.size(); ++i) M(i, j) = full(dofs_[i], dofs_[j]);
+    for (const Floating& joint : floating_) {
+      M.middleRows<3>(joint.dof) = (joint.R.transpose() * M.middleRows<3>(joint.dof)).eval();
+      M.middleCols<3>(joint.dof) = (M.middleCols<3>(joint.dof) * joint.R).eval();
+    }
     return M;
   }
 
   Eigen::MatrixXd accelerations(const scene::State<double>& state) {
     const std::vector<double> Q = loads();
-    std::copy(Q.begin(), Q.end(), data_->qfrc_applied);
-    for (std::size_t i = 0; i < dofs_.size(); ++i) data_->qfrc_applied[dofs_[i]] += state.tau[i];
+    expand(state.tau, data_->qfrc_applied);
+    mju_addTo(data_->qfrc_applied, Q.data(), model_->nv);
     mj_forward(model_.get(), data_.get());
     if (data_->warning[mjWARN_INERTIA].number > 0)
       throw std::runtime_error(
           fmt::format("M is singular for MuJoCo: a pivot below {:g} is replaced by it", mjMINVAL));
-    return inOrderOfScene(data_->qacc);
+    std::vector<mjtNum> qacc(data_->qacc, data_->qacc + model_->nv);
+    if (!floating_.empty()) mju_subFrom(qacc.data(), accelerationBias().data(), model_->nv);
+    return inOrderOfScene(qacc.data());
   }
 
   /// MuJoCo has the angular momentum about the centre of mass.
@@ -517,7 +689,10 @@ class MujocoWitness : public Witness {
   Owned<mjData> data_;
   Vector3d gravity_ = Vector3d::Zero();
   std::vector<int> links_;             ///< MuJoCo's body, one a scene link
-  std::vector<int> dofs_, positions_;  ///< places in qvel and qpos, one a degree of freedom
+  std::vector<int> dofs_, positions_;  ///< places in qvel and qpos, one a rate and a slot
+  std::vector<int> quaternions_;       ///< places in qpos of those that are not normalised
+  std::vector<Floating> floating_;
+  std::vector<double> velocity_;  ///< qd of the state that was set
   std::vector<AppliedWrench> wrenches_;
 };
 
@@ -525,7 +700,15 @@ class MujocoWitness : public Witness {
 std::string conventions(Inertias inertias) {
   std::string card =
       "reads: the URDF itself, parsed by MuJoCo; geometry left out, fixed joints kept "
-      "(fusestatic=false), nothing bounded, balanced or inferred\n"
+      "(fusestatic=false), nothing bounded, balanced or inferred; MJCF where a joint is "
+      "cylindrical, universal, planar, spherical or floating, inertias then in link axes or in "
+      "the principal ones\n"
+      "joints: hinge, slide, ball and free, several in one body where the scene's joint has "
+      "several rates (cylindrical: slide, hinge; universal: two hinges; planar: two slides, hinge); "
+      "a floating joint is free where its parent rests in the world, otherwise three slides and a "
+      "ball; there is no helical one\n"
+      "speeds: angular ones of ball and free are the body's own in its axes, as in the scene; "
+      "linear ones are turned from the body's axes, and their accelerations have w x v besides\n"
       "does not read: links without mass or extent, and moments that break the triangle inequality "
       "by a rounding, are refused; they pass the compiler as placeholders and get their mass, "
       "centre of mass, moments and axes in mjModel\n"

@@ -33,10 +33,12 @@ SolveBound::SolveBound(const scene::Mechanism& mechanism, SolvedBy method, int t
       wrench_(inertia_) {
   for (std::size_t k = 0; k < model_.links.size(); ++k) {
     const bool by_quaternion = recursive::axisCount(model_.links[k].kind) >= 3;
-    const double orientation = matrices * (by_quaternion ? kQuaternion : kOrientation);
+    // of an engine's turns one is the joint's own; the others are fixed, no quaternion gives them
+    const double orientations =
+        matrices * kOrientation * turns + (by_quaternion ? kQuaternion - kOrientation : 0);
     inertia_(static_cast<Eigen::Index>(k)) =
-        (3 * 24 + (3 * 6 + 2 * orientation) * turns) * kUnitRoundoff;
-    wrench_(static_cast<Eigen::Index>(k)) = 2 * (9 + (6 + orientation) * turns) * kUnitRoundoff;
+        (3 * 24 + 3 * 6 * turns + 2 * orientations) * kUnitRoundoff;
+    wrench_(static_cast<Eigen::Index>(k)) = 2 * (9 + 6 * turns + orientations) * kUnitRoundoff;
   }
 }
 

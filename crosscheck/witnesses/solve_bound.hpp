@@ -57,6 +57,9 @@ inline scene::State<double> moving(scene::State<double> state, const Eigen::Matr
 
         kInertia = 3 * 24 + (3 * 6 + 2 * 8) turns  [u].                                          (3)
 
+    Of the turns of an engine one alone is the joint's motion, so that a quaternion adds 60 - 8 once:
+    2 (8 turns + 52) in place of 2 * 8 turns.
+
     So what the sweep has computed are the exact articulated inertias of links that err by blocks of
     that size. With the motion (v, w)_ki that a unit rate of joint i gives to the frame of link k,
     and

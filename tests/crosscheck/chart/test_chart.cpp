@@ -18,6 +18,7 @@
 #include <sstream>
 
 #include "crosscheck/chart/chart.hpp"
+#include "crosscheck/inputs/states.hpp"
 #include "crosscheck/report/chart_drawing.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/system/gnuplot.hpp"
@@ -179,6 +180,20 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(identities)
 
+/// What `mujoco` documents as lost at a chart's states, of the largest entry: the principal axes of
+/// the pillar of cylindrical_arm, which has products of inertia, are not turned to the end.
+double documentedLoss(const WitnessKind& kind, const scene::Scene& scene, Quantity quantity,
+                      int states) {
+  const auto witness = kind.make(scene);
+  double worst = 0;
+  for (int k = 0; k < states; ++k) {
+    const Answer answer = witness->answer(quantity, drawState(scene.mechanism, scene.name, 1, k));
+    if (answer.known_loss.size() > 0)
+      worst = std::max(worst, answer.known_loss.maxCoeff() / answer.value.cwiseAbs().maxCoeff());
+  }
+  return worst;
+}
+
 // the closed form, the program, the sweeps and Simbody: one quantity. Measured: worst 8.9e-15
 BOOST_DATA_TEST_CASE(all_methods_in_double_compute_the_same,
                      data::make(scenesWithClosedForm()) * data::make({"M", "tau", "qdd"}), name,
@@ -187,8 +202,14 @@ BOOST_DATA_TEST_CASE(all_methods_in_double_compute_the_same,
       speedAccuracy(scene::findScene(name), quantityNamed(quantity), selectWitnesses({}), 10);
   find(chart, "closed form as printed", "double");
   find(chart, "straight-line program", "double");
-  for (const ChartPoint& p : chart.points)
-    if (p.scalar == "double") BOOST_TEST(p.error_worst < 1e-12, p.method << " " << p.error_worst);
+  for (const ChartPoint& p : chart.points) {
+    if (p.scalar != "double") continue;
+    double lost = 0;
+    if (p.method == "mujoco")
+      lost = documentedLoss(selectWitnesses({"mujoco"}).front(), scene::findScene(name),
+                            quantityNamed(quantity), 10);
+    BOOST_TEST(p.error_worst < 1e-12 + lost, p.method << " " << p.error_worst);
+  }
 }
 
 BOOST_AUTO_TEST_CASE(closed_forms_know_slanted_axes_fixed_angles_springs_rotors_and_wrenches) {
