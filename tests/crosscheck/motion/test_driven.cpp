@@ -22,6 +22,7 @@
 #include "crosscheck/motion/motion_tables.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 #include "recursive/build_model.hpp"
+#include "recursive/energy.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 
 namespace data = boost::unit_test::data;
