@@ -93,8 +93,8 @@ class SweptMechanism {
   /// By articulated bodies, at this position and these rates.
   MatrixX forward(const MatrixX& tau) {
     std::vector<T> qdd = zeros();
-    recursive::forwardDynamics(model_, state_.x, state_.qd, {tau.data(), tau.data() + tau.size()},
-                               ws_, qdd);
+    const std::vector<T> forces(tau.data(), tau.data() + tau.size());
+    recursive::forwardDynamics(model_, state_.x, state_.qd, forces, ws_, qdd);
     return column(qdd);
   }
   /// By composite bodies.
