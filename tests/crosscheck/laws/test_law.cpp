@@ -83,7 +83,7 @@ BOOST_AUTO_TEST_CASE(what_a_mechanism_does_not_have_is_not_asked) {
 BOOST_AUTO_TEST_CASE(a_division_by_zero_takes_one_law_and_says_what_it_means) {
   BOOST_TEST(verdicts({}, 0) ==
              "doubling: agree; of trees: agree; reciprocal: not answerable, x has no reciprocal "
-             "(division by zero); halving: disagree; ");
+             "(state 0: division by zero); halving: disagree; ");
 }
 BOOST_AUTO_TEST_CASE(what_two_laws_ask_is_computed_once) {
   Number at{3, {}};
