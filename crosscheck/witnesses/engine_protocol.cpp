@@ -206,7 +206,9 @@ std::string plain(std::string text) {
 
 /// One JSON object of a line.
 Json parsed(const std::string& line) {
-  Json out = Json::parse(line, nullptr, false);
+  constexpr int kDeepest = 8;  // what is nested more deeply is left out: nothing of ours is
+  Json out = Json::parse(
+      line, [](int depth, Json::parse_event_t, Json&) { return depth <= kDeepest; }, false);
   if (out.is_object()) return out;
   const std::string start = plain(line.substr(0, 80));
   for (const char* word : {"NaN", "nan", "Infinity", "inf"})
@@ -474,8 +476,8 @@ class EngineWitness : public OutsideWitness {
       if (!said.is_number()) expected(where, "a number", said);
       return;
     }
-    const std::string shape =
-        quantity == Quantity::kM ? fmt::format("{} rows", rows) : fmt::format("{} numbers", rows);
+    const std::string shape = fmt::format(
+        "{} {}{}", rows, quantity == Quantity::kM ? "row" : "number", rows == 1 ? "" : "s");
     if (!said.is_array() || said.size() != rows)
       expected(where, shape, said.is_array() ? Json(fmt::format("{} of them", said.size())) : said);
     for (const Json& row : said) {

@@ -259,6 +259,29 @@ BOOST_AUTO_TEST_CASE(the_engines_that_are_shipped_agree) {
     BOOST_TEST(files::contains(json, name), name);
 }
 
+// The section of the README, word by word, where the clone's program and data are.
+BOOST_AUTO_TEST_CASE(check_your_own_code_works_by_copy_and_paste) {
+  const std::string readme = files::read(fs::path(DYNWITNESS_SOURCE_DIR) / "README.md");
+  const std::size_t begin = readme.find("\n## Check your own code\n");
+  BOOST_TEST_REQUIRE(begin != std::string::npos);
+  const std::string section = readme.substr(begin, readme.find("\n## ", begin + 1) - begin);
+  const files::TemporaryFolder clone;
+  fs::create_symlink(DYNWITNESS_PROGRAM, clone.path / "dynwitness");
+  fs::create_symlink(DYNWITNESS_DATA_DIR, clone.path / "data");
+  int blocks = 0;
+  const std::string open = "```sh\n", close = "```\n";
+  for (std::size_t at = 0; (at = section.find(open, at)) != std::string::npos; ++blocks) {
+    at += open.size();
+    std::ofstream(clone.path / "block.sh") << section.substr(at, section.find(close, at) - at);
+    const std::string command =
+        "cd '" + clone.path.string() + "' && sh -e block.sh > said.txt 2>&1";
+    BOOST_TEST(std::system(command.c_str()) == 0, files::read(clone.path / "said.txt"));
+    BOOST_TEST(files::contains(files::read(clone.path / "said.txt"), "all agree"));
+    BOOST_TEST(files::contains(files::read(clone.path / "report/report.json"), "my_arm"));
+  }
+  BOOST_TEST(blocks == 2);
+}
+
 BOOST_AUTO_TEST_CASE(a_planted_sign_is_seen) {
   const Program program;
   const std::string engine = changed(program,
