@@ -68,18 +68,22 @@ Vector3d vector(const scene::Vector& v, const RealNumbers<double>& number) {
   return {number(v[0]), number(v[1]), number(v[2])};
 }
 
-/// Keeps what is written to std::cerr while it lives. DART warns there of each link without mass.
+/// Keeps what is written to std::cerr and std::cout while it lives. DART warns on the one of each
+/// link without mass, and says on the other which names it gives to the joints put in here.
 class Hushed {
  public:
-  Hushed() : original_(std::cerr.rdbuf(heard_.rdbuf())) {}
-  ~Hushed() { std::cerr.rdbuf(original_); }
+  Hushed() : cerr_(std::cerr.rdbuf(heard_.rdbuf())), cout_(std::cout.rdbuf(heard_.rdbuf())) {}
+  ~Hushed() {
+    std::cerr.rdbuf(cerr_);
+    std::cout.rdbuf(cout_);
+  }
   Hushed(const Hushed&) = delete;
   Hushed& operator=(const Hushed&) = delete;
   std::string text() const { return heard_.str(); }
 
  private:
   std::ostringstream heard_;
-  std::streambuf* original_;
+  std::streambuf *cerr_, *cout_;
 };
 
 /// Joints that DART reads from URDF as they are.
@@ -183,6 +187,7 @@ class DartWitness : public Witness {
       return;
     }
     if (link.joint.kind == JointKind::kHelical) {
+      const Hushed hushed;
       auto screw = like<joints::ScrewJoint>(*joint, "screw");
       screw.mAxis = axisOf(*joint);
       screw.mPitch = boost::math::constants::two_pi<double>() * number(link.joint.pitch);
