@@ -204,6 +204,18 @@ std::string plain(std::string text) {
   return text;
 }
 
+/// Whether a word stands where a number might.
+bool holdsWord(const std::string& line, const std::string& word) {
+  const std::string before = "[:, -", after = "],} ";
+  for (std::size_t at = line.find(word, 1); at != std::string::npos; at = line.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if (end < line.size() && before.find(line[at - 1]) != std::string::npos &&
+        after.find(line[end]) != std::string::npos)
+      return true;
+  }
+  return false;
+}
+
 /// One JSON object of a line.
 Json parsed(const std::string& line) {
   constexpr int kDeepest = 8;  // what is nested more deeply is left out: nothing of ours is
@@ -212,7 +224,7 @@ Json parsed(const std::string& line) {
   if (out.is_object()) return out;
   const std::string start = plain(line.substr(0, 80));
   for (const char* word : {"NaN", "nan", "Infinity", "inf"})
-    if (out.is_discarded() && line.find(word) != std::string::npos)
+    if (out.is_discarded() && holdsWord(line, word))
       throw std::runtime_error(fmt::format(
           "expected numbers, got {}, which JSON has not: give a text with the reason in place of "
           "a quantity that has no value, in '{}'",
