@@ -83,8 +83,9 @@ fs::path dataFolder() {
   if (!set || !*set) return DYNWITNESS_DATA_DIR;
   std::error_code error;
   if (!fs::is_directory(set, error))
-    throw InputError({}, "DYNWITNESS_DATA: '" + std::string(set) +
-                             "' is no folder, allowed: one with the folders audit, scenes and reference");
+    throw InputError(
+        {}, "DYNWITNESS_DATA: '" + std::string(set) +
+                "' is no folder, allowed: one with the folders audit, scenes and reference");
   return set;
 }
 

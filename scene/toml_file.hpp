@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the readers of TOML files have in common. Not installed: the only header that includes toml++.
+// What the readers of TOML files have in common. Not installed: no other header includes toml++.
 #pragma once
 
 #include <string>

@@ -27,8 +27,8 @@ struct Plan {
 /// @throws scene::InputError  more than 1000 joints: one matrix of balls is 150 MB then
 Plan planFor(const scene::Scene& scene, const Options& options);
 
-/** About how long one processor takes for the crosscheck of a scene [s]: states cost n^2 each, exact
-    checks up to n^3. The factors were measured with all witnesses on 2.5 GHz (2 to 64 joints, 10 and
+/** About how long one processor takes for the crosscheck of a scene [s]: states cost n^2 each,
+    exact checks up to n^3. The factors were measured with all witnesses on 2.5 GHz (2 to 64 joints, 10 and
     100 states, within a factor of two); fewer witnesses take less. */
 double expectedSeconds(const scene::Scene& scene, const Plan& plan);
 

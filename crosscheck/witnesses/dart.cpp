@@ -222,7 +222,7 @@ class DartWitness : public Witness {
     return joint.getChildBodyNode()->changeParentJointType<Made>(made);
   }
 
-  /// Puts DART's own joint in the place of a revolute one. @return in the order of the scene's rates
+  /// Puts DART's own joint in a revolute one's place. @return in the order of the scene's rates
   std::vector<DegreeOfFreedom*> exchanged(joints::Joint& joint, const scene::Joint& wanted) {
     const Hushed hushed;
     const auto inOrder = [](joints::Joint* made, std::initializer_list<int> order) {

@@ -82,8 +82,8 @@ std::unique_ptr<Witness> makeWitness(const WitnessKind& kind, const scene::Scene
 /// All witnesses that this build knows, the absent ones too (info.present = false).
 std::vector<WitnessKind> witnessKinds();
 
-/// The kinds of these names; of none: those that are present. @throws scene::InputError on a name that does not exist or
-/// is absent from this build.
+/// The kinds of these names; of none: those that are present. @throws scene::InputError on a
+/// name that does not exist or is absent from this build.
 std::vector<WitnessKind> selectWitnesses(const std::vector<std::string>& names);
 
 }  // namespace dynwitness::crosscheck

@@ -9,7 +9,6 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "tests/fixtures/fixtures.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/closed_dynamics.hpp"
 #include "recursive/hybrid_dynamics.hpp"
@@ -17,6 +16,7 @@
 #include "scene/mimic.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
+#include "tests/fixtures/fixtures.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;

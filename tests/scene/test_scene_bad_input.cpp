@@ -472,7 +472,7 @@ BOOST_AUTO_TEST_CASE(an_unknown_scene_is_answered_with_the_known_ones) {
   requireComplaint(complaint([] { bundledScenes(); }),
                    "DYNWITNESS_DATA: '" + folder.string() +
                        "' is no folder, allowed: one with the folders "
-                       "scenes and reference");
+                       "audit, scenes and reference");
   std::filesystem::create_directory(folder);
   BOOST_TEST(bundledScenes().empty());
   requireComplaint(complaint([] { findScene("pendulm"); }),

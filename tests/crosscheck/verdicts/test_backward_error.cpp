@@ -117,8 +117,8 @@ BOOST_AUTO_TEST_CASE(the_condition_of_m_does_not_depend_on_units) {
   BOOST_TEST(backward_error.condition() == (1 + r) / (1 - r), boost::test_tools::tolerance(1e-10));
 }
 
-// A slide without mass outboard, driven by a gyroscopic rotor: by hand, M = [J_b + n^2 J_1, n J; n J,
-// n^2 J], and n J is all that couples them. It is rounded, so its bound cannot be zero.
+// A slide without mass outboard, driven by a gyroscopic rotor: by hand, M = [J_b + n^2 J_1, n J;
+// n J, n^2 J], and n J is all that couples them. It is rounded, so its bound cannot be zero.
 BOOST_AUTO_TEST_CASE(what_a_gyroscopic_rotor_couples_has_a_bound) {
   const scene::Scene scene = scene::readSceneToml(R"(
 [[link]]
