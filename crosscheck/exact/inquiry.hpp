@@ -33,8 +33,8 @@ Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses);
 /// The checks of both, asked at the same points.
 Inquiry both(const Inquiry& a, const Inquiry& b);
 
-/// Asks at as many points as options.error_probability takes. Where asking divides by zero, no check
-/// has a value at that point.
+/// Asks at as many points as options.error_probability takes. Where asking divides by zero, no
+/// check has a value at that point.
 std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquiry,
                                 const ExactOptions& options);
 

@@ -29,8 +29,8 @@ struct PassedJoint {
   recursive::Matrix6<T> P, P_M;  ///< projections of force and of inertia
 };
 
-/** One mechanism in the arithmetic of T, moved from state to state. What a law asks is computed when
-    it is first asked for, and kept for the state: no law computes what another has. */
+/** One mechanism in the arithmetic of T, moved from state to state. What a law asks is computed
+    when it is first asked for, and kept for the state: no law computes what another has. */
 template <typename T>
 class SweptMechanism {
  public:

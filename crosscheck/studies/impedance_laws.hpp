@@ -7,7 +7,7 @@
 
 namespace dynwitness::crosscheck {
 
-/// A mechanism at a state, whose point has an impedance. Model, state and impedance must outlive it.
+/// A mechanism at a state, whose point has an impedance. All three must outlive it.
 template <typename T>
 class ImpedanceAsked {
  public:
