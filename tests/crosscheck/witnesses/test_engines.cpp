@@ -173,8 +173,7 @@ at = [0.1, 0.2, 0]
   return scene::readSceneToml(text, "every_kind.toml");
 }
 
-// w x v lost, a rotation the other way round, or quaternions in another order: each was planted
-// in mujoco.cpp and dart.cpp, and seen here.
+// For w x v lost, a rotation the other way round, quaternions in another order.
 BOOST_DATA_TEST_CASE(engines_have_joints_of_every_kind, data::make({false, true}), with_screw) {
   const scene::Scene scene = jointsOfEveryKind(with_screw);
   for (const WitnessKind& engine : presentEngines()) {
