@@ -10,6 +10,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/verdicts/within_bounds.hpp"
+#include "crosscheck/witnesses/bounded_answer.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::crosscheck;
