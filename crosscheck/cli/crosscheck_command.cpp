@@ -11,6 +11,7 @@
 #include "crosscheck/cli/campaign.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/engine_options.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
@@ -28,6 +29,7 @@
 #include "crosscheck/system/processes.hpp"
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/tables.hpp"
+#include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::cli {
@@ -42,7 +44,9 @@ struct Arguments {
   std::string report = "report", json, bench;
   Options options;
   std::string parameters = kAsWritten;
-  int random = 0, joints = 12;  ///< random mechanisms instead of scenes
+  std::vector<std::string> engines;  ///< commands
+  Limits limits;                     ///< of each of these programs
+  int random = 0, joints = 12;       ///< random mechanisms instead of scenes
   bool states_given = false;
   int processes = availableProcessors();
   bool charts = true;
@@ -66,6 +70,13 @@ std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
   return scenes;
 }
 
+/// In quotes for a shell.
+std::string shellWord(const std::string& text) {
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
+}
+
 /// The words that give this result again.
 std::string reproduce(const Arguments& arguments) {
   std::string command = "dynwitness crosscheck";
@@ -73,6 +84,11 @@ std::string reproduce(const Arguments& arguments) {
   command +=
       fmt::format(" --states {} --seed {}", arguments.options.states, arguments.options.seed);
   for (const std::string& name : arguments.options.witnesses) command += " --witness " + name;
+  for (const std::string& engine : arguments.engines) command += " --engine " + shellWord(engine);
+  if (!arguments.engines.empty() && arguments.limits.seconds != Limits().seconds)
+    command += fmt::format(" --engine-seconds {}", arguments.limits.seconds);
+  if (!arguments.engines.empty() && arguments.limits.gigabytes != Limits().gigabytes)
+    command += fmt::format(" --engine-memory {}", arguments.limits.gigabytes);
   if (arguments.options.error_probability != Options().error_probability)
     command += fmt::format(" --error-probability {}", arguments.options.error_probability);
   if (arguments.parameters != kAsWritten) command += " --parameters " + arguments.parameters;
@@ -201,7 +217,11 @@ int run(const Arguments& arguments) {
     requireMotion(scene);
     admit(scene, {Command::kCrosscheck});
   }
-  tellPlan(scenes, kinds.size(), arguments);
+  const std::vector<WitnessKind> engines =
+      engineKinds(arguments.engines, arguments.limits, scenes.front());
+  std::vector<WitnessKind> all_kinds = kinds;
+  all_kinds.insert(all_kinds.end(), engines.begin(), engines.end());
+  tellPlan(scenes, all_kinds.size(), arguments);
   std::optional<BenchResult> bench;
   if (!arguments.bench.empty()) bench = readBench(arguments.bench);
   requireWritable(arguments.report);
@@ -222,13 +242,17 @@ int run(const Arguments& arguments) {
     if (kind.info.version != DYNWITNESS_VERSION)
       libraries.push_back({kind.info.name, kind.info.present ? kind.info.version : "absent"});
   }
+  for (const WitnessKind& kind : engines) {
+    result.witnesses.push_back(kind.info);
+    libraries.push_back({kind.info.name, kind.info.version});
+  }
   result.witnesses.push_back({"table", DYNWITNESS_VERSION, "published numbers in data/reference"});
   std::vector<Chart> charts;
   {
     const int count = static_cast<int>(scenes.size());
     Progress progress(count + (arguments.charts ? 2 : 1), 0, false);
     scene::Work work("", 1.25 * count);  // the charts are the last fifth
-    result.scenes = crosscheckScenes(scenes, kinds, arguments.options, arguments.processes,
+    result.scenes = crosscheckScenes(scenes, all_kinds, arguments.options, arguments.processes,
                                      [&](int i) { progress.stage(scenes[i].name); });
     if (arguments.charts) progress.stage("charts");  // timed alone on the machine, one by one
     scene::Work charts_work("charts", count, 0.25 * count);
@@ -288,6 +312,8 @@ Run addCrosscheck(CLI::App& app) {
                    "Compare these witnesses only; laws of mechanics are tested on our sweeps "
                    "whoever is named")
       ->delimiter(',');
+  CLI::Option* engine = addEngineOptions(*command, arguments->engines, arguments->limits);
+  engine->description(engine->get_description() + "; several times for several");
   const CLI::Option* states =
       command
           ->add_option(
@@ -318,7 +344,7 @@ Run addCrosscheck(CLI::App& app) {
           "Check this many random mechanisms, exactly and with all witnesses in double at 3 states "
           "each (or --states), instead of scenes; no report. Kernels take part when --witness "
           "names them")
-      ->excludes("--parameters", "--bench")
+      ->excludes("--parameters", "--bench", "--engine")
       ->check(whole(1, 100000000));
   command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
       ->capture_default_str()

@@ -11,6 +11,7 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/engine_options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/inputs/features.hpp"
@@ -19,6 +20,7 @@
 #include "crosscheck/studies/constrained_quantities.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/growing_file.hpp"
+#include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::cli {
@@ -28,6 +30,8 @@ using namespace crosscheck;
 
 struct Arguments {
   std::string scene, states, witness, output;
+  std::vector<std::string> engines;  ///< a command, or none
+  Limits limits;                     ///< of that program
   std::vector<std::string> quantities;
 };
 
@@ -316,20 +320,28 @@ int run(const Arguments& arguments) {
   Constrained constrained(scene);
   States states(arguments, scene, constrained);
 
+  std::optional<WitnessKind> engine;
+  if (!arguments.engines.empty())
+    engine = engineKinds(arguments.engines, arguments.limits, scene).front();
   std::vector<Column> columns;
   for (const std::string& text : arguments.quantities) {
     const auto& special = ConstrainedQuantities::names();
     const bool is_special = std::find(special.begin(), special.end(), text) != special.end();
     if (is_special && (text != "qdd" || ConstrainedQuantities::isConstrained(scene.mechanism))) {
-      if (!arguments.witness.empty())
+      if (!arguments.witness.empty() || engine)
         throw scene::InputError(
-            {}, fmt::format("--witness with {} of a constrained scene, allowed: without", text));
+            {},
+            fmt::format("--witness or --engine with {} of a constrained scene, allowed: without",
+                        text));
       columns.push_back({Quantity::kQdd, nullptr, text});
       continue;
     }
     const Quantity quantity = quantityNamed(text);
-    const std::string who = arguments.witness.empty() ? usualWitness(quantity) : arguments.witness;
-    std::unique_ptr<Witness> witness = selectWitnesses({who}).front().make(scene);
+    const std::string who = engine                      ? engine->info.name
+                            : arguments.witness.empty() ? usualWitness(quantity)
+                                                        : arguments.witness;
+    std::unique_ptr<Witness> witness =
+        (engine ? *engine : selectWitnesses({who}).front()).make(scene);
     if (!witness->answers(quantity))
       throw scene::InputError({}, fmt::format("witness '{}' does not answer {}", who, text));
     columns.push_back({quantity, std::move(witness), text});
@@ -383,6 +395,9 @@ Run addEvaluate(CLI::App& app) {
       ->required()
       ->delimiter(',');
   command->add_option("--witness", arguments->witness, "Who answers; without: the usual sweep");
+  addEngineOptions(*command, arguments->engines, arguments->limits)
+      ->excludes("--witness")
+      ->expected(1);
   command->add_option("-o,--output", arguments->output, "File; without: standard output");
   return [arguments] { return run(*arguments); };
 }

@@ -128,6 +128,15 @@ DigitsFound askWitnesses(const scene::Scene& scene, const std::vector<WitnessKin
       if (lossy.known_loss && pair.quantity == lossy.quantity &&
           (pair.left == lossy.left || pair.right == lossy.left))
         pair.known_loss = true;
+  for (const auto& [witness, remark] : hearing.remarks()) {
+    Finding finding;
+    finding.kind = Finding::Kind::kEngine;
+    finding.scene = scene.name;
+    finding.quantity = "testimony";
+    finding.witness = witness;
+    finding.text = fmt::format("{}: {}", scene.name, remark);
+    truth.losses.push_back(finding);
+  }
   return truth;
 }
 

@@ -140,9 +140,13 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
   {
     const DegreeBound::Divisors divisors;
     const DegreeSource source;
-    const SidesOfAll<DegreeBound> sides =
-        inquiry.in_degrees(DegreeNumbers(scene.mechanism, source, options.parameters),
-                           indeterminateState(scene.mechanism, source, options.parameters));
+    SidesOfAll<DegreeBound> sides(trials.size());
+    try {
+      sides = inquiry.in_degrees(DegreeNumbers(scene.mechanism, source, options.parameters),
+                                 indeterminateState(scene.mechanism, source, options.parameters));
+    } catch (const DivisionByZero& error) {
+      for (TwoSides<DegreeBound>& failed : sides) failed.failure = error.what();
+    }
     for (std::size_t i = 0; i < trials.size(); ++i)
       trials[i].size(sides[i], divisors, options.error_probability);
   }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "crosscheck/exact/exact.hpp"
-#include "crosscheck/laws/two_sides.hpp"
+#include "crosscheck/laws/law.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
 
 namespace dynwitness::crosscheck {
@@ -33,8 +33,17 @@ Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses);
 /// The checks of both, asked at the same points.
 Inquiry both(const Inquiry& a, const Inquiry& b);
 
-/// Asks at as many points as options.error_probability takes.
+/// Asks at as many points as options.error_probability takes. Where asking divides by zero, no
+/// check has a value at that point.
 std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquiry,
                                 const ExactOptions& options);
+
+/// The same of laws.
+/// @param ask  their sides, on the numbers and the state of either arithmetic
+template <typename Ask>
+std::vector<CheckResult> decide(const scene::Scene& scene, const std::vector<LawWords>& laws,
+                                const Ask& ask, const ExactOptions& options) {
+  return explained(laws, decide(scene, Inquiry{inWords(laws), ask, ask}, options));
+}
 
 }  // namespace dynwitness::crosscheck

@@ -4,9 +4,7 @@
 
 #include <vector>
 
-#include "crosscheck/witnesses/compiled_sweeps.hpp"
-#include "recursive/factorization.hpp"
-#include "recursive/joint_forces.hpp"
+#include "crosscheck/laws/swept_mechanism.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -117,5 +115,19 @@ recursive::MatrixX<T> sweptGauss(const recursive::Model<T>& model,
     out.block(6 * static_cast<Eigen::Index>(i), 0, 6, 7) << ws.M_A[i].matrix(), ws.f[i].vector();
   return out;
 }
+
+struct ValueOfGauss : Law {
+  static constexpr LawWords kWords = {
+      "value function of Gauss' principle",
+      "a' M_A a / 2 + a' f_A = least Gauss function of the subtree, all its joints at once", "M_A",
+      "articulated_body", "dense minimum"};
+  template <typename T>
+  static TwoSides<T> sides(SweptMechanism<T>& at) {
+    recursive::Workspace<T>& swept = at.sweptFree();
+    return {sweptGauss(at.letGo(), swept),
+            leastGauss(at.letGo(), at.state().x, at.letGo(at.state().qd), at.letGo(at.state().qdd),
+                       swept)};
+  }
+};
 
 }  // namespace dynwitness::crosscheck

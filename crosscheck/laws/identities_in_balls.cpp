@@ -29,8 +29,8 @@ bool isNarrow(const TwoSides<Ball>& law) {
 
 struct IdentitiesInBalls::Impl {
   scene::Mechanism mechanism;
-  std::map<long, std::unique_ptr<Identities<BallNumbers>>> laws;  ///< by precision
-  long bits = kFirstBits;                                         ///< that were enough so far
+  std::map<long, std::unique_ptr<SweptMechanism<Ball>>> swept;  ///< by precision
+  long bits = kFirstBits;                                       ///< that were enough so far
 };
 
 IdentitiesInBalls::IdentitiesInBalls(const scene::Mechanism& mechanism)
@@ -40,11 +40,12 @@ IdentitiesInBalls::~IdentitiesInBalls() = default;
 std::vector<TwoSides<Ball>> IdentitiesInBalls::operator()(const scene::State<double>& state) {
   for (;; impl_->bits *= 2) {
     const BallPrecision precision(impl_->bits);
-    auto& laws = impl_->laws[impl_->bits];
-    if (!laws)
-      laws = std::make_unique<Identities<BallNumbers>>(impl_->mechanism,
-                                                       BallNumbers(impl_->mechanism));
-    std::vector<TwoSides<Ball>> sides = laws->evaluate(ballState(state, impl_->mechanism));
+    auto& swept = impl_->swept[impl_->bits];
+    if (!swept)
+      swept =
+          std::make_unique<SweptMechanism<Ball>>(impl_->mechanism, BallNumbers(impl_->mechanism));
+    std::vector<TwoSides<Ball>> sides =
+        Identities::sides(impl_->mechanism, swept->at(ballState(state, impl_->mechanism)));
     if (2 * impl_->bits > kMostBits || std::all_of(sides.begin(), sides.end(), isNarrow))
       return sides;
   }

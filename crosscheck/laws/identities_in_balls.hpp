@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "crosscheck/laws/two_sides.hpp"
+#include "crosscheck/laws/law.hpp"
 #include "crosscheck/scalars/ball.hpp"
 #include "scene/mechanism.hpp"
 #include "scene/state.hpp"

@@ -115,6 +115,7 @@ Json toJson(const DigitsResult& digits) {
 Json toJson(const Finding& finding) {
   const char* kind = finding.kind == Finding::Kind::kKnownLoss   ? "known loss"
                      : finding.kind == Finding::Kind::kOpenStart ? "open start"
+                     : finding.kind == Finding::Kind::kEngine    ? "engine"
                                                                  : "disagreement";
   Json json{{"kind", kind},
             {"scene", cleanText(finding.scene)},

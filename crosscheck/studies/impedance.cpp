@@ -74,7 +74,8 @@ ImpedanceAt impedanceAt(const scene::Scene& scene, const ImpedanceOptions& optio
     out.geometric = split(model.geometricStiffness(at, z.point, f));
   } catch (const std::domain_error&) {  // quasi-velocities: there is no such matrix
   }
-  out.checks = impedanceLawsOf(mechanism, withinBounds(inWords(kImpedanceLaws), model.laws(at, z)));
+  out.checks = withinBounds(ImpedanceLaws::words(mechanism),
+                            ImpedanceLaws::sides(mechanism, ImpedanceAsked<Error>(model, at, z)));
   return out;
 }
 

@@ -4,7 +4,6 @@
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/impedance.hpp"
 #include "crosscheck/studies/impedance_laws.hpp"
-#include "crosscheck/verdicts/within_bounds.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -24,8 +23,6 @@ std::vector<CheckResult> checkImpedanceExactly(const scene::Scene& scene, const 
                                                const ExactOptions& options) {
   requireTreated(scene, Command::kImpedance);
   const int seen = linkNamed(scene, link);
-  Inquiry inquiry;
-  inquiry.checks = inWords(kImpedanceLaws);
   const auto ask = [&](const auto& number, const auto& state) {
     using T = typename std::decay_t<decltype(number)>::Scalar;
     // tau is used as joint compliance; the rest is made of qdd, which the laws do not use
@@ -39,15 +36,10 @@ std::vector<CheckResult> checkImpedanceExactly(const scene::Scene& scene, const 
     z.D = recursive::Matrix6<T>(z.K * T(2));
     for (int i = 3; i < 6; ++i) z.D(i, 0) = z.D(0, i) = z.K(i - 3, 1);
     z.joint_compliance = state.tau;
-    try {
-      return ImpedanceModel<T>(scene.mechanism, number).laws(state, z);
-    } catch (const DivisionByZero& error) {
-      return std::vector<TwoSides<T>>(std::size(kImpedanceLaws), TwoSides<T>{{}, {}, error.what()});
-    }
+    ImpedanceModel<T> model(scene.mechanism, number);
+    return ImpedanceLaws::sides(scene.mechanism, ImpedanceAsked<T>(model, state, z));
   };
-  inquiry.in_field = ask;
-  inquiry.in_degrees = ask;
-  return impedanceLawsOf(scene.mechanism, decide(scene, inquiry, options));
+  return decide(scene, ImpedanceLaws::words(scene.mechanism), ask, options);
 }
 
 }  // namespace dynwitness::crosscheck

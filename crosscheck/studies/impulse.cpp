@@ -111,8 +111,8 @@ ImpulseResult strike(const scene::Scene& scene, const ImpulseOptions& options) {
 
   // the laws of what happened: the wall's impulse as a given one
   if (is_impact) impulse.p = {struck.p.head<3>(), struck.p.tail<3>()};
-  out.checks =
-      impulseLawsOf(mechanism, withinBounds(inWords(kImpulseLaws), with_bounds.laws(at, impulse)));
+  out.checks = withinBounds(ImpulseLaws::words(mechanism),
+                            ImpulseLaws::sides(mechanism, Blow<Error>(with_bounds, at, impulse)));
   return out;
 }
 

@@ -5,7 +5,6 @@
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/studies/impulse.hpp"
 #include "crosscheck/studies/impulse_laws.hpp"
-#include "crosscheck/verdicts/within_bounds.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -17,8 +16,6 @@ std::vector<CheckResult> checkImpulsesExactly(const scene::Scene& scene, const s
     equations += scene::equationCount(closure.kind);
   std::vector<int> rows(equations);
   std::iota(rows.begin(), rows.end(), 0);
-  Inquiry inquiry;
-  inquiry.checks = inWords(kImpulseLaws);
   const auto ask = [&](const auto& number, const auto& state) {
     using T = typename std::decay_t<decltype(number)>::Scalar;
     Powers<T> any(state.qdd[0]);  // what the laws do not use otherwise
@@ -29,15 +26,10 @@ std::vector<CheckResult> checkImpulsesExactly(const scene::Scene& scene, const s
     impulse.joints = state.tau;
     impulse.direction = any.vector();
     impulse.restitution = any();
-    try {
-      return ImpulseModel<T>(scene.mechanism, number, rows).laws(state, impulse);
-    } catch (const DivisionByZero& error) {
-      return std::vector<TwoSides<T>>(std::size(kImpulseLaws), TwoSides<T>{{}, {}, error.what()});
-    }
+    ImpulseModel<T> model(scene.mechanism, number, rows);
+    return ImpulseLaws::sides(scene.mechanism, Blow<T>(model, state, impulse));
   };
-  inquiry.in_field = ask;
-  inquiry.in_degrees = ask;
-  return impulseLawsOf(scene.mechanism, decide(scene, inquiry, options));
+  return decide(scene, ImpulseLaws::words(scene.mechanism), ask, options);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -43,6 +43,36 @@ class Child {
   std::unique_ptr<Running> running_;
 };
 
+/// What a program may use that somebody else wrote.
+struct Limits {
+  double seconds = 10;   ///< for one answer
+  double gigabytes = 4;  ///< of address space, each of its processes
+  int processes = 64;    ///< at a time
+};
+
+/** A program of somebody else's (words for a shell) that answers questions, a line each, on its
+    standard output. It gets none of our open files. It and all that descend from it are killed when
+    this object or this process is gone, those in groups and sessions of their own too: their keeper
+    inherits what they leave behind. Only who kills the keeper first is not caught by it; his group
+    is. */
+class Conversation {
+ public:
+  Conversation(const std::string& command, const Limits& limits);
+  ~Conversation();
+  Conversation(const Conversation&) = delete;
+  Conversation& operator=(const Conversation&) = delete;
+
+  /** Its answer to a line (both without the newline).
+      @param most  bytes of an answer
+      @throws std::runtime_error  what came in place of an answer. The program has been killed then,
+                                  and every further question gets the same. */
+  std::string ask(const std::string& line, std::size_t most);
+
+ private:
+  struct Running;
+  std::unique_ptr<Running> running_;
+};
+
 /** Runs something in a copy of this process, for what may crash or hang.
     @param trial  returns what is wrong, or nothing
     @return       the same, or how the copy ended */

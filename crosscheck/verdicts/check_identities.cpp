@@ -116,7 +116,7 @@ bool isTooWide(const CheckResult& check) {
 /// Laws whose rounding bounds in double would let too much pass, or have none, once more in balls.
 void askInBalls(const scene::Scene& scene, const Options& options, std::vector<CheckResult>& laws) {
   if (std::none_of(laws.begin(), laws.end(), isTooWide)) return;
-  std::vector<CheckResult> words = inWords(kIdentities);
+  std::vector<CheckResult> words = inWords(Identities::words(scene.mechanism));
   std::vector<Tally> tallies;
   for (CheckResult& law : words) {
     law.statement +=
@@ -150,8 +150,8 @@ void askInBalls(const scene::Scene& scene, const Options& options, std::vector<C
 
 }  // namespace
 
-IdentityTallies::IdentityTallies(std::uint64_t seed) {
-  for (CheckResult& check : inWords(kIdentities)) {
+IdentityTallies::IdentityTallies(const std::vector<LawWords>& laws, std::uint64_t seed) {
+  for (CheckResult& check : inWords(laws)) {
     check.seed = seed;
     tallies_.emplace_back(check);
   }
@@ -159,7 +159,7 @@ IdentityTallies::IdentityTallies(std::uint64_t seed) {
 
 void IdentityTallies::add(int state, const std::vector<TwoSides<RunningError>>& sides,
                           const std::function<std::string(int)>& is_singular) {
-  for (int i = 0; i < kIdentityCount; ++i) {
+  for (std::size_t i = 0; i < tallies_.size(); ++i) {
     const TwoSides<RunningError>& law = sides[i];
     if (!law.failure.empty()) {  // the mechanism has no such law
       tallies_[i].fail(state, law.failure, law.failure);
@@ -178,8 +178,8 @@ std::vector<CheckResult> IdentityTallies::results() const {
 }
 
 std::vector<CheckResult> checkIdentities(const scene::Scene& scene, const Options& options) {
-  IdentityTallies tallies(options.seed);
-  Identities<RunningErrorNumbers> identities(scene.mechanism, RunningErrorNumbers(scene.mechanism));
+  IdentityTallies tallies(Identities::words(scene.mechanism), options.seed);
+  SweptMechanism<RunningError> swept(scene.mechanism, RunningErrorNumbers(scene.mechanism));
   PositiveDefinite positive(scene.mechanism, options.seed);
   // the truth is asked where something divides by what may be zero, which is rare
   std::optional<Truth> truth;
@@ -196,7 +196,7 @@ std::vector<CheckResult> checkIdentities(const scene::Scene& scene, const Option
   for (int k = 0; k < options.states; ++k, work.done()) {
     const scene::State<double> drawn = drawState(scene.mechanism, scene.name, options.seed, k);
     const scene::State<RunningError> state = runningErrorState(drawn, scene.mechanism);
-    tallies.add(k, identities.evaluate(state), isSingular);
+    tallies.add(k, Identities::sides(scene.mechanism, swept.at(state)), isSingular);
     positive.add(k, drawn, state.x, isSingular);
   }
   std::vector<CheckResult> laws = tallies.results();

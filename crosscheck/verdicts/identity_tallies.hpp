@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/laws/two_sides.hpp"
+#include "crosscheck/laws/law.hpp"
 #include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 
 namespace dynwitness::crosscheck {
 
-/// One tally a law, in the order of kIdentities.
+/// One tally a law.
 class IdentityTallies {
  public:
-  explicit IdentityTallies(std::uint64_t seed);
+  IdentityTallies(const std::vector<LawWords>& laws, std::uint64_t seed);
   /// @param is_singular  says why M is singular at a state, or nothing: asked where a law has no
   ///   bound
   void add(int state, const std::vector<TwoSides<RunningError>>& sides,

@@ -159,8 +159,9 @@ struct DigitsResult {
 
 /// What a person should know: who stands alone in a disagreement, or who loses digits and why.
 struct Finding {
-  /// kOpenStart: the scene's own start leaves closures open
-  enum class Kind { kDisagreement, kKnownLoss, kOpenStart };
+  /// kOpenStart: the scene's own start leaves closures open. kEngine: a program that testifies has
+  /// failed, or does something in a way of its own.
+  enum class Kind { kDisagreement, kKnownLoss, kOpenStart, kEngine };
   Kind kind = Kind::kDisagreement;
   std::string scene, quantity;
   std::string witness;           ///< the one that stands alone; empty when no single one does

@@ -42,6 +42,22 @@ std::vector<CheckResult> Hearing::dismissRefused() {
       refusals.push_back(refusal(*refused, "can hold the scene", refused->reason()));
       continue;
     }
+    if (auto* outside = dynamic_cast<OutsideWitness*>(witness.get())) {
+      std::vector<scene::State<double>> states;
+      for (int k = 0; k < options_.states; ++k)
+        states.push_back(drawState(scene_.mechanism, scene_.name, options_.seed, k));
+      if (const std::string failure = outside->askedAhead(states); !failure.empty()) {
+        refusals.push_back(refusal(*outside, "testifies", failure));
+        CheckResult& check = refusals.back();
+        check.quantity = "testimony";
+        check.states = 1;
+        check.addVoided(0, failure, false);
+        remarks_.emplace_back(outside->name(), failure);
+        continue;
+      }
+      for (const std::string& remark : outside->remarks())
+        remarks_.emplace_back(outside->name(), remark);
+    }
     if (const auto* partial = dynamic_cast<const PartialWitness*>(witness.get()))
       for (const auto& [quantity, reason] : partial->leftOut()) {
         refusals.push_back(

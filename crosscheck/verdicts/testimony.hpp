@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "crosscheck/verdicts/backward_error.hpp"
@@ -33,8 +34,13 @@ class Hearing {
   Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kinds, const Options& options);
 
   /// Takes the witnesses out that cannot hold the scene: one check each, not answerable, says why;
-  /// and one for each quantity that another leaves out for this scene.
+  /// and one for each quantity that another leaves out for this scene. A program that fails is
+  /// taken out as well, but held against the run: that it was asked was somebody's wish.
   std::vector<CheckResult> dismissRefused();
+
+  /// What dismissRefused() found out about programs that testify (--engine): that one has failed,
+  /// or does something in a way of its own. By witness.
+  const std::vector<std::pair<std::string, std::string>>& remarks() const { return remarks_; }
 
   /// Names of the witnesses that answer the quantity, in the order of their testimonies.
   std::vector<std::string> answering(Quantity quantity) const;
@@ -52,6 +58,7 @@ class Hearing {
   const scene::Scene& scene_;
   const Options& options_;
   std::vector<std::unique_ptr<Witness>> witnesses_;
+  std::vector<std::pair<std::string, std::string>> remarks_;
   std::unique_ptr<BackwardError> backward_error_;
   std::unique_ptr<Truth> truth_;
 };

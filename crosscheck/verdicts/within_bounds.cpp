@@ -1,14 +1,41 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/verdicts/within_bounds.hpp"
 
+#include <string>
+#include <utility>
+
 #include "crosscheck/verdicts/tally.hpp"
 
 namespace dynwitness::crosscheck {
 
-std::vector<CheckResult> withinBounds(const std::vector<CheckResult>& in_words,
+std::vector<CheckResult> inWords(const std::vector<LawWords>& laws) {
+  std::vector<CheckResult> checks;
+  for (const LawWords& law : laws) {
+    checks.emplace_back();
+    checks.back().check = law.name;
+    checks.back().statement = law.statement;
+    checks.back().quantity = law.quantity;
+    checks.back().left = law.left;
+    checks.back().right = law.right;
+  }
+  return checks;
+}
+
+std::vector<CheckResult> explained(const std::vector<LawWords>& laws,
+                                   std::vector<CheckResult> checks) {
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    const std::string meaning = laws[i].without_value;
+    if (!meaning.empty() && checks[i].verdict == Verdict::kNotAnswerable)
+      checks[i].reason = meaning + " (" + checks[i].reason + ")";
+  }
+  return checks;
+}
+
+std::vector<CheckResult> withinBounds(const std::vector<LawWords>& laws,
                                       const std::vector<TwoSides<RunningError>>& sides) {
   const auto value = [](const RunningError& x) { return x.value(); };
   const auto bound = [](const RunningError& x) { return x.bound(); };
+  const std::vector<CheckResult> in_words = inWords(laws);
   std::vector<CheckResult> results;
   for (std::size_t i = 0; i < in_words.size(); ++i) {
     Tally tally(in_words[i]);
@@ -19,7 +46,7 @@ std::vector<CheckResult> withinBounds(const std::vector<CheckResult>& in_words,
                 sides[i].left.unaryExpr(bound) + sides[i].right.unaryExpr(bound));
     results.push_back(tally.result());
   }
-  return results;
+  return explained(laws, std::move(results));
 }
 
 }  // namespace dynwitness::crosscheck

@@ -4,29 +4,21 @@
 
 #include <vector>
 
-#include "crosscheck/laws/two_sides.hpp"
+#include "crosscheck/laws/law.hpp"
 #include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/verdicts/result.hpp"
 
 namespace dynwitness::crosscheck {
 
 /// Checks with these words and no verdict yet.
-template <std::size_t kCount>
-std::vector<CheckResult> inWords(const IdentityInfo (&laws)[kCount]) {
-  std::vector<CheckResult> checks;
-  for (const IdentityInfo& law : laws) {
-    checks.emplace_back();
-    checks.back().check = law.name;
-    checks.back().statement = law.statement;
-    checks.back().quantity = law.quantity;
-    checks.back().left = law.left;
-    checks.back().right = law.right;
-  }
-  return checks;
-}
+std::vector<CheckResult> inWords(const std::vector<LawWords>& laws);
+
+/// The checks of these laws, of which those without a value say what that means.
+std::vector<CheckResult> explained(const std::vector<LawWords>& laws,
+                                   std::vector<CheckResult> checks);
 
 /// Each law at one state: the two sides must lie within the sum of their running error bounds.
-std::vector<CheckResult> withinBounds(const std::vector<CheckResult>& in_words,
+std::vector<CheckResult> withinBounds(const std::vector<LawWords>& laws,
                                       const std::vector<TwoSides<RunningError>>& sides);
 
 }  // namespace dynwitness::crosscheck

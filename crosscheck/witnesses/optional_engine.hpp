@@ -47,6 +47,16 @@ inline void requirePlainJoints(const scene::Mechanism& mechanism) {
   }
 }
 
+/// A witness that may fail as a whole at any time, and is better asked about many states at once.
+class OutsideWitness : public PartialWitness {
+ public:
+  /// Asks about these states; answer() then has them at hand.
+  /// @return  why it can testify about nothing (more); empty: it can
+  virtual std::string askedAhead(const std::vector<scene::State<double>>& states) = 0;
+  /// What it does in another way than the scene, and what was made of it.
+  virtual std::vector<std::string> remarks() const = 0;
+};
+
 /// A kind whose witnesses are W(scene, arguments...), or what W's constructor threw.
 template <typename W, typename... Arguments>
 WitnessKind engineKind(WitnessInfo info, Arguments... arguments) {

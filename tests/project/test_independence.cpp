@@ -87,7 +87,7 @@ const std::vector<Rule> kRules = {
     {"inputs", {"scene"}},
     {"scalars", {"scene", "symbolic", "recursive", "inputs"}},
     {"kernel", {"scene", "symbolic", "recursive", "system", "scalars"}},
-    {"witnesses", {"scene", "symbolic", "recursive", "scalars", "kernel"}},
+    {"witnesses", {"scene", "symbolic", "recursive", "system", "scalars", "kernel"}},
     {"laws", {"scene", "recursive", "scalars", "witnesses"}},
     {"motion", {"scene", "recursive", "inputs", "scalars", "witnesses"}},
     {"verdicts", {"scene", "recursive", "inputs", "scalars", "witnesses", "laws", "motion"}},

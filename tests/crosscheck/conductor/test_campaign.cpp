@@ -63,8 +63,8 @@ BOOST_AUTO_TEST_CASE(all_residuals_of_random_mechanisms_are_zero) {
   BOOST_TEST(campaign.joints >= 25);
   // pairs of five or six witnesses (one refuses gyroscopic rotors), the regressor and the
   // identities; some trees have no other root
-  BOOST_TEST(campaign.checks > 25 * (12 + kIdentityCount));
-  BOOST_TEST(campaign.checks <= 25 * (41 + kIdentityCount));
+  BOOST_TEST(campaign.checks > 25 * (12 + Identities::kCount));
+  BOOST_TEST(campaign.checks <= 25 * (41 + Identities::kCount));
   BOOST_TEST(campaign.not_answerable == 0);
   BOOST_TEST(campaign.error_probability <= 1e-30);
   BOOST_TEST(campaign.error_probability > 0);

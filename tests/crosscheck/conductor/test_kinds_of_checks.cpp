@@ -239,7 +239,7 @@ std::vector<CheckResult> decidedWithAFault(const scene::Scene& scene, long wrong
                                                  const scene::State<PrimeField>& state) {
     Faulty::wrong = -1;
     const FaultyNumbers numbers(number);
-    Identities<FaultyNumbers> identities(scene.mechanism, numbers);
+    SweptMechanism<Faulty> swept(scene.mechanism, numbers);
     scene::State<Faulty> at;
     for (const auto& x : state.x) at.x.push_back({x.q, x.c, x.s});
     at.qd.assign(state.qd.begin(), state.qd.end());
@@ -249,7 +249,7 @@ std::vector<CheckResult> decidedWithAFault(const scene::Scene& scene, long wrong
     Faulty::wrong = wrong;
     SidesOfAll<PrimeField> all;
     const auto inner = [](const Faulty& x) { return x.inner(); };
-    for (const TwoSides<Faulty>& law : identities.evaluate(at))
+    for (const TwoSides<Faulty>& law : Identities::sides(scene.mechanism, swept.at(at)))
       all.push_back({law.left.unaryExpr(inner), law.right.unaryExpr(inner), law.failure});
     *operations = Faulty::done;
     return all;
@@ -277,18 +277,18 @@ std::set<std::string> redByAFaultyOperation(const std::string& name) {
 /// In double: one entry of one side off by more than its bounds, law by law.
 std::set<std::string> redByASideThatIsOff() {
   const scene::Scene scene = scene::findScene("puma_560");
-  Identities<RunningErrorNumbers> identities(scene.mechanism, RunningErrorNumbers(scene.mechanism));
-  const auto sides =
-      identities.evaluate(runningErrorState(drawState(scene.mechanism, scene.name, 1, 0)));
+  SweptMechanism<RunningError> swept(scene.mechanism, RunningErrorNumbers(scene.mechanism));
+  const auto sides = Identities::sides(
+      scene.mechanism, swept.at(runningErrorState(drawState(scene.mechanism, scene.name, 1, 0))));
   std::set<std::string> kinds;
-  for (int law = 0; law < kIdentityCount; ++law) {
+  for (std::size_t law = 0; law < sides.size(); ++law) {
     auto spoiled = sides;
     auto& left = spoiled[law].left;
     RunningError& last = left(left.rows() - 1, left.cols() - 1);
     double largest = 1e-300;
     for (const RunningError& x : left.reshaped()) largest = std::max(largest, std::abs(x.value()));
     last = RunningError(last.value() + 1e-6 * largest, last.bound());
-    IdentityTallies tallies(1);
+    IdentityTallies tallies(Identities::words(scene.mechanism), 1);
     tallies.add(0, spoiled, [](int) { return std::string(); });
     const std::set<std::string> now = red(tallies.results());
     BOOST_TEST(now.size() == 1u);  // this law, and no other
@@ -324,7 +324,7 @@ void requireAll(const std::set<std::string>& red, const std::set<std::string>& e
 
 std::set<std::string> allIdentities() {
   std::set<std::string> names;
-  for (const IdentityInfo& law : kIdentities) names.insert(law.name);
+  for (const LawWords& law : Identities::words()) names.insert(law.name);
   return names;
 }
 

@@ -71,11 +71,12 @@ void requireAllZero(const scene::Mechanism& mechanism, const std::vector<CheckRe
   BOOST_TEST(count["same"] <= pairsOf(has_kernel));
   BOOST_TEST(count["regressor"] == 1u);
   BOOST_TEST(count["closures"] == (mechanism.closures.empty() ? 0u : 3u));
-  for (const IdentityInfo& identity : kIdentities)
+  for (const LawWords& identity : Identities::words())
     BOOST_TEST(count[identity.name] == 1u, identity.name);
   const bool constrained = !mechanism.closures.empty() || mechanism.isDriven() ||
                            !mechanism.acceleration_constraints.empty();
-  const std::size_t rest = checks.size() - count["same"] - 1 - count["closures"] - kIdentityCount;
+  const std::size_t rest =
+      checks.size() - count["same"] - 1 - count["closures"] - Identities::kCount;
   BOOST_TEST((rest > 0) == constrained);
   for (const CheckResult& check : checks) {
     BOOST_TEST_CONTEXT(check.check << " " << check.quantity << " " << check.left << " "
@@ -411,14 +412,14 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_leaves_only_those_identities_unanswe
     }
   };
   const auto exact = checkIdentitiesExactly(scene, {});
-  BOOST_TEST(exact.size() == static_cast<std::size_t>(kIdentityCount));
+  BOOST_TEST(exact.size() == static_cast<std::size_t>(Identities::kCount));
   requireJudgedAlone(exact, "division by zero");
 
   // only the accelerations divide by the first joint's D = 0: M_A and f_A are found by then, and
   // doubles go on where the field stops
   dividing.erase("value function of Gauss' principle");
   const auto rounded = checkIdentities(scene, {});
-  BOOST_TEST(rounded.size() == 1u + kIdentityCount);
+  BOOST_TEST(rounded.size() == 1u + Identities::kCount);
   requireJudgedAlone(rounded, "M is singular");
   BOOST_TEST(rounded.front().check == "positive definite mass matrix");
   BOOST_TEST((rounded.front().verdict == Verdict::kNotAnswerable));
@@ -444,7 +445,7 @@ BOOST_AUTO_TEST_CASE(only_the_witnesses_asked_for_are_compared) {
   BOOST_TEST((pairs == std::set<std::string>{"M newton_euler composite_body"}));
   options.witnesses = {"simbody", "newton_euler"};  // simbody computes in double only
   BOOST_TEST(exactChecks(scene::findScene("double_pendulum"), options).size() ==
-             static_cast<std::size_t>(kIdentityCount) + 1);  // and the regressor
+             static_cast<std::size_t>(Identities::kCount) + 1);  // and the regressor
 }
 
 BOOST_AUTO_TEST_CASE(answers_of_other_shapes_disagree) {

@@ -62,9 +62,10 @@ std::string broken(const std::string& name, Change change) {
   impulse.direction = {0.6, 0.0, 0.8};
   impulse.restitution = 0.5;
   std::string text;
-  for (const CheckResult& check : impulseLawsOf(
-           scene.mechanism,
-           withinBounds(inWords(kImpulseLaws), model.laws(runningErrorState(state), impulse))))
+  const scene::State<RunningError> at = runningErrorState(state);
+  for (const CheckResult& check :
+       withinBounds(ImpulseLaws::words(scene.mechanism),
+                    ImpulseLaws::sides(scene.mechanism, Blow<RunningError>(model, at, impulse))))
     if (check.verdict == Verdict::kDisagree) text += (text.empty() ? "" : ", ") + check.check;
   return text;
 }

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the laws of mechanics ask about: our sweeps of one mechanism at one state.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "crosscheck/laws/law.hpp"
+#include "crosscheck/scalars/dual.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "recursive/factorization.hpp"
+#include "recursive/joint_forces.hpp"
+#include "recursive/projection.hpp"
+#include "recursive/regressor.hpp"
+#include "scene/mimic.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// A moving joint that articulated bodies are passed through, in the letters of section 7 of the
+/// chapter.
+template <typename T>
+struct PassedJoint {
+  int dof, axes;
+  recursive::Matrix6<T> M;  ///< articulated inertia of its link
+  recursive::JointAxes<T> Z, M_Z;
+  recursive::MatrixX<T> d;       ///< the rotor, once an axis
+  recursive::MatrixX<T> leak;    ///< d D^-1, D = d + Z'MZ: what a free joint still passes on
+  recursive::MatrixX<T> weight;  ///< D^-1 d D^-1
+  recursive::Matrix6<T> P, P_M;  ///< projections of force and of inertia
+};
+
+/** One mechanism in the arithmetic of T, moved from state to state. What a law asks is computed
+    when it is first asked for, and kept for the state: no law computes what another has. */
+template <typename T>
+class SweptMechanism {
+ public:
+  using Scalar = T;
+  using MatrixX = recursive::MatrixX<T>;
+  using Moving = Dual<T>;  ///< along the motion
+
+  template <typename Numbers>
+  SweptMechanism(const scene::Mechanism& mechanism, const Numbers& numbers)
+      : model_(recursive::buildModel(mechanism, numbers)),
+        kept_(recursive::buildModel(mechanism, numbers, recursive::FixedJoints::kKept)),
+        free_(mechanism.hasMimics()
+                  ? recursive::buildModel(scene::withoutMimics(mechanism), numbers)
+                  : model_),
+        moving_(recursive::buildModel(mechanism, DualNumbers<Numbers>(numbers),
+                                      recursive::FixedJoints::kKept)),
+        ws_(model_),
+        ws_free_(free_),
+        ws_kept_(kept_),
+        ws_moving_(moving_),
+        parameters_(scene::inertialParameters(mechanism)),
+        pi_(recursive::inertialValues(mechanism, parameters_, numbers)) {}
+
+  /// To this state (its tau is not used).
+  SweptMechanism& at(scene::State<T> state) {
+    state_ = std::move(state);
+    known_ = {};
+    return *this;
+  }
+
+  const scene::State<T>& state() const { return state_; }
+  int n() const { return model_.dof(); }
+  MatrixX qd() const { return column(state_.qd); }
+  MatrixX qdd() const { return column(state_.qdd); }
+  std::vector<T> zeros() const { return std::vector<T>(n(), T(0)); }
+  /// All 0 but entry k.
+  std::vector<T> unit(int k) const {
+    std::vector<T> out = zeros();
+    out[k] = T(1);
+    return out;
+  }
+  static MatrixX column(const std::vector<T>& v) {
+    return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(v.data(), v.size());
+  }
+  static MatrixX one(const T& x) { return MatrixX::Constant(1, 1, x); }
+
+  // ---- the mechanism's own sweeps ---------------------------------------------------------------
+
+  const recursive::Model<T>& model() const { return model_; }
+  /// By Newton-Euler, at this position.
+  MatrixX inverse(const std::vector<T>& qd, const std::vector<T>& qdd, recursive::Terms terms) {
+    std::vector<T> tau = zeros();
+    recursive::inverseDynamics(model_, state_.x, qd, qdd, ws_, tau, terms);
+    return column(tau);
+  }
+  /// Of the state, all terms.
+  const MatrixX& tau() {
+    return known_.tau([&] { return inverse(state_.qd, state_.qdd, recursive::Terms::all()); });
+  }
+  /// By articulated bodies, at this position and these rates.
+  MatrixX forward(const MatrixX& tau) {
+    std::vector<T> qdd = zeros();
+    const std::vector<T> forces(tau.data(), tau.data() + tau.size());
+    recursive::forwardDynamics(model_, state_.x, state_.qd, forces, ws_, qdd);
+    return column(qdd);
+  }
+  /// By composite bodies.
+  const MatrixX& M() {
+    return known_.M([&] {
+      MatrixX M(n(), n());
+      recursive::massMatrix(model_, state_.x, ws_, M);
+      return M;
+    });
+  }
+  const MatrixX& C() {
+    return known_.C([&] { return recursive::coriolisMatrix(model_, state_.x, state_.qd, ws_); });
+  }
+  T kineticEnergy() { return recursive::kineticEnergy(model_, state_.x, state_.qd, ws_); }
+  T frictionPower() const { return recursive::frictionPower(model_, state_.qd); }
+  /// From parent to link, one a link of the model.
+  const std::vector<recursive::Transform<T>>& transforms() {
+    return known_.transforms([&] {
+      inverse(zeros(), zeros(), recursive::Terms::none());
+      return std::vector<recursive::Transform<T>>(ws_.X_up.begin(), ws_.X_up.end());
+    });
+  }
+  /// Y pi
+  MatrixX regressed() {
+    MatrixX Y(n(), parameters_.size());
+    recursive::regressor(model_, parameters_, state_.x, state_.qd, state_.qdd, ws_, Y);
+    return Y * column(pi_);
+  }
+  /// Links of the model whose joints move.
+  std::vector<int> movingLinks() const {
+    std::vector<int> moving;
+    for (std::size_t i = 0; i < model_.links.size(); ++i)
+      if (model_.links[i].dof >= 0) moving.push_back(static_cast<int>(i));
+    return moving;
+  }
+
+  // ---- rates along the motion, by dual numbers --------------------------------------------------
+
+  T energyRate() {
+    const auto x = movingAt(state_.qd);
+    const Moving energy = recursive::kineticEnergy(moving_, x, movingRates(), ws_moving_) +
+                          recursive::potentialEnergy(moving_, x, ws_moving_);
+    return energy.derivative;
+  }
+  MatrixX massMatrixRate() {
+    recursive::MatrixX<Moving> M(n(), n());
+    recursive::massMatrix(moving_, movingAt(state_.qd), ws_moving_, M);
+    return M.unaryExpr([](const Moving& m) { return m.derivative; });
+  }
+  /// dV/dq_i: the rate of V when joint i alone moves with unit velocity.
+  const MatrixX& potentialGradient() {
+    return known_.gradient([&] {
+      MatrixX gradient(n(), 1);
+      for (int i = 0; i < n(); ++i)
+        gradient(i, 0) =
+            recursive::potentialEnergy(moving_, movingAt(unit(i)), ws_moving_).derivative;
+      return gradient;
+    });
+  }
+  /// Of all links, about the world's origin.
+  MatrixX momentumRate() {
+    const recursive::Force<Moving> momentum =
+        recursive::momentum(moving_, movingAt(state_.qd), movingRates(), ws_moving_);
+    MatrixX rate(6, 1);
+    for (int k = 0; k < 6; ++k) rate(k, 0) = momentum.vector()(k).derivative;
+    return rate;
+  }
+
+  // ---- with fixed joints kept -------------------------------------------------------------------
+
+  const recursive::Model<T>& withFixedJoints() const { return kept_; }
+  const MatrixX& tauWithFixedJoints() {
+    return known_.tau_kept([&] {
+      std::vector<T> tau(kept_.dof(), T(0));
+      recursive::inverseDynamics(kept_, state_.x, state_.qd, state_.qdd, ws_kept_, tau,
+                                 recursive::Terms::all());
+      return column(tau);
+    });
+  }
+  /// As that sweep left the links.
+  const recursive::Workspace<T>& sweptWithFixedJoints() {
+    tauWithFixedJoints();
+    return ws_kept_;
+  }
+  /// Through the joint of each link of the scene; there is none at its root.
+  const std::vector<recursive::Force<T>>& reactions() {
+    return known_.reactions([&] {
+      tauWithFixedJoints();
+      std::vector<T> six(6 * (kept_.joints.size() - 1), T(0));
+      recursive::jointReactions(kept_, ws_kept_, six);
+      std::vector<recursive::Force<T>> out = {recursive::Force<T>::zero()};
+      for (std::size_t i = 0; i < six.size(); i += 6)
+        out.push_back({{six[i], six[i + 1], six[i + 2]}, {six[i + 3], six[i + 4], six[i + 5]}});
+      return out;
+    });
+  }
+
+  // ---- with joints that follow others let go ----------------------------------------------------
+
+  const recursive::Model<T>& letGo() const { return free_; }
+  /// The same rates with one for every joint.
+  std::vector<T> letGo(const std::vector<T>& rates) const {
+    std::vector<T> out(free_.dof(), T(0));
+    for (std::size_t i = 0; i < free_.links.size(); ++i) {
+      const recursive::LinkModel<T>& link = model_.links[i];
+      for (int k = 0; k < recursive::axisCount(link.kind); ++k)
+        out[free_.links[i].dof + k] =
+            link.follows ? T(link.ratio * rates[link.dof]) : rates[link.dof + k];
+    }
+    return out;
+  }
+  /// As forward dynamics left the links, under joint forces as large as qdd: any will do. Friction
+  /// apart.
+  recursive::Workspace<T>& sweptFree() {
+    known_.qdd_free([&] {
+      std::vector<T> qdd(free_.dof(), T(0));
+      recursive::forwardDynamics(free_, state_.x, letGo(state_.qd), letGo(state_.qdd), ws_free_,
+                                 qdd, {true, true, true, false});
+      return qdd;
+    });
+    return ws_free_;
+  }
+  /// All moving joints, passed one by one, each with a rate of its own.
+  const std::vector<PassedJoint<T>>& passedJoints() {
+    return known_.passed([&] {
+      std::vector<PassedJoint<T>> out;
+      for (const int i : movingLinks()) {
+        const recursive::LinkModel<T>& link = free_.links[i];
+        PassedJoint<T> joint;
+        joint.dof = link.dof;
+        joint.axes = recursive::axisCount(link.kind);
+        // the articulated inertias do not depend on velocities and forces
+        joint.M = sweptFree().M_A[i].matrix();
+        joint.Z.resize(6, joint.axes);
+        for (int k = 0; k < joint.axes; ++k) joint.Z.col(k) = recursive::jointAxis(link, k);
+        joint.M_Z = joint.M * joint.Z;
+        joint.d = MatrixX::Identity(joint.axes, joint.axes) * link.rotor;
+        const MatrixX inverse_D =
+            inverseOf(MatrixX(joint.d + MatrixX(joint.Z.transpose() * joint.M_Z)));
+        joint.leak = joint.d * inverse_D;
+        joint.weight = inverse_D * joint.leak;
+        joint.P = recursive::forceProjection(joint.M, joint.Z, joint.d);
+        joint.P_M = recursive::inertiaProjection(joint.M, joint.Z, joint.d);
+        out.push_back(std::move(joint));
+      }
+      return out;
+    });
+  }
+
+ private:
+  /// Positions that move as they do at these rates.
+  std::vector<scene::JointPosition<Moving>> movingAt(const std::vector<T>& qd) const {
+    std::vector<T> rates(state_.x.size(), T(0));
+    recursive::positionRates(model_, state_.x, qd, rates);
+    std::vector<scene::JointPosition<Moving>> out;
+    for (std::size_t i = 0; i < state_.x.size(); ++i) out.push_back(moving(state_.x[i], rates[i]));
+    return out;
+  }
+  std::vector<Moving> movingRates() const {
+    std::vector<Moving> out;
+    for (int i = 0; i < n(); ++i) out.push_back({state_.qd[i], state_.qdd[i]});
+    return out;
+  }
+  /// Of a symmetric matrix.
+  static MatrixX inverseOf(MatrixX D) {
+    recursive::factorize(D);
+    MatrixX columns = MatrixX::Identity(D.rows(), D.cols());
+    for (Eigen::Index j = 0; j < D.cols(); ++j) {
+      Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>> column = columns.col(j);
+      recursive::solve(D, column);
+    }
+    return columns;
+  }
+
+  /// Of the state.
+  struct Known {
+    Kept<MatrixX> tau, M, C, gradient, tau_kept;
+    Kept<std::vector<recursive::Transform<T>>> transforms;
+    Kept<std::vector<recursive::Force<T>>> reactions;
+    Kept<std::vector<T>> qdd_free;
+    Kept<std::vector<PassedJoint<T>>> passed;
+  };
+
+  recursive::Model<T> model_, kept_;
+  recursive::Model<T> free_;  ///< joints that follow others let go
+  recursive::Model<Moving> moving_;
+  /// Those of kept_ and free_ hold one sweep each; the others serve whatever is asked.
+  recursive::Workspace<T> ws_, ws_free_, ws_kept_;
+  recursive::Workspace<Moving> ws_moving_;
+  std::vector<scene::InertialParameter> parameters_;
+  std::vector<T> pi_;
+  scene::State<T> state_;
+  Known known_;
+};
+
+}  // namespace dynwitness::crosscheck

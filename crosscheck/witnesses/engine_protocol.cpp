@@ -1,0 +1,600 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/witnesses/engine_protocol.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+#include "crosscheck/witnesses/coupled.hpp"
+#include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/solve_bound.hpp"
+#include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "scene/numbers.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using State = scene::State<double>;
+
+// ---- the scene, as numbers
+
+/// The numbers of a scene, computed in long double and rounded once.
+class Resolved {
+ public:
+  explicit Resolved(const scene::Mechanism& mechanism) : number_(mechanism) {}
+
+  Json operator()(const scene::Number& x) const { return static_cast<double>(number_(x)); }
+  Json vector(const scene::Vector& v) const { return of(vectorOf(v)); }
+  Json unit(const scene::Vector& v) const { return of(vectorOf(v).normalized()); }
+
+  /// Frame to frame: x_outer = R x_inner + p.
+  Json frame(const std::vector<scene::Step>& steps) const {
+    using Kind = scene::Step::Kind;
+    Matrix R = Matrix::Identity();
+    Column p = Column::Zero();
+    for (const scene::Step& step : steps) {
+      if (step.kind == Kind::kTranslate)
+        p += R * vectorOf(step.translation);
+      else
+        R = R * turn(step.kind == Kind::kRotateX   ? 0
+                     : step.kind == Kind::kRotateY ? 1
+                                                   : 2,
+                     step.angle);
+    }
+    return {{"R", of(R)}, {"p", of(p)}};
+  }
+
+  Json inertia(const scene::MassProperties& given) const {
+    Matrix I;
+    I << number_(given.xx), number_(given.xy), number_(given.xz),  //
+        number_(given.xy), number_(given.yy), number_(given.yz),   //
+        number_(given.xz), number_(given.yz), number_(given.zz);
+    const Matrix R = turn(2, given.rpy[2]) * turn(1, given.rpy[1]) * turn(0, given.rpy[0]);
+    I = R * I * R.transpose();
+    const Real mass = number_(given.mass);
+    const Column com = vectorOf(given.com);
+    if (given.about == scene::MassProperties::About::kLinkOrigin)
+      I -= mass * (com.squaredNorm() * Matrix::Identity() - com * com.transpose());
+    return {{"mass", static_cast<double>(mass)}, {"com", of(com)}, {"inertia", of(I)}};
+  }
+
+ private:
+  using Real = long double;
+  using Matrix = Eigen::Matrix<Real, 3, 3>;
+  using Column = Eigen::Matrix<Real, 3, 1>;
+
+  Column vectorOf(const scene::Vector& v) const {
+    return {number_(v[0]), number_(v[1]), number_(v[2])};
+  }
+  /// About an axis of the frame: 0 x, 1 y, 2 z.
+  Matrix turn(int axis, const scene::Number& angle) const {
+    const scene::CosSin<Real> a = number_.angle(angle);
+    const int j = (axis + 1) % 3, k = (axis + 2) % 3;
+    Matrix R = Matrix::Identity();
+    R(j, j) = R(k, k) = a.c;
+    R(j, k) = -a.s;
+    R(k, j) = a.s;
+    return R;
+  }
+  static Json of(const Column& v) {
+    Json out = Json::array();
+    for (int i = 0; i < 3; ++i) out.push_back(static_cast<double>(v(i)));
+    return out;
+  }
+  static Json of(const Matrix& m) {
+    return {of(Column(m.row(0))), of(Column(m.row(1))), of(Column(m.row(2)))};
+  }
+
+  scene::RealNumbers<Real> number_;
+};
+
+Json jointJson(const scene::Joint& joint, const Resolved& number, int q, int qd) {
+  Json out = {{"name", joint.name},
+              {"kind", scene::name(joint.kind)},
+              {"q", q},
+              {"positions", scene::positionSlots(joint.kind).size()},
+              {"qd", qd},
+              {"rates", scene::degreesOfFreedom(joint.kind)},
+              {"before", number.frame(joint.placement.beforeJoint())},
+              {"after", number.frame(joint.placement.afterJoint())}};
+  if (scene::hasAxis(joint.kind)) out["axis"] = number.unit(joint.axis);
+  if (joint.kind == scene::JointKind::kHelical) out["pitch"] = number(joint.pitch);
+  out["rotor_inertia"] = number(joint.rotor_inertia);
+  out["gear_ratio"] = number(joint.gear_ratio);
+  out["gyroscopic"] = joint.gyroscopic;
+  out["viscous"] = number(joint.friction.viscous);
+  out["coulomb"] = {number(joint.friction.positive), number(joint.friction.negative)};
+  out["stiffness"] = number(joint.stiffness);
+  out["rest"] = number(joint.rest);
+  return out;
+}
+
+Json sceneJson(const scene::Scene& scene) {
+  const scene::Mechanism& mechanism = scene.mechanism;
+  const Resolved number(mechanism);
+  Json joints = Json::array(), links = Json::array(), wrenches = Json::array();
+  int q = 0, qd = 0;
+  for (const scene::Link& link : mechanism.links) {
+    Json one = {{"name", link.name}, {"parent", link.parent}};
+    one.update(number.inertia(link.inertia));
+    if (link.parent >= 0) one["joint"] = jointJson(link.joint, number, q, qd);
+    const int rates = scene::degreesOfFreedom(link.joint.kind);
+    if (rates > 0) joints.push_back(link.joint.name);
+    q += static_cast<int>(scene::positionSlots(link.joint.kind).size());
+    qd += rates;
+    links.push_back(one);
+  }
+  for (const scene::Wrench& w : mechanism.wrenches)
+    wrenches.push_back({{"link", w.link},
+                        {"axes", w.axes == scene::Wrench::Axes::kLink ? "link" : "world"},
+                        {"force", number.vector(w.force)},
+                        {"moment", number.vector(w.moment)},
+                        {"at", number.vector(w.at)}});
+  const scene::Vector zero{scene::Number(0), scene::Number(0), scene::Number(0)};
+  return {{"name", scene.name},
+          {"positions", q},
+          {"dof", qd},
+          {"joints", joints},
+          {"gravity", number.vector(mechanism.has_gravity ? mechanism.gravity : zero)},
+          {"links", links},
+          {"wrenches", wrenches},
+          {"toml", scene::writeSceneToml(scene)}};
+}
+
+/// What an engine may be asked.
+constexpr Quantity kAskable[] = {Quantity::kM,         Quantity::kc,       Quantity::kg,
+                                 Quantity::kTau,       Quantity::kQdd,     Quantity::kKinetic,
+                                 Quantity::kPotential, Quantity::kMomentum};
+
+// ---- what an engine says of itself
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text.empty() ? "nothing" : text;
+}
+
+/// A value as it came, short enough for a sentence.
+std::string shown(const Json& value) {
+  constexpr std::size_t kShown = 80;
+  std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+  if (text.size() > kShown) text = text.substr(0, kShown) + "...";
+  return text;
+}
+
+[[noreturn]] void expected(const std::string& where, const std::string& what, const Json& came) {
+  throw std::runtime_error(where + ": expected " + what + ", got " + shown(came));
+}
+
+std::vector<std::string> words(const Json& from, const char* key) {
+  std::vector<std::string> out;
+  const Json& list = from.at(key);
+  if (!list.is_array()) expected(key, "a list of names", list);
+  for (const Json& word : list) {
+    if (!word.is_string()) expected(key, "a list of names", list);
+    out.push_back(word.get<std::string>());
+  }
+  return out;
+}
+
+std::string textOr(const Json& from, const char* key, const std::string& otherwise) {
+  const auto at = from.find(key);
+  if (at == from.end()) return otherwise;
+  if (!at->is_string()) expected(key, "text", *at);
+  return at->get<std::string>();
+}
+
+/// Text that somebody else wrote, fit for a line of a report.
+std::string plain(std::string text) {
+  constexpr std::size_t kMost = 300;
+  if (text.size() > kMost) text = text.substr(0, kMost) + "...";
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ' || static_cast<unsigned char>(c) > '~') c = '?';
+  return text;
+}
+
+/// Whether a word stands where a number might.
+bool holdsWord(const std::string& line, const std::string& word) {
+  const std::string before = "[:, -", after = "],} ";
+  for (std::size_t at = line.find(word, 1); at != std::string::npos; at = line.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if (end < line.size() && before.find(line[at - 1]) != std::string::npos &&
+        after.find(line[end]) != std::string::npos)
+      return true;
+  }
+  return false;
+}
+
+/// One JSON object of a line.
+Json parsed(const std::string& line) {
+  constexpr int kDeepest = 8;  // what is nested more deeply is left out: nothing of ours is
+  Json out = Json::parse(
+      line, [](int depth, Json::parse_event_t, Json&) { return depth <= kDeepest; }, false);
+  if (out.is_object()) return out;
+  const std::string start = plain(line.substr(0, 80));
+  for (const char* word : {"NaN", "nan", "Infinity", "inf"})
+    if (out.is_discarded() && holdsWord(line, word))
+      throw std::runtime_error(fmt::format(
+          "expected numbers, got {}, which JSON has not: give a text with the reason in place of "
+          "a quantity that has no value, in '{}'",
+          word, start));
+  throw std::runtime_error(fmt::format("expected a JSON object on one line, got '{}'", start));
+}
+
+/// What an engine answers to the greeting.
+struct Introduction {
+  std::string name, version, refuses;
+  std::vector<std::string> quantities, joints;
+  bool wxyz = true;  ///< false: quaternions come as (x, y, z, w)
+
+  explicit Introduction(const Json& said) {
+    const auto version_at = said.find("protocol");
+    if (version_at == said.end() || *version_at != kEngineProtocol)
+      expected("protocol", fmt::format("version {}", kEngineProtocol),
+               version_at == said.end() ? Json("none") : *version_at);
+    name = plain(textOr(said, "name", ""));
+    version = plain(textOr(said, "version", ""));
+    refuses = plain(textOr(said, "refuses", ""));
+    if (said.contains("refuses")) return;
+    if (!said.contains("quantities")) expected("quantities", "a list of names", "none");
+    quantities = words(said, "quantities");
+    if (said.contains("joints")) joints = words(said, "joints");
+    const std::string quaternion = textOr(said, "quaternion", "wxyz"),
+                      rates = textOr(said, "rates", "link");
+    wxyz = quaternion == "wxyz";
+    if (!wxyz && quaternion != "xyzw") expected("quaternion", "\"wxyz\" or \"xyzw\"", quaternion);
+    if (rates != "link")
+      expected("rates", "\"link\" (of spherical and floating joints, in the link's axes)", rates);
+    std::string allowed;
+    for (const Quantity quantity : kAskable)
+      allowed += (allowed.empty() ? "" : ", ") + std::string(crosscheck::name(quantity));
+    for (const std::string& quantity : quantities)
+      if (std::none_of(std::begin(kAskable), std::end(kAskable),
+                       [&](Quantity q) { return quantity == crosscheck::name(q); }))
+        expected("quantities", "names among " + allowed, quantity);
+    if (quantities.empty()) expected("quantities", "at least one of " + allowed, Json::array());
+  }
+};
+
+/** Where the engine keeps our slots: theirs[i] = ours[of[i]]. A joint's slots stay together, in
+    their order but for those of a quaternion. */
+struct Order {
+  std::vector<int> positions, rates;
+
+  Order(const scene::Mechanism& mechanism, const Introduction& engine) {
+    struct Place {
+      int q, qd, link;
+    };
+    std::map<std::string, Place> places;
+    std::vector<std::string> ours;
+    int q = 0, qd = 0;
+    for (const int i : mechanism.movingLinks()) {
+      const scene::Joint& joint = mechanism.links[i].joint;
+      places[joint.name] = {q, qd, i};
+      ours.push_back(joint.name);
+      q += static_cast<int>(scene::positionSlots(joint.kind).size());
+      qd += scene::degreesOfFreedom(joint.kind);
+    }
+    std::vector<std::string> theirs = engine.joints.empty() ? ours : engine.joints, sorted = theirs;
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<std::string> all = ours;
+    std::sort(all.begin(), all.end());
+    if (sorted != all) expected("joints", "all of " + listed(ours) + ", in any order", theirs);
+    is_ours = theirs == ours;
+    for (const std::string& name : theirs) {
+      const Place& place = places.at(name);
+      const scene::JointKind kind = mechanism.links[place.link].joint.kind;
+      const std::vector<scene::SlotKind>& slots = scene::positionSlots(kind);
+      const int count = static_cast<int>(slots.size());
+      for (int k = 0; k < count; ++k) {
+        int from = k;
+        if (slots[k] == scene::SlotKind::kQuaternion && !engine.wxyz)
+          from = k + 1 < count ? k + 1 : count - 4;  // x, y, z, w of w, x, y, z
+        positions.push_back(place.q + from);
+      }
+      for (int k = 0; k < scene::degreesOfFreedom(kind); ++k) rates.push_back(place.qd + k);
+    }
+  }
+  bool is_ours = true;
+};
+
+/// The scene as the engine is told it, with places in its own arrays.
+Json inOrder(const std::vector<double>& ours, const std::vector<int>& order) {
+  Json out = Json::array();
+  for (const int i : order) out.push_back(ours.empty() ? 0.0 : ours.at(i));
+  return out;
+}
+
+// ---- the witness
+
+class EngineWitness : public OutsideWitness {
+ public:
+  EngineWitness(std::string name, const std::string& command, const Limits& limits,
+                const scene::Scene& scene)
+      : name_(std::move(name)),
+        mechanism_(scene.mechanism),
+        ours_(mechanism_, scene::RealNumbers<double>(mechanism_)),
+        bound_(scene.mechanism),
+        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns) {
+    guarded("in the handshake", [&] {
+      program_ = std::make_unique<Conversation>(command, limits);
+      constexpr std::size_t kMostIntroduction = 1 << 20;
+      introduction_.emplace(parsed(program_->ask(greetingOf(scene), kMostIntroduction)));
+      if (introduction_->refuses.empty()) order_.emplace(mechanism_, *introduction_);
+    });
+  }
+
+  /// Nothing: it failed before it said so.
+  const std::optional<Introduction>& introduction() const { return introduction_; }
+
+  const std::string& name() const override { return name_; }
+  bool answers(Quantity quantity) const override {
+    if (!failure_.empty()) return quantity != Quantity::kReactions;
+    return knows(quantity);
+  }
+  std::vector<std::pair<Quantity, std::string>> leftOut() const override {
+    std::vector<std::pair<Quantity, std::string>> out;
+    if (!failure_.empty()) return out;
+    for (const Quantity quantity : kAskable)
+      if (!knows(quantity))
+        out.emplace_back(
+            quantity, fmt::format("{} does not know {}, it said that it knows {}", name_,
+                                  crosscheck::name(quantity), listed(introduction_->quantities)));
+    return out;
+  }
+  std::vector<std::string> remarks() const override {
+    std::vector<std::string> out;
+    if (order_ && !order_->is_ours)
+      out.push_back(fmt::format("{} has its joints in another order than the scene ({}): undone",
+                                name_, listed(introduction_->joints)));
+    if (introduction_ && !introduction_->wxyz)
+      out.push_back(name_ + " has quaternions as (x, y, z, w): undone");
+    return out;
+  }
+  std::string askedAhead(const std::vector<State>& states) override {
+    constexpr std::size_t kBatch = 64;
+    std::vector<Quantity> all;
+    for (const Quantity quantity : kAskable)
+      if (failure_.empty() && knows(quantity)) all.push_back(quantity);
+    for (std::size_t from = 0; from < states.size() && failure_.empty(); from += kBatch) try {
+        ask({states.begin() + static_cast<std::ptrdiff_t>(from),
+             states.begin() + static_cast<std::ptrdiff_t>(std::min(from + kBatch, states.size()))},
+            all);
+      } catch (const std::runtime_error&) {
+        return failure_;  // set by ask()
+      }
+    return failure_;
+  }
+
+  Answer answer(Quantity quantity, const State& state) override {
+    Answer out{value(quantity, state), bound_(quantity, state)};
+    if (quantity == Quantity::kQdd)
+      solve_bound_.judge(state, bound_(Quantity::kTau, moving(state, out.value)), out);
+    if (quantity == Quantity::kKinetic) out.bound = out.bound.cwiseMax(boundByMassMatrix(state));
+    return out;
+  }
+  Eigen::MatrixXd value(Quantity quantity, const State& state) override {
+    if (!failure_.empty()) throw std::runtime_error(failure_);
+    const auto known = answers_.find(keyOf(quantity, state));
+    if (known != answers_.end()) return read(quantity, known->second);
+    return read(quantity, ask({state}, {quantity}).at(0).at(crosscheck::name(quantity)));
+  }
+
+ private:
+  using Key = std::vector<double>;
+
+  bool knows(Quantity quantity) const {
+    const auto& names = introduction_->quantities;
+    return std::find(names.begin(), names.end(), crosscheck::name(quantity)) != names.end();
+  }
+
+  /// What goes wrong is the end of the witness: the reason is kept, and the program goes.
+  template <typename Step>
+  void guarded(const std::string& when, const Step& step) {
+    try {
+      step();
+    } catch (const std::exception& error) {
+      failure_ = fmt::format("{} failed {}: {}", name_, when, error.what());
+      program_.reset();
+    }
+  }
+
+  static Key keyOf(Quantity quantity, const State& state) {
+    Key key = {static_cast<double>(quantity)};
+    for (const auto& x : state.x) key.push_back(x.q);
+    for (const auto* part : {&state.qd, &state.qdd, &state.tau})
+      key.insert(key.end(), part->begin(), part->end());
+    return key;
+  }
+
+  Eigen::Index rowsOf(Quantity quantity) const {
+    if (quantity == Quantity::kKinetic || quantity == Quantity::kPotential) return 1;
+    return quantity == Quantity::kMomentum ? 6 : static_cast<Eigen::Index>(order_->rates.size());
+  }
+  Eigen::Index columnsOf(Quantity quantity) const {
+    return quantity == Quantity::kM ? rowsOf(quantity) : 1;
+  }
+
+  /// Asks about a batch; answers are kept, and are complete and of the right shapes.
+  /// @throws std::runtime_error  failure_
+  std::vector<Json> ask(const std::vector<State>& states, const std::vector<Quantity>& quantities) {
+    std::vector<Json> answers;
+    ++batch_;
+    guarded(fmt::format("at batch {} ({} state{})", batch_, states.size(),
+                        states.size() == 1 ? "" : "s"),
+            [&] {
+              Json question = {{"batch", batch_}, {"quantities", Json::array()}};
+              std::size_t numbers = 0;
+              for (const Quantity quantity : quantities) {
+                question["quantities"].push_back(crosscheck::name(quantity));
+                numbers += static_cast<std::size_t>(rowsOf(quantity) * columnsOf(quantity)) + 8;
+              }
+              Json& list = question["states"] = Json::array();
+              for (const State& state : states) {
+                std::vector<double> q;
+                for (const auto& x : state.x) q.push_back(x.q);
+                list.push_back({{"q", inOrder(q, order_->positions)},
+                                {"qd", inOrder(state.qd, order_->rates)},
+                                {"qdd", inOrder(state.qdd, order_->rates)},
+                                {"tau", inOrder(state.tau, order_->rates)}});
+              }
+              // a double has 24 characters at most; twice that, and room for words
+              constexpr std::size_t kPerNumber = 48, kWords = 1 << 16;
+              const Json said = parsed(
+                  program_->ask(question.dump(), kWords + kPerNumber * numbers * states.size()));
+              if (!said.contains("batch") || said.at("batch") != batch_)
+                expected("batch", fmt::format("{}", batch_),
+                         said.contains("batch") ? said.at("batch") : Json("none"));
+              if (!said.contains("answers") || !said.at("answers").is_array() ||
+                  said.at("answers").size() != states.size())
+                expected("answers", fmt::format("a list of {}, one a state", states.size()),
+                         said.contains("answers") ? said.at("answers") : Json("none"));
+              for (std::size_t k = 0; k < states.size(); ++k) {
+                const Json& one = said.at("answers").at(k);
+                for (const Quantity quantity : quantities) {
+                  const std::string where =
+                      fmt::format("{} of state {}", crosscheck::name(quantity), k + 1);
+                  if (!one.is_object() || !one.contains(crosscheck::name(quantity)))
+                    expected(where, "numbers, or a text with the reason why there are none", one);
+                  requireShape(quantity, where, one.at(crosscheck::name(quantity)));
+                }
+                answers.push_back(one);
+              }
+            });
+    if (!failure_.empty()) throw std::runtime_error(failure_);
+    if (states.size() > 1)
+      for (std::size_t k = 0; k < states.size(); ++k)
+        for (const Quantity quantity : quantities)
+          answers_[keyOf(quantity, states[k])] = answers[k].at(crosscheck::name(quantity));
+    return answers;
+  }
+
+  void requireShape(Quantity quantity, const std::string& where, const Json& said) const {
+    if (said.is_string()) return;  // why there is no value
+    const auto rows = static_cast<std::size_t>(rowsOf(quantity)),
+               columns = static_cast<std::size_t>(columnsOf(quantity));
+    if (quantity == Quantity::kKinetic || quantity == Quantity::kPotential) {
+      if (!said.is_number()) expected(where, "a number", said);
+      return;
+    }
+    const std::string shape = fmt::format(
+        "{} {}{}", rows, quantity == Quantity::kM ? "row" : "number", rows == 1 ? "" : "s");
+    if (!said.is_array() || said.size() != rows)
+      expected(where, shape, said.is_array() ? Json(fmt::format("{} of them", said.size())) : said);
+    for (const Json& row : said) {
+      if (quantity != Quantity::kM) {
+        if (!row.is_number()) expected(where, shape, said);
+        continue;
+      }
+      if (!row.is_array() || row.size() != columns)
+        expected(where, fmt::format("rows of {} numbers", columns), row);
+      for (const Json& x : row)
+        if (!x.is_number()) expected(where, fmt::format("rows of {} numbers", columns), row);
+    }
+  }
+
+  /// An answer of the right shape, in our order.
+  Eigen::MatrixXd read(Quantity quantity, const Json& said) const {
+    if (said.is_string())
+      throw std::runtime_error(fmt::format("{} has no {}: {}", name_, crosscheck::name(quantity),
+                                           plain(said.get<std::string>())));
+    Eigen::MatrixXd out(rowsOf(quantity), columnsOf(quantity));
+    const bool by_rates = out.rows() == static_cast<Eigen::Index>(order_->rates.size()) &&
+                          quantity != Quantity::kMomentum && !said.is_number();
+    const auto at = [&](Eigen::Index i) {
+      return by_rates ? static_cast<Eigen::Index>(order_->rates[static_cast<std::size_t>(i)]) : i;
+    };
+    for (Eigen::Index i = 0; i < out.rows(); ++i)
+      for (Eigen::Index j = 0; j < out.cols(); ++j) {
+        const Json& row = said.is_array() ? said.at(static_cast<std::size_t>(i)) : said;
+        const Json& x = row.is_array() ? row.at(static_cast<std::size_t>(j)) : row;
+        out(at(i), quantity == Quantity::kM ? at(j) : j) = x.get<double>();
+      }
+    return out;
+  }
+
+  /// Of T = qd' M qd / 2: what the errors of M and of the sum (4 n roundings) make of it.
+  Eigen::MatrixXd boundByMassMatrix(const State& state) {
+    const auto n = static_cast<Eigen::Index>(state.qd.size());
+    const Eigen::VectorXd rate = Eigen::Map<const Eigen::VectorXd>(state.qd.data(), n).cwiseAbs();
+    const double u = std::numeric_limits<double>::epsilon() / 2;
+    const Eigen::MatrixXd M = NewtonEuler::answer(ours_, Quantity::kM, state).cwiseAbs();
+    return rate.transpose() * (bound_(Quantity::kM, state) + 4 * u * static_cast<double>(n) * M) *
+           rate / 2;
+  }
+
+  std::string name_;
+  scene::Mechanism mechanism_;
+  Setup<double> ours_;  ///< for M in the bound of T
+  EngineBound bound_;
+  SolveBound solve_bound_;
+  std::unique_ptr<Conversation> program_;
+  std::optional<Introduction> introduction_;
+  std::optional<Order> order_;
+  std::string failure_;
+  std::map<Key, Json> answers_;
+  long batch_ = 0;
+};
+
+bool isName(const std::string& text) {
+  constexpr std::size_t kLongest = 40;
+  return !text.empty() && text.size() <= kLongest &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.';
+         });
+}
+
+}  // namespace
+
+std::string greetingOf(const scene::Scene& scene) {
+  const Json greeting = {{"protocol", kEngineProtocol}, {"scene", sceneJson(scene)}};
+  return greeting.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, const Limits& limits,
+                                     const scene::Scene& scene) {
+  std::vector<WitnessKind> kinds;
+  std::vector<std::string> taken = {"table", "control"};
+  for (const WitnessKind& kind : witnessKinds()) taken.push_back(kind.info.name);
+  for (std::size_t k = 0; k < commands.size(); ++k) {
+    const std::string& command = commands[k];
+    WitnessInfo info;
+    info.name = fmt::format("engine_{}", k + 1);
+    info.version = "unknown";
+    info.method = "the program " + command;
+    scene::Scene tree = scene;
+    tree.mechanism = scene::withoutMimics(scene.mechanism);
+    tree.start_qd.assign(static_cast<std::size_t>(tree.mechanism.dof()), scene::Number(0));
+    const EngineWitness first(info.name, command, limits, tree);
+    if (const auto& said = first.introduction()) {
+      if (isName(said->name) && std::count(taken.begin(), taken.end(), said->name) == 0)
+        info.name = said->name;
+      if (!said->version.empty()) info.version = said->version;
+    }
+    taken.push_back(info.name);
+    const std::string name = info.name;
+    kinds.push_back(overTree({info, [=](const scene::Scene& asked) -> std::unique_ptr<Witness> {
+                                auto witness =
+                                    std::make_unique<EngineWitness>(name, command, limits, asked);
+                                const auto& said = witness->introduction();
+                                if (said && !said->refuses.empty())
+                                  return std::make_unique<RefusedWitness>(
+                                      name, name + " says: " + said->refuses);
+                                return witness;
+                              }}));
+  }
+  return kinds;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Any program can testify: it reads questions as lines of JSON and answers them
+// (engine_protocol.md).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crosscheck/system/children.hpp"
+#include "crosscheck/witnesses/witness.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::crosscheck {
+
+inline constexpr int kEngineProtocol = 1;  ///< its version
+
+/** One kind a command. Each program is asked for its name once, with this scene, and is started
+    again for every scene that it testifies about.
+
+    @return  named as the programs name themselves, or engine_1, engine_2, ... where they do not, or
+             where the name is taken. A program that fails is a kind, too: its witnesses say why. */
+std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, const Limits& limits,
+                                     const scene::Scene& scene);
+
+/// The first line that an engine is sent: protocol and scene.
+std::string greetingOf(const scene::Scene& scene);
+
+}  // namespace dynwitness::crosscheck

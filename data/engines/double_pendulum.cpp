@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The double pendulum of data/scenes/double_pendulum.toml in C++, by hand: two uniform rods, q2
+// relative.
+#include <cmath>
+
+#include "dynwitness_engine.hpp"
+
+using namespace dynwitness_engine;
+
+namespace {
+
+constexpr double g0 = 9.81, m1 = 1, m2 = 0.8, l1 = 0.5, l2 = 0.4;
+constexpr double r1 = l1 / 2, r2 = l2 / 2;                        // to the centres of mass
+constexpr double I1 = m1 * l1 * l1 / 12, I2 = m2 * l2 * l2 / 12;  // about them
+
+Matrix M(const State& s) {
+  const double m12 = I2 + m2 * (r2 * r2 + l1 * r2 * std::cos(s.q[1])), m22 = I2 + m2 * r2 * r2;
+  const double m11 = I1 + m1 * r1 * r1 + m2 * l1 * l1 + m22 + 2 * m2 * l1 * r2 * std::cos(s.q[1]);
+  return {{m11, m12}, {m12, m22}};
+}
+
+Vector c(const State& s) {
+  const double h = m2 * l1 * r2 * std::sin(s.q[1]);
+  return {-h * (2 * s.qd[0] + s.qd[1]) * s.qd[1], h * s.qd[0] * s.qd[0]};
+}
+
+Vector g(const State& s) {
+  const double g2 = m2 * r2 * g0 * std::sin(s.q[0] + s.q[1]);
+  return {(m1 * r1 + m2 * l1) * g0 * std::sin(s.q[0]) + g2, g2};
+}
+
+Vector tau(const State& s) {
+  const Matrix m = M(s);
+  const Vector cs = c(s), gs = g(s);
+  return {m[0][0] * s.qdd[0] + m[0][1] * s.qdd[1] + cs[0] + gs[0],
+          m[1][0] * s.qdd[0] + m[1][1] * s.qdd[1] + cs[1] + gs[1]};
+}
+
+}  // namespace
+
+int main() {
+  Engine engine("double_pendulum_in_cpp", "1");
+  engine.matrix("M", M);
+  engine.vector("c", c);
+  engine.vector("g", g);
+  engine.vector("tau", tau);
+  return engine.testify();
+}
