@@ -3,6 +3,7 @@
 // programs make of it.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +36,10 @@ std::vector<std::string> impossibleInertias(const Scene& scene);
 
 /// The file without <visual> and <collision>; what is no XML is returned as it is.
 std::string urdfWithoutShapes(const std::string& text);
+
+/// The file with these limits at the joints of these names: turning joints are continuous without.
+std::string urdfWithLimits(const std::string& text,
+                           const std::map<std::string, UrdfPart::Limits>& limits);
 
 /** The file with each impossible inertia replaced by the nearest possible one
     (scene/impossible_inertia.hpp), and a comment at each that says what stood there. What rounding

@@ -518,6 +518,33 @@ std::string urdfWithoutShapes(const std::string& text) {
   return printer.Str();
 }
 
+std::string urdfWithLimits(const std::string& text,
+                           const std::map<std::string, UrdfPart::Limits>& limits) {
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  TiXmlElement* robot = document.RootElement();
+  if (document.Error() || !robot) return text;
+  for (TiXmlElement* joint = robot->FirstChildElement("joint"); joint;
+       joint = joint->NextSiblingElement("joint")) {
+    const auto found = limits.find(joint->Attribute("name"));
+    if (found == limits.end()) continue;
+    if (joint->Attribute("type") == std::string("continuous"))
+      joint->SetAttribute("type", "revolute");
+    while (TiXmlElement* old = joint->FirstChildElement("limit")) joint->RemoveChild(old);
+    TiXmlElement limit("limit");
+    const UrdfPart::Limits& l = found->second;
+    limit.SetAttribute("lower", l.lower.text());
+    limit.SetAttribute("upper", l.upper.text());
+    limit.SetAttribute("effort", l.effort.text());
+    limit.SetAttribute("velocity", l.velocity.text());
+    joint->InsertEndChild(limit);
+  }
+  TiXmlPrinter printer;
+  printer.SetIndent("  ");
+  document.Accept(&printer);
+  return printer.Str();
+}
+
 std::string mendedUrdf(const std::string& text, const std::filesystem::path& file,
                        std::vector<std::string>* changes) {
   const Urdf urdf = readUrdfAsWritten(text, file);

@@ -64,6 +64,9 @@ class Comparison {
     for (const ReadBody& body : seen_.bodies)
       if (ours_.indexOf(body.link) < 0)
         add({body.link, "tree", "a joint moves that the file has not", "", body.joint, {}});
+    // what is no joint there is part of another body here
+    std::stable_partition(out_.begin(), out_.end(),
+                          [](const Finding& finding) { return finding.quantity == "tree"; });
     return out_;
   }
 
@@ -356,7 +359,11 @@ std::string plainUrdf(const scene::Urdf& urdf) {
     links.push_back(link);
   }
   plain.mechanism.links = links;
-  return scene::writeSceneUrdf(plain);
+  std::map<std::string, scene::UrdfPart::Limits> limits;
+  for (std::size_t i = 0; i < urdf.parts.size(); ++i)
+    if (urdf.parts[i].limits)
+      limits.emplace(urdf.scene.mechanism.links[i].joint.name, *urdf.parts[i].limits);
+  return scene::urdfWithLimits(scene::writeSceneUrdf(plain), limits);
 }
 
 }  // namespace dynwitness::crosscheck
