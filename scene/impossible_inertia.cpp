@@ -128,12 +128,14 @@ std::string impossibility(const WrittenInertia& inertia) {
   const double largest = moments.cwiseAbs().maxCoeff();
   return fmt::format(
       "principal moments of inertia about the centre of mass are {:.6g}, {:.6g}, {:.6g} kg m^2, "
-      "{}: by {:.3g} kg m^2 ({:.2g} % of the largest)",
+      "{}: by {}",
       moments[0], moments[1], moments[2],
       is_positive ? "which breaks the triangle inequality, allowed: none greater than the sum of "
                     "the other two"
                   : "which is not positive semidefinite, allowed: zero or more",
-      excess, 100 * excess / largest);
+      excess > 0
+          ? fmt::format("{:.3g} kg m^2 ({:.2g} % of the largest)", excess, 100 * excess / largest)
+          : "less than doubles show");
 }
 
 std::string likelyReason(const WrittenInertia& inertia, double size) {

@@ -64,8 +64,8 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
 }
 // all with mass 1 and c = (0.1, 0, 0), so that m c^2 = 0.01 about y and z
 const Case kCases[] = {
-    {"digits", inertia("0.0002", "0.0003", "0.0006"), "digits cut off"},  // +- 0.00005
-    {"digits of a zero", inertia("0.001", "0", "0.001"), ""},             // a rod: possible
+    {"digits", inertia("0.0002", "0.0003", "0.00055"), "digits cut off"},  // +- 0.00005
+    {"digits of a zero", inertia("0.001", "0", "0.001"), ""},              // a rod: possible
     {"same", inertia("0.001", "0.001", "0.001", "0.001", "0.001", "0.001"), "six times the same"},
     // [2 1 1; 1 2 1; 1 1 2] has 1, 1, 4: its products negated 3, 3, 0
     {"sign", inertia("2", "2", "2", "1", "1", "1"), "products of inertia of the other sign"},
@@ -74,7 +74,7 @@ const Case kCases[] = {
      "in the order of the attributes"},
     {"unit of products", inertia("0.012", "0.013", "0.014", "900.5", "-800.5", "700.5"),
      "products of inertia in kg mm^2"},
-    {"decimal point", inertia("0.012", "0.13", "0.014"), "the decimal point of yy: 0.013"},
+    {"decimal point", inertia("0.012", "0.5", "0.014"), "the decimal point of yy: 0.005"},
     {"unit", inertia("3000.5", "4000.5", "9000.5"), "in kg mm^2: the radius of gyration is"},
 };
 
