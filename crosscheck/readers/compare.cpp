@@ -222,6 +222,17 @@ class Comparison {
   std::vector<Finding> out_;
 };
 
+/// What an engine throws is its refusal.
+Reading readBy(const Reader& reader, const std::string& text, const std::filesystem::path& file) {
+  try {
+    return reader.read(text, file);
+  } catch (const std::exception& error) {
+    Reading reading;
+    reading.refusal = error.what();
+    return reading;
+  }
+}
+
 /// The engine's own M and g against those of the robot that it shows.
 void compareAnswers(const Reading& reading, int states, std::uint64_t seed, ReaderResult* result) {
   const Robot& robot = reading.robot;
@@ -301,7 +312,7 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
     one.version = reader.version;
     one.present = reader.present;
     if (reader.present) {
-      const Reading reading = reader.read(text, file);
+      const Reading reading = readBy(reader, text, file);
       one.refusal = reading.refusal;
       one.told = reading.told;
       if (reading.refusal.empty()) {
@@ -312,7 +323,7 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
         const std::string plain = plainUrdf(urdf);
         const scene::Urdf plain_urdf = scene::readUrdfAsWritten(plain, file);
         const FileParts plain_parts(plain_urdf);
-        const Reading again = reader.read(plain, file);
+        const Reading again = readBy(reader, plain, file);
         if (again.refusal.empty() &&
             Comparison(plain_parts, again.robot, states, seed).findings().empty())
           one.remedy =
