@@ -271,7 +271,13 @@ void FileParts::build(const scene::Mechanism& mechanism,
     pieces_[static_cast<std::size_t>(here.body)].push_back(piece);
     ++robot_.bodies[static_cast<std::size_t>(here.body)].links;
   }
-  for (std::size_t b = 0; b < pieces_.size(); ++b) robot_.bodies[b].moments = read(b, {});
+  for (std::size_t b = 0; b < pieces_.size(); ++b) {
+    for (Piece& piece : pieces_[b]) {
+      double ignored = 1;
+      piece.moments = readPiece(piece, {}, &ignored);
+    }
+    robot_.bodies[b].moments = read(b, {});
+  }
 }
 
 MassMoments FileParts::readPiece(const Piece& piece, const std::vector<Slip>& slips,
@@ -414,6 +420,22 @@ MassMoments FileParts::read(std::size_t body, const std::vector<Slip>& slips) co
   return out;
 }
 
+MassMoments FileParts::readAt(std::size_t body, std::size_t place,
+                              const std::vector<Mistake>& mistakes) const {
+  const Piece& piece = pieces_[body][place];
+  std::vector<Slip> slips;
+  for (const Mistake mistake : mistakes) slips.push_back({mistake, piece.link});
+  double parallel_axes = 1;
+  const MassMoments changed = readPiece(piece, slips, &parallel_axes);
+  if (parallel_axes != 1) return read(body, slips);
+  MassMoments out = robot_.bodies[body].moments;
+  out.mass += changed.mass - piece.moments.mass;
+  out.first += changed.first - piece.moments.first;
+  out.second += changed.second - piece.moments.second;
+  out.reach2 += changed.reach2;
+  return out;
+}
+
 std::vector<std::string> FileParts::links(std::size_t body) const {
   std::vector<std::string> out;
   for (const Piece& piece : pieces_[body]) out.push_back(piece.link);
@@ -474,39 +496,36 @@ bool isSame(const MassMoments& a, const MassMoments& b, int links, double unturn
 
 std::string explanation(const FileParts& file, std::size_t body, const MassMoments& seen,
                         double unturned) {
-  using Slips = std::vector<FileParts::Slip>;
   const std::vector<std::string> links = file.links(body);
   const int count = static_cast<int>(links.size());
   const MassMoments as_it_is = file.read(body, {});
-  const auto fits = [&](const Slips& slips) {
-    return isSame(file.read(body, slips), seen, count, unturned);
-  };
+  const auto fits = [&](const MassMoments& read) { return isSame(read, seen, count, unturned); };
   // of a mistake at all links, those at which it changes something
-  const auto placesOf = [&](Mistake mistake) {
+  const auto everywhere = [&](Mistake mistake) {
     std::string places;
-    for (const std::string& link : links)
-      if (!isSame(file.read(body, {{mistake, link}}), as_it_is, count, unturned))
-        places += (places.empty() ? "" : ", ") + link;
-    return places;
+    for (std::size_t place = 0; place < links.size(); ++place)
+      if (!isSame(file.readAt(body, place, {mistake}), as_it_is, count, unturned))
+        places += (places.empty() ? "" : ", ") + links[place];
+    return std::string(words(mistake)) + (places.empty() ? "" : " (" + places + ")");
   };
-  const auto said = [&](const FileParts::Slip& slip) {
-    const std::string places = slip.link.empty() ? placesOf(slip.mistake) : slip.link;
-    return std::string(words(slip.mistake)) + (places.empty() ? "" : " (" + places + ")");
+  const auto at = [&](Mistake mistake, std::size_t place) {
+    return std::string(words(mistake)) + " (" + links[place] + ")";
   };
   for (const Mistake mistake : kMistakes)
-    if (fits({{mistake, ""}})) return said({mistake, ""});
+    if (fits(file.read(body, {{mistake, ""}}))) return everywhere(mistake);
   for (const Mistake mistake : kMistakes)
-    for (const std::string& link : links)
-      if (fits({{mistake, link}})) return said({mistake, link});
-  // two, the order being the one in which they are listed
+    for (std::size_t place = 0; place < links.size(); ++place)
+      if (fits(file.readAt(body, place, {mistake}))) return at(mistake, place);
+  // two, in the order in which they are listed; those of the parallel axis are the last
   for (const Mistake first : kMistakes)
     for (const Mistake second : kMistakes) {
       if (first >= second) continue;
-      if (fits({{first, ""}, {second, ""}}))
-        return said({first, ""}) + ", and " + said({second, ""});
-      for (const std::string& link : links)
-        if (count > 1 && fits({{first, link}, {second, link}}))
-          return said({first, link}) + ", and " + said({second, link});
+      if (fits(file.read(body, {{first, ""}, {second, ""}})))
+        return everywhere(first) + ", and " + everywhere(second);
+      for (std::size_t place = 0; place < links.size() && second < Mistake::kParallelAxisMissing;
+           ++place)
+        if (fits(file.readAt(body, place, {first, second})))
+          return at(first, place) + ", and " + at(second, place);
     }
   return "";
 }

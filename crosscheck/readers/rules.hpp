@@ -77,6 +77,9 @@ class FileParts {
     std::string link;  ///< empty: all
   };
   MassMoments read(std::size_t body, const std::vector<Slip>& slips) const;
+  /// The same with mistakes at one link alone, by its place in links(): at no more than the cost of
+  /// that link, but for mistakes of the parallel axis.
+  MassMoments readAt(std::size_t body, std::size_t place, const std::vector<Mistake>& slips) const;
   /// Links of a body at which a mistake changes something, in the order of the file.
   std::vector<std::string> links(std::size_t body) const;
 
@@ -99,6 +102,7 @@ class FileParts {
     Eigen::Vector3d com;
     Eigen::Matrix3d R, I;  ///< about the centre of mass
     std::vector<MassMoments> solids;
+    MassMoments moments;  ///< in the body's frame
   };
   struct Origin {
     Eigen::Vector3d xyz, rpy;
