@@ -32,15 +32,15 @@ std::array<double, 6> six(const Eigen::Matrix3d& I) {
   return {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)};
 }
 
-/// What half a unit of the last printed digit is; nothing for what is no plain decimal. A bare 0
-/// has no digits: -1.
+/// What half a unit of the last printed digit is; nothing for what is no plain decimal. A whole
+/// number was not cut off: 0. A bare 0 has no digits: -1.
 std::optional<double> halfUnit(const Number& n) {
   const Number& plain = n.kind() == Number::Kind::kNegate ? n.left() : n;
   if (plain.kind() != Number::Kind::kNumber) return {};
   const std::string text = plain.text();
   const std::size_t e = text.find_first_of("eE"), point = text.find('.');
   if (text.find('/') != std::string::npos) return {};
-  if (point == std::string::npos && plain.isLiteralZero()) return -1;
+  if (point == std::string::npos && e == std::string::npos) return plain.isLiteralZero() ? -1 : 0;
   const std::size_t end = std::min(e, text.size());
   int exponent = 0;
   try {
@@ -65,6 +65,7 @@ bool digitsAreCutOff(const WrittenInertia& inertia) {
     half[k++] = *unit;
     if (*unit > 0) finest = std::min(finest, *unit);
   }
+  if (finest == HUGE_VAL) return false;
   const std::array<double, 6> given = six(rounded(inertia.given)), near = nearestPossible(given);
   for (k = 0; k < 6; ++k)
     if (std::abs(given[k] - near[k]) > (half[k] < 0 ? finest : half[k])) return false;

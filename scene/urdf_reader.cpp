@@ -21,6 +21,7 @@
 
 #include "scene/arrange.hpp"
 #include "scene/impossible_inertia.hpp"
+#include "scene/mimic.hpp"
 #include "scene/scene.hpp"
 #include "scene/urdf.hpp"
 
@@ -494,6 +495,7 @@ Urdf readUrdfAsWritten(const std::string& text, const std::filesystem::path& fil
 
   requireValidUrdf(text, name);
   requireUniqueNames(mechanism.links);
+  followers(mechanism);  // refuses those that follow nobody
   for (const Link& link : mechanism.links) urdf.parts.push_back(std::move(parts[link.name]));
   return urdf;
 }

@@ -81,6 +81,13 @@ MassAndGravity massAndGravity(const Robot& robot, const std::vector<double>& q) 
     int depth;
   };
   std::vector<Moved> moved;
+  // engines gather forces about the tree's centre of mass, which other branches may put far away
+  double far = 0;
+  for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
+    const ReadBody& body = robot.bodies[i];
+    far += body.placement.translation().norm() + body.moments.com().norm() +
+           (body.kind == scene::JointKind::kPrismatic ? std::abs(q[i]) * body.axis.norm() : 0);
+  }
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
     const ReadBody& body = robot.bodies[i];
     const Moved* parent = body.parent < 0 ? nullptr : &moved[static_cast<std::size_t>(body.parent)];
@@ -99,7 +106,7 @@ MassAndGravity massAndGravity(const Robot& robot, const std::vector<double>& q) 
     const MassMoments& m = body.moments;
     const Vector3d com = X * m.com();
     const Matrix3d I = X.linear() * m.aboutCom() * X.linear().transpose();
-    const double lever = reach + (m.mass == 0 ? 0 : m.first.norm() / m.mass);
+    const double lever = far + reach + (m.mass == 0 ? 0 : m.first.norm() / std::abs(m.mass));
     struct Column {
       Eigen::Index joint;
       Vector3d v, w;

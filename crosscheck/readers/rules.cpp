@@ -188,7 +188,13 @@ void FileParts::build(const scene::Mechanism& mechanism,
   struct Carrier {
     int body = -1;
     Isometry3d X = Isometry3d::Identity();  // x_body = X x_link
-    std::vector<Origin> origins;            // from the body to the link
+  };
+  const auto isFixed = [&](const scene::Link& link) {
+    return link.parent >= 0 && link.joint.kind == scene::JointKind::kFixed;
+  };
+  const auto originOf = [&](const scene::Joint& joint) {
+    return Origin{vector(joint.placement.xyz, number), vector(joint.placement.rpy, number),
+                  along(joint.placement.beforeJoint(), number)};
   };
   std::vector<Carrier> carriers;
   for (std::size_t i = 0; i < mechanism.links.size(); ++i) {
@@ -199,11 +205,7 @@ void FileParts::build(const scene::Mechanism& mechanism,
         link.parent < 0 ? Carrier() : carriers[static_cast<std::size_t>(link.parent)];
     const Isometry3d X_before = along(joint.placement.beforeJoint(), number),
                      X_after = along(joint.placement.afterJoint(), number);
-    const Vector3d rpy = vector(joint.placement.rpy, number);
-    here.origins = parent.origins;
-    if (link.parent >= 0)
-      here.origins.push_back({vector(joint.placement.xyz, number), rpy, X_before});
-    const bool moves = link.parent >= 0 && joint.kind != scene::JointKind::kFixed;
+    const bool moves = link.parent >= 0 && !isFixed(link);
     if (moves) {
       ReadBody body;
       body.link = link.name;
@@ -212,6 +214,10 @@ void FileParts::build(const scene::Mechanism& mechanism,
       body.kind = joint.kind;
       body.placement = parent.X * X_before;
       const Vector3d axis = vector(joint.axis, number);
+      if (axis.isZero(0))
+        throw scene::InputError(link.where, "joint \"" + joint.name +
+                                                "\": axis is [0, 0, 0], allowed: any length but "
+                                                "zero");
       body.axis = scene::positionSlots(joint.kind).size() == 1 ? Vector3d(axis.normalized())
                                                                : Vector3d(0, 0, 0);
       body.links = 0;
@@ -231,8 +237,12 @@ void FileParts::build(const scene::Mechanism& mechanism,
       }
       here.body = static_cast<int>(robot_.bodies.size());
       here.X = X_after;
-      origins_.push_back(here.origins);
-      here.origins.clear();
+      std::vector<Origin> origins = {originOf(joint)};
+      for (const scene::Link* l = &mechanism.links[static_cast<std::size_t>(link.parent)];
+           isFixed(*l); l = &mechanism.links[static_cast<std::size_t>(l->parent)])
+        origins.push_back(originOf(l->joint));
+      std::reverse(origins.begin(), origins.end());
+      origins_.push_back(std::move(origins));
       axes_.push_back(axis);
       where_.push_back(link.where);
       robot_.bodies.push_back(body);
