@@ -222,15 +222,36 @@ class Comparison {
   std::vector<Finding> out_;
 };
 
-/// What an engine throws is its refusal.
+/// One line.
+std::string inOneLine(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+/// What an engine throws is its refusal. Meshes that are not there end some engines' reading: then
+/// the file is read without its shapes, which is told.
 Reading readBy(const Reader& reader, const std::string& text, const std::filesystem::path& file) {
-  try {
-    return reader.read(text, file);
-  } catch (const std::exception& error) {
+  const auto attempt = [&](const std::string& bytes) {
     Reading reading;
-    reading.refusal = error.what();
+    try {
+      reading = reader.read(bytes, file);
+    } catch (const std::exception& error) {
+      reading.refusal = error.what();
+    }
+    reading.refusal = inOneLine(reading.refusal);
     return reading;
-  }
+  };
+  Reading reading = attempt(text);
+  if (reading.refusal.empty()) return reading;
+  const std::string without_shapes = scene::urdfWithoutShapes(text);
+  if (without_shapes == text) return reading;
+  Reading again = attempt(without_shapes);
+  if (again.refusal.empty())
+    again.told.push_back("read without its shapes, since with them: " + reading.refusal);
+  else
+    again.refusal = reading.refusal + "; without its shapes: " + again.refusal;
+  return again;
 }
 
 /// The engine's own M and g against those of the robot that it shows.

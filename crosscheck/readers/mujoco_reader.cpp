@@ -2,7 +2,6 @@
 // MuJoCo as a reader of robot descriptions: the user's bytes, and no compiler option set. (As a
 // witness of the crosscheck it is told to fuse, balance and infer nothing: witnesses/mujoco.cpp.)
 #include "crosscheck/readers/reader.hpp"
-#include "scene/urdf.hpp"
 
 #ifdef DYNWITNESS_HAS_MUJOCO
 #include <mujoco/mujoco.h>
@@ -53,7 +52,6 @@ std::shared_ptr<mjModel> compiled(const std::string& text, std::string* refusal)
   } catch (const std::exception& thrown) {
     *refusal = thrown.what();
   }
-  while (!refusal->empty() && refusal->back() == '\n') refusal->pop_back();
   return nullptr;
 }
 
@@ -152,14 +150,8 @@ Reading read(const std::string& text, const std::filesystem::path&) {
   mju_user_warning = [](const char*) {};
   mju_user_error = [](const char* message) { throw std::runtime_error(message); };
   Reading reading;
-  std::shared_ptr<mjModel> model = compiled(text, &reading.refusal);
-  if (!model) {
-    std::string without;
-    model = compiled(scene::urdfWithoutShapes(text), &without);
-    if (!model) return reading;
-    reading.told.push_back("read without its shapes, since with them: " + reading.refusal);
-    reading.refusal.clear();
-  }
+  const std::shared_ptr<mjModel> model = compiled(text, &reading.refusal);
+  if (!model) return reading;
   std::vector<int> dofs;
   reading.robot = robotOf(*model, &dofs);
   const std::shared_ptr<mjData> data(mj_makeData(model.get()), Deleter());

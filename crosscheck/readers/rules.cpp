@@ -17,34 +17,20 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Numbers = scene::RealNumbers<double>;
 
-constexpr Mistake kMistakes[] = {Mistake::kInertialTurnDropped,
-                                 Mistake::kInertialTurnTransposed,
-                                 Mistake::kInertialTurnOneSide,
-                                 Mistake::kInertialTurnOneSideLow,
-                                 Mistake::kInertialTurnTwice,
-                                 Mistake::kProductsDropped,
-                                 Mistake::kProductsNegated,
-                                 Mistake::kComTurned,
-                                 Mistake::kComTurnedBack,
-                                 Mistake::kComInParent,
-                                 Mistake::kComDropped,
-                                 Mistake::kInertiaAboutJoint,
-                                 Mistake::kInertiaShiftedTwice,
-                                 Mistake::kInertiaDropped,
-                                 Mistake::kBalanced,
-                                 Mistake::kFromGeometry,
-                                 Mistake::kDefaultMass,
-                                 Mistake::kDefaultMassAlone,
-                                 Mistake::kGeometryWithoutInertial,
-                                 Mistake::kNotRotated,
-                                 Mistake::kTensorNotRotated,
-                                 Mistake::kComNotRotated,
-                                 Mistake::kRotatedBack,
-                                 Mistake::kNotShifted,
-                                 Mistake::kMassDropped,
-                                 Mistake::kParallelAxisMissing,
-                                 Mistake::kParallelAxisDoubled,
-                                 Mistake::kParallelAxisNegated};
+constexpr Mistake kMistakes[] = {Mistake::kInertialTurnDropped, Mistake::kInertialTurnTransposed,
+                                 Mistake::kInertialTurnOneSide, Mistake::kInertialTurnOneSideLow,
+                                 Mistake::kInertialTurnTwice,   Mistake::kProductsDropped,
+                                 Mistake::kProductsNegated,     Mistake::kComTurned,
+                                 Mistake::kComTurnedBack,       Mistake::kComDropped,
+                                 Mistake::kInertiaAboutJoint,   Mistake::kInertiaShiftedTwice,
+                                 Mistake::kInertiaDropped,      Mistake::kBalanced,
+                                 Mistake::kFromGeometry,        Mistake::kDefaultMass,
+                                 Mistake::kDefaultMassAlone,    Mistake::kGeometryWithoutInertial,
+                                 Mistake::kNotRotated,          Mistake::kTensorNotRotated,
+                                 Mistake::kComNotRotated,       Mistake::kRotatedBack,
+                                 Mistake::kNotShifted,          Mistake::kMassDropped,
+                                 Mistake::kComInParent,         Mistake::kParallelAxisMissing,
+                                 Mistake::kParallelAxisDoubled, Mistake::kParallelAxisNegated};
 
 Vector3d vector(const scene::Vector& v, const Numbers& number) {
   return {number(v[0]), number(v[1]), number(v[2])};

@@ -23,7 +23,6 @@ enum class Mistake {
   kProductsNegated,
   kComTurned,      ///< R c
   kComTurnedBack,  ///< R' c
-  kComInParent,    ///< c seen from the parent's link
   kComDropped,
   kInertiaAboutJoint,    ///< I is about the link's origin: less m c^2
   kInertiaShiftedTwice,  ///< m c^2 added twice: I is about the com, and is taken for less
@@ -41,6 +40,7 @@ enum class Mistake {
   kRotatedBack,       ///< X with its turn transposed
   kNotShifted,        ///< X without its shift
   kMassDropped,       ///< nothing of it
+  kComInParent,       ///< of any link: c seen from its parent's
   kParallelAxisMissing,
   kParallelAxisDoubled,
   kParallelAxisNegated,

@@ -129,6 +129,7 @@ class Differences {
     if (!near(a_.robot.gravity, b_.robot.gravity, 0))
       all.push_back({"", "gravity [m/s^2]", shown(a_.robot.gravity), shown(b_.robot.gravity)});
     const std::vector<int> depths = a_.robot.depths();
+    aligned_.assign(match_.size(), Isometry3d::Identity());
     for (std::size_t i = 0; i < match_.size(); ++i) compare(i, match_[i], depths[i]);
   }
 
@@ -160,17 +161,27 @@ class Differences {
     const double reach = a_.X[i].translation().norm() + b_.X[j].translation().norm() + a_.reach(i);
     const bool has_axis =
         a.kind == scene::JointKind::kRevolute || a.kind == scene::JointKind::kPrismatic;
-    const Isometry3d X = a_.X[i].inverse() * b_.X[j];  // of b's frame in a's
+    // of b's frame in a's; where a joint stands elsewhere, what it carries is compared from there
+    Isometry3d X = a_.X[i].inverse() * b_.X[j];
+    if (b.parent == expected)
+      X = a.placement.inverse() *
+          (a.parent < 0 ? b.placement : aligned_[static_cast<std::size_t>(a.parent)] * b.placement);
     if (has_axis) {
       const Vector3d axis = X.linear() * b.axis;
-      if (!near(a.axis, axis, 1, frames)) add("axis", shown(a.axis), shown(axis));
-      Vector3d off = X.translation() - X.translation().dot(a.axis) * a.axis;
-      if (a.kind == scene::JointKind::kRevolute && off.norm() > unit(frames) * reach)
+      const Vector3d off = X.translation() - X.translation().dot(a.axis) * a.axis;
+      if (a.kind == scene::JointKind::kRevolute && off.norm() > unit(frames) * reach) {
         add("point on the axis [m]", shown(Vector3d::Zero()), shown(off));
+        X.pretranslate(-off);
+      }
+      if (!near(a.axis, axis, 1, frames)) {
+        add("axis", shown(a.axis), shown(axis));
+        X.prerotate(Eigen::Quaterniond::FromTwoVectors(axis, a.axis));
+      }
     } else if (X.translation().norm() > unit(frames) * reach ||
                (X.linear() - Matrix3d::Identity()).norm() > unit(frames)) {
       add("joint frame [m]", shown(Vector3d::Zero()), shown(Vector3d(X.translation())));
     }
+    aligned_[i] = X;
     const auto number = [&](const char* quantity, double x, double y, bool inertial = false) {
       if (std::abs(x - y) > unit(0) * std::max(std::abs(x), std::abs(y)))
         add(quantity, fmt::format("{:.9g}", x), fmt::format("{:.9g}", y), inertial);
@@ -221,6 +232,7 @@ class Differences {
   const Side& a_;
   const Side& b_;
   const std::vector<std::size_t>& match_;
+  std::vector<Isometry3d> aligned_;  ///< by body of a: of b's frame in a's
 };
 
 /// The state of a as b has it.
@@ -437,16 +449,18 @@ std::string sameText(const SameResult& result) {
     out += "\n";
   }
   if (result.has_tau)
-    out += result.same_forces
-               ? fmt::format(
-                     "joint forces: the same functions of q, qd, qdd over the prime field, so all "
-                     "base parameters are equal; chance that different ones pass at most {:.1g}\n",
-                     result.error_probability)
-               : "joint forces: different functions of q, qd, qdd over the prime field\n";
+    out +=
+        result.same_forces
+            ? fmt::format(
+                  "joint forces, friction aside: the same functions of q, qd, qdd over the prime "
+                  "field, so all base parameters are equal; chance that different ones pass at most {:.1g}\n",
+                  result.error_probability)
+            : "joint forces, friction aside: different functions of q, qd, qdd over the prime field\n";
   for (const Difference& d : result.differences)
     out += fmt::format("  {}{}: {} and {}\n", d.link.empty() ? "" : "link \"" + d.link + "\" ",
                        d.quantity, d.a, d.b);
-  if (result.has_tau && !result.same_forces) {
+  if (result.has_tau && (result.verdict == SameResult::Verdict::kDifferent ||
+                         result.verdict == SameResult::Verdict::kInDouble)) {
     out += fmt::format("at the worst of {} states:", result.states);
     if (result.has_M)
       out += fmt::format(" M {:.3g} % on its diagonal, g {:.3g} N m,", result.M_percent, result.g);
