@@ -175,7 +175,7 @@ class Differences {
       }
       if (!near(a.axis, axis, 1, frames)) {
         add("axis", shown(a.axis), shown(axis));
-        X.prerotate(Eigen::Quaterniond::FromTwoVectors(axis, a.axis));
+        X.linear() = Eigen::Quaterniond::FromTwoVectors(axis, a.axis) * X.linear();
       }
     } else if (X.translation().norm() > unit(frames) * reach ||
                (X.linear() - Matrix3d::Identity()).norm() > unit(frames)) {
