@@ -342,6 +342,7 @@ void readTransmission(const Element& element, std::vector<NamedLink>& links,
                       std::vector<std::string>* not_modelled) {
   const std::string name = element.optionalAttribute("name");
   std::optional<Number> inertia, gear, reduction;
+  std::string unknown;  // words of inertia that are not Drake's
   const auto look = [&](const Element& child) {
     const std::string kind = child.kind();
     if (kind == "drake:rotor_inertia")
@@ -350,8 +351,11 @@ void readTransmission(const Element& element, std::vector<NamedLink>& links,
       gear = child.number("value");
     else if (kind == "mechanicalReduction")
       reduction = child.numberInside();
-    else if (kind.find("nertia") != std::string::npos)
-      not_modelled->push_back("transmission " + name + ": <" + kind + "> not modelled");
+    else if (kind.find("nertia") != std::string::npos) {
+      unknown = "<" + kind + ">";
+      not_modelled->push_back("transmission " + name + ": " + unknown +
+                              " not modelled (allowed: <drake:rotor_inertia>)");
+    }
   };
   std::string joint;
   for (const Element& child : element.children()) {
@@ -366,8 +370,9 @@ void readTransmission(const Element& element, std::vector<NamedLink>& links,
   if (!inertia) {
     if (const std::optional<Number>& ratio = gear ? gear : reduction;
         ratio && !(exactValue(*ratio, {}) == Exact{1, 0}))
-      not_modelled->push_back("transmission " + name + ": reduction " + ratio->text() +
-                              " not modelled (no rotor inertia is given)");
+      not_modelled->push_back(
+          "transmission " + name + ": reduction " + ratio->text() + " not modelled (no " +
+          (unknown.empty() ? "rotor inertia" : "<drake:rotor_inertia>") + " is given)");
     return;
   }
   const auto found = std::find_if(links.begin(), links.end(), [&](const NamedLink& named) {

@@ -318,9 +318,9 @@ Run addCrosscheck(CLI::App& app) {
       command
           ->add_option(
               "--states", arguments->options.states,
-              "Seeded states a check. Of more than 64 joints fewer are taken where this is not "
-              "given, of more "
-              "than 128 witnesses alone are compared, and both are told")
+              "Seeded states a check. Of more than 64 joints or links fewer are taken where this "
+              "is not given, of more than 128 joints witnesses alone are compared, and both are "
+              "told")
           ->capture_default_str()
           ->check(whole(1, 1000000));
   command->add_option("--seed", arguments->options.seed, "Seed of the states")

@@ -13,8 +13,13 @@ namespace {
 
 constexpr double kQuiet_s = 1, kBetweenLines_s = 30, kBetweenBars_s = 0.25;
 constexpr int kWidth = 24;
-/// What comes first is not like the rest: of 2 s for the first 0.1 % no end can be told.
-constexpr double kWorthExtrapolating = 0.01;
+/// What comes first is not like the rest: of 2 s for the first 0.1 % no end can be told. After so
+/// many seconds a rough end is worth more than none: hours or days, then.
+constexpr double kWorthExtrapolating = 0.01, kAnyEnd_s = 10;
+
+bool hasEnd(double fraction, double elapsed_s) {
+  return fraction >= kWorthExtrapolating || (fraction > 0 && elapsed_s >= kAnyEnd_s);
+}
 
 std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<long>(1000 * seconds));
@@ -75,10 +80,10 @@ void Progress::show(const std::string& line) {
 std::string Progress::status() const {
   const scene::WorkSeen seen = scene::seenWork();
   const double elapsed = std::chrono::duration<double>(Clock::now() - begin_).count();
-  std::string text = seen.fraction >= kWorthExtrapolating
-                         ? fmt::format("{:.{}f} %, {} of about {}", 100 * seen.fraction,
-                                       seen.fraction < 0.1 ? 1 : 0, duration(elapsed),
-                                       duration(elapsed / seen.fraction))
+  const int digits = seen.fraction < 0.001 ? 4 : seen.fraction < 0.1 ? 1 : 0;
+  std::string text = hasEnd(seen.fraction, elapsed)
+                         ? fmt::format("{:.{}f} %, {} of about {}", 100 * seen.fraction, digits,
+                                       duration(elapsed), duration(elapsed / seen.fraction))
                          : fmt::format("{}, the end is not known yet", duration(elapsed));
   for (const std::string& more : {seen.what, note_})
     if (!more.empty()) text += ", " + more;
@@ -92,14 +97,16 @@ void Progress::watch() {
   bool estimated = false;
   for (Clock::time_point next = Clock::now();;) {
     const double fraction = scene::seenWork().fraction;
+    const bool has_end =
+        hasEnd(fraction, std::chrono::duration<double>(Clock::now() - begin_).count());
     if (terminal_) {
       const int filled = static_cast<int>(kWidth * std::max(0.0, fraction));
       show(fmt::format("\r\033[K[{}{}] {} {}", std::string(filled, '#'),
                        std::string(kWidth - filled, '.'), name_, status()));
       shown_ = true;
-    } else if (Clock::now() >= next || (!estimated && fraction >= kWorthExtrapolating)) {
+    } else if (Clock::now() >= next || (!estimated && has_end)) {
       show(fmt::format("{}{}{}\n", name_, name_.empty() ? "" : ": ", status()));
-      estimated = fraction >= kWorthExtrapolating;
+      estimated = has_end;
       next = Clock::now() + milliseconds(kBetweenLines_s);
     }
     if (ended_.wait_for(hold, milliseconds(kBetweenBars_s), ended)) return;

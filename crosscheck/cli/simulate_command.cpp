@@ -17,6 +17,7 @@
 #include "crosscheck/studies/closure_gap.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/mimic.hpp"
+#include "scene/work.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -67,12 +68,14 @@ std::string describe(const SimulateOptions& options) {
 class Runs {
  public:
   Runs(int count, double duration)
-      : stages_(std::max(kStages / count, 1)),
+      : count_(count),
+        stages_(std::max(kStages / count, 1)),
         duration_(duration),
-        progress_(count * stages_, kQuiet) {}
+        progress_(count * stages_, kQuiet, false) {}
   void at(double time) {
     if (time < last_) begun_ = ++runs_ * stages_;
     last_ = time;
+    work_.doneTo((runs_ + time / duration_) / count_);
     for (; begun_ <= (runs_ + time / duration_) * stages_; ++begun_)
       progress_.stage(fmt::format("t = {:.3g} of {} s", time, duration_));
   }
@@ -80,9 +83,10 @@ class Runs {
  private:
   static constexpr int kStages = 20;
   static constexpr double kQuiet = 2;  // [s]
-  int stages_;
+  int count_, stages_;
   double duration_, last_ = 0;
   int runs_ = 0, begun_ = 0;
+  scene::Work work_{"", 1};
   Progress progress_;
 };
 

@@ -11,8 +11,9 @@
 
 namespace dynwitness::crosscheck {
 
-/** One state of n joints costs O(n^2), as many as M has entries; laws with dM/dt, exact checks and
-    equations that are derived O(n^3) and more.
+/** One state of n joints costs O(n^2), as many as M has entries, and of n links as well, whose
+    reactions are bounded one by one; laws with dM/dt, exact checks and equations that are derived
+    O(n^3) and more. Joints are counted but for the states, where fixed links count too.
 
         n <= 64     everything, at the states that were asked for
         n <= 128    where no number of states was asked for: as many as cost what the usual number

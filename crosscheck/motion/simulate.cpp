@@ -225,8 +225,12 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
         {},
         "stabilisation with index 2 or 3, allowed: none, for these keep what they "
         "solve for; index 1 alone is stabilised");
-  if (method.implicit)
-    require(options.step > 0 && std::isfinite(options.step), "step", options.step, "positive");
+  if (method.implicit && !(options.step > 0 && std::isfinite(options.step) &&
+                           options.duration / options.step <= kMostSteps))
+    throw scene::InputError(
+        {},
+        fmt::format("step is {} s, allowed: positive, and at least the duration of {} s over {}",
+                    options.step, options.duration, kMostSteps));
   ClosedMotion motion(
       scene, options.stabilisation == Stabilisation::kBaumgarte ? options.baumgarte_rate : 0);
   if (motion.freedoms() == 0)

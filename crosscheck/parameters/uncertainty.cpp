@@ -77,17 +77,19 @@ double largestMomentAboutCom(const double* ten) {
 }  // namespace
 
 Uncertainty readUncertainty(const std::string& text) {
+  // draws in double see a relative deviation of 1e-10 to six digits, and squares of 1e10 times
+  // any parameter of a scene are numbers
+  constexpr double kLeast = 1e-10, kMost = 1e10;
   Uncertainty out;
   const std::pair<const char*, double*> known[] = {{"mass", &out.mass},       {"com", &out.com},
                                                    {"inertia", &out.inertia}, {"rotor", &out.rotor},
                                                    {"xyz", &out.xyz},         {"rpy", &out.rpy}};
   const auto refuse = [&](const std::string& read) {
     throw scene::InputError(
-        {},
-        fmt::format(
-            "--uncertainty: read '{}'; allowed is NAME=NUMBER[,...] with a number of at least 0 "
-            "and the names mass, inertia, rotor (relative), com, xyz [m], rpy [rad]",
-            read));
+        {}, fmt::format(
+                "--uncertainty: read '{}'; allowed is NAME=NUMBER[,...] with 0 or a number from {} "
+                "to {} and the names mass, inertia, rotor (relative), com, xyz [m], rpy [rad]",
+                read, kLeast, kMost));
   };
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find(',', at), text.size());
@@ -104,7 +106,8 @@ Uncertainty readUncertainty(const std::string& text) {
     } catch (const std::exception&) {
       refuse(item);
     }
-    if (used != digits.size() || !(*it->second >= 0) || std::isinf(*it->second)) refuse(item);
+    const double value = *it->second;
+    if (used != digits.size() || !(value == 0 || (value >= kLeast && value <= kMost))) refuse(item);
     at = end + 1;
   }
   return out;

@@ -74,6 +74,13 @@ BOOST_AUTO_TEST_CASE(a_crosscheck_of_a_large_scene_says_what_it_leaves_out) {
   BOOST_TEST(plan(1000).states == 2);
   BOOST_TEST(plan(1000).told.size() == 2u);
   BOOST_CHECK_THROW(plan(1001), scene::InputError);
+  // reactions of fixed links cost the square of their number as well
+  scene::Scene fixed = scene::chainOf(1000);
+  for (std::size_t i = 2; i < fixed.mechanism.links.size(); ++i)
+    fixed.mechanism.links[i].joint.kind = scene::JointKind::kFixed;
+  BOOST_TEST(planFor(fixed, options).states == 2);
+  BOOST_TEST(planFor(fixed, options).whole);
+  BOOST_TEST(expectedSeconds(fixed, planFor(fixed, options)) > 10);
   options.states = 7;
   BOOST_TEST(plan(1000).states == 7);  // as asked
 }
