@@ -3,6 +3,7 @@
 
     python3 test_diagnosis_of_a_stranger.py PROGRAM [--long] [--trees N] [--each N] [--only NAME] [--jobs N] [--table FILE]
     python3 test_diagnosis_of_a_stranger.py PROGRAM --crosscheck      # each mistake makes `crosscheck --engine` fail
+    python3 test_diagnosis_of_a_stranger.py PROGRAM --museum          # data/museum/museum.toml: each exhibit is named
 
 The engine is tests/fixtures/stranger.py. A single mistake is named when the first finding of `dynwitness check --format
 json` explains it and is it: the same rule at the same link or joint, or a rule that makes the stranger give the same
@@ -25,6 +26,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).resolve()
@@ -137,6 +139,8 @@ def singles(subject, draw, rich):
     """(name, word, kind): kind is "first" for the first way at one link, "all" for all links, else the other ways."""
     engine = subject.right_engine
     for name, what in stranger.MISTAKES.items():
+        if name in stranger.EXTRA:
+            continue
         first = True
         for variant in range(1, what.variants + 1):
             able = what.targets(engine, variant)
@@ -415,7 +419,9 @@ def noticed_by_crosscheck(options, folder):
             size = subject.distance(subject.answers(word), subject.answers(""))
             if kind != "everywhere" and size > best.get((name, kind), (0,))[0]:
                 best[name, kind] = size, subject.argument, word
-    for name, what in stranger.MISTAKES.items():
+    for name in stranger.MISTAKES:
+        if name in stranger.EXTRA:
+            continue
         if (name, "first") not in best:
             missed.append("%s has no room anywhere" % name)
             continue
@@ -429,11 +435,37 @@ def noticed_by_crosscheck(options, folder):
     return missed
 
 
+def museum(options, folder):
+    """Every exhibit, on its scene; what the list does not hold must be caught, and need not be named."""
+    rooms = HERE.parents[3] / "data" / "museum"
+    exhibits = tomllib.loads((rooms / "museum.toml").read_text(encoding="utf-8"))["exhibit"]
+    subjects, missed = {}, []
+    for exhibit in exhibits:
+        name, planted = exhibit["scene"], exhibit["plant"]
+        if name not in subjects:
+            own = rooms / (name + ".toml")
+            subjects[name] = Subject(options.program, name, folder, own.read_text(encoding="utf-8") if own.exists() else None)
+        subject = subjects[name]
+        if subject.answers(planted) is None or not subject.matters(planted):
+            missed.append("%s: %s changes nothing on %s" % (exhibit["id"], planted, name))
+            continue
+        status, findings, _, err = check(options.program, subject, ("--mistake", planted))
+        named = bool(findings) and is_named(subject, planted, findings[0])
+        good = status == 1 and (named or name_of(planted) in stranger.EXTRA)
+        print("%-34s %d  %-40s exit %s, %s %s" % (exhibit["id"], exhibit["year"], planted, status,
+                                                  "named" if named else "not named", "" if good else err), flush=True)
+        if not good:
+            missed.append("%s: %s on %s" % (exhibit["id"], planted, name))
+    print("%d exhibits" % len(exhibits))
+    return missed
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
     parser.add_argument("--long", action="store_true")
     parser.add_argument("--crosscheck", action="store_true")
+    parser.add_argument("--museum", action="store_true")
     parser.add_argument("--trees", type=int)
     parser.add_argument("--each", type=int, help="singles a scene at most, drawn")
     parser.add_argument("--pairs", type=int, help="pairs a scene")
@@ -447,7 +479,7 @@ def main():
     options.trees = options.trees if options.trees is not None else 100 if options.long else 2
     options.pairs = options.pairs if options.pairs is not None else 10 if options.long else 1
     with tempfile.TemporaryDirectory() as folder:
-        bad = (noticed_by_crosscheck if options.crosscheck else run)(options, folder)
+        bad = (noticed_by_crosscheck if options.crosscheck else museum if options.museum else run)(options, folder)
     if bad:
         sys.exit("not reached: " + "; ".join(bad))
 
