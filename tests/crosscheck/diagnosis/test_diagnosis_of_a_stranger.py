@@ -10,8 +10,8 @@ json` explains it and is it: the same rule at the same link or joint, or a rule 
 answers (mechanics knows no difference). Whether a mistake changes anything on a scene, and whether two are one there, is
 computed with the stranger itself, at states drawn here. Of a pair, the first finding names both.
 
-Without --long: some mistakes on each scene, so that all of them come up. With it, all of them, with other ways to make
-them, on five scenes and on N random trees (100).
+Without --long: each mistake on one scene that has room for it. With it, all of them on all, with other ways to make
+them, on five scenes, some more and N random trees (100).
 """
 import argparse
 import collections
@@ -135,13 +135,15 @@ def engine_words(*words):
 
 # ---- what is planted
 
-def singles(subject, draw, rich):
-    """(name, word, kind): kind is "first" for the first way at one link, "all" for all links, else the other ways."""
+NAMES = [name for name in stranger.MISTAKES if name not in stranger.EXTRA]
+
+
+def singles(subject, draw, rich, names=NAMES):
+    """(name, word, kind) of what changes something: kind is "first" for the first way at one link, "everywhere" for all
+    links at once, else "other way"."""
     engine = subject.right_engine
-    for name, what in stranger.MISTAKES.items():
-        if name in stranger.EXTRA:
-            continue
-        first = True
+    for name in names:
+        what, first = stranger.MISTAKES[name], True
         for variant in range(1, what.variants + 1):
             able = what.targets(engine, variant)
             if not able:
@@ -235,9 +237,9 @@ def is_named(subject, planted, finding):
     if len(told) == len(meant):
         left = list(told)
         for word in meant:
-            target = target_of(word)
+            target, of_the_whole = target_of(word), stranger.MISTAKES[name_of(word)].whom is None
             hit = [t for t in left if t[0] == name_of(word) and (
-                not target or t[1] is None or t[1] in also_called(subject, target))]
+                of_the_whole or (t[1] is None if not target else t[1] in also_called(subject, target)))]
             if hit:
                 left.remove(hit[0])
         if not left:
@@ -325,16 +327,26 @@ class Counts:
                          for key in sorted(self.all))
 
 
-def cases_of(subject, options, draw):
-    """(kind, names, planted) of one scene."""
-    found = list(singles(subject, draw, options.long))
+def names_by_scene(subjects, options, draw):
+    """{scene: names}: all on all, or in the short form each on one that has room for it."""
     if options.only:
-        found = [x for x in found if x[0] == options.only]
-    chosen = found
-    if options.each and len(found) > options.each:
-        chosen = draw.sample(found, options.each)
-    for name, word, kind in chosen:
-        yield kind, (name,), word
+        return {subject.name: [options.only] for subject in subjects}
+    if options.long:
+        return {subject.name: draw.sample(NAMES, min(options.each or len(NAMES), len(NAMES))) for subject in subjects}
+    out = {subject.name: [] for subject in subjects}
+    for name in NAMES:
+        able = [subject for subject in subjects if stranger.MISTAKES[name].targets(subject.right_engine)]
+        if able:
+            out[draw.choice(able).name].append(name)
+    return out
+
+
+def cases_of(subject, names, options, draw):
+    """(kind, names, planted) of one scene."""
+    found = list(singles(subject, draw, options.long, names))
+    for name, word, kind in found:
+        if options.long or kind == "first":
+            yield kind, (name,), word
     if not options.only:
         for names, both in pairs(subject, found, draw, options.pairs):
             yield "pair", names, both
@@ -357,16 +369,15 @@ def run(options, folder):
                 if not options.scene or name in options.scene]
     subjects += [Subject(options.program, "tree_%d" % k, folder, random_tree(k))
                  for k in range(options.trees) if not options.scene]
-    work = []
+    work, names_of = [], names_by_scene(subjects, options, draw)
     for subject in subjects:
         for what, words, extra in right_engines(subject):
             if options.long or what in ("right", "right, float"):
                 work.append((subject, what, (), words, extra, None))
         group = "tree" if subject.name.startswith("tree_") else "scene"
-        for kind, names, planted in cases_of(subject, options, random.Random("%s %s" % (options.seed, subject.name))):
+        own = random.Random("%s %s" % (options.seed, subject.name))
+        for kind, names, planted in cases_of(subject, names_of[subject.name], options, own):
             work.append((subject, "%s: %s" % (group, kind), names, ("--mistake", planted), (), planted))
-    if not options.long and len(work) > options.most:  # each scene and each name keeps its turn
-        work = [x for x in work if x[5] is None] + draw.sample([x for x in work if x[5]], options.most)
 
     def one(case):
         subject, kind, names, words, extra, planted = case
@@ -390,16 +401,17 @@ def run(options, folder):
                                                               status, said or "no findings", err if status not in (0, 1) else ""))
                 print("FAILS " + failures[-1], flush=True)
     print("named first, by kind\n%s\nby mistake\n%s" % (by_kind, by_name))
-    slow = sorted(times)[-3:]
-    print("%d checks, median %.2f s, slowest %s" % (len(times), sorted(times)[len(times) // 2] if times else 0,
-                                                    ", ".join("%.1f s (%s)" % x for x in slow)))
+    times.sort()
+    print("%d checks, median %.2f s, slowest %s" % (len(times), times[len(times) // 2][0],
+                                                    ", ".join("%.1f s (%s)" % x for x in times[-3:])))
     if options.table:
         Path(options.table).write_text(json.dumps({"kinds": {k: [by_kind.hit[k], by_kind.all[k]] for k in by_kind.all},
                                                    "names": {k: [by_name.hit[k], by_name.all[k]] for k in by_name.all},
                                                    "failures": failures}, indent=1), encoding="utf-8")
     total = Counts()
     for key in by_kind.all:
-        group = "right" if key.startswith("right") else "pairs" if key.endswith("pair") else "singles"
+        group = ("right" if key.startswith("right") else "pairs" if key.endswith("pair") else
+                 "other ways" if key.endswith("other way") else "singles")
         total.hit[group] += by_kind.hit[key]
         total.all[group] += by_kind.all[key]
     bad = [group for group, least in (("right", 1.0), ("singles", SINGLES), ("pairs", PAIRS)) if total.rate(group) < least]
@@ -419,9 +431,7 @@ def noticed_by_crosscheck(options, folder):
             size = subject.distance(subject.answers(word), subject.answers(""))
             if kind != "everywhere" and size > best.get((name, kind), (0,))[0]:
                 best[name, kind] = size, subject.argument, word
-    for name in stranger.MISTAKES:
-        if name in stranger.EXTRA:
-            continue
+    for name in NAMES:
         if (name, "first") not in best:
             missed.append("%s has no room anywhere" % name)
             continue
@@ -467,9 +477,8 @@ def main():
     parser.add_argument("--crosscheck", action="store_true")
     parser.add_argument("--museum", action="store_true")
     parser.add_argument("--trees", type=int)
-    parser.add_argument("--each", type=int, help="singles a scene at most, drawn")
+    parser.add_argument("--each", type=int, help="names a scene at most, drawn")
     parser.add_argument("--pairs", type=int, help="pairs a scene")
-    parser.add_argument("--most", type=int, default=24, help="planted cases of the short form")
     parser.add_argument("--only", help="one mistake")
     parser.add_argument("--scene", action="append", help="this bundled scene alone")
     parser.add_argument("--jobs", type=int, default=2)
