@@ -422,26 +422,28 @@ def run(options, folder):
 
 
 def noticed_by_crosscheck(options, folder):
-    """Every mistake, on the scene where it shows most."""
-    subjects = [Subject(options.program, name, folder) for name in SCENES[:4] + MORE_SCENES]
-    subjects += [Subject(options.program, "tree_%d" % k, folder, random_tree(k)) for k in range(3)]
-    missed, best = [], {}
-    for subject in subjects:
-        for name, word, kind in singles(subject, random.Random(subject.name), False):
-            size = subject.distance(subject.answers(word), subject.answers(""))
-            if kind != "everywhere" and size > best.get((name, kind), (0,))[0]:
-                best[name, kind] = size, subject.argument, word
-    for name in NAMES:
-        if (name, "first") not in best:
-            missed.append("%s has no room anywhere" % name)
+    """Every mistake, on the first of these scenes where it shows."""
+    names = ("gyroscopic_wrist", "puma_560_friction", "satellite_arm", "tree_0", "tree_1", "tree_2", "humanoid_floating")
+    subjects, missed = {}, []
+    for mistake in NAMES:
+        planted = None
+        for name in names:
+            if name not in subjects:
+                tree = random_tree(int(name[5:])) if name.startswith("tree_") else None
+                subjects[name] = Subject(options.program, name, folder, tree)
+            subject = subjects[name]
+            planted = next((word for _, word, kind in singles(subject, random.Random(name), False, [mistake])), None)
+            if planted:
+                break
+        if not planted:
+            missed.append("%s has no room anywhere" % mistake)
             continue
-        _, argument, word = best[name, "first"]
-        done = subprocess.run([options.program, "crosscheck", argument, "--witness", "newton_euler", "--states", "3",
+        done = subprocess.run([options.program, "crosscheck", subject.argument, "--witness", "newton_euler", "--states", "3",
                                "--no-drift", "--no-charts", "--report", os.path.join(folder, "report"), "--engine-seconds",
-                               "300", "--engine", engine_words("--mistake", word)], capture_output=True, text=True)
-        print("%-60s %-40s exit %d" % (word, os.path.basename(argument), done.returncode), flush=True)
+                               "300", "--engine", engine_words("--mistake", planted)], capture_output=True, text=True)
+        print("%-60s %-40s exit %d" % (planted, subject.name, done.returncode), flush=True)
         if done.returncode != 1:
-            missed.append("%s on %s: exit %d" % (word, argument, done.returncode))
+            missed.append("%s on %s: exit %d" % (planted, subject.name, done.returncode))
     return missed
 
 
