@@ -191,14 +191,13 @@ def check(program, subject, options, extra=()):
 
 
 def rules_of(finding):
-    """[(rule, link or joint or None, figure or None)]: one, or two of a pair."""
-    parts = finding.get("rules") or finding.get("pair") or [finding]
+    """[(rule, link or joint or None, figure or None)]: one, or two of a pair. The figure is how many times as large an
+    estimate is as in the scene, where there is one of them."""
     out = []
-    for part in parts:
-        part = part if isinstance(part, dict) else {"rule": part}
-        value = part.get("value", part.get("factor"))
-        for rule in re.split(r"\s*[+,]\s*", part.get("rule", "")):
-            out.append((rule, part.get("link") or part.get("joint"), value))
+    for part in [finding] + finding.get("with", []):
+        estimates = [x for x in part.get("estimates", []) if x.get("scene")]
+        figure = estimates[0]["value"] / estimates[0]["scene"] if len(estimates) == 1 else None
+        out.append((part["rule"], part.get("link") or part.get("joint"), figure))
     return out
 
 
@@ -238,6 +237,7 @@ def is_named(subject, planted, finding):
         left = list(told)
         for word in meant:
             target, of_the_whole = target_of(word), stranger.MISTAKES[name_of(word)].whom is None
+            of_the_whole = of_the_whole or name_of(word) == "joint_order"  # of two joints
             hit = [t for t in left if t[0] == name_of(word) and (
                 of_the_whole or (t[1] is None if not target else t[1] in also_called(subject, target)))]
             if hit:
