@@ -33,8 +33,8 @@ std::string toml(const std::string& upper =
          "[link.joint]\nname = \"" +
          elbow + "\"\nkind = \"revolute\"\naxis = [0, 1, 0]\nxyz = [0.5, 0, 0]\n";
 }
-/// The lower link's frame turned a quarter about x (its own y is the upper's z, its z the upper's -y),
-/// half of its mass on a link that is fixed to it, and joints in the other order.
+/// The lower link's frame turned a quarter about x (its own y is the upper's z, its z the upper's
+/// -y), half of its mass on a link that is fixed to it, and joints in the other order.
 std::string urdf() {
   return "<robot name=\"arm\">"
          "<link name=\"root\"/>"
