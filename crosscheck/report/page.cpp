@@ -196,10 +196,11 @@ std::string exactly(const CheckResult& check) {
 
 void putCheckRow(std::string* page, const CheckResult& check) {
   const bool bad = check.verdict == Verdict::kDisagree;
-  const std::string statement = check.statement.empty() ? check.check : check.statement;
+  const std::string name = check.name();
+  const std::string statement = check.statement.empty() ? name : check.statement;
   put(page, "<tr{}><th scope=\"row\" class=\"statement\">{}", bad ? " class=\"bad\"" : "",
       esc(statement));
-  if (statement != check.check) put(page, "<span class=\"sub\">{}</span>", esc(check.check));
+  if (statement != name) put(page, "<span class=\"sub\">{}</span>", esc(name));
   if (bad && !check.reason.empty())
     put(page, "<span class=\"sub reason\">{}</span>", esc(check.reason));
   if (check.voided > 0) put(page, "<span class=\"sub\">{}</span>", esc(voidedText(check)));
@@ -207,9 +208,10 @@ void putCheckRow(std::string* page, const CheckResult& check) {
       "</th><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"unit\">{}</td>"
       "<td class=\"share\">{}</td><td class=\"nowrap\">{}</td><td "
       "class=\"n\">{}</td><td class=\"nowrap\">{}</td><td>{}</td></tr>\n",
-      witnesses(check), esc(readable(check.worst)), esc(limitText(check)), esc(check.unit),
-      share(check), worstAt(check), drawn(check) ? std::to_string(check.seed) : "–", exactly(check),
-      badge(check.verdict, name(check.verdict)));
+      witnesses(check), esc(readable(check.worst)), esc(limitText(check)),
+      esc(crosscheck::name(check.unit)), share(check), worstAt(check),
+      drawn(check) ? std::to_string(check.seed) : "–", exactly(check),
+      badge(check.verdict, crosscheck::name(check.verdict)));
 }
 
 using Rows = std::vector<const CheckResult*>;
@@ -339,9 +341,10 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
         "<td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"unit\">{}</td>"
         "<td class=\"n\">{}</td><td class=\"nowrap\">{}</td></tr>\n",
         files[all[k].scene].anchor, esc(sceneTitle(result.scenes[all[k].scene])),
-        esc(check.statement.empty() ? check.check : check.statement),
+        esc(check.statement.empty() ? check.name() : check.statement),
         esc(quantityWords(check.quantity)), witnesses(check), esc(readable(check.worst)),
-        esc(limitText(check)), esc(check.unit), esc(shareOfLimit(check.ratio)), worstAt(check));
+        esc(limitText(check)), esc(crosscheck::name(check.unit)), esc(shareOfLimit(check.ratio)),
+        worstAt(check));
   }
   put(page, "</tbody>\n</table>\n</div>\n</section>\n");
 }
@@ -433,7 +436,7 @@ void putSceneTable(std::string* page, const CrosscheckResult& result,
           "<td class=\"share\">{}<span class=\"sub\">{}</span></td><td class=\"which\">{} "
           "<span class=\"soft\">{}</span><span class=\"sub\">{}</span></td></tr>\n",
           share(*counts.worst), esc(worstOfLimit(*counts.worst)), esc(counts.worst->quantity),
-          esc(counts.worst->check), witnesses(*counts.worst));
+          esc(counts.worst->name()), witnesses(*counts.worst));
     else
       put(page, "<td>–</td><td>–</td></tr>\n");
   }
@@ -604,6 +607,13 @@ void putChecks(std::string* page, const SceneResult& scene) {
   put(page, "</ul>\n</details>\n");
 }
 
+std::string wordOf(Road road) {
+  return name(road);
+}
+const std::string& wordOf(const std::string& witness) {
+  return witness;
+}
+
 /// What of the control says more than "found by all at the usual size".
 void putControls(std::string* page, const SceneResult& scene) {
   std::vector<std::string> lines;
@@ -612,9 +622,9 @@ void putControls(std::string* page, const SceneResult& scene) {
     const auto add = [&line](const std::string& more) {
       line += (line.empty() ? "" : "; ") + more;
     };
-    const auto joined = [](const std::vector<std::string>& words) {
+    const auto joined = [](const auto& words) {
       std::string text;
-      for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+      for (const auto& word : words) text += (text.empty() ? "" : ", ") + wordOf(word);
       return text;
     };
     if (!control.missed.empty()) add("not found by " + joined(control.missed));
@@ -634,18 +644,19 @@ void putControls(std::string* page, const SceneResult& scene) {
 void putDigits(std::string* page, const SceneResult& scene) {
   if (scene.digits.empty()) return;
   std::vector<std::string> quantities;
-  std::vector<std::pair<std::string, std::string>> rows;  // witness, scalar
-  std::map<std::string, const DigitsResult*> cells;
+  using Row = std::pair<std::string, Scalar>;  // witness and scalar
+  std::vector<Row> rows;
+  std::map<std::pair<std::string, Row>, const DigitsResult*> cells;  // by quantity and row
   for (const DigitsResult& d : scene.digits) {
     if (std::find(quantities.begin(), quantities.end(), d.quantity) == quantities.end())
       quantities.push_back(d.quantity);
-    const auto row = std::pair(d.witness, d.scalar);
+    const Row row(d.witness, d.scalar);
     if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
-    cells[d.quantity + "/" + d.witness + "/" + d.scalar] = &d;
+    cells[{d.quantity, row}] = &d;
   }
   // what is judged comes first, then the other scalars
   std::stable_partition(rows.begin(), rows.end(),
-                        [](const auto& row) { return row.second == "double"; });
+                        [](const Row& row) { return row.second == Scalar::kDouble; });
   put(page, "<h3>Digits kept</h3>\n");
   openScroll(page, "Table of digits");
   put(page,
@@ -656,10 +667,10 @@ void putDigits(std::string* page, const SceneResult& scene) {
   for (const std::string& quantity : quantities)
     put(page, "<th scope=\"col\" class=\"n\">{}</th>", esc(quantity));
   put(page, "</tr></thead>\n<tbody>\n");
-  for (const auto& [witness, scalar] : rows) {
-    put(page, "<tr><th scope=\"row\">{}</th><td>{}</td>", esc(witness), esc(scalar));
+  for (const Row& row : rows) {
+    put(page, "<tr><th scope=\"row\">{}</th><td>{}</td>", esc(row.first), name(row.second));
     for (const std::string& quantity : quantities) {
-      const auto found = cells.find(quantity + "/" + witness + "/" + scalar);
+      const auto found = cells.find({quantity, row});
       if (found == cells.end() || !found->second->worst)
         put(page, "<td class=\"n\">–</td>");
       else

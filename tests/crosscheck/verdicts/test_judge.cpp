@@ -346,9 +346,9 @@ BOOST_DATA_TEST_CASE(a_kilogram_that_is_too_heavy_by_1e_10_is_found_everywhere,
   for (const Control& control : result.controls) {
     BOOST_TEST_CONTEXT(control.quantity << " " << control.nothing) {
       BOOST_TEST(control.missed.empty());
-      const bool is_of_table = control.found == std::vector<std::string>{"table"};
-      BOOST_TEST(
-          (is_of_table || control.found == std::vector<std::string>{"pairs", "truth", "field"}));
+      const bool is_of_table = control.found == std::vector<Road>{Road::kTable};
+      BOOST_TEST((is_of_table ||
+                  control.found == std::vector<Road>{Road::kPairs, Road::kTruth, Road::kField}));
       // 1e-10 is seen in every pair, not in the sharpest one only
       if (name != "humanoid_floating")
         BOOST_TEST(control.blind.empty());  // 38 rates: engines' limits are wider
@@ -402,7 +402,7 @@ BOOST_AUTO_TEST_SUITE(verdicts)
 
 CheckResult checkOf(const std::string& quantity, int states, int missing, int excused) {
   CheckResult check;
-  check.check = "same";
+  check.kind = CheckKind::kSame;
   check.quantity = quantity;
   check.left = "a";
   check.right = "b";
@@ -474,13 +474,13 @@ BOOST_AUTO_TEST_CASE(a_run_that_misses_its_control_proves_nothing) {
   Control control;
   control.quantity = "M";
   control.size = 1e-10;
-  control.found = {"pairs", "field"};
+  control.found = {Road::kPairs, Road::kField};
   result.scenes[0].controls = {control};
   BOOST_TEST((result.verdict() == RunVerdict::kAgree));
   BOOST_TEST(
       result.controlLine() ==
       "control: a kilogram too heavy by 1e-10 was found in M of 1 scene, by pairs and field");
-  result.scenes[0].controls[0].missed = {"truth"};
+  result.scenes[0].controls[0].missed = {Road::kTruth};
   BOOST_TEST((result.verdict() == RunVerdict::kProvesNothing));
   BOOST_TEST(exitStatus(result.verdict()) == 3);
   BOOST_TEST(contains(result.headline(), "this run proves nothing"), result.headline());
