@@ -86,11 +86,6 @@ class Hushed {
   std::streambuf *cerr_, *cout_;
 };
 
-/// Joints that DART reads from URDF as they are.
-bool isPlain(JointKind kind) {
-  return kind == JointKind::kFixed || kind == JointKind::kRevolute || kind == JointKind::kPrismatic;
-}
-
 /// The scene that DART is told: in place of a joint that URDF cannot say, a revolute one.
 scene::Scene told(scene::Scene scene) {
   for (scene::Link& link : scene.mechanism.links)
