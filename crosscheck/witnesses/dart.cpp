@@ -123,7 +123,9 @@ SkeletonPtr loaded(const scene::Scene& scene) {
 class DartWitness : public Witness {
  public:
   explicit DartWitness(const scene::Scene& scene)
-      : friction_(scene.mechanism), bound_(scene.mechanism), skeleton_(loaded(scene)) {
+      : friction_(scene.mechanism),
+        bound_(scene.mechanism, 1, Attitude::kRotationVector),
+        skeleton_(loaded(scene)) {
     const scene::Mechanism& mechanism = scene.mechanism;
     requirePlainRotors(mechanism);
     const RealNumbers<double> number(mechanism);
