@@ -365,6 +365,40 @@ BOOST_DATA_TEST_CASE(a_kilogram_that_is_too_heavy_by_1e_10_is_found_everywhere,
   for (const DigitsResult& digits : result.digits) BOOST_TEST(digits.witness != kControl);
 }
 
+/// Newton-Euler by the control's name, as somebody's program may call itself.
+class Namesake : public Witness {
+ public:
+  explicit Namesake(const scene::Scene& scene)
+      : sweep_(makeWitness(selectWitnesses({"newton_euler"}).front(), scene)) {}
+  const std::string& name() const override { return name_; }
+  bool answers(Quantity quantity) const override { return sweep_->answers(quantity); }
+  Answer answer(Quantity quantity, const scene::State<double>& state) override {
+    return sweep_->answer(quantity, state);
+  }
+
+ private:
+  std::unique_ptr<Witness> sweep_;
+  std::string name_ = kControl;
+};
+
+BOOST_AUTO_TEST_CASE(a_witness_that_is_called_like_the_control_is_judged_like_any_other) {
+  const scene::Scene scene = scene::findScene("double_pendulum");
+  std::vector<WitnessKind> kinds = selectWitnesses({"newton_euler", "simbody"});
+  kinds.push_back({{kControl, "1", "somebody's"},
+                   [](const scene::Scene& s) { return std::make_unique<Namesake>(s); }});
+  const SceneResult result = crosscheckScene(scene, kinds, few(3));
+  int pairs = 0, truths = 0;
+  for (const CheckResult& check : result.checks) {
+    BOOST_TEST((!check.left_is_control && !check.right_is_control));
+    pairs += check.kind == CheckKind::kSame && check.right == kControl ? 1 : 0;
+    truths += check.kind == CheckKind::kTruth && check.left == kControl ? 1 : 0;
+  }
+  BOOST_TEST(pairs > 0);
+  BOOST_TEST(truths > 0);
+  for (const Control& control : result.controls)
+    BOOST_TEST((control.missed.empty() && control.blind.empty()), control.quantity);
+}
+
 /// By the dimension of the numbers, not by a formula: see Control.
 BOOST_AUTO_TEST_CASE(a_heavier_kilogram_scales_what_has_a_mass_in_it) {
   for (const char* name : {"prismatic_revolute_mix", "gyroscopic_wrist"}) {
