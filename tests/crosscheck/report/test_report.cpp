@@ -278,9 +278,9 @@ std::vector<Chart> charts(double time) {
   chart.states = 100;
   chart.machine = kAwkward;
   chart.left_out = {kAwkward};
-  chart.points = {{"Newton-Euler sweep", "float", 1e-6, 1e-7, time, 2 * time, 3 * time},
-                  {"Newton-Euler sweep", "double", 1e-15, 1e-16, time, 2 * time, 3 * time},
-                  {"simbody", "double", 0, 0, 5 * time, 6 * time, 7 * time}};
+  chart.points = {{"Newton-Euler sweep", Scalar::kFloat, 1e-6, 1e-7, time, 2 * time, 3 * time},
+                  {"Newton-Euler sweep", Scalar::kDouble, 1e-15, 1e-16, time, 2 * time, 3 * time},
+                  {"simbody", Scalar::kDouble, 0, 0, 5 * time, 6 * time, 7 * time}};
   return {chart, chart, chart};
 }
 
