@@ -14,6 +14,7 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/system/environment.hpp"
 #include "crosscheck/verdicts/truth.hpp"
+#include "crosscheck/witnesses/kernel_names.hpp"
 #include "scene/error.hpp"
 #include "scene/work.hpp"
 #include "symbolic/closed_form.hpp"
@@ -56,7 +57,7 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
     addSweeps(Sweep::kArticulatedBody, mechanism, states, &methods);
   }
   for (const WitnessKind& kind : kinds) {
-    if (kind.info.name == "kernel") {
+    if (kind.info.name == kKernelName) {
       try {
         methods.push_back(kernelMethod(quantity, mechanism, states));
       } catch (const std::exception& error) {

@@ -14,6 +14,7 @@
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/digits.hpp"
 #include "crosscheck/verdicts/options.hpp"
+#include "crosscheck/witnesses/kernel_names.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -22,10 +23,7 @@ void checkExactly(const scene::Scene& scene, const ExactOptions& options, Random
                   RandomCampaign::Failure& failure) {
   const std::vector<CheckResult> checks = exactChecks(scene, options);
   for (const CheckResult& check : checks) {
-    // a single body has no other root, and there is nothing to ask
-    if (check.verdict == Verdict::kNotAnswerable &&
-        check.check == "independence of the chosen root")
-      continue;
+    if (check.is_idle) continue;  // a single body has no other root
     if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);
     if (check.verdict == Verdict::kNotAnswerable) {
       ++campaign.not_answerable;
@@ -62,7 +60,7 @@ bool checkInDouble(const scene::Scene& scene, const CampaignOptions& options,
   for (const WitnessKind& kind : options.in_double) ++campaign.asked[kind.info.name];
   for (const CheckResult& check : checks) {
     if (check.verdict == Verdict::kNotAnswerable) {
-      const bool by_one = check.quantity.empty();
+      const bool by_one = check.asksNothing();
       refused = refused || by_one;
       if (by_one) --campaign.asked[check.left];
       ++campaign.unanswered[reasonInGeneral(check.reason)][by_one ? check.left : check.quantity];
@@ -116,7 +114,7 @@ RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions
   CampaignOptions asked = options;
   if (asked.exact.witnesses.empty())
     for (const WitnessKind& kind : witnessKinds())
-      if (kind.info.name.rfind("kernel", 0) != 0) asked.exact.witnesses.push_back(kind.info.name);
+      if (!isKernel(kind.info)) asked.exact.witnesses.push_back(kind.info.name);
   // mechanisms a task; of many mechanisms there are no more than so many tasks, whose parts are
   // kept
   constexpr int kLeast = 5, kMostTasks = 10000;
@@ -145,8 +143,8 @@ std::string describeFailure(const RandomCampaign::Failure& failure) {
   for (const Finding& finding : failure.findings) text += finding.text + "\n";
   for (const CheckResult& check : failure.checks)
     text += fmt::format("{}: {}: {}, {} ({}{}{}): {}\n", failure.scene.name, name(check.verdict),
-                        check.check, check.quantity, check.left, check.right.empty() ? "" : " and ",
-                        check.right, check.reason);
+                        check.name(), check.quantity, check.left,
+                        check.right.empty() ? "" : " and ", check.right, check.reason);
   return text + fmt::format(
                     "to see it again: write the scene below to {0}, then\n"
                     "  dynwitness crosscheck {0} --seed {1}\n\n{2}",

@@ -66,12 +66,17 @@ void describe(const scene::Scene& scene, const Options& options, SceneResult& re
 Equations equationsOf(const scene::Mechanism& mechanism) {
   Equations out;
   for (const symbolic::ShownEquation& equation : symbolic::shortClosedForm(mechanism)) {
-    if (equation.name == "T")
-      out.kinetic = equation.mathml;
-    else if (equation.name == "V")
-      out.potential = equation.mathml;
-    else
-      out.lines.push_back(equation.mathml);
+    switch (equation.of) {
+      case symbolic::ShownEquation::Of::kKinetic:
+        out.kinetic = equation.mathml;
+        break;
+      case symbolic::ShownEquation::Of::kPotential:
+        out.potential = equation.mathml;
+        break;
+      case symbolic::ShownEquation::Of::kMotion:
+        out.lines.push_back(equation.mathml);
+        break;
+    }
   }
   symbolic::Equations derived = symbolic::derive(mechanism);
   const symbolic::Program::Operations operations =
@@ -99,10 +104,9 @@ DigitsFound askWitnesses(const scene::Scene& scene, const std::vector<WitnessKin
   for (const Quantity quantity : kAllQuantities) units += costOf(quantity) * options.states;
   scene::Work work("pairs of witnesses", units);
   for (const Quantity quantity : kAllQuantities) {
-    std::vector<std::string> names = hearing.answering(quantity);
+    const std::vector<std::string> names = hearing.answering(quantity);
     PairComparison pairs(quantity, names, options);
-    names.push_back(kControl);
-    PairComparison pairs_of_control(quantity, names, options);
+    PairComparison pairs_of_control(quantity, names, options, true);
     hearing.hear(quantity, [&](int index, const scene::State<double>& state,
                                const std::vector<Testimony>& said) {
       const Certified exact = count.truth(quantity, state);
@@ -147,8 +151,7 @@ namespace {
 void attachExact(std::vector<CheckResult>& checks, const std::vector<CheckResult>& exact) {
   for (const CheckResult& verdict : exact) {
     const auto twin = std::find_if(checks.begin(), checks.end(), [&](const CheckResult& check) {
-      return !check.exact && check.check == verdict.check && check.quantity == verdict.quantity &&
-             check.left == verdict.left && check.right == verdict.right;
+      return !check.exact && check.asksTheSameAs(verdict);
     });
     if (twin == checks.end()) {
       checks.push_back(verdict);
@@ -170,7 +173,8 @@ namespace {
 /// Stands in the report where checks would stand that the plan leaves out.
 CheckResult leftOut(const Plan& plan, const char* what) {
   CheckResult check;
-  check.check = what;
+  check.kind = CheckKind::kLeftOut;
+  check.law = what;
   check.statement = fmt::format("{} of this scene", what);
   check.left = what;
   check.verdict = Verdict::kNotAnswerable;

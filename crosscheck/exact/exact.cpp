@@ -15,6 +15,7 @@
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
+#include "crosscheck/witnesses/kernel_names.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
 #include "recursive/constraints.hpp"
 #include "scene/work.hpp"
@@ -36,7 +37,7 @@ constexpr int kPatience = 8;
 class Trial {
  public:
   Trial(CheckResult check, const ExactOptions& options) : check_(std::move(check)) {
-    check_.unit = "exact";
+    check_.unit = Unit::kExact;
     check_.seed = options.seed;
     exact_.parameters = name(options.parameters);
   }
@@ -44,6 +45,7 @@ class Trial {
   /// How many points it takes, from the size of the formulas.
   void size(const TwoSides<DegreeBound>& sides, const DegreeBound::Divisors& divisors,
             double target) {
+    check_.is_idle = sides.is_idle;
     if (!sides.failure.empty()) return giveUp(sides.failure, true);
     if (!sameShape(sides)) return;
     double chance = 0;
@@ -245,7 +247,8 @@ ExactWitness kernelWitness(const scene::Scene& scene) {
       return coupled ? coupling(quantity, state, answers) : answers(quantity, state);
     };
   };
-  return {"kernel", [programs](Quantity quantity) { return programs->answers(quantity); }, on, on};
+  return {kKernelName, [programs](Quantity quantity) { return programs->answers(quantity); }, on,
+          on};
 }
 
 namespace {
@@ -305,10 +308,12 @@ Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses) {
   Inquiry inquiry;
   for (const Pair& pair : pairs) {
     CheckResult check;
-    check.check = "same";
+    check.kind = CheckKind::kSame;
     check.quantity = name(pair.quantity);
     check.left = witnesses[pair.left].name;
     check.right = witnesses[pair.right].name;
+    check.left_is_control = witnesses[pair.left].is_control;
+    check.right_is_control = witnesses[pair.right].is_control;
     check.statement =
         fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
     inquiry.checks.push_back(check);
@@ -342,7 +347,7 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
   Inquiry inquiry;
   for (int k = 0; k < kParts; ++k) {
     CheckResult check;
-    check.check = "closures";
+    check.law = "closures";
     check.statement = kStatements[k];
     check.quantity = kNames[k];
     check.left = "lagrange";
@@ -425,7 +430,7 @@ std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters p
   if (isAsked("fast")) witnesses.push_back(fastWitness(scene));
   // a kernel is made for the numbers of its scene, and has no signs
   if (parameters == Parameters::kAsWritten && scene.mechanism.isOpenTree() &&
-      !scene.mechanism.hasCoulombFriction() && isAsked("kernel"))
+      !scene.mechanism.hasCoulombFriction() && isAsked(kKernelName))
     witnesses.push_back(kernelWitness(scene));
   return witnesses;
 }

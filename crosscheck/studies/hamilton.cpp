@@ -487,7 +487,7 @@ JacobiFields jacobiFields(const Problem& problem, int steps, scene::Work& work) 
 CheckResult describe(const char* name, const char* statement, const char* quantity,
                      const char* left) {
   CheckResult check;
-  check.check = name;
+  check.law = name;
   check.statement = statement;
   check.quantity = quantity;
   check.left = left;
@@ -501,10 +501,10 @@ void judgeOrder(CheckResult* check, double coarse, double fine, double size, int
   const double floor = std::numeric_limits<double>::epsilon() * size * steps;
   const double order = std::log2(coarse / fine);
   check->limit = kOrder - 1;
-  check->unit = "observed order (at least)";
+  check->unit = Unit::kObservedOrder;
   check->worst = order;
   if (fine <= floor) {
-    check->unit = "rounding of the steps";
+    check->unit = Unit::kRoundingOfSteps;
     check->worst = floor > 0 ? fine / floor : 0;
     check->limit = 1;
     check->ratio = check->worst;
@@ -582,7 +582,7 @@ void countDirections(const Problem& problem, const std::vector<Node>& nodes, Act
       describe("directions that lower the action",
                "negative eigenvalues of the second variation = conjugate times", "S", "T - V");
   check.right = "articulated_body";
-  check.unit = "directions";
+  check.unit = Unit::kDirections;
   if (problem.n() > kMostDof) {
     check.verdict = Verdict::kNotAnswerable;
     check.reason = fmt::format("{} freedoms; the second variation is formed for at most {}",
@@ -720,12 +720,13 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
       out.energy_drift = std::max(out.energy_drift, std::abs(E - E_0));
     }
   }
-  const auto add = [&](const std::string& name, const Sines& zeta, double first) {
+  using Kind = Action::Path::Kind;
+  const auto add = [&](Kind kind, const std::string& name, const Sines& zeta, double first) {
     out.paths.push_back(
-        {name, kAmplitude, first, actionOf(problem, nodes, &zeta, kAmplitude) - out.action});
+        {kind, name, kAmplitude, first, actionOf(problem, nodes, &zeta, kAmplitude) - out.action});
   };
   for (int k = 0; k < options.paths; ++k)
-    add(fmt::format("path {}", k + 1), variations[k], fine[k].with_forces);
+    add(Kind::kDrawn, fmt::format("path {}", k + 1), variations[k], fine[k].with_forces);
   if (!problem.conservative || out.negative < 0) return out;
 
   // what the second variation says of all paths near by, shown on some
@@ -733,20 +734,20 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
       out.negative == 0
           ? describe("the action is smallest", "S(q + eta) > S(q)", "S", "T - V")
           : describe("the action is a saddle", "S(q + slow) < S(q) < S(q + fast)", "S", "T - V");
-  nearby.unit = "paths";
+  nearby.unit = Unit::kPaths;
   nearby.limit = 0;
   if (out.negative > 0 && out.lowest < 0) {
-    add("slow", slowest, firstVariation(problem, nodes, slowest).with_forces);
+    add(Kind::kSlowest, "slow", slowest, firstVariation(problem, nodes, slowest).with_forces);
     Sines fast;
     fast.a.assign(n, Values(4 * kModes, 0.0));
     fast.a[n - 1].back() = 1;
-    add("fast", fast, firstVariation(problem, nodes, fast).with_forces);
+    add(Kind::kFast, "fast", fast, firstVariation(problem, nodes, fast).with_forces);
   }
   nearby.states = static_cast<int>(out.paths.size());
   for (const Action::Path& path : out.paths) {
     const bool lower = path.change < 0;
-    if ((out.negative == 0 && lower) || (path.name == "slow" && !lower) ||
-        (path.name == "fast" && lower)) {
+    if ((out.negative == 0 && lower) || (path.kind == Kind::kSlowest && !lower) ||
+        (path.kind == Kind::kFast && lower)) {
       nearby.worst += 1;
       nearby.verdict = Verdict::kDisagree;
       nearby.ratio = std::numeric_limits<double>::infinity();

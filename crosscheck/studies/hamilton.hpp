@@ -34,6 +34,12 @@ struct Action {
   /// A path q + eta with the same ends; eta is a sum of three sines a joint, at most of size
   /// `amplitude`.
   struct Path {
+    enum class Kind {
+      kDrawn,    ///< at random
+      kSlowest,  ///< in the direction that lowers the action most
+      kFast,
+    };
+    Kind kind = Kind::kDrawn;
     std::string name;
     double amplitude;  ///< [rad, m]
     double first;   ///< d/deps S(q + eps eta) at 0 + integral of Q' eta, eta of amplitude 1 [J s]

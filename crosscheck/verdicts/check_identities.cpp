@@ -39,11 +39,11 @@ class PositiveDefinite {
       : model_(recursive::buildModel(mechanism, RunningErrorNumbers(mechanism))),
         ws_(model_),
         in_balls_(mechanism) {
-    result_.check = "positive definite mass matrix";
+    result_.law = "positive definite mass matrix";
     result_.statement = "M = L D L' with every pivot D[i] > 0: bound of D[i] < D[i]";
     result_.quantity = "M";
     result_.left = "composite_body";
-    result_.unit = "error bound / pivot";
+    result_.unit = Unit::kBoundPerPivot;
     result_.limit = 1;
     result_.seed = seed;
   }

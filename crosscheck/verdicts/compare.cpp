@@ -14,8 +14,6 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-constexpr const char* kSame = "same";
-
 /// M (x - y) of two answers qdd, in the equations: within what both may leave of these.
 void compareResiduals(int index, const Testimony& x, const Testimony& y, const std::string& excuse,
                       Tally& tally) {
@@ -33,15 +31,17 @@ void compareResiduals(int index, const Testimony& x, const Testimony& y, const s
 
 }  // namespace
 
-PairComparison::PairComparison(Quantity quantity, const std::vector<std::string>& witnesses,
-                               const Options& options) {
+PairComparison::PairComparison(Quantity quantity, std::vector<std::string> witnesses,
+                               const Options& options, bool with_control) {
+  if (with_control) witnesses.emplace_back(kControl);
   for (std::size_t a = 0; a < witnesses.size(); ++a) {
     for (std::size_t b = a + 1; b < witnesses.size(); ++b) {
       CheckResult check;
-      check.check = kSame;
+      check.kind = CheckKind::kSame;
       check.quantity = name(quantity);
       check.left = witnesses[a];
       check.right = witnesses[b];
+      check.right_is_control = with_control && b + 1 == witnesses.size();
       check.statement =
           quantity == Quantity::kQdd
               ? fmt::format("M (qdd by {} - qdd by {}) = 0, in forces", check.left, check.right)
@@ -93,7 +93,7 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
                                   const std::vector<CheckResult>& checks) {
   std::vector<std::string> quantities;  // in dispute, in order
   for (const CheckResult& check : checks)
-    if (check.check == kSame && check.verdict == Verdict::kDisagree &&
+    if (check.kind == CheckKind::kSame && check.verdict == Verdict::kDisagree &&
         std::count(quantities.begin(), quantities.end(), check.quantity) == 0)
       quantities.push_back(check.quantity);
 
@@ -102,7 +102,7 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
     std::map<std::string, int> disputes, pairs;  // by witness
     int disputed = 0, agreed = 0;
     for (const CheckResult& check : checks) {
-      if (check.check != kSame || check.quantity != quantity ||
+      if (check.kind != CheckKind::kSame || check.quantity != quantity ||
           check.verdict == Verdict::kNotAnswerable)
         continue;  // a witness that could not answer neither agrees nor disagrees
       const int disagrees = check.verdict == Verdict::kDisagree ? 1 : 0;

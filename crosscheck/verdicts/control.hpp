@@ -12,7 +12,6 @@
 
 namespace dynwitness::crosscheck {
 
-inline constexpr const char* kControl = "control";
 inline constexpr int kUsualPower = 10;  ///< size 1e-10, where nothing asks for more
 
 /// What a control gets wrong: a heavier kilogram, in every number that has one in it (masses,

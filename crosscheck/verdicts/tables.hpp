@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,10 @@
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
+
+/// What a table prints under this name: a quantity, or (none) the ratio of a pendulum's period to
+/// that of small swings, "period_ratio". @throws scene::InputError on another name.
+std::optional<Quantity> tabledQuantity(const std::string& name);
 
 /// The tables beside the bundled scenes, in alphabetical order.
 std::vector<std::filesystem::path> bundledTables();

@@ -23,10 +23,10 @@ Hearing::Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kind
 }
 
 std::vector<CheckResult> Hearing::dismissRefused() {
-  const auto refusal = [&](const Witness& witness, const std::string& statement,
+  const auto refusal = [&](CheckKind kind, const Witness& witness, const std::string& statement,
                            const std::string& reason) {
     CheckResult check;
-    check.check = "witness";
+    check.kind = kind;
     check.statement = witness.name() + " " + statement;
     check.left = witness.name();
     check.seed = options_.seed;
@@ -39,7 +39,8 @@ std::vector<CheckResult> Hearing::dismissRefused() {
   for (auto& witness : witnesses_) {
     const auto* refused = dynamic_cast<const RefusedWitness*>(witness.get());
     if (refused != nullptr) {
-      refusals.push_back(refusal(*refused, "can hold the scene", refused->reason()));
+      refusals.push_back(
+          refusal(CheckKind::kRefusal, *refused, "can hold the scene", refused->reason()));
       continue;
     }
     if (auto* outside = dynamic_cast<OutsideWitness*>(witness.get())) {
@@ -47,7 +48,7 @@ std::vector<CheckResult> Hearing::dismissRefused() {
       for (int k = 0; k < options_.states; ++k)
         states.push_back(drawState(scene_.mechanism, scene_.name, options_.seed, k));
       if (const std::string failure = outside->askedAhead(states); !failure.empty()) {
-        refusals.push_back(refusal(*outside, "testifies", failure));
+        refusals.push_back(refusal(CheckKind::kWitness, *outside, "testifies", failure));
         CheckResult& check = refusals.back();
         check.quantity = "testimony";
         check.states = 1;
@@ -60,8 +61,8 @@ std::vector<CheckResult> Hearing::dismissRefused() {
     }
     if (const auto* partial = dynamic_cast<const PartialWitness*>(witness.get()))
       for (const auto& [quantity, reason] : partial->leftOut()) {
-        refusals.push_back(
-            refusal(*partial, fmt::format("answers {}", crosscheck::name(quantity)), reason));
+        refusals.push_back(refusal(CheckKind::kWitness, *partial,
+                                   fmt::format("answers {}", crosscheck::name(quantity)), reason));
         refusals.back().quantity = crosscheck::name(quantity);
       }
     others.push_back(std::move(witness));

@@ -25,7 +25,8 @@ struct Testimony {
   std::string failure;  ///< not empty: the witness threw this, and there is no answer
   /// Of qdd with a bound in the equations (Answer::residual_bound), which is then what judges it.
   std::optional<Residual> residual = {};
-  double condition = 0;  ///< BackwardError::condition(), where there is a residual
+  double condition = 0;     ///< BackwardError::condition(), where there is a residual
+  bool is_control = false;  ///< by the run's own control
 };
 
 /// All witnesses of a scene.
@@ -66,8 +67,9 @@ class Hearing {
 /// One quantity, each pair of the witnesses that answer it.
 class PairComparison {
  public:
-  PairComparison(Quantity quantity, const std::vector<std::string>& witnesses,
-                 const Options& options);
+  /// @param with_control  the run's own control testifies after these witnesses
+  PairComparison(Quantity quantity, std::vector<std::string> witnesses, const Options& options,
+                 bool with_control = false);
   /// @param excuse  why the quantity does not exist at this state; empty: it does
   void add(int index, const std::vector<Testimony>& said, const std::string& excuse = {});
   std::vector<CheckResult> results() const;

@@ -86,11 +86,6 @@ class Hushed {
   std::streambuf *cerr_, *cout_;
 };
 
-/// Joints that DART reads from URDF as they are.
-bool isPlain(JointKind kind) {
-  return kind == JointKind::kFixed || kind == JointKind::kRevolute || kind == JointKind::kPrismatic;
-}
-
 /// The scene that DART is told: in place of a joint that URDF cannot say, a revolute one.
 scene::Scene told(scene::Scene scene) {
   for (scene::Link& link : scene.mechanism.links)
@@ -128,7 +123,9 @@ SkeletonPtr loaded(const scene::Scene& scene) {
 class DartWitness : public Witness {
  public:
   explicit DartWitness(const scene::Scene& scene)
-      : friction_(scene.mechanism), bound_(scene.mechanism), skeleton_(loaded(scene)) {
+      : friction_(scene.mechanism),
+        bound_(scene.mechanism, 1, Attitude::kRotationVector),
+        skeleton_(loaded(scene)) {
     const scene::Mechanism& mechanism = scene.mechanism;
     requirePlainRotors(mechanism);
     const RealNumbers<double> number(mechanism);

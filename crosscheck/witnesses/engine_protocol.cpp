@@ -19,6 +19,7 @@
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "crosscheck/witnesses/told_numbers.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -29,74 +30,38 @@ using State = scene::State<double>;
 
 // ---- the scene, as numbers
 
-/// The numbers of a scene, computed in long double and rounded once.
+/// The numbers of a scene as JSON, rounded once.
 class Resolved {
  public:
   explicit Resolved(const scene::Mechanism& mechanism) : number_(mechanism) {}
 
   Json operator()(const scene::Number& x) const { return static_cast<double>(number_(x)); }
-  Json vector(const scene::Vector& v) const { return of(vectorOf(v)); }
-  Json unit(const scene::Vector& v) const { return of(vectorOf(v).normalized()); }
+  Json vector(const scene::Vector& v) const { return of(number_.vector(v)); }
+  Json unit(const scene::Vector& v) const { return of(number_.vector(v).normalized()); }
 
   /// Frame to frame: x_outer = R x_inner + p.
   Json frame(const std::vector<scene::Step>& steps) const {
-    using Kind = scene::Step::Kind;
-    Matrix R = Matrix::Identity();
-    Column p = Column::Zero();
-    for (const scene::Step& step : steps) {
-      if (step.kind == Kind::kTranslate)
-        p += R * vectorOf(step.translation);
-      else
-        R = R * turn(step.kind == Kind::kRotateX   ? 0
-                     : step.kind == Kind::kRotateY ? 1
-                                                   : 2,
-                     step.angle);
-    }
-    return {{"R", of(R)}, {"p", of(p)}};
+    const ToldNumbers::Frame X = number_.frame(steps);
+    return {{"R", of(X.R)}, {"p", of(X.p)}};
   }
-
   Json inertia(const scene::MassProperties& given) const {
-    Matrix I;
-    I << number_(given.xx), number_(given.xy), number_(given.xz),  //
-        number_(given.xy), number_(given.yy), number_(given.yz),   //
-        number_(given.xz), number_(given.yz), number_(given.zz);
-    const Matrix R = turn(2, given.rpy[2]) * turn(1, given.rpy[1]) * turn(0, given.rpy[0]);
-    I = R * I * R.transpose();
-    const Real mass = number_(given.mass);
-    const Column com = vectorOf(given.com);
-    if (given.about == scene::MassProperties::About::kLinkOrigin)
-      I -= mass * (com.squaredNorm() * Matrix::Identity() - com * com.transpose());
-    return {{"mass", static_cast<double>(mass)}, {"com", of(com)}, {"inertia", of(I)}};
+    const ToldNumbers::Inertia told = number_.inertia(given);
+    return {
+        {"mass", static_cast<double>(told.mass)}, {"com", of(told.com)}, {"inertia", of(told.I)}};
   }
 
  private:
-  using Real = long double;
-  using Matrix = Eigen::Matrix<Real, 3, 3>;
-  using Column = Eigen::Matrix<Real, 3, 1>;
-
-  Column vectorOf(const scene::Vector& v) const {
-    return {number_(v[0]), number_(v[1]), number_(v[2])};
-  }
-  /// About an axis of the frame: 0 x, 1 y, 2 z.
-  Matrix turn(int axis, const scene::Number& angle) const {
-    const scene::CosSin<Real> a = number_.angle(angle);
-    const int j = (axis + 1) % 3, k = (axis + 2) % 3;
-    Matrix R = Matrix::Identity();
-    R(j, j) = R(k, k) = a.c;
-    R(j, k) = -a.s;
-    R(k, j) = a.s;
-    return R;
-  }
-  static Json of(const Column& v) {
+  static Json of(const ToldNumbers::Vector3& v) {
     Json out = Json::array();
     for (int i = 0; i < 3; ++i) out.push_back(static_cast<double>(v(i)));
     return out;
   }
-  static Json of(const Matrix& m) {
-    return {of(Column(m.row(0))), of(Column(m.row(1))), of(Column(m.row(2)))};
+  static Json of(const ToldNumbers::Matrix3& m) {
+    using Row = ToldNumbers::Vector3;
+    return {of(Row(m.row(0))), of(Row(m.row(1))), of(Row(m.row(2)))};
   }
 
-  scene::RealNumbers<Real> number_;
+  ToldNumbers number_;
 };
 
 Json jointJson(const scene::Joint& joint, const Resolved& number, int q, int qd) {

@@ -24,6 +24,7 @@ struct ExactWitness {
   std::function<bool(Quantity)> answers;
   std::function<Answers<PrimeField>(const FieldNumbers&)> in_field;
   std::function<Answers<DegreeBound>(const DegreeNumbers&)> in_degrees;
+  bool is_control = false;  ///< too heavy by design (exact/control_in_field.hpp)
 };
 
 }  // namespace dynwitness::crosscheck

@@ -13,6 +13,7 @@
 #include "crosscheck/witnesses/all_lanes.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "crosscheck/witnesses/coupled.hpp"
+#include "crosscheck/witnesses/kernel_names.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/sharp_bounds.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
@@ -46,7 +47,7 @@ std::shared_ptr<const kernel::Kernel> kernelOf(const scene::Scene& scene) {
 class KernelWitness : public PartialWitness {
  public:
   KernelWitness(const scene::Scene& scene, bool lanes)
-      : name_(lanes ? "kernel_lanes" : "kernel"),
+      : name_(lanes ? kKernelLanesName : kKernelName),
         lanes_(lanes),
         kernel_(kernelOf(scene)),
         solve_bound_(scene.mechanism, SolvedBy::kEither, 1) {
@@ -168,10 +169,10 @@ WitnessKind kindOf(const std::string& name, bool lanes) {
 }  // namespace
 
 WitnessKind kernelKind() {
-  return kindOf("kernel", false);
+  return kindOf(kKernelName, false);
 }
 WitnessKind kernelLanesKind() {
-  return kindOf("kernel_lanes", true);
+  return kindOf(kKernelLanesName, true);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -35,16 +35,20 @@ class PartialWitness : public Witness {
   virtual std::vector<std::pair<Quantity, std::string>> leftOut() const = 0;
 };
 
+/// Joints that every engine has, and that URDF has words for, about which its readers agree.
+inline bool isPlain(scene::JointKind kind) {
+  return kind == scene::JointKind::kFixed || kind == scene::JointKind::kRevolute ||
+         kind == scene::JointKind::kPrismatic;
+}
+
 /// @throws std::runtime_error, which becomes the witness's answer, when a joint is of a kind that
 /// the witness does not build.
 inline void requirePlainJoints(const scene::Mechanism& mechanism) {
-  for (const scene::Link& link : mechanism.links) {
-    const scene::JointKind kind = link.joint.kind;
-    if (kind != scene::JointKind::kFixed && kind != scene::JointKind::kRevolute &&
-        kind != scene::JointKind::kPrismatic)
-      throw std::runtime_error("joint '" + link.joint.name + "' is " + scene::name(kind) +
+  for (const scene::Link& link : mechanism.links)
+    if (!isPlain(link.joint.kind))
+      throw std::runtime_error("joint '" + link.joint.name + "' is " +
+                               scene::name(link.joint.kind) +
                                ", this witness builds fixed, revolute and prismatic joints");
-  }
 }
 
 /// A witness that may fail as a whole at any time, and is better asked about many states at once.

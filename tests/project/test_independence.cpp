@@ -258,7 +258,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
        {"0x1p-52"}},  // an operand of the program that tells compilers apart
       {"crosscheck/verdicts/check_drift.cpp",
        {"1e-6", "1e-8", "1e-10"}},                            // asked of adaptive steps
-      {"crosscheck/report/page.cpp", {"1e-10"}},              // words about the control
+      {"crosscheck/report/page_scene.cpp", {"1e-10"}},        // words about the control
       {"crosscheck/witnesses/simbody.cpp", {"1e-100"}},       // a mass [kg] that drops out
       {"crosscheck/chart/chart.cpp", {"1e-9"}},               // seconds in a nanosecond
       {"crosscheck/report/chart_drawing.cpp", {"1e-9"}},      // the same

@@ -73,7 +73,7 @@ void drive(scene::Scene* scene) {
 void requireAgree(const std::vector<CheckResult>& checks, std::size_t count, bool some = false) {
   BOOST_TEST(checks.size() == count);
   for (const CheckResult& check : checks)
-    BOOST_TEST_CONTEXT(check.check << ", " << check.quantity << ": " << check.reason) {
+    BOOST_TEST_CONTEXT(check.name() << ", " << check.quantity << ": " << check.reason) {
       if (some && check.verdict == Verdict::kNotAnswerable) continue;
       BOOST_TEST((check.verdict == Verdict::kAgree));
       BOOST_TEST_REQUIRE(check.exact.has_value());

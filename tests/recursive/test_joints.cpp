@@ -355,9 +355,9 @@ BOOST_DATA_TEST_CASE(all_exact_checks_hold_for_every_pair_of_kinds,
   const scene::Scene scene =
       scene::readSceneToml(treeOf(first, second), first + "_" + second + ".toml");
   for (const CheckResult& check : exactChecks(scene, {}))
-    BOOST_TEST((check.verdict == Verdict::kAgree), check.check << " " << check.quantity << " "
-                                                               << check.left << " " << check.right
-                                                               << ": " << check.reason);
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << " " << check.quantity << " "
+                                                                << check.left << " " << check.right
+                                                                << ": " << check.reason);
 }
 
 BOOST_DATA_TEST_CASE(every_step_of_the_derivation_holds, data::make(kNewKinds), kind) {

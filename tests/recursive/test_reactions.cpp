@@ -191,9 +191,9 @@ BOOST_AUTO_TEST_CASE(random_mechanisms_of_all_kinds_agree_over_the_field) {
       BOOST_TEST((check.verdict == Verdict::kAgree), scene.name << ": " << check.reason);
     }
     for (const CheckResult& check : checkIdentitiesExactly(scene, {}))
-      if (check.check.rfind("reactions", 0) == 0)
+      if (check.name().rfind("reactions", 0) == 0)
         BOOST_TEST((check.verdict == Verdict::kAgree),
-                   scene.name << ": " << check.check << ": " << check.reason);
+                   scene.name << ": " << check.name() << ": " << check.reason);
   }
   BOOST_TEST(asked == 12u);
 }

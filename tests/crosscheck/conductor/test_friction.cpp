@@ -85,7 +85,7 @@ BOOST_AUTO_TEST_CASE(the_puma_560_meets_its_published_values) {
       ++compared;
       BOOST_TEST((check.verdict == Verdict::kAgree),
                  check.left << " " << check.right << " " << check.worst_entry << " off by "
-                            << check.worst << " " << check.unit);
+                            << check.worst << " " << name(check.unit));
     }
   }
   BOOST_TEST(compared >= 3);
@@ -119,10 +119,10 @@ BOOST_AUTO_TEST_CASE(everybody_agrees) {
                check.quantity << " " << check.left << " " << check.right << " ratio " << check.ratio
                               << " " << check.reason);
   for (const CheckResult& check : checkIdentities(scene, options))
-    BOOST_TEST((check.verdict == Verdict::kAgree), check.check << ": " << check.reason);
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << ": " << check.reason);
   for (const CheckResult& check : exactChecks(scene, {}))
     BOOST_TEST((check.verdict == Verdict::kAgree),
-               check.check << " " << check.quantity << ": " << check.reason);
+               check.name() << " " << check.quantity << ": " << check.reason);
 }
 
 // By its definition: friction is in tau alone, and what it takes is never negative.

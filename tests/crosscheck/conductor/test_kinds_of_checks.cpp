@@ -43,7 +43,7 @@ namespace {
 std::string kindOf(const CheckResult& check) {
   static const std::set<std::string> kSeveral = {
       "closures", "closed loops", "hybrid dynamics", "least constraint", "same", "truth", "table"};
-  return kSeveral.count(check.check) > 0 ? check.check + ": " + check.quantity : check.check;
+  return kSeveral.count(check.name()) > 0 ? check.name() + ": " + check.quantity : check.name();
 }
 
 /// The kinds of which a check disagrees.
@@ -264,7 +264,7 @@ std::set<std::string> redByAFaultyOperation(const std::string& name) {
   const scene::Scene scene = scene::findScene(name);
   long operations = 0;
   for (const CheckResult& check : decidedWithAFault(scene, -1, &operations))
-    BOOST_TEST((check.verdict != Verdict::kDisagree), check.check << ": " << check.reason);
+    BOOST_TEST((check.verdict != Verdict::kDisagree), check.name() << ": " << check.reason);
   std::set<std::string> kinds;
   constexpr long kFaults = 300;
   for (long k = 0; k < kFaults; ++k) {

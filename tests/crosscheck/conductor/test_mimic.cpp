@@ -113,9 +113,9 @@ std::string twoJoints(const std::string& first, const std::string& second) {
 /// Every check of the scene over the field, by name; those that are not answerable are left out.
 void requireExact(const scene::Scene& scene, const std::string& may_be_silent = "") {
   for (const CheckResult& check : exactChecks(scene, {})) {
-    if (check.verdict == Verdict::kNotAnswerable && check.check == may_be_silent) continue;
+    if (check.verdict == Verdict::kNotAnswerable && check.name() == may_be_silent) continue;
     BOOST_TEST((check.verdict == Verdict::kAgree),
-               scene.name << ": " << check.check << ", " << check.quantity << " (" << check.left
+               scene.name << ": " << check.name() << ", " << check.quantity << " (" << check.left
                           << ", " << check.right << "): " << check.reason);
   }
 }

@@ -65,7 +65,7 @@ std::string verdicts(const scene::Mechanism& mechanism, double x) {
   for (const CheckResult& check :
        withinBounds(Arithmetic::words(mechanism), Arithmetic::sides(mechanism, Number{x, {}})))
     text +=
-        check.check + ": " + name(check.verdict) +
+        check.name() + ": " + name(check.verdict) +
         (check.reason.empty() || check.verdict == Verdict::kDisagree ? "" : ", " + check.reason) +
         "; ";
   return text;

@@ -66,7 +66,8 @@ BOOST_DATA_TEST_CASE(a_stiff_motion_condemns_nobody, data::make({"1e-3", "1e-6",
   // equal steps follow the heaviest of the carts at most
   if (std::string(cart) == "1e-9") {
     BOOST_TEST(!isResolved(drift));
-    BOOST_TEST(check.unit == "power of a step's error (at least)");
+    BOOST_TEST((check.unit == Unit::kPowerOfStepError));
+    BOOST_TEST(name(check.unit) == "power of a step's error (at least)");
     BOOST_TEST(check.worst > 0.7);  // 5/6 by theory
   }
 }

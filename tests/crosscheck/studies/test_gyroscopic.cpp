@@ -149,7 +149,7 @@ BOOST_AUTO_TEST_CASE(everybody_agrees) {
   for (const scene::Scene& scene : {arm(), scene::findScene("gyroscopic_wrist")}) {
     for (const CheckResult& check : exactChecks(scene, {}))
       BOOST_TEST((check.verdict == Verdict::kAgree),
-                 scene.name << ": " << check.check << " " << check.quantity << " " << check.left
+                 scene.name << ": " << check.name() << " " << check.quantity << " " << check.left
                             << " " << check.right << ": " << check.reason);
     Options options;
     options.states = 10;

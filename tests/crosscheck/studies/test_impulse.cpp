@@ -66,7 +66,7 @@ std::string broken(const std::string& name, Change change) {
   for (const CheckResult& check :
        withinBounds(ImpulseLaws::words(scene.mechanism),
                     ImpulseLaws::sides(scene.mechanism, Blow<RunningError>(model, at, impulse))))
-    if (check.verdict == Verdict::kDisagree) text += (text.empty() ? "" : ", ") + check.check;
+    if (check.verdict == Verdict::kDisagree) text += (text.empty() ? "" : ", ") + check.name();
   return text;
 }
 
@@ -79,13 +79,13 @@ BOOST_DATA_TEST_CASE(the_laws_hold_in_every_bundled_scene, data::make(bundledNam
   const auto checks = checkImpulsesExactly(scene, "", {});
   BOOST_TEST(checks.size() == (scene.mechanism.closures.empty() ? 5u : 2u));
   for (const CheckResult& check : checks) {
-    BOOST_TEST((check.verdict != Verdict::kDisagree), check.check << ": " << check.reason);
+    BOOST_TEST((check.verdict != Verdict::kDisagree), check.name() << ": " << check.reason);
     // redundant closures (andrews_squeezer has none) have no unique impulses
-    if (scene.mechanism.closures.empty() && check.check != "energy of an impact")
-      BOOST_TEST((check.verdict == Verdict::kAgree), check.check << ": " << check.reason);
+    if (scene.mechanism.closures.empty() && check.name() != "energy of an impact")
+      BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << ": " << check.reason);
   }
   for (const CheckResult& check : strike(scene, {}).checks)
-    BOOST_TEST((check.verdict != Verdict::kDisagree), check.check << ": " << check.reason);
+    BOOST_TEST((check.verdict != Verdict::kDisagree), check.name() << ": " << check.reason);
 }
 
 // By hand: struck across its end with P, a rod turns by P (l/2) / (m l^2 / 12) and its middle flies
@@ -164,7 +164,7 @@ BOOST_AUTO_TEST_CASE(closures_take_what_contradicts_them) {
     BOOST_TEST(result.equations >= static_cast<int>(result.closures.size()));
     BOOST_TEST(result.energy_after < result.energy_before);
     for (const CheckResult& check : result.checks)
-      BOOST_TEST((check.verdict == Verdict::kAgree), name << " " << check.check << check.reason);
+      BOOST_TEST((check.verdict == Verdict::kAgree), name << " " << check.name() << check.reason);
   }
 }
 

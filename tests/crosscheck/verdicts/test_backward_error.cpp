@@ -202,13 +202,13 @@ BOOST_DATA_TEST_CASE(laws_of_chains_are_answered_at_every_size,
                      data::make({"chain_8", "flat_chain_16"}), name) {
   for (const CheckResult& law : checkIdentities(scene::findScene(name), statesOf(2))) {
     const bool is_asked = law.voided == 0 || law.excused == law.voided;
-    BOOST_TEST(is_asked, law.check << ": " << law.reason);
+    BOOST_TEST(is_asked, law.name() << ": " << law.reason);
     if (law.verdict == Verdict::kNotAnswerable) continue;
-    BOOST_TEST((law.verdict == Verdict::kAgree), law.check << ": " << law.reason);
-    if (law.check == "projections of force and motion are dual")
+    BOOST_TEST((law.verdict == Verdict::kAgree), law.name() << ": " << law.reason);
+    if (law.name() == "projections of force and motion are dual")
       continue;  // 0 = 0 without rotors: no size to be wide of
-    BOOST_TEST(law.limitOverSeen().value_or(0) < kWidestLimit,
-               law.check << ": limit " << law.loosest);
+    BOOST_TEST(law.limitOverSeen().value_or(0) < kWidestLimit, law.name()
+                                                                   << ": limit " << law.loosest);
   }
 }
 

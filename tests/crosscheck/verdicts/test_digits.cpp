@@ -69,7 +69,7 @@ struct Judged {
 const DigitsResult& find(const DigitsFound& all, const std::string& witness,
                          const std::string& quantity, const std::string& scalar) {
   const auto found = std::find_if(all.digits.begin(), all.digits.end(), [&](const DigitsResult& d) {
-    return d.witness == witness && d.quantity == quantity && d.scalar == scalar;
+    return d.witness == witness && d.quantity == quantity && name(d.scalar) == scalar;
   });
   BOOST_REQUIRE(found != all.digits.end());
   return *found;

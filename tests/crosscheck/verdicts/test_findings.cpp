@@ -71,7 +71,7 @@ BOOST_AUTO_TEST_CASE(every_pair_is_compared_once) {
   BOOST_TEST(checks.size() == 6u);
   std::map<std::string, int> pairs;
   for (const CheckResult& check : checks) {
-    BOOST_TEST(check.check == "same");
+    BOOST_TEST(check.name() == "same");
     BOOST_TEST(check.quantity == "kinetic");
     BOOST_TEST((check.verdict == Verdict::kAgree));
     BOOST_TEST(check.states == 2);
@@ -133,7 +133,7 @@ BOOST_AUTO_TEST_CASE(a_witness_that_agrees_with_someone_is_not_alone) {
 BOOST_AUTO_TEST_CASE(identities_and_tables_do_not_vote) {
   std::vector<CheckResult> checks = compared({saying("a", 1), saying("b", 1), saying("c", 9)});
   CheckResult identity;
-  identity.check = "power balance";
+  identity.law = "power balance";
   identity.quantity = "power";
   identity.left = "a";
   identity.verdict = Verdict::kDisagree;

@@ -18,7 +18,7 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 Tally tallyOf(const char* quantity) {
   CheckResult description;
-  description.check = "same";
+  description.kind = CheckKind::kSame;
   description.quantity = quantity;
   return Tally(description);
 }
