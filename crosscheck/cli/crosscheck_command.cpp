@@ -157,8 +157,8 @@ CampaignOptions campaignOptions(const Arguments& arguments) {
   if (arguments.states_given) options.states = arguments.options.states;
   for (const WitnessKind& kind : selectWitnesses(arguments.options.witnesses)) {
     const bool named = !arguments.options.witnesses.empty();
-    if (named) options.exact.witnesses.push_back(kind.info.name);
-    if (named || kind.info.name.rfind("kernel", 0) != 0) options.in_double.push_back(kind);
+    if (named) options.exact.witnesses.push_back(kind);
+    if (named || !kind.is_compiled) options.in_double.push_back(kind);
   }
   return options;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,7 +13,6 @@
 #include "crosscheck/motion/pendulum_period.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
-#include "crosscheck/witnesses/optional_engine.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -187,19 +187,40 @@ Eigen::MatrixXd inSourceCoordinates(Eigen::MatrixXd value, const std::string& qu
   return value;
 }
 
-scene::Scene sceneOf(const json& table, const json& one_case, scene::Scene scene,
-                     const fs::path& file) {
-  if (table.contains("gravity")) {
-    scene.mechanism.has_gravity = true;
+/// The scene as a table speaks of it: under its gravity; some of its cases without the wrenches.
+class ScenesOfTable {
+ public:
+  ScenesOfTable(const json& table, const PreparedScene& scene, const fs::path& file)
+      : with_wrenches_(scene) {
+    if (!table.contains("gravity")) return;
+    scene::Scene changed = scene.scene();
+    bool is_same = changed.mechanism.has_gravity;
+    changed.mechanism.has_gravity = true;
     for (int k = 0; k < 3; ++k) {
       const json& g = table["gravity"][k];
-      scene.mechanism.gravity[k] = scene::Expression::parse(
+      scene::Number& gravity = changed.mechanism.gravity[k];
+      const scene::Number stated = scene::Expression::parse(
           g.is_string() ? g.get<std::string>() : g.dump(), {file.string()});
+      is_same = is_same && gravity.text() == stated.text();
+      gravity = stated;
     }
+    if (!is_same) with_wrenches_ = std::move(changed);
   }
-  if (!one_case.value("wrenches", true)) scene.mechanism.wrenches.clear();
-  return scene;
-}
+
+  const PreparedScene& of(const json& one_case) {
+    if (one_case.value("wrenches", true)) return with_wrenches_;
+    if (!without_) {
+      scene::Scene changed = with_wrenches_.scene();
+      changed.mechanism.wrenches.clear();
+      without_.emplace(std::move(changed));
+    }
+    return *without_;
+  }
+
+ private:
+  PreparedScene with_wrenches_;
+  std::optional<PreparedScene> without_;
+};
 
 fs::path ownScene(const json& content, const fs::path& table) {
   if (!content.contains("scene_file")) return {};
@@ -243,9 +264,10 @@ bool isAbout(const fs::path& table, const scene::Scene& scene) {
   return fs::equivalent(about, scene.file, error);
 }
 
-std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Scene& scene,
+std::vector<CheckResult> compareWithTable(const fs::path& file, const PreparedScene& scene,
                                           const std::vector<WitnessKind>& kinds) {
   const json table = readTable(file);
+  ScenesOfTable scenes(table, scene, file);
   std::vector<CheckResult> results;
   const auto check = [&](const std::string& quantity, const std::string& witness) -> CheckResult& {
     for (CheckResult& known : results)
@@ -261,11 +283,11 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
   };
 
   for (const json& one_case : entry(table, "cases", file)) {
-    const scene::Scene asked = sceneOf(table, one_case, scene, file);
-    std::vector<std::unique_ptr<Witness>> witnesses;
-    for (const WitnessKind& kind : kinds) witnesses.push_back(makeWitness(kind, asked));
-    EngineBound in_double(asked.mechanism);
-    const Case here = readCase(table, one_case, asked.mechanism, file);
+    const PreparedScene& asked = scenes.of(one_case);
+    std::vector<MadeWitness> witnesses;  // one a kind
+    for (const WitnessKind& kind : kinds) witnesses.push_back(kind.make(asked));
+    EngineBound in_double(asked);
+    const Case here = readCase(table, one_case, asked.mechanism(), file);
     for (const auto& [quantity, printed] : entry(one_case, "expect", file).items()) {
       const Agreement agreement(table, one_case, quantity, file);
       // rounding: what the source's program may lose, and what reading the state does to the answer
@@ -317,21 +339,28 @@ std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Sce
       };
 
       if (quantity == "period_ratio") {
-        compare("articulated_body", periodRatio(asked.mechanism, here.state.x[0].q),
+        compare("articulated_body", periodRatio(asked.mechanism(), here.state.x[0].q),
                 Eigen::MatrixXd::Zero(1, 1));
         continue;
       }
       const Eigen::MatrixXd rounding = in_double(quantityNamed(quantity), asRead(here.state));
-      for (const std::unique_ptr<Witness>& witness : witnesses) {
-        if (!witness->answers(quantityNamed(quantity))) continue;
+      const auto voided = [&](const std::string& witness, const std::string& why, bool refused) {
+        CheckResult& out = check(quantity, witness);
+        out.addVoided(out.states++, why, refused);
+      };
+      for (std::size_t i = 0; i < kinds.size(); ++i) {
+        if (witnesses[i].isRefused()) {
+          voided(kinds[i].info.name, witnesses[i].refusal(), true);
+          continue;
+        }
+        Witness& witness = **witnesses[i];
+        if (!witness.answers(quantityNamed(quantity))) continue;
         try {
-          compare(witness->name(), witness->answer(quantityNamed(quantity), here.state), rounding);
+          compare(witness.name(), witness.answer(quantityNamed(quantity), here.state), rounding);
         } catch (const scene::InputError&) {
           throw;
         } catch (const std::exception& error) {
-          CheckResult& out = check(quantity, witness->name());
-          out.addVoided(out.states++, error.what(),
-                        dynamic_cast<const RefusedWitness*>(witness.get()) != nullptr);
+          voided(witness.name(), error.what(), false);
         }
       }
     }

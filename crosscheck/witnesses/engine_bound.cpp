@@ -129,7 +129,7 @@ double axisUncertainty(const Link& link, const Passage& here, const Turns& by) {
 }  // namespace
 
 struct EngineBound::Impl {
-  Impl(const scene::Mechanism& mechanism, double matrices);
+  Impl(const PreparedScene& scene, double matrices);
 
   void run(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd, Terms terms);
   void moveOutward(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd,
@@ -157,12 +157,12 @@ struct EngineBound::Impl {
   std::vector<Passage> at;
 };
 
-EngineBound::Impl::Impl(const scene::Mechanism& mechanism, double matrices)
+EngineBound::Impl::Impl(const PreparedScene& scene, double matrices)
     : turns(matrices),
-      setup(recursive::buildModel(mechanism, RunningErrorNumbers(mechanism),
-                                  recursive::FixedJoints::kKept)),
+      setup(scene.modelWithFixedJoints<RunningError>()),
       bodies(setup.model.links.size()),
       at(setup.model.links.size()) {
+  const scene::Mechanism& mechanism = scene.mechanism();
   const recursive::Model<RunningError>& model = setup.model;
   const RunningErrorNumbers number(mechanism);
   const auto vector = [&](const scene::Vector& v) {
@@ -477,8 +477,8 @@ Eigen::VectorXd EngineBound::Impl::reactions() const {
   return errors;
 }
 
-EngineBound::EngineBound(const scene::Mechanism& mechanism, double matrices)
-    : impl_(new Impl(mechanism, matrices)) {}
+EngineBound::EngineBound(const PreparedScene& scene, double matrices)
+    : impl_(new Impl(scene, matrices)) {}
 EngineBound::~EngineBound() = default;
 
 Eigen::MatrixXd EngineBound::operator()(Quantity quantity, const scene::State<double>& state) {

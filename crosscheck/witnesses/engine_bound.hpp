@@ -56,7 +56,7 @@ class EngineBound {
  public:
   /// @param matrices  what an orientation loses when it is made of two others, counted in what a
   ///                  product of matrices loses
-  explicit EngineBound(const scene::Mechanism& mechanism, double matrices = 1);
+  explicit EngineBound(const PreparedScene& scene, double matrices = 1);
   ~EngineBound();
 
   /// Shaped like the quantity. The state is exact, or carries bounds of its own.
