@@ -69,9 +69,11 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
       chart->left_out.push_back(kind.info.name + ": absent from this build");
       continue;
     }
-    std::unique_ptr<Witness> witness = makeWitness(kind, scene);
-    if (witness->answers(quantity))
-      methods.push_back(engineMethod(std::move(witness), quantity, states));
+    MadeWitness made = kind.make(scene);
+    if (made.isRefused())
+      chart->left_out.push_back(kind.info.name + ": " + made.refusal());
+    else if ((*made)->answers(quantity))
+      methods.push_back(engineMethod(std::move(made).value(), quantity, states));
     else
       chart->left_out.push_back(
           fmt::format("{}: does not answer {}", kind.info.name, crosscheck::name(quantity)));

@@ -30,7 +30,6 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
-#include "crosscheck/witnesses/kernel_names.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::cli {
@@ -158,8 +157,8 @@ CampaignOptions campaignOptions(const Arguments& arguments) {
   if (arguments.states_given) options.states = arguments.options.states;
   for (const WitnessKind& kind : selectWitnesses(arguments.options.witnesses)) {
     const bool named = !arguments.options.witnesses.empty();
-    if (named) options.exact.witnesses.push_back(kind.info.name);
-    if (named || !isKernel(kind.info)) options.in_double.push_back(kind);
+    if (named) options.exact.witnesses.push_back(kind);
+    if (named || !kind.is_compiled) options.in_double.push_back(kind);
   }
   return options;
 }

@@ -14,12 +14,11 @@
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/digits.hpp"
 #include "crosscheck/verdicts/options.hpp"
-#include "crosscheck/witnesses/kernel_names.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
-void checkExactly(const scene::Scene& scene, const ExactOptions& options, RandomCampaign& campaign,
+void checkExactly(const PreparedScene& scene, const ExactOptions& options, RandomCampaign& campaign,
                   RandomCampaign::Failure& failure) {
   const std::vector<CheckResult> checks = exactChecks(scene, options);
   for (const CheckResult& check : checks) {
@@ -33,7 +32,7 @@ void checkExactly(const scene::Scene& scene, const ExactOptions& options, Random
     campaign.error_probability =
         std::max(campaign.error_probability, check.exact->error_probability);
   }
-  failure.findings = findOutliers(scene.name, checks);
+  failure.findings = findOutliers(scene.scene().name, checks);
 }
 
 /// A reason without what is the mechanism's own: names in quotes, entries, states and numbers.
@@ -46,7 +45,7 @@ std::string reasonInGeneral(const std::string& reason) {
 }
 
 /// @return whether there was a witness that does not build the mechanism
-bool checkInDouble(const scene::Scene& scene, const CampaignOptions& options,
+bool checkInDouble(const PreparedScene& scene, const CampaignOptions& options,
                    RandomCampaign& campaign, RandomCampaign::Failure& failure) {
   Options asked;
   asked.seed = options.exact.seed;
@@ -69,7 +68,7 @@ bool checkInDouble(const scene::Scene& scene, const CampaignOptions& options,
     campaign.comparisons += check.states;
     if (check.verdict == Verdict::kDisagree) failure.checks.push_back(check);
   }
-  for (Finding& finding : findOutliers(scene.name, checks))
+  for (Finding& finding : findOutliers(scene.scene().name, checks))
     failure.findings.push_back(std::move(finding));
   return refused;
 }
@@ -79,11 +78,12 @@ void checkOne(int index, int max_joints, const CampaignOptions& options, RandomC
     if (!failure.checks.empty()) campaign.failures.push_back(std::move(failure));
   };
   RandomCampaign::Failure failure{randomScene(options.exact.seed, index, max_joints), {}, {}};
-  checkExactly(failure.scene, options.exact, campaign, failure);
+  const PreparedScene prepared(failure.scene);
+  checkExactly(prepared, options.exact, campaign, failure);
   ++campaign.mechanisms;
   campaign.joints += failure.scene.mechanism.dof();
   const bool refused =
-      !options.in_double.empty() && checkInDouble(failure.scene, options, campaign, failure);
+      !options.in_double.empty() && checkInDouble(prepared, options, campaign, failure);
   keep(std::move(failure));
   if (!refused) return;
   RandomCampaign::Failure plain{
@@ -114,7 +114,7 @@ RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions
   CampaignOptions asked = options;
   if (asked.exact.witnesses.empty())
     for (const WitnessKind& kind : witnessKinds())
-      if (!isKernel(kind.info)) asked.exact.witnesses.push_back(kind.info.name);
+      if (!kind.is_compiled) asked.exact.witnesses.push_back(kind);
   // mechanisms a task; of many mechanisms there are no more than so many tasks, whose parts are
   // kept
   constexpr int kLeast = 5, kMostTasks = 10000;

@@ -6,11 +6,13 @@
 #include <map>
 #include <string>
 
+#include "crosscheck/witnesses/witnesses.hpp"
+
 namespace dynwitness::crosscheck {
 namespace {
 
 std::vector<ExactWitness> sweepsInField(const scene::Scene& scene, const ExactOptions& options) {
-  return exactWitnesses(scene, options.parameters, {NewtonEuler::kName, ArticulatedBody::kName});
+  return exactWitnesses(scene, options.parameters, {newtonEulerKind(), articulatedBodyKind()});
 }
 
 /// Which quantities are zero, or have no value, at a random point: nothing to be too heavy there.

@@ -29,7 +29,7 @@ std::string unresolved(const Drift& drift) {
     Where rounding is all that is left, the drift is held to the sum of what rounding the state does
     to E at each step. A sum above the kinetic energy itself would let everything pass, and nothing
     is answered. */
-void judgeAdaptively(const scene::Scene& scene, const Drift& drift, DriftOptions options,
+void judgeAdaptively(const PreparedScene& scene, const Drift& drift, DriftOptions options,
                      CheckResult* check) {
   constexpr double kStepErrors[] = {1e-6, 1e-8, 1e-10};
   constexpr double kLeastPower = 0.5;
@@ -87,7 +87,8 @@ void judgeAdaptively(const scene::Scene& scene, const Drift& drift, DriftOptions
 
 }  // namespace
 
-CheckResult checkDrift(const scene::Scene& scene, const Drift& drift, const DriftOptions& options) {
+CheckResult checkDrift(const PreparedScene& scene, const Drift& drift,
+                       const DriftOptions& options) {
   CheckResult check;
   check.law = "energy drift";
   check.statement =

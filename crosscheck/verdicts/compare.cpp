@@ -75,7 +75,7 @@ std::vector<CheckResult> PairComparison::results() const {
   return results;
 }
 
-std::vector<CheckResult> compareWitnesses(const scene::Scene& scene,
+std::vector<CheckResult> compareWitnesses(const PreparedScene& scene,
                                           const std::vector<WitnessKind>& kinds,
                                           const Options& options) {
   Hearing hearing(scene, kinds, options);

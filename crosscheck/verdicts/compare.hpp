@@ -14,7 +14,7 @@ namespace dynwitness::crosscheck {
 
 /// Each quantity, each pair of witnesses that answer it, at the options' states: |left - right|
 /// must lie within the sum of both sides' error bounds.
-std::vector<CheckResult> compareWitnesses(const scene::Scene& scene,
+std::vector<CheckResult> compareWitnesses(const PreparedScene& scene,
                                           const std::vector<WitnessKind>& kinds,
                                           const Options& options);
 

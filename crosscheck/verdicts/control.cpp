@@ -32,8 +32,9 @@ bool isForward(Quantity quantity) {
 /// The control at one size, as a witness that believes in its kilogram.
 class HeavyWitness : public Witness {
  public:
-  explicit HeavyWitness(const scene::Scene& scene)
-      : inverse_(newtonEulerKind().make(scene)), forward_(articulatedBodyKind().make(scene)) {}
+  explicit HeavyWitness(const PreparedScene& scene)
+      : inverse_(newtonEulerKind().make(scene).value()),
+        forward_(articulatedBodyKind().make(scene).value()) {}
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity) const override { return true; }
@@ -96,7 +97,8 @@ struct ControlWitness::Impl {
     const TooHeavy what = quantity == Quantity::kQdd ? TooHeavy::kInertia : TooHeavy::kKilogram;
     std::unique_ptr<HeavyWitness>& slot = heavy[{power, what}];
     if (!slot)
-      slot = std::make_unique<HeavyWitness>(power == 0 ? scene : heavier(scene, power, what));
+      slot = std::make_unique<HeavyWitness>(
+          power == 0 ? scene : PreparedScene(heavier(scene.scene(), power, what)));
     return *slot;
   }
 
@@ -136,13 +138,13 @@ struct ControlWitness::Impl {
     return controls.back();
   }
 
-  const scene::Scene& scene;
+  PreparedScene scene;
   int states;
   std::map<std::pair<int, TooHeavy>, std::unique_ptr<HeavyWitness>> heavy;  ///< power 0: honest
   std::vector<Control> controls;
 };
 
-ControlWitness::ControlWitness(const scene::Scene& scene, const Options& options)
+ControlWitness::ControlWitness(const PreparedScene& scene, const Options& options)
     : impl_(new Impl{scene, options.states, {}, {}}) {}
 ControlWitness::~ControlWitness() = default;
 
@@ -273,7 +275,7 @@ bool movesFreely(const json& one_case) {
 
 }  // namespace
 
-std::vector<Control> controlOfTable(const std::filesystem::path& file, const scene::Scene& scene) {
+std::vector<Control> controlOfTable(const std::filesystem::path& file, const PreparedScene& scene) {
   std::ifstream in(file);
   const json table = json::parse(in);
   std::map<std::string, double> part;  // by quantity, the least of all cases
@@ -300,10 +302,11 @@ std::vector<Control> controlOfTable(const std::filesystem::path& file, const sce
     }
     int power = kUsualPower;
     while (power > 0 && sizeOf(power) < least) --power;
-    const WitnessKind kind = {{kControl, DYNWITNESS_VERSION, "a kilogram too heavy"},
-                              [power](const scene::Scene& asked) -> std::unique_ptr<Witness> {
-                                return std::make_unique<HeavyWitness>(heavier(asked, power));
-                              }};
+    const WitnessKind kind = {
+        {kControl, DYNWITNESS_VERSION, "a kilogram too heavy"},
+        [power](const PreparedScene& asked) -> MadeWitness {
+          return std::make_unique<HeavyWitness>(heavier(asked.scene(), power));
+        }};
     for (const CheckResult& check : compareWithTable(file, scene, {kind})) {
       if (check.quantity != quantity) continue;
       Control control;

@@ -278,13 +278,13 @@ CheckResult DigitsTally::check() const {
 }  // namespace
 
 struct DigitsCount::Impl {
-  Impl(const scene::Scene& s, const Options& o)
-      : scene(s),
+  Impl(const PreparedScene& s, const Options& o)
+      : scene_name(s.scene().name),
         seed(o.seed),
-        truth(s.mechanism),
-        in_float(s.mechanism, scene::RealNumbers<float>(s.mechanism)),
-        in_long_double(s.mechanism, scene::RealNumbers<long double>(s.mechanism)) {
-    joint_names = s.mechanism.rateLabels();
+        truth(s.mechanism()),
+        in_float(s.mechanism(), scene::RealNumbers<float>(s.mechanism())),
+        in_long_double(s.mechanism(), scene::RealNumbers<long double>(s.mechanism())) {
+    joint_names = s.mechanism().rateLabels();
   }
 
   /// The tally of this witness, quantity and scalar; the first answer makes it.
@@ -326,14 +326,14 @@ struct DigitsCount::Impl {
       const DigitsResult digits = tally.digits();
       Finding finding;
       finding.kind = Finding::Kind::kKnownLoss;
-      finding.scene = scene.name;
+      finding.scene = scene_name;
       finding.quantity = digits.quantity;
       finding.witness = digits.witness;
       finding.digits = digits.worst.value_or(0);
       finding.text = fmt::format(
           "{}: {} keeps {:.1f} digits of {}; {} is off by {:.1e} of the largest {}, where rounding "
           "alone would leave {:.1f} digits",
-          scene.name, digits.witness, *finding.digits, digits.quantity, tally.lossAt(),
+          scene_name, digits.witness, *finding.digits, digits.quantity, tally.lossAt(),
           tally.largestLoss(),
           tally.quantity() == Quantity::kQdd ? "force in the equations" : "entry",
           tally.digitsWithoutLoss());
@@ -348,7 +348,7 @@ struct DigitsCount::Impl {
     return findings;
   }
 
-  const scene::Scene& scene;
+  std::string scene_name;
   std::uint64_t seed;
   Truth truth;
   Setup<float> in_float;
@@ -359,7 +359,7 @@ struct DigitsCount::Impl {
   std::vector<DigitsTally> tallies;
 };
 
-DigitsCount::DigitsCount(const scene::Scene& scene, const Options& options)
+DigitsCount::DigitsCount(const PreparedScene& scene, const Options& options)
     : impl_(new Impl(scene, options)) {}
 DigitsCount::~DigitsCount() = default;
 
@@ -397,7 +397,7 @@ DigitsFound DigitsCount::found() const {
   return out;
 }
 
-DigitsFound measureDigits(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+DigitsFound measureDigits(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
                           const Options& options) {
   Hearing hearing(scene, kinds, options);
   DigitsCount count(scene, options);

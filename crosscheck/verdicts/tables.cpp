@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,7 +13,6 @@
 #include "crosscheck/motion/pendulum_period.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
-#include "crosscheck/witnesses/optional_engine.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -187,19 +187,40 @@ Eigen::MatrixXd inSourceCoordinates(Eigen::MatrixXd value, std::optional<Quantit
   return value;
 }
 
-scene::Scene sceneOf(const json& table, const json& one_case, scene::Scene scene,
-                     const fs::path& file) {
-  if (table.contains("gravity")) {
-    scene.mechanism.has_gravity = true;
+/// The scene as a table speaks of it: under its gravity; some of its cases without the wrenches.
+class ScenesOfTable {
+ public:
+  ScenesOfTable(const json& table, const PreparedScene& scene, const fs::path& file)
+      : with_wrenches_(scene) {
+    if (!table.contains("gravity")) return;
+    scene::Scene changed = scene.scene();
+    bool is_same = changed.mechanism.has_gravity;
+    changed.mechanism.has_gravity = true;
     for (int k = 0; k < 3; ++k) {
       const json& g = table["gravity"][k];
-      scene.mechanism.gravity[k] = scene::Expression::parse(
+      scene::Number& gravity = changed.mechanism.gravity[k];
+      const scene::Number stated = scene::Expression::parse(
           g.is_string() ? g.get<std::string>() : g.dump(), {file.string()});
+      is_same = is_same && gravity.text() == stated.text();
+      gravity = stated;
     }
+    if (!is_same) with_wrenches_ = std::move(changed);
   }
-  if (!one_case.value("wrenches", true)) scene.mechanism.wrenches.clear();
-  return scene;
-}
+
+  const PreparedScene& of(const json& one_case) {
+    if (one_case.value("wrenches", true)) return with_wrenches_;
+    if (!without_) {
+      scene::Scene changed = with_wrenches_.scene();
+      changed.mechanism.wrenches.clear();
+      without_.emplace(std::move(changed));
+    }
+    return *without_;
+  }
+
+ private:
+  PreparedScene with_wrenches_;
+  std::optional<PreparedScene> without_;
+};
 
 fs::path ownScene(const json& content, const fs::path& table) {
   if (!content.contains("scene_file")) return {};
@@ -267,8 +288,8 @@ struct Printed {
 
 class TableComparison {
  public:
-  TableComparison(const fs::path& file, const scene::Scene& scene)
-      : file_(file), scene_(scene), table_(readTable(file)) {}
+  TableComparison(const fs::path& file, const PreparedScene& scene)
+      : file_(file), table_(readTable(file)), scenes_(table_, scene, file) {}
 
   std::vector<CheckResult> with(const std::vector<WitnessKind>& kinds) {
     for (const json& one_case : entry(table_, "cases", file_)) ask(one_case, kinds);
@@ -295,11 +316,11 @@ class TableComparison {
   }
 
   void ask(const json& one_case, const std::vector<WitnessKind>& kinds) {
-    const scene::Scene asked = sceneOf(table_, one_case, scene_, file_);
-    std::vector<std::unique_ptr<Witness>> witnesses;
-    for (const WitnessKind& kind : kinds) witnesses.push_back(makeWitness(kind, asked));
-    EngineBound in_double(asked.mechanism);
-    const Case here = readCase(table_, one_case, asked.mechanism, file_);
+    const PreparedScene& asked = scenes_.of(one_case);
+    std::vector<MadeWitness> witnesses;  // one a kind
+    for (const WitnessKind& kind : kinds) witnesses.push_back(kind.make(asked));
+    EngineBound in_double(asked);
+    const Case here = readCase(table_, one_case, asked.mechanism(), file_);
     for (const auto& [name, numbers] : entry(one_case, "expect", file_).items()) {
       const Printed printed = {one_case,
                                numbers,
@@ -308,14 +329,24 @@ class TableComparison {
                                tabledQuantity(name),
                                Agreement(table_, one_case, name, file_)};
       if (!printed.quantity) {
-        compare(printed, "articulated_body", periodRatio(asked.mechanism, here.state.x[0].q),
+        compare(printed, "articulated_body", periodRatio(asked.mechanism(), here.state.x[0].q),
                 Eigen::MatrixXd::Zero(1, 1));
         continue;
       }
       const Eigen::MatrixXd rounding = in_double(*printed.quantity, asRead(here.state));
-      for (const std::unique_ptr<Witness>& witness : witnesses)
-        if (witness->answers(*printed.quantity)) ask(*witness, printed, rounding);
+      for (std::size_t i = 0; i < kinds.size(); ++i) {
+        if (witnesses[i].isRefused())
+          voided(printed, kinds[i].info.name, witnesses[i].refusal(), true);
+        else if (Witness& witness = **witnesses[i]; witness.answers(*printed.quantity))
+          ask(witness, printed, rounding);
+      }
     }
+  }
+
+  void voided(const Printed& printed, const std::string& witness, const std::string& why,
+              bool refused) {
+    CheckResult& out = check(printed.name, witness);
+    out.addVoided(out.states++, why, refused);
   }
 
   void ask(Witness& witness, const Printed& printed, const Eigen::MatrixXd& rounding) {
@@ -325,9 +356,7 @@ class TableComparison {
     } catch (const scene::InputError&) {
       throw;
     } catch (const std::exception& error) {
-      CheckResult& out = check(printed.name, witness.name());
-      out.addVoided(out.states++, error.what(),
-                    dynamic_cast<const RefusedWitness*>(&witness) != nullptr);
+      voided(printed, witness.name(), error.what(), false);
     }
   }
 
@@ -381,14 +410,14 @@ class TableComparison {
   }
 
   const fs::path& file_;
-  const scene::Scene& scene_;
   json table_;
+  ScenesOfTable scenes_;
   std::vector<CheckResult> results_;
 };
 
 }  // namespace
 
-std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Scene& scene,
+std::vector<CheckResult> compareWithTable(const fs::path& file, const PreparedScene& scene,
                                           const std::vector<WitnessKind>& kinds) {
   return TableComparison(file, scene).with(kinds);
 }

@@ -27,7 +27,7 @@ bool isAbout(const std::filesystem::path& table, const scene::Scene& scene);
 /** Every printed quantity of a table against every witness that answers it.
     @throws scene::InputError when the file is not a table or its scene does not fit */
 std::vector<CheckResult> compareWithTable(const std::filesystem::path& table,
-                                          const scene::Scene& scene,
+                                          const PreparedScene& scene,
                                           const std::vector<WitnessKind>& kinds);
 
 }  // namespace dynwitness::crosscheck

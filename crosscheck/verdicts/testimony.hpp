@@ -32,7 +32,8 @@ struct Testimony {
 /// All witnesses of a scene.
 class Hearing {
  public:
-  Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kinds, const Options& options);
+  Hearing(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
+          const Options& options);
 
   /// Takes the witnesses out that cannot hold the scene: one check each, not answerable, says why;
   /// and one for each quantity that another leaves out for this scene. A program that fails is
@@ -56,9 +57,16 @@ class Hearing {
   void putIntoEquations(const scene::State<double>& state, std::vector<Testimony>& said);
 
  private:
-  const scene::Scene& scene_;
+  struct Seat {
+    std::string name;
+    MadeWitness witness;
+    bool isAsked(Quantity quantity) const;
+  };
+  scene::State<double> drawn(int index) const;
+
+  PreparedScene scene_;
   const Options& options_;
-  std::vector<std::unique_ptr<Witness>> witnesses_;
+  std::vector<Seat> seats_;
   std::vector<std::pair<std::string, std::string>> remarks_;
   std::unique_ptr<BackwardError> backward_error_;
   std::unique_ptr<Truth> truth_;

@@ -122,11 +122,11 @@ SkeletonPtr loaded(const scene::Scene& scene) {
 
 class DartWitness : public Witness {
  public:
-  explicit DartWitness(const scene::Scene& scene)
-      : friction_(scene.mechanism),
-        bound_(scene.mechanism, 1, Attitude::kRotationVector),
-        skeleton_(loaded(scene)) {
-    const scene::Mechanism& mechanism = scene.mechanism;
+  explicit DartWitness(const PreparedScene& scene)
+      : friction_(scene.mechanism()),
+        bound_(scene, 1, Attitude::kRotationVector),
+        skeleton_(loaded(scene.scene())) {
+    const scene::Mechanism& mechanism = scene.mechanism();
     requirePlainRotors(mechanism);
     const RealNumbers<double> number(mechanism);
     skeleton_->setTimeStep(1e-100);
@@ -138,7 +138,7 @@ class DartWitness : public Witness {
                            vector(w.force, number), vector(w.moment, number),
                            vector(w.at, number)});
     solve_bound_ = std::make_unique<SolveBound>(
-        mechanism, has_rotors_ ? SolvedBy::kMassMatrix : SolvedBy::kSweep, kEngineTurns);
+        scene, has_rotors_ ? SolvedBy::kMassMatrix : SolvedBy::kSweep, kEngineTurns);
   }
 
   const std::string& name() const override { return name_; }

@@ -130,7 +130,7 @@ double axisUncertainty(const Link& link, const Passage& here, const Turns& by) {
 }  // namespace
 
 struct EngineBound::Impl {
-  Impl(const scene::Mechanism& mechanism, double matrices, Attitude attitude);
+  Impl(const PreparedScene& scene, double matrices, Attitude attitude);
 
   void run(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd, Terms terms);
   void moveOutward(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd,
@@ -159,13 +159,13 @@ struct EngineBound::Impl {
   std::vector<Passage> at;
 };
 
-EngineBound::Impl::Impl(const scene::Mechanism& mechanism, double matrices, Attitude attitude)
+EngineBound::Impl::Impl(const PreparedScene& scene, double matrices, Attitude attitude)
     : turns(matrices),
       by_attitude(attitude == Attitude::kQuaternion ? kQuaternion : kRotationVector),
-      setup(recursive::buildModel(mechanism, RunningErrorNumbers(mechanism),
-                                  recursive::FixedJoints::kKept)),
+      setup(scene.modelWithFixedJoints<RunningError>()),
       bodies(setup.model.links.size()),
       at(setup.model.links.size()) {
+  const scene::Mechanism& mechanism = scene.mechanism();
   const recursive::Model<RunningError>& model = setup.model;
   const RunningErrorNumbers number(mechanism);
   const auto vector = [&](const scene::Vector& v) {
@@ -480,8 +480,8 @@ Eigen::VectorXd EngineBound::Impl::reactions() const {
   return errors;
 }
 
-EngineBound::EngineBound(const scene::Mechanism& mechanism, double matrices, Attitude attitude)
-    : impl_(new Impl(mechanism, matrices, attitude)) {}
+EngineBound::EngineBound(const PreparedScene& scene, double matrices, Attitude attitude)
+    : impl_(new Impl(scene, matrices, attitude)) {}
 EngineBound::~EngineBound() = default;
 
 Eigen::MatrixXd EngineBound::operator()(Quantity quantity, const scene::State<double>& state) {

@@ -72,7 +72,7 @@ class EngineBound {
  public:
   /// @param matrices  what an orientation loses when it is made of two others, counted in what a
   ///                  product of matrices loses
-  explicit EngineBound(const scene::Mechanism& mechanism, double matrices = 1,
+  explicit EngineBound(const PreparedScene& scene, double matrices = 1,
                        Attitude attitude = Attitude::kQuaternion);
   ~EngineBound();
 

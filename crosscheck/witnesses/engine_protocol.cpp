@@ -286,16 +286,16 @@ Json inOrder(const std::vector<double>& ours, const std::vector<int>& order) {
 class EngineWitness : public OutsideWitness {
  public:
   EngineWitness(std::string name, const std::string& command, const Limits& limits,
-                const scene::Scene& scene)
+                const PreparedScene& scene)
       : name_(std::move(name)),
-        mechanism_(scene.mechanism),
-        ours_(mechanism_, scene::RealNumbers<double>(mechanism_)),
-        bound_(scene.mechanism),
-        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns) {
+        mechanism_(scene.mechanism()),
+        ours_(scene),
+        bound_(scene),
+        solve_bound_(scene, SolvedBy::kMassMatrix, kEngineTurns) {
     guarded("in the handshake", [&] {
       program_ = std::make_unique<Conversation>(command, limits);
       constexpr std::size_t kMostIntroduction = 1 << 20;
-      introduction_.emplace(parsed(program_->ask(greetingOf(scene), kMostIntroduction)));
+      introduction_.emplace(parsed(program_->ask(greetingOf(scene.scene()), kMostIntroduction)));
       if (introduction_->refuses.empty()) order_.emplace(mechanism_, *introduction_);
     });
   }
@@ -538,10 +538,7 @@ std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, c
     info.name = fmt::format("engine_{}", k + 1);
     info.version = "unknown";
     info.method = "the program " + command;
-    scene::Scene tree = scene;
-    tree.mechanism = scene::withoutMimics(scene.mechanism);
-    tree.start_qd.assign(static_cast<std::size_t>(tree.mechanism.dof()), scene::Number(0));
-    const EngineWitness first(info.name, command, limits, tree);
+    const EngineWitness first(info.name, command, limits, PreparedScene(scene).tree());
     if (const auto& said = first.introduction()) {
       if (isName(said->name) && std::count(taken.begin(), taken.end(), said->name) == 0)
         info.name = said->name;
@@ -549,13 +546,12 @@ std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, c
     }
     taken.push_back(info.name);
     const std::string name = info.name;
-    kinds.push_back(overTree({info, [=](const scene::Scene& asked) -> std::unique_ptr<Witness> {
+    kinds.push_back(overTree({info, [=](const PreparedScene& asked) -> MadeWitness {
                                 auto witness =
                                     std::make_unique<EngineWitness>(name, command, limits, asked);
                                 const auto& said = witness->introduction();
                                 if (said && !said->refuses.empty())
-                                  return std::make_unique<RefusedWitness>(
-                                      name, name + " says: " + said->refuses);
+                                  return Refusal{name + " says: " + said->refuses};
                                 return witness;
                               }}));
   }

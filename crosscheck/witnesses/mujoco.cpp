@@ -216,15 +216,16 @@ int idOf(const mjModel* model, mjtObj kind, const std::string& name) {
 
 class MujocoWitness : public Witness {
  public:
-  MujocoWitness(const scene::Scene& scene, Inertias inertias)
+  MujocoWitness(const PreparedScene& prepared, Inertias inertias)
       : name_(nameOf(inertias)),
-        friction_(scene.mechanism),
-        bound_(scene.mechanism, kQuaternion),
-        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns, kQuaternion),
-        sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
-    requirePlainRotors(scene.mechanism);
-    installHandlers();
+        friction_(prepared.mechanism()),
+        bound_(prepared, kQuaternion),
+        solve_bound_(prepared, SolvedBy::kMassMatrix, kEngineTurns, kQuaternion),
+        sweep_(prepared.model<double>()) {
+    const scene::Scene& scene = prepared.scene();
     const scene::Mechanism& mechanism = scene.mechanism;
+    requirePlainRotors(mechanism);
+    installHandlers();
     const RealNumbers<double> number(mechanism);
     const ToldNumbers told_number(mechanism);
     std::vector<Body> bodies;
@@ -479,7 +480,7 @@ class MujocoWitness : public Witness {
     const auto sweeps = [&scene](const scene::Mechanism& m) {
       scene::Scene with = scene;
       with.mechanism = m;
-      return Sweeps{newtonEulerKind().make(with), articulatedBodyKind().make(with)};
+      return Sweeps{newtonEulerKind().make(with).value(), articulatedBodyKind().make(with).value()};
     };
     written_ = sweeps(mechanism);
     compiled_ = sweeps(compiled);

@@ -372,7 +372,7 @@ BOOST_AUTO_TEST_SUITE(engines)
 
 std::unique_ptr<Witness> witnessNamed(const std::string& name, const scene::Scene& scene) {
   for (const WitnessKind& kind : witnessKinds())
-    if (kind.info.name == name) return makeWitness(kind, scene);
+    if (kind.info.name == name) return kind.make(scene).value();
   throw std::logic_error("no witness " + name);
 }
 

@@ -184,8 +184,8 @@ BOOST_AUTO_TEST_CASE(random_mechanisms_of_all_kinds_agree_over_the_field) {
   std::size_t asked = 0;
   for (int index = 0; index < 12; ++index) {
     const scene::Scene scene = randomScene(5, index, 5);
-    const auto witnesses =
-        exactWitnesses(scene, Parameters::kAsWritten, {"lagrange", "newton_euler"});
+    const auto witnesses = exactWitnesses(scene, Parameters::kAsWritten,
+                                          selectWitnesses({"lagrange", "newton_euler"}));
     for (const CheckResult& check : about("reactions", compareExactly(scene, witnesses, {}))) {
       ++asked;
       BOOST_TEST((check.verdict == Verdict::kAgree), scene.name << ": " << check.reason);
@@ -263,7 +263,8 @@ struct Wrong : NewtonEuler {
 template <Mistake mistake>
 bool seen(const char* name) {
   const scene::Scene scene = scene::findScene(name);
-  std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten, {"lagrange"});
+  std::vector<ExactWitness> witnesses =
+      exactWitnesses(scene, Parameters::kAsWritten, selectWitnesses({"lagrange"}));
   witnesses.push_back(sweepWitness<Wrong<mistake>>(scene, [](auto&, const auto&) {}));
   const auto checks = about("reactions", compareExactly(scene, witnesses, {}));
   BOOST_TEST_REQUIRE(checks.size() == 1u);
@@ -288,7 +289,7 @@ BOOST_AUTO_TEST_CASE(a_lost_load_is_seen) {
     const scene::Scene scene = randomScene(9, index, 4);
     if (scene.mechanism.wrenches.empty()) continue;
     std::vector<ExactWitness> witnesses =
-        exactWitnesses(scene, Parameters::kAsWritten, {"lagrange"});
+        exactWitnesses(scene, Parameters::kAsWritten, selectWitnesses({"lagrange"}));
     witnesses.push_back(sweepWitness<Wrong<Mistake::kLoadsLost>>(scene, [](auto&, const auto&) {}));
     const auto checks = about("reactions", compareExactly(scene, witnesses, {}));
     BOOST_TEST((checks.at(0).verdict == Verdict::kDisagree));

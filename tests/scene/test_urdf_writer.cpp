@@ -75,7 +75,7 @@ scene::Scene throughUrdf(const scene::Scene& original) {
 }
 
 void requireSameDynamics(const scene::Scene& left, const scene::Scene& right) {
-  const auto a = newtonEulerKind().make(left), b = newtonEulerKind().make(right);
+  const auto a = newtonEulerKind().make(left).value(), b = newtonEulerKind().make(right).value();
   for (int k = 0; k < 20; ++k) {
     const scene::State<double> state = drawState(left.mechanism, left.name, 1, k);
     for (const Quantity quantity : kAllQuantities) {

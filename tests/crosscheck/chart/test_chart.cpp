@@ -84,8 +84,8 @@ class Refusing : public Witness {
 
 WitnessKind plantedKind(double seconds) {
   const WitnessKind inner = selectWitnesses({"newton_euler"}).front();
-  return {{"planted", "7", "spoiled"}, [=](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            return std::make_unique<Planted>(inner.make(scene), seconds);
+  return {{"planted", "7", "spoiled"}, [=](const PreparedScene& scene) -> MadeWitness {
+            return std::make_unique<Planted>(inner.make(scene).value(), seconds);
           }};
 }
 
@@ -169,7 +169,7 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_asked_is_left_out_with_its_reason) {
   BOOST_REQUIRE(M.left_out.size() == 1u);
   BOOST_TEST(M.left_out[0] == "planted: does not answer M");
   WitnessKind refusing = plantedKind(0);
-  refusing.make = [](const scene::Scene&) { return std::make_unique<Refusing>(); };
+  refusing.make = [](const PreparedScene&) { return std::make_unique<Refusing>(); };
   const Chart qdd = speedAccuracy(scene::findScene("acrobot"), Quantity::kQdd, {refusing}, 2);
   BOOST_REQUIRE(qdd.left_out.size() == 1u);
   BOOST_TEST(qdd.left_out[0] == "refusing: knows no such joint");
@@ -184,7 +184,7 @@ BOOST_AUTO_TEST_SUITE(identities)
 /// the pillar of cylindrical_arm, which has products of inertia, are not turned to the end.
 double documentedLoss(const WitnessKind& kind, const scene::Scene& scene, Quantity quantity,
                       int states) {
-  const auto witness = kind.make(scene);
+  const auto witness = kind.make(scene).value();
   double worst = 0;
   for (int k = 0; k < states; ++k) {
     const Answer answer = witness->answer(quantity, drawState(scene.mechanism, scene.name, 1, k));

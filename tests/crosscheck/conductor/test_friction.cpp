@@ -189,7 +189,8 @@ namespace {
 template <typename Algorithm, typename Change>
 int disagreeing(const std::string& friction, Change change) {
   const scene::Scene scene = pendulum(friction);
-  std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten, {"lagrange"});
+  std::vector<ExactWitness> witnesses =
+      exactWitnesses(scene, Parameters::kAsWritten, selectWitnesses({"lagrange"}));
   witnesses.push_back(sweepWitness<Algorithm>(scene, change));
   int count = 0;
   for (const CheckResult& check : compareExactly(scene, witnesses, {}))

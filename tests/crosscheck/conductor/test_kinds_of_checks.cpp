@@ -31,6 +31,7 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/witness.hpp"
+#include "crosscheck/witnesses/witnesses.hpp"
 
 namespace data = boost::unit_test::data;
 namespace fs = std::filesystem;
@@ -75,8 +76,8 @@ scene::Number times(const scene::Number& number, const char* factor) {
 class Off : public Witness {
  public:
   explicit Off(const scene::Scene& scene)
-      : inverse_(makeWitness(selectWitnesses({"newton_euler"}).front(), scene)),
-        forward_(makeWitness(selectWitnesses({"articulated_body"}).front(), scene)) {}
+      : inverse_(newtonEulerKind().make(scene).value()),
+        forward_(articulatedBodyKind().make(scene).value()) {}
   const std::string& name() const override { return name_; }
   bool answers(Quantity) const override { return true; }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
@@ -91,8 +92,8 @@ class Off : public Witness {
 };
 
 WitnessKind offKind() {
-  return {{"off", "1", "off by 1e-6"}, [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            return std::make_unique<Off>(scene);
+  return {{"off", "1", "off by 1e-6"}, [](const PreparedScene& scene) -> MadeWitness {
+            return std::make_unique<Off>(scene.scene());
           }};
 }
 

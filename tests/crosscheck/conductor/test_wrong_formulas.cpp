@@ -33,8 +33,8 @@ std::vector<WitnessKind> witnessesWith(const std::string& chair, Mistake mistake
   std::vector<WitnessKind> kinds = selectWitnesses(kWitnesses);
   for (WitnessKind& kind : kinds)
     if (kind.info.name == chair)
-      kind.make = [chair, mistake](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-        return std::make_unique<FormulaWitness>(chair, scene, mistake);
+      kind.make = [chair, mistake](const PreparedScene& scene) -> MadeWitness {
+        return std::make_unique<FormulaWitness>(chair, scene.scene(), mistake);
       };
   return kinds;
 }

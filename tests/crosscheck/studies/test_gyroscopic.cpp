@@ -190,7 +190,7 @@ BOOST_AUTO_TEST_CASE(engines_with_an_armature_refuse) {
   for (const WitnessKind& kind : witnessKinds()) {
     if (!kind.info.present) continue;
     if (kind.info.name != "mujoco" && kind.info.name != "kdl" && kind.info.name != "dart") continue;
-    const auto witness = makeWitness(kind, scene::findScene("gyroscopic_wrist"));
+    const auto witness = kind.make(scene::findScene("gyroscopic_wrist")).value();
     BOOST_CHECK_EXCEPTION(witness->answer(Quantity::kM, {}), std::exception, [](const auto& e) {
       return std::string(e.what()).find("gyroscopic") != std::string::npos;
     });
@@ -206,7 +206,8 @@ namespace {
 template <typename Algorithm, typename Change>
 int disagreeing(Change change) {
   const scene::Scene scene = arm();
-  std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten, {"lagrange"});
+  std::vector<ExactWitness> witnesses =
+      exactWitnesses(scene, Parameters::kAsWritten, selectWitnesses({"lagrange"}));
   witnesses.push_back(sweepWitness<Algorithm>(scene, change));
   int count = 0;
   for (const CheckResult& check : compareExactly(scene, witnesses, {}))

@@ -58,7 +58,7 @@ scene::Scene withFault(scene::Scene scene, int link, const char* fault) {
 WitnessKind misled(const WitnessKind& kind, const scene::Scene& other) {
   WitnessKind out = kind;
   out.info.name = "misled";
-  out.make = [kind, other](const scene::Scene&) { return kind.make(other); };
+  out.make = [kind, other](const PreparedScene&) { return kind.make(other); };
   return out;
 }
 

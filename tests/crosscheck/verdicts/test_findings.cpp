@@ -39,7 +39,7 @@ class Parrot : public Witness {
 };
 
 WitnessKind saying(const std::string& name, double value, double bound = 0.25) {
-  return {{name, "1", "parrot"}, [=](const scene::Scene&) -> std::unique_ptr<Witness> {
+  return {{name, "1", "parrot"}, [=](const PreparedScene&) -> MadeWitness {
             return std::make_unique<Parrot>(name, value, bound);
           }};
 }

@@ -27,6 +27,7 @@
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/all_lanes.hpp"
 #include "crosscheck/witnesses/witness.hpp"
+#include "crosscheck/witnesses/witnesses.hpp"
 
 namespace data = boost::unit_test::data;
 namespace fs = std::filesystem;
@@ -116,10 +117,7 @@ BOOST_AUTO_TEST_SUITE(entries)
 class OffInOneEntry : public Witness {
  public:
   OffInOneEntry(const scene::Scene& scene, int i, int j, int state)
-      : honest_(makeWitness(selectWitnesses({"newton_euler"}).front(), scene)),
-        i_(i),
-        j_(j),
-        state_(state) {}
+      : honest_(newtonEulerKind().make(scene).value()), i_(i), j_(j), state_(state) {}
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return quantity == Quantity::kM; }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
@@ -135,9 +133,8 @@ class OffInOneEntry : public Witness {
 };
 
 WitnessKind off(int i, int j, int state) {
-  return {{"off", "1", "off in one entry"},
-          [=](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            return std::make_unique<OffInOneEntry>(scene, i, j, state);
+  return {{"off", "1", "off in one entry"}, [=](const PreparedScene& scene) -> MadeWitness {
+            return std::make_unique<OffInOneEntry>(scene.scene(), i, j, state);
           }};
 }
 
@@ -404,7 +401,7 @@ BOOST_AUTO_TEST_CASE(a_heavier_kilogram_scales_what_has_a_mass_in_it) {
   for (const char* name : {"prismatic_revolute_mix", "gyroscopic_wrist"}) {
     const scene::Scene scene = scene::findScene(name), heavy = heavier(scene, 2);
     const WitnessKind kind = selectWitnesses({"recursive_lagrange"}).front();
-    const auto before = makeWitness(kind, scene), after = makeWitness(kind, heavy);
+    const auto before = kind.make(scene).value(), after = kind.make(heavy).value();
     const scene::State<double> state = drawState(scene.mechanism, scene.name, 1, 0);
     for (const Quantity quantity : kAllQuantities) {
       if (!before->answers(quantity) || quantity == Quantity::kQdd) continue;
@@ -531,8 +528,7 @@ BOOST_AUTO_TEST_CASE(a_run_that_misses_its_control_proves_nothing) {
 /// A witness of energies that throws at every seventh state.
 class Forgetful : public Witness {
  public:
-  explicit Forgetful(const scene::Scene& scene)
-      : honest_(makeWitness(selectWitnesses({"newton_euler"}).front(), scene)) {}
+  explicit Forgetful(const scene::Scene& scene) : honest_(newtonEulerKind().make(scene).value()) {}
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return quantity == Quantity::kKinetic; }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
@@ -548,10 +544,9 @@ class Forgetful : public Witness {
 
 BOOST_AUTO_TEST_CASE(one_bad_state_of_many_voids_that_state_and_not_the_check) {
   std::vector<WitnessKind> kinds = selectWitnesses({"newton_euler"});
-  kinds.push_back(
-      {{"forgetful", "1", "throws"}, [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-         return std::make_unique<Forgetful>(scene);
-       }});
+  kinds.push_back({{"forgetful", "1", "throws"}, [](const PreparedScene& scene) -> MadeWitness {
+                     return std::make_unique<Forgetful>(scene.scene());
+                   }});
   const scene::Scene scene = scene::findScene("double_pendulum");
   for (const auto& [states, outcome] :
        {std::pair(10, RunVerdict::kAgree), std::pair(14, RunVerdict::kAgree)}) {

@@ -98,7 +98,8 @@ std::map<std::string, double> sharesWith(const scene::Scene& scene, const std::s
                                          double size) {
   WitnessKind faulty;
   faulty.info.name = "faulty";
-  faulty.make = [&](const scene::Scene& right) -> std::unique_ptr<Witness> {
+  faulty.make = [&](const PreparedScene& asked) -> MadeWitness {
+    const scene::Scene& right = asked.scene();
     if (kind != "sine") return sweeps(withFault(right, kind, size));
     const int slot = static_cast<int>(right.mechanism.movingLinks().size()) / 2;
     return std::make_unique<Turned>(sweeps(right), slot, size);

@@ -55,7 +55,8 @@ std::vector<CheckResult> compared(const scene::Scene& scene, Parameters paramete
   ExactOptions options;
   options.parameters = parameters;
   std::vector<ExactWitness> witnesses = exactWitnesses(
-      scene, parameters, {"lagrange", "newton_euler", "composite_body", "articulated_body"});
+      scene, parameters,
+      selectWitnesses({"lagrange", "newton_euler", "composite_body", "articulated_body"}));
   witnesses.push_back(recursiveLagrangeWitness(scene, change));
   std::vector<CheckResult> checks;
   for (const CheckResult& check : compareExactly(scene, witnesses, options))
