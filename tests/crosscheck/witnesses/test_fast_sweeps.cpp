@@ -16,6 +16,7 @@
 
 #include "crosscheck/inputs/random_mechanism.hpp"
 #include "crosscheck/inputs/states.hpp"
+#include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "recursive/build_model.hpp"
