@@ -2,8 +2,6 @@
 // What the comparison of witnesses is worth: their folders share the scene's numbers and no
 // formula. And what keeps the house standing: arrows between its floors point downward. Reads the
 // include lines of the sources, and the link lines.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE independence
 #include <filesystem>
 #include <fstream>
 #include <map>

@@ -2,8 +2,6 @@
 // Sweeps under constraints against one dense system in all unknowns, made from Lagrange's
 // equations, over a prime field: hybrid dynamics, closed loops eliminated where they close, soft
 // and redundant constraints, tasks, and Gauss' principle.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE closed_dynamics
 #include "recursive/closed_dynamics.hpp"
 
 #include <random>

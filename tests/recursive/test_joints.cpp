@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Joints of several degrees of freedom, and screws: what each kind means, by other roads than the
 // sweeps and the Lagrangian take.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE joints
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>

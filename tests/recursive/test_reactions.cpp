@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What joints transmit: by the inward sweep, by multipliers of a cut mechanism, from mass points,
 // and by Simbody.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE reactions
 #include "recursive/reactions.hpp"
 
 #include <algorithm>

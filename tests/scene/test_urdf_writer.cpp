@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scenes written as URDF: read back, they must be the same mechanism.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE urdf_writer
 #include <unistd.h>
 
 #include <algorithm>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speed against accuracy: what is measured, that planted errors and delays show, and that it is
 // drawn.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE chart
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>

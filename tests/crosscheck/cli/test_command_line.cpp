@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The program as its user meets it: exit status, messages, and that nothing is half written.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE command_line
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>

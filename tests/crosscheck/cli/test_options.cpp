@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers on the command line: every option that takes one is found in the program's own help and
 // given what is no number, no finite one, or none that its type holds.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE options
 #include <boost/test/unit_test.hpp>
 
 #include <regex>

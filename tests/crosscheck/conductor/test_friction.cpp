@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Friction of joints: part of tau, of no other term; published values; scenes that have it.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE friction
 #include <algorithm>
 
 #include <boost/test/data/monomorphic.hpp>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // No kind of check is vacuous: a fault is planted for each kind that a report can hold, and that
 // kind turns red. A new kind without a plant here fails the last test.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE kinds_of_checks
 #include <stdlib.h>
 
 #include <algorithm>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Errors of one part in 10^18: no comparison in double can see them, and the field sees them all.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE planted_errors
 #include <algorithm>
 
 #include <boost/test/unit_test.hpp>

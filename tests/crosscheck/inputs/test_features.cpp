@@ -3,8 +3,6 @@
 // what each command makes of it. What is called modelled has to change what the command says, what
 // has no part must not, what is left out is told, what is refused ends with exit status 2 and the
 // reason.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE features
 #include "crosscheck/inputs/features.hpp"
 
 #include <algorithm>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scene's own kernel: what is compiled does what its program says, in every lane; and what
 // happens where it cannot be compiled.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE kernel
 
 #include <sys/stat.h>
 #include <unistd.h>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lists of laws: words and sides in step, laws that a mechanism does not have, and divisions by
 // zero.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE law
 #include "crosscheck/laws/law.hpp"
 
 #include <string>

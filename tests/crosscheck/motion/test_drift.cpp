@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whom the energy drift condemns: a wrong qdd, in every scene whose energy is constant, and never
 // steps that are too long for a stiff motion.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE drift
 #include "crosscheck/motion/drift.hpp"
 
 #include <cmath>

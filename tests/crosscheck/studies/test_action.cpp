@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Hamilton's principle on simulated motions, and conjugate times against closed forms.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE action
 #include "crosscheck/studies/hamilton.hpp"
 
 #include <algorithm>

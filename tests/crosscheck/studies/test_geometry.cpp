@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The kinetic metric: its laws over the field, closed forms by other roads, and what it refuses.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE geometry
 #include "crosscheck/studies/geometry.hpp"
 
 #include <ostream>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gyroscopic rotors: against the same rotors as bodies of their own, which turn on the parent by a
 // joint.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE gyroscopic
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Impedances: laws over the field in the bundled trees, closed forms by hand, and mistakes.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE impedance
 #include "crosscheck/studies/impedance.hpp"
 
 #include <cmath>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Impulses: laws over the field in every bundled scene, textbook blows, and mistakes that are seen.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE impulse
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/impulse.hpp"
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // qdd is judged by what it leaves of the equations: limits that bite at every size.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE backward_error
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Digits kept: what is counted, what is judged, and that planted errors show.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE digits
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Who stands alone, and how witnesses are asked.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE findings
 
 #include <limits>
 #include <map>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The judge is judged: faults planted into what draws states, compares entries and bounds errors
 // must not leave a run that says "all agree". Each test here fails with one of them in place.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE judge
 #include <stdlib.h>
 
 #include <algorithm>

@@ -2,8 +2,6 @@
 // The smallest fault that each quantity's check notices: a table in the documentation, held here.
 //
 //     build/test_sensitivity -- --record     writes it anew
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE sensitivity
 #include <algorithm>
 #include <cmath>
 #include <fstream>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // MuJoCo, DART and KDL, as far as this build has them, against our sweeps.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE engines
 #include <unistd.h>
 
 #include <filesystem>

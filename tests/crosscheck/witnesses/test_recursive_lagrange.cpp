@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lagrange's equations link by link: known answers, the other witnesses over the field, and
 // mistakes.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE recursive_lagrange
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 
 #include <algorithm>
