@@ -89,11 +89,27 @@ std::vector<CheckResult> compareWitnesses(const PreparedScene& scene,
   return results;
 }
 
+namespace {
+
+/// Witnesses whose answers of this quantity are not within their bounds of the certified truth.
+std::vector<std::string> offTheTruth(const std::string& quantity,
+                                     const std::vector<CheckResult>& checks) {
+  std::vector<std::string> off;
+  for (const CheckResult& check : checks)
+    if (check.kind == CheckKind::kTruth && check.quantity == quantity &&
+        check.verdict == Verdict::kDisagree)
+      off.push_back(check.left);
+  return off;
+}
+
+}  // namespace
+
 std::vector<Finding> findOutliers(const std::string& scene_name,
                                   const std::vector<CheckResult>& checks) {
   std::vector<std::string> quantities;  // in dispute, in order
   for (const CheckResult& check : checks)
-    if (check.kind == CheckKind::kSame && check.verdict == Verdict::kDisagree &&
+    if ((check.kind == CheckKind::kSame || check.kind == CheckKind::kTruth) &&
+        check.verdict == Verdict::kDisagree &&
         std::count(quantities.begin(), quantities.end(), check.quantity) == 0)
       quantities.push_back(check.quantity);
 
@@ -124,6 +140,15 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
     finding.scene = scene_name;
     finding.quantity = quantity;
     finding.witness = outlier.value_or("");
+    // pairs have the sum of two limits: the truth condemns where they do not, and decides between two
+    if (const std::vector<std::string> off = offTheTruth(quantity, checks);
+        !outlier && !off.empty()) {
+      if (off.size() == 1) finding.witness = off.front();
+      finding.text = fmt::format("{}: {}: {} {} off the certified truth", scene_name, quantity,
+                                 fmt::join(off, ", "), off.size() == 1 ? "alone is" : "are");
+      findings.push_back(finding);
+      continue;
+    }
     finding.text = outlier ? fmt::format("{}: {}: {} stands alone; {} agree with each other",
                                          scene_name, quantity, *outlier, others)
                            : fmt::format("{}: {}: {} disagree, and no single one stands alone",

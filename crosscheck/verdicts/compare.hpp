@@ -19,7 +19,7 @@ std::vector<CheckResult> compareWitnesses(const PreparedScene& scene,
                                           const Options& options);
 
 /// Who stands alone: for each quantity in dispute, the witness that disagrees with all others while
-/// these agree.
+/// these agree; where none does, who is off the certified truth.
 std::vector<Finding> findOutliers(const std::string& scene_name,
                                   const std::vector<CheckResult>& checks);
 

@@ -180,6 +180,8 @@ std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks) {
 std::optional<double> CheckResult::limitOverSeen() const {
   if (unit != Unit::kUlp || verdict == Verdict::kNotAnswerable || !std::isfinite(seen))
     return std::nullopt;
+  // without an error and without room for one: both sides are the same numbers
+  if (seen == 0 && !(loosest > std::numeric_limits<double>::min())) return std::nullopt;
   return loosest / std::max(seen, ulp());
 }
 

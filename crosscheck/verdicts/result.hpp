@@ -136,7 +136,7 @@ struct CheckResult {
   /** How much wider the loosest limit is than the largest residual: what the check can miss,
       counted in what it sees. Less than one ulp of the largest entry of all states cannot be
       expected of any computation in double, so a smaller residual counts as one. Empty where
-      nothing is counted in ulp. */
+      nothing is counted in ulp, and where both sides are the same numbers. */
   std::optional<double> limitOverSeen() const;
   /// One ulp of `largest`; of 1 where everything is zero.
   double ulp() const;

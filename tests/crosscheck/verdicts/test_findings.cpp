@@ -141,6 +141,30 @@ BOOST_AUTO_TEST_CASE(identities_and_tables_do_not_vote) {
   BOOST_TEST(findings[0].witness == "c");
 }
 
+// The certified truth decides where pairs, with the sum of two limits, do not.
+BOOST_AUTO_TEST_CASE(who_is_off_the_truth_is_named) {
+  const auto truth = [](const std::string& witness, Verdict verdict) {
+    CheckResult check;
+    check.kind = CheckKind::kTruth;
+    check.quantity = "kinetic";
+    check.left = witness;
+    check.verdict = verdict;
+    return check;
+  };
+  for (const double other : {1.0, 9.0}) {  // in no dispute with the other, and in one
+    std::vector<CheckResult> checks = compared({saying("a", 1), saying("b", other)});
+    checks.push_back(truth("a", Verdict::kAgree));
+    checks.push_back(truth("b", Verdict::kDisagree));
+    const auto findings = findOutliers("test_scene", checks);
+    BOOST_REQUIRE(findings.size() == 1u);
+    BOOST_TEST(findings[0].witness == "b");
+    BOOST_TEST(findings[0].text == "test_scene: kinetic: b alone is off the certified truth");
+    checks.push_back(truth("c", Verdict::kDisagree));
+    BOOST_TEST(findOutliers("test_scene", checks)[0].text ==
+               "test_scene: kinetic: b, c are off the certified truth");
+  }
+}
+
 BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(bad_input)
