@@ -22,7 +22,7 @@ if [[ -z $linter || -z $compiler ]]; then
 fi
 
 # how a file is compiled, as clang++ is told
-CXXFLAGS='' cmake -S . -B "$build/lint" -D CMAKE_BUILD_TYPE=Release -D CMAKE_CXX_COMPILER="$compiler" \
+CXXFLAGS='' cmake --fresh -S . -B "$build/lint" -D CMAKE_BUILD_TYPE=Release -D CMAKE_CXX_COMPILER="$compiler" \
   -D CMAKE_DISABLE_PRECOMPILE_HEADERS=ON >"$build/lint.log" 2>&1 || { tail -n 20 "$build/lint.log"; exit 1; }
 status=0
 lint() { printf '%s\0' "$@" | xargs -0 -n 1 -P "$(nproc)" "$linter" --quiet -p "$build/lint" \
