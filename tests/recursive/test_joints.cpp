@@ -18,6 +18,7 @@
 #include "recursive/projection.hpp"
 #include "symbolic/derivation.hpp"
 #include "tests/fixtures/fixtures.hpp"
+#include "tests/fixtures/planted.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
@@ -397,8 +398,7 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(planted_errors)
 
-template <typename Change>
-void requireFound(const scene::Scene& scene, Change change) {
+void requireFound(const scene::Scene& scene, const fixtures::Planted<recursive::Model>& change) {
   const std::vector<ExactWitness> honest = exactWitnesses(scene, Parameters::kAsWritten);
   int found = 0;
   for (const CheckResult& check :

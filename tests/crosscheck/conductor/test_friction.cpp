@@ -22,6 +22,7 @@
 #include "symbolic/derivation.hpp"
 #include "symbolic/program.hpp"
 #include "tests/fixtures/fixtures.hpp"
+#include "tests/fixtures/planted.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::fixtures;
@@ -184,8 +185,8 @@ BOOST_AUTO_TEST_SUITE(planted_faults)
 
 namespace {
 
-template <typename Algorithm, typename Change>
-int disagreeing(const std::string& friction, Change change) {
+template <typename Algorithm>
+int disagreeing(const std::string& friction, const fixtures::Planted<recursive::Model>& change) {
   const scene::Scene scene = pendulum(friction);
   std::vector<ExactWitness> witnesses =
       exactWitnesses(scene, Parameters::kAsWritten, selectWitnesses({"lagrange"}));

@@ -13,6 +13,7 @@
 #include "crosscheck/witnesses/witness.hpp"
 #include "recursive/reactions.hpp"
 #include "tests/fixtures/fixtures.hpp"
+#include "tests/fixtures/planted.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::fixtures;
@@ -201,8 +202,8 @@ BOOST_AUTO_TEST_SUITE(planted_faults)
 
 namespace {
 
-template <typename Algorithm, typename Change>
-int disagreeing(Change change) {
+template <typename Algorithm>
+int disagreeing(const fixtures::Planted<recursive::Model>& change) {
   const scene::Scene scene = arm();
   std::vector<ExactWitness> witnesses =
       exactWitnesses(scene, Parameters::kAsWritten, selectWitnesses({"lagrange"}));

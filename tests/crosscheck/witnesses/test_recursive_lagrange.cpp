@@ -15,6 +15,7 @@
 
 #include "crosscheck/exact/exact.hpp"
 #include "tests/fixtures/fixtures.hpp"
+#include "tests/fixtures/planted.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
@@ -48,8 +49,8 @@ scene::Mechanism hanging(const Q& g) {
 }
 
 /// The exact comparisons of recursive_lagrange, changed, with the other witnesses.
-template <typename Change>
-std::vector<CheckResult> compared(const scene::Scene& scene, Parameters parameters, Change change) {
+std::vector<CheckResult> compared(const scene::Scene& scene, Parameters parameters,
+                                  const fixtures::Planted<HomogeneousModel>& change) {
   ExactOptions options;
   options.parameters = parameters;
   std::vector<ExactWitness> witnesses = exactWitnesses(
