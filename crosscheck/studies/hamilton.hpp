@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -83,7 +84,8 @@ struct Residual {
   double worst = 0, terms = 0;  ///< largest magnitude anywhere; of the terms that it is left of
 
   void add(double difference, bool is_shared) {
-    worst = std::max(worst, std::abs(difference));
+    worst = std::isfinite(difference) ? std::max(worst, std::abs(difference))
+                                      : std::numeric_limits<double>::infinity();
     if (is_shared) at.push_back(difference);
   }
 };
