@@ -713,9 +713,7 @@ void requireMotionAtStart(const Problem& problem) {
     if (std::isfinite(left)) break;
   }
   double passed = duration / 2;
-  while (duration / passed < kMostSteps &&
-         std::isfinite(leavesNumbers(problem, passed, kMostSteps / 2)))
-    passed /= 2;
+  while (std::isfinite(leavesNumbers(problem, passed, kMostSteps / 2))) passed /= 2;
   throw scene::InputError(
       {}, fmt::format("duration is {} s: {} steps of {:.3g} s leave the numbers at t = {:.6g} s, "
                       "these steps do not resolve the motion; allowed: a shorter duration; of its "

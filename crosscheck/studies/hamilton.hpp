@@ -72,8 +72,11 @@ struct Action {
 
     (3) knows T and V alone, (2) the articulated-body sweep alone.
 
+    What the steps or the rounding of the place leave undecided is not answerable.
+
     @throws scene::InputError  closures or springs between points, wrong sizes, duration not
-                               positive
+                               positive, velocities whose squares have no digits, a start that has
+                               no qdd, a motion that leaves the numbers in the shortest steps
     @see C. Lanczos, The Variational Principles of Mechanics (1970), chapter V;
          I. Gelfand, S. Fomin, Calculus of Variations (1963), sections 24 to 29 */
 Action measureAction(const scene::Scene& scene, const ActionOptions& options);
