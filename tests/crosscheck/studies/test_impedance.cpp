@@ -161,4 +161,13 @@ BOOST_AUTO_TEST_CASE(bad_questions_are_refused) {
   options.joint_compliance = {1};
   BOOST_CHECK_THROW(impedanceAt(scene, options), scene::InputError);
   BOOST_CHECK_THROW(impedanceAt(scene::findScene("bricard"), {}), scene::InputError);
+  // whose products are no normal numbers: limits would let everything pass
+  ImpedanceOptions tiny[5];
+  tiny[0].stiffness[0] = 1e-320;
+  tiny[1].damping[1] = -1e-200;
+  tiny[2].stretch[2] = 1e-308;
+  tiny[3].joint_compliance = {1, 1e-320};
+  tiny[4].at[0] = 1e-150;
+  for (const ImpedanceOptions& given : tiny)
+    BOOST_CHECK_THROW(impedanceAt(scene, given), scene::InputError);
 }

@@ -203,3 +203,28 @@ BOOST_AUTO_TEST_CASE(bad_questions_are_refused) {
   options.restitution = 2;
   BOOST_CHECK_THROW(strike(scene, options), scene::InputError);
 }
+
+// Squares of these are no normal numbers: their limits would let everything pass.
+BOOST_DATA_TEST_CASE(an_impulse_whose_square_has_no_digits_is_refused,
+                     data::make({1e-320, 1e-308, -1e-200, 1e-150, 1e150}), size) {
+  const scene::Scene scene = scene::findScene("acrobot");
+  ImpulseOptions given[5];
+  given[0].force = {size, 0, 0};
+  given[1].moment = {1, size, 0};
+  given[2].joints = {0, size};
+  given[3].qd = {size, 1};
+  given[4].at = {0, 0, size};
+  for (const ImpulseOptions& options : given)
+    BOOST_CHECK_THROW(strike(scene, options), scene::InputError);
+}
+BOOST_DATA_TEST_CASE(an_impulse_whose_square_has_digits_is_judged,
+                     data::make({1e-140, 1e-50, 1e50, 1e140}), size) {
+  ImpulseOptions options;
+  options.force = {size, 0, 0};
+  for (const CheckResult& check : strike(scene::findScene("acrobot"), options).checks) {
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.check << check.reason);
+    // a limit that bites: far below what it judges, unless that is 0
+    if (check.largest > 0 && check.check != "impulses through joints")
+      BOOST_TEST(check.loosest < 1e-9 * check.largest, check.check);
+  }
+}
