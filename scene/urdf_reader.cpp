@@ -10,13 +10,20 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <unordered_map>
 
+#include <fmt/format.h>
+
 #include "scene/arrange.hpp"
+#include "scene/impossible_inertia.hpp"
+#include "scene/mimic.hpp"
 #include "scene/scene.hpp"
+#include "scene/urdf.hpp"
 
 namespace dynwitness::scene {
 namespace {
@@ -278,6 +285,56 @@ std::string notModelled(const Element& element) {
   return "joint " + element.attribute("name") + ": " + said + " not modelled";
 }
 
+/// A box, cylinder or sphere of water, in link axes; nothing for a mesh.
+std::optional<MassProperties> solidOf(const Element& collision) {
+  const std::optional<Element> geometry = collision.child("geometry");
+  if (!geometry) return {};
+  MassProperties m;
+  if (const std::optional<Element> origin = collision.child("origin")) {
+    m.com = origin->optionalVector("xyz");
+    m.rpy = origin->optionalAngles("rpy");
+  }
+  const auto put = [&m](const std::string& mass, const std::string& xx, const std::string& yy,
+                        const std::string& zz) {
+    const auto number = [](const std::string& text) { return Expression::parse(text); };
+    m.mass = number(mass);
+    m.xx = number(fmt::format("{}*({})", mass, xx));
+    m.yy = number(fmt::format("{}*({})", mass, yy));
+    m.zz = number(fmt::format("{}*({})", mass, zz));
+    return m;
+  };
+  const auto square = [](const Number& n) { return fmt::format("({})^2", n.text()); };
+  if (const std::optional<Element> box = geometry->child("box")) {
+    const Vector v = box->optionalVector("size");
+    const std::string x = square(v[0]), y = square(v[1]), z = square(v[2]);
+    return put(fmt::format("1000*({})*({})*({})", v[0].text(), v[1].text(), v[2].text()),
+               fmt::format("({} + {})/12", y, z), fmt::format("({} + {})/12", x, z),
+               fmt::format("({} + {})/12", x, y));
+  }
+  if (const std::optional<Element> cylinder = geometry->child("cylinder")) {
+    const Number length = cylinder->number("length");
+    const std::string r = square(cylinder->number("radius"));
+    const std::string across = fmt::format("{}/4 + {}/12", r, square(length));
+    return put(fmt::format("1000*pi*{}*({})", r, length.text()), across, across, r + "/2");
+  }
+  if (const std::optional<Element> sphere = geometry->child("sphere")) {
+    const Number radius = sphere->number("radius");
+    const std::string moment = fmt::format("2*{}/5", square(radius));
+    return put(fmt::format("4000*pi*({})^3/3", radius.text()), moment, moment, moment);
+  }
+  return {};
+}
+
+/// What the file says about a link beside the scene.
+UrdfPart partOf(const Element& link) {
+  UrdfPart part;
+  part.has_inertial = link.child("inertial").has_value();
+  for (const Element& collision : link.children("collision"))
+    if (const std::optional<MassProperties> solid = solidOf(collision))
+      part.solids.push_back(*solid);
+  return part;
+}
+
 /** A rotor stands in <transmission><actuator> as Drake writes it: <drake:rotor_inertia value> and
     <drake:gear_ratio value>, for which <mechanicalReduction> stands in. A reduction without an
     inertia moves nothing, and what else speaks of inertia is not known; both are told. */
@@ -367,7 +424,7 @@ void requireValidUrdf(const std::string& text, const std::string& file) {
 
 }  // namespace
 
-Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) {
+Urdf readUrdfAsWritten(const std::string& text, const std::filesystem::path& file) {
   const std::string name = file.string();
   requireShallow(text, name);
   TiXmlDocument document;
@@ -382,8 +439,13 @@ Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) 
                                              ">, allowed: <robot>");
   }
   const Element robot(top, name);
+  for (const Element& element : robot.children())
+    if (element.kind().compare(0, 6, "xacro:") == 0)
+      element.fail("the file is in xacro, which writes URDF, allowed: what it writes (xacro " +
+                   name + " > robot.urdf)");
 
-  Scene scene;
+  Urdf urdf;
+  Scene& scene = urdf.scene;
   scene.file = file;
   scene.name = file.stem().string();
   scene.title = robot.attribute("name");
@@ -392,8 +454,10 @@ Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) 
   std::vector<NamedLink> links;
   std::unordered_map<std::string, std::size_t> index;
   bool has_limits = false;
+  std::unordered_map<std::string, UrdfPart> parts;
   for (const Element& element : robot.children("link")) {
     links.push_back({readLink(element), {}, {}});
+    parts.emplace(links.back().link.name, partOf(element));
     index.emplace(links.back().link.name, links.size() - 1);
   }
   for (const Element& element : robot.children("joint")) {
@@ -415,7 +479,12 @@ Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) 
     found->parent_where = parent.where();
     const std::string left_out = notModelled(element);
     if (!left_out.empty()) scene.not_modelled.push_back(left_out);
-    has_limits = has_limits || element.child("limit");
+    const std::optional<Element> limit = element.child("limit");
+    has_limits = has_limits || limit;
+    if (!limit || element.attribute("type") == "continuous") continue;
+    parts[child_name].limits =
+        UrdfPart::Limits{limit->optionalNumber("lower"), limit->optionalNumber("upper"),
+                         limit->optionalNumber("effort"), limit->optionalNumber("velocity")};
   }
   for (const Element& element : robot.children("transmission"))
     readTransmission(element, links, &scene.not_modelled);
@@ -430,8 +499,118 @@ Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) 
   scene.start_qd.resize(static_cast<std::size_t>(mechanism.dof()));
 
   requireValidUrdf(text, name);
+  requireUniqueNames(mechanism.links);
+  followers(mechanism);  // refuses those that follow nobody
+  for (const Link& link : mechanism.links) urdf.parts.push_back(std::move(parts[link.name]));
+  return urdf;
+}
+
+Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) {
+  Scene scene = readUrdfAsWritten(text, file).scene;
   validate(scene);
   return scene;
+}
+
+std::string urdfWithoutShapes(const std::string& text) {
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  TiXmlElement* robot = document.RootElement();
+  if (document.Error() || !robot) return text;
+  for (TiXmlElement* link = robot->FirstChildElement("link"); link;
+       link = link->NextSiblingElement("link"))
+    for (const char* shape : {"visual", "collision"})
+      while (TiXmlElement* found = link->FirstChildElement(shape)) link->RemoveChild(found);
+  TiXmlPrinter printer;
+  document.Accept(&printer);
+  return printer.Str();
+}
+
+std::string urdfWithLimits(const std::string& text,
+                           const std::map<std::string, UrdfPart::Limits>& limits) {
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  TiXmlElement* robot = document.RootElement();
+  if (document.Error() || !robot) return text;
+  for (TiXmlElement* joint = robot->FirstChildElement("joint"); joint;
+       joint = joint->NextSiblingElement("joint")) {
+    const auto found = limits.find(joint->Attribute("name"));
+    if (found == limits.end()) continue;
+    if (joint->Attribute("type") == std::string("continuous"))
+      joint->SetAttribute("type", "revolute");
+    while (TiXmlElement* old = joint->FirstChildElement("limit")) joint->RemoveChild(old);
+    TiXmlElement limit("limit");
+    const UrdfPart::Limits& l = found->second;
+    limit.SetAttribute("lower", l.lower.text());
+    limit.SetAttribute("upper", l.upper.text());
+    limit.SetAttribute("effort", l.effort.text());
+    limit.SetAttribute("velocity", l.velocity.text());
+    joint->InsertEndChild(limit);
+  }
+  TiXmlPrinter printer;
+  printer.SetIndent("  ");
+  document.Accept(&printer);
+  return printer.Str();
+}
+
+std::string mendedUrdf(const std::string& text, const std::filesystem::path& file,
+                       std::vector<std::string>* changes) {
+  const Urdf urdf = readUrdfAsWritten(text, file);
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  std::unordered_map<std::string, const Link*> links;
+  for (const Link& link : urdf.scene.mechanism.links) links.emplace(link.name, &link);
+  const auto exactly = [](const Number& n) { return exactValue(n, {}).approximation(); };
+  for (TiXmlElement* xml = document.RootElement()->FirstChildElement("link"); xml;
+       xml = xml->NextSiblingElement("link")) {
+    const Link& link = *links.at(xml->Attribute("name"));
+    const MassProperties& m = link.inertia;
+    const std::array<const Number*, 6> numbers = {&m.xx, &m.yy, &m.zz, &m.xy, &m.xz, &m.yz};
+    std::array<double, 6> given;
+    bool has_inertia = false;
+    for (std::size_t k = 0; k < 6; ++k) {
+      given[k] = exactValue(*numbers[k], {}).toDouble();
+      has_inertia = has_inertia || given[k] != 0;
+    }
+    if (const Rational mass = exactly(m.mass); mass < 0 || (mass == 0 && has_inertia))
+      throw InputError(link.where, "link \"" + link.name + "\": mass is " + m.mass.text() +
+                                       " kg, which no inertia mends, allowed: above zero");
+    const auto isPossible = [](const std::array<Rational, 6>& I) {
+      bool ignored = false;
+      return isRealizable({{{I[0], I[3], I[4]}, {I[3], I[1], I[5]}, {I[4], I[5], I[2]}}}, 0,
+                          &ignored);
+    };
+    std::array<Rational, 6> tried;
+    for (std::size_t k = 0; k < 6; ++k) tried[k] = exactly(*numbers[k]);
+    if (isPossible(tried)) continue;
+    const std::array<double, 6> near = nearestPossible(given);
+    const double unit =
+        std::max({near[0], near[1], near[2]}) * std::numeric_limits<double>::epsilon();
+    std::array<std::string, 6> printed;
+    for (double added = 0; !isPossible(tried); added = added == 0 ? unit : 2 * added)
+      for (std::size_t k = 0; k < 6; ++k) {
+        printed[k] = fmt::format("{:.17g}", near[k] + (k < 3 ? added : 0));
+        tried[k] = exactly(Expression::parse(printed[k]));
+      }
+    TiXmlElement* inertial = xml->FirstChildElement("inertial");
+    TiXmlElement* inertia = inertial->FirstChildElement("inertia");
+    std::string before, after;
+    const char* const keys[] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+    for (std::size_t k = 0; k < 6; ++k) {
+      before += fmt::format("{}{}={}", k == 0 ? "" : " ", keys[k], inertia->Attribute(keys[k]));
+      after += fmt::format("{}{}={}", k == 0 ? "" : " ", keys[k], printed[k]);
+      inertia->SetAttribute(keys[k], printed[k]);
+    }
+    TiXmlComment comment;
+    comment.SetValue(" mended by dynwitness: no body has " + before +
+                     "; the nearest possible inertia (pseudo-inertia matrix, Frobenius norm) ");
+    inertial->InsertBeforeChild(inertia, comment);
+    changes->push_back(fmt::format("{}: link \"{}\": {} instead of {}", link.where.text(),
+                                   link.name, after, before));
+  }
+  TiXmlPrinter printer;
+  printer.SetIndent("  ");
+  document.Accept(&printer);
+  return printer.Str();
 }
 
 }  // namespace dynwitness::scene

@@ -7,9 +7,11 @@
 // below 1e-60, and the border gets a slack of 1e-40.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <initializer_list>
 #include <limits>
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -17,55 +19,14 @@
 #include <Eigen/Geometry>
 
 #include "scene/arrange.hpp"
+#include "scene/impossible_inertia.hpp"
 #include "scene/mimic.hpp"
 #include "scene/motion.hpp"
 #include "scene/scene.hpp"
+#include "scene/urdf.hpp"
 
 namespace dynwitness::scene {
 namespace {
-
-using RationalVector = std::array<Rational, 3>;
-using RationalMatrix = std::array<RationalVector, 3>;
-
-// ------------------------------------------------------------------- linear algebra in rationals
-
-Rational dot(const RationalVector& a, const RationalVector& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-RationalVector cross(const RationalVector& a, const RationalVector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-RationalVector operator*(const RationalMatrix& m, const RationalVector& v) {
-  return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
-}
-
-RationalMatrix transpose(const RationalMatrix& m) {
-  RationalMatrix t;
-  for (std::size_t i = 0; i < 3; ++i) t[i] = {m[0][i], m[1][i], m[2][i]};
-  return t;
-}
-
-RationalMatrix operator*(const RationalMatrix& a, const RationalMatrix& b) {
-  const RationalMatrix columns = transpose(b);
-  RationalMatrix product;
-  for (std::size_t i = 0; i < 3; ++i) product[i] = columns * a[i];
-  return product;
-}
-
-RationalMatrix identity() {
-  return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-}
-
-/// Whether a symmetric matrix has no negative eigenvalue: all seven principal minors are >= 0.
-bool isPositiveSemidefinite(const RationalMatrix& m) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t j = (i + 1) % 3;
-    if (m[i][i] < 0 || m[i][i] * m[j][j] < m[i][j] * m[j][i]) return false;
-  }
-  return dot(m[0], cross(m[1], m[2])) >= 0;
-}
 
 /** The number itself while it is short; of a long one its first 256 bits, and *is_exact is false
     then. Sums and products over many links grow by the denominators of all: without this a row of
@@ -133,6 +94,8 @@ SineAndCosine sineAndCosine(const Exact& angle) {
   return {s, c, rest.isZero()};
 }
 
+using scene::operator*;  // which Frame's own would hide
+
 /// A frame seen from another one: x = R x' + p.
 struct Frame {
   RationalMatrix R = identity();
@@ -169,10 +132,9 @@ class Validator {
     requireUniqueNames(mechanism_.links);
     values_ = mechanism_.parameterValues();
     requireValues();
-    for (const Link& link : mechanism_.links) {
-      bodies_.push_back(body(link));
+    requireBodies();
+    for (const Link& link : mechanism_.links)
       if (link.parent >= 0) requireJoint(link);
-    }
     requireCarriers();
     requireStart();
     requireInertiaOutboard();
@@ -187,6 +149,8 @@ class Validator {
     }
     for (const Spring& spring : mechanism_.springs) requireSpring(spring);
   }
+
+  std::vector<std::string> impossibleInertias();
 
  private:
   [[noreturn]] static void failLink(const Link& link, const std::string& what) {
@@ -206,6 +170,7 @@ class Validator {
 
   void requireTree();
   void requireValues() const;
+  void requireBodies();
   void requireJoint(const Link& link);
   void requireCarriers();
   void requireStart() const;
@@ -223,9 +188,10 @@ class Validator {
   }
   Frame frame(const std::vector<Step>& steps);
   RationalMatrix turnOf(const Vector& rpy);
-  static void requireRealizable(const Link& link, const RationalMatrix& inertia,
-                                const Rational& allowance);
   Body body(const Link& link);
+  std::string impossible(const Link& link, const RationalMatrix& given, const RationalMatrix& R,
+                         const Rational& allowance);
+  double sizeOfRobot();
   Rational slack(const Rational& scale) const;
   std::vector<Twist> motionsOf(const Joint& joint);
   bool surelyMovesInertia(std::size_t leaf);
@@ -238,7 +204,9 @@ class Validator {
   std::vector<Body> bodies_;
   std::vector<int> first_child_, next_child_;  ///< of each link; -1: none
   std::vector<int> carriers_;  ///< of each link the link that moves it; 0, the root: none does
-  bool is_exact_ = true;       ///< no rounding in the decision that is being made
+  std::vector<std::pair<const Link*, std::string>> complaints_;  ///< about inertias
+  std::optional<double> size_;
+  bool is_exact_ = true;  ///< no rounding in the decision that is being made
 };
 
 void Validator::requireTree() {
@@ -341,39 +309,55 @@ Rational Validator::slack(const Rational& scale) const {
   return is_exact_ ? Rational(0) : scale / boost::multiprecision::pow(Integer(10), 40);
 }
 
-/** Some distribution of mass has this inertia about its centre: I >= 0 and J = tr(I)/2 1 - I >= 0.
-    J is the triangle inequality: its eigenvalues are half of two moments less the third. */
-bool isRealizable(const RationalMatrix& inertia, const Rational& allowance, bool* is_positive) {
-  const Rational trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
-  RationalMatrix I = inertia, J = inertia;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (Rational& element : J[i]) element = -element;
-    J[i][i] += trace / 2 + allowance;
-    I[i][i] += allowance;
+/// The longest lever: from a link to a joint on it or to its centre of mass [m].
+double Validator::sizeOfRobot() {
+  if (size_) return *size_;
+  size_ = 0;
+  const auto number = [this](const Number& n) { return exactValue(n, values_, file_).toDouble(); };
+  for (const Link& link : mechanism_.links) {
+    const Placement& p = link.joint.placement;
+    for (const Vector& v : {link.inertia.com, p.xyz, {p.a, p.d, Number(0)}})
+      size_ = std::max(*size_, std::hypot(number(v[0]), number(v[1]), number(v[2])));
   }
-  *is_positive = isPositiveSemidefinite(I);
-  return *is_positive && isPositiveSemidefinite(J);
+  return *size_;
 }
 
-void Validator::requireRealizable(const Link& link, const RationalMatrix& inertia,
-                                  const Rational& allowance) {
-  bool is_positive = false;
-  if (isRealizable(inertia, allowance, &is_positive)) return;
-  Eigen::Matrix3d rounded;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
-      rounded(i, j) = Exact{inertia[row][column], 0}.toDouble();
-    }
-  }
-  const Eigen::Vector3d moments = rounded.selfadjointView<Eigen::Lower>().eigenvalues();
-  failLink(link,
-           fmt::format("principal moments of inertia about the centre of mass are {:.6g}, {:.6g}, "
-                       "{:.6g} kg m^2, {}",
-                       moments[0], moments[1], moments[2],
-                       is_positive ? "which breaks the triangle inequality, allowed: none greater "
-                                     "than the sum of the other two"
-                                   : "which is not positive semidefinite, allowed: zero or more"));
+/// What is wrong with an inertia, by how much, and what it may have been meant as; empty: nothing.
+std::string Validator::impossible(const Link& link, const RationalMatrix& given,
+                                  const RationalMatrix& R, const Rational& allowance) {
+  WrittenInertia written{link.inertia, given, {}, value(link.inertia.mass), allowance};
+  const RationalVector c = transpose(R) * vector(link.inertia.com);
+  const Rational c2 = dot(c, c);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      written.shift[i][j] = written.mass * ((i == j ? c2 : Rational(0)) - c[i] * c[j]);
+  const std::string what = impossibility(written);
+  if (what.empty()) return "";
+  const std::string reason = likelyReason(written, sizeOfRobot());
+  return what + (reason.empty() ? "" : "; likely: " + reason);
+}
+
+std::vector<std::string> Validator::impossibleInertias() {
+  values_ = mechanism_.parameterValues();
+  for (const Link& link : mechanism_.links) bodies_.push_back(body(link));
+  std::vector<std::string> out;
+  for (const auto& [link, what] : complaints_)
+    out.push_back(fmt::format("{}: link \"{}\": {}", link->where.text(), link->name, what));
+  return out;
+}
+
+/// All links at once: a file with one impossible inertia tends to have many.
+void Validator::requireBodies() {
+  for (const Link& link : mechanism_.links) bodies_.push_back(body(link));
+  if (complaints_.empty()) return;
+  std::string all;
+  for (const auto& [link, what] : complaints_)
+    all += (all.empty() ? "" : "\n" + link->where.text() + ": ") + "link \"" + link->name +
+           "\": " + what;
+  if (complaints_.size() > 1)
+    all += fmt::format("\n{}: {} of {} links have an inertia that no body has", file_.text(),
+                       complaints_.size(), mechanism_.links.size());
+  throw InputError(complaints_.front().first->where, all);
 }
 
 Body Validator::body(const Link& link) {
@@ -382,37 +366,42 @@ Body Validator::body(const Link& link) {
   Body b{value(given.mass), vector(given.com), {}, true};
   const Rational xx = value(given.xx), yy = value(given.yy), zz = value(given.zz);
   const Rational xy = value(given.xy), xz = value(given.xz), yz = value(given.yz);
-  if (b.mass < 0) {
-    failLink(link, fmt::format("mass is {} kg, allowed: zero or more",
-                               exactValue(given.mass, values_).toDouble()));
-  }
+  const auto complain = [&](const std::string& what) {
+    if (!what.empty()) complaints_.emplace_back(&link, what);
+  };
+  if (b.mass < 0)
+    complain(fmt::format("mass is {} kg, allowed: zero or more",
+                         exactValue(given.mass, values_).toDouble()));
   const bool has_inertia = xx != 0 || yy != 0 || zz != 0 || xy != 0 || xz != 0 || yz != 0;
-  if (b.mass == 0 && has_inertia) {
-    failLink(link,
-             "has inertia but no mass, allowed: a mass with it, or the rotor_inertia of a "
-             "joint");
-  }
+  if (b.mass == 0 && has_inertia)
+    complain(
+        "has inertia but no mass, allowed: a mass with it, or the rotor_inertia of a "
+        "joint");
 
   b.inertia = {{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
-  if (!has_inertia && given.about == MassProperties::About::kCenterOfMass) {
+  if (b.mass < 0 || (b.mass == 0 && has_inertia) ||
+      (!has_inertia && given.about == MassProperties::About::kCenterOfMass)) {
     b.is_exact = is_exact_;
     return b;
   }
-  const Rational c2 = dot(b.com, b.com);
-  if (given.about == MassProperties::About::kCenterOfMass) {
-    requireRealizable(link, b.inertia, slack(abs(xx) + abs(yy) + abs(zz)));  // in any axes
-  }
+  const bool about_origin = given.about == MassProperties::About::kLinkOrigin;
+  const RationalMatrix as_written = b.inertia;
+  Rational size = abs(xx) + abs(yy) + abs(zz);
+  const Rational exactly = slack(size);  // about the centre of mass in any axes: without the turn
   const RationalMatrix R = turnOf(given.rpy);
   b.inertia = R * b.inertia * transpose(R);
-  if (given.about == MassProperties::About::kLinkOrigin) {  // I_com = I_o - m (c.c 1 - c c')
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t j = 0; j < 3; ++j) {
+  if (about_origin) {  // I_com = I_o - m (c.c 1 - c c')
+    const Rational c2 = dot(b.com, b.com);
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
         b.inertia[i][j] -= b.mass * ((i == j ? c2 : Rational(0)) - b.com[i] * b.com[j]);
-      }
-    }
-    requireRealizable(link, b.inertia, slack(abs(xx) + abs(yy) + abs(zz) + b.mass * c2));
+    size += b.mass * c2;
   }
   b.is_exact = is_exact_;
+  bool ignored = false;
+  if (!isRealizable(about_origin ? b.inertia : as_written, about_origin ? slack(size) : exactly,
+                    &ignored))
+    complain(impossible(link, as_written, R, about_origin ? slack(size) : exactly));
   return b;
 }
 
@@ -771,6 +760,10 @@ void Validator::requireSpring(const Spring& spring) const {
 }
 
 }  // namespace
+
+std::vector<std::string> impossibleInertias(const Scene& scene) {
+  return Validator(scene).impossibleInertias();
+}
 
 void validate(const Scene& scene) {
   Validator(scene).run();

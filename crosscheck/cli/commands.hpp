@@ -26,6 +26,8 @@ Run addChart(CLI::App& app);
 Run addGrowth(CLI::App& app);
 Run addAudit(CLI::App& app);
 Run addParameters(CLI::App& app);
+Run addReaders(CLI::App& app);
+Run addSame(CLI::App& app);
 Run addGeometry(CLI::App& app);
 Run addAction(CLI::App& app);
 Run addImpulse(CLI::App& app);

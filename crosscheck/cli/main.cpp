@@ -14,6 +14,8 @@ int main(int argc, char** argv) {
                 {"simulate", addSimulate},
                 {"rotors", addRotors},
                 {"parameters", addParameters},
+                {"readers", addReaders},
+                {"same", addSame},
                 {"geometry", addGeometry},
                 {"action", addAction},
                 {"impulse", addImpulse},

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness same: whether two descriptions are the same robot.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/readers/same.hpp"
+#include "crosscheck/system/files.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+struct Arguments {
+  std::string a, b, json;
+  int states = 20;
+  std::uint64_t seed = 1;
+};
+
+int run(const Arguments& arguments) {
+  crosscheck::requireWritableFile(arguments.json);
+  const crosscheck::SameResult result = crosscheck::compareDescriptions(
+      crosscheck::findDescription(arguments.a), crosscheck::findDescription(arguments.b),
+      arguments.states, arguments.seed);
+  fmt::print("{}", crosscheck::sameText(result));
+  if (!arguments.json.empty())
+    crosscheck::writeWholeFile(arguments.json, crosscheck::sameJson(result, DYNWITNESS_VERSION));
+  return result.isSame() ? 0 : 1;
+}
+
+}  // namespace
+
+Run addSame(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("same", "Whether two descriptions are the same robot");
+  command->add_option("a", arguments->a, "Scene, TOML or URDF file")->required();
+  command->add_option("b", arguments->b, "The other one")->required();
+  command->add_option("--states", arguments->states, "Seeded states for what a difference does")
+      ->check(whole(1, 10000))
+      ->capture_default_str();
+  command->add_option("--seed", arguments->seed, "Seed of points and states")
+      ->check(seed())
+      ->capture_default_str();
+  command->add_option("--json", arguments->json, "Write the result to this file");
+  command->footer(
+      "Examples:\n"
+      "  dynwitness same my_arm.urdf my_arm.toml\n"
+      "  dynwitness same old.urdf new.urdf --json same.json\n"
+      "Joints are matched by name, or by structure where names differ; link frames, order and fixed "
+      "links may\n"
+      "differ. Exit status: 0 the same robot; 1 different ones; 2 bad usage or input.");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli

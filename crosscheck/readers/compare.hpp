@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What readers make of a file, against what it says.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "crosscheck/readers/reader.hpp"
+#include "crosscheck/readers/rules.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// What a change of one number of a robot does, at the worst of the seeded states.
+struct Effect {
+  double M_percent = 0;  ///< of a diagonal entry of M
+  double g = 0;          ///< [N m], [N]
+};
+Effect effectOf(const Robot& robot, const Robot& changed, int states, std::uint64_t seed);
+
+/// Something that a reader has otherwise.
+struct Finding {
+  std::string link;
+  std::string quantity;  ///< "inertia", "axis", "damping", ...
+  std::string rule;      ///< the mistake that gives exactly what was read; empty: none is known
+  std::string ours, theirs;
+  scene::SourceLocation where;
+  bool has_effect = false;
+  Effect effect = {};
+};
+
+struct ReaderResult {
+  std::string name, version;
+  bool present = true;
+  std::string refusal;
+  std::vector<std::string> told;
+  std::vector<Finding> findings;
+  std::string
+      remedy;  ///< tried: with it the reader has the robot of the file; empty: none is known
+
+  bool hasRead() const { return present && refusal.empty(); }
+};
+
+struct ReadersResult {
+  std::string file;
+  int links = 0, states = 0;
+  std::uint64_t seed = 0;
+  std::vector<std::string> bodies;      ///< names of the moving links
+  std::vector<std::string> impossible;  ///< inertias that no body has
+  std::vector<ReaderResult> readers;
+
+  bool anyRead() const;
+  /// Whether every reader that has read has the robot of the file.
+  bool agrees() const;
+};
+
+/** Reads a URDF by every reader and compares: the tree, joints (kinds, places, axes, limits,
+    damping, friction, armature, springs, followers), mass, centre of mass and inertia of each moving
+    body after lumping fixed joints, gravity; then each reader's own M and g with those of what it
+    shows, at seeded states. */
+ReadersResult examineReaders(const std::string& text, const std::filesystem::path& file,
+                             const std::vector<Reader>& readers, int states, std::uint64_t seed);
+
+/// The robot as a URDF that leaves readers little to do: fixed links merged, inertias in link axes
+/// about centres of mass, unit axes.
+std::string plainUrdf(const scene::Urdf& urdf);
+
+/// The table: a row a link, a column a reader, what differs alone unless `all`; then the findings.
+std::string readersText(const ReadersResult& result, bool all);
+/// For programs; crosscheck/readers/readers.schema.json describes it.
+std::string readersJson(const ReadersResult& result, const std::string& version);
+
+}  // namespace dynwitness::crosscheck
