@@ -94,6 +94,7 @@ const std::vector<Rule> kRules = {
     {"exact",
      {"scene", "symbolic", "recursive", "scalars", "kernel", "witnesses", "laws", "verdicts"}},
     {"parameters", {"scene", "symbolic", "recursive", "inputs", "scalars", "witnesses", "exact"}},
+    {"diagnosis", {"scene", "inputs", "scalars", "witnesses", "verdicts"}},
     {"studies",
      {"scene", "recursive", "inputs", "scalars", "witnesses", "laws", "motion", "verdicts",
       "exact"}},
@@ -109,7 +110,7 @@ const std::vector<Rule> kRules = {
     {"growth", {"scene", "recursive", "system", "inputs", "witnesses", "verdicts", "report"}},
     {"cli",
      {"scene", "symbolic", "system", "inputs", "kernel", "witnesses", "motion", "verdicts", "exact",
-      "parameters", "studies", "conductor", "chart", "report", "audit", "growth"}},
+      "parameters", "diagnosis", "studies", "conductor", "chart", "report", "audit", "growth"}},
 };
 
 std::string textOf(const fs::path& file) {
