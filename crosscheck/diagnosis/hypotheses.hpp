@@ -21,9 +21,9 @@ struct Hypothesis {
   std::function<void(Belief&)> apply;
 };
 
-/** All that are tried on a mechanism, the plainer before the more far-fetched: where several explain
-    the same answers, the first of them is the finding. Those of a rule that differ in how it may
-    have come about are entries of their own. */
+/** All that are tried on a mechanism, the plainer before the more far-fetched: where several
+    explain the same answers, the first of them is the finding. Those of a rule that differ in how
+    it may have come about are entries of their own. */
 std::vector<Hypothesis> hypotheses(const TextbookModel& model);
 
 /// A number of the mechanism that may be another one.

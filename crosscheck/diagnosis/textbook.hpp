@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A textbook's dynamics into which mistakes can be put: what an engine that makes them would answer.
+// A textbook's dynamics into which mistakes can be put: what an engine that makes them answers.
 #pragma once
 
 #include <array>
@@ -76,7 +76,7 @@ TextbookModel textbookModel(const scene::Scene& scene);
 /** How the formulas are applied. Everything as it stands here is right. The terms are those of
 
         tau = factor_M M qdd + factor_c c + g + friction - Q                                     (1)
-        c = sum over links of  Jv' m (dJv/dt qd) + Jw' (I (dJw/dt qd) + w x I w)                  (2)
+        c = sum over links of  Jv' m (dJv/dt qd) + Jw' (I (dJw/dt qd) + w x I w)                 (2)
 
     with Jv, Jw the Jacobians of the centre of mass and of the turn of the link. */
 struct Formulas {
