@@ -177,9 +177,9 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
   constexpr int kStages = 3;
   scene::Work work("check", kStages);
 
-  const std::unique_ptr<Witness> witness = makeWitness(kind, scene);
-  if (const auto* refused = dynamic_cast<const RefusedWitness*>(witness.get()))
-    throw scene::InputError({scene.file.string(), 0}, refused->reason());
+  MadeWitness made = kind.make(scene);
+  if (made.isRefused()) throw scene::InputError({scene.file.string(), 0}, made.refusal());
+  const std::unique_ptr<Witness> witness = std::move(made).value();
   const std::vector<scene::State<double>> chosen =
       chosenStates(scene.mechanism, scene.name, options.seed, options.single);
   out.states = static_cast<int>(chosen.size());

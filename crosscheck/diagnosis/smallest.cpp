@@ -55,19 +55,18 @@ scene::State<double> without(const scene::State<double>& state, const scene::Mec
 class Trial {
  public:
   Trial(const scene::Scene& scene, const WitnessKind& kind, double factor)
-      : scene_(scene), witness_(makeWitness(kind, scene_)) {
-    if (dynamic_cast<const RefusedWitness*>(witness_.get()) == nullptr)
-      bench_ = std::make_unique<Bench>(scene_, *witness_, factor);
+      : scene_(scene), witness_(kind.make(scene_)) {
+    if (!witness_.isRefused()) bench_ = std::make_unique<Bench>(scene_, **witness_, factor);
   }
   bool isWrong(Quantity quantity, const scene::State<double>& state) {
-    if (!bench_ || !witness_->answers(quantity)) return false;
+    if (!bench_ || !(*witness_)->answers(quantity)) return false;
     const Exhibit said = bench_->ask(quantity, state, 0);
     return said.failure.empty() && said.is_wrong;
   }
 
  private:
   scene::Scene scene_;
-  std::unique_ptr<Witness> witness_;
+  MadeWitness witness_;
   std::unique_ptr<Bench> bench_;
 };
 
