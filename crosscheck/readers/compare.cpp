@@ -197,6 +197,7 @@ class Comparison {
     if ((has_limits || seen_limits) && !fits(1)) {
       std::string rule;
       if (has_limits && !seen_limits) rule = "they are ignored";
+      if (!has_limits) rule = "a joint that turns without end gets limits";
       if (fits(degree)) rule = "radians are taken for degrees";
       if (fits(1 / degree)) rule = "they are kept in degrees";
       add({body.link, "limits", rule, limits, their_limits, where});
