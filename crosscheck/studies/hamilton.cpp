@@ -20,6 +20,12 @@
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
+
+/// Beside those of flow.hpp.
+static scene::JointPosition<RunningError> slotPosition(const RunningError& q) {
+  return runningErrorPosition(q);
+}
+
 namespace {
 
 using recursive::Terms;
@@ -56,14 +62,6 @@ struct Problem {
 
   int n() const { return model.dof(); }
 };
-
-std::vector<scene::JointPosition<RunningError>> slotPositions(
-    const std::vector<RunningError>& slots) {
-  std::vector<scene::JointPosition<RunningError>> x;
-  for (const RunningError& q : slots) x.push_back(runningErrorPosition(q));
-  return x;
-}
-using crosscheck::slotPositions;
 
 // ---- T - V and Q near the motion ----------------------------------------------------------------
 
