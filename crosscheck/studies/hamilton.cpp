@@ -720,8 +720,8 @@ void requireMotionAtStart(const Problem& problem) {
 }
 
 /** The second variation: how many directions lower the action. Where that and conjugate times
-    differ, one eigenvalue has the wrong sign. It is wrong only if it is farther from 0 than steps of
-    twice the length move it.
+    differ, one eigenvalue has the wrong sign. It is wrong only if it is farther from 0 than steps
+    of twice the length move it.
     @param sharp  conjugate times are the same at two sizes of steps */
 void countDirections(const Problem& problem, const std::vector<Node>& nodes, bool sharp,
                      Action* out, Sines* slowest) {
