@@ -20,6 +20,12 @@
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
+
+/// Beside those of flow.hpp.
+static scene::JointPosition<RunningError> slotPosition(const RunningError& q) {
+  return runningErrorPosition(q);
+}
+
 namespace {
 
 using recursive::Terms;
@@ -56,14 +62,6 @@ struct Problem {
 
   int n() const { return model.dof(); }
 };
-
-std::vector<scene::JointPosition<RunningError>> slotPositions(
-    const std::vector<RunningError>& slots) {
-  std::vector<scene::JointPosition<RunningError>> x;
-  for (const RunningError& q : slots) x.push_back(runningErrorPosition(q));
-  return x;
-}
-using crosscheck::slotPositions;
 
 // ---- T - V and Q near the motion ----------------------------------------------------------------
 
@@ -722,8 +720,8 @@ void requireMotionAtStart(const Problem& problem) {
 }
 
 /** The second variation: how many directions lower the action. Where that and conjugate times
-    differ, one eigenvalue has the wrong sign. It is wrong only if it is farther from 0 than steps of
-    twice the length move it.
+    differ, one eigenvalue has the wrong sign. It is wrong only if it is farther from 0 than steps
+    of twice the length move it.
     @param sharp  conjugate times are the same at two sizes of steps */
 void countDirections(const Problem& problem, const std::vector<Node>& nodes, bool sharp,
                      Action* out, Sines* slowest) {

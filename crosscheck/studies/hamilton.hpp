@@ -100,8 +100,8 @@ struct Residual {
 };
 
 /** What is 0 in truth falls with the order of the method as the steps are halved: an order above
-    kOrder - 1, or all that is left is rounding: an eps of the largest term a step, and what it moves
-    to round the state.
+    kOrder - 1, or all that is left is rounding: an eps of the largest term a step, and what it
+    moves to round the state.
 
     What does neither is guilty only where the steps have settled: its changes fall with that order
     themselves, or to rounding, and the last one, more than seven times all that are still to come,

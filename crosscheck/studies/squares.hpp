@@ -31,10 +31,10 @@ inline double weightsAt(const recursive::Model<double>& model, const std::vector
   return weightOf(M);
 }
 
-/** A number x is 0, or its square and the square's rounding are normal numbers, also times or by the
-    square of a weight w: |x| from 2^-484 w to 2^484 / w, since (2^-484)^2 2^-53 > 2^-1022. Below, a
-    double has no relative precision, and a limit of rounding would let everything pass; above, sums
-    of squares have as much room to infinity.
+/** A number x is 0, or its square and the square's rounding are normal numbers, also times or by
+    the square of a weight w: |x| from 2^-484 w to 2^484 / w, since (2^-484)^2 2^-53 > 2^-1022.
+    Below, a double has no relative precision, and a limit of rounding would let everything pass;
+    above, sums of squares have as much room to infinity.
     @throws scene::InputError  naming the first number outside, and the range */
 template <typename Values>
 void requireSquares(const char* what, const Values& values, double weight = 1) {

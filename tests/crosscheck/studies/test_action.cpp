@@ -178,8 +178,12 @@ BOOST_DATA_TEST_CASE(the_first_variation_vanishes_in_every_bundled_tree, data::m
   ActionOptions options;
   options.duration = 0.3;
   const Action action = measureAction(scene::findScene(name), options);
-  for (const CheckResult& check : action.checks)
-    BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << ": " << check.reason);
+  for (const CheckResult& check : action.checks) {
+    // shown on slow sines, of which none may be slow enough
+    const bool may_be_open = check.name() == "the action is a saddle" && action.lowest >= 0;
+    BOOST_TEST((check.verdict == (may_be_open ? Verdict::kNotAnswerable : Verdict::kAgree)),
+               check.name() << ": " << check.reason);
+  }
   BOOST_REQUIRE(find(action, "principle") != nullptr);
 }
 
@@ -253,7 +257,8 @@ rpy = [0, "pi/2", 0]
   }
   BOOST_TEST(matches);
   BOOST_TEST(action.negative == 1);
-  BOOST_TEST(allAgree(action));
+  for (const CheckResult& check : action.checks)
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << ": " << check.reason);
 }
 
 // The first, longest steps lose these motions, the finer ones do not. M is regular throughout.
