@@ -271,6 +271,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/motion/simulate.cpp", {"1e-12"}},  // a step [s] at which integration is given up
       {"crosscheck/parameters/parameters.hpp", {"1e-30", "1e-9"}},  // chances of error, defaults
       {"crosscheck/inputs/states.cpp", {"0x1p-53"}},                // 53 random bits to [0, 1)
+      {"crosscheck/parameters/uncertainty.cpp", {"1e-10"}},  // least uncertainty that is taken
       {"crosscheck/conductor/plan.cpp",
        {"1.2e-5", "2e-4", "9e-4"}},  // seconds that a run is said to take
       {"crosscheck/witnesses/dart.cpp",
