@@ -87,8 +87,8 @@ const std::vector<Quantity> kAll = {Quantity::kM,        Quantity::kc,   Quantit
 
 Examination examined(const scene::Scene& scene, const Edit& edit, const Formula& formula = {},
                      const std::vector<Quantity>& knows = kAll, const CheckOptions& options = {}) {
-  const WitnessKind kind{{"engine", "1", "a test"}, [=](const scene::Scene& asked) {
-                           return std::make_unique<Engine>(asked, edit, formula, knows);
+  const WitnessKind kind{{"engine", "1", "a test"}, [=](const PreparedScene& asked) -> MadeWitness {
+                           return std::make_unique<Engine>(asked.scene(), edit, formula, knows);
                          }};
   return examine(scene, kind, options);
 }

@@ -294,7 +294,7 @@ BOOST_AUTO_TEST_CASE(the_same_scene_gives_the_same_bytes) {
   const scene::Scene scene = scene::findScene("puma_560");
   const scene::RealNumbers<double> numbers(scene.mechanism);
   const auto emitted = [&] {
-    const Road road = smallestRoad(scene.mechanism, Formula::kInverseDynamics);
+    const auto road = smallestRoad(scene.mechanism, Formula::kInverseDynamics);
     const symbolic::ProgramRun<double> run(road.program, numbers);
     return emitKernel(road.program, run, "f", 4);
   };

@@ -364,7 +364,7 @@ BOOST_DATA_TEST_CASE(a_kilogram_that_is_too_heavy_by_1e_10_is_found_everywhere,
 class Namesake : public Witness {
  public:
   explicit Namesake(const scene::Scene& scene)
-      : sweep_(makeWitness(selectWitnesses({"newton_euler"}).front(), scene)) {}
+      : sweep_(selectWitnesses({"newton_euler"}).front().make(scene).value()) {}
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return sweep_->answers(quantity); }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
@@ -379,8 +379,9 @@ class Namesake : public Witness {
 BOOST_AUTO_TEST_CASE(a_witness_that_is_called_like_the_control_is_judged_like_any_other) {
   const scene::Scene scene = scene::findScene("double_pendulum");
   std::vector<WitnessKind> kinds = selectWitnesses({"newton_euler", "simbody"});
-  kinds.push_back({{kControl, "1", "somebody's"},
-                   [](const scene::Scene& s) { return std::make_unique<Namesake>(s); }});
+  kinds.push_back({{kControl, "1", "somebody's"}, [](const PreparedScene& s) -> MadeWitness {
+                     return std::make_unique<Namesake>(s.scene());
+                   }});
   const SceneResult result = crosscheckScene(scene, kinds, few(3));
   int pairs = 0, truths = 0;
   for (const CheckResult& check : result.checks) {
