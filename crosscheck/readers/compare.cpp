@@ -57,7 +57,7 @@ class Comparison {
   Comparison(const FileParts& file, const Robot& seen, int states, std::uint64_t seed)
       : file_(file), ours_(file.robot()), seen_(seen), states_(states), seed_(seed) {}
 
-  std::vector<Finding> findings() {
+  std::vector<Misreading> findings() {
     if (!isSame(ours_.gravity, seen_.gravity, 0))
       add({"", "gravity", "", shown(ours_.gravity), shown(seen_.gravity), {}});
     for (std::size_t b = 0; b < ours_.bodies.size(); ++b) compareBody(b);
@@ -66,7 +66,7 @@ class Comparison {
         add({body.link, "tree", "a joint moves that the file has not", "", body.joint, {}});
     // what is no joint there is part of another body here
     std::stable_partition(out_.begin(), out_.end(),
-                          [](const Finding& finding) { return finding.quantity == "tree"; });
+                          [](const Misreading& finding) { return finding.quantity == "tree"; });
     return out_;
   }
 
@@ -74,10 +74,10 @@ class Comparison {
   static bool isSame(const Vector3d& a, const Vector3d& b, double size) {
     return (a - b).norm() <= unit(0) * std::max({a.norm(), b.norm(), size});
   }
-  void add(Finding finding) { out_.push_back(std::move(finding)); }
+  void add(Misreading finding) { out_.push_back(std::move(finding)); }
 
   /// With the effect of having `changed` in place of our body.
-  void addWithEffect(Finding finding, std::size_t b, const ReadBody& changed) {
+  void addWithEffect(Misreading finding, std::size_t b, const ReadBody& changed) {
     if (allHaveOnePosition(ours_) && hasOnePosition(changed)) {
       Robot robot = ours_;
       robot.bodies[b] = changed;
@@ -175,7 +175,7 @@ class Comparison {
                                              : "";
       ReadBody changed = body;
       if (std::string(quantity) == "armature") changed.armature = seen.armature;
-      Finding finding{
+      Misreading finding{
           body.link, quantity, rule, fmt::format("{:.6g}", ours), fmt::format("{:.6g}", theirs),
           where};
       addWithEffect(finding, b, changed);
@@ -220,7 +220,7 @@ class Comparison {
   const Robot& seen_;
   int states_;
   std::uint64_t seed_;
-  std::vector<Finding> out_;
+  std::vector<Misreading> out_;
 };
 
 /// One line.

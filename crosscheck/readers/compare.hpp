@@ -20,7 +20,7 @@ struct Effect {
 Effect effectOf(const Robot& robot, const Robot& changed, int states, std::uint64_t seed);
 
 /// Something that a reader has otherwise.
-struct Finding {
+struct Misreading {
   std::string link;
   std::string quantity;  ///< "inertia", "axis", "damping", ...
   std::string rule;      ///< the mistake that gives exactly what was read; empty: none is known
@@ -35,7 +35,7 @@ struct ReaderResult {
   bool present = true;
   std::string refusal;
   std::vector<std::string> told;
-  std::vector<Finding> findings;
+  std::vector<Misreading> findings;
   std::string
       remedy;  ///< tried: with it the reader has the robot of the file; empty: none is known
 

@@ -20,13 +20,13 @@ std::string cellOf(const ReaderResult& reader, const std::string& link) {
   if (!reader.present) return "absent";
   if (!reader.hasRead()) return "not read";
   std::string cell;
-  for (const Finding& finding : reader.findings)
+  for (const Misreading& finding : reader.findings)
     if (finding.link == link && cell.find(finding.quantity) == std::string::npos)
       cell += (cell.empty() ? "" : ", ") + finding.quantity;
   return cell.empty() ? "same" : cell;
 }
 
-std::string effectText(const Finding& finding) {
+std::string effectText(const Misreading& finding) {
   if (!finding.has_effect) return "";
   if (finding.effect.M_percent == 0 && finding.effect.g == 0) return "; M and g do not feel it";
   return fmt::format("; M {:.3g} % on its diagonal, g {:.3g} N m at the worst state",
@@ -45,13 +45,13 @@ std::string readersText(const ReadersResult& result, bool all) {
 
   std::vector<std::string> links = result.bodies;
   for (const ReaderResult& reader : result.readers)
-    for (const Finding& finding : reader.findings)
+    for (const Misreading& finding : reader.findings)
       if (std::find(links.begin(), links.end(), finding.link) == links.end())
         links.push_back(finding.link);
   const auto differs = [&](const std::string& link) {
     return std::any_of(result.readers.begin(), result.readers.end(), [&](const ReaderResult& r) {
       return std::any_of(r.findings.begin(), r.findings.end(),
-                         [&](const Finding& f) { return f.link == link; });
+                         [&](const Misreading& f) { return f.link == link; });
     });
   };
   std::size_t width = 8;
@@ -84,7 +84,7 @@ std::string readersText(const ReadersResult& result, bool all) {
     for (const std::string& told : reader.told) out += fmt::format("{}: {}\n", title(reader), told);
     if (reader.findings.empty())
       out += fmt::format("{}: has the robot of the file\n", title(reader));
-    for (const Finding& f : reader.findings)
+    for (const Misreading& f : reader.findings)
       out +=
           fmt::format("{}: {}{}: {}: {}{}\n    the file: {}\n    {}: {}\n", title(reader),
                       f.where.line > 0 ? f.where.text() + ": " : "",
@@ -109,7 +109,7 @@ std::string readersJson(const ReadersResult& result, const std::string& version)
                 {"present", reader.present}, {"read", reader.hasRead()},
                 {"refusal", reader.refusal}, {"told", reader.told},
                 {"remedy", reader.remedy},   {"findings", json::array()}};
-    for (const Finding& f : reader.findings) {
+    for (const Misreading& f : reader.findings) {
       json finding = {{"link", f.link}, {"line", f.where.line},  {"quantity", f.quantity},
                       {"rule", f.rule}, {"in_the_file", f.ours}, {"as_read", f.theirs}};
       if (f.has_effect) {

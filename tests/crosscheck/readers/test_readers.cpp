@@ -126,7 +126,7 @@ Reader readerOf(const std::string& seen, const RobotChange& change = {}) {
   return reader;
 }
 
-std::vector<Finding> findingsOf(const std::string& file, const Reader& reader) {
+std::vector<Misreading> findingsOf(const std::string& file, const Reader& reader) {
   return examineReaders(file, "arm.urdf", {reader}, 5, 1).readers.at(0).findings;
 }
 
@@ -281,7 +281,7 @@ BOOST_DATA_TEST_CASE(a_planted_mistake_is_named_first_with_its_link, data::make(
   const std::string file = text(Arm());
   Arm changed;
   plant.change(changed);
-  const std::vector<Finding> findings = findingsOf(file, readerOf(text(changed)));
+  const std::vector<Misreading> findings = findingsOf(file, readerOf(text(changed)));
   BOOST_REQUIRE(!findings.empty());
   BOOST_TEST(findings[0].link == plant.link);
   BOOST_TEST(findings[0].quantity == plant.quantity);
@@ -293,7 +293,7 @@ BOOST_DATA_TEST_CASE(a_planted_mistake_is_named_first_with_its_link, data::make(
 BOOST_AUTO_TEST_CASE(defaults_of_the_reader_are_named) {
   const std::string file = text(Arm());
   const auto first = [&](const RobotChange& change) {
-    const std::vector<Finding> found = findingsOf(file, readerOf(file, change));
+    const std::vector<Misreading> found = findingsOf(file, readerOf(file, change));
     BOOST_REQUIRE(!found.empty());
     return found[0].link + ": " + found[0].quantity + ": " + found[0].rule;
   };
@@ -307,7 +307,7 @@ BOOST_AUTO_TEST_CASE(defaults_of_the_reader_are_named) {
   BOOST_TEST(first([](Robot& r) { r.bodies[0].moments.mass *= 1.001; }) == "arm: inertia: ");
   Arm follows;
   follows.mimic = "<mimic joint=\"shoulder\" multiplier=\"-2\"/>";
-  const std::vector<Finding> found = findingsOf(text(follows), readerOf(file));
+  const std::vector<Misreading> found = findingsOf(text(follows), readerOf(file));
   BOOST_REQUIRE(found.size() == 1u);
   BOOST_TEST(found[0].rule == "it is ignored: the joint moves by itself");
 }
@@ -326,7 +326,7 @@ BOOST_AUTO_TEST_CASE(an_answer_that_is_not_that_of_the_model_shown_is_found) {
     };
     return reading;
   };
-  const std::vector<Finding> found = findingsOf(file, reader);
+  const std::vector<Misreading> found = findingsOf(file, reader);
   BOOST_REQUIRE(found.size() == 1u);
   BOOST_TEST(found[0].quantity == "M");
 }
