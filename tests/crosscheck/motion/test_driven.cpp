@@ -494,7 +494,7 @@ BOOST_AUTO_TEST_CASE(what_does_not_go_together_is_refused) {
   BOOST_TEST(message(options).find("index 1 alone is stabilised") != std::string::npos);
   options.stabilisation = Stabilisation::kNone;
   options.step = 0;
-  BOOST_TEST(message(options).find("step is 0, allowed: positive") != std::string::npos);
+  BOOST_TEST(message(options).find("step is 0 s, allowed: positive") != std::string::npos);
   options.step = 0.001;
   BOOST_TEST(message(options) == "");
 }
