@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 #include <boost/math/constants/constants.hpp>
@@ -36,19 +36,8 @@ std::string shown(const std::optional<double>& x) {
   return x ? fmt::format("{:.6g}", *x) : "none";
 }
 
-bool hasOnePosition(const ReadBody& body) {
-  return body.kind == scene::JointKind::kRevolute || body.kind == scene::JointKind::kPrismatic;
-}
-bool allHaveOnePosition(const Robot& robot) {
-  return std::all_of(robot.bodies.begin(), robot.bodies.end(), hasOnePosition);
-}
-
-double unit(int frames) {
-  return std::numeric_limits<double>::epsilon() / 2 * kRoundingsOfFrame * (frames + 1.0);
-}
-
 bool isSameNumber(double a, double b) {
-  return std::abs(a - b) <= unit(0) * std::max(std::abs(a), std::abs(b));
+  return std::abs(a - b) <= roundingOf(0) * std::max(std::abs(a), std::abs(b));
 }
 
 /// What was compared of one reader.
@@ -72,7 +61,7 @@ class Comparison {
 
  private:
   static bool isSame(const Vector3d& a, const Vector3d& b, double size) {
-    return (a - b).norm() <= unit(0) * std::max({a.norm(), b.norm(), size});
+    return (a - b).norm() <= roundingOf(0) * std::max({a.norm(), b.norm(), size});
   }
   void add(Misreading finding) { out_.push_back(std::move(finding)); }
 
@@ -128,9 +117,9 @@ class Comparison {
     const ReadBody& body = ours_.bodies[b];
     const auto fits = [&](const Isometry3d& X) {
       const int frames = body.links + 1;
-      return (X.linear() - seen.placement.linear()).norm() <= unit(frames) &&
+      return (X.linear() - seen.placement.linear()).norm() <= roundingOf(frames) &&
              (X.translation() - seen.placement.translation()).norm() <=
-                 unit(frames) * std::max(X.translation().norm(), file_.reach(b));
+                 roundingOf(frames) * std::max(X.translation().norm(), file_.reach(b));
     };
     if (fits(body.placement)) return;
     std::string rule;
@@ -286,6 +275,14 @@ void compareAnswers(const Reading& reading, int states, std::uint64_t seed, Read
   }
 }
 
+/// The file as --plain writes it, and what it has.
+struct Plain {
+  Plain(const scene::Urdf& urdf, const std::filesystem::path& file)
+      : text(plainUrdf(urdf)), parts(scene::readUrdfAsWritten(text, file)) {}
+  std::string text;
+  FileParts parts;
+};
+
 }  // namespace
 
 Effect effectOf(const Robot& robot, const Robot& changed, int states, std::uint64_t seed) {
@@ -328,6 +325,7 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
   for (const ReadBody& body : parts.robot().bodies) result.bodies.push_back(body.link);
   if (result.bodies.empty())
     throw scene::InputError({file.string()}, "no joint moves, expected at least one that does");
+  std::optional<Plain> plain;  // which few files need
   for (const Reader& reader : readers) {
     ReaderResult one;
     one.name = reader.name;
@@ -342,12 +340,10 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
         compareAnswers(reading, states, seed, &one);
       }
       if (!one.findings.empty()) {
-        const std::string plain = plainUrdf(urdf);
-        const scene::Urdf plain_urdf = scene::readUrdfAsWritten(plain, file);
-        const FileParts plain_parts(plain_urdf);
-        const Reading again = readBy(reader, plain, file);
+        if (!plain) plain.emplace(urdf, file);
+        const Reading again = readBy(reader, plain->text, file);
         if (again.refusal.empty() &&
-            Comparison(plain_parts, again.robot, states, seed).findings().empty())
+            Comparison(plain->parts, again.robot, states, seed).findings().empty())
           one.remedy =
               "--plain OUT.urdf: fixed links merged, inertias in link axes; tried: it then "
               "has the robot of the file";

@@ -18,9 +18,9 @@
 #include <dart/utils/urdf/DartLoader.hpp>
 
 #include <cmath>
-#include <iostream>
 #include <map>
-#include <sstream>
+
+#include "crosscheck/witnesses/hushed.hpp"
 #endif
 
 namespace dynwitness::crosscheck {
@@ -32,32 +32,17 @@ using dart::dynamics::BodyNode;
 using dart::dynamics::SkeletonPtr;
 namespace joints = dart::dynamics;
 
-/// Keeps what DART says on std::cerr and std::cout while it lives.
-class Hushed {
- public:
-  Hushed() : cerr_(std::cerr.rdbuf(heard_.rdbuf())), cout_(std::cout.rdbuf(heard_.rdbuf())) {}
-  ~Hushed() {
-    std::cerr.rdbuf(cerr_);
-    std::cout.rdbuf(cout_);
+/// One line, without the codes that colour it.
+std::string inOneLine(const std::string& text) {
+  std::string out;
+  bool in_code = false;
+  for (const char c : text) {
+    if (c == '\x1b') in_code = true;
+    if (!in_code) out += c == '\n' ? ' ' : c;
+    if (c == 'm') in_code = false;
   }
-  Hushed(const Hushed&) = delete;
-  Hushed& operator=(const Hushed&) = delete;
-  /// One line, without the codes that colour it.
-  std::string text() const {
-    std::string out;
-    bool in_code = false;
-    for (const char c : heard_.str()) {
-      if (c == '\x1b') in_code = true;
-      if (!in_code) out += c == '\n' ? ' ' : c;
-      if (c == 'm') in_code = false;
-    }
-    return out;
-  }
-
- private:
-  std::ostringstream heard_;
-  std::streambuf *cerr_, *cout_;
-};
+  return out;
+}
 
 /// @return false: a joint that does not move
 bool readJoint(const joints::Joint& joint, ReadBody* out) {
@@ -146,7 +131,7 @@ Reading read(const std::string& text, const std::filesystem::path& file) {
     std::error_code ignored;
     skeleton = loader.parseSkeletonString(
         text, "file://" + std::filesystem::absolute(file, ignored).string());
-    heard = hushed.text();
+    heard = inOneLine(hushed.text());
   } catch (const std::exception& error) {
     reading.refusal = error.what();
     return reading;

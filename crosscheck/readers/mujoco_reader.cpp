@@ -7,11 +7,10 @@
 #include <mujoco/mujoco.h>
 
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <stdexcept>
 
-#include <fmt/format.h>
+#include "crosscheck/witnesses/mujoco_model.hpp"
 #endif
 
 namespace dynwitness::crosscheck {
@@ -23,36 +22,13 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// mju_eig3 stops turning when the cosine of the next turn exceeds 1 - this (witnesses/mujoco.cpp).
-constexpr double kTurnStop = 1e-12;
-
-struct Deleter {
-  void operator()(mjModel* model) const { mj_deleteModel(model); }
-  void operator()(mjData* data) const { mj_deleteData(data); }
-  void operator()(mjVFS* files) const {
-    mj_deleteVFS(files);
-    delete files;
-  }
-};
-
 std::shared_ptr<mjModel> compiled(const std::string& text, std::string* refusal) {
-  constexpr const char* kFile = "robot.urdf";
-  const std::unique_ptr<mjVFS, Deleter> files(new mjVFS);
-  mj_defaultVFS(files.get());
-  if (mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(text.size())) != 0) {
-    *refusal = "the file is too large for its virtual folder";
-    return nullptr;
-  }
-  std::memcpy(files->filedata[0], text.data(), text.size());
-  char error[1000] = "";
   try {
-    if (mjModel* model = mj_loadXML(kFile, files.get(), error, sizeof error))
-      return {model, Deleter()};
-    *refusal = error;
+    return mujocoModelOf(text, "robot.urdf", refusal);
   } catch (const std::exception& thrown) {
     *refusal = thrown.what();
+    return nullptr;
   }
-  return nullptr;
 }
 
 Vector3d vector(const mjtNum* x) {
@@ -114,7 +90,7 @@ ReadBody readJoint(const mjModel& m, int body) {
 Robot robotOf(const mjModel& m, std::vector<int>* dofs) {
   Robot robot;
   robot.gravity = vector(m.opt.gravity);
-  robot.unturned = std::sqrt(2 * kTurnStop);
+  robot.unturned = std::sqrt(2 * kMujocoTurnStop);
   // what a body without joints is fixed to, and where it is seen from there
   std::vector<int> carrier(static_cast<std::size_t>(m.nbody), -1);
   std::vector<Eigen::Isometry3d> from(carrier.size(), Eigen::Isometry3d::Identity());
@@ -147,14 +123,13 @@ Robot robotOf(const mjModel& m, std::vector<int>* dofs) {
 }
 
 Reading read(const std::string& text, const std::filesystem::path&) {
-  mju_user_warning = [](const char*) {};
-  mju_user_error = [](const char* message) { throw std::runtime_error(message); };
+  installMujocoHandlers();
   Reading reading;
   const std::shared_ptr<mjModel> model = compiled(text, &reading.refusal);
   if (!model) return reading;
   std::vector<int> dofs;
   reading.robot = robotOf(*model, &dofs);
-  const std::shared_ptr<mjData> data(mj_makeData(model.get()), Deleter());
+  const std::shared_ptr<mjData> data(mj_makeData(model.get()), MujocoDeleter());
   reading.answer = [model, data, dofs](const std::vector<double>& q) {
     mjModel* m = model.get();
     mjData* d = data.get();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/readers/robot.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include <boost/math/constants/constants.hpp>
@@ -8,17 +9,23 @@
 #include "crosscheck/inputs/states.hpp"
 
 namespace dynwitness::crosscheck {
-namespace {
-
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// c.c 1 - c c'
+double roundingOf(int frames) {
+  return std::numeric_limits<double>::epsilon() / 2 * kRoundingsOfFrame * (frames + 1.0);
+}
+
+bool hasOnePosition(const ReadBody& body) {
+  return body.kind == scene::JointKind::kRevolute || body.kind == scene::JointKind::kPrismatic;
+}
+bool allHaveOnePosition(const Robot& robot) {
+  return std::all_of(robot.bodies.begin(), robot.bodies.end(), hasOnePosition);
+}
+
 Matrix3d lever(const Vector3d& c) {
   return c.squaredNorm() * Matrix3d::Identity() - c * c.transpose();
 }
-
-}  // namespace
 
 MassMoments MassMoments::of(double mass, const Vector3d& com, const Matrix3d& about_com) {
   return {mass, mass * com, about_com + mass * lever(com),
@@ -123,8 +130,7 @@ MassAndGravity massAndGravity(const Robot& robot, const std::vector<double>& q) 
       else if (kind == scene::JointKind::kPrismatic)
         columns.push_back({j, at.axis, Vector3d::Zero(), at.axis.norm()});
     }
-    const double unit =
-        std::numeric_limits<double>::epsilon() / 2 * kRoundingsOfFrame * (moved.back().depth + 1);
+    const double unit = roundingOf(moved.back().depth);
     for (const Column& a : columns) {
       out.g[a.joint] -= m.mass * a.v.dot(robot.gravity);
       out.g_bound[a.joint] += unit * std::abs(m.mass) * a.v_size * robot.gravity.norm();

@@ -62,6 +62,15 @@ struct Robot {
 /// products and sums), made of length 1 (12), to a matrix (30), that by another (45), a vector
 /// turned and added (18); twice, since two readings are compared.
 inline constexpr double kRoundingsOfFrame = 256;
+/// What that many frames in a row, and one number more, may be off, relative.
+double roundingOf(int frames);
+
+/// Whether a joint is revolute or prismatic.
+bool hasOnePosition(const ReadBody& body);
+bool allHaveOnePosition(const Robot& robot);
+
+/// c.c 1 - c c'
+Eigen::Matrix3d lever(const Eigen::Vector3d& c);
 
 struct MassAndGravity {
   Eigen::MatrixXd M;  ///< n x n

@@ -2,7 +2,6 @@
 #include "crosscheck/readers/rules.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -64,10 +63,6 @@ Isometry3d along(const std::vector<scene::Step>& steps, const Numbers& number) {
                      number.angle(step.angle)));
   }
   return X;
-}
-
-Matrix3d lever(const Vector3d& c) {
-  return c.squaredNorm() * Matrix3d::Identity() - c * c.transpose();
 }
 
 Matrix3d fromTriangle(const Matrix3d& m, bool upper) {
@@ -480,8 +475,7 @@ double FileParts::reach(std::size_t body) const {
 }
 
 bool isSame(const MassMoments& a, const MassMoments& b, int links, double unturned) {
-  const double unit =
-      std::numeric_limits<double>::epsilon() / 2 * kRoundingsOfFrame * (links + 1.0);
+  const double unit = roundingOf(links);
   const double mass = std::max(std::abs(a.mass), std::abs(b.mass));
   const double reach2 = std::max(a.reach2, b.reach2);
   return std::abs(a.mass - b.mass) <= unit * mass &&

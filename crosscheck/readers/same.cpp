@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -134,11 +133,8 @@ class Differences {
   }
 
  private:
-  static double unit(int frames) {
-    return std::numeric_limits<double>::epsilon() / 2 * kRoundingsOfFrame * (frames + 1.0);
-  }
   static bool near(const Vector3d& a, const Vector3d& b, double size, int frames = 0) {
-    return (a - b).norm() <= unit(frames) * std::max({a.norm(), b.norm(), size});
+    return (a - b).norm() <= roundingOf(frames) * std::max({a.norm(), b.norm(), size});
   }
   void compare(std::size_t i, std::size_t j, int depth) {
     const ReadBody &a = a_.robot.bodies[i], &b = b_.robot.bodies[j];
@@ -169,7 +165,7 @@ class Differences {
     if (has_axis) {
       const Vector3d axis = X.linear() * b.axis;
       const Vector3d off = X.translation() - X.translation().dot(a.axis) * a.axis;
-      if (a.kind == scene::JointKind::kRevolute && off.norm() > unit(frames) * reach) {
+      if (a.kind == scene::JointKind::kRevolute && off.norm() > roundingOf(frames) * reach) {
         add("point on the axis [m]", shown(Vector3d::Zero()), shown(off));
         X.pretranslate(-off);
       }
@@ -177,13 +173,13 @@ class Differences {
         add("axis", shown(a.axis), shown(axis));
         X.linear() = Eigen::Quaterniond::FromTwoVectors(axis, a.axis) * X.linear();
       }
-    } else if (X.translation().norm() > unit(frames) * reach ||
-               (X.linear() - Matrix3d::Identity()).norm() > unit(frames)) {
+    } else if (X.translation().norm() > roundingOf(frames) * reach ||
+               (X.linear() - Matrix3d::Identity()).norm() > roundingOf(frames)) {
       add("joint frame [m]", shown(Vector3d::Zero()), shown(Vector3d(X.translation())));
     }
     aligned_[i] = X;
     const auto number = [&](const char* quantity, double x, double y, bool inertial = false) {
-      if (std::abs(x - y) > unit(0) * std::max(std::abs(x), std::abs(y)))
+      if (std::abs(x - y) > roundingOf(0) * std::max(std::abs(x), std::abs(y)))
         add(quantity, fmt::format("{:.9g}", x), fmt::format("{:.9g}", y), inertial);
     };
     number("damping", a.damping, b.damping);
@@ -216,14 +212,14 @@ class Differences {
     const double size2 = std::max(ours.reach2, theirs.reach2) + std::abs(ours.mass) * reach * reach;
     const double mass = std::max(std::abs(ours.mass), std::abs(theirs.mass));
     number("mass [kg]", ours.mass, theirs.mass, true);
-    if ((ours.first - theirs.first).norm() > unit(frames) * std::sqrt(mass * size2) &&
-        (ours.com() - theirs.com()).norm() > unit(frames) * std::sqrt(size2 / mass))
+    if ((ours.first - theirs.first).norm() > roundingOf(frames) * std::sqrt(mass * size2) &&
+        (ours.com() - theirs.com()).norm() > roundingOf(frames) * std::sqrt(size2 / mass))
       add("centre of mass [m]", shown(ours.com()), shown(theirs.com()), true);
     const Matrix3d I = ours.aboutCom(), J = theirs.aboutCom();
     const char* const names[] = {"xx", "yy", "zz", "xy", "xz", "yz"};
     constexpr int rows[] = {0, 1, 2, 0, 0, 1}, columns[] = {0, 1, 2, 1, 2, 2};
     for (int k = 0; k < 6; ++k)
-      if (std::abs(I(rows[k], columns[k]) - J(rows[k], columns[k])) > unit(frames) * size2)
+      if (std::abs(I(rows[k], columns[k]) - J(rows[k], columns[k])) > roundingOf(frames) * size2)
         add(fmt::format("I{} about it [kg m^2]", names[k]),
             fmt::format("{:.9g}", I(rows[k], columns[k])),
             fmt::format("{:.9g}", J(rows[k], columns[k])), true);
@@ -406,11 +402,7 @@ SameResult compareDescriptions(const Description& a, const Description& b, int s
   const std::vector<Place> places_a = placesOf(tree_a), places_b = placesOf(tree_b);
   const scene::RealNumbers<double> number_a(tree_a), number_b(tree_b);
   result.has_tau = true;
-  result.has_M =
-      std::all_of(side_a.robot.bodies.begin(), side_a.robot.bodies.end(), [](const ReadBody& body) {
-        return body.kind == scene::JointKind::kRevolute ||
-               body.kind == scene::JointKind::kPrismatic;
-      });
+  result.has_M = allHaveOnePosition(side_a.robot);
   for (int k = 0; k < states; ++k) {
     const auto state = drawState(tree_a, "same", seed, static_cast<std::uint64_t>(k));
     const auto tau_a = forces(tree_a, number_a, state, recursive::Terms::all());

@@ -36,13 +36,12 @@
 #include <dart/utils/urdf/DartLoader.hpp>
 
 #include <cmath>
-#include <iostream>
-#include <sstream>
 
 #include <Eigen/Cholesky>
 #include <boost/math/constants/constants.hpp>
 
 #include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/hushed.hpp"
 #include "scene/numbers.hpp"
 #endif
 
@@ -67,24 +66,6 @@ namespace joints = dart::dynamics;
 Vector3d vector(const scene::Vector& v, const RealNumbers<double>& number) {
   return {number(v[0]), number(v[1]), number(v[2])};
 }
-
-/// Keeps what is written to std::cerr and std::cout while it lives. DART warns on the one of each
-/// link without mass, and says on the other which names it gives to the joints put in here.
-class Hushed {
- public:
-  Hushed() : cerr_(std::cerr.rdbuf(heard_.rdbuf())), cout_(std::cout.rdbuf(heard_.rdbuf())) {}
-  ~Hushed() {
-    std::cerr.rdbuf(cerr_);
-    std::cout.rdbuf(cout_);
-  }
-  Hushed(const Hushed&) = delete;
-  Hushed& operator=(const Hushed&) = delete;
-  std::string text() const { return heard_.str(); }
-
- private:
-  std::ostringstream heard_;
-  std::streambuf *cerr_, *cout_;
-};
 
 /// Joints that DART reads from URDF as they are.
 bool isPlain(JointKind kind) {
@@ -116,6 +97,7 @@ Vector3d rotationVector(const scene::JointPosition<double>* q) {
 
 SkeletonPtr loaded(const scene::Scene& scene) {
   using dart::utils::DartLoader;
+  // it warns of each link without mass, and says which names it gives to the joints put in here
   const Hushed hushed;
   // DART's defaults are a root that floats, and 1 kg for a link without <inertial>
   const dart::dynamics::Inertia none(0, Vector3d::Zero(), Eigen::Matrix3d::Zero());

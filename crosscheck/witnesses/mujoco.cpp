@@ -22,7 +22,6 @@
 #include <mujoco/mujoco.h>
 
 #include <cmath>
-#include <cstring>
 #include <optional>
 
 #include <fmt/format.h>
@@ -32,6 +31,7 @@
 
 #include "crosscheck/witnesses/engine_bound.hpp"
 #include "crosscheck/witnesses/mjcf.hpp"
+#include "crosscheck/witnesses/mujoco_model.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #endif
 
@@ -91,17 +91,13 @@ Body bodyOf(const scene::MassProperties& m, const RealNumbers<double>& number) {
   return body;
 }
 
-/// MuJoCo's own rule for principal axes (eigEPS of mju_eig3): Jacobi turns stop when the cosine of
-/// the next one exceeds 1 - kTurnStop, that is with up to sqrt(2 kTurnStop) rad still to turn.
-constexpr double kTurnStop = 1e-12;
-
 /// What MuJoCo's compiler may refuse in a link: no mass, no extent (a point, a rod), or moments of
 /// a plane body that its turns leave short of the triangle inequality. Each of the three moments is
 /// then off by no more than what is left off the diagonal (Weyl).
 bool isRefused(const Body& body) {
   const Vector3d& I = body.moments;  // rising
   return body.mass < mjMINVAL || I[0] < mjMINVAL ||
-         I[0] + I[1] < I[2] * (1 + 3 * std::sqrt(2 * kTurnStop));
+         I[0] + I[1] < I[2] * (1 + 3 * std::sqrt(2 * kMujocoTurnStop));
 }
 
 scene::Number exactly(double x) {
@@ -182,25 +178,8 @@ scene::Scene told(scene::Scene scene, const std::vector<Body>& bodies, Inertias 
 
 // -------------------------------------------------------------------------------- loading
 
-struct Deleter {
-  void operator()(mjModel* model) const { mj_deleteModel(model); }
-  void operator()(mjData* data) const { mj_deleteData(data); }
-  void operator()(mjVFS* files) const {
-    mj_deleteVFS(files);
-    delete files;
-  }
-};
-template <typename T>
-using Owned = std::unique_ptr<T, Deleter>;
-
-/// MuJoCo's own answers are to write MUJOCO_LOG.TXT, and on errors to wait for a key and exit.
-void installHandlers() {
-  mju_user_warning = [](const char*) {};  // counted in mjData::warning
-  mju_user_error = [](const char* text) { throw std::runtime_error(text); };
-}
-
 /// @param text  URDF or MJCF
-Owned<mjModel> loaded(std::string text) {
+MujocoOwned<mjModel> loaded(std::string text) {
   // nothing may be fused, bounded, balanced or inferred: the model is to be what the file says
   const std::string settings =
       "<compiler fusestatic=\"false\" inertiafromgeom=\"false\" "
@@ -214,13 +193,9 @@ Owned<mjModel> loaded(std::string text) {
   else
     text.insert(text.rfind("</mujoco>"), settings);
   const char* kFile = is_urdf ? "scene.urdf" : "scene.xml";
-  const Owned<mjVFS> files(new mjVFS);
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(text.size()));
-  std::memcpy(files->filedata[0], text.data(), text.size());
-  char error[1000] = "";
-  Owned<mjModel> model(mj_loadXML(kFile, files.get(), error, sizeof error));
-  if (!model) throw std::runtime_error(fmt::format("MuJoCo does not read the file: {}", error));
+  std::string error;
+  MujocoOwned<mjModel> model = mujocoModelOf(text, kFile, &error);
+  if (!model) throw std::runtime_error("MuJoCo does not read the file: " + error);
   return model;
 }
 
@@ -241,7 +216,7 @@ class MujocoWitness : public Witness {
         solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns, kQuaternion),
         sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
     requirePlainRotors(scene.mechanism);
-    installHandlers();
+    installMujocoHandlers();
     const scene::Mechanism& mechanism = scene.mechanism;
     const RealNumbers<double> number(mechanism);
     std::vector<Body> bodies;
@@ -482,11 +457,13 @@ class MujocoWitness : public Witness {
       const Matrix3d D = R.transpose() * bodies[i].I * R;
       const double dropped = std::max({std::abs(D(0, 1)), std::abs(D(0, 2)), std::abs(D(1, 2))});
       // What is left to turn moves a difference of moments off the diagonal; an entry below
-      // kTurnStop is not turned at all. D itself is rounded: entries of R made of a quaternion by
+      // kMujocoTurnStop is not turned at all. D itself is rounded: entries of R made of a
+      // quaternion by
       // 10 u, so R by 3 * 10 u (Frobenius) on each side, and two products by 9 u each.
-      const double left = std::sqrt(2 * kTurnStop) * (moments.maxCoeff() - moments.minCoeff());
+      const double left =
+          std::sqrt(2 * kMujocoTurnStop) * (moments.maxCoeff() - moments.minCoeff());
       const double rounded = (2 * 30 + 2 * 9) * RunningError::kUnitRoundoff * moments.maxCoeff();
-      if (dropped > std::max(kTurnStop, left) + rounded) continue;
+      if (dropped > std::max(kMujocoTurnStop, left) + rounded) continue;
       const Matrix3d I = R * moments.asDiagonal() * R.transpose();
       compiled.links[i].inertia = inertiaAs(mechanism.links[i].inertia, I, Vector3d::Zero());
     }
@@ -677,8 +654,8 @@ class MujocoWitness : public Witness {
     std::unique_ptr<Witness> inverse, forward;
   };
   std::optional<Sweeps> written_, compiled_;  ///< of `mujoco` only
-  Owned<mjModel> model_;
-  Owned<mjData> data_;
+  MujocoOwned<mjModel> model_;
+  MujocoOwned<mjData> data_;
   Vector3d gravity_ = Vector3d::Zero();
   std::vector<int> links_;             ///< MuJoCo's body, one a scene link
   std::vector<int> dofs_, positions_;  ///< places in qvel and qpos, one a rate and a slot

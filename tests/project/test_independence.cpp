@@ -277,8 +277,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
        {"1.2e-5", "2e-4", "9e-4"}},  // seconds that a run is said to take
       {"crosscheck/witnesses/dart.cpp",
        {"1e-100", "1.001e-3"}},  // a time step that drops out; where DART cuts a series
-      {"crosscheck/witnesses/mujoco.cpp", {"1e-12"}},       // MuJoCo's own eigEPS
-      {"crosscheck/readers/mujoco_reader.cpp", {"1e-12"}},  // the same
+      {"crosscheck/witnesses/mujoco_model.hpp", {"1e-12"}},  // MuJoCo's own eigEPS
   };
   for (const auto& [file, text] : crosscheckSources()) {
     if (fs::path(file).extension() != ".cpp" && fs::path(file).extension() != ".hpp") continue;
