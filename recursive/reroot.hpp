@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -87,7 +88,7 @@ Rerooted<T> reroot(const Model<T>& model, int new_root) {
   out.X.assign(n, Transform<T>::identity());
   std::vector<int> order;  // old links in the order of the new ones: the way first
   for (int i = new_root; i >= 0; i = model.links[i].parent) order.push_back(i);
-  const std::size_t way = order.size();
+  const auto way = static_cast<std::ptrdiff_t>(order.size());
   for (int i = 0; i < n; ++i)
     if (std::find(order.begin(), order.begin() + way, i) == order.begin() + way) order.push_back(i);
   for (int k = 0; k < n; ++k) out.link[order[k]] = k;

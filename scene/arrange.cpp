@@ -73,6 +73,7 @@ void requireUniqueNames(const std::vector<Link>& links) {
 
 std::vector<Link> arrange(const std::vector<NamedLink>& links, const std::string& file) {
   std::vector<Link> in_file_order;
+  in_file_order.reserve(links.size());
   for (const NamedLink& named : links) in_file_order.push_back(named.link);
   requireUniqueNames(in_file_order);
 

@@ -279,7 +279,7 @@ struct ExpressionParser {
   }
 
   Expression power() {
-    const Expression base = atom();
+    Expression base = atom();
     if (!accept('^')) return base;
     skipSpaces();
     const bool negative = accept('-');

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <unordered_map>
+#include <utility>
 
 #include "scene/arrange.hpp"
 #include "scene/mimic.hpp"
@@ -111,7 +112,7 @@ Number TomlReader::expression(const toml::node& node, const std::string& what, b
     if (!std::isfinite(real->get())) {
       throw InputError(where(node), what + ": not finite, allowed: a finite number");
     }
-    const Number result = read(literal(node));
+    Number result = read(literal(node));
     if (exactValue(result, {}).toDouble() != real->get()) {
       throw std::logic_error("TomlReader: lost the spelling of a number, " + where(node).text());
     }
@@ -121,7 +122,7 @@ Number TomlReader::expression(const toml::node& node, const std::string& what, b
 }
 
 Number TomlReader::number(const toml::node& node, const std::string& what) const {
-  const Number result = expression(node, what);
+  Number result = expression(node, what);
   try {
     exactValue(result, values_);
   } catch (const InputError& error) {
@@ -133,7 +134,7 @@ Number TomlReader::number(const toml::node& node, const std::string& what) const
 Number TomlReader::optionalNumber(const toml::table& table, const std::string& what,
                                   const std::string& key, Number otherwise) const {
   const toml::node* node = table.get(key);
-  return node ? number(*node, what + ": " + key) : otherwise;
+  return node ? number(*node, what + ": " + key) : std::move(otherwise);
 }
 
 std::vector<Number> TomlReader::numbers(const toml::node& node, const std::string& what,
@@ -349,7 +350,7 @@ Placement TomlReader::readPlacement(const toml::table& table, const std::string&
     const toml::node* node = table.get(convention);
     if (!node) continue;
     for (const char* other : {"xyz", "rpy", "axis", "mdh"}) {
-      if (std::string(other) == convention || !table.get(other)) continue;
+      if (std::string(other) == convention || table.get(other) == nullptr) continue;
       throw InputError(where(*node), what + ": has both " + convention + " and " + other +
                                          ", allowed: xyz, rpy and axis, or dh, or mdh");
     }

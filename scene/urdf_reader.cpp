@@ -180,7 +180,7 @@ class Element {
     }
     if (lower.find_first_not_of("0123456789+-.e") == std::string::npos) {
       try {
-        const Number n = Expression::parse(word);
+        Number n = Expression::parse(word);
         using Kind = Expression::Kind;
         if ((n.kind() == Kind::kNegate ? n.left() : n).kind() == Kind::kNumber) {
           exactValue(n, {});  // refuses what is not finite

@@ -92,6 +92,7 @@ Work::~Work() {
   outer.done = outer.done + row.levels[level_].of_outer;
 }
 
+// NOLINTBEGIN(readability-make-member-function-const): they change what is seen of it
 void Work::done(double units) {
   if (level_ >= kLevels) return;
   std::atomic<double>& sum = sharedPage()->rows[my_row].levels[level_].done;
@@ -107,6 +108,7 @@ void Work::doneTo(double fraction) {
 void Work::expect(double units) {
   if (level_ < kLevels) sharedPage()->rows[my_row].levels[level_].units = units;
 }
+// NOLINTEND(readability-make-member-function-const)
 
 WorkSeen seenWork() {
   const Page* page = sharedPage();

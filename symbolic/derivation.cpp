@@ -479,16 +479,21 @@ std::vector<ShownEquation> shortClosedForm(const scene::Mechanism& mechanism, st
   const Equations e = derive(mechanism, options);
   if (!e.quasi.empty() || e.hasFollowers()) return {};
   ClosedAlgebra algebra(e);
-  std::vector<std::pair<std::string, Node>> wanted = {{"T", e.kinetic}, {"V", e.potential}};
+  using Of = ShownEquation::Of;
+  std::vector<std::tuple<Of, std::string, Node>> wanted = {{Of::kKinetic, "T", e.kinetic},
+                                                           {Of::kPotential, "V", e.potential}};
+  const auto want = [&](const std::string& name, Node node) {
+    wanted.emplace_back(Of::kMotion, name, node);
+  };
   for (int i = 0; i < e.dof(); ++i)
-    for (int j = i; j < e.dof(); ++j) wanted.emplace_back(numbered("M", i, j), e.M[i][j]);
-  for (int i = 0; i < e.dof(); ++i) wanted.emplace_back(numbered("c", i), e.c[i]);
-  for (int i = 0; i < e.dof(); ++i) wanted.emplace_back(numbered("g", i), e.g[i]);
+    for (int j = i; j < e.dof(); ++j) want(numbered("M", i, j), e.M[i][j]);
+  for (int i = 0; i < e.dof(); ++i) want(numbered("c", i), e.c[i]);
+  for (int i = 0; i < e.dof(); ++i) want(numbered("g", i), e.g[i]);
   std::vector<ShownEquation> shown;
-  for (const auto& [name, node] : wanted) {
+  for (const auto& [of, name, node] : wanted) {
     const Equation equation{Formula::ofSymbol(name), algebra.formula(algebra.expression(node))};
     if (print(equation, Style::kText).size() > limit) return {};
-    shown.push_back({name, print(equation, Style::kMathml)});
+    shown.push_back({of, name, print(equation, Style::kMathml)});
   }
   return shown;
 }

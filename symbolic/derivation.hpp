@@ -42,6 +42,8 @@ std::string print(const Derivation& derivation, Style style);
 
 /// A closed form that is short enough to be shown, for a report.
 struct ShownEquation {
+  enum class Of { kKinetic, kPotential, kMotion };
+  Of of;
   std::string name;    ///< "T", "V", "M11", ..., "c1", ..., "g1", ...
   std::string mathml;  ///< a whole `math` element
 };

@@ -14,6 +14,7 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/system/environment.hpp"
 #include "crosscheck/verdicts/truth.hpp"
+#include "crosscheck/witnesses/kernel_names.hpp"
 #include "scene/error.hpp"
 #include "scene/work.hpp"
 #include "symbolic/closed_form.hpp"
@@ -56,7 +57,7 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
     addSweeps(Sweep::kArticulatedBody, mechanism, states, &methods);
   }
   for (const WitnessKind& kind : kinds) {
-    if (kind.info.name == "kernel") {
+    if (kind.info.name == kKernelName) {
       try {
         methods.push_back(kernelMethod(quantity, mechanism, states));
       } catch (const std::exception& error) {
@@ -68,9 +69,11 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
       chart->left_out.push_back(kind.info.name + ": absent from this build");
       continue;
     }
-    std::unique_ptr<Witness> witness = makeWitness(kind, scene);
-    if (witness->answers(quantity))
-      methods.push_back(engineMethod(std::move(witness), quantity, states));
+    MadeWitness made = kind.make(scene);
+    if (made.isRefused())
+      chart->left_out.push_back(kind.info.name + ": " + made.refusal());
+    else if ((*made)->answers(quantity))
+      methods.push_back(engineMethod(std::move(made).value(), quantity, states));
     else
       chart->left_out.push_back(
           fmt::format("{}: does not answer {}", kind.info.name, crosscheck::name(quantity)));

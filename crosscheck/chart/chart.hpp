@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "crosscheck/scalars/scalar.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/scene.hpp"
 
@@ -14,7 +15,7 @@ namespace dynwitness::crosscheck {
 /// One method in one scalar.
 struct ChartPoint {
   std::string method;  ///< "Newton-Euler sweep", "straight-line program", "simbody", ...
-  std::string scalar;  ///< "double", "float", "long double", "50 digits", "128-bit balls"
+  Scalar scalar = Scalar::kDouble;
   /// Largest |entry - truth| / largest |truth| of a state, over the states (rounded up; balls count
   /// to their far ends).
   double error_worst = 0, error_median = 0;

@@ -15,7 +15,11 @@ namespace dynwitness::crosscheck {
 class DerivedMethod : public Method {
  public:
   DerivedMethod(const std::string& name, Quantity quantity, int dof, const States& states)
-      : Method(name, "double"), quantity_(quantity), states_(states), M_(dof, dof), out_(dof) {}
+      : Method(name, Scalar::kDouble),
+        quantity_(quantity),
+        states_(states),
+        M_(dof, dof),
+        out_(dof) {}
 
   MatrixOf<Ball> answer() const override {
     return exactlyAll<double>(quantity_ == Quantity::kM ? M_ : MatrixOf<double>(column(out_)));

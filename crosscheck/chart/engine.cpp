@@ -8,7 +8,7 @@ namespace {
 class EngineMethod : public Method {
  public:
   EngineMethod(std::unique_ptr<Witness> witness, Quantity quantity, const States& states)
-      : Method(witness->name(), "double"),
+      : Method(witness->name(), Scalar::kDouble),
         witness_(std::move(witness)),
         quantity_(quantity),
         states_(states) {}

@@ -12,7 +12,7 @@ using kernel::Formula;
 class KernelMethod : public Method {
  public:
   KernelMethod(Quantity quantity, const scene::Mechanism& mechanism, const States& states)
-      : Method(MethodName::kKernel, "double"),
+      : Method(MethodName::kKernel, Scalar::kDouble),
         quantity_(quantity),
         kernel_(mechanism, {{formula(quantity)}, kernel::chosenLanes()}),
         out_(quantity == Quantity::kM ? mechanism.dof() * mechanism.dof() : mechanism.dof()) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crosscheck/scalars/ball.hpp"
+#include "crosscheck/scalars/scalar.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/mechanism.hpp"
@@ -18,12 +19,13 @@ using States = std::vector<scene::State<double>>;
 
 class Method {
  public:
-  Method(std::string name, std::string scalar) : name(std::move(name)), scalar(std::move(scalar)) {}
+  Method(std::string name, Scalar scalar) : name(std::move(name)), scalar(scalar) {}
   virtual ~Method() = default;
   virtual void run(int state) = 0;            ///< what is timed
   virtual MatrixOf<Ball> answer() const = 0;  ///< of the last run, exactly as it is
 
-  const std::string name, scalar;
+  const std::string name;
+  const Scalar scalar;
 };
 
 /// How charts and their tables call the methods that are ours; an engine has its witness's name.

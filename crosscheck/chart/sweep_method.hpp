@@ -42,8 +42,7 @@ inline const char* methodName(Sweep sweep) {
 template <typename Numbers, typename T = typename Numbers::Scalar>
 class SweepMethod : public Method {
  public:
-  SweepMethod(Sweep sweep, const std::string& scalar, const scene::Mechanism& mechanism,
-              const States& states)
+  SweepMethod(Sweep sweep, Scalar scalar, const scene::Mechanism& mechanism, const States& states)
       : Method(methodName(sweep), scalar),
         sweep_(sweep),
         setup_(recursive::buildModel(mechanism, Numbers(mechanism))),

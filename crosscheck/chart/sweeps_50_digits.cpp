@@ -6,8 +6,8 @@ namespace dynwitness::crosscheck {
 
 std::unique_ptr<Method> sweepIn50Digits(Sweep sweep, const scene::Mechanism& mechanism,
                                         const States& states) {
-  return std::make_unique<SweepMethod<scene::RealNumbers<Digits50>>>(sweep, "50 digits", mechanism,
-                                                                     states);
+  return std::make_unique<SweepMethod<scene::RealNumbers<Digits50>>>(sweep, Scalar::k50Digits,
+                                                                     mechanism, states);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -5,7 +5,7 @@ namespace dynwitness::crosscheck {
 
 std::unique_ptr<Method> sweepInBalls(Sweep sweep, const scene::Mechanism& mechanism,
                                      const States& states) {
-  return std::make_unique<SweepMethod<BallNumbers>>(sweep, "128-bit balls", mechanism, states);
+  return std::make_unique<SweepMethod<BallNumbers>>(sweep, Scalar::kBalls, mechanism, states);
 }
 
 }  // namespace dynwitness::crosscheck

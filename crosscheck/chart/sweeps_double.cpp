@@ -5,8 +5,8 @@ namespace dynwitness::crosscheck {
 
 std::unique_ptr<Method> sweepInDouble(Sweep sweep, const scene::Mechanism& mechanism,
                                       const States& states) {
-  return std::make_unique<SweepMethod<scene::RealNumbers<double>>>(sweep, "double", mechanism,
-                                                                   states);
+  return std::make_unique<SweepMethod<scene::RealNumbers<double>>>(sweep, Scalar::kDouble,
+                                                                   mechanism, states);
 }
 
 }  // namespace dynwitness::crosscheck

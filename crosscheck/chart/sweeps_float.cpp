@@ -5,7 +5,7 @@ namespace dynwitness::crosscheck {
 
 std::unique_ptr<Method> sweepInFloat(Sweep sweep, const scene::Mechanism& mechanism,
                                      const States& states) {
-  return std::make_unique<SweepMethod<scene::RealNumbers<float>>>(sweep, "float", mechanism,
+  return std::make_unique<SweepMethod<scene::RealNumbers<float>>>(sweep, Scalar::kFloat, mechanism,
                                                                   states);
 }
 

@@ -5,7 +5,7 @@ namespace dynwitness::crosscheck {
 
 std::unique_ptr<Method> sweepInLongDouble(Sweep sweep, const scene::Mechanism& mechanism,
                                           const States& states) {
-  return std::make_unique<SweepMethod<scene::RealNumbers<long double>>>(sweep, "long double",
+  return std::make_unique<SweepMethod<scene::RealNumbers<long double>>>(sweep, Scalar::kLongDouble,
                                                                         mechanism, states);
 }
 

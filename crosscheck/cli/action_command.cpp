@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness action: Hamilton's principle on a simulated motion.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -53,6 +54,12 @@ Json toJson(const Action& action) {
   return json;
 }
 
+/// Every check agrees: the steps follow the motion and its neighbours.
+bool isSure(const Action& action) {
+  return std::all_of(action.checks.begin(), action.checks.end(),
+                     [](const CheckResult& check) { return check.verdict == Verdict::kAgree; });
+}
+
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.json);
   const scene::Scene scene = admitted(arguments.scene, Command::kAction);
@@ -74,7 +81,8 @@ int run(const Arguments& arguments) {
   if (action.conservative) {
     fmt::print("energy       |E - E0| {:.2g} J\n", action.energy_drift);
     if (action.conjugates.empty())
-      fmt::print("conjugate    no conjugate time in {} s: the action is least\n", action.duration);
+      fmt::print("conjugate    no conjugate time {} {} s{}\n", isSure(action) ? "in" : "seen in",
+                 action.duration, isSure(action) ? ": the action is least" : "");
     for (const Action::Conjugate& conjugate : action.conjugates)
       fmt::print("conjugate    t = {:.10g} s {} s\n", conjugate.time, boundText(conjugate.error));
     if (action.negative >= 0)

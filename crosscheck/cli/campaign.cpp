@@ -64,7 +64,7 @@ void printCampaign(const RandomCampaign& campaign, const CampaignOptions& option
     const auto disagrees = [&](const RandomCampaign::Failure& failure) {
       return std::any_of(
           failure.checks.begin(), failure.checks.end(),
-          [&](const CheckResult& check) { return (check.unit == "exact") == is_exact; });
+          [&](const CheckResult& check) { return (check.unit == Unit::kExact) == is_exact; });
     };
     const long failed =
         std::count_if(campaign.failures.begin(), campaign.failures.end(), disagrees);

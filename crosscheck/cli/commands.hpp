@@ -17,6 +17,7 @@ inline constexpr const char* kGrowthDescription =
     "Measure time, memory and digits against the number of links";
 
 Run addCrosscheck(CLI::App& app);
+Run addCheck(CLI::App& app);
 Run addDerive(CLI::App& app);
 Run addEvaluate(CLI::App& app);
 Run addDrift(CLI::App& app);

@@ -118,7 +118,7 @@ void printTable(const CrosscheckResult& result) {
     fmt::print("{:<30} {:>4} {:>6} {:>7}  {:<15} ", scene.name, scene.dof, scene.links, answered,
                verdict);
     if (closest != nullptr)
-      fmt::print("{:.0f}% of {} {}, {}{}{}", 100 * closest->ratio, closest->check,
+      fmt::print("{:.0f}% of {} {}, {}{}{}", 100 * closest->ratio, closest->name(),
                  closest->quantity, closest->left, closest->right.empty() ? "" : "/",
                  closest->right);
     if (partly > 0) fmt::print("; {} check{} not at all states", partly, partly == 1 ? "" : "s");
@@ -130,13 +130,13 @@ void printTable(const CrosscheckResult& result) {
     std::map<std::string, std::string> refused_by;  // names, by reason
     for (const CheckResult& check : scene.checks) {
       if (check.verdict == Verdict::kAgree) continue;
-      if (check.quantity.empty() && check.verdict == Verdict::kNotAnswerable) {
+      if (check.asksNothing()) {
         std::string& names = refused_by[check.reason];
         names += (names.empty() ? "" : ", ") + check.left;
         continue;
       }
       fmt::print("\n{}: {}: {} {} ({}{}{}): {} (seed {})", scene.name, name(check.verdict),
-                 check.check, check.quantity, check.left, check.right.empty() ? "" : " and ",
+                 check.name(), check.quantity, check.left, check.right.empty() ? "" : " and ",
                  check.right, check.reason, check.seed);
     }
     for (const auto& [reason, names] : refused_by)
@@ -157,8 +157,8 @@ CampaignOptions campaignOptions(const Arguments& arguments) {
   if (arguments.states_given) options.states = arguments.options.states;
   for (const WitnessKind& kind : selectWitnesses(arguments.options.witnesses)) {
     const bool named = !arguments.options.witnesses.empty();
-    if (named) options.exact.witnesses.push_back(kind.info.name);
-    if (named || kind.info.name.rfind("kernel", 0) != 0) options.in_double.push_back(kind);
+    if (named) options.exact.witnesses.push_back(kind);
+    if (named || !kind.is_compiled) options.in_double.push_back(kind);
   }
   return options;
 }

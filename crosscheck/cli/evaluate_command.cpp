@@ -341,7 +341,7 @@ int run(const Arguments& arguments) {
                             : arguments.witness.empty() ? usualWitness(quantity)
                                                         : arguments.witness;
     std::unique_ptr<Witness> witness =
-        (engine ? *engine : selectWitnesses({who}).front()).make(scene);
+        (engine ? *engine : selectWitnesses({who}).front()).make(scene).value();
     if (!witness->answers(quantity))
       throw scene::InputError({}, fmt::format("witness '{}' does not answer {}", who, text));
     columns.push_back({quantity, std::move(witness), text});

@@ -103,8 +103,12 @@ int run(Arguments arguments) {
   fmt::print("geodesic     {} s from qd = {}{}: |T - T0| {:.2g} J in {} steps of order 4\n",
              options.duration, fmt::join(options.qd, ", "),
              rests ? " (the scene starts at rest)" : "", geodesic.energy_drift, geodesic.steps);
+  const bool is_sure =
+      std::all_of(geodesic.checks.begin(), geodesic.checks.end(),
+                  [](const CheckResult& check) { return check.verdict == Verdict::kAgree; });
   if (geodesic.conjugates.empty())
-    fmt::print("             no conjugate point: nothing near it is shorter\n");
+    fmt::print("             no conjugate point{}\n",
+               is_sure ? ": nothing near it is shorter" : " seen");
   for (const Action::Conjugate& conjugate : geodesic.conjugates)
     fmt::print("             conjugate point at t = {:.10g} s {} s: neighbours meet it there\n",
                conjugate.time, boundText(conjugate.error));

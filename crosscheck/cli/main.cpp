@@ -6,6 +6,7 @@ int main(int argc, char** argv) {
   using namespace dynwitness::cli;
   return front(argc, argv,
                {{"crosscheck", addCrosscheck},
+                {"check", addCheck},
                 {"derive", addDerive},
                 {"evaluate", addEvaluate},
                 {"drift", addDrift},

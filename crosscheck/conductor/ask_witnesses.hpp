@@ -8,13 +8,12 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/result.hpp"
 #include "crosscheck/witnesses/witness.hpp"
-#include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
 
 /// measureDigits(), and each pair of witnesses into `checks`; those that cannot hold the scene
 /// come first there. What became of the faults planted for control goes into `controls`.
-DigitsFound askWitnesses(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+DigitsFound askWitnesses(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
                          const Options& options, std::vector<CheckResult>& checks,
                          std::vector<Control>& controls);
 

@@ -18,14 +18,11 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-void checkExactly(const scene::Scene& scene, const ExactOptions& options, RandomCampaign& campaign,
+void checkExactly(const PreparedScene& scene, const ExactOptions& options, RandomCampaign& campaign,
                   RandomCampaign::Failure& failure) {
   const std::vector<CheckResult> checks = exactChecks(scene, options);
   for (const CheckResult& check : checks) {
-    // a single body has no other root, and there is nothing to ask
-    if (check.verdict == Verdict::kNotAnswerable &&
-        check.check == "independence of the chosen root")
-      continue;
+    if (check.is_idle) continue;  // a single body has no other root
     if (check.verdict != Verdict::kAgree) failure.checks.push_back(check);
     if (check.verdict == Verdict::kNotAnswerable) {
       ++campaign.not_answerable;
@@ -35,7 +32,7 @@ void checkExactly(const scene::Scene& scene, const ExactOptions& options, Random
     campaign.error_probability =
         std::max(campaign.error_probability, check.exact->error_probability);
   }
-  failure.findings = findOutliers(scene.name, checks);
+  failure.findings = findOutliers(scene.scene().name, checks);
 }
 
 /// A reason without what is the mechanism's own: names in quotes, entries, states and numbers.
@@ -48,7 +45,7 @@ std::string reasonInGeneral(const std::string& reason) {
 }
 
 /// @return whether there was a witness that does not build the mechanism
-bool checkInDouble(const scene::Scene& scene, const CampaignOptions& options,
+bool checkInDouble(const PreparedScene& scene, const CampaignOptions& options,
                    RandomCampaign& campaign, RandomCampaign::Failure& failure) {
   Options asked;
   asked.seed = options.exact.seed;
@@ -62,7 +59,7 @@ bool checkInDouble(const scene::Scene& scene, const CampaignOptions& options,
   for (const WitnessKind& kind : options.in_double) ++campaign.asked[kind.info.name];
   for (const CheckResult& check : checks) {
     if (check.verdict == Verdict::kNotAnswerable) {
-      const bool by_one = check.quantity.empty();
+      const bool by_one = check.asksNothing();
       refused = refused || by_one;
       if (by_one) --campaign.asked[check.left];
       ++campaign.unanswered[reasonInGeneral(check.reason)][by_one ? check.left : check.quantity];
@@ -71,7 +68,7 @@ bool checkInDouble(const scene::Scene& scene, const CampaignOptions& options,
     campaign.comparisons += check.states;
     if (check.verdict == Verdict::kDisagree) failure.checks.push_back(check);
   }
-  for (Finding& finding : findOutliers(scene.name, checks))
+  for (Finding& finding : findOutliers(scene.scene().name, checks))
     failure.findings.push_back(std::move(finding));
   return refused;
 }
@@ -81,11 +78,12 @@ void checkOne(int index, int max_joints, const CampaignOptions& options, RandomC
     if (!failure.checks.empty()) campaign.failures.push_back(std::move(failure));
   };
   RandomCampaign::Failure failure{randomScene(options.exact.seed, index, max_joints), {}, {}};
-  checkExactly(failure.scene, options.exact, campaign, failure);
+  const PreparedScene prepared(failure.scene);
+  checkExactly(prepared, options.exact, campaign, failure);
   ++campaign.mechanisms;
   campaign.joints += failure.scene.mechanism.dof();
   const bool refused =
-      !options.in_double.empty() && checkInDouble(failure.scene, options, campaign, failure);
+      !options.in_double.empty() && checkInDouble(prepared, options, campaign, failure);
   keep(std::move(failure));
   if (!refused) return;
   RandomCampaign::Failure plain{
@@ -116,7 +114,7 @@ RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions
   CampaignOptions asked = options;
   if (asked.exact.witnesses.empty())
     for (const WitnessKind& kind : witnessKinds())
-      if (kind.info.name.rfind("kernel", 0) != 0) asked.exact.witnesses.push_back(kind.info.name);
+      if (!kind.is_compiled) asked.exact.witnesses.push_back(kind);
   // mechanisms a task; of many mechanisms there are no more than so many tasks, whose parts are
   // kept
   constexpr int kLeast = 5, kMostTasks = 10000;
@@ -145,8 +143,8 @@ std::string describeFailure(const RandomCampaign::Failure& failure) {
   for (const Finding& finding : failure.findings) text += finding.text + "\n";
   for (const CheckResult& check : failure.checks)
     text += fmt::format("{}: {}: {}, {} ({}{}{}): {}\n", failure.scene.name, name(check.verdict),
-                        check.check, check.quantity, check.left, check.right.empty() ? "" : " and ",
-                        check.right, check.reason);
+                        check.name(), check.quantity, check.left,
+                        check.right.empty() ? "" : " and ", check.right, check.reason);
   return text + fmt::format(
                     "to see it again: write the scene below to {0}, then\n"
                     "  dynwitness crosscheck {0} --seed {1}\n\n{2}",

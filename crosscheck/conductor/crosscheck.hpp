@@ -15,7 +15,7 @@
 namespace dynwitness::crosscheck {
 
 /// Everything about one scene, derivation and drift included.
-SceneResult crosscheckScene(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+SceneResult crosscheckScene(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
                             const Options& options);
 
 /** The same for several scenes, in several processes: whole scenes where there are as many as

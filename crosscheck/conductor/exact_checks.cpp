@@ -7,13 +7,13 @@
 
 namespace dynwitness::crosscheck {
 
-std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options) {
+std::vector<CheckResult> exactChecks(const PreparedScene& prepared, const ExactOptions& options) {
+  const scene::Scene& scene = prepared.scene();
+  const std::vector<ExactWitness> witnesses = exactWitnesses(
+      prepared, options.parameters, options.witnesses.empty() ? witnessKinds() : options.witnesses);
   scene::Work work("", 4);
   std::vector<CheckResult> checks =
-      decide(scene,
-             both(comparisonInquiry(exactWitnesses(scene, options.parameters, options.witnesses)),
-                  identityInquiry(scene.mechanism)),
-             options);
+      decide(scene, both(comparisonInquiry(witnesses), identityInquiry(scene.mechanism)), options);
   for (const auto more : {checkClosuresExactly, checkRegressorExactly, checkConstrainedExactly}) {
     work.done();
     for (const CheckResult& check : more(scene, options, nullptr)) checks.push_back(check);

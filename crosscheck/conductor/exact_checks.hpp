@@ -22,6 +22,6 @@ namespace dynwitness::crosscheck {
              not answerable when a divisor is zero at all points, or when its formulas are too large
              for the field to say anything.
     @throws std::invalid_argument unless 0 < error_probability < 1 */
-std::vector<CheckResult> exactChecks(const scene::Scene& scene, const ExactOptions& options);
+std::vector<CheckResult> exactChecks(const PreparedScene& scene, const ExactOptions& options);
 
 }  // namespace dynwitness::crosscheck

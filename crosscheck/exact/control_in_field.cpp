@@ -6,11 +6,13 @@
 #include <map>
 #include <string>
 
+#include "crosscheck/witnesses/witnesses.hpp"
+
 namespace dynwitness::crosscheck {
 namespace {
 
 std::vector<ExactWitness> sweepsInField(const scene::Scene& scene, const ExactOptions& options) {
-  return exactWitnesses(scene, options.parameters, {NewtonEuler::kName, ArticulatedBody::kName});
+  return exactWitnesses(scene, options.parameters, {newtonEulerKind(), articulatedBodyKind()});
 }
 
 /// Which quantities are zero, or have no value, at a random point: nothing to be too heavy there.
@@ -45,11 +47,12 @@ std::vector<Control> controlInField(const scene::Scene& scene, const ExactOption
   std::vector<ExactWitness> witnesses = sweepsInField(scene, options);
   for (ExactWitness& heavy : sweepsInField(heavier(scene, kUsualPower), options)) {
     heavy.name = kControl;
+    heavy.is_control = true;
     witnesses.push_back(std::move(heavy));
   }
   std::vector<Control> controls;
   for (const CheckResult& check : compareExactly(scene, witnesses, options)) {
-    if (check.right != kControl || check.left == kControl) continue;
+    if (!check.right_is_control || check.left_is_control) continue;
     Control control;
     control.quantity = check.quantity;
     if (const auto it = nothing.find(check.quantity); it != nothing.end()) {
@@ -58,7 +61,8 @@ std::vector<Control> controlInField(const scene::Scene& scene, const ExactOption
       control.nothing = check.reason;
     } else {
       control.size = std::pow(10.0, -kUsualPower);
-      (check.verdict == Verdict::kDisagree ? control.found : control.missed).push_back("field");
+      (check.verdict == Verdict::kDisagree ? control.found : control.missed)
+          .push_back(Road::kField);
     }
     controls.push_back(control);
   }

@@ -11,11 +11,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/exact/inquiry.hpp"
-#include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/verdicts/tally.hpp"
-#include "crosscheck/witnesses/coupled.hpp"
-#include "crosscheck/witnesses/fast_sweeps.hpp"
-#include "crosscheck/witnesses/lagrange.hpp"
 #include "recursive/constraints.hpp"
 #include "scene/work.hpp"
 #include "symbolic/closures.hpp"
@@ -36,7 +32,7 @@ constexpr int kPatience = 8;
 class Trial {
  public:
   Trial(CheckResult check, const ExactOptions& options) : check_(std::move(check)) {
-    check_.unit = "exact";
+    check_.unit = Unit::kExact;
     check_.seed = options.seed;
     exact_.parameters = name(options.parameters);
   }
@@ -44,6 +40,7 @@ class Trial {
   /// How many points it takes, from the size of the formulas.
   void size(const TwoSides<DegreeBound>& sides, const DegreeBound::Divisors& divisors,
             double target) {
+    check_.is_idle = sides.is_idle;
     if (!sides.failure.empty()) return giveUp(sides.failure, true);
     if (!sameShape(sides)) return;
     double chance = 0;
@@ -173,83 +170,6 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
 
 namespace {
 
-// ---- witnesses ----------------------------------------------------------------------------------
-
-ExactWitness lagrangeWitness(const scene::Scene& scene, Parameters parameters) {
-  const auto derived = std::make_shared<const DerivedPrograms>(
-      scene.mechanism, parameters == Parameters::kAsWritten);
-  const auto on = [derived](const auto& number) {
-    using Numbers = std::decay_t<decltype(number)>;
-    return [derived, answer = DerivedAnswers<typename Numbers::Scalar>(*derived, number)](
-               Quantity quantity, const auto& state) mutable { return answer(quantity, state); };
-  };
-  return {"lagrange", DerivedPrograms::answers, on, on};
-}
-
-/// The programs that kernels are compiled from.
-struct KernelPrograms {
-  explicit KernelPrograms(const scene::Mechanism& mechanism) : dof(mechanism.dof()) {
-    using kernel::Formula;
-    for (const auto& [quantity, formula] : {std::pair(Quantity::kM, Formula::kMassMatrix),
-                                            std::pair(Quantity::kTau, Formula::kInverseDynamics),
-                                            std::pair(Quantity::kQdd, Formula::kForwardDynamics)}) {
-      try {
-        programs.emplace(quantity, kernel::smallestRoad(mechanism, formula).program);
-      } catch (const std::domain_error& error) {
-        failures.emplace(quantity, error.what());
-      } catch (const kernel::NotUsed&) {  // the kernel's own witness says why
-      }
-    }
-  }
-  bool answers(Quantity quantity) const {
-    return programs.count(quantity) + failures.count(quantity) > 0;
-  }
-  std::map<Quantity, symbolic::Program> programs;
-  std::map<Quantity, std::string> failures;  ///< why there is none
-  int dof;
-};
-
-/// The same in one arithmetic.
-template <typename T>
-class KernelAnswers {
- public:
-  template <typename Numbers>
-  KernelAnswers(std::shared_ptr<const KernelPrograms> programs, const Numbers& number)
-      : programs_(std::move(programs)) {
-    for (const auto& [quantity, program] : programs_->programs)
-      runs_.emplace(quantity, symbolic::ProgramRun<T>(program, number));
-  }
-  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
-    if (const auto it = programs_->failures.find(quantity); it != programs_->failures.end())
-      throw DivisionByZero(it->second);
-    const std::vector<T> out = runs_.at(quantity)(state);
-    return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-        out.data(), programs_->dof, quantity == Quantity::kM ? programs_->dof : 1);
-  }
-
- private:
-  std::shared_ptr<const KernelPrograms> programs_;
-  std::map<Quantity, symbolic::ProgramRun<T>> runs_;
-};
-
-}  // namespace
-
-ExactWitness kernelWitness(const scene::Scene& scene) {
-  const auto programs =
-      std::make_shared<const KernelPrograms>(scene::withoutMimics(scene.mechanism));
-  const auto on = [programs, mechanism = scene.mechanism](const auto& number) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
-    return [answers = KernelAnswers<T>(programs, number), coupled = mechanism.hasMimics(),
-            coupling = Coupling<T>(mechanism, number)](
-               Quantity quantity, const scene::State<T>& state) mutable -> MatrixOf<T> {
-      return coupled ? coupling(quantity, state, answers) : answers(quantity, state);
-    };
-  };
-  return {"kernel", [programs](Quantity quantity) { return programs->answers(quantity); }, on, on};
-}
-
-namespace {
-
 // ---- comparisons --------------------------------------------------------------------------------
 
 /// Every quantity and every pair of witnesses that answer it.
@@ -305,10 +225,12 @@ Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses) {
   Inquiry inquiry;
   for (const Pair& pair : pairs) {
     CheckResult check;
-    check.check = "same";
+    check.kind = CheckKind::kSame;
     check.quantity = name(pair.quantity);
     check.left = witnesses[pair.left].name;
     check.right = witnesses[pair.right].name;
+    check.left_is_control = witnesses[pair.left].is_control;
+    check.right_is_control = witnesses[pair.right].is_control;
     check.statement =
         fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
     inquiry.checks.push_back(check);
@@ -342,7 +264,7 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
   Inquiry inquiry;
   for (int k = 0; k < kParts; ++k) {
     CheckResult check;
-    check.check = "closures";
+    check.law = "closures";
     check.statement = kStatements[k];
     check.quantity = kNames[k];
     check.left = "lagrange";
@@ -405,28 +327,14 @@ Inquiry both(const Inquiry& a, const Inquiry& b) {
   return inquiry;
 }
 
-std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
-                                         const std::vector<std::string>& names) {
+std::vector<ExactWitness> exactWitnesses(const PreparedScene& scene, Parameters parameters,
+                                         const std::vector<WitnessKind>& kinds) {
   std::vector<ExactWitness> witnesses;
-  const auto isAsked = [&](const std::string& name) {
-    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
-  };
-  const auto sweep = [&](auto algorithm) {
-    using Algorithm = decltype(algorithm);
-    if (isAsked(Algorithm::kName))
-      witnesses.push_back(sweepWitness<Algorithm>(scene, [](auto&, const auto&) {}));
-  };
-  if (isAsked("lagrange")) witnesses.push_back(lagrangeWitness(scene, parameters));
-  sweep(NewtonEuler());
-  sweep(CompositeBody());
-  sweep(ArticulatedBody());
-  if (isAsked(RecursiveLagrange<PrimeField>::kName))
-    witnesses.push_back(recursiveLagrangeWitness(scene, [](auto&, const auto&) {}));
-  if (isAsked("fast")) witnesses.push_back(fastWitness(scene));
-  // a kernel is made for the numbers of its scene, and has no signs
-  if (parameters == Parameters::kAsWritten && scene.mechanism.isOpenTree() &&
-      !scene.mechanism.hasCoulombFriction() && isAsked("kernel"))
-    witnesses.push_back(kernelWitness(scene));
+  for (const WitnessKind& kind : kinds) {
+    if (!kind.make_exact) continue;
+    OrRefusal<ExactWitness> made = kind.make_exact(scene, parameters);
+    if (!made.isRefused()) witnesses.push_back(std::move(made).value());
+  }
   return witnesses;
 }
 

@@ -12,8 +12,6 @@
 #include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/verdicts/result.hpp"
 #include "crosscheck/witnesses/exact_witness.hpp"
-#include "crosscheck/witnesses/recursive_lagrange.hpp"
-#include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::crosscheck {
@@ -24,50 +22,15 @@ struct ExactOptions {
   /// this.
   double error_probability = 1e-30;
   Parameters parameters = Parameters::kAsWritten;
-  /// Names of those to compare, which may name others that do not compute exactly; empty: all. The
-  /// identities are laws of our sweeps and hold whoever is compared.
-  std::vector<std::string> witnesses = {};
+  /// Those to compare, among them such as do not compute exactly; empty: all. The identities are
+  /// laws of our sweeps and hold whoever is compared.
+  std::vector<WitnessKind> witnesses = {};
 };
 
-/** A sweep of sweep_algorithms.hpp as exact witness.
-    @param change  called as change(model, number) on each model before it is used: nothing for the
-                   witness itself; tests plant their errors here */
-template <typename Algorithm, typename Change>
-ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
-  const auto on = [mechanism = scene.mechanism, change](const auto& number) {
-    using Numbers = std::decay_t<decltype(number)>;
-    using T = typename Numbers::Scalar;
-    Setup<T> setup(mechanism, number);
-    change(setup.model, number);
-    for (Setup<T>& kept : setup.with_fixed_joints) change(kept.model, number);
-    return [setup](Quantity quantity, const scene::State<T>& state) mutable {
-      return MatrixOf<T>(Algorithm::answer(setup, quantity, state));
-    };
-  };
-  return {Algorithm::kName, Algorithm::answers, on, on};
-}
-
-/// Lagrange's equations link by link, with the same `change` on its HomogeneousModel.
-template <typename Change>
-ExactWitness recursiveLagrangeWitness(const scene::Scene& scene, Change change) {
-  const auto on = [mechanism = scene.mechanism, change](const auto& number) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
-    RecursiveLagrange<T> witness(mechanism, number);
-    change(witness.model, number);
-    return witness;
-  };
-  return {RecursiveLagrange<PrimeField>::kName, RecursiveLagrange<PrimeField>::answers, on, on};
-}
-
-/// The programs that the scene's kernel is compiled from (smallestRoad), for the parameters as
-/// written.
-ExactWitness kernelWitness(const scene::Scene& scene);
-
-/// lagrange (derived here, once), newton_euler, composite_body, articulated_body,
-/// recursive_lagrange, fast and, where the parameters are as written and there is one, kernel; or
-/// those of them that `names` names.
-std::vector<ExactWitness> exactWitnesses(const scene::Scene& scene, Parameters parameters,
-                                         const std::vector<std::string>& names = {});
+/// The witnesses of these kinds that compute exactly and do not refuse; a kernel is not asked for
+/// random parameters.
+std::vector<ExactWitness> exactWitnesses(const PreparedScene& scene, Parameters parameters,
+                                         const std::vector<WitnessKind>& kinds = witnessKinds());
 
 /// The comparisons alone, of witnesses of the caller's choice.
 std::vector<CheckResult> compareExactly(const scene::Scene& scene,

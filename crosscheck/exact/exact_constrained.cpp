@@ -153,9 +153,9 @@ DenseSolution<T> solveDense(const DenseEquations<T>& e, const std::vector<char>&
   return out;
 }
 
-CheckResult question(const char* check, const char* quantity, const char* statement) {
+CheckResult question(const char* law, const char* quantity, const char* statement) {
   CheckResult result;
-  result.check = check;
+  result.law = law;
   result.quantity = quantity;
   result.statement = statement;
   result.left = "lagrange";

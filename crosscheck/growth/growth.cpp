@@ -98,7 +98,7 @@ double errorOf(const Eigen::MatrixXd& value, const MatrixOf<Ball>* truth) {
 /// An outside engine, through its witness.
 class Engine : public GrowthMethod {
  public:
-  Engine(const WitnessKind& kind, const scene::Scene& scene) : witness_(kind.make(scene)) {}
+  Engine(const WitnessKind& kind, const scene::Scene& scene) : witness_(kind.make(scene).value()) {}
   bool knowsInverse() const override { return witness_->answers(Quantity::kTau); }
   bool knowsForward() const override { return witness_->answers(Quantity::kQdd); }
   void set(const scene::State<double>& state) override { state_ = &state; }

@@ -113,6 +113,13 @@ std::vector<Rule> makeRules() {
        prescribed,
        {Kind::kTold, "all joints are free in comparisons of witnesses"}},
 
+      {Command::kCheck, closures + point_springs + prescribed, of_the_tree},
+      {Command::kCheck,
+       followers,
+       {Kind::kTold,
+        "programs are asked about the tree, every joint of it with a rate of its own"}},
+      {Command::kCheck, {Feature::kStart}, random_states},
+
       {Command::kDerive, closures + point_springs + prescribed, of_the_tree},
       {Command::kDerive, {Feature::kStart}, for_every_state},
       {Command::kDerivePrograms,
@@ -338,6 +345,8 @@ const char* name(Command command) {
   switch (command) {
     case Command::kCrosscheck:
       return "crosscheck";
+    case Command::kCheck:
+      return "check";
     case Command::kDerive:
       return "derive";
     case Command::kDerivePrograms:

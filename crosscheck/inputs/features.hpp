@@ -14,6 +14,7 @@ namespace dynwitness::crosscheck {
 /// kind.
 enum class Command {
   kCrosscheck,
+  kCheck,
   kDerive,
   kDerivePrograms,
   kDeriveOperations,
@@ -31,14 +32,23 @@ enum class Command {
   kImpulse,
   kImpedance,
 };
-inline constexpr Command kAllCommands[] = {Command::kCrosscheck,     Command::kDerive,
-                                           Command::kDerivePrograms, Command::kDeriveOperations,
-                                           Command::kEvaluateTree,   Command::kEvaluateForces,
-                                           Command::kEvaluateMotion, Command::kEvaluateTasks,
-                                           Command::kDrift,          Command::kChart,
-                                           Command::kSimulate,       Command::kRotors,
-                                           Command::kParameters,     Command::kGeometry,
-                                           Command::kAction,         Command::kImpulse,
+inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
+                                           Command::kCheck,
+                                           Command::kDerive,
+                                           Command::kDerivePrograms,
+                                           Command::kDeriveOperations,
+                                           Command::kEvaluateTree,
+                                           Command::kEvaluateForces,
+                                           Command::kEvaluateMotion,
+                                           Command::kEvaluateTasks,
+                                           Command::kDrift,
+                                           Command::kChart,
+                                           Command::kSimulate,
+                                           Command::kRotors,
+                                           Command::kParameters,
+                                           Command::kGeometry,
+                                           Command::kAction,
+                                           Command::kImpulse,
                                            Command::kImpedance};
 /// "drift", "evaluate (tau, reactions)"
 const char* name(Command command);

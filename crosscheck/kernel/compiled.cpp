@@ -250,7 +250,7 @@ std::vector<std::shared_ptr<SharedObject>> compileAndLoad(const std::vector<std:
                                                           const CompileOptions& options,
                                                           const Trial& trial) {
   const std::string how = inWords(options.compiler) + " " + inWords(options.flags);
-  // one that has failed is not asked again: it may be one that hangs
+  // one that has failed is not asked again: it may be one that hangs, whoever wants its code
   static std::map<std::string, std::string> failures;
   std::optional<DraftFolder> drafts;  // goes after the compilers that write there
   std::vector<Job> jobs(sources.size());

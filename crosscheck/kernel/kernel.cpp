@@ -130,7 +130,8 @@ void requireCompiler() {
   const int lanes = chosenLanes();
   std::string how = fmt::format("{} {}", cacheFolder().string(), lanes);
   for (const std::string& word : findCompiler()) how += " " + word;
-  static std::map<std::string, std::string> known;  // what is wrong with each
+  // what is wrong with each: of this machine and no scene, so of the process; trying costs a second
+  static std::map<std::string, std::string> known;
   auto it = known.find(how);
   if (it == known.end()) {
     std::string problem;
@@ -166,15 +167,14 @@ int chosenLanes() {
                                       wish, widest));
 }
 
-Kernel::Kernel(const scene::Mechanism& mechanism, const KernelOptions& options)
-    : dof_(mechanism.dof()), lanes_(options.lanes) {
-  const scene::RealNumbers<double> numbers(mechanism);
+Kernel::Kernel(const SmallestRoads& roads, const KernelOptions& options)
+    : dof_(roads.mechanism().dof()), lanes_(options.lanes) {
+  const scene::RealNumbers<double> numbers(roads.mechanism());
   std::vector<const symbolic::Program*> programs;
   std::vector<Formula> formulas;
   for (const Formula formula : options.formulas) {
     try {
-      programs.push_back(&roads_.insert_or_assign(formula, smallestRoad(mechanism, formula))
-                              .first->second.program);
+      programs.push_back(&roads_.insert_or_assign(formula, roads(formula)).first->second.program);
       formulas.push_back(formula);
     } catch (const NotUsed& why) {
       not_used_[formula] = why.what();

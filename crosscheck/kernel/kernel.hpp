@@ -32,7 +32,7 @@ struct KernelOptions {
   int lanes = chosenLanes();
 };
 
-/** The smallest programs of a mechanism (smallestRoad), emitted as C, compiled by the system's
+/** The smallest programs of a mechanism (SmallestRoads), emitted as C, compiled by the system's
     compiler and loaded, after a trial: it must give the very bits of the interpreted program, in
     every lane. Compiled code is kept (cacheFolder()), so that the second time costs the tracing
     alone. A formula whose straight line would not be worth having (NotUsed) has no code, and must
@@ -45,7 +45,7 @@ class Kernel {
  public:
   /// @throws CannotCompile (compiled.hpp) where there is no compiler or no cache folder; NotUsed
   ///         when no formula has code; and what else smallestRoad() throws
-  explicit Kernel(const scene::Mechanism& mechanism, const KernelOptions& options = {});
+  explicit Kernel(const SmallestRoads& roads, const KernelOptions& options = {});
 
   int dof() const { return dof_; }
   int lanes() const { return lanes_; }

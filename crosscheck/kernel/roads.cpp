@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -13,7 +12,6 @@
 #include "crosscheck/kernel/lean_sweeps.hpp"
 #include "crosscheck/kernel/traced_sweeps.hpp"
 #include "recursive/build_model.hpp"
-#include "scene/scene.hpp"
 #include "symbolic/equations.hpp"
 
 namespace dynwitness::crosscheck::kernel {
@@ -318,18 +316,12 @@ std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula) {
   return all;
 }
 
-namespace {
+SmallestRoads::SmallestRoads(const scene::Mechanism& mechanism) : mechanism_(mechanism) {}
 
-/// A road, or the reason why there is none that is worth having.
-struct Made {
-  Road road;
-  std::string reason;
-};
-
-Made makeSmallestRoad(const scene::Mechanism& mechanism, Formula formula) {
+SmallestRoads::Found SmallestRoads::found(const scene::Mechanism& mechanism, Formula formula) {
   const auto not_used = [&](const std::string& why) {
-    return Made{{},
-                fmt::format("no kernel of {} is used: {}; `fast` runs loops", name(formula), why)};
+    return Found{{},
+                 fmt::format("no kernel of {} is used: {}; `fast` runs loops", name(formula), why)};
   };
   const bool is_counted = formula == Formula::kInverseDynamics || formula == Formula::kMassMatrix ||
                           formula == Formula::kForwardDynamics;
@@ -364,23 +356,15 @@ Made makeSmallestRoad(const scene::Mechanism& mechanism, Formula formula) {
   return {best, ""};
 }
 
-}  // namespace
+const Road& SmallestRoads::operator()(Formula formula) const {
+  auto it = known_.find(formula);
+  if (it == known_.end()) it = known_.emplace(formula, found(mechanism_, formula)).first;
+  if (!it->second.not_used.empty()) throw NotUsed(it->second.not_used);
+  return it->second.road;
+}
 
 Road smallestRoad(const scene::Mechanism& mechanism, Formula formula) {
-  // A crosscheck of a scene comes here for its two kernels, its exact checks and its tables (each
-  // process for those that it was given).
-  static std::string last;
-  static std::map<Formula, Made> known;
-  scene::Scene asked;
-  asked.mechanism = mechanism;
-  if (const std::string text = scene::writeSceneToml(asked); text != last) {
-    known.clear();
-    last = text;
-  }
-  auto it = known.find(formula);
-  if (it == known.end()) it = known.emplace(formula, makeSmallestRoad(mechanism, formula)).first;
-  if (!it->second.reason.empty()) throw NotUsed(it->second.reason);
-  return it->second.road;
+  return SmallestRoads(mechanism)(formula);
 }
 
 }  // namespace dynwitness::crosscheck::kernel

@@ -3,6 +3,7 @@
 // them.
 #pragma once
 
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -71,13 +72,33 @@ struct NotUsed : std::runtime_error {
 };
 
 /** The road of the fewest operations. Of the traced sweeps, which every bundled scene shows to be
-    larger by half, the mechanisms that the lean sweep cannot take are left. The roads of the
-    mechanism asked last are kept, so asking again costs nothing; not for several threads at once.
+    larger by half, the mechanisms that the lean sweep cannot take are left.
 
     The search is bounded by counted steps, the same on every machine: about a second for ID, M and
     FD together.
     @throws NotUsed  of ID, M and FD: more than kMostOperations, or not fewer than the general
                      sweep's (general_cost.hpp); and what roads() throws */
 Road smallestRoad(const scene::Mechanism& mechanism, Formula formula);
+
+/// The smallest roads of one mechanism, each looked for once, when it is first asked for; not for
+/// several threads at once.
+class SmallestRoads {
+ public:
+  SmallestRoads(const scene::Mechanism& mechanism);  // NOLINT(google-explicit-constructor)
+
+  const scene::Mechanism& mechanism() const { return mechanism_; }
+  /// smallestRoad(), with what it throws.
+  const Road& operator()(Formula formula) const;
+
+ private:
+  struct Found {
+    Road road;
+    std::string not_used;  ///< why no road is worth having; empty: one is
+  };
+  static Found found(const scene::Mechanism& mechanism, Formula formula);
+
+  scene::Mechanism mechanism_;
+  mutable std::map<Formula, Found> known_;
+};
 
 }  // namespace dynwitness::crosscheck::kernel

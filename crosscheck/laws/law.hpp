@@ -29,6 +29,7 @@ template <typename T>
 struct TwoSides {
   Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> left, right;
   std::string failure = {};
+  bool is_idle = false;  ///< nothing is to be asked here, as `failure` says: no division failed
 };
 
 /** A law is a struct of this kind:

@@ -70,7 +70,7 @@ struct IndependenceOfTheRoot : Law {
                                       [](const auto& link) { return link.parent < 0; }) == 1;
     const Model<T> model = floats ? own : onFloatingBase(own, body);
     const int links = static_cast<int>(model.links.size());
-    if (links == 1) return {{}, {}, "a single body: there is no other link"};
+    if (links == 1) return {{}, {}, "a single body: there is no other link", true};
     const Rerooted<T> tree = reroot(model, links - 1);
 
     const std::vector<JointPosition<T>>& positions = at.state().x;

@@ -40,8 +40,14 @@ class SweptMechanism {
 
   template <typename Numbers>
   SweptMechanism(const scene::Mechanism& mechanism, const Numbers& numbers)
-      : model_(recursive::buildModel(mechanism, numbers)),
-        kept_(recursive::buildModel(mechanism, numbers, recursive::FixedJoints::kKept)),
+      : SweptMechanism(mechanism, numbers, recursive::buildModel(mechanism, numbers),
+                       recursive::buildModel(mechanism, numbers, recursive::FixedJoints::kKept)) {}
+  /// @param lumped, kept  its models, without and with a link for every fixed joint
+  template <typename Numbers>
+  SweptMechanism(const scene::Mechanism& mechanism, const Numbers& numbers,
+                 recursive::Model<T> lumped, recursive::Model<T> kept)
+      : model_(std::move(lumped)),
+        kept_(std::move(kept)),
         free_(mechanism.hasMimics()
                   ? recursive::buildModel(scene::withoutMimics(mechanism), numbers)
                   : model_),

@@ -35,11 +35,9 @@ constexpr double kMostSteps = 1e8;
 class Motion {
  public:
   /// @param moved_by  whose qdd it moves with, nullptr: its own
-  explicit Motion(const scene::Mechanism& mechanism, const scene::Mechanism* moved_by)
-      : model_(recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism))),
-        moving_(moved_by == nullptr
-                    ? model_
-                    : recursive::buildModel(*moved_by, scene::RealNumbers<double>(*moved_by))),
+  explicit Motion(const PreparedScene& scene, const scene::Mechanism* moved_by)
+      : model_(scene.model<double>()),
+        moving_(moved_by == nullptr ? model_ : PreparedScene(*moved_by).model<double>()),
         ws_(model_),
         x_(model_.positions),
         qd_(model_.dof()),
@@ -154,8 +152,8 @@ bool orderShows(const Drift& drift) {
 /// How much rounding the state to double may move E = T + V [J].
 class EnergyRounding {
  public:
-  explicit EnergyRounding(const scene::Mechanism& mechanism)
-      : model_(recursive::buildModel(mechanism, RunningErrorNumbers(mechanism))), ws_(model_) {}
+  explicit EnergyRounding(const PreparedScene& scene)
+      : model_(scene.model<RunningError>()), ws_(model_) {}
   double operator()(const Vector& y) {
     std::vector<scene::JointPosition<RunningError>> x;
     for (int i = 0; i < model_.positions; ++i) x.push_back(roundedPosition(y[i]));
@@ -179,9 +177,9 @@ std::vector<std::pair<std::string, int>> driftMethods() {
   return out;
 }
 
-Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
+Drift measureDrift(const PreparedScene& scene, const DriftOptions& options) {
   const Method& method = methodNamed(kMethods, options.method);
-  requireTreated(scene, Command::kDrift);
+  requireTreated(scene.scene(), Command::kDrift);
   if (!(options.duration > 0) || !std::isfinite(options.duration))
     throw scene::InputError({},
                             fmt::format("duration is {} s, allowed: positive", options.duration));
@@ -196,8 +194,8 @@ Drift measureDrift(const scene::Scene& scene, const DriftOptions& options) {
                           "least a hundred millionth of it",
                           step, options.duration));
 
-  Motion motion(scene.mechanism, options.moved_by);
-  const Vector start = startOf(scene);
+  Motion motion(scene, options.moved_by);
+  const Vector start = startOf(scene.scene());
 
   Drift drift;
   drift.method = method.name;
@@ -273,14 +271,14 @@ const AdaptiveRun::Point& AdaptiveRun::at(double time) const {
   return *std::prev(after);
 }
 
-AdaptiveRun runAdaptively(const scene::Scene& scene, const DriftOptions& options,
+AdaptiveRun runAdaptively(const PreparedScene& scene, const DriftOptions& options,
                           double step_error) {
   constexpr int kMostAdaptiveSteps = 200000;
-  Motion motion(scene.mechanism, options.moved_by);
-  EnergyRounding rounding(scene.mechanism);
+  Motion motion(scene, options.moved_by);
+  EnergyRounding rounding(scene);
   auto stepper =
       odeint::make_controlled(step_error, step_error, odeint::runge_kutta_dopri5<Vector>());
-  Vector y = startOf(scene);
+  Vector y = startOf(scene.scene());
   const double E_0 = motion.energy(y);
   AdaptiveRun run{step_error, 0, {}};
   AdaptiveRun::Point point{0, 0, rounding(y), 0};

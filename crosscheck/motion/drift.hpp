@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.hpp"
+#include "crosscheck/witnesses/prepared_scene.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -42,7 +42,7 @@ std::vector<std::pair<std::string, int>> driftMethods();
     @return without paths where M is singular at the start state, so that no motion follows
     @throws scene::InputError for an unknown method, a step that is not positive, and what
             Command::kDrift refuses: scenes whose energy is not constant, or jumps */
-Drift measureDrift(const scene::Scene& scene, const DriftOptions& options);
+Drift measureDrift(const PreparedScene& scene, const DriftOptions& options);
 
 /// Why a Drift has no paths.
 inline constexpr const char* kNoMotion = "qdd has no value at the start state: M is singular there";
@@ -82,7 +82,7 @@ struct AdaptiveRun {
 
 /// By Dormand and Prince's pair of orders 5 and 4, each step's error kept below step_error (1 +
 /// |y|). Ends early where the steps become too many or nothing finite follows.
-AdaptiveRun runAdaptively(const scene::Scene& scene, const DriftOptions& options,
+AdaptiveRun runAdaptively(const PreparedScene& scene, const DriftOptions& options,
                           double step_error);
 
 }  // namespace dynwitness::crosscheck

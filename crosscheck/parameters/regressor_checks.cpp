@@ -37,7 +37,7 @@ std::vector<CheckResult> checkRegressorExactly(const scene::Scene& scene,
                                                const scene::Mechanism* derived_from) {
   Inquiry inquiry;
   CheckResult check;
-  check.check = "regressor";
+  check.law = "regressor";
   check.statement = "w' Y by the sweeps = w' dtau/dpi by lagrange, for any w";
   check.quantity = "Y";
   check.left = "sweeps";

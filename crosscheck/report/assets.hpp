@@ -4,7 +4,8 @@
 
 namespace dynwitness::crosscheck {
 
-extern const char* const kStyleCss;      ///< style.css
-extern const char* const kStyleGnuplot;  ///< style.gp
+extern const char* const kStyleCss;       ///< style.css
+extern const char* const kStyleGnuplot;   ///< style.gp
+extern const char* const kHowToReadHtml;  ///< how_to_read.html, a section of the page
 
 }  // namespace dynwitness::crosscheck

@@ -152,16 +152,18 @@ std::string benchText(const BenchResult& result) {
   return text;
 }
 
-std::string benchSection(const BenchResult& result, const BenchFiles& files) {
-  const Environment& where = result.environment;
-  std::string page = fmt::format(
-      "<section aria-labelledby=\"speed\">\n<h2 id=\"speed\">Speed</h2>\n<p>{}.</p>\n"
-      "<p>Measured by <code>dynwitness bench</code> on {}, {}. Nothing of the verdict above "
-      "depends on it. {}.</p>\n"
-      "<figure class=\"charts\">\n",
-      esc(goalsSentence(result)), esc(where.cpu), esc(where.date), esc(how(result, " ")));
+namespace {
+
+void openTable(std::string* page, const char* label, const std::string& caption) {
+  *page += fmt::format(
+      "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table>\n"
+      "<caption><span>{}</span></caption>\n",
+      label, esc(caption));
+}
+
+void putFigure(std::string* page, const BenchFiles& files) {
   if (!files.light.empty())
-    page += fmt::format(
+    *page += fmt::format(
         "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Charts of speed\">\n"
         "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
         "<img src=\"{}\" width=\"1000\" alt=\"Time of one evaluation of each contender, a panel a "
@@ -169,25 +171,22 @@ std::string benchSection(const BenchResult& result, const BenchFiles& files) {
         "formula. The numbers are in the table below.\"></picture>\n</div>\n",
         files.dark, files.light);
   else
-    page += fmt::format("<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
-                        esc(files.no_plot_reason));
-  page += fmt::format(
+    *page += fmt::format("<p class=\"soft\">The plot was left out: {}. Its data are there.</p>\n",
+                         esc(files.no_plot_reason));
+  *page += fmt::format(
       "<figcaption>Time of one evaluation [s]; further left is better. Data: "
       "<a href=\"{}\">all contenders</a>",
       files.csv);
   if (!files.script.empty())
-    page += fmt::format("; <a href=\"{}\">gnuplot script</a>", files.script);
-  page += ".</figcaption>\n</figure>\n";
+    *page += fmt::format("; <a href=\"{}\">gnuplot script</a>", files.script);
+  *page += ".</figcaption>\n</figure>\n";
+}
 
-  const auto open = [&](const char* label, const std::string& caption) {
-    page += fmt::format(
-        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table>\n"
-        "<caption><span>{}</span></caption>\n",
-        label, esc(caption));
-  };
-  open("Table of goals",
-       "Goals, and by how much those are missed that are: so much more it takes than granted.");
-  page +=
+void putGoals(std::string* page, const BenchResult& result) {
+  openTable(
+      page, "Table of goals",
+      "Goals, and by how much those are missed that are: so much more it takes than granted.");
+  *page +=
       "<thead><tr><th scope=\"col\" class=\"n\">Goal</th><th scope=\"col\">What</th><th "
       "scope=\"col\">Who</th>"
       "<th scope=\"col\" class=\"n\">Wanted</th><th scope=\"col\" class=\"n\">Measured</th>"
@@ -196,7 +195,7 @@ std::string benchSection(const BenchResult& result, const BenchFiles& files) {
   for (const Goal& goal : result.goals) {
     const GoalVerdict verdict = judge(result, goal);
     const char* css = !verdict.measured ? "none" : verdict.is_reached ? "agree" : "disagree";
-    page += fmt::format(
+    *page += fmt::format(
         "<tr><td class=\"n\">{}</td><th scope=\"row\">{} <span class=\"soft\">of</span> {}</th>"
         "<td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
         "<td>{}</td></tr>\n",
@@ -204,39 +203,61 @@ std::string benchSection(const BenchResult& result, const BenchFiles& files) {
         esc(wanted(goal)), figure(verdict.measured), figure(verdict.times_simbody),
         badge(css, verdictWords(verdict)));
   }
-  page += "</tbody>\n</table>\n</div>\n";
+  *page += "</tbody>\n</table>\n</div>\n";
+}
 
+void putTimes(std::string* page, const BenchResult& result) {
   for (const SceneTable& table : sceneTables(result)) {
-    open("Table of times",
-         table.scene + ": nanoseconds a state, and how many times faster than MuJoCo and Simbody.");
-    page += "<thead><tr><th scope=\"col\">Contender</th>";
+    openTable(
+        page, "Table of times",
+        table.scene + ": nanoseconds a state, and how many times faster than MuJoCo and Simbody.");
+    *page += "<thead><tr><th scope=\"col\">Contender</th>";
     for (const char* formula : kTimed)
-      page += fmt::format(
+      *page += fmt::format(
           "<th scope=\"col\" class=\"n\">{} [ns]</th><th scope=\"col\" class=\"n\">× MuJoCo</th>"
           "<th scope=\"col\" class=\"n\">× Simbody</th>",
           formula);
-    page += "</tr></thead>\n<tbody>\n";
+    *page += "</tr></thead>\n<tbody>\n";
     for (const Row& row : table.rows) {
-      page += fmt::format("<tr><th scope=\"row\">{}</th>", esc(row.label));
+      *page += fmt::format("<tr><th scope=\"row\">{}</th>", esc(row.label));
       for (const Row::Cell& cell : row.cells)
-        page += fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
-                            figure(cell.ns), figure(cell.mujoco), figure(cell.simbody));
-      page += "</tr>\n";
+        *page +=
+            fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
+                        figure(cell.ns), figure(cell.mujoco), figure(cell.simbody));
+      *page += "</tr>\n";
     }
-    page += "</tbody>\n</table>\n</div>\n";
+    *page += "</tbody>\n</table>\n</div>\n";
   }
+}
 
-  open("Table of other numbers", "What else was measured.");
-  page +=
+void putOtherNumbers(std::string* page, const BenchResult& result) {
+  openTable(page, "Table of other numbers", "What else was measured.");
+  *page +=
       "<thead><tr><th scope=\"col\">What</th><th scope=\"col\">Who</th><th "
       "scope=\"col\">Measured</th>"
       "</tr></thead>\n<tbody>\n";
   for (const OtherNumbers& o : otherNumbers(result))
-    page += fmt::format(
+    *page += fmt::format(
         "<tr><th scope=\"row\">{} <span class=\"soft\">of</span> "
         "{}</th><td>{}</td><td>{}</td></tr>\n",
         esc(o.what), esc(o.subject), esc(o.label), esc(o.values));
-  page += "</tbody>\n</table>\n</div>\n";
+  *page += "</tbody>\n</table>\n</div>\n";
+}
+
+}  // namespace
+
+std::string benchSection(const BenchResult& result, const BenchFiles& files) {
+  const Environment& where = result.environment;
+  std::string page = fmt::format(
+      "<section aria-labelledby=\"speed\">\n<h2 id=\"speed\">Speed</h2>\n<p>{}.</p>\n"
+      "<p>Measured by <code>dynwitness bench</code> on {}, {}. Nothing of the verdict above "
+      "depends on it. {}.</p>\n"
+      "<figure class=\"charts\">\n",
+      esc(goalsSentence(result)), esc(where.cpu), esc(where.date), esc(how(result, " ")));
+  putFigure(&page, files);
+  putGoals(&page, result);
+  putTimes(&page, result);
+  putOtherNumbers(&page, result);
   if (!result.left_out.empty()) {
     page += "<p class=\"soft\">Left out:</p>\n<ul class=\"reasons\">\n";
     for (const std::string& reason : result.left_out) page += "<li>" + esc(reason) + "</li>\n";

@@ -21,8 +21,8 @@ std::string chartCsv(const std::vector<Chart>& charts) {
       left_out += fmt::format("# left out of {}: {}\n", chart.quantity, oneLine(method));
     for (const ChartPoint& p : chart.points)
       rows += fmt::format("{},{},{},{:.3e},{:.3e},{:.1f},{:.1f},{:.1f}\n", chart.quantity, p.method,
-                          p.scalar, p.error_worst, p.error_median, p.time_min_ns, p.time_median_ns,
-                          p.time_high_ns);
+                          name(p.scalar), p.error_worst, p.error_median, p.time_min_ns,
+                          p.time_median_ns, p.time_high_ns);
   }
   std::string about;
   if (!charts.empty())
@@ -62,7 +62,7 @@ struct Range {
 
   Range(const std::vector<ChartPoint>& points, bool only_double) {
     for (const ChartPoint& p : points) {
-      if (only_double && p.scalar != "double") continue;
+      if (only_double && p.scalar != Scalar::kDouble) continue;
       for (const double error : {p.error_worst, p.error_median}) {
         if (!(error > 0) || !std::isfinite(error)) continue;
         left = std::min(left, std::floor(std::log10(error)));
@@ -83,7 +83,7 @@ std::string panel(const Chart& chart, const std::string& csv, bool only_double) 
   const Range range(chart.points, only_double);
   std::vector<std::string> methods;
   for (const ChartPoint& p : chart.points)
-    if ((!only_double || p.scalar == "double") &&
+    if ((!only_double || p.scalar == Scalar::kDouble) &&
         std::find(methods.begin(), methods.end(), p.method) == methods.end())
       methods.push_back(p.method);
   const double decades = range.right - range.left;
@@ -162,7 +162,7 @@ std::string chartScript(const Chart& chart, const std::string& name, const std::
       "set ylabel 'time of one evaluation'\nunset key\n" +
       panel(chart, csv, false);
   const auto named = std::count_if(chart.points.begin(), chart.points.end(),
-                                   [](const ChartPoint& p) { return p.scalar == "double"; });
+                                   [](const ChartPoint& p) { return p.scalar == Scalar::kDouble; });
   text +=
       "unset label\nunset ylabel\n"
       "set lmargin at screen 0.575\nset rmargin at screen 0.97\n"

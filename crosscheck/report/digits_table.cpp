@@ -20,7 +20,8 @@ std::string cell(const std::string& text) {
 }
 
 std::string column(const DigitsResult& digits) {
-  return digits.scalar == "double" ? digits.witness : digits.witness + ", " + digits.scalar;
+  return digits.scalar == Scalar::kDouble ? digits.witness
+                                          : digits.witness + ", " + name(digits.scalar);
 }
 
 void addOnce(std::vector<std::string>& list, const std::string& text) {
@@ -51,7 +52,7 @@ std::string digitsTable(const CrosscheckResult& result, const Environment& envir
     for (const SceneResult& scene : result.scenes)
       for (const DigitsResult& digits : scene.digits)
         if (digits.quantity == quantity)
-          addOnce(digits.scalar == "double" ? columns : other_scalars, column(digits));
+          addOnce(digits.scalar == Scalar::kDouble ? columns : other_scalars, column(digits));
     columns.insert(columns.end(), other_scalars.begin(), other_scalars.end());
     text += fmt::format("\n## {}\n\n| scene |", cell(quantity));
     std::string rule = "\n|---|";

@@ -30,6 +30,12 @@ Json texts(const std::vector<std::string>& list) {
   return array;
 }
 
+Json words(const std::vector<Road>& roads) {
+  Json array = Json::array();
+  for (const Road road : roads) array.push_back(name(road));
+  return array;
+}
+
 void putVoided(Json* json, const CheckResult& check) {
   if (check.voided == 0) return;
   (*json)["voided"] = {{"states", check.voided}, {"first", check.first_voided}};
@@ -38,7 +44,7 @@ void putVoided(Json* json, const CheckResult& check) {
 }
 
 Json toJson(const CheckResult& check) {
-  Json json{{"check", cleanText(check.check)}};
+  Json json{{"check", cleanText(check.name())}};
   putText(&json, "statement", check.statement);
   json["quantity"] = cleanText(check.quantity);
   json["left"] = cleanText(check.left);
@@ -46,7 +52,7 @@ Json toJson(const CheckResult& check) {
   if (check.verdict != Verdict::kNotAnswerable) {
     json["states"] = check.states;
     putVoided(&json, check);
-    json["unit"] = cleanText(check.unit);
+    json["unit"] = name(check.unit);
     json["worst"] = number(check.worst);
     json["limit"] = number(check.limit);
     json["ratio"] = number(check.ratio);
@@ -90,8 +96,8 @@ Json toJson(const Control& control) {
   Json json{{"quantity", cleanText(control.quantity)}};
   if (control.size > 0) {
     json["size"] = number(control.size);
-    json["found"] = texts(control.found);
-    json["missed"] = texts(control.missed);
+    json["found"] = words(control.found);
+    json["missed"] = words(control.missed);
   }
   if (!control.blind.empty()) json["blind"] = texts(control.blind);
   putText(&json, "nothing", control.nothing);
@@ -101,7 +107,7 @@ Json toJson(const Control& control) {
 Json toJson(const DigitsResult& digits) {
   Json json{{"witness", cleanText(digits.witness)},
             {"quantity", cleanText(digits.quantity)},
-            {"scalar", cleanText(digits.scalar)},
+            {"scalar", name(digits.scalar)},
             {"states", digits.states}};
   if (!digits.worst) return json;
   json["worst"] = number(*digits.worst);
@@ -113,11 +119,7 @@ Json toJson(const DigitsResult& digits) {
 }
 
 Json toJson(const Finding& finding) {
-  const char* kind = finding.kind == Finding::Kind::kKnownLoss   ? "known loss"
-                     : finding.kind == Finding::Kind::kOpenStart ? "open start"
-                     : finding.kind == Finding::Kind::kEngine    ? "engine"
-                                                                 : "disagreement";
-  Json json{{"kind", kind},
+  Json json{{"kind", name(finding.kind)},
             {"scene", cleanText(finding.scene)},
             {"quantity", cleanText(finding.quantity)}};
   putText(&json, "witness", finding.witness);
@@ -291,8 +293,8 @@ std::string reportJUnit(const CrosscheckResult& result, const Environment& envir
               "(ratio {}) at {}, state {} of seed {}</failure></testcase>\n",
               escapeMarkup(check.reason.empty() ? "the witnesses disagree" : check.reason),
               escapeMarkup(check.statement), readable(check.worst), readable(check.limit),
-              escapeMarkup(check.unit), readable(check.ratio), escapeMarkup(check.worst_entry),
-              check.worst_state, check.seed);
+              escapeMarkup(name(check.unit)), readable(check.ratio),
+              escapeMarkup(check.worst_entry), check.worst_state, check.seed);
           break;
         case Verdict::kNotAnswerable:
           fmt::format_to(out, "><skipped message=\"{}\"/></testcase>\n",

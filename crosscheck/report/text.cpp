@@ -112,25 +112,15 @@ std::string readable(double value) {
   return fmt::format("{:.0f}", value);
 }
 
-namespace {
-
-/// The unit without " (at least)", by which a check says that its limit is one from below; else "".
-std::string unitFromBelow(const CheckResult& check) {
-  static const std::string kAtLeast = " (at least)";
-  const std::size_t at = check.unit.rfind(kAtLeast);
-  return at == std::string::npos ? "" : check.unit.substr(0, at);
-}
-
-}  // namespace
-
 std::string limitText(const CheckResult& check) {
-  return (unitFromBelow(check).empty() ? "" : "≥ ") + readable(check.limit);
+  return (isLimitFromBelow(check.unit) ? "≥ " : "") + readable(check.limit);
 }
 
 std::string worstOfLimit(const CheckResult& check) {
-  if (const std::string unit = unitFromBelow(check); !unit.empty())
-    return fmt::format("{} {}, at least {}", unit, readable(check.worst), readable(check.limit));
-  return fmt::format("{} of {} {}", readable(check.worst), readable(check.limit), check.unit);
+  if (isLimitFromBelow(check.unit))
+    return fmt::format("{} {}, at least {}", measure(check.unit), readable(check.worst),
+                       readable(check.limit));
+  return fmt::format("{} of {} {}", readable(check.worst), readable(check.limit), name(check.unit));
 }
 
 std::string shareOfLimit(double ratio) {
@@ -184,7 +174,7 @@ std::string voidedText(const CheckResult& check) {
 }
 
 std::string describe(const CheckResult& check) {
-  std::string text = check.check;
+  std::string text = check.name();
   if (!check.quantity.empty()) text += " " + check.quantity;
   if (!check.left.empty()) text += ": " + check.left;
   if (!check.right.empty()) text += " and " + check.right;

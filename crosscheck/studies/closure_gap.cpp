@@ -17,20 +17,18 @@ std::string ClosureGap::text() const {
 }
 
 struct ClosureGaps::Parts {
-  explicit Parts(const scene::Mechanism& mechanism)
-      : number(mechanism),
-        model(recursive::buildModel(mechanism, number)),
+  explicit Parts(const PreparedScene& scene)
+      : model(scene.model<RunningError>()),
         ws(model),
-        closures(recursive::buildConstraints(mechanism, number, model)) {}
+        closures(recursive::buildConstraints(scene.mechanism(),
+                                             RunningErrorNumbers(scene.mechanism()), model)) {}
 
-  RunningErrorNumbers number;
   recursive::Model<RunningError> model;
   recursive::Workspace<RunningError> ws;
   recursive::Constraints<RunningError> closures;
 };
 
-ClosureGaps::ClosureGaps(const scene::Scene& scene)
-    : parts_(std::make_unique<Parts>(scene.mechanism)) {}
+ClosureGaps::ClosureGaps(const PreparedScene& scene) : parts_(std::make_unique<Parts>(scene)) {}
 ClosureGaps::~ClosureGaps() = default;
 
 ClosureGap ClosureGaps::at(const scene::State<double>& state) {
@@ -55,9 +53,9 @@ ClosureGap ClosureGaps::at(const scene::State<double>& state) {
   return gap;
 }
 
-ClosureGap ClosureGaps::ofStart(const scene::Scene& scene) {
-  if (scene.mechanism.closures.empty()) return {};
-  return ClosureGaps(scene).at(ConstrainedQuantities(scene).start());
+ClosureGap ClosureGaps::ofStart(const PreparedScene& scene) {
+  if (scene.mechanism().closures.empty()) return {};
+  return ClosureGaps(scene).at(ConstrainedQuantities(scene.scene()).start());
 }
 
 }  // namespace dynwitness::crosscheck

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "scene/scene.hpp"
+#include "crosscheck/witnesses/prepared_scene.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
@@ -25,12 +25,12 @@ struct ClosureGap {
     these states, the computation's own rounding included. */
 class ClosureGaps {
  public:
-  explicit ClosureGaps(const scene::Scene& scene);
+  explicit ClosureGaps(const PreparedScene& scene);
   ~ClosureGaps();
 
   ClosureGap at(const scene::State<double>& state);
   /// The gap of the scene's start, driven joints where they are at t = 0.
-  static ClosureGap ofStart(const scene::Scene& scene);
+  static ClosureGap ofStart(const PreparedScene& scene);
 
  private:
   struct Parts;

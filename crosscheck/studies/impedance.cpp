@@ -3,6 +3,7 @@
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/impedance_laws.hpp"
+#include "crosscheck/studies/squares.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
 
 namespace dynwitness::crosscheck {
@@ -40,6 +41,11 @@ ImpedanceAt impedanceAt(const scene::Scene& scene, const ImpedanceOptions& optio
   if (!options.joint_compliance.empty() && options.joint_compliance.size() != n)
     throw scene::InputError({}, fmt::format("joint compliance: {} values, allowed: {}",
                                             options.joint_compliance.size(), n));
+  requireSquares("point", options.at);
+  requireSquares("stiffness", options.stiffness);
+  requireSquares("damping", options.damping);
+  requireSquares("stretch", options.stretch);
+  requireSquares("joint compliance", options.joint_compliance);
   scene::State<double> state;
   for (const double value : q) state.x.push_back(scene::jointPosition(value));
   state.qd.assign(n, 1.0);

@@ -5,6 +5,7 @@
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/impulse_laws.hpp"
+#include "crosscheck/studies/squares.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
 #include "recursive/constrained_solver.hpp"
 #include "scene/mimic.hpp"
@@ -71,6 +72,13 @@ ImpulseResult strike(const scene::Scene& scene, const ImpulseOptions& options) {
   recursive::constraintEquations(model, state.x, state.qd, ws, closures);
   Eigen::MatrixXd M(model.dof(), model.dof());
   recursive::massMatrix(model, state.x, ws, M);
+  const double weight = weightOf(M);
+  requireSquares("impulse", options.force, weight);
+  requireSquares("moment", options.moment, weight);
+  requireSquares("joint impulse", options.joints, weight);
+  requireSquares("velocity", state.qd, weight);
+  requireSquares("point", options.at);
+  requireSquares("normal of the wall", options.direction);
   recursive::ConstrainedSolver<double> solver;
   solver.factorize(M, closures.J);
 

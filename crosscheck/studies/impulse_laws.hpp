@@ -123,7 +123,7 @@ struct ClosuresAfterAnImpulse : Law {
   static TwoSides<T> sides(Blow<T>& at) {
     const recursive::VectorX<T> after = at.struck().after;
     const MatrixOf<T> left = at.model.atClosures(after);
-    if (left.size() == 0) return {{}, {}, "no closure restrains a velocity here"};
+    if (left.size() == 0) return {{}, {}, "no closure restrains a velocity here", true};
     return {left, MatrixOf<T>::Constant(left.rows(), 1, T(0))};
   }
 };

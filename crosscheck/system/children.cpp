@@ -129,17 +129,26 @@ struct Files {
   _exit(127);
 }
 
-/// The keeper: the first of its group. All of the group goes when the parent does, or when the
-/// program ends.
-[[noreturn]] void keep(const Start& start, pid_t parent, int output, int news) {
+/// How a keeper begins: the first of its group, which is asked to end by SIGTERM when the parent
+/// has gone.
+/// @param prepare  readies it for SIGTERM, before there can be one
+template <typename Prepare>
+void becomeKeeper(pid_t parent, const Prepare& prepare) {
   setpgid(0, 0);
   everySignalDefault();
   noCore();
-  struct sigaction kill_group {};
-  kill_group.sa_handler = [](int) { kill(0, SIGKILL); };
-  sigaction(SIGTERM, &kill_group, nullptr);
+  prepare();
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
+}
+
+/// The keeper of a child: all of the group goes when the parent does, or when the program ends.
+[[noreturn]] void keep(const Start& start, pid_t parent, int output, int news) {
+  becomeKeeper(parent, [] {
+    struct sigaction kill_group {};
+    kill_group.sa_handler = [](int) { kill(0, SIGKILL); };
+    sigaction(SIGTERM, &kill_group, nullptr);
+  });
   const pid_t program = fork();
   if (program == 0) becomeProgram(start, {-1, output, output}, news);
   int status = 0;
@@ -350,18 +359,15 @@ std::vector<pid_t> descendantsOf(pid_t ancestor) {
 /// and ends all of them.
 [[noreturn]] void keepAll(const Start& start, const Limits& limits, pid_t parent,
                           const Files& files, int news) {
-  setpgid(0, 0);
-  everySignalDefault();
-  noCore();
-  prctl(PR_SET_CHILD_SUBREAPER, 1);
-  // both wait until they are asked for, so that none is missed
   sigset_t awaited;
-  sigemptyset(&awaited);
-  sigaddset(&awaited, SIGTERM);
-  sigaddset(&awaited, SIGCHLD);
-  sigprocmask(SIG_BLOCK, &awaited, nullptr);
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != parent) _exit(1);
+  becomeKeeper(parent, [&awaited] {
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
+    // both wait until they are asked for, so that none is missed
+    sigemptyset(&awaited);
+    sigaddset(&awaited, SIGTERM);
+    sigaddset(&awaited, SIGCHLD);
+    sigprocmask(SIG_BLOCK, &awaited, nullptr);
+  });
   const pid_t program = fork();
   if (program == 0) {
     setpgid(0, 0);

@@ -27,8 +27,8 @@ double widest(const MatrixOf<Ball>& value) {
 }  // namespace
 
 struct BackwardError::Impl {
-  explicit Impl(const scene::Mechanism& m)
-      : mechanism(m), numbers(m), in_double(m, scene::RealNumbers<double>(m)) {}
+  explicit Impl(const PreparedScene& scene)
+      : mechanism(scene.mechanism()), numbers(mechanism), in_double(scene.model<double>()) {}
 
   Setup<Ball>& setup() {
     std::unique_ptr<Setup<Ball>>& slot = setups[BallPrecision::bits()];
@@ -45,7 +45,7 @@ struct BackwardError::Impl {
   Eigen::MatrixXd M, without_qdd;  ///< without_qdd: c + g + friction - Q
 };
 
-BackwardError::BackwardError(const scene::Mechanism& mechanism) : impl_(new Impl(mechanism)) {}
+BackwardError::BackwardError(const PreparedScene& scene) : impl_(new Impl(scene)) {}
 BackwardError::~BackwardError() = default;
 
 void BackwardError::at(const scene::State<double>& state) {

@@ -9,7 +9,6 @@
 
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
-#include "scene/mechanism.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
@@ -33,7 +32,7 @@ class BackwardError {
  public:
   static constexpr long kMaxBits = 4096;
 
-  explicit BackwardError(const scene::Mechanism& mechanism);
+  explicit BackwardError(const PreparedScene& scene);
   ~BackwardError();
 
   /// The state that is asked about from here on.

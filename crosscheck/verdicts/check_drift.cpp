@@ -29,7 +29,7 @@ std::string unresolved(const Drift& drift) {
     Where rounding is all that is left, the drift is held to the sum of what rounding the state does
     to E at each step. A sum above the kinetic energy itself would let everything pass, and nothing
     is answered. */
-void judgeAdaptively(const scene::Scene& scene, const Drift& drift, DriftOptions options,
+void judgeAdaptively(const PreparedScene& scene, const Drift& drift, DriftOptions options,
                      CheckResult* check) {
   constexpr double kStepErrors[] = {1e-6, 1e-8, 1e-10};
   constexpr double kLeastPower = 0.5;
@@ -63,7 +63,7 @@ void judgeAdaptively(const scene::Scene& scene, const Drift& drift, DriftOptions
       time < drift.duration ? fmt::format(" until t = {:.3g} s", time) : "");
   if (power > kLeastPower) {
     check->statement = "|E - E0| falls with what is asked of a step of adaptive steps: " + found;
-    check->unit = "power of a step's error (at least)";
+    check->unit = Unit::kPowerOfStepError;
     check->worst = power;
     check->limit = kLeastPower;
     check->ratio = kLeastPower / power;
@@ -75,7 +75,7 @@ void judgeAdaptively(const scene::Scene& scene, const Drift& drift, DriftOptions
                     last.rounding / scale);
   } else if (last.worst <= last.rounding) {
     check->statement = "|E - E0| is what rounding the state does to E in adaptive steps: " + found;
-    check->unit = "rounding of the steps";
+    check->unit = Unit::kRoundingOfSteps;
     check->worst = check->ratio = last.worst / last.rounding;
     check->limit = 1;
   } else {
@@ -87,14 +87,15 @@ void judgeAdaptively(const scene::Scene& scene, const Drift& drift, DriftOptions
 
 }  // namespace
 
-CheckResult checkDrift(const scene::Scene& scene, const Drift& drift, const DriftOptions& options) {
+CheckResult checkDrift(const PreparedScene& scene, const Drift& drift,
+                       const DriftOptions& options) {
   CheckResult check;
-  check.check = "energy drift";
+  check.law = "energy drift";
   check.statement =
       fmt::format("|E - E0| falls as step^{} with {}", drift.method_order, drift.method);
   check.quantity = "energy";
   check.left = "articulated_body";
-  check.unit = "observed order (at least)";
+  check.unit = Unit::kObservedOrder;
   check.states = static_cast<int>(drift.paths.size());
   check.worst = drift.observed_order;
   check.limit = drift.method_order - 1;
@@ -107,7 +108,7 @@ CheckResult checkDrift(const scene::Scene& scene, const Drift& drift, const Drif
   } else if (!isResolved(drift)) {
     judgeAdaptively(scene, drift, options, &check);
   } else if (belowRounding(drift)) {
-    check.unit = "rounding of the steps";
+    check.unit = Unit::kRoundingOfSteps;
     check.ratio = check.worst = drift.paths.back().worst / roundingFloor(drift, drift.paths.back());
     check.limit = 1;
   } else {

@@ -4,7 +4,6 @@
 
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/verdicts/result.hpp"
-#include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -14,7 +13,7 @@ namespace dynwitness::crosscheck {
     show, steps that adapt decide whether qdd is to blame, and the statement or the reason says what
     both found.
     @param options  those of the drift */
-CheckResult checkDrift(const scene::Scene& scene, const Drift& drift,
+CheckResult checkDrift(const PreparedScene& scene, const Drift& drift,
                        const DriftOptions& options = {});
 
 }  // namespace dynwitness::crosscheck

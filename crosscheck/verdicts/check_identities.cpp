@@ -35,15 +35,16 @@ Eigen::MatrixXd bounds(const MatrixOf<RunningError>& m) {
 /// negative disagrees.
 class PositiveDefinite {
  public:
-  PositiveDefinite(const scene::Mechanism& mechanism, std::uint64_t seed)
-      : model_(recursive::buildModel(mechanism, RunningErrorNumbers(mechanism))),
+  PositiveDefinite(const PreparedScene& scene, std::uint64_t seed)
+      : scene_(scene),
+        model_(scene_.model<RunningError>()),
         ws_(model_),
-        in_balls_(mechanism) {
-    result_.check = "positive definite mass matrix";
+        in_balls_(scene_.mechanism()) {
+    result_.law = "positive definite mass matrix";
     result_.statement = "M = L D L' with every pivot D[i] > 0: bound of D[i] < D[i]";
     result_.quantity = "M";
     result_.left = "composite_body";
-    result_.unit = "error bound / pivot";
+    result_.unit = Unit::kBoundPerPivot;
     result_.limit = 1;
     result_.seed = seed;
   }
@@ -99,7 +100,8 @@ class PositiveDefinite {
   }
 
  private:
-  recursive::Model<RunningError> model_;
+  PreparedScene scene_;
+  const recursive::Model<RunningError>& model_;  ///< of scene_
   recursive::Workspace<RunningError> ws_;
   PositivePivots in_balls_;
   CheckResult result_;
@@ -177,10 +179,13 @@ std::vector<CheckResult> IdentityTallies::results() const {
   return results;
 }
 
-std::vector<CheckResult> checkIdentities(const scene::Scene& scene, const Options& options) {
+std::vector<CheckResult> checkIdentities(const PreparedScene& prepared, const Options& options) {
+  const scene::Scene& scene = prepared.scene();
   IdentityTallies tallies(Identities::words(scene.mechanism), options.seed);
-  SweptMechanism<RunningError> swept(scene.mechanism, RunningErrorNumbers(scene.mechanism));
-  PositiveDefinite positive(scene.mechanism, options.seed);
+  SweptMechanism<RunningError> swept(scene.mechanism, RunningErrorNumbers(scene.mechanism),
+                                     prepared.model<RunningError>(),
+                                     prepared.modelWithFixedJoints<RunningError>());
+  PositiveDefinite positive(prepared, options.seed);
   // the truth is asked where something divides by what may be zero, which is rare
   std::optional<Truth> truth;
   std::map<int, std::string> known;

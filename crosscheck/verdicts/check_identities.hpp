@@ -6,11 +6,11 @@
 
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/result.hpp"
-#include "scene/scene.hpp"
+#include "crosscheck/witnesses/prepared_scene.hpp"
 
 namespace dynwitness::crosscheck {
 
 /// The laws of identities.hpp on our own sweeps, and that M is positive definite.
-std::vector<CheckResult> checkIdentities(const scene::Scene& scene, const Options& options);
+std::vector<CheckResult> checkIdentities(const PreparedScene& scene, const Options& options);
 
 }  // namespace dynwitness::crosscheck

@@ -14,8 +14,6 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-constexpr const char* kSame = "same";
-
 /// M (x - y) of two answers qdd, in the equations: within what both may leave of these.
 void compareResiduals(int index, const Testimony& x, const Testimony& y, const std::string& excuse,
                       Tally& tally) {
@@ -33,15 +31,17 @@ void compareResiduals(int index, const Testimony& x, const Testimony& y, const s
 
 }  // namespace
 
-PairComparison::PairComparison(Quantity quantity, const std::vector<std::string>& witnesses,
-                               const Options& options) {
+PairComparison::PairComparison(Quantity quantity, std::vector<std::string> witnesses,
+                               const Options& options, bool with_control) {
+  if (with_control) witnesses.emplace_back(kControl);
   for (std::size_t a = 0; a < witnesses.size(); ++a) {
     for (std::size_t b = a + 1; b < witnesses.size(); ++b) {
       CheckResult check;
-      check.check = kSame;
+      check.kind = CheckKind::kSame;
       check.quantity = name(quantity);
       check.left = witnesses[a];
       check.right = witnesses[b];
+      check.right_is_control = with_control && b + 1 == witnesses.size();
       check.statement =
           quantity == Quantity::kQdd
               ? fmt::format("M (qdd by {} - qdd by {}) = 0, in forces", check.left, check.right)
@@ -75,7 +75,7 @@ std::vector<CheckResult> PairComparison::results() const {
   return results;
 }
 
-std::vector<CheckResult> compareWitnesses(const scene::Scene& scene,
+std::vector<CheckResult> compareWitnesses(const PreparedScene& scene,
                                           const std::vector<WitnessKind>& kinds,
                                           const Options& options) {
   Hearing hearing(scene, kinds, options);
@@ -89,11 +89,27 @@ std::vector<CheckResult> compareWitnesses(const scene::Scene& scene,
   return results;
 }
 
+namespace {
+
+/// Witnesses whose answers of this quantity are not within their bounds of the certified truth.
+std::vector<std::string> offTheTruth(const std::string& quantity,
+                                     const std::vector<CheckResult>& checks) {
+  std::vector<std::string> off;
+  for (const CheckResult& check : checks)
+    if (check.kind == CheckKind::kTruth && check.quantity == quantity &&
+        check.verdict == Verdict::kDisagree)
+      off.push_back(check.left);
+  return off;
+}
+
+}  // namespace
+
 std::vector<Finding> findOutliers(const std::string& scene_name,
                                   const std::vector<CheckResult>& checks) {
   std::vector<std::string> quantities;  // in dispute, in order
   for (const CheckResult& check : checks)
-    if (check.check == kSame && check.verdict == Verdict::kDisagree &&
+    if ((check.kind == CheckKind::kSame || check.kind == CheckKind::kTruth) &&
+        check.verdict == Verdict::kDisagree &&
         std::count(quantities.begin(), quantities.end(), check.quantity) == 0)
       quantities.push_back(check.quantity);
 
@@ -102,7 +118,7 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
     std::map<std::string, int> disputes, pairs;  // by witness
     int disputed = 0, agreed = 0;
     for (const CheckResult& check : checks) {
-      if (check.check != kSame || check.quantity != quantity ||
+      if (check.kind != CheckKind::kSame || check.quantity != quantity ||
           check.verdict == Verdict::kNotAnswerable)
         continue;  // a witness that could not answer neither agrees nor disagrees
       const int disagrees = check.verdict == Verdict::kDisagree ? 1 : 0;
@@ -124,6 +140,15 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
     finding.scene = scene_name;
     finding.quantity = quantity;
     finding.witness = outlier.value_or("");
+    // pairs have the sum of two limits: the truth condemns where they do not, and decides between two
+    if (const std::vector<std::string> off = offTheTruth(quantity, checks);
+        !outlier && !off.empty()) {
+      if (off.size() == 1) finding.witness = off.front();
+      finding.text = fmt::format("{}: {}: {} {} off the certified truth", scene_name, quantity,
+                                 fmt::join(off, ", "), off.size() == 1 ? "alone is" : "are");
+      findings.push_back(finding);
+      continue;
+    }
     finding.text = outlier ? fmt::format("{}: {}: {} stands alone; {} agree with each other",
                                          scene_name, quantity, *outlier, others)
                            : fmt::format("{}: {}: {} disagree, and no single one stands alone",

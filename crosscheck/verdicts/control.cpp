@@ -32,8 +32,9 @@ bool isForward(Quantity quantity) {
 /// The control at one size, as a witness that believes in its kilogram.
 class HeavyWitness : public Witness {
  public:
-  explicit HeavyWitness(const scene::Scene& scene)
-      : inverse_(newtonEulerKind().make(scene)), forward_(articulatedBodyKind().make(scene)) {}
+  explicit HeavyWitness(const PreparedScene& scene)
+      : inverse_(newtonEulerKind().make(scene).value()),
+        forward_(articulatedBodyKind().make(scene).value()) {}
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity) const override { return true; }
@@ -50,8 +51,9 @@ class HeavyWitness : public Witness {
   std::unique_ptr<Witness> inverse_, forward_;
 };
 
-void addOnce(std::vector<std::string>& list, const std::string& text) {
-  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
+template <typename T>
+void addOnce(std::vector<T>& list, const T& one) {
+  if (std::find(list.begin(), list.end(), one) == list.end()) list.push_back(one);
 }
 
 }  // namespace
@@ -95,7 +97,8 @@ struct ControlWitness::Impl {
     const TooHeavy what = quantity == Quantity::kQdd ? TooHeavy::kInertia : TooHeavy::kKilogram;
     std::unique_ptr<HeavyWitness>& slot = heavy[{power, what}];
     if (!slot)
-      slot = std::make_unique<HeavyWitness>(power == 0 ? scene : heavier(scene, power, what));
+      slot = std::make_unique<HeavyWitness>(
+          power == 0 ? scene : PreparedScene(heavier(scene.scene(), power, what)));
     return *slot;
   }
 
@@ -135,13 +138,13 @@ struct ControlWitness::Impl {
     return controls.back();
   }
 
-  const scene::Scene& scene;
+  PreparedScene scene;
   int states;
   std::map<std::pair<int, TooHeavy>, std::unique_ptr<HeavyWitness>> heavy;  ///< power 0: honest
   std::vector<Control> controls;
 };
 
-ControlWitness::ControlWitness(const scene::Scene& scene, const Options& options)
+ControlWitness::ControlWitness(const PreparedScene& scene, const Options& options)
     : impl_(new Impl{scene, options.states, {}, {}}) {}
 ControlWitness::~ControlWitness() = default;
 
@@ -153,21 +156,22 @@ bool ControlWitness::joins(Quantity quantity, int index, const scene::State<doub
     if (control.size == 0) control.nothing = why;
     return false;
   };
+  const auto testifies = [&](int power) {
+    said.push_back({kControl, impl_->at(power, quantity).answer(quantity, state), {}});
+    said.back().is_control = true;
+    return true;
+  };
   if (!exact.exists()) return nothing(exact.reason);
   double largest = 0;
   for (Eigen::Index k = 0; k < exact.value.size(); ++k)
     largest = std::max(largest, exact.value.data()[k].atLeast());
   if (largest == 0) return nothing("is zero");
-  if (index == 0 && impl_->states > 1) {
-    said.push_back({kControl, impl_->at(0, quantity).answer(quantity, state), {}});
-    return true;
-  }
+  if (index == 0 && impl_->states > 1) return testifies(0);
   const std::optional<int> power = impl_->power(quantity, state, exact);
   if (!power) return nothing("double keeps no digits of it");
   control.nothing.clear();
   control.size = std::max(control.size, sizeOf(*power));
-  said.push_back({kControl, impl_->at(*power, quantity).answer(quantity, state), {}});
-  return true;
+  return testifies(*power);
 }
 
 void ControlWitness::judgedInPairs(const std::vector<CheckResult>& checks) {
@@ -175,30 +179,30 @@ void ControlWitness::judgedInPairs(const std::vector<CheckResult>& checks) {
   Control* control = nullptr;
   std::vector<std::string> blind;
   for (const CheckResult& check : checks) {
-    if (check.right != kControl) continue;
+    if (!check.right_is_control) continue;
     control = &impl_->control(check.quantity);
     judged = judged || check.verdict != Verdict::kNotAnswerable;
     found = found || check.verdict == Verdict::kDisagree;
     if (check.verdict == Verdict::kAgree) blind.push_back(check.left);
   }
   if (control == nullptr || control->size == 0 || !judged) return;
-  (found ? control->found : control->missed).push_back("pairs");
+  (found ? control->found : control->missed).push_back(Road::kPairs);
   control->blind = blind;
 }
 
 void ControlWitness::takeFrom(DigitsFound& found) {
-  const auto isControls = [](const DigitsResult& digits) { return digits.witness == kControl; };
+  const auto isControls = [](const DigitsResult& digits) { return digits.is_control; };
   found.digits.erase(std::remove_if(found.digits.begin(), found.digits.end(), isControls),
                      found.digits.end());
   std::vector<CheckResult> others;
   for (CheckResult& check : found.checks) {
-    if (check.left != kControl) {
+    if (!check.left_is_control) {
       others.push_back(std::move(check));
       continue;
     }
     Control& control = impl_->control(check.quantity);
     if (control.size == 0 || check.verdict == Verdict::kNotAnswerable) continue;
-    (check.verdict == Verdict::kDisagree ? control.found : control.missed).push_back("truth");
+    (check.verdict == Verdict::kDisagree ? control.found : control.missed).push_back(Road::kTruth);
   }
   found.checks = std::move(others);
 }
@@ -271,13 +275,14 @@ bool movesFreely(const json& one_case) {
 
 }  // namespace
 
-std::vector<Control> controlOfTable(const std::filesystem::path& file, const scene::Scene& scene) {
+std::vector<Control> controlOfTable(const std::filesystem::path& file, const PreparedScene& scene) {
   std::ifstream in(file);
   const json table = json::parse(in);
   std::map<std::string, double> part;  // by quantity, the least of all cases
   for (const json& one_case : table.at("cases")) {
     for (const auto& [quantity, printed] : one_case.at("expect").items()) {
-      if (quantity == "period_ratio" || (quantity == "qdd" && movesFreely(one_case))) continue;
+      const std::optional<Quantity> of_dynamics = tabledQuantity(quantity);
+      if (!of_dynamics || (*of_dynamics == Quantity::kQdd && movesFreely(one_case))) continue;
       std::optional<double> accuracy;
       if (table.contains("accuracy") && table["accuracy"].contains(quantity))
         accuracy = std::strtod(table["accuracy"][quantity].get<std::string>().c_str(), nullptr);
@@ -297,16 +302,18 @@ std::vector<Control> controlOfTable(const std::filesystem::path& file, const sce
     }
     int power = kUsualPower;
     while (power > 0 && sizeOf(power) < least) --power;
-    const WitnessKind kind = {{kControl, DYNWITNESS_VERSION, "a kilogram too heavy"},
-                              [power](const scene::Scene& asked) -> std::unique_ptr<Witness> {
-                                return std::make_unique<HeavyWitness>(heavier(asked, power));
-                              }};
+    const WitnessKind kind = {
+        {kControl, DYNWITNESS_VERSION, "a kilogram too heavy"},
+        [power](const PreparedScene& asked) -> MadeWitness {
+          return std::make_unique<HeavyWitness>(heavier(asked.scene(), power));
+        }};
     for (const CheckResult& check : compareWithTable(file, scene, {kind})) {
-      if (check.quantity != quantity || check.right != kControl) continue;
+      if (check.quantity != quantity) continue;
       Control control;
       control.quantity = quantity;
       control.size = sizeOf(power);
-      (check.verdict == Verdict::kDisagree ? control.found : control.missed).push_back("table");
+      (check.verdict == Verdict::kDisagree ? control.found : control.missed)
+          .push_back(Road::kTable);
       controls.push_back(control);
     }
   }
@@ -317,8 +324,8 @@ std::vector<Control> joinedControls(const std::vector<std::vector<Control>>& par
   std::vector<Control> joined, of_tables;
   for (const std::vector<Control>& part : parts) {
     for (const Control& control : part) {
-      const auto isOfTable = [](const std::vector<std::string>& roads) {
-        return roads == std::vector<std::string>{"table"};
+      const auto isOfTable = [](const std::vector<Road>& roads) {
+        return roads == std::vector<Road>{Road::kTable};
       };
       if (isOfTable(control.found) || isOfTable(control.missed)) {
         of_tables.push_back(control);
@@ -336,8 +343,8 @@ std::vector<Control> joinedControls(const std::vector<std::vector<Control>>& par
       else if (control.size > 0)
         same->nothing.clear();
       same->size = std::max(same->size, control.size);
-      for (const std::string& road : control.found) addOnce(same->found, road);
-      for (const std::string& road : control.missed) addOnce(same->missed, road);
+      for (const Road road : control.found) addOnce(same->found, road);
+      for (const Road road : control.missed) addOnce(same->missed, road);
       for (const std::string& witness : control.blind) addOnce(same->blind, witness);
     }
   }

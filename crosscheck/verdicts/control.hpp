@@ -12,7 +12,6 @@
 
 namespace dynwitness::crosscheck {
 
-inline constexpr const char* kControl = "control";
 inline constexpr int kUsualPower = 10;  ///< size 1e-10, where nothing asks for more
 
 /// What a control gets wrong: a heavier kilogram, in every number that has one in it (masses,
@@ -36,7 +35,7 @@ scene::Scene heavier(const scene::Scene& scene, int power, TooHeavy what = TooHe
     wide makes it missed, not larger. */
 class ControlWitness {
  public:
-  ControlWitness(const scene::Scene& scene, const Options& options);
+  ControlWitness(const PreparedScene& scene, const Options& options);
   ~ControlWitness();
 
   /// Appends its testimony to the others', where it has one at this state.
@@ -55,7 +54,7 @@ class ControlWitness {
 
 /** The control before a table, heavy enough to be three units of the last printed digit in some
     entry (or three times the accuracy that the table states): by "table". */
-std::vector<Control> controlOfTable(const std::filesystem::path& table, const scene::Scene& scene);
+std::vector<Control> controlOfTable(const std::filesystem::path& table, const PreparedScene& scene);
 
 /// Controls of the same quantity become one; those of tables stay apart, being larger.
 std::vector<Control> joinedControls(const std::vector<std::vector<Control>>& parts);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -18,8 +19,6 @@ namespace {
 /// Wide enough for the distance between an answer and a truth, both of which carry more than 53
 /// bits.
 constexpr long kDistanceBits = 256;
-
-constexpr const char* kInDouble = "double";
 
 template <typename Matrix>
 MatrixOf<Ball> exactly(const Matrix& answer) {
@@ -42,8 +41,8 @@ class DigitsTally {
  public:
   /// @param description  witness, quantity, scalar
   /// @param max_digits   what the scalar has room for
-  DigitsTally(DigitsResult description, const std::vector<std::string>& joint_names, int max_digits,
-              std::uint64_t seed);
+  DigitsTally(Quantity quantity, DigitsResult description,
+              const std::vector<std::string>& joint_names, int max_digits, std::uint64_t seed);
 
   /// An answer, exactly as it is, against the truth; `bounds` are its bounds, if it has any.
   void add(int state, const MatrixOf<Ball>& answer, const Certified& truth, const Answer* bounds);
@@ -52,6 +51,7 @@ class DigitsTally {
   /// The witness could not answer at this state; there is no answer when `is_excused`.
   void fail(int state, const std::string& reason, bool is_excused);
 
+  Quantity quantity() const { return quantity_; }
   DigitsResult digits() const;
   CheckResult check() const;
   /// "M[1,2] (joints 'a' and 'b') at state 3", where the witness lies farthest beyond rounding but
@@ -75,6 +75,7 @@ class DigitsTally {
   std::string entry(Eigen::Index row, Eigen::Index column, const Eigen::MatrixXd& shape) const;
   std::string joints(Eigen::Index row, Eigen::Index column) const;
 
+  Quantity quantity_;
   DigitsResult result_;
   CheckResult check_;
   const std::vector<std::string>& joint_names_;
@@ -84,14 +85,19 @@ class DigitsTally {
   double largest_loss_ = 0, digits_without_loss_ = 0;
 };
 
-DigitsTally::DigitsTally(DigitsResult description, const std::vector<std::string>& joint_names,
-                         int max_digits, std::uint64_t seed)
-    : result_(std::move(description)), joint_names_(joint_names), max_digits_(max_digits) {
-  check_.check = "truth";
+DigitsTally::DigitsTally(Quantity quantity, DigitsResult description,
+                         const std::vector<std::string>& joint_names, int max_digits,
+                         std::uint64_t seed)
+    : quantity_(quantity),
+      result_(std::move(description)),
+      joint_names_(joint_names),
+      max_digits_(max_digits) {
+  check_.kind = CheckKind::kTruth;
+  check_.left_is_control = result_.is_control;
   check_.quantity = result_.quantity;
   check_.left = result_.witness;
   check_.statement =
-      result_.quantity == name(Quantity::kQdd)
+      quantity == Quantity::kQdd
           ? fmt::format("|M qdd + c + g + friction - tau - Q| <= what solving may leave, qdd by {}",
                         result_.witness)
           : fmt::format("|{} by {} - truth| <= its error bound", result_.quantity, result_.witness);
@@ -110,7 +116,7 @@ std::string DigitsTally::entry(Eigen::Index row, Eigen::Index column,
 
 /// " (joint 'elbow')" for an entry that belongs to joints.
 std::string DigitsTally::joints(Eigen::Index row, Eigen::Index column) const {
-  switch (quantityNamed(result_.quantity)) {
+  switch (quantity_) {
     case Quantity::kM:
       if (row != column)
         return fmt::format(" (joints '{}' and '{}')", joint_names_[row], joint_names_[column]);
@@ -272,26 +278,29 @@ CheckResult DigitsTally::check() const {
 }  // namespace
 
 struct DigitsCount::Impl {
-  Impl(const scene::Scene& s, const Options& o)
-      : scene(s),
+  Impl(const PreparedScene& s, const Options& o)
+      : scene_name(s.scene().name),
         seed(o.seed),
-        truth(s.mechanism),
-        in_float(s.mechanism, scene::RealNumbers<float>(s.mechanism)),
-        in_long_double(s.mechanism, scene::RealNumbers<long double>(s.mechanism)) {
-    joint_names = s.mechanism.rateLabels();
+        truth(s.mechanism()),
+        in_float(s.mechanism(), scene::RealNumbers<float>(s.mechanism())),
+        in_long_double(s.mechanism(), scene::RealNumbers<long double>(s.mechanism())) {
+    joint_names = s.mechanism().rateLabels();
   }
 
   /// The tally of this witness, quantity and scalar; the first answer makes it.
   template <typename T>
-  DigitsTally& tally(const std::string& witness, Quantity quantity, const char* scalar) {
+  DigitsTally& tally(const std::string& witness, Quantity quantity, Scalar scalar,
+                     bool is_control = false) {
     DigitsResult description;
+    description.is_control = is_control;
     description.witness = witness;
     description.quantity = crosscheck::name(quantity);
     description.scalar = scalar;
-    const std::string key = fmt::format("{}/{}/{}", description.quantity, witness, scalar);
-    const auto [at, is_new] = place.try_emplace(key, tallies.size());
+    const auto [at, is_new] =
+        place.try_emplace({quantity, witness, scalar, is_control}, tallies.size());
     if (is_new)
-      tallies.emplace_back(description, joint_names, std::numeric_limits<T>::max_digits10, seed);
+      tallies.emplace_back(quantity, description, joint_names, std::numeric_limits<T>::max_digits10,
+                           seed);
     return tallies[at->second];
   }
 
@@ -299,14 +308,14 @@ struct DigitsCount::Impl {
   void runSweep(Quantity quantity, int index, const scene::State<double>& state,
                 const Certified& exact) {
     if (!Algorithm::answers(quantity)) return;
-    const auto run = [&](auto& setup, auto zero, const char* scalar) {
+    const auto run = [&](auto& setup, auto zero, Scalar scalar) {
       using T = decltype(zero);
       tally<T>(Algorithm::kName, quantity, scalar)
           .add(index, exactly(Algorithm::answer(setup, quantity, stateIn<T>(state))), exact,
                nullptr);
     };
-    run(in_float, 0.0f, "float");
-    run(in_long_double, 0.0L, "long double");
+    run(in_float, 0.0f, Scalar::kFloat);
+    run(in_long_double, 0.0L, Scalar::kLongDouble);
   }
 
   /// One a witness: its worst quantity that a documented loss explains.
@@ -315,18 +324,18 @@ struct DigitsCount::Impl {
     for (const DigitsTally& tally : tallies) {
       if (tally.lossAt().empty()) continue;
       const DigitsResult digits = tally.digits();
-      const Quantity quantity = quantityNamed(digits.quantity);
       Finding finding;
       finding.kind = Finding::Kind::kKnownLoss;
-      finding.scene = scene.name;
+      finding.scene = scene_name;
       finding.quantity = digits.quantity;
       finding.witness = digits.witness;
       finding.digits = digits.worst.value_or(0);
       finding.text = fmt::format(
           "{}: {} keeps {:.1f} digits of {}; {} is off by {:.1e} of the largest {}, where rounding "
           "alone would leave {:.1f} digits",
-          scene.name, digits.witness, *finding.digits, digits.quantity, tally.lossAt(),
-          tally.largestLoss(), quantity == Quantity::kQdd ? "force in the equations" : "entry",
+          scene_name, digits.witness, *finding.digits, digits.quantity, tally.lossAt(),
+          tally.largestLoss(),
+          tally.quantity() == Quantity::kQdd ? "force in the equations" : "entry",
           tally.digitsWithoutLoss());
       const auto same = std::find_if(findings.begin(), findings.end(), [&](const Finding& f) {
         return f.witness == finding.witness;
@@ -339,17 +348,18 @@ struct DigitsCount::Impl {
     return findings;
   }
 
-  const scene::Scene& scene;
+  std::string scene_name;
   std::uint64_t seed;
   Truth truth;
   Setup<float> in_float;
   Setup<long double> in_long_double;
   std::vector<std::string> joint_names;
-  std::map<std::string, std::size_t> place;  ///< into tallies
+  /// Into tallies, by quantity, witness, scalar and whether the witness is the control.
+  std::map<std::tuple<Quantity, std::string, Scalar, bool>, std::size_t> place;
   std::vector<DigitsTally> tallies;
 };
 
-DigitsCount::DigitsCount(const scene::Scene& scene, const Options& options)
+DigitsCount::DigitsCount(const PreparedScene& scene, const Options& options)
     : impl_(new Impl(scene, options)) {}
 DigitsCount::~DigitsCount() = default;
 
@@ -360,7 +370,8 @@ Certified DigitsCount::truth(Quantity quantity, const scene::State<double>& stat
 void DigitsCount::add(Quantity quantity, int index, const scene::State<double>& state,
                       const std::vector<Testimony>& said, const Certified& exact) {
   for (const Testimony& one : said) {
-    DigitsTally& tally = impl_->tally<double>(one.witness, quantity, kInDouble);
+    DigitsTally& tally =
+        impl_->tally<double>(one.witness, quantity, Scalar::kDouble, one.is_control);
     if (!one.failure.empty()) {
       tally.fail(index, one.failure, exact.is_impossible);
     } else if (one.residual && exact.exists()) {
@@ -379,14 +390,14 @@ DigitsFound DigitsCount::found() const {
   DigitsFound out;
   for (const DigitsTally& tally : impl_->tallies) {
     out.digits.push_back(tally.digits());
-    if (out.digits.back().scalar != kInDouble) continue;
+    if (out.digits.back().scalar != Scalar::kDouble) continue;
     out.checks.push_back(tally.check());
   }
   out.losses = impl_->losses();
   return out;
 }
 
-DigitsFound measureDigits(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+DigitsFound measureDigits(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
                           const Options& options) {
   Hearing hearing(scene, kinds, options);
   DigitsCount count(scene, options);

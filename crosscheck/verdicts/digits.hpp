@@ -28,7 +28,7 @@ struct DigitsFound {
     part of what float does, and is counted. */
 class DigitsCount {
  public:
-  DigitsCount(const scene::Scene& scene, const Options& options);
+  DigitsCount(const PreparedScene& scene, const Options& options);
   ~DigitsCount();
   /// The truth at that state, whatever is said.
   Certified truth(Quantity quantity, const scene::State<double>& state);
@@ -42,7 +42,7 @@ class DigitsCount {
 };
 
 /// Every quantity that the witnesses answer, at the options' states.
-DigitsFound measureDigits(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+DigitsFound measureDigits(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
                           const Options& options);
 
 }  // namespace dynwitness::crosscheck

@@ -38,6 +38,88 @@ const char* name(RunVerdict verdict) {
   return "?";
 }
 
+const char* name(CheckKind kind) {
+  switch (kind) {
+    case CheckKind::kSame:
+      return "same";
+    case CheckKind::kTruth:
+      return "truth";
+    case CheckKind::kTable:
+      return "table";
+    case CheckKind::kWitness:
+    case CheckKind::kRefusal:
+      return "witness";
+    case CheckKind::kLaw:
+    case CheckKind::kLeftOut:
+      break;
+  }
+  return "";
+}
+
+const char* measure(Unit unit) {
+  switch (unit) {
+    case Unit::kUlp:
+      return "ulp";
+    case Unit::kExact:
+      return "exact";
+    case Unit::kBoundPerPivot:
+      return "error bound / pivot";
+    case Unit::kObservedOrder:
+      return "observed order";
+    case Unit::kPowerOfStepError:
+      return "power of a step's error";
+    case Unit::kRoundingOfSteps:
+      return "rounding of the steps";
+    case Unit::kDirections:
+      return "directions";
+    case Unit::kPaths:
+      return "paths";
+    case Unit::kPrintedDigit:
+      return "units of the last printed digit";
+    case Unit::kStatedAccuracy:
+      return "stated accuracy of the source";
+    case Unit::kSourceRounding:
+      return "rounding of the source's program";
+  }
+  return "?";
+}
+
+bool isLimitFromBelow(Unit unit) {
+  return unit == Unit::kObservedOrder || unit == Unit::kPowerOfStepError;
+}
+
+std::string name(Unit unit) {
+  return std::string(measure(unit)) + (isLimitFromBelow(unit) ? " (at least)" : "");
+}
+
+const char* name(Road road) {
+  switch (road) {
+    case Road::kPairs:
+      return "pairs";
+    case Road::kTruth:
+      return "truth";
+    case Road::kField:
+      return "field";
+    case Road::kTable:
+      return "table";
+  }
+  return "?";
+}
+
+const char* name(Finding::Kind kind) {
+  switch (kind) {
+    case Finding::Kind::kDisagreement:
+      return "disagreement";
+    case Finding::Kind::kKnownLoss:
+      return "known loss";
+    case Finding::Kind::kOpenStart:
+      return "open start";
+    case Finding::Kind::kEngine:
+      return "engine";
+  }
+  return "?";
+}
+
 int exitStatus(RunVerdict verdict) {
   switch (verdict) {
     case RunVerdict::kAgree:
@@ -50,6 +132,16 @@ int exitStatus(RunVerdict verdict) {
       break;
   }
   return 3;
+}
+
+std::string CheckResult::name() const {
+  const std::string of_kind = crosscheck::name(kind);
+  return of_kind.empty() ? law : of_kind;
+}
+
+bool CheckResult::asksTheSameAs(const CheckResult& other) const {
+  return kind == other.kind && law == other.law && quantity == other.quantity &&
+         left == other.left && right == other.right;
 }
 
 void CheckResult::addVoided(int state, const std::string& why, bool is_excused) {
@@ -65,8 +157,7 @@ void CheckResult::addVoided(int state, const std::string& why, bool is_excused) 
 std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks) {
   std::vector<Coverage> all;
   for (const CheckResult& check : checks) {
-    if (check.quantity.empty())
-      continue;  // a witness that cannot hold the scene: nothing was asked of it
+    if (check.asksNothing()) continue;
     auto at = std::find_if(all.begin(), all.end(),
                            [&](const Coverage& c) { return c.quantity == check.quantity; });
     if (at == all.end()) {
@@ -87,8 +178,10 @@ std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks) {
 }
 
 std::optional<double> CheckResult::limitOverSeen() const {
-  if (unit != "ulp" || verdict == Verdict::kNotAnswerable || !std::isfinite(seen))
+  if (unit != Unit::kUlp || verdict == Verdict::kNotAnswerable || !std::isfinite(seen))
     return std::nullopt;
+  // without an error and without room for one: both sides are the same numbers
+  if (seen == 0 && !(loosest > std::numeric_limits<double>::min())) return std::nullopt;
   return loosest / std::max(seen, ulp());
 }
 
@@ -155,7 +248,19 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
-void addOnce(std::vector<std::string>& list, const std::string& text) {
+/// "pairs, truth and field"
+std::string listed(const std::vector<Road>& roads) {
+  std::vector<std::string> words;
+  for (const Road road : roads) words.emplace_back(name(road));
+  return listed(words);
+}
+
+bool isTableAlone(const std::vector<Road>& roads) {
+  return roads == std::vector<Road>{Road::kTable};
+}
+
+template <typename T>
+void addOnce(std::vector<T>& list, const T& text) {
   if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
 }
 
@@ -172,13 +277,14 @@ std::string shortened(std::vector<std::string> words, std::size_t most) {
 }  // namespace
 
 std::string CrosscheckResult::controlLine() const {
-  std::vector<std::string> quantities, roads, larger, missed, idle;
+  std::vector<std::string> quantities, larger, missed, idle;
+  std::vector<Road> roads;
   std::map<std::string, int> nothing;  // scenes, by quantity
   std::set<std::string> seen_in;
   double least = 0, table = 0;
   for (const SceneResult& scene : scenes)
     for (const Control& control : scene.controls)
-      if (control.size > 0 && control.found != std::vector<std::string>{"table"})
+      if (control.size > 0 && !isTableAlone(control.found))
         least = least == 0 ? control.size : std::min(least, control.size);
   for (const SceneResult& scene : scenes) {
     for (const Control& control : scene.controls) {
@@ -188,12 +294,12 @@ std::string CrosscheckResult::controlLine() const {
       if (!control.nothing.empty()) ++nothing[control.quantity];
       if (control.found.empty()) continue;
       seen_in.insert(scene.name);
-      if (control.found == std::vector<std::string>{"table"}) {
+      if (isTableAlone(control.found)) {
         table = std::max(table, control.size);
         continue;
       }
       addOnce(quantities, control.quantity);
-      for (const std::string& road : control.found) addOnce(roads, road);
+      for (const Road road : control.found) addOnce(roads, road);
       if (control.size > least) larger.push_back(fmt::format("{} at {:.0e}", where, control.size));
     }
   }
@@ -220,8 +326,8 @@ std::pair<const SceneResult*, const CheckResult*> CrosscheckResult::worst() cons
   std::pair<const SceneResult*, const CheckResult*> worst{nullptr, nullptr};
   for (const SceneResult& scene : scenes)
     for (const CheckResult& check : scene.checks)
-      if (check.verdict != Verdict::kNotAnswerable && check.unit == "ulp" && !check.known_loss &&
-          (worst.second == nullptr || !(check.ratio <= worst.second->ratio)))
+      if (check.verdict != Verdict::kNotAnswerable && check.unit == Unit::kUlp &&
+          !check.known_loss && (worst.second == nullptr || !(check.ratio <= worst.second->ratio)))
         worst = {&scene, &check};
   return worst;
 }

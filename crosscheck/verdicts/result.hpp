@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crosscheck/motion/drift.hpp"
+#include "crosscheck/scalars/scalar.hpp"
 #include "crosscheck/witnesses/witness_info.hpp"
 
 namespace dynwitness::crosscheck {
@@ -28,6 +29,41 @@ enum class RunVerdict {
 const char* name(RunVerdict verdict);
 /// Of the program: 0; 3; 1; 3; 1.
 int exitStatus(RunVerdict verdict);
+
+/// What kind of question a check is.
+enum class CheckKind {
+  kLaw,      ///< of mechanics, or of a study: CheckResult::law is its name
+  kSame,     ///< do two witnesses say the same?
+  kTruth,    ///< is a witness within its bounds of the certified truth?
+  kTable,    ///< does a witness say what is printed?
+  kWitness,  ///< does a witness testify, or answer one quantity?
+  kRefusal,  ///< can a witness hold the scene at all? Not answerable: nothing was asked of it
+  kLeftOut,  ///< a part of the crosscheck that this scene does not get: law is its name
+};
+/// "same", "truth", "table", "witness" (kRefusal too); "" for those that have names of their own.
+const char* name(CheckKind kind);
+
+/// What worst and limit of a check are counted in.
+enum class Unit {
+  kUlp,
+  kExact,          ///< over the prime field, where a residual is zero or is not
+  kBoundPerPivot,  ///< error bound of a pivot of M, in pivots
+  kObservedOrder,
+  kPowerOfStepError,  ///< by which a drift falls with the error that a step may have
+  kRoundingOfSteps,
+  kDirections,
+  kPaths,
+  // of published numbers
+  kPrintedDigit,
+  kStatedAccuracy,
+  kSourceRounding,
+};
+/// "ulp", "exact", "observed order (at least)", ...
+std::string name(Unit unit);
+/// The same without " (at least)".
+const char* measure(Unit unit);
+/// The limit is what worst must reach, not what it must stay below.
+bool isLimitFromBelow(Unit unit);
 
 /** One check over all states.
 
@@ -51,15 +87,17 @@ struct CheckResult {
     std::string parameters;  ///< "as written", or "random": then for every mechanism like this
   };
 
-  std::string
-      check;  ///< "same", "truth" (distance to the certified one), or the name of an identity
-  std::string statement;     ///< one line: what must hold, as a formula
-  std::string quantity;      ///< "M", "c", "g", "tau", "qdd", "kinetic", ...
-  std::string left, right;   ///< witnesses; right is empty for an identity of one witness
-  std::string unit = "ulp";  ///< of worst and limit; a published table counts in its last digit
-  int states = 0;            ///< at which it was asked; cases of a table, points over the field
-  int voided = 0;            ///< of them: not judged, or not in all entries
-  int excused = 0;           ///< of the voided: there is nothing to compare
+  CheckKind kind = CheckKind::kLaw;
+  std::string law;          ///< its name, where the kind has none
+  std::string statement;    ///< one line: what must hold, as a formula
+  std::string quantity;     ///< "M", "c", "g", "tau", "qdd", "kinetic", ...
+  std::string left, right;  ///< witnesses; right is empty for an identity of one witness
+  bool left_is_control = false, right_is_control = false;  ///< the run's own control, see Control
+  Unit unit = Unit::kUlp;                                  ///< of worst and limit
+  int states = 0;        ///< at which it was asked; cases of a table, points over the field
+  int voided = 0;        ///< of them: not judged, or not in all entries
+  int excused = 0;       ///< of the voided: there is nothing to compare
+  bool is_idle = false;  ///< the mechanism has too little for this law: there is nothing to ask
   int first_voided =
       0;  ///< index of the first voided state that is not excused, or else of the first
   std::string voided_reason;  ///< of that state
@@ -84,6 +122,12 @@ struct CheckResult {
   /// than others do.
   bool known_loss = false;
 
+  /// "same", "truth", ..., or the name of the law.
+  std::string name() const;
+  /// Both ask the same question of the same witnesses.
+  bool asksTheSameAs(const CheckResult& other) const;
+  /// It stands for checks that were not asked.
+  bool asksNothing() const { return kind == CheckKind::kRefusal || kind == CheckKind::kLeftOut; }
   /// States that were judged.
   int judged() const { return states - voided; }
   /// Counts a voided state; there is nothing to compare when `excused`.
@@ -92,7 +136,7 @@ struct CheckResult {
   /** How much wider the loosest limit is than the largest residual: what the check can miss,
       counted in what it sees. Less than one ulp of the largest entry of all states cannot be
       expected of any computation in double, so a smaller residual counts as one. Empty where
-      nothing is counted in ulp. */
+      nothing is counted in ulp, and where both sides are the same numbers. */
   std::optional<double> limitOverSeen() const;
   /// One ulp of `largest`; of 1 where everything is zero.
   double ulp() const;
@@ -125,14 +169,21 @@ struct Coverage {
 /// By quantity, in the order of the checks.
 std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks);
 
+/// By which a control is judged.
+enum class Road { kPairs, kTruth, kField, kTable };
+/// "pairs", "truth", "field", "table"
+const char* name(Road road);
+
+inline constexpr const char* kControl = "control";  ///< how reports call that witness
+
 /** The run's own control: a witness whose kilogram is too heavy by `size`. Then M, c, g, tau,
     reactions, energies and momentum are too large by just that, entry by entry (they have the
     dimension of a mass); for qdd inertia alone is too large, weights are not. It is judged as the
     witnesses are, and must be found; crosscheck/verdicts/control.hpp says how large it is. */
 struct Control {
   std::string quantity;
-  double size = 0;                         ///< relative; the largest planted
-  std::vector<std::string> found, missed;  ///< by "pairs", "truth", "field", "table"
+  double size = 0;                  ///< relative; the largest planted
+  std::vector<Road> found, missed;  ///< by these
   std::vector<std::string>
       blind;            ///< witnesses whose pairs with the control have limits too wide for it
   std::string nothing;  ///< why nothing can be planted; empty: something was
@@ -148,13 +199,14 @@ struct Control {
     (max_digits10). */
 struct DigitsResult {
   std::string witness, quantity;
-  std::string scalar;                   ///< "double"; our sweeps in "float" and "long double" too
+  Scalar scalar = Scalar::kDouble;      ///< our sweeps in float and long double too
   int states = 0;                       ///< that have digits: the truth is certified and not 0
   std::optional<double> worst, median;  ///< digits over those states; empty when there are none
   /// Fewest digits of a single entry against itself, over entries that are not 0.
   std::optional<double> worst_single;
   int worst_state = 0;      ///< where `worst` is
   std::string worst_entry;  ///< the entry farthest from the truth there
+  bool is_control = false;  ///< the witness is the run's own control
 };
 
 /// What a person should know: who stands alone in a disagreement, or who loses digits and why.
@@ -168,6 +220,8 @@ struct Finding {
   std::string text;              ///< a sentence for people
   std::optional<double> digits;  ///< of a known loss: how many are left
 };
+/// "disagreement", "known loss", "open start", "engine"
+const char* name(Finding::Kind kind);
 
 /// The derived equations, ready to be shown; empty when they are too long to read.
 struct Equations {

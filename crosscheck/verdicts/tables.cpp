@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,7 +13,6 @@
 #include "crosscheck/motion/pendulum_period.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
-#include "crosscheck/witnesses/optional_engine.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -74,8 +74,8 @@ const json& entry(const json& object, const char* key, const fs::path& file) {
 /// How far a computed value may be from a printed one, and what that limit is counted in.
 struct Limit {
   double distance;
-  double unit;
-  const char* unit_name;
+  double size;  ///< of the unit
+  Unit unit;
 };
 
 class Agreement {
@@ -95,20 +95,19 @@ class Agreement {
 
   /// @param rounding  bound of what a program in double may lose on this entry
   Limit limit(const std::string& text, double printed, double rounding) const {
-    if (accuracy_ > 0) return {accuracy_, accuracy_, "stated accuracy of the source"};
+    if (accuracy_ > 0) return {accuracy_, accuracy_, Unit::kStatedAccuracy};
     // all bits of a double: "4" is no number with one digit then
     if (computed_ && places_ < 0 && significant_ == 0)
-      return {rounding, rounding, "rounding of the source's program"};
+      return {rounding, rounding, Unit::kSourceRounding};
     int places = placesOf(text);
     if (places_ >= 0) places = places_;
     if (significant_ > 0) {
-      if (printed == 0) return {rounding, rounding, "rounding of the source's program"};
+      if (printed == 0) return {rounding, rounding, Unit::kSourceRounding};
       places = significant_ - 1 - static_cast<int>(std::floor(std::log10(std::abs(printed))));
     }
     const double place = std::pow(10.0, -places), printing = units_ * place;
-    if (computed_)
-      return {rounding + printing, rounding + printing, "rounding of the source's program"};
-    return {printing, place, "units of the last printed digit"};
+    if (computed_) return {rounding + printing, rounding + printing, Unit::kSourceRounding};
+    return {printing, place, Unit::kPrintedDigit};
   }
 
  private:
@@ -175,31 +174,53 @@ scene::State<RunningError> asRead(const scene::State<double>& state) {
 }
 
 /// The answer in the source's coordinates.
-Eigen::MatrixXd inSourceCoordinates(Eigen::MatrixXd value, const std::string& quantity,
+Eigen::MatrixXd inSourceCoordinates(Eigen::MatrixXd value, std::optional<Quantity> quantity,
                                     const std::vector<double>& scale) {
+  if (!quantity) return value;  // a ratio has no coordinates
   for (Eigen::Index i = 0; i < value.rows(); ++i) {
-    if (quantity == "qdd")
+    if (*quantity == Quantity::kQdd)
       value.row(i) /= scale[i];
-    else if (quantity != "period_ratio")
+    else
       value.row(i) *= scale[i];
-    if (quantity == "M") value.col(i) *= scale[i];
+    if (*quantity == Quantity::kM) value.col(i) *= scale[i];
   }
   return value;
 }
 
-scene::Scene sceneOf(const json& table, const json& one_case, scene::Scene scene,
-                     const fs::path& file) {
-  if (table.contains("gravity")) {
-    scene.mechanism.has_gravity = true;
+/// The scene as a table speaks of it: under its gravity; some of its cases without the wrenches.
+class ScenesOfTable {
+ public:
+  ScenesOfTable(const json& table, const PreparedScene& scene, const fs::path& file)
+      : with_wrenches_(scene) {
+    if (!table.contains("gravity")) return;
+    scene::Scene changed = scene.scene();
+    bool is_same = changed.mechanism.has_gravity;
+    changed.mechanism.has_gravity = true;
     for (int k = 0; k < 3; ++k) {
       const json& g = table["gravity"][k];
-      scene.mechanism.gravity[k] = scene::Expression::parse(
+      scene::Number& gravity = changed.mechanism.gravity[k];
+      const scene::Number stated = scene::Expression::parse(
           g.is_string() ? g.get<std::string>() : g.dump(), {file.string()});
+      is_same = is_same && gravity.text() == stated.text();
+      gravity = stated;
     }
+    if (!is_same) with_wrenches_ = std::move(changed);
   }
-  if (!one_case.value("wrenches", true)) scene.mechanism.wrenches.clear();
-  return scene;
-}
+
+  const PreparedScene& of(const json& one_case) {
+    if (one_case.value("wrenches", true)) return with_wrenches_;
+    if (!without_) {
+      scene::Scene changed = with_wrenches_.scene();
+      changed.mechanism.wrenches.clear();
+      without_.emplace(std::move(changed));
+    }
+    return *without_;
+  }
+
+ private:
+  PreparedScene with_wrenches_;
+  std::optional<PreparedScene> without_;
+};
 
 fs::path ownScene(const json& content, const fs::path& table) {
   if (!content.contains("scene_file")) return {};
@@ -219,6 +240,11 @@ Answer periodRatio(const scene::Mechanism& mechanism, double q_0) {
 }
 
 }  // namespace
+
+std::optional<Quantity> tabledQuantity(const std::string& name) {
+  if (name == "period_ratio") return {};
+  return quantityNamed(name);
+}
 
 std::vector<fs::path> bundledTables() {
   std::vector<fs::path> tables;
@@ -243,105 +269,157 @@ bool isAbout(const fs::path& table, const scene::Scene& scene) {
   return fs::equivalent(about, scene.file, error);
 }
 
-std::vector<CheckResult> compareWithTable(const fs::path& file, const scene::Scene& scene,
-                                          const std::vector<WitnessKind>& kinds) {
-  const json table = readTable(file);
-  std::vector<CheckResult> results;
-  const auto check = [&](const std::string& quantity, const std::string& witness) -> CheckResult& {
-    for (CheckResult& known : results)
+namespace {
+
+/// One quantity that a case of a table prints.
+struct Printed {
+  const json& one_case;
+  const json& numbers;
+  const Case& here;
+  std::string name;
+  std::optional<Quantity> quantity;  ///< as tabledQuantity() says
+  Agreement agreement;
+
+  std::string of() const { return one_case.value("name", ""); }
+  Eigen::MatrixXd there(const Eigen::MatrixXd& value) const {
+    return inSourceCoordinates(value, quantity, here.scale);
+  }
+};
+
+class TableComparison {
+ public:
+  TableComparison(const fs::path& file, const PreparedScene& scene)
+      : file_(file), table_(readTable(file)), scenes_(table_, scene, file) {}
+
+  std::vector<CheckResult> with(const std::vector<WitnessKind>& kinds) {
+    for (const json& one_case : entry(table_, "cases", file_)) ask(one_case, kinds);
+    for (CheckResult& check : results_) {
+      if (check.judged() > 0 || check.verdict != Verdict::kAgree) continue;
+      check.verdict = Verdict::kNotAnswerable;
+      check.reason = check.voided_reason;
+    }
+    return results_;
+  }
+
+ private:
+  CheckResult& check(const std::string& quantity, const std::string& witness) {
+    for (CheckResult& known : results_)
       if (known.quantity == quantity && known.right == witness) return known;
     CheckResult made;
-    made.check = "table";
-    made.statement = table.value("title", file.stem().string());
+    made.kind = CheckKind::kTable;
+    made.statement = table_.value("title", file_.stem().string());
     made.quantity = quantity;
     made.left = "table";
     made.right = witness;
-    results.push_back(made);
-    return results.back();
-  };
+    results_.push_back(made);
+    return results_.back();
+  }
 
-  for (const json& one_case : entry(table, "cases", file)) {
-    const scene::Scene asked = sceneOf(table, one_case, scene, file);
-    std::vector<std::unique_ptr<Witness>> witnesses;
-    for (const WitnessKind& kind : kinds) witnesses.push_back(makeWitness(kind, asked));
-    EngineBound in_double(asked.mechanism);
-    const Case here = readCase(table, one_case, asked.mechanism, file);
-    for (const auto& [quantity, printed] : entry(one_case, "expect", file).items()) {
-      const Agreement agreement(table, one_case, quantity, file);
-      // rounding: what the source's program may lose, and what reading the state does to the answer
-      const auto compare = [&](const std::string& witness, const Answer& answer,
-                               const Eigen::MatrixXd& rounding) {
-        CheckResult& out = check(quantity, witness);
-        const auto there = [&](const Eigen::MatrixXd& value) {
-          return inSourceCoordinates(value, quantity, here.scale);
-        };
-        const Eigen::MatrixXd theirs = there(answer.value), own = there(answer.bound + rounding),
-                              source = there(rounding);
-        if (!own.allFinite())
-          throw std::runtime_error("no error bound: a divisor is zero within rounding");
-        const int index = out.states++;
-        const std::size_t columns = printed[0].is_array() ? printed[0].size() : 1;
-        if (printed.size() != static_cast<std::size_t>(theirs.rows()) ||
-            columns != static_cast<std::size_t>(theirs.cols()))
-          throw scene::InputError(
-              {file.string()},
-              fmt::format("case '{}': {} is {} x {}, expected {} x {}", one_case.value("name", ""),
-                          quantity, printed.size(), columns, theirs.rows(), theirs.cols()));
-        for (Eigen::Index i = 0; i < theirs.rows(); ++i) {
-          for (Eigen::Index j = 0; j < theirs.cols(); ++j) {
-            const std::string text = printedText(printed, i, j);
-            const double expected = number(text, file);
-            const Limit limit = agreement.limit(text, expected, source(i, j));
-            const double residual = std::abs(theirs(i, j) - expected);
-            // decimals are not doubles: the printed number is read, and subtracted, to rounding
-            const double read = 2 * kUnitRoundoff * (std::abs(expected) + std::abs(theirs(i, j)));
-            const double allowed = limit.distance + own(i, j) + read;
-            const double used = residual == 0 ? 0 : residual / allowed;
-            if (!out.worst_entry.empty() && used <= out.ratio) continue;
-            out.ratio = std::isfinite(used) ? used : std::numeric_limits<double>::infinity();
-            out.unit = limit.unit_name;
-            const double unit = limit.unit > 0 ? limit.unit : allowed;
-            out.worst = residual == 0 ? 0 : residual / unit;
-            out.limit = allowed > 0 ? allowed / unit : 1;
-            out.worst_state = index;
-            out.worst_entry = entryName(quantity, i, j, theirs);
-            if (!(used <= 1)) {
-              out.verdict = Verdict::kDisagree;
-              out.reason =
-                  fmt::format("{}, case '{}': {} prints {} for {}, computed {:.17g}",
-                              file.filename().string(), one_case.value("name", ""),
-                              table.value("title", ""), text, out.worst_entry, theirs(i, j));
-            }
-          }
-        }
-      };
-
-      if (quantity == "period_ratio") {
-        compare("articulated_body", periodRatio(asked.mechanism, here.state.x[0].q),
+  void ask(const json& one_case, const std::vector<WitnessKind>& kinds) {
+    const PreparedScene& asked = scenes_.of(one_case);
+    std::vector<MadeWitness> witnesses;  // one a kind
+    for (const WitnessKind& kind : kinds) witnesses.push_back(kind.make(asked));
+    EngineBound in_double(asked);
+    const Case here = readCase(table_, one_case, asked.mechanism(), file_);
+    for (const auto& [name, numbers] : entry(one_case, "expect", file_).items()) {
+      const Printed printed = {one_case,
+                               numbers,
+                               here,
+                               name,
+                               tabledQuantity(name),
+                               Agreement(table_, one_case, name, file_)};
+      if (!printed.quantity) {
+        compare(printed, "articulated_body", periodRatio(asked.mechanism(), here.state.x[0].q),
                 Eigen::MatrixXd::Zero(1, 1));
         continue;
       }
-      const Eigen::MatrixXd rounding = in_double(quantityNamed(quantity), asRead(here.state));
-      for (const std::unique_ptr<Witness>& witness : witnesses) {
-        if (!witness->answers(quantityNamed(quantity))) continue;
-        try {
-          compare(witness->name(), witness->answer(quantityNamed(quantity), here.state), rounding);
-        } catch (const scene::InputError&) {
-          throw;
-        } catch (const std::exception& error) {
-          CheckResult& out = check(quantity, witness->name());
-          out.addVoided(out.states++, error.what(),
-                        dynamic_cast<const RefusedWitness*>(witness.get()) != nullptr);
-        }
+      const Eigen::MatrixXd rounding = in_double(*printed.quantity, asRead(here.state));
+      for (std::size_t i = 0; i < kinds.size(); ++i) {
+        if (witnesses[i].isRefused())
+          voided(printed, kinds[i].info.name, witnesses[i].refusal(), true);
+        else if (Witness& witness = **witnesses[i]; witness.answers(*printed.quantity))
+          ask(witness, printed, rounding);
       }
     }
   }
-  for (CheckResult& check : results) {
-    if (check.judged() > 0 || check.verdict != Verdict::kAgree) continue;
-    check.verdict = Verdict::kNotAnswerable;
-    check.reason = check.voided_reason;
+
+  void voided(const Printed& printed, const std::string& witness, const std::string& why,
+              bool refused) {
+    CheckResult& out = check(printed.name, witness);
+    out.addVoided(out.states++, why, refused);
   }
-  return results;
+
+  void ask(Witness& witness, const Printed& printed, const Eigen::MatrixXd& rounding) {
+    try {
+      compare(printed, witness.name(), witness.answer(*printed.quantity, printed.here.state),
+              rounding);
+    } catch (const scene::InputError&) {
+      throw;
+    } catch (const std::exception& error) {
+      voided(printed, witness.name(), error.what(), false);
+    }
+  }
+
+  /// @param rounding  what the source's program may lose, and what reading the state does to the
+  ///                  answer
+  void compare(const Printed& printed, const std::string& witness, const Answer& answer,
+               const Eigen::MatrixXd& rounding) {
+    CheckResult& out = check(printed.name, witness);
+    const Eigen::MatrixXd theirs = printed.there(answer.value),
+                          own = printed.there(answer.bound + rounding),
+                          source = printed.there(rounding);
+    if (!own.allFinite())
+      throw std::runtime_error("no error bound: a divisor is zero within rounding");
+    const int index = out.states++;
+    requireShape(printed, theirs);
+    for (Eigen::Index i = 0; i < theirs.rows(); ++i) {
+      for (Eigen::Index j = 0; j < theirs.cols(); ++j) {
+        const std::string text = printedText(printed.numbers, i, j);
+        const double expected = number(text, file_);
+        const Limit limit = printed.agreement.limit(text, expected, source(i, j));
+        const double residual = std::abs(theirs(i, j) - expected);
+        // decimals are not doubles: the printed number is read, and subtracted, to rounding
+        const double read = 2 * kUnitRoundoff * (std::abs(expected) + std::abs(theirs(i, j)));
+        const double allowed = limit.distance + own(i, j) + read;
+        const double used = residual == 0 ? 0 : residual / allowed;
+        if (!out.worst_entry.empty() && used <= out.ratio) continue;
+        out.ratio = std::isfinite(used) ? used : std::numeric_limits<double>::infinity();
+        out.unit = limit.unit;
+        const double unit = limit.size > 0 ? limit.size : allowed;
+        out.worst = residual == 0 ? 0 : residual / unit;
+        out.limit = allowed > 0 ? allowed / unit : 1;
+        out.worst_state = index;
+        out.worst_entry = entryName(printed.name, i, j, theirs);
+        if (used <= 1) continue;
+        out.verdict = Verdict::kDisagree;
+        out.reason = fmt::format("{}, case '{}': {} prints {} for {}, computed {:.17g}",
+                                 file_.filename().string(), printed.of(), table_.value("title", ""),
+                                 text, out.worst_entry, theirs(i, j));
+      }
+    }
+  }
+
+  void requireShape(const Printed& printed, const Eigen::MatrixXd& theirs) const {
+    const std::size_t rows = printed.numbers.size(),
+                      columns = printed.numbers[0].is_array() ? printed.numbers[0].size() : 1;
+    if (rows != static_cast<std::size_t>(theirs.rows()) ||
+        columns != static_cast<std::size_t>(theirs.cols()))
+      throw scene::InputError(
+          {file_.string()}, fmt::format("case '{}': {} is {} x {}, expected {} x {}", printed.of(),
+                                        printed.name, rows, columns, theirs.rows(), theirs.cols()));
+  }
+
+  const fs::path& file_;
+  json table_;
+  ScenesOfTable scenes_;
+  std::vector<CheckResult> results_;
+};
+
+}  // namespace
+
+std::vector<CheckResult> compareWithTable(const fs::path& file, const PreparedScene& scene,
+                                          const std::vector<WitnessKind>& kinds) {
+  return TableComparison(file, scene).with(kinds);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,10 @@
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
+
+/// What a table prints under this name: a quantity, or (none) the ratio of a pendulum's period to
+/// that of small swings, "period_ratio". @throws scene::InputError on another name.
+std::optional<Quantity> tabledQuantity(const std::string& name);
 
 /// The tables beside the bundled scenes, in alphabetical order.
 std::vector<std::filesystem::path> bundledTables();
@@ -22,7 +27,7 @@ bool isAbout(const std::filesystem::path& table, const scene::Scene& scene);
 /** Every printed quantity of a table against every witness that answers it.
     @throws scene::InputError when the file is not a table or its scene does not fit */
 std::vector<CheckResult> compareWithTable(const std::filesystem::path& table,
-                                          const scene::Scene& scene,
+                                          const PreparedScene& scene,
                                           const std::vector<WitnessKind>& kinds);
 
 }  // namespace dynwitness::crosscheck

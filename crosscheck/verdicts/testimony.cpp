@@ -16,64 +16,76 @@ constexpr double kDoubtful = 0x1p40;
 
 }  // namespace
 
-Hearing::Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kinds,
+Hearing::Hearing(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
                  const Options& options)
     : scene_(scene), options_(options) {
-  for (const WitnessKind& kind : kinds) witnesses_.push_back(makeWitness(kind, scene));
+  for (const WitnessKind& kind : kinds) {
+    MadeWitness made = kind.make(scene);
+    const std::string name = made.isRefused() ? kind.info.name : (*made)->name();
+    seats_.push_back({name, std::move(made)});
+  }
+}
+
+/// One that has refused is asked everything, and says why not.
+bool Hearing::Seat::isAsked(Quantity quantity) const {
+  return witness.isRefused() || (*witness)->answers(quantity);
+}
+
+scene::State<double> Hearing::drawn(int index) const {
+  return drawState(scene_.mechanism(), scene_.scene().name, options_.seed, index);
 }
 
 std::vector<CheckResult> Hearing::dismissRefused() {
-  const auto refusal = [&](const Witness& witness, const std::string& statement,
+  const auto refusal = [&](CheckKind kind, const std::string& witness, const std::string& statement,
                            const std::string& reason) {
     CheckResult check;
-    check.check = "witness";
-    check.statement = witness.name() + " " + statement;
-    check.left = witness.name();
+    check.kind = kind;
+    check.statement = witness + " " + statement;
+    check.left = witness;
     check.seed = options_.seed;
     check.verdict = Verdict::kNotAnswerable;
     check.reason = reason;
     return check;
   };
   std::vector<CheckResult> refusals;
-  std::vector<std::unique_ptr<Witness>> others;
-  for (auto& witness : witnesses_) {
-    const auto* refused = dynamic_cast<const RefusedWitness*>(witness.get());
-    if (refused != nullptr) {
-      refusals.push_back(refusal(*refused, "can hold the scene", refused->reason()));
+  std::vector<Seat> others;
+  for (Seat& seat : seats_) {
+    if (seat.witness.isRefused()) {
+      refusals.push_back(
+          refusal(CheckKind::kRefusal, seat.name, "can hold the scene", seat.witness.refusal()));
       continue;
     }
-    if (auto* outside = dynamic_cast<OutsideWitness*>(witness.get())) {
+    Witness* const witness = (*seat.witness).get();
+    if (auto* outside = dynamic_cast<OutsideWitness*>(witness)) {
       std::vector<scene::State<double>> states;
-      for (int k = 0; k < options_.states; ++k)
-        states.push_back(drawState(scene_.mechanism, scene_.name, options_.seed, k));
+      for (int k = 0; k < options_.states; ++k) states.push_back(drawn(k));
       if (const std::string failure = outside->askedAhead(states); !failure.empty()) {
-        refusals.push_back(refusal(*outside, "testifies", failure));
+        refusals.push_back(refusal(CheckKind::kWitness, seat.name, "testifies", failure));
         CheckResult& check = refusals.back();
         check.quantity = "testimony";
         check.states = 1;
         check.addVoided(0, failure, false);
-        remarks_.emplace_back(outside->name(), failure);
+        remarks_.emplace_back(seat.name, failure);
         continue;
       }
-      for (const std::string& remark : outside->remarks())
-        remarks_.emplace_back(outside->name(), remark);
+      for (const std::string& remark : outside->remarks()) remarks_.emplace_back(seat.name, remark);
     }
-    if (const auto* partial = dynamic_cast<const PartialWitness*>(witness.get()))
+    if (const auto* partial = dynamic_cast<const PartialWitness*>(witness))
       for (const auto& [quantity, reason] : partial->leftOut()) {
-        refusals.push_back(
-            refusal(*partial, fmt::format("answers {}", crosscheck::name(quantity)), reason));
+        refusals.push_back(refusal(CheckKind::kWitness, seat.name,
+                                   fmt::format("answers {}", crosscheck::name(quantity)), reason));
         refusals.back().quantity = crosscheck::name(quantity);
       }
-    others.push_back(std::move(witness));
+    others.push_back(std::move(seat));
   }
-  witnesses_ = std::move(others);
+  seats_ = std::move(others);
   return refusals;
 }
 
 std::vector<std::string> Hearing::answering(Quantity quantity) const {
   std::vector<std::string> names;
-  for (const auto& witness : witnesses_)
-    if (witness->answers(quantity)) names.push_back(witness->name());
+  for (const Seat& seat : seats_)
+    if (seat.isAsked(quantity)) names.push_back(seat.name);
   return names;
 }
 
@@ -82,7 +94,7 @@ void Hearing::putIntoEquations(const scene::State<double>& state, std::vector<Te
     return one.failure.empty() && !one.residual && one.answer.residual_bound.size() > 0;
   });
   if (!asked) return;
-  if (!backward_error_) backward_error_ = std::make_unique<BackwardError>(scene_.mechanism);
+  if (!backward_error_) backward_error_ = std::make_unique<BackwardError>(scene_);
   backward_error_->at(state);
   const double condition = backward_error_->condition();
   // where M may be singular, whether it is: then nothing that anybody says means anything
@@ -91,7 +103,7 @@ void Hearing::putIntoEquations(const scene::State<double>& state, std::vector<Te
         return one.failure.empty() && !one.answer.value.allFinite();
       });
   if (doubtful) {
-    if (!truth_) truth_ = std::make_unique<Truth>(scene_.mechanism);
+    if (!truth_) truth_ = std::make_unique<Truth>(scene_.mechanism());
     if (const Certified exact = (*truth_)(Quantity::kQdd, state); exact.is_impossible) {
       for (Testimony& one : said) one.failure = "no certified truth: " + exact.reason;
       return;
@@ -106,13 +118,17 @@ void Hearing::putIntoEquations(const scene::State<double>& state, std::vector<Te
 
 void Hearing::hear(Quantity quantity, const Listener& listener) {
   for (int k = 0; k < options_.states; ++k) {
-    const scene::State<double> state = drawState(scene_.mechanism, scene_.name, options_.seed, k);
+    const scene::State<double> state = drawn(k);
     std::vector<Testimony> said;
-    for (const auto& witness : witnesses_) {
-      if (!witness->answers(quantity)) continue;
-      said.push_back({witness->name(), {}, {}});
+    for (const Seat& seat : seats_) {
+      if (!seat.isAsked(quantity)) continue;
+      said.push_back({seat.name, {}, {}});
+      if (seat.witness.isRefused()) {
+        said.back().failure = seat.witness.refusal();
+        continue;
+      }
       try {
-        said.back().answer = witness->answer(quantity, state);
+        said.back().answer = (*seat.witness)->answer(quantity, state);
       } catch (const std::exception& error) {
         said.back().failure = error.what();
       }

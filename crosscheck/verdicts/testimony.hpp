@@ -25,13 +25,15 @@ struct Testimony {
   std::string failure;  ///< not empty: the witness threw this, and there is no answer
   /// Of qdd with a bound in the equations (Answer::residual_bound), which is then what judges it.
   std::optional<Residual> residual = {};
-  double condition = 0;  ///< BackwardError::condition(), where there is a residual
+  double condition = 0;     ///< BackwardError::condition(), where there is a residual
+  bool is_control = false;  ///< by the run's own control
 };
 
 /// All witnesses of a scene.
 class Hearing {
  public:
-  Hearing(const scene::Scene& scene, const std::vector<WitnessKind>& kinds, const Options& options);
+  Hearing(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
+          const Options& options);
 
   /// Takes the witnesses out that cannot hold the scene: one check each, not answerable, says why;
   /// and one for each quantity that another leaves out for this scene. A program that fails is
@@ -55,9 +57,16 @@ class Hearing {
   void putIntoEquations(const scene::State<double>& state, std::vector<Testimony>& said);
 
  private:
-  const scene::Scene& scene_;
+  struct Seat {
+    std::string name;
+    MadeWitness witness;
+    bool isAsked(Quantity quantity) const;
+  };
+  scene::State<double> drawn(int index) const;
+
+  PreparedScene scene_;
   const Options& options_;
-  std::vector<std::unique_ptr<Witness>> witnesses_;
+  std::vector<Seat> seats_;
   std::vector<std::pair<std::string, std::string>> remarks_;
   std::unique_ptr<BackwardError> backward_error_;
   std::unique_ptr<Truth> truth_;
@@ -66,8 +75,9 @@ class Hearing {
 /// One quantity, each pair of the witnesses that answer it.
 class PairComparison {
  public:
-  PairComparison(Quantity quantity, const std::vector<std::string>& witnesses,
-                 const Options& options);
+  /// @param with_control  the run's own control testifies after these witnesses
+  PairComparison(Quantity quantity, std::vector<std::string> witnesses, const Options& options,
+                 bool with_control = false);
   /// @param excuse  why the quantity does not exist at this state; empty: it does
   void add(int index, const std::vector<Testimony>& said, const std::string& excuse = {});
   std::vector<CheckResult> results() const;

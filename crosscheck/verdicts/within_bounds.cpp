@@ -12,7 +12,7 @@ std::vector<CheckResult> inWords(const std::vector<LawWords>& laws) {
   std::vector<CheckResult> checks;
   for (const LawWords& law : laws) {
     checks.emplace_back();
-    checks.back().check = law.name;
+    checks.back().law = law.name;
     checks.back().statement = law.statement;
     checks.back().quantity = law.quantity;
     checks.back().left = law.left;

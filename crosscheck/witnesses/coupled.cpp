@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
@@ -16,12 +15,12 @@ namespace {
     of the tree tells. */
 class OverTree : public Witness {
  public:
-  OverTree(std::unique_ptr<Witness> of_tree, const scene::Scene& scene)
+  OverTree(std::unique_ptr<Witness> of_tree, const PreparedScene& scene)
       : of_tree_(std::move(of_tree)),
-        mechanism_(scene.mechanism),
+        mechanism_(scene.mechanism()),
         in_double_(mechanism_, scene::RealNumbers<double>(mechanism_)),
         with_bounds_(mechanism_, RunningErrorNumbers(mechanism_)),
-        tree_(scene::withoutMimics(mechanism_), RunningErrorNumbers(mechanism_)) {}
+        tree_(scene.tree()) {}
 
   const std::string& name() const override { return of_tree_->name(); }
   bool answers(Quantity quantity) const override {
@@ -86,14 +85,11 @@ WitnessKind overTree(WitnessKind kind) {
         "is asked "
         "about; M = G'MG, c = G'c, g = G'g, tau = G'tau are summed here, and qdd solves M qdd = "
         "tau - bias";
-  kind.make = [make = kind.make](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-    if (!scene.mechanism.hasMimics()) return make(scene);
-    scene::Scene tree = scene;
-    tree.mechanism = scene::withoutMimics(scene.mechanism);
-    tree.start_qd.assign(static_cast<std::size_t>(tree.mechanism.dof()), scene::Number(0));
-    std::unique_ptr<Witness> witness = make(tree);
-    if (dynamic_cast<const RefusedWitness*>(witness.get()) != nullptr) return witness;
-    return std::make_unique<OverTree>(std::move(witness), scene);
+  kind.make = [make = kind.make](const PreparedScene& scene) -> MadeWitness {
+    if (!scene.mechanism().hasMimics()) return make(scene);
+    MadeWitness of_tree = make(scene.tree());
+    if (of_tree.isRefused()) return of_tree;
+    return std::make_unique<OverTree>(std::move(of_tree).value(), scene);
   };
   return kind;
 }

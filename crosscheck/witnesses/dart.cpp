@@ -67,11 +67,6 @@ Vector3d vector(const scene::Vector& v, const RealNumbers<double>& number) {
   return {number(v[0]), number(v[1]), number(v[2])};
 }
 
-/// Joints that DART reads from URDF as they are.
-bool isPlain(JointKind kind) {
-  return kind == JointKind::kFixed || kind == JointKind::kRevolute || kind == JointKind::kPrismatic;
-}
-
 /// The scene that DART is told: in place of a joint that URDF cannot say, a revolute one.
 scene::Scene told(scene::Scene scene) {
   for (scene::Link& link : scene.mechanism.links)
@@ -109,9 +104,11 @@ SkeletonPtr loaded(const scene::Scene& scene) {
 
 class DartWitness : public Witness {
  public:
-  explicit DartWitness(const scene::Scene& scene)
-      : friction_(scene.mechanism), bound_(scene.mechanism), skeleton_(loaded(scene)) {
-    const scene::Mechanism& mechanism = scene.mechanism;
+  explicit DartWitness(const PreparedScene& scene)
+      : friction_(scene.mechanism()),
+        bound_(scene, 1, Attitude::kRotationVector),
+        skeleton_(loaded(scene.scene())) {
+    const scene::Mechanism& mechanism = scene.mechanism();
     requirePlainRotors(mechanism);
     const RealNumbers<double> number(mechanism);
     skeleton_->setTimeStep(1e-100);
@@ -123,7 +120,7 @@ class DartWitness : public Witness {
                            vector(w.force, number), vector(w.moment, number),
                            vector(w.at, number)});
     solve_bound_ = std::make_unique<SolveBound>(
-        mechanism, has_rotors_ ? SolvedBy::kMassMatrix : SolvedBy::kSweep, kEngineTurns);
+        scene, has_rotors_ ? SolvedBy::kMassMatrix : SolvedBy::kSweep, kEngineTurns);
   }
 
   const std::string& name() const override { return name_; }

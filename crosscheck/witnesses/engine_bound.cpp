@@ -18,10 +18,11 @@ using Vector3 = recursive::Vector3<RunningError>;
 
 // What the header derives, in the norm of vectors and matrices.
 constexpr double u = RunningError::kUnitRoundoff;
-constexpr double kProduct = 3 * u;       ///< a x b, a b: of |a| |b|
-constexpr double kTurn = 6 * u;          ///< R r: of |r|
-constexpr double kTurnInertia = 12 * u;  ///< R' I R: of |I|
-constexpr double kQuaternion = 26 * u;   ///< of an orientation that a quaternion gives, besides
+constexpr double kProduct = 3 * u;          ///< a x b, a b: of |a| |b|
+constexpr double kTurn = 6 * u;             ///< R r: of |r|
+constexpr double kTurnInertia = 12 * u;     ///< R' I R: of |I|
+constexpr double kQuaternion = 26 * u;      ///< of an orientation that a quaternion gives, besides
+constexpr double kRotationVector = 41 * u;  ///< of one that a rotation vector gives
 
 /// What depends on how orientations are kept.
 struct Turns {
@@ -129,7 +130,7 @@ double axisUncertainty(const Link& link, const Passage& here, const Turns& by) {
 }  // namespace
 
 struct EngineBound::Impl {
-  Impl(const scene::Mechanism& mechanism, double matrices);
+  Impl(const PreparedScene& scene, double matrices, Attitude attitude);
 
   void run(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd, Terms terms);
   void moveOutward(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd,
@@ -152,17 +153,19 @@ struct EngineBound::Impl {
   std::vector<Size> places() const;  ///< of the links in the world
 
   Turns turns;
+  double by_attitude;  ///< what the orientation of a spherical or floating joint loses
   Setup<RunningError> setup;
   std::vector<Body> bodies;  ///< one a link of the model
   std::vector<Passage> at;
 };
 
-EngineBound::Impl::Impl(const scene::Mechanism& mechanism, double matrices)
+EngineBound::Impl::Impl(const PreparedScene& scene, double matrices, Attitude attitude)
     : turns(matrices),
-      setup(recursive::buildModel(mechanism, RunningErrorNumbers(mechanism),
-                                  recursive::FixedJoints::kKept)),
+      by_attitude(attitude == Attitude::kQuaternion ? kQuaternion : kRotationVector),
+      setup(scene.modelWithFixedJoints<RunningError>()),
       bodies(setup.model.links.size()),
       at(setup.model.links.size()) {
+  const scene::Mechanism& mechanism = scene.mechanism();
   const recursive::Model<RunningError>& model = setup.model;
   const RunningErrorNumbers number(mechanism);
   const auto vector = [&](const scene::Vector& v) {
@@ -245,7 +248,7 @@ void EngineBound::Impl::moveOutward(const scene::State<RunningError>& state, con
     const Passage& inboard = on_world ? world : at[link.parent];
     const recursive::Transform<RunningError>& X = setup.ws.X_up[i];
     here.turn =
-        body.turn + sizeOf(X.R).error + (recursive::axisCount(link.kind) >= 3 ? kQuaternion : 0);
+        body.turn + sizeOf(X.R).error + (recursive::axisCount(link.kind) >= 3 ? by_attitude : 0);
     here.turned = inboard.turned + here.turn;
     here.lever = sizeOf(X.p);
     if (!on_world) here.lever = larger(here.lever, sizeOf(Vector3(X.p - bodies[link.parent].X.p)));
@@ -477,8 +480,8 @@ Eigen::VectorXd EngineBound::Impl::reactions() const {
   return errors;
 }
 
-EngineBound::EngineBound(const scene::Mechanism& mechanism, double matrices)
-    : impl_(new Impl(mechanism, matrices)) {}
+EngineBound::EngineBound(const PreparedScene& scene, double matrices, Attitude attitude)
+    : impl_(new Impl(scene, matrices, attitude)) {}
 EngineBound::~EngineBound() = default;
 
 Eigen::MatrixXd EngineBound::operator()(Quantity quantity, const scene::State<double>& state) {

@@ -9,6 +9,9 @@
 
 namespace dynwitness::crosscheck {
 
+/// By which numbers an engine keeps the orientation of a spherical or a floating joint.
+enum class Attitude { kQuaternion, kRotationVector };
+
 /** Bounds for an engine that computes in double, in axes of its own, on the links as they stand in
     the scene. In our axes much is zero by structure: a joint turns about (0, 0, 1), w x I w has no
     component along the axis of a single joint, and running error bounds are zero there. In other
@@ -35,10 +38,23 @@ namespace dynwitness::crosscheck {
     rounded angle, 5 u for all of them: 32 u. This is so in world axes, too: there the product of
     all orientations is rounded at each joint, which is exact for a mechanism that is turned by so
     much there. A quaternion is made one of length 1 first (4 u in each component), R is quadratic
-    in it (16 u) and sums products of its components (10 u): 26 u more. An axis is a unit vector (4
-    u), turned by an outboard orientation: 19 u. Inertias in axes of their own (rpy) are turned by
-    three orientations on either side. Rates of spherical and floating joints are turned into the
-    engine's axes, and its answers back, by the orientation of the joint.
+    in it (16 u) and sums products of its components (10 u): 26 u more.
+
+    A rotation vector r of length t, rounded to double, turns by the exponential
+
+        R = 1 + a [r]x + b [r]x^2,    a = sin t / t,  b = (1 - cos t) / t^2
+
+    Its rounding turns by t u at most. t is a root of three squares, off by 2.5 u of itself, which
+    changes a t by 2.5 u |t cos t - sin t| and cos t by 2.5 u t sin t; sine, quotient and products
+    of the second term leave (1 + 1 + sqrt(2)) u |sin t|, the cosine u, difference and quotient
+    (1 + 5 + 1 + 1) u of 1 - cos t, the square of [r]x and its products 2 u and u an entry, together
+    3 sqrt(2) u of 1 - cos t, and the last sum sqrt(3) u. For t up to pi, and between there and 2 pi
+    for what is almost a whole turn (below 25 u there), the sum is largest near t = 2.7: 41 u.
+    (The 60 u of solve_bound.hpp hold for both.)
+
+    An axis is a unit vector (4 u), turned by an outboard orientation: 19 u. Inertias in axes of
+    their own (rpy) are turned by three orientations on either side. Rates of spherical and floating
+    joints are turned into the engine's axes, and its answers back, by the orientation of the joint.
 
     An engine may refer a link to the scene's link frame or to its joint frame, which differ where
     the placement goes on after the joint (Denavit and Hartenberg's): sizes hold for either, |v| +
@@ -56,7 +72,8 @@ class EngineBound {
  public:
   /// @param matrices  what an orientation loses when it is made of two others, counted in what a
   ///                  product of matrices loses
-  explicit EngineBound(const scene::Mechanism& mechanism, double matrices = 1);
+  explicit EngineBound(const PreparedScene& scene, double matrices = 1,
+                       Attitude attitude = Attitude::kQuaternion);
   ~EngineBound();
 
   /// Shaped like the quantity. The state is exact, or carries bounds of its own.

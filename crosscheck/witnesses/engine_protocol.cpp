@@ -19,6 +19,7 @@
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "crosscheck/witnesses/told_numbers.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -29,74 +30,38 @@ using State = scene::State<double>;
 
 // ---- the scene, as numbers
 
-/// The numbers of a scene, computed in long double and rounded once.
+/// The numbers of a scene as JSON, rounded once.
 class Resolved {
  public:
   explicit Resolved(const scene::Mechanism& mechanism) : number_(mechanism) {}
 
   Json operator()(const scene::Number& x) const { return static_cast<double>(number_(x)); }
-  Json vector(const scene::Vector& v) const { return of(vectorOf(v)); }
-  Json unit(const scene::Vector& v) const { return of(vectorOf(v).normalized()); }
+  Json vector(const scene::Vector& v) const { return of(number_.vector(v)); }
+  Json unit(const scene::Vector& v) const { return of(number_.vector(v).normalized()); }
 
   /// Frame to frame: x_outer = R x_inner + p.
   Json frame(const std::vector<scene::Step>& steps) const {
-    using Kind = scene::Step::Kind;
-    Matrix R = Matrix::Identity();
-    Column p = Column::Zero();
-    for (const scene::Step& step : steps) {
-      if (step.kind == Kind::kTranslate)
-        p += R * vectorOf(step.translation);
-      else
-        R = R * turn(step.kind == Kind::kRotateX   ? 0
-                     : step.kind == Kind::kRotateY ? 1
-                                                   : 2,
-                     step.angle);
-    }
-    return {{"R", of(R)}, {"p", of(p)}};
+    const ToldNumbers::Frame X = number_.frame(steps);
+    return {{"R", of(X.R)}, {"p", of(X.p)}};
   }
-
   Json inertia(const scene::MassProperties& given) const {
-    Matrix I;
-    I << number_(given.xx), number_(given.xy), number_(given.xz),  //
-        number_(given.xy), number_(given.yy), number_(given.yz),   //
-        number_(given.xz), number_(given.yz), number_(given.zz);
-    const Matrix R = turn(2, given.rpy[2]) * turn(1, given.rpy[1]) * turn(0, given.rpy[0]);
-    I = R * I * R.transpose();
-    const Real mass = number_(given.mass);
-    const Column com = vectorOf(given.com);
-    if (given.about == scene::MassProperties::About::kLinkOrigin)
-      I -= mass * (com.squaredNorm() * Matrix::Identity() - com * com.transpose());
-    return {{"mass", static_cast<double>(mass)}, {"com", of(com)}, {"inertia", of(I)}};
+    const ToldNumbers::Inertia told = number_.inertia(given);
+    return {
+        {"mass", static_cast<double>(told.mass)}, {"com", of(told.com)}, {"inertia", of(told.I)}};
   }
 
  private:
-  using Real = long double;
-  using Matrix = Eigen::Matrix<Real, 3, 3>;
-  using Column = Eigen::Matrix<Real, 3, 1>;
-
-  Column vectorOf(const scene::Vector& v) const {
-    return {number_(v[0]), number_(v[1]), number_(v[2])};
-  }
-  /// About an axis of the frame: 0 x, 1 y, 2 z.
-  Matrix turn(int axis, const scene::Number& angle) const {
-    const scene::CosSin<Real> a = number_.angle(angle);
-    const int j = (axis + 1) % 3, k = (axis + 2) % 3;
-    Matrix R = Matrix::Identity();
-    R(j, j) = R(k, k) = a.c;
-    R(j, k) = -a.s;
-    R(k, j) = a.s;
-    return R;
-  }
-  static Json of(const Column& v) {
+  static Json of(const ToldNumbers::Vector3& v) {
     Json out = Json::array();
     for (int i = 0; i < 3; ++i) out.push_back(static_cast<double>(v(i)));
     return out;
   }
-  static Json of(const Matrix& m) {
-    return {of(Column(m.row(0))), of(Column(m.row(1))), of(Column(m.row(2)))};
+  static Json of(const ToldNumbers::Matrix3& m) {
+    using Row = ToldNumbers::Vector3;
+    return {of(Row(m.row(0))), of(Row(m.row(1))), of(Row(m.row(2)))};
   }
 
-  scene::RealNumbers<Real> number_;
+  ToldNumbers number_;
 };
 
 Json jointJson(const scene::Joint& joint, const Resolved& number, int q, int qd) {
@@ -321,16 +286,16 @@ Json inOrder(const std::vector<double>& ours, const std::vector<int>& order) {
 class EngineWitness : public OutsideWitness {
  public:
   EngineWitness(std::string name, const std::string& command, const Limits& limits,
-                const scene::Scene& scene)
+                const PreparedScene& scene)
       : name_(std::move(name)),
-        mechanism_(scene.mechanism),
-        ours_(mechanism_, scene::RealNumbers<double>(mechanism_)),
-        bound_(scene.mechanism),
-        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns) {
+        mechanism_(scene.mechanism()),
+        ours_(scene),
+        bound_(scene),
+        solve_bound_(scene, SolvedBy::kMassMatrix, kEngineTurns) {
     guarded("in the handshake", [&] {
       program_ = std::make_unique<Conversation>(command, limits);
       constexpr std::size_t kMostIntroduction = 1 << 20;
-      introduction_.emplace(parsed(program_->ask(greetingOf(scene), kMostIntroduction)));
+      introduction_.emplace(parsed(program_->ask(greetingOf(scene.scene()), kMostIntroduction)));
       if (introduction_->refuses.empty()) order_.emplace(mechanism_, *introduction_);
     });
   }
@@ -573,10 +538,7 @@ std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, c
     info.name = fmt::format("engine_{}", k + 1);
     info.version = "unknown";
     info.method = "the program " + command;
-    scene::Scene tree = scene;
-    tree.mechanism = scene::withoutMimics(scene.mechanism);
-    tree.start_qd.assign(static_cast<std::size_t>(tree.mechanism.dof()), scene::Number(0));
-    const EngineWitness first(info.name, command, limits, tree);
+    const EngineWitness first(info.name, command, limits, PreparedScene(scene).tree());
     if (const auto& said = first.introduction()) {
       if (isName(said->name) && std::count(taken.begin(), taken.end(), said->name) == 0)
         info.name = said->name;
@@ -584,13 +546,12 @@ std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, c
     }
     taken.push_back(info.name);
     const std::string name = info.name;
-    kinds.push_back(overTree({info, [=](const scene::Scene& asked) -> std::unique_ptr<Witness> {
+    kinds.push_back(overTree({info, [=](const PreparedScene& asked) -> MadeWitness {
                                 auto witness =
                                     std::make_unique<EngineWitness>(name, command, limits, asked);
                                 const auto& said = witness->introduction();
                                 if (said && !said->refuses.empty())
-                                  return std::make_unique<RefusedWitness>(
-                                      name, name + " says: " + said->refuses);
+                                  return Refusal{name + " says: " + said->refuses};
                                 return witness;
                               }}));
   }

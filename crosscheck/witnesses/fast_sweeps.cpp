@@ -5,6 +5,8 @@
 
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/coupled.hpp"
+#include "crosscheck/witnesses/exact_witness.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/sharp_bounds.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
@@ -15,15 +17,14 @@ namespace {
 
 class FastWitness : public Witness {
  public:
-  explicit FastWitness(const scene::Scene& scene)
-      : in_double_(
-            recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism))),
-        with_bounds_(recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism))),
-        sharp_([mechanism = scene.mechanism] {
+  explicit FastWitness(const PreparedScene& scene)
+      : in_double_(scene.model<double>()),
+        with_bounds_(scene.model<RunningError>()),
+        sharp_([mechanism = scene.mechanism()] {
           return std::make_unique<FastSweeps<AdjointError>>(
               recursive::buildModel(mechanism, AdjointErrorNumbers(mechanism)));
         }),
-        solve_bound_(scene.mechanism, SolvedBy::kSweep, 1) {}
+        solve_bound_(scene, SolvedBy::kSweep, 1) {}
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return FastSweeps<double>::answers(quantity); }
@@ -71,9 +72,8 @@ class FastWitness : public Witness {
 WitnessKind fastKind() {
   return overTree({{kFastName, DYNWITNESS_VERSION,
                     "the sweeps of recursive/fast/, for any mechanism, made for speed"},
-                   [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-                     return std::make_unique<FastWitness>(scene);
-                   }});
+                   [](const PreparedScene& scene) { return makeWitness<FastWitness>(scene); },
+                   exactFast});
 }
 
 }  // namespace dynwitness::crosscheck

@@ -6,7 +6,6 @@
 
 #include "crosscheck/scalars/adjoint_error.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
-#include "crosscheck/witnesses/exact_witness.hpp"
 #include "recursive/fast/forward_dynamics.hpp"
 #include "recursive/fast/inverse_dynamics.hpp"
 #include "recursive/fast/mass_matrix.hpp"
@@ -54,8 +53,5 @@ class FastSweeps {
   recursive::fast::MassMatrixWorkspace<T> m_;
   recursive::fast::ForwardDynamicsWorkspace<T> fd_;
 };
-
-/// The witness `fast` over the prime field, and in degrees.
-ExactWitness fastWitness(const scene::Scene& scene);
 
 }  // namespace dynwitness::crosscheck

@@ -3,6 +3,7 @@
 // sweep is inlined, which takes a compiler minutes for a scalar that is no double.
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/coupled.hpp"
+#include "crosscheck/witnesses/exact_witness.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 
 namespace dynwitness::crosscheck {
@@ -23,8 +24,8 @@ scene::Mechanism treeOf(const scene::Mechanism& mechanism) {
 
 }  // namespace
 
-ExactWitness fastWitness(const scene::Scene& scene) {
-  const auto on = [mechanism = scene.mechanism](const auto& number) {
+OrRefusal<ExactWitness> exactFast(const PreparedScene& scene, Parameters) {
+  const auto on = [mechanism = scene.mechanism()](const auto& number) {
     using T = typename std::decay_t<decltype(number)>::Scalar;
     return [sweeps = FastSweeps<T>(recursive::buildModel(treeOf(mechanism), number)),
             coupled = mechanism.hasMimics(), coupling = Coupling<T>(mechanism, number)](
@@ -32,7 +33,7 @@ ExactWitness fastWitness(const scene::Scene& scene) {
       return coupled ? coupling(quantity, state, sweeps) : sweeps(quantity, state);
     };
   };
-  return {kFastName, FastSweeps<double>::answers, on, on};
+  return ExactWitness{kFastName, FastSweeps<double>::answers, on, on};
 }
 
 }  // namespace dynwitness::crosscheck

@@ -81,13 +81,13 @@ KDL::RigidBodyInertia inertiaOf(const scene::MassProperties& m, const RealNumber
 
 class KdlWitness : public Witness {
  public:
-  explicit KdlWitness(const scene::Scene& scene)
-      : friction_(scene.mechanism),
-        bound_(scene.mechanism),
-        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns) {
-    requirePlainJoints(scene.mechanism);
-    requirePlainRotors(scene.mechanism);
-    const scene::Mechanism& mechanism = scene.mechanism;
+  explicit KdlWitness(const PreparedScene& scene)
+      : friction_(scene.mechanism()),
+        bound_(scene),
+        solve_bound_(scene, SolvedBy::kMassMatrix, kEngineTurns) {
+    const scene::Mechanism& mechanism = scene.mechanism();
+    requirePlainJoints(mechanism);
+    requirePlainRotors(mechanism);
     const RealNumbers<double> number(mechanism);
     bool is_chain = true;
     for (std::size_t i = 0; i < mechanism.links.size(); ++i) {

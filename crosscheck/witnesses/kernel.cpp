@@ -13,6 +13,8 @@
 #include "crosscheck/witnesses/all_lanes.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "crosscheck/witnesses/coupled.hpp"
+#include "crosscheck/witnesses/exact_witness.hpp"
+#include "crosscheck/witnesses/kernel_names.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/sharp_bounds.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
@@ -30,34 +32,26 @@ Formula formulaOf(Quantity quantity) {
   return quantity == Quantity::kQdd ? Formula::kForwardDynamics : Formula::kInverseDynamics;
 }
 
-/// The kernel of a scene. The two witnesses share one, and so do those of a scene asked for twice.
-std::shared_ptr<const kernel::Kernel> kernelOf(const scene::Scene& scene) {
-  static std::map<std::string, std::weak_ptr<const kernel::Kernel>> kernels;
-  std::weak_ptr<const kernel::Kernel>& known = kernels[scene::writeSceneToml(scene)];
-  std::shared_ptr<const kernel::Kernel> kernel = known.lock();
-  if (!kernel) known = kernel = std::make_shared<const kernel::Kernel>(scene.mechanism);
-  return kernel;
-}
-
 /** Values from the compiled code; bounds from the same program run on RunningError. The compiled
     code does what the program says, operation by operation, and its cos and sin are within the
     error that is taken for the C library's (kernel/emit.cpp); so the bound is that of the compiled
     code. */
 class KernelWitness : public PartialWitness {
  public:
-  KernelWitness(const scene::Scene& scene, bool lanes)
-      : name_(lanes ? "kernel_lanes" : "kernel"),
+  KernelWitness(const PreparedScene& scene, bool lanes)
+      : name_(lanes ? kKernelLanesName : kKernelName),
         lanes_(lanes),
-        kernel_(kernelOf(scene)),
-        solve_bound_(scene.mechanism, SolvedBy::kEither, 1) {
-    const RunningErrorNumbers numbers(scene.mechanism);
+        scene_(scene),
+        kernel_(scene.kernel()),
+        solve_bound_(scene, SolvedBy::kEither, 1) {
+    const RunningErrorNumbers numbers(scene.mechanism());
     for (const Quantity quantity : kQuantities) {
       const Formula formula = formulaOf(quantity);
-      if (!kernel_->has(formula)) continue;
-      bounds_.try_emplace(formula, kernel_->road(formula).program, numbers);
-      sharp_.try_emplace(formula, [this, formula, mechanism = scene.mechanism] {
-        return std::make_unique<symbolic::ProgramRun<AdjointError>>(kernel_->road(formula).program,
-                                                                    AdjointErrorNumbers(mechanism));
+      if (!kernel_.has(formula)) continue;
+      bounds_.try_emplace(formula, kernel_.road(formula).program, numbers);
+      sharp_.try_emplace(formula, [this, formula] {
+        return std::make_unique<symbolic::ProgramRun<AdjointError>>(
+            kernel_.road(formula).program, AdjointErrorNumbers(scene_.mechanism()));
       });
     }
   }
@@ -66,13 +60,13 @@ class KernelWitness : public PartialWitness {
   bool answers(Quantity quantity) const override {
     return std::find(std::begin(kQuantities), std::end(kQuantities), quantity) !=
                std::end(kQuantities) &&
-           kernel_->has(formulaOf(quantity));
+           kernel_.has(formulaOf(quantity));
   }
   std::vector<std::pair<Quantity, std::string>> leftOut() const override {
     std::vector<std::pair<Quantity, std::string>> all;
     for (const Quantity quantity : kQuantities)
-      if (const auto it = kernel_->notUsed().find(formulaOf(quantity));
-          it != kernel_->notUsed().end())
+      if (const auto it = kernel_.notUsed().find(formulaOf(quantity));
+          it != kernel_.notUsed().end())
         all.emplace_back(quantity, it->second);
     return all;
   }
@@ -80,7 +74,7 @@ class KernelWitness : public PartialWitness {
     const Formula formula = formulaOf(quantity);
     const scene::State<RunningError> bounded_state = runningErrorState(state);
     const std::vector<RunningError> bounded = bounds_.at(formula)(bounded_state);
-    const int rows = kernel_->dof(), columns = quantity == Quantity::kM ? rows : 1;
+    const int rows = kernel_.dof(), columns = quantity == Quantity::kM ? rows : 1;
     using RowMajor = Eigen::Matrix<RunningError, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const auto sharply = [&](symbolic::ProgramRun<AdjointError>& run) {
       using SharpRowMajor =
@@ -103,8 +97,8 @@ class KernelWitness : public PartialWitness {
     const std::vector<double> out =
         lanes_ ? inAllLanes(quantity, q, state.qd, w) : inOne(quantity, q, state.qd, w);
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    return Eigen::Map<const RowMajor>(out.data(), kernel_->dof(),
-                                      quantity == Quantity::kM ? kernel_->dof() : 1);
+    return Eigen::Map<const RowMajor>(out.data(), kernel_.dof(),
+                                      quantity == Quantity::kM ? kernel_.dof() : 1);
   }
 
  private:
@@ -122,26 +116,27 @@ class KernelWitness : public PartialWitness {
     const auto kernel = [&](const double* all_q, const double* all_qd, const double* all_w,
                             double* out,
                             long count) { run(quantity, all_q, all_qd, all_w, out, count); };
-    return askAllLanes(kernel, kernel_->lanes(), outputs, q, qd, w);
+    return askAllLanes(kernel, kernel_.lanes(), outputs, q, qd, w);
   }
 
   void run(Quantity quantity, const double* q, const double* qd, const double* w, double* out,
            long count) const {
     switch (formulaOf(quantity)) {
       case Formula::kMassMatrix:
-        return count ? kernel_->massMatrix(q, out, count) : kernel_->massMatrix(q, out);
+        return count ? kernel_.massMatrix(q, out, count) : kernel_.massMatrix(q, out);
       case Formula::kForwardDynamics:
-        return count ? kernel_->forwardDynamics(q, qd, w, out, count)
-                     : kernel_->forwardDynamics(q, qd, w, out);
+        return count ? kernel_.forwardDynamics(q, qd, w, out, count)
+                     : kernel_.forwardDynamics(q, qd, w, out);
       default:
-        return count ? kernel_->inverseDynamics(q, qd, w, out, count)
-                     : kernel_->inverseDynamics(q, qd, w, out);
+        return count ? kernel_.inverseDynamics(q, qd, w, out, count)
+                     : kernel_.inverseDynamics(q, qd, w, out);
     }
   }
 
   std::string name_;
   bool lanes_;
-  std::shared_ptr<const kernel::Kernel> kernel_;
+  PreparedScene scene_;
+  const kernel::Kernel& kernel_;  ///< of scene_; both witnesses share it
   SolveBound solve_bound_;
   std::map<Formula, symbolic::ProgramRun<RunningError>> bounds_;
   std::map<Formula, SharpBounds<symbolic::ProgramRun<AdjointError>>> sharp_;
@@ -153,25 +148,29 @@ WitnessKind kindOf(const std::string& name, bool lanes) {
                           kernel::chosenLanes())
             : "the smallest program of the scene, as compiled C";
   WitnessInfo info{name, DYNWITNESS_VERSION, method};
-  try {
-    kernel::requireCompiler();
-  } catch (const kernel::CannotCompile& error) {
-    info.present = false;
-    const std::string reason = info.absent = error.what();
-    return {info, [=](const scene::Scene&) -> std::unique_ptr<Witness> {
-              return std::make_unique<RefusedWitness>(name, reason);
-            }};
-  }
-  return overTree(engineKind<KernelWitness>(info, lanes));
+  const auto made = [&]() -> WitnessKind {
+    try {
+      kernel::requireCompiler();
+    } catch (const kernel::CannotCompile& error) {
+      info.absent = error.what();
+      return absentKind(info, info.absent);
+    }
+    return overTree(engineKind<KernelWitness>(info, lanes));
+  };
+  WitnessKind kind = made();
+  kind.is_compiled = true;
+  return kind;
 }
 
 }  // namespace
 
 WitnessKind kernelKind() {
-  return kindOf("kernel", false);
+  WitnessKind kind = kindOf(kKernelName, false);
+  kind.make_exact = exactKernel;  // which needs no compiler; the lanes run the same programs
+  return kind;
 }
 WitnessKind kernelLanesKind() {
-  return kindOf("kernel_lanes", true);
+  return kindOf(kKernelLanesName, true);
 }
 
 }  // namespace dynwitness::crosscheck

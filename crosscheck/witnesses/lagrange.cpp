@@ -5,6 +5,8 @@
 
 #include <stdexcept>
 
+#include "crosscheck/witnesses/exact_witness.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/program_answer.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "symbolic/quasi_velocities.hpp"
@@ -63,23 +65,22 @@ namespace {
 
 class LagrangeWitness : public Witness {
  public:
-  explicit LagrangeWitness(const scene::Scene& scene)
-      : mechanism_(scene.mechanism),
-        programs_(scene.mechanism, true),
-        in_double_(programs_, scene::RealNumbers<double>(scene.mechanism)),
-        with_bounds_(programs_, RunningErrorNumbers(scene.mechanism)),
-        sharp_([this, mechanism = scene.mechanism] {
+  explicit LagrangeWitness(const PreparedScene& scene)
+      : scene_(scene),
+        in_double_(scene.derived(true), scene::RealNumbers<double>(scene.mechanism())),
+        with_bounds_(scene.derived(true), RunningErrorNumbers(scene.mechanism())),
+        sharp_([this] {
           auto answers = std::make_unique<DerivedAnswers<AdjointError>>(
-              programs_, AdjointErrorNumbers(mechanism));
+              scene_.derived(true), AdjointErrorNumbers(scene_.mechanism()));
           answers->startAll();  // their parameters belong to the kept part of the tape
           return answers;
         }),
-        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, 1) {}
+        solve_bound_(scene, SolvedBy::kMassMatrix, 1) {}
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return DerivedPrograms::answers(quantity); }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
-    return answerOfProgram(quantity, state, mechanism_, with_bounds_, sharp_, solve_bound_,
+    return answerOfProgram(quantity, state, scene_.mechanism(), with_bounds_, sharp_, solve_bound_,
                            {value(quantity, state), {}});
   }
   Eigen::MatrixXd value(Quantity quantity, const scene::State<double>& state) override {
@@ -87,9 +88,8 @@ class LagrangeWitness : public Witness {
   }
 
  private:
-  scene::Mechanism mechanism_;
+  PreparedScene scene_;
   std::string name_ = "lagrange";
-  DerivedPrograms programs_;
   DerivedAnswers<double> in_double_;
   DerivedAnswers<RunningError> with_bounds_;
   SharpBounds<DerivedAnswers<AdjointError>> sharp_;
@@ -101,9 +101,8 @@ class LagrangeWitness : public Witness {
 WitnessKind lagrangeKind() {
   return {
       {"lagrange", DYNWITNESS_VERSION, "derived from T and V (Euler-Lagrange), run as a program"},
-      [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-        return std::make_unique<LagrangeWitness>(scene);
-      }};
+      [](const PreparedScene& scene) { return makeWitness<LagrangeWitness>(scene); },
+      exactLagrange};
 }
 
 }  // namespace dynwitness::crosscheck

@@ -6,52 +6,21 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "scene/numbers.hpp"
+#include "crosscheck/witnesses/told_numbers.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
 using scene::JointKind;
-using Real = long double;
-using Numbers = scene::RealNumbers<Real>;
-using Vector3 = Eigen::Matrix<Real, 3, 1>;
-using Matrix3 = Eigen::Matrix<Real, 3, 3>;
+using Real = ToldNumbers::Real;
+using Vector3 = ToldNumbers::Vector3;
+using Frame = ToldNumbers::Frame;
 
 /// Whether a link rests in the world.
 bool rests(const scene::Mechanism& mechanism, int link) {
   for (; link > 0; link = mechanism.links[link].parent)
     if (mechanism.links[link].joint.kind != JointKind::kFixed) return false;
   return true;
-}
-
-struct Frame {
-  Matrix3 R = Matrix3::Identity();
-  Vector3 p = Vector3::Zero();
-
-  Frame operator*(const Frame& next) const { return {R * next.R, p + R * next.p}; }
-};
-
-Vector3 vector(const scene::Vector& v, const Numbers& number) {
-  return {number(v[0]), number(v[1]), number(v[2])};
-}
-
-Frame composed(const std::vector<scene::Step>& steps, const Numbers& number) {
-  Frame X;
-  for (const scene::Step& step : steps) {
-    Frame next;
-    if (step.kind == scene::Step::Kind::kTranslate) {
-      next.p = vector(step.translation, number);
-    } else {
-      const int x = static_cast<int>(step.kind) - static_cast<int>(scene::Step::Kind::kRotateX);
-      const int y = (x + 1) % 3, z = (x + 2) % 3;
-      const scene::CosSin<Real> a = number.angle(step.angle);
-      next.R(y, y) = next.R(z, z) = a.c;
-      next.R(z, y) = a.s;
-      next.R(y, z) = -a.s;
-    }
-    X = X * next;
-  }
-  return X;
 }
 
 std::string text(const Vector3& v) {
@@ -117,8 +86,8 @@ class Writer {
 
   std::string body(int i) {
     const scene::Joint& joint = mechanism_.links[i].joint;
-    const Frame before = composed(joint.placement.beforeJoint(), number_),
-                after = composed(joint.placement.afterJoint(), number_);
+    const Frame before = number_.frame(joint.placement.beforeJoint()),
+                after = number_.frame(joint.placement.afterJoint());
     const std::string where = isFree(i) ? "" : " " + placed(before * after);
     std::string out = fmt::format("<body name=\"{}\"{}>{}{}\n", mjcfLink(i), where,
                                   joints(i, after), inertials_[i]);
@@ -128,7 +97,7 @@ class Writer {
         out += body(child);
         continue;
       }
-      const Frame X = composed(mechanism_.links[child].joint.placement.beforeJoint(), number_);
+      const Frame X = number_.frame(mechanism_.links[child].joint.placement.beforeJoint());
       out += fmt::format("<body name=\"{}\" {}/>\n", mjcfJointFrame(child), placed(X));
       in_world_ += body(child);
     }
@@ -138,7 +107,7 @@ class Writer {
   std::string joints(int i, const Frame& after) {
     const scene::Joint& joint = mechanism_.links[i].joint;
     const Vector3 x = Vector3::UnitX(), y = Vector3::UnitY(), z = Vector3::UnitZ();
-    const Vector3 axis = vector(joint.axis, number_);
+    const Vector3 axis = number_.vector(joint.axis);
     Joints out(i, after);
     switch (joint.kind) {
       case JointKind::kFixed:
@@ -179,7 +148,7 @@ class Writer {
 
   const scene::Mechanism& mechanism_;
   const std::vector<std::string>& inertials_;
-  Numbers number_;
+  ToldNumbers number_;
   std::string in_world_;  ///< bodies with free joints
 };
 

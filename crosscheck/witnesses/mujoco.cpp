@@ -21,6 +21,7 @@
 #ifdef DYNWITNESS_HAS_MUJOCO
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -33,6 +34,7 @@
 #include "crosscheck/witnesses/mjcf.hpp"
 #include "crosscheck/witnesses/mujoco_model.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "crosscheck/witnesses/told_numbers.hpp"
 #endif
 
 namespace dynwitness::crosscheck {
@@ -69,21 +71,12 @@ struct Body {
   Matrix3d I, R;
 };
 
-Body bodyOf(const scene::MassProperties& m, const RealNumbers<double>& number) {
+Body bodyOf(const scene::MassProperties& m, const ToldNumbers& number) {
+  const ToldNumbers::Inertia given = number.inertia(m);
   Body body;
-  body.mass = number(m.mass);
-  body.com = vector(m.com, number);
-  const double xx = number(m.xx), yy = number(m.yy), zz = number(m.zz), xy = number(m.xy),
-               xz = number(m.xz), yz = number(m.yz);
-  const Matrix3d R_inertia = (Eigen::AngleAxisd(number(m.rpy[2]), Vector3d::UnitZ()) *
-                              Eigen::AngleAxisd(number(m.rpy[1]), Vector3d::UnitY()) *
-                              Eigen::AngleAxisd(number(m.rpy[0]), Vector3d::UnitX()))
-                                 .toRotationMatrix();
-  const Matrix3d I_given = (Matrix3d() << xx, xy, xz, xy, yy, yz, xz, yz, zz).finished();
-  body.I = R_inertia * I_given * R_inertia.transpose();
-  if (m.about == scene::MassProperties::About::kLinkOrigin)
-    body.I -= body.mass *
-              (body.com.squaredNorm() * Matrix3d::Identity() - body.com * body.com.transpose());
+  body.mass = static_cast<double>(given.mass);
+  body.com = given.com.cast<double>();
+  body.I = given.I.cast<double>();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(body.I);
   body.moments = solver.eigenvalues().cwiseMax(0.0);  // a rod's zero may come out as -1e-19
   body.R = solver.eigenvectors();
@@ -152,17 +145,6 @@ std::vector<std::string> inertialsTold(const std::vector<Body>& bodies, Inertias
   return out;
 }
 
-/// Whether URDF has words for all joints, and readers that agree about them.
-bool isSaidByUrdf(const scene::Mechanism& mechanism) {
-  for (const scene::Link& link : mechanism.links) {
-    const scene::JointKind kind = link.joint.kind;
-    if (kind != scene::JointKind::kFixed && kind != scene::JointKind::kRevolute &&
-        kind != scene::JointKind::kPrismatic)
-      return false;
-  }
-  return true;
-}
-
 /// The scene that MuJoCo is told.
 scene::Scene told(scene::Scene scene, const std::vector<Body>& bodies, Inertias inertias,
                   bool with_placeholders) {
@@ -209,20 +191,25 @@ int idOf(const mjModel* model, mjtObj kind, const std::string& name) {
 
 class MujocoWitness : public Witness {
  public:
-  MujocoWitness(const scene::Scene& scene, Inertias inertias)
+  MujocoWitness(const PreparedScene& prepared, Inertias inertias)
       : name_(nameOf(inertias)),
-        friction_(scene.mechanism),
-        bound_(scene.mechanism, kQuaternion),
-        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, kEngineTurns, kQuaternion),
-        sweep_(recursive::buildModel(scene.mechanism, RealNumbers<double>(scene.mechanism))) {
-    requirePlainRotors(scene.mechanism);
-    installMujocoHandlers();
+        friction_(prepared.mechanism()),
+        bound_(prepared, kQuaternion),
+        solve_bound_(prepared, SolvedBy::kMassMatrix, kEngineTurns, kQuaternion),
+        sweep_(prepared.model<double>()) {
+    const scene::Scene& scene = prepared.scene();
     const scene::Mechanism& mechanism = scene.mechanism;
+    requirePlainRotors(mechanism);
+    installMujocoHandlers();
     const RealNumbers<double> number(mechanism);
+    const ToldNumbers told_number(mechanism);
     std::vector<Body> bodies;
-    for (const scene::Link& link : mechanism.links) bodies.push_back(bodyOf(link.inertia, number));
+    for (const scene::Link& link : mechanism.links)
+      bodies.push_back(bodyOf(link.inertia, told_number));
     std::vector<bool> was_read(bodies.size(), true);
-    const bool by_urdf = isSaidByUrdf(mechanism);
+    const bool by_urdf =
+        std::all_of(mechanism.links.begin(), mechanism.links.end(),
+                    [](const scene::Link& link) { return isPlain(link.joint.kind); });
     const auto file = [&](bool with_placeholders) {
       return by_urdf ? scene::urdfForEngines(told(scene, bodies, inertias, with_placeholders))
                      : mjcf(mechanism, inertialsTold(bodies, inertias, with_placeholders));
@@ -470,7 +457,7 @@ class MujocoWitness : public Witness {
     const auto sweeps = [&scene](const scene::Mechanism& m) {
       scene::Scene with = scene;
       with.mechanism = m;
-      return Sweeps{newtonEulerKind().make(with), articulatedBodyKind().make(with)};
+      return Sweeps{newtonEulerKind().make(with).value(), articulatedBodyKind().make(with).value()};
     };
     written_ = sweeps(mechanism);
     compiled_ = sweeps(compiled);

@@ -11,23 +11,6 @@
 
 namespace dynwitness::crosscheck {
 
-/// Stands in for an engine that cannot hold the scene: its answer to every question is the reason.
-class RefusedWitness : public Witness {
- public:
-  RefusedWitness(std::string name, std::string reason)
-      : name_(std::move(name)), reason_(std::move(reason)) {}
-
-  const std::string& name() const override { return name_; }
-  const std::string& reason() const { return reason_; }
-  bool answers(Quantity) const override { return true; }
-  Answer answer(Quantity, const scene::State<double>&) override {
-    throw std::runtime_error(reason_);
-  }
-
- private:
-  std::string name_, reason_;
-};
-
 /// A witness that answers some quantities for most scenes, and leaves them out for others, for a
 /// reason.
 class PartialWitness : public Witness {
@@ -35,16 +18,20 @@ class PartialWitness : public Witness {
   virtual std::vector<std::pair<Quantity, std::string>> leftOut() const = 0;
 };
 
-/// @throws std::runtime_error, which becomes the witness's answer, when a joint is of a kind that
-/// the witness does not build.
+/// Joints that every engine has, and that URDF has words for, about which its readers agree.
+inline bool isPlain(scene::JointKind kind) {
+  return kind == scene::JointKind::kFixed || kind == scene::JointKind::kRevolute ||
+         kind == scene::JointKind::kPrismatic;
+}
+
+/// @throws std::runtime_error, which becomes the refusal, when a joint is of a kind that the witness
+/// does not build.
 inline void requirePlainJoints(const scene::Mechanism& mechanism) {
-  for (const scene::Link& link : mechanism.links) {
-    const scene::JointKind kind = link.joint.kind;
-    if (kind != scene::JointKind::kFixed && kind != scene::JointKind::kRevolute &&
-        kind != scene::JointKind::kPrismatic)
-      throw std::runtime_error("joint '" + link.joint.name + "' is " + scene::name(kind) +
+  for (const scene::Link& link : mechanism.links)
+    if (!isPlain(link.joint.kind))
+      throw std::runtime_error("joint '" + link.joint.name + "' is " +
+                               scene::name(link.joint.kind) +
                                ", this witness builds fixed, revolute and prismatic joints");
-  }
 }
 
 /// A witness that may fail as a whole at any time, and is better asked about many states at once.
@@ -57,17 +44,28 @@ class OutsideWitness : public PartialWitness {
   virtual std::vector<std::string> remarks() const = 0;
 };
 
-/// A kind whose witnesses are W(scene, arguments...), or what W's constructor threw.
+/// W(arguments...). What its constructor throws (engines and compilers say so that they cannot hold a
+/// scene) is a reason from here on.
+template <typename W, typename... Arguments>
+MadeWitness makeWitness(const Arguments&... arguments) {
+  try {
+    return std::make_unique<W>(arguments...);
+  } catch (const std::exception& error) {
+    return Refusal{error.what()};
+  }
+}
+
+/// A kind whose witnesses are W(scene, arguments...).
 template <typename W, typename... Arguments>
 WitnessKind engineKind(WitnessInfo info, Arguments... arguments) {
-  const std::string name = info.name;
-  return {std::move(info), [=](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            try {
-              return std::make_unique<W>(scene, arguments...);
-            } catch (const std::exception& error) {
-              return std::make_unique<RefusedWitness>(name, error.what());
-            }
-          }};
+  return {std::move(info),
+          [=](const PreparedScene& scene) { return makeWitness<W>(scene, arguments...); }};
+}
+
+/// A kind that is not there for a reason that no scene changes.
+inline WitnessKind absentKind(WitnessInfo info, const std::string& reason) {
+  info.present = false;
+  return {std::move(info), [reason](const PreparedScene&) { return Refusal{reason}; }};
 }
 
 /// The kind of an engine that was not found when dynwitness was configured.
@@ -75,11 +73,7 @@ inline WitnessKind absentKind(const std::string& name, const std::string& method
   WitnessInfo info;
   info.name = name;
   info.method = method;
-  info.present = false;
-  return {info, [name](const scene::Scene&) -> std::unique_ptr<Witness> {
-            return std::make_unique<RefusedWitness>(name,
-                                                    "not found when dynwitness was configured");
-          }};
+  return absentKind(std::move(info), "not found when dynwitness was configured");
 }
 
 }  // namespace dynwitness::crosscheck

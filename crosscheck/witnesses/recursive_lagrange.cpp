@@ -2,6 +2,8 @@
 // Recursive Lagrange as a witness, in double and with running error bounds.
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 
+#include "crosscheck/witnesses/exact_witness.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/program_answer.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -10,15 +12,15 @@ namespace {
 
 class RecursiveLagrangeWitness : public Witness {
  public:
-  explicit RecursiveLagrangeWitness(const scene::Scene& scene)
-      : mechanism_(scene.mechanism),
-        in_double_(scene.mechanism, scene::RealNumbers<double>(scene.mechanism)),
-        with_bounds_(scene.mechanism, RunningErrorNumbers(scene.mechanism)),
-        sharp_([mechanism = scene.mechanism] {
+  explicit RecursiveLagrangeWitness(const PreparedScene& scene)
+      : mechanism_(scene.mechanism()),
+        in_double_(mechanism_, scene::RealNumbers<double>(mechanism_)),
+        with_bounds_(mechanism_, RunningErrorNumbers(mechanism_)),
+        sharp_([mechanism = mechanism_] {
           return std::make_unique<RecursiveLagrange<AdjointError>>(mechanism,
                                                                    AdjointErrorNumbers(mechanism));
         }),
-        solve_bound_(scene.mechanism, SolvedBy::kMassMatrix, 1) {}
+        solve_bound_(scene, SolvedBy::kMassMatrix, 1) {}
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override {
@@ -46,9 +48,8 @@ class RecursiveLagrangeWitness : public Witness {
 WitnessKind recursiveLagrangeKind() {
   return {{RecursiveLagrange<double>::kName, DYNWITNESS_VERSION,
            "Lagrange's equations link by link, in homogeneous 4 x 4 matrices (Hollerbach)"},
-          [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            return std::make_unique<RecursiveLagrangeWitness>(scene);
-          }};
+          [](const PreparedScene& scene) { return makeWitness<RecursiveLagrangeWitness>(scene); },
+          exactRecursiveLagrange};
 }
 
 }  // namespace dynwitness::crosscheck

@@ -13,6 +13,7 @@
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
 #include "crosscheck/witnesses/joint_friction.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "scene/numbers.hpp"
@@ -252,18 +253,17 @@ class SimbodyWitness : public Witness {
   /// between points, for qdd; kPrescribed: the tree with its accelerations prescribed, for
   /// reactions.
   enum class Build { kTree, kClosed, kPrescribed };
-  explicit SimbodyWitness(const scene::Scene& scene, Build build = Build::kTree)
+  explicit SimbodyWitness(const PreparedScene& scene, Build build = Build::kTree)
       : scene_(scene),
         build_(build),
-        friction_(scene.mechanism, JointFriction::Parts::kCoulomb),
-        has_rotors_(hasRotors(scene.mechanism)),
-        bound_(scene.mechanism),
-        solve_bound_(scene.mechanism, has_rotors_ ? SolvedBy::kMassMatrix : SolvedBy::kSweep,
-                     kEngineTurns),
+        friction_(scene.mechanism(), JointFriction::Parts::kCoulomb),
+        has_rotors_(hasRotors(scene.mechanism())),
+        bound_(scene),
+        solve_bound_(scene, has_rotors_ ? SolvedBy::kMassMatrix : SolvedBy::kSweep, kEngineTurns),
         matter_(system_),
         forces_(system_),
         loads_(forces_, matter_) {
-    const scene::Mechanism& mechanism = scene.mechanism;
+    const scene::Mechanism& mechanism = scene.mechanism();
     const RealNumbers<double> number(mechanism);
     if (mechanism.has_gravity)
       SimTK::Force::Gravity(forces_, matter_, vec3(mechanism.gravity, number));
@@ -573,11 +573,11 @@ class SimbodyWitness : public Witness {
     system_.realize(state_, SimTK::Stage::Acceleration);
     SimTK::Vector_<SimTK::SpatialVec> at_M;
     matter_.calcMobilizerReactionForces(state_, at_M);
-    const RealNumbers<double> number(scene_.mechanism);
+    const RealNumbers<double> number(scene_.mechanism());
     Eigen::VectorXd out(6 * (links_.size() - 1));
     for (std::size_t i = 1; i < links_.size(); ++i) {
       const SimTK::Rotation R_BJ =
-          ~composed(scene_.mechanism.links[i].joint.placement.afterJoint(), number).R();
+          ~composed(scene_.mechanism().links[i].joint.placement.afterJoint(), number).R();
       const SimTK::Rotation R_GJ =
           matter_.getMobilizedBody(links_[i]).getBodyRotation(state_) * R_BJ;
       const SimTK::Vec3 force = ~R_GJ * at_M[links_[i]][1], moment = ~R_GJ * at_M[links_[i]][0];
@@ -608,7 +608,7 @@ class SimbodyWitness : public Witness {
   }
 
   std::string name_ = "simbody";
-  scene::Scene scene_;
+  PreparedScene scene_;
   Build build_;
   JointFriction friction_;
   std::unique_ptr<SimbodyWitness> of_reactions_;  ///< made when it is asked for the first time
@@ -673,9 +673,7 @@ WitnessKind simbodyKind() {
   info.version = simbodyVersion();
   info.method = "Simbody; rotors as bodies of their own";
   info.conventions = kConventions;
-  return overTree({info, [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-                     return std::make_unique<SimbodyWitness>(scene);
-                   }});
+  return overTree(engineKind<SimbodyWitness>(info));
 }
 
 }  // namespace dynwitness::crosscheck

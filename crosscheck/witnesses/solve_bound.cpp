@@ -15,18 +15,11 @@ using recursive::Motion;
 constexpr double kOrientation = 8, kQuaternion = 60;  ///< [u], in norm
 constexpr double kUnitRoundoff = std::numeric_limits<double>::epsilon() / 2;
 
-recursive::Model<double> modelOf(const scene::Mechanism& mechanism, int turns) {
-  // an engine passes fixed joints too
-  return recursive::buildModel(
-      mechanism, scene::RealNumbers<double>(mechanism),
-      turns == 1 ? recursive::FixedJoints::kLumped : recursive::FixedJoints::kKept);
-}
-
 }  // namespace
 
-SolveBound::SolveBound(const scene::Mechanism& mechanism, SolvedBy method, int turns,
-                       double matrices)
-    : model_(modelOf(mechanism, turns)),
+SolveBound::SolveBound(const PreparedScene& scene, SolvedBy method, int turns, double matrices)
+    : scene_(scene),  // an engine passes fixed joints too
+      model_(turns == 1 ? scene_.model<double>() : scene_.modelWithFixedJoints<double>()),
       ws_(model_),
       method_(method),
       inertia_(static_cast<Eigen::Index>(model_.links.size())),

@@ -8,10 +8,10 @@
 #include <Eigen/Core>
 
 #include "crosscheck/witnesses/bounded_answer.hpp"
+#include "crosscheck/witnesses/prepared_scene.hpp"
 #include "crosscheck/witnesses/sharp_bounds.hpp"
 #include "crosscheck/witnesses/solved_by.hpp"
 #include "recursive/model.hpp"
-#include "scene/mechanism.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
@@ -104,7 +104,7 @@ class SolveBound {
  public:
   /// @param turns     how often a joint is turned: 1 in our sweeps, 3 by an engine in other axes
   /// @param matrices  what an orientation loses, counted in what one made by matrices does
-  SolveBound(const scene::Mechanism& mechanism, SolvedBy method, int turns, double matrices = 1);
+  SolveBound(const PreparedScene& scene, SolvedBy method, int turns, double matrices = 1);
 
   /// The elimination's part of the limit of r, entry by entry, for this qdd [N m, N].
   Eigen::VectorXd operator()(const scene::State<double>& state, const Eigen::VectorXd& qdd);
@@ -141,7 +141,8 @@ class SolveBound {
   void addBroughtDown(int k, int j, Eigen::MatrixXd& out) const;
   bool isWide(const Eigen::MatrixXd& residual_bound, double wide) const;
 
-  recursive::Model<double> model_;
+  PreparedScene scene_;
+  const recursive::Model<double>& model_;  ///< of scene_
   recursive::Workspace<double> ws_;
   SolvedBy method_;
   // one a link; then one row a link and one column a rate

@@ -24,11 +24,12 @@ struct Setup {
   template <typename Numbers>
   Setup(const scene::Mechanism& mechanism, const Numbers& number)
       : Setup(recursive::buildModel(mechanism, number)) {
-    const bool lumped = std::any_of(model.joints.begin() + 1, model.joints.end(),
-                                    [](const auto& joint) { return joint.link < 0; });
-    if (lumped)
+    if (isLumped())
       with_fixed_joints.emplace_back(
           recursive::buildModel(mechanism, number, recursive::FixedJoints::kKept));
+  }
+  explicit Setup(const PreparedScene& scene) : Setup(scene.model<T>()) {
+    if (isLumped()) with_fixed_joints.emplace_back(scene.modelWithFixedJoints<T>());
   }
 
   /// tau for the given velocities, accelerations and terms.
@@ -45,6 +46,10 @@ struct Setup {
     std::vector<T> out(6 * (model.joints.size() - 1), T(0));
     recursive::jointReactions(kept.model, kept.ws, out);
     return column(out);
+  }
+  bool isLumped() const {  ///< fixed joints are left out of `model`
+    return std::any_of(model.joints.begin() + 1, model.joints.end(),
+                       [](const auto& joint) { return joint.link < 0; });
   }
   std::vector<T> zeros() const { return std::vector<T>(model.dof(), T(0)); }
 

@@ -14,24 +14,20 @@ namespace dynwitness::crosscheck {
 
 /// The setup of sweeps in one arithmetic. What is never asked for is never built: a model, or that
 /// with all fixed joints, which is for reactions.
-template <typename Numbers>
+template <typename T>
 class LazySetup {
  public:
-  using T = typename Numbers::Scalar;
-  explicit LazySetup(const scene::Mechanism& mechanism)
-      : mechanism_(mechanism), number_(mechanism_) {}
+  explicit LazySetup(const PreparedScene& scene) : scene_(scene) {}
 
   Setup<T>& operator()(Quantity quantity) {
-    if (quantity == Quantity::kReactions && !with_reactions_)
-      with_reactions_.emplace(mechanism_, number_);
+    if (quantity == Quantity::kReactions && !with_reactions_) with_reactions_.emplace(scene_);
     if (with_reactions_) return *with_reactions_;
-    if (!lumped_) lumped_.emplace(recursive::buildModel(mechanism_, number_));
+    if (!lumped_) lumped_.emplace(scene_.model<T>());
     return *lumped_;
   }
 
  private:
-  scene::Mechanism mechanism_;
-  Numbers number_;
+  PreparedScene scene_;
   std::optional<Setup<T>> lumped_, with_reactions_;
 };
 
@@ -41,13 +37,13 @@ class LazySetup {
 template <typename Algorithm>
 class SweepWitness : public Witness {
  public:
-  explicit SweepWitness(const scene::Scene& scene)
-      : in_double_(scene.mechanism),
-        with_bounds_(scene.mechanism),
-        sharp_([mechanism = scene.mechanism] {
+  explicit SweepWitness(const PreparedScene& scene)
+      : in_double_(scene),
+        with_bounds_(scene),
+        sharp_([mechanism = scene.mechanism()] {
           return std::make_unique<Setup<AdjointError>>(mechanism, AdjointErrorNumbers(mechanism));
         }),
-        mechanism_(scene.mechanism) {}
+        scene_(scene) {}
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return Algorithm::answers(quantity); }
@@ -58,7 +54,8 @@ class SweepWitness : public Witness {
       solveBound().judge(state, bound<NewtonEuler>(Quantity::kTau, moving(state, out.value)), out,
                          sharp_, [&](Setup<AdjointError>& setup) {
                            return Algorithm::answer(
-                               setup, quantity, adjointState(runningErrorState(state, mechanism_)));
+                               setup, quantity,
+                               adjointState(runningErrorState(state, scene_.mechanism())));
                          });
     } else {
       out.bound = bound<Algorithm>(quantity, state);
@@ -71,27 +68,29 @@ class SweepWitness : public Witness {
 
  private:
   SolveBound& solveBound() {
-    if (!solve_bound_) solve_bound_.emplace(mechanism_, Algorithm::kSolvedBy, 1);
+    if (!solve_bound_) solve_bound_.emplace(scene_, Algorithm::kSolvedBy, 1);
     return *solve_bound_;
   }
   template <typename Sweep>
   MatrixOf<RunningError> run(Quantity quantity, const scene::State<double>& state) {
-    return Sweep::answer(with_bounds_(quantity), quantity, runningErrorState(state, mechanism_));
+    return Sweep::answer(with_bounds_(quantity), quantity,
+                         runningErrorState(state, scene_.mechanism()));
   }
   template <typename Sweep>
   Eigen::MatrixXd bound(Quantity quantity, const scene::State<double>& state) {
     const MatrixOf<RunningError> bounded = run<Sweep>(quantity, state);
     if (quantity == Quantity::kM) return solveBound().sharper(bounded, state);
     return sharp_(bounded, [&](Setup<AdjointError>& setup) {
-      return Sweep::answer(setup, quantity, adjointState(runningErrorState(state, mechanism_)));
+      return Sweep::answer(setup, quantity,
+                           adjointState(runningErrorState(state, scene_.mechanism())));
     });
   }
 
   std::string name_ = Algorithm::kName;
-  LazySetup<scene::RealNumbers<double>> in_double_;
-  LazySetup<RunningErrorNumbers> with_bounds_;
+  LazySetup<double> in_double_;
+  LazySetup<RunningError> with_bounds_;
   SharpBounds<Setup<AdjointError>> sharp_;
-  scene::Mechanism mechanism_;
+  PreparedScene scene_;
   std::optional<SolveBound> solve_bound_;
 };
 

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 namespace dynwitness::crosscheck {
@@ -50,14 +49,6 @@ std::string WitnessInfo::convention(const std::string& label) const {
   if (at == std::string::npos) return "";
   const std::size_t begin = at + start.size();
   return lines.substr(begin, lines.find('\n', begin) - begin);
-}
-
-std::unique_ptr<Witness> makeWitness(const WitnessKind& kind, const scene::Scene& scene) {
-  try {
-    return kind.make(scene);
-  } catch (const std::exception& error) {
-    return std::make_unique<RefusedWitness>(kind.info.name, error.what());
-  }
 }
 
 std::vector<WitnessKind> witnessKinds() {

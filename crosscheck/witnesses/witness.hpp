@@ -9,11 +9,16 @@
 
 #include <Eigen/Core>
 
+#include "crosscheck/witnesses/prepared_scene.hpp"
+#include "crosscheck/witnesses/refusal.hpp"
 #include "crosscheck/witnesses/witness_info.hpp"
 #include "scene/scene.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
+
+struct ExactWitness;
+enum class Parameters;
 
 /// What can be asked. Shapes: M n x n; c, g, tau, qdd n x 1; energies 1 x 1; momentum 6 x 1;
 /// reactions 6 (links - 1) x 1.
@@ -69,15 +74,18 @@ class Witness {
   }
 };
 
+/// A witness of a scene, or why it cannot hold the scene.
+using MadeWitness = OrRefusal<std::unique_ptr<Witness>>;
+
 /// How witnesses are made: one entry a witness, in the order of the reports.
 struct WitnessKind {
   WitnessInfo info;
-  std::function<std::unique_ptr<Witness>(const scene::Scene&)> make;
+  std::function<MadeWitness(const PreparedScene&)> make;
+  /// The same formulas in the prime field (exact_witness.hpp). Empty: it computes in double only.
+  std::function<OrRefusal<ExactWitness>(const PreparedScene&, Parameters)> make_exact = {};
+  /// For each scene code is compiled, which takes ten times as long as all its other checks.
+  bool is_compiled = false;
 };
-
-/// A witness of this kind; when it cannot be built for the scene, one that answers every question
-/// with the reason why.
-std::unique_ptr<Witness> makeWitness(const WitnessKind& kind, const scene::Scene& scene);
 
 /// All witnesses that this build knows, the absent ones too (info.present = false).
 std::vector<WitnessKind> witnessKinds();

@@ -23,9 +23,9 @@ Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
                                            const scene::State<double>& state);
 
 // optional: present where crosscheck/cmake/engines.cmake found the engine
-WitnessKind mujocoKind();           ///< MuJoCo, which reads the URDF itself
+WitnessKind mujocoKind();           ///< MuJoCo, from URDF or, for joints it cannot say, MJCF
 WitnessKind mujocoPrincipalKind();  ///< the same, given inertias in their principal axes
-WitnessKind dartKind();             ///< DART, which reads the URDF itself
+WitnessKind dartKind();             ///< DART, from URDF; other joints are exchanged for its own
 WitnessKind kdlKind();              ///< Orocos KDL, built from its own joints, segments and frames
 
 }  // namespace dynwitness::crosscheck

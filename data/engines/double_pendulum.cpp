@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // The double pendulum of data/scenes/double_pendulum.toml in C++, by hand: two uniform rods, q2
 // relative.
 #include <cmath>

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // Your dynamics code as a witness of dynwitness (crosscheck/witnesses/engine_protocol.md): this
 // file and the standard library are all that it takes.
 //

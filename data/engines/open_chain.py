@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
+# SPDX-License-Identifier: Apache-2.0
 """Recursive Newton-Euler for any open chain or tree of revolute, prismatic and fixed joints, as a
 student writes it down: plain Python, vectors in the axes of their link."""
 from math import cos, sin

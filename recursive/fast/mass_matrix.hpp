@@ -52,6 +52,7 @@ struct TwoPairs {
   }
   static DYNWITNESS_INLINE TwoPairs loadFrom(int first, const double* from) {
     const TwoPairs a = load(from);
+    // NOLINTNEXTLINE(readability-implicit-bool-conversion): all bits of a lane, or none
     const Bits low = {-(first < 1), -(first < 2)}, high = {-(first < 3), -(first < 4)};
     return {(Pair)((Bits)a.low & low), (Pair)((Bits)a.high & high)};
   }

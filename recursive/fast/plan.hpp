@@ -197,6 +197,7 @@ void Plan<T>::fill(const Model<T>& model) {
   for (int k = 0; k < n; ++k) {
     const LinkModel<T>& from = model.links[link_of_[k]];
     Link<T>& to = links[k];
+    // NOLINTNEXTLINE(bugprone-signed-char-misuse): small numbers, no letters
     const int here = quarters[k + 1], there = quarters[to.parent];
     to.kind = from.kind;
     to.dof = from.dof;

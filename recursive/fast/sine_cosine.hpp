@@ -31,8 +31,10 @@ namespace four {
 typedef double V __attribute__((vector_size(32)));
 typedef long long I __attribute__((vector_size(32)));
 enum { LANES = 4 };
+// NOLINTBEGIN(readability-duplicate-include): once for each width of vectors
 #include "recursive/fast/sine_cosine.inc"
 #include "recursive/fast/sine_cosine_positions.inc"
+// NOLINTEND(readability-duplicate-include)
 }  // namespace four
 #ifdef __clang__
 #pragma clang attribute pop

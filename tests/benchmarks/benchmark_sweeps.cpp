@@ -123,7 +123,7 @@ void fast(benchmark::State& run, const std::string& scene, const FastBy* by, For
 void engine(benchmark::State& run, const std::string& scene, const WitnessKind& kind,
             Quantity quantity) {
   Arm arm(scene);
-  const std::unique_ptr<Witness> witness = kind.make(arm.scene);
+  const std::unique_ptr<Witness> witness = kind.make(arm.scene).value();
   for (auto _ : run) benchmark::DoNotOptimize(witness->value(quantity, arm.next()));
 }
 
@@ -360,7 +360,7 @@ void registerSweeps(BenchResult* result) {
     addContender(result, contender);
     for (const char* scene : kScenes) {
       try {
-        const std::unique_ptr<Witness> witness = kind.make(statesOf(scene).scene);
+        const std::unique_ptr<Witness> witness = kind.make(statesOf(scene).scene).value();
         witness->value(Quantity::kTau,
                        statesOf(scene).states[0]);  // whether it takes the scene at all
         for (const Formula formula : kFormulas)

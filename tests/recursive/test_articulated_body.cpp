@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE articulated_body
 #include "recursive/articulated_body.hpp"
 
 #include <cmath>

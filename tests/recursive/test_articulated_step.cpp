@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every sweep that takes the articulated-body step, on wrists with all that acts on joints and
 // links (gyroscopic rotors, springs, friction, loads), against the Lagrangian over the rationals.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE articulated_step
 #include "recursive/articulated_step.hpp"
 
 #include <boost/test/data/monomorphic.hpp>

@@ -2,8 +2,6 @@
 // Sweeps under constraints against one dense system in all unknowns, made from Lagrange's
 // equations, over a prime field: hybrid dynamics, closed loops eliminated where they close, soft
 // and redundant constraints, tasks, and Gauss' principle.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE closed_dynamics
 #include "recursive/closed_dynamics.hpp"
 
 #include <random>
@@ -73,7 +71,7 @@ void drive(scene::Scene* scene) {
 void requireAgree(const std::vector<CheckResult>& checks, std::size_t count, bool some = false) {
   BOOST_TEST(checks.size() == count);
   for (const CheckResult& check : checks)
-    BOOST_TEST_CONTEXT(check.check << ", " << check.quantity << ": " << check.reason) {
+    BOOST_TEST_CONTEXT(check.name() << ", " << check.quantity << ": " << check.reason) {
       if (some && check.verdict == Verdict::kNotAnswerable) continue;
       BOOST_TEST((check.verdict == Verdict::kAgree));
       BOOST_TEST_REQUIRE(check.exact.has_value());

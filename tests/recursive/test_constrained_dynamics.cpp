@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Constraints on link accelerations and the task's view of a mechanism, over the rationals.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE constrained_dynamics
 #include "recursive/constrained_dynamics.hpp"
 #include "recursive/factorization.hpp"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Loop closures: the sweeps against Lagrange's equations with multipliers, without rounding, and
 // the solver against hand-made and published numbers.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE constraints
 #include "recursive/constraints.hpp"
 
 #include <cmath>

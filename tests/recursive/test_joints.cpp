@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Joints of several degrees of freedom, and screws: what each kind means, by other roads than the
 // sweeps and the Lagrangian take.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE joints
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
@@ -20,6 +18,7 @@
 #include "recursive/projection.hpp"
 #include "symbolic/derivation.hpp"
 #include "tests/fixtures/fixtures.hpp"
+#include "tests/fixtures/planted.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
@@ -355,9 +354,9 @@ BOOST_DATA_TEST_CASE(all_exact_checks_hold_for_every_pair_of_kinds,
   const scene::Scene scene =
       scene::readSceneToml(treeOf(first, second), first + "_" + second + ".toml");
   for (const CheckResult& check : exactChecks(scene, {}))
-    BOOST_TEST((check.verdict == Verdict::kAgree), check.check << " " << check.quantity << " "
-                                                               << check.left << " " << check.right
-                                                               << ": " << check.reason);
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << " " << check.quantity << " "
+                                                                << check.left << " " << check.right
+                                                                << ": " << check.reason);
 }
 
 BOOST_DATA_TEST_CASE(every_step_of_the_derivation_holds, data::make(kNewKinds), kind) {
@@ -372,7 +371,7 @@ BOOST_AUTO_TEST_SUITE(engines)
 
 std::unique_ptr<Witness> witnessNamed(const std::string& name, const scene::Scene& scene) {
   for (const WitnessKind& kind : witnessKinds())
-    if (kind.info.name == name) return makeWitness(kind, scene);
+    if (kind.info.name == name) return kind.make(scene).value();
   throw std::logic_error("no witness " + name);
 }
 
@@ -399,8 +398,7 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(planted_errors)
 
-template <typename Change>
-void requireFound(const scene::Scene& scene, Change change) {
+void requireFound(const scene::Scene& scene, const fixtures::Planted<recursive::Model>& change) {
   const std::vector<ExactWitness> honest = exactWitnesses(scene, Parameters::kAsWritten);
   int found = 0;
   for (const CheckResult& check :

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE newton_euler
 #include "recursive/newton_euler.hpp"
 
 #include <boost/test/data/monomorphic.hpp>

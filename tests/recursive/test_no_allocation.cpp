@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // No allocation in a sweep: counted, through operator new and through Eigen, which allocates on its
 // own.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE no_allocation
 
 #include <cstdlib>
 #include <new>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The chapter's projections written out, and the laws of identities.hpp over the rationals.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE projection
 #include "recursive/projection.hpp"
 
 #include <boost/test/data/monomorphic.hpp>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Spatial algebra against the chapter's equations written out in 3-vectors, over the rationals.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE spatial
 #include "recursive/spatial.hpp"
 
 #include <type_traits>

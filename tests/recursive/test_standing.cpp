@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The humanoid on one foot, the other, both, or in the air: welds to the world against the same
 // robot with that foot as its base, without rounding; and what two feet leave undetermined.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE standing
 #include <random>
 
 #include <Eigen/SVD>

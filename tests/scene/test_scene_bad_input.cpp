@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every way that we know of to get a scene wrong, and what is said about it.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE scene_bad_input
 #include <cstdlib>
 #include <filesystem>
 #include <functional>

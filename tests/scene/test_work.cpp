@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Progress of long work, and what a crosscheck of a large scene leaves out.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE work
 #include <boost/test/unit_test.hpp>
 
 #include <sys/wait.h>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Closed forms: GiNaC's derivation against the graph's, the exact zero test, and the formulas that
 // are shown, which Python evaluates from their printed text.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE symbolic_derivation
 #include <unistd.h>
 
 #include <cstdio>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The shared expression graph, its two ways of differentiation, and its programs.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE symbolic_graph
 #include <cstdint>
 #include <type_traits>
 

@@ -3,8 +3,6 @@
 //
 // Measured on one core of a 2-core machine, g++ 12 -O1: derive() takes 8 ms (PUMA 560), 15 ms
 // (7-joint arms), 100 ms (31-joint humanoid).
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE symbolic_lagrangian
 #include <cmath>
 #include <iomanip>
 #include <sstream>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What leaves the symbolic side as text: the same bytes every time, code that computes the same
 // numbers, markup that other programs accept.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE symbolic_print
 #include <dlfcn.h>
 #include <unistd.h>
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The audit of the chapter: complete, computed, and able to fail.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE audit
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>

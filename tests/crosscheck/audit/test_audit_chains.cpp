@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The audit of sections 9 to 17: its truths against hand formulas, its verdicts against those that
 // we derived on paper, and that no entry is missing.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE audit_chains
 #include "crosscheck/audit/constraints.hpp"
 
 #include <map>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speed against accuracy: what is measured, that planted errors and delays show, and that it is
 // drawn.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE chart
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
@@ -33,9 +31,9 @@ namespace fs = std::filesystem;
 namespace {
 
 const ChartPoint& find(const Chart& chart, const std::string& method, const std::string& scalar) {
-  const auto found =
-      std::find_if(chart.points.begin(), chart.points.end(),
-                   [&](const ChartPoint& p) { return p.method == method && p.scalar == scalar; });
+  const auto found = std::find_if(
+      chart.points.begin(), chart.points.end(),
+      [&](const ChartPoint& p) { return p.method == method && name(p.scalar) == scalar; });
   BOOST_REQUIRE_MESSAGE(found != chart.points.end(), method << ", " << scalar);
   return *found;
 }
@@ -84,8 +82,8 @@ class Refusing : public Witness {
 
 WitnessKind plantedKind(double seconds) {
   const WitnessKind inner = selectWitnesses({"newton_euler"}).front();
-  return {{"planted", "7", "spoiled"}, [=](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            return std::make_unique<Planted>(inner.make(scene), seconds);
+  return {{"planted", "7", "spoiled"}, [=](const PreparedScene& scene) -> MadeWitness {
+            return std::make_unique<Planted>(inner.make(scene).value(), seconds);
           }};
 }
 
@@ -156,7 +154,7 @@ BOOST_AUTO_TEST_CASE(a_planted_error_and_a_planted_delay_show) {
 BOOST_AUTO_TEST_CASE(an_exact_answer_has_no_error) {
   const Chart chart = speedAccuracy(scene::findScene("simple_pendulum"), Quantity::kM, {}, 20);
   for (const ChartPoint& p : chart.points)
-    BOOST_TEST(p.error_worst == 0, p.method << ", " << p.scalar);
+    BOOST_TEST(p.error_worst == 0, p.method << ", " << name(p.scalar));
 }
 
 BOOST_AUTO_TEST_CASE(what_cannot_be_asked_is_left_out_with_its_reason) {
@@ -169,7 +167,7 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_asked_is_left_out_with_its_reason) {
   BOOST_REQUIRE(M.left_out.size() == 1u);
   BOOST_TEST(M.left_out[0] == "planted: does not answer M");
   WitnessKind refusing = plantedKind(0);
-  refusing.make = [](const scene::Scene&) { return std::make_unique<Refusing>(); };
+  refusing.make = [](const PreparedScene&) { return std::make_unique<Refusing>(); };
   const Chart qdd = speedAccuracy(scene::findScene("acrobot"), Quantity::kQdd, {refusing}, 2);
   BOOST_REQUIRE(qdd.left_out.size() == 1u);
   BOOST_TEST(qdd.left_out[0] == "refusing: knows no such joint");
@@ -184,7 +182,7 @@ BOOST_AUTO_TEST_SUITE(identities)
 /// the pillar of cylindrical_arm, which has products of inertia, are not turned to the end.
 double documentedLoss(const WitnessKind& kind, const scene::Scene& scene, Quantity quantity,
                       int states) {
-  const auto witness = kind.make(scene);
+  const auto witness = kind.make(scene).value();
   double worst = 0;
   for (int k = 0; k < states; ++k) {
     const Answer answer = witness->answer(quantity, drawState(scene.mechanism, scene.name, 1, k));
@@ -203,7 +201,7 @@ BOOST_DATA_TEST_CASE(all_methods_in_double_compute_the_same,
   find(chart, "closed form as printed", "double");
   find(chart, "straight-line program", "double");
   for (const ChartPoint& p : chart.points) {
-    if (p.scalar != "double") continue;
+    if (p.scalar != Scalar::kDouble) continue;
     double lost = 0;
     if (p.method == "mujoco")
       lost = documentedLoss(selectWitnesses({"mujoco"}).front(), scene::findScene(name),
@@ -295,9 +293,10 @@ BOOST_AUTO_TEST_CASE(the_table_has_a_line_a_point_and_says_what_was_measured) {
   BOOST_REQUIRE(rows.size() == chart.points.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const ChartPoint& p = chart.points[i];
-    BOOST_TEST(rows[i].rfind("tau," + p.method + "," + p.scalar + ",", 0) == 0u);
+    BOOST_TEST(rows[i].rfind("tau," + p.method + "," + name(p.scalar) + ",", 0) == 0u);
     BOOST_TEST(std::count(rows[i].begin(), rows[i].end(), ',') == 7);
-    const double error = std::stod(rows[i].substr(p.method.size() + p.scalar.size() + 6));
+    const double error =
+        std::stod(rows[i].substr(p.method.size() + std::string(name(p.scalar)).size() + 6));
     BOOST_TEST(std::abs(error - p.error_worst) <= 1e-3 * p.error_worst);
   }
 }
@@ -315,7 +314,7 @@ BOOST_DATA_TEST_CASE(the_script_draws_both_pictures,
   Chart chart = speedAccuracy(scene, quantityNamed(quantity), {plantedKind(0)}, 5);
   for (const WitnessKind& kind : witnessKinds())  // the key holds them all
     if (kind.info.version != DYNWITNESS_VERSION)
-      chart.points.push_back({kind.info.name, "double", 1e-15, 1e-16, 100, 200, 300});
+      chart.points.push_back({kind.info.name, Scalar::kDouble, 1e-15, 1e-16, 100, 200, 300});
   const TemporaryFolder folder;
   fs::copy_file(fs::path(DYNWITNESS_SOURCE_DIR) / "crosscheck/report/style.gp",
                 folder.path / "style.gp");
@@ -348,8 +347,8 @@ BOOST_DATA_TEST_CASE(every_method_of_a_chart_has_a_marker_of_its_own,
   Chart chart = speedAccuracy(scene::findScene("acrobot"), quantityNamed(quantity), {}, 2);
   for (const WitnessKind& kind : witnessKinds())
     if (kind.info.version != DYNWITNESS_VERSION)
-      chart.points.push_back({kind.info.name, "double", 1e-15, 1e-16, 100, 200, 300});
-  chart.points.push_back({"somebody else's", "double", 1e-15, 1e-16, 100, 200, 300});
+      chart.points.push_back({kind.info.name, Scalar::kDouble, 1e-15, 1e-16, 100, 200, 300});
+  chart.points.push_back({"somebody else's", Scalar::kDouble, 1e-15, 1e-16, 100, 200, 300});
   const std::string script = chartScript(chart, "speed", "style.gp");
   const std::regex drawn(R"(xyerrorbars linetype (\d+) [^\n]* title '([^\n]*)')");
   std::map<std::string, std::string> seen;  // method of each marker

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What evaluate takes for granted: nothing. Accelerations that were not given are found or asked
 // for, and states that leave closures open are told.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE evaluate
 #include <boost/test/unit_test.hpp>
 
 #include <cmath>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // No kind of check is vacuous: a fault is planted for each kind that a report can hold, and that
 // kind turns red. A new kind without a plant here fails the last test.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE kinds_of_checks
 #include <stdlib.h>
 
 #include <algorithm>
@@ -31,6 +29,7 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/witness.hpp"
+#include "crosscheck/witnesses/witnesses.hpp"
 
 namespace data = boost::unit_test::data;
 namespace fs = std::filesystem;
@@ -43,7 +42,7 @@ namespace {
 std::string kindOf(const CheckResult& check) {
   static const std::set<std::string> kSeveral = {
       "closures", "closed loops", "hybrid dynamics", "least constraint", "same", "truth", "table"};
-  return kSeveral.count(check.check) > 0 ? check.check + ": " + check.quantity : check.check;
+  return kSeveral.count(check.name()) > 0 ? check.name() + ": " + check.quantity : check.name();
 }
 
 /// The kinds of which a check disagrees.
@@ -75,8 +74,8 @@ scene::Number times(const scene::Number& number, const char* factor) {
 class Off : public Witness {
  public:
   explicit Off(const scene::Scene& scene)
-      : inverse_(makeWitness(selectWitnesses({"newton_euler"}).front(), scene)),
-        forward_(makeWitness(selectWitnesses({"articulated_body"}).front(), scene)) {}
+      : inverse_(newtonEulerKind().make(scene).value()),
+        forward_(articulatedBodyKind().make(scene).value()) {}
   const std::string& name() const override { return name_; }
   bool answers(Quantity) const override { return true; }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
@@ -91,8 +90,8 @@ class Off : public Witness {
 };
 
 WitnessKind offKind() {
-  return {{"off", "1", "off by 1e-6"}, [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            return std::make_unique<Off>(scene);
+  return {{"off", "1", "off by 1e-6"}, [](const PreparedScene& scene) -> MadeWitness {
+            return std::make_unique<Off>(scene.scene());
           }};
 }
 
@@ -264,7 +263,7 @@ std::set<std::string> redByAFaultyOperation(const std::string& name) {
   const scene::Scene scene = scene::findScene(name);
   long operations = 0;
   for (const CheckResult& check : decidedWithAFault(scene, -1, &operations))
-    BOOST_TEST((check.verdict != Verdict::kDisagree), check.check << ": " << check.reason);
+    BOOST_TEST((check.verdict != Verdict::kDisagree), check.name() << ": " << check.reason);
   std::set<std::string> kinds;
   constexpr long kFaults = 300;
   for (long k = 0; k < kFaults; ++k) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Joints that follow others: known answers, every witness, every road, and what is refused.
-#define BOOST_TEST_MODULE mimic
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
@@ -83,7 +82,7 @@ scene::State<double> stateOf(const scene::Scene& scene, std::vector<double> q,
 
 Eigen::MatrixXd ask(const WitnessKind& kind, const scene::Scene& scene, Quantity quantity,
                     const scene::State<double>& state) {
-  return makeWitness(kind, scene)->answer(quantity, state).value;
+  return kind.make(scene).value()->answer(quantity, state).value;
 }
 
 std::vector<WitnessKind> presentKinds() {
@@ -113,9 +112,9 @@ std::string twoJoints(const std::string& first, const std::string& second) {
 /// Every check of the scene over the field, by name; those that are not answerable are left out.
 void requireExact(const scene::Scene& scene, const std::string& may_be_silent = "") {
   for (const CheckResult& check : exactChecks(scene, {})) {
-    if (check.verdict == Verdict::kNotAnswerable && check.check == may_be_silent) continue;
+    if (check.verdict == Verdict::kNotAnswerable && check.name() == may_be_silent) continue;
     BOOST_TEST((check.verdict == Verdict::kAgree),
-               scene.name << ": " << check.check << ", " << check.quantity << " (" << check.left
+               scene.name << ": " << check.name() << ", " << check.quantity << " (" << check.left
                           << ", " << check.right << "): " << check.reason);
   }
 }
@@ -134,7 +133,7 @@ BOOST_AUTO_TEST_CASE(two_sliders_weigh_together_what_the_multiplier_makes_of_the
   BOOST_TEST(state.x[0].q == 0.15);  // b stands first: -0.1 + 0.25
   for (const WitnessKind& kind : presentKinds()) {
     BOOST_TEST_CONTEXT(kind.info.name) {
-      const auto witness = makeWitness(kind, scene);
+      const auto witness = kind.make(scene).value();
       if (witness->answers(Quantity::kM))
         BOOST_TEST(witness->value(Quantity::kM, state)(0, 0) == 5.0);
       if (witness->answers(Quantity::kTau))
@@ -164,7 +163,7 @@ BOOST_DATA_TEST_CASE(a_rod_that_turns_back_by_half_moves_as_lagrange_says,
   const auto state = stateOf(scene, {q}, {qd}, {qdd});
   for (const WitnessKind& kind : presentKinds()) {
     BOOST_TEST_CONTEXT(kind.info.name) {
-      const auto witness = makeWitness(kind, scene);
+      const auto witness = kind.make(scene).value();
       const auto near = [&](Quantity quantity, double expected) {
         if (!witness->answers(quantity)) return;
         const Answer said = witness->answer(quantity, state);
@@ -251,7 +250,7 @@ BOOST_AUTO_TEST_CASE(a_lost_offset_or_sign_or_follower_is_found) {
   const auto disagreements = [&](const scene::Scene& wrong) {
     WitnessKind planted = newtonEulerKind();
     planted.info.name = "planted";
-    planted.make = [make = planted.make, wrong](const scene::Scene&) { return make(wrong); };
+    planted.make = [make = planted.make, wrong](const PreparedScene&) { return make(wrong); };
     int count = 0;
     for (const CheckResult& check :
          compareWitnesses(right, {compositeBodyKind(), planted}, options))

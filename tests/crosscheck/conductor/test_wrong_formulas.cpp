@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A deliberate mistake in one witness must be found, and the scene, the quantities and the witness
 // be named. The mistakes are those of wrong_formulas.hpp, one at a time.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE wrong_formulas
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/witnesses/witness.hpp"
@@ -33,8 +31,8 @@ std::vector<WitnessKind> witnessesWith(const std::string& chair, Mistake mistake
   std::vector<WitnessKind> kinds = selectWitnesses(kWitnesses);
   for (WitnessKind& kind : kinds)
     if (kind.info.name == chair)
-      kind.make = [chair, mistake](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-        return std::make_unique<FormulaWitness>(chair, scene, mistake);
+      kind.make = [chair, mistake](const PreparedScene& scene) -> MadeWitness {
+        return std::make_unique<FormulaWitness>(chair, scene.scene(), mistake);
       };
   return kinds;
 }

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Errors of one part in 10^18: no comparison in double can see them, and the field sees them all.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE planted_errors
 #include <algorithm>
 
 #include <boost/test/unit_test.hpp>
@@ -107,8 +105,8 @@ std::vector<CheckResult> inDouble(const scene::Scene& scene, Change change) {
   std::vector<WitnessKind> kinds;
   for (WitnessKind kind : witnessKinds()) {
     if (kind.info.name == Algorithm::kName)
-      kind.make = [change](const scene::Scene& s) -> std::unique_ptr<Witness> {
-        return std::make_unique<PlantedWitness<Algorithm, Change>>(s, change);
+      kind.make = [change](const PreparedScene& s) -> MadeWitness {
+        return std::make_unique<PlantedWitness<Algorithm, Change>>(s.scene(), change);
       };
     for (const char* ours : {"lagrange", "newton_euler", "composite_body", "articulated_body"})
       if (kind.info.name == ours) kinds.push_back(kind);

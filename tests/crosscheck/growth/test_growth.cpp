@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Families of any size, and what dynwitness growth says of them. Times are judged nowhere here.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE growth
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>

@@ -3,8 +3,6 @@
 // what each command makes of it. What is called modelled has to change what the command says, what
 // has no part must not, what is left out is told, what is refused ends with exit status 2 and the
 // reason.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE features
 #include "crosscheck/inputs/features.hpp"
 
 #include <algorithm>
@@ -181,6 +179,8 @@ Call callOf(Command command) {
           "--error-probability 0.5 "
           "--processes 1 --report report",
           "report/report.json"};
+    case Command::kCheck:
+      return {"check scene --engine 'python3 engine.py'", ""};
     case Command::kDerive:
       return {"derive scene", ""};
     case Command::kDerivePrograms:
@@ -217,6 +217,33 @@ Call callOf(Command command) {
   return {};
 }
 
+/// A right engine that knows every feature: `evaluate`. tau belongs to trees alone.
+const std::string kEngine =
+    "import subprocess, sys\n"
+    "sys.path.insert(0, '" DYNWITNESS_DATA_DIR
+    "/engines')\n"
+    "import dynwitness_engine\n"
+    "def engine(scene):\n"
+    "    open('asked', 'w').write(scene['toml'])\n"
+    "    def ask(quantity, **parts):\n"
+    "        names = ['%s%d' % (name, i + 1) for name in parts for i in range(len(parts[name]))]\n"
+    "        row = [repr(x) for part in parts.values() for x in part]\n"
+    "        said = subprocess.run(['" DYNWITNESS_PROGRAM
+    "', 'evaluate', 'asked', '--states', '-',\n"
+    "                               '--quantity', quantity], input=','.join(names) + '\\n' + "
+    "','.join(row) + '\\n',\n"
+    "                              capture_output=True, text=True, check=True).stdout\n"
+    "        return [float(x) for x in said.splitlines()[1].split(',')]\n"
+    "    says = {'c': lambda q, qd: ask('c', q=q, qd=qd), 'g': lambda q: ask('g', q=q),\n"
+    "            'tau': lambda q, qd, qdd: ask('tau', q=q, qd=qd, qdd=qdd)}\n"
+    "    try:\n"
+    "        zeros = [0.0] * scene['dof']\n"
+    "        says['tau']([1.0] * scene['positions'], zeros, zeros)\n"
+    "    except subprocess.CalledProcessError:\n"
+    "        del says['tau']\n"
+    "    return says\n"
+    "dynwitness_engine.testify(engine)\n";
+
 /// The table of a chart without its times.
 std::string withoutTimes(const std::string& csv) {
   std::istringstream lines(csv);
@@ -243,6 +270,7 @@ Said ask(const Program& program, Command command, std::string text) {
     text.insert(at == std::string::npos ? text.size() : at, kTask);
   }
   program.write("scene", text);
+  if (command == Command::kCheck) program.write("engine.py", kEngine);
   const Outcome outcome = program.run(call.words, "2> errors");
   Said said{outcome.status, call.file.empty() ? outcome.out : program.read(call.file),
             program.read("errors")};

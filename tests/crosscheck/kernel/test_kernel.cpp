@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scene's own kernel: what is compiled does what its program says, in every lane; and what
 // happens where it cannot be compiled.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE kernel
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -296,7 +294,7 @@ BOOST_AUTO_TEST_CASE(the_same_scene_gives_the_same_bytes) {
   const scene::Scene scene = scene::findScene("puma_560");
   const scene::RealNumbers<double> numbers(scene.mechanism);
   const auto emitted = [&] {
-    const Road road = smallestRoad(scene.mechanism, Formula::kInverseDynamics);
+    const auto road = smallestRoad(scene.mechanism, Formula::kInverseDynamics);
     const symbolic::ProgramRun<double> run(road.program, numbers);
     return emitKernel(road.program, run, "f", 4);
   };
@@ -407,11 +405,9 @@ BOOST_AUTO_TEST_CASE(without_a_compiler_the_witnesses_are_absent_with_the_reason
   const Setting chosen("DYNWITNESS_CC", "no-such-cc");
   for (const WitnessKind& kind : {kernelKind(), kernelLanesKind()}) {
     BOOST_TEST(!kind.info.present);
-    const scene::Scene scene = scene::findScene("double_pendulum");
-    const auto witness = makeWitness(kind, scene);
-    BOOST_CHECK_EXCEPTION(
-        witness->answer(Quantity::kM, drawState(scene.mechanism, scene.name, 1, 0)),
-        std::runtime_error, [](const std::exception& e) { return says(e.what(), "no-such-cc"); });
+    const MadeWitness made = kind.make(scene::findScene("double_pendulum"));
+    BOOST_TEST_REQUIRE(made.isRefused());
+    BOOST_TEST(says(made.refusal(), "no-such-cc"), made.refusal());
   }
   const Setting found("DYNWITNESS_CC", "cc");
   BOOST_TEST(kernelKind().info.present);
@@ -444,7 +440,7 @@ BOOST_AUTO_TEST_CASE(a_formula_whose_straight_line_is_too_long_has_no_code_and_s
   BOOST_CHECK_THROW(kernel.road(Formula::kForwardDynamics), std::invalid_argument);
   const std::string why = kernel.notUsed().at(Formula::kForwardDynamics);
   BOOST_TEST(says(why, "no kernel of FD is used"), why);
-  const auto witness = makeWitness(kernelKind(), humanoid);
+  const auto witness = kernelKind().make(humanoid).value();
   BOOST_TEST(witness->answers(Quantity::kTau));
   BOOST_TEST(!witness->answers(Quantity::kQdd));
   BOOST_TEST(!witness->answers(Quantity::kKinetic));
@@ -463,11 +459,9 @@ BOOST_AUTO_TEST_CASE(a_formula_whose_straight_line_is_too_long_has_no_code_and_s
 
   const scene::Scene chain = scene::findScene("chain_64");
   BOOST_CHECK_THROW(Kernel(chain.mechanism), NotUsed);
-  BOOST_CHECK_EXCEPTION(makeWitness(kernelKind(), chain)
-                            ->answer(Quantity::kM, drawState(chain.mechanism, chain.name, 1, 0)),
-                        std::runtime_error, [](const std::exception& e) {
-                          return says(e.what(), "no kernel of M is used");
-                        });
+  const MadeWitness made = kernelKind().make(chain);
+  BOOST_TEST_REQUIRE(made.isRefused());
+  BOOST_TEST(says(made.refusal(), "no kernel of M is used"), made.refusal());
 }
 
 BOOST_AUTO_TEST_CASE(a_library_that_fails_its_trial_is_neither_kept_nor_loaded) {

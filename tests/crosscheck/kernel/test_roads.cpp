@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The programs that kernels are made of: the same functions as the sweeps, and how many operations.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE roads
 
 #include <map>
 #include <string>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lists of laws: words and sides in step, laws that a mechanism does not have, and divisions by
 // zero.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE law
 #include "crosscheck/laws/law.hpp"
 
 #include <string>
@@ -65,7 +63,7 @@ std::string verdicts(const scene::Mechanism& mechanism, double x) {
   for (const CheckResult& check :
        withinBounds(Arithmetic::words(mechanism), Arithmetic::sides(mechanism, Number{x, {}})))
     text +=
-        check.check + ": " + name(check.verdict) +
+        check.name() + ": " + name(check.verdict) +
         (check.reason.empty() || check.verdict == Verdict::kDisagree ? "" : ", " + check.reason) +
         "; ";
   return text;

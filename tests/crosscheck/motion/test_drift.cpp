@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whom the energy drift condemns: a wrong qdd, in every scene whose energy is constant, and never
 // steps that are too long for a stiff motion.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE drift
 #include "crosscheck/motion/drift.hpp"
 
 #include <cmath>
@@ -66,7 +64,8 @@ BOOST_DATA_TEST_CASE(a_stiff_motion_condemns_nobody, data::make({"1e-3", "1e-6",
   // equal steps follow the heaviest of the carts at most
   if (std::string(cart) == "1e-9") {
     BOOST_TEST(!isResolved(drift));
-    BOOST_TEST(check.unit == "power of a step's error (at least)");
+    BOOST_TEST((check.unit == Unit::kPowerOfStepError));
+    BOOST_TEST(name(check.unit) == "power of a step's error (at least)");
     BOOST_TEST(check.worst > 0.7);  // 5/6 by theory
   }
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Driven joints: functions of time, bases that move as given against the laws of accelerated
 // frames, and the motion of closed mechanisms by every index.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE driven
 #include "scene/motion.hpp"
 
 #include <cmath>

@@ -3,8 +3,6 @@
 // simulation promises beside them. A benchmark is held to the library's own criterion, or to a
 // stricter one that the comment derives; exact solutions come from Jacobi's elliptic functions in
 // Boost.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE simulate
 #include "crosscheck/motion/simulate.hpp"
 
 #include <cmath>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Base parameters: counts of the literature, combinations by hand, and what moving a dependent
 // parameter into its base must leave unchanged.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE base_parameters
 #include <set>
 #include <string>
 #include <vector>

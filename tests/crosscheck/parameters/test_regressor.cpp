@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Y of the sweeps against three others: the derivative of Newton-Euler's forces by a link's
 // numbers, the derivation's own, and a textbook's by hand.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE regressor
 #include <string>
 #include <vector>
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Uncertain numbers: exact derivatives by finite differences that are exact, and draws.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE uncertainty
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>

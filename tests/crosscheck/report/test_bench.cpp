@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tables, goals and file of the benchmarks, on numbers that were chosen here: no time is measured.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE bench
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE report
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -52,7 +50,8 @@ std::string formula(const std::string& content) {
 CheckResult check(const std::string& quantity, const std::string& left, const std::string& right,
                   double worst, double limit) {
   CheckResult c;
-  c.check = right.empty() ? "symmetric" : "same";
+  c.kind = right.empty() ? CheckKind::kLaw : CheckKind::kSame;
+  if (right.empty()) c.law = "symmetric";
   c.statement = right.empty() ? quantity + " = " + quantity + "'"
                               : quantity + " by " + left + " = " + quantity + " by " + right;
   c.quantity = quantity;
@@ -143,7 +142,7 @@ CrosscheckResult sample() {
   Control control;
   control.quantity = "M";
   control.size = 1e-8;
-  control.found = {"pairs", "field"};
+  control.found = {Road::kPairs, Road::kField};
   control.blind = {kAwkward};
   awkward.controls = {control, {}};
   awkward.controls[1].quantity = "c";
@@ -158,8 +157,8 @@ CrosscheckResult sample() {
   loss.text = "keeps few digits: " + kAwkward;
   loss.digits = 7.3;
   awkward.findings = {alone, loss};
-  awkward.digits = {{"simbody", "M", "double", 100, 7.3, 15.2, 6.9, 17, "M[1,2]"},
-                    {kAwkward, "M", "float", 0, {}, {}, {}, 0, ""}};
+  awkward.digits = {{"simbody", "M", Scalar::kDouble, 100, 7.3, 15.2, 6.9, 17, "M[1,2]"},
+                    {kAwkward, "M", Scalar::kFloat, 0, {}, {}, {}, 0, ""}};
   result.scenes.push_back(awkward);
 
   SceneResult bare;  // nothing but a name, twice
@@ -277,9 +276,9 @@ std::vector<Chart> charts(double time) {
   chart.states = 100;
   chart.machine = kAwkward;
   chart.left_out = {kAwkward};
-  chart.points = {{"Newton-Euler sweep", "float", 1e-6, 1e-7, time, 2 * time, 3 * time},
-                  {"Newton-Euler sweep", "double", 1e-15, 1e-16, time, 2 * time, 3 * time},
-                  {"simbody", "double", 0, 0, 5 * time, 6 * time, 7 * time}};
+  chart.points = {{"Newton-Euler sweep", Scalar::kFloat, 1e-6, 1e-7, time, 2 * time, 3 * time},
+                  {"Newton-Euler sweep", Scalar::kDouble, 1e-15, 1e-16, time, 2 * time, 3 * time},
+                  {"simbody", Scalar::kDouble, 0, 0, 5 * time, 6 * time, 7 * time}};
   return {chart, chart, chart};
 }
 
@@ -489,7 +488,7 @@ BOOST_AUTO_TEST_CASE(what_was_not_answered_and_the_control_are_in_every_form) {
       contains(xml, "<system-out>2 of 100 states not judged, the first 3: a bound ran away"));
   BOOST_TEST(contains(xml, "name=\"control\"><system-out>control: "));
   CrosscheckResult missed = result;
-  missed.scenes[1].controls[0].missed = {"truth"};
+  missed.scenes[1].controls[0].missed = {Road::kTruth};
   BOOST_TEST(contains(reportJUnit(missed, environment()), "name=\"control\"><failure"));
 }
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bounds by what each rounding does to the result: proven, and not carried away by turns.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE adjoint_error
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Balls enclose: what they must contain comes from exact rationals and from Boost's decimal floats.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE ball
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>

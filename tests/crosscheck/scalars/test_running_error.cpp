@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A bound that bounds: every number is compared with the same expression in exact rationals.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE running_error
 #include "crosscheck/scalars/running_error.hpp"
 
 #include <algorithm>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Hamilton's principle on simulated motions, and conjugate times against closed forms.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE action
 #include "crosscheck/studies/hamilton.hpp"
 
 #include <algorithm>
@@ -27,12 +25,17 @@ const double kPi = boost::math::constants::pi<double>();
 
 const CheckResult* find(const Action& action, const std::string& name) {
   for (const CheckResult& check : action.checks)
-    if (check.check.find(name) != std::string::npos) return &check;
+    if (check.name().find(name) != std::string::npos) return &check;
   return nullptr;
 }
 bool allAgree(const Action& action) {
   return std::all_of(action.checks.begin(), action.checks.end(),
                      [](const CheckResult& c) { return c.verdict == Verdict::kAgree; });
+}
+
+bool condemned(const Action& action) {
+  return std::any_of(action.checks.begin(), action.checks.end(),
+                     [](const CheckResult& c) { return c.verdict == Verdict::kDisagree; });
 }
 
 /// Arithmetic-geometric mean.
@@ -162,8 +165,8 @@ BOOST_AUTO_TEST_CASE(the_action_is_least_for_short_times_only) {
   BOOST_TEST(later.negative >= 1);
   bool slow = false, fast = false;
   for (const Action::Path& path : later.paths) {
-    slow = slow || (path.name == "slow" && path.change < 0);
-    fast = fast || (path.name == "fast" && path.change > 0);
+    slow = slow || (path.kind == Action::Path::Kind::kSlowest && path.change < 0);
+    fast = fast || (path.kind == Action::Path::Kind::kFast && path.change > 0);
   }
   BOOST_TEST(slow);
   BOOST_TEST(fast);
@@ -175,8 +178,12 @@ BOOST_DATA_TEST_CASE(the_first_variation_vanishes_in_every_bundled_tree, data::m
   ActionOptions options;
   options.duration = 0.3;
   const Action action = measureAction(scene::findScene(name), options);
-  for (const CheckResult& check : action.checks)
-    BOOST_TEST((check.verdict == Verdict::kAgree), check.check << ": " << check.reason);
+  for (const CheckResult& check : action.checks) {
+    // shown on slow sines, of which none may be slow enough
+    const bool may_be_open = check.name() == "the action is a saddle" && action.lowest >= 0;
+    BOOST_TEST((check.verdict == (may_be_open ? Verdict::kNotAnswerable : Verdict::kAgree)),
+               check.name() << ": " << check.reason);
+  }
   BOOST_REQUIRE(find(action, "principle") != nullptr);
 }
 
@@ -250,8 +257,95 @@ rpy = [0, "pi/2", 0]
   }
   BOOST_TEST(matches);
   BOOST_TEST(action.negative == 1);
-  BOOST_TEST(allAgree(action));
+  for (const CheckResult& check : action.checks)
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << ": " << check.reason);
 }
+
+// The first, longest steps lose these motions, the finer ones do not. M is regular throughout.
+BOOST_AUTO_TEST_CASE(a_motion_that_long_steps_lose_is_followed_by_shorter_ones) {
+  ActionOptions options;
+  options.duration = 7;
+  const Action action = measureAction(scene::findScene("double_pendulum"), options);
+  BOOST_TEST(!condemned(action));
+  BOOST_TEST((find(action, "Hamilton")->verdict == Verdict::kAgree));
+}
+BOOST_AUTO_TEST_CASE(a_motion_that_no_steps_follow_is_not_called_singular) {
+  ActionOptions options;
+  options.duration = 1e5;
+  std::string message;
+  try {
+    measureAction(scene::findScene("double_pendulum"), options);
+  } catch (const scene::InputError& error) {
+    message = error.what();
+  }
+  BOOST_TEST(message.find("do not resolve the motion; allowed: a shorter") != std::string::npos,
+             message);
+  BOOST_TEST(message.find("singular") == std::string::npos);
+}
+
+// After many periods elements, steps and the sines of the fast path are too coarse to count; at
+// places whose ulp is large the motion itself is. Mechanics is not to blame.
+BOOST_DATA_TEST_CASE(steps_that_do_not_decide_condemn_nobody,
+                     data::make({75.0, 80.0, 100.0, 1000.0}), duration) {
+  ActionOptions options;
+  options.duration = duration;
+  BOOST_TEST(!condemned(measureAction(scene::findScene("simple_pendulum"), options)));
+}
+BOOST_DATA_TEST_CASE(rounding_of_a_far_place_condemns_nobody, data::make({1e7, 1e8, 1e13, 1e308}),
+                     place) {
+  ActionOptions options;
+  options.potential = false;
+  options.q = {place, place};
+  options.qd = {1, 1};
+  const Action action = measureAction(scene::findScene("double_pendulum"), options);
+  BOOST_TEST(!condemned(action));
+  // an ulp of 1e13 rad, 8192 times, reaches paths that are 0.01 rad away
+  for (const CheckResult& check : action.checks)
+    if (place > 1e12) BOOST_TEST((check.verdict == Verdict::kNotAnswerable), check.name());
+}
+BOOST_AUTO_TEST_CASE(a_pendulum_that_cannot_move_by_less_than_an_ulp_is_not_answerable) {
+  ActionOptions options;
+  options.q = {1e16};
+  options.qd = {1};
+  for (const CheckResult& check :
+       measureAction(scene::findScene("simple_pendulum"), options).checks)
+    BOOST_TEST((check.verdict == Verdict::kNotAnswerable), check.name());
+}
+
+BOOST_AUTO_TEST_SUITE(what_does_not_vanish)
+
+/// The verdict on residuals at three sizes of steps; terms of 1.
+CheckResult judged(double longest, double longer, double last, double moved = 0) {
+  std::vector<Residual> seen(3);
+  const double all[] = {longest, longer, last};
+  for (int k = 0; k < 3; ++k) {
+    seen[k].add(all[k], true);
+    seen[k].terms = 1;
+  }
+  CheckResult check;
+  judgeOrder(
+      &check, seen, 1, [&] { return moved; }, 256);
+  return check;
+}
+
+BOOST_AUTO_TEST_CASE(falls_with_the_order_of_the_steps) {
+  BOOST_TEST((judged(16e-6, 1e-6, 1e-6 / 16).verdict == Verdict::kAgree));
+}
+BOOST_AUTO_TEST_CASE(or_settles_and_is_guilty) {
+  BOOST_TEST((judged(1e-5 + 16e-6, 1e-5 + 1e-6, 1e-5 + 1e-6 / 16).verdict == Verdict::kDisagree));
+  BOOST_TEST((judged(1e-9, 1e-9, 1e-9).verdict == Verdict::kDisagree));
+}
+BOOST_AUTO_TEST_CASE(or_the_steps_have_not_settled) {
+  BOOST_TEST((judged(3e-9, 7e-9, 5e-9).verdict == Verdict::kNotAnswerable));
+  // the changes have, 1.4e-5 and 1.6e-6, but the last one could have come from 0
+  BOOST_TEST((judged(1.6e-5, 2e-6, 4e-7).verdict == Verdict::kNotAnswerable));
+}
+BOOST_AUTO_TEST_CASE(or_is_what_rounding_the_state_moves) {
+  BOOST_TEST((judged(1e-9, 1e-9, 1e-9, 2e-9).verdict == Verdict::kAgree));
+  BOOST_TEST((judged(1e-9, 1e-9, 1e-9, 2).verdict == Verdict::kNotAnswerable));
+}
+
+BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_CASE(bad_questions_are_refused) {
   const scene::Scene scene = scene::findScene("simple_pendulum");
@@ -266,6 +360,9 @@ BOOST_AUTO_TEST_CASE(bad_questions_are_refused) {
   BOOST_CHECK_THROW(measureAction(scene, options), scene::InputError);
   options = {};
   options.paths = 0;
+  BOOST_CHECK_THROW(measureAction(scene, options), scene::InputError);
+  options = {};
+  options.qd = {1e-320};
   BOOST_CHECK_THROW(measureAction(scene, options), scene::InputError);
   BOOST_CHECK_THROW(measureAction(scene::findScene("bricard"), {}), scene::InputError);
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What evaluate says about constrained scenes: the sweeps against one dense system in double
 // precision, tasks, and the chapter's question about N_0 in numbers.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE constrained_quantities
 #include "crosscheck/studies/constrained_quantities.hpp"
 
 #include <cmath>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The kinetic metric: its laws over the field, closed forms by other roads, and what it refuses.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE geometry
 #include "crosscheck/studies/geometry.hpp"
 
 #include <ostream>
@@ -95,7 +93,7 @@ BOOST_DATA_TEST_CASE(the_laws_hold_in_every_scene_that_has_coordinates,
   BOOST_TEST(checks.size() == 6u);
   int decided = 0;
   for (const CheckResult& check : checks) {
-    BOOST_TEST((check.verdict != Verdict::kDisagree), check.check << ": " << check.reason);
+    BOOST_TEST((check.verdict != Verdict::kDisagree), check.name() << ": " << check.reason);
     decided += check.verdict == Verdict::kAgree ? 1 : 0;
   }
   if (scene::findScene(name).mechanism.dof() <= 9) BOOST_TEST(decided == 6);
@@ -106,7 +104,7 @@ BOOST_AUTO_TEST_CASE(the_laws_hold_for_every_robot_of_a_structure) {
   options.parameters = Parameters::kRandom;
   for (const char* name : {"double_pendulum", "scara", "furuta_pendulum", "lead_screw"})
     for (const CheckResult& check : checkGeometryExactly(scene::findScene(name), options))
-      BOOST_TEST((check.verdict == Verdict::kAgree), name << " " << check.check);
+      BOOST_TEST((check.verdict == Verdict::kAgree), name << " " << check.name());
 }
 
 // A planar arm's metric from its textbook closed form, its curvature by Brioschi's determinants,

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gyroscopic rotors: against the same rotors as bodies of their own, which turn on the parent by a
 // joint.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE gyroscopic
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
@@ -15,6 +13,7 @@
 #include "crosscheck/witnesses/witness.hpp"
 #include "recursive/reactions.hpp"
 #include "tests/fixtures/fixtures.hpp"
+#include "tests/fixtures/planted.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::fixtures;
@@ -149,7 +148,7 @@ BOOST_AUTO_TEST_CASE(everybody_agrees) {
   for (const scene::Scene& scene : {arm(), scene::findScene("gyroscopic_wrist")}) {
     for (const CheckResult& check : exactChecks(scene, {}))
       BOOST_TEST((check.verdict == Verdict::kAgree),
-                 scene.name << ": " << check.check << " " << check.quantity << " " << check.left
+                 scene.name << ": " << check.name() << " " << check.quantity << " " << check.left
                             << " " << check.right << ": " << check.reason);
     Options options;
     options.states = 10;
@@ -190,7 +189,7 @@ BOOST_AUTO_TEST_CASE(engines_with_an_armature_refuse) {
   for (const WitnessKind& kind : witnessKinds()) {
     if (!kind.info.present) continue;
     if (kind.info.name != "mujoco" && kind.info.name != "kdl" && kind.info.name != "dart") continue;
-    const auto witness = makeWitness(kind, scene::findScene("gyroscopic_wrist"));
+    const auto witness = kind.make(scene::findScene("gyroscopic_wrist")).value();
     BOOST_CHECK_EXCEPTION(witness->answer(Quantity::kM, {}), std::exception, [](const auto& e) {
       return std::string(e.what()).find("gyroscopic") != std::string::npos;
     });
@@ -203,10 +202,11 @@ BOOST_AUTO_TEST_SUITE(planted_faults)
 
 namespace {
 
-template <typename Algorithm, typename Change>
-int disagreeing(Change change) {
+template <typename Algorithm>
+int disagreeing(const fixtures::Planted<recursive::Model>& change) {
   const scene::Scene scene = arm();
-  std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten, {"lagrange"});
+  std::vector<ExactWitness> witnesses =
+      exactWitnesses(scene, Parameters::kAsWritten, selectWitnesses({"lagrange"}));
   witnesses.push_back(sweepWitness<Algorithm>(scene, change));
   int count = 0;
   for (const CheckResult& check : compareExactly(scene, witnesses, {}))

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Dynamic programming over links: equal subtrees are computed once, and the values are those of the
 // sweep.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE shared_subtrees
 #include <map>
 #include <string>
 #include <vector>

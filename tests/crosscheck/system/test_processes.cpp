@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE processes
 #include "crosscheck/system/processes.hpp"
 
 #include <csignal>
@@ -80,12 +78,12 @@ BOOST_AUTO_TEST_SUITE(archive)
 // every member differs from its default, so a member that the archive forgets shows in the report
 BOOST_AUTO_TEST_CASE(a_result_comes_back_whole) {
   CheckResult check;
-  check.check = "same";
+  check.kind = CheckKind::kSame;
   check.statement = "M by a = M by b";
   check.quantity = "M";
   check.left = "a";
   check.right = "b";
-  check.unit = "digits";
+  check.unit = Unit::kPrintedDigit;
   check.states = 7;
   check.worst = std::numeric_limits<double>::infinity();
   check.limit = 0.1;
@@ -97,6 +95,7 @@ BOOST_AUTO_TEST_CASE(a_result_comes_back_whole) {
   check.reason = "they differ";
   check.exact = CheckResult::Exact{(1ull << 63) - 25, 2, 1, 17, 1e-33, true, "random"};
   check.digits = 15.5;
+  check.is_idle = true;
   check.known_loss = true;
   SceneResult scene;
   scene.name = "n";
@@ -111,7 +110,7 @@ BOOST_AUTO_TEST_CASE(a_result_comes_back_whole) {
   scene.not_modelled = {"friction"};
   scene.equations = {"short", "T", "V", {"M", "c"}};
   scene.checks = {check, CheckResult()};
-  scene.digits = {{"a", "M", "float", 5, 6.5, 7.5, 4.5, 2, "M[2,2]"}, {}};
+  scene.digits = {{"a", "M", Scalar::kFloat, 5, 6.5, 7.5, 4.5, 2, "M[2,2]"}, {}};
   scene.findings = {{Finding::Kind::kKnownLoss, "n", "M", "a", "a loses digits", 7.3}};
   scene.drift = Drift{"runge_kutta4", 4, 10, 2.5, 3.9, {{0.01, 1e-9, {0, 0.01}, {0, 1e-9}}}};
 
@@ -134,6 +133,7 @@ BOOST_AUTO_TEST_CASE(a_result_comes_back_whole) {
   BOOST_TEST(back.checks[0].ratio == scene.checks[0].ratio);
   BOOST_TEST(back.checks[0].seed == scene.checks[0].seed);
   BOOST_TEST(back.checks[0].known_loss);
+  BOOST_TEST(back.checks[0].is_idle);
   BOOST_TEST(!back.checks[1].exact.has_value());
   BOOST_TEST(back.drift->paths[0].time == scene.drift->paths[0].time,
              boost::test_tools::per_element());

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // qdd is judged by what it leaves of the equations: limits that bite at every size.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE backward_error
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -58,7 +56,7 @@ scene::Scene withFault(scene::Scene scene, int link, const char* fault) {
 WitnessKind misled(const WitnessKind& kind, const scene::Scene& other) {
   WitnessKind out = kind;
   out.info.name = "misled";
-  out.make = [kind, other](const scene::Scene&) { return kind.make(other); };
+  out.make = [kind, other](const PreparedScene&) { return kind.make(other); };
   return out;
 }
 
@@ -202,13 +200,13 @@ BOOST_DATA_TEST_CASE(laws_of_chains_are_answered_at_every_size,
                      data::make({"chain_8", "flat_chain_16"}), name) {
   for (const CheckResult& law : checkIdentities(scene::findScene(name), statesOf(2))) {
     const bool is_asked = law.voided == 0 || law.excused == law.voided;
-    BOOST_TEST(is_asked, law.check << ": " << law.reason);
+    BOOST_TEST(is_asked, law.name() << ": " << law.reason);
     if (law.verdict == Verdict::kNotAnswerable) continue;
-    BOOST_TEST((law.verdict == Verdict::kAgree), law.check << ": " << law.reason);
-    if (law.check == "projections of force and motion are dual")
+    BOOST_TEST((law.verdict == Verdict::kAgree), law.name() << ": " << law.reason);
+    if (law.name() == "projections of force and motion are dual")
       continue;  // 0 = 0 without rotors: no size to be wide of
-    BOOST_TEST(law.limitOverSeen().value_or(0) < kWidestLimit,
-               law.check << ": limit " << law.loosest);
+    BOOST_TEST(law.limitOverSeen().value_or(0) < kWidestLimit, law.name()
+                                                                   << ": limit " << law.loosest);
   }
 }
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Digits kept: what is counted, what is judged, and that planted errors show.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE digits
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
@@ -69,7 +67,7 @@ struct Judged {
 const DigitsResult& find(const DigitsFound& all, const std::string& witness,
                          const std::string& quantity, const std::string& scalar) {
   const auto found = std::find_if(all.digits.begin(), all.digits.end(), [&](const DigitsResult& d) {
-    return d.witness == witness && d.quantity == quantity && d.scalar == scalar;
+    return d.witness == witness && d.quantity == quantity && name(d.scalar) == scalar;
   });
   BOOST_REQUIRE(found != all.digits.end());
   return *found;
@@ -87,8 +85,8 @@ Judged judged(const DigitsFound& all, const std::string& witness, const std::str
 Judged spoiledDigits(const Spoiled::Spoil& spoil) {
   const WitnessKind inner = kindNamed("newton_euler");
   WitnessKind kind = inner;
-  kind.make = [&](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-    return std::make_unique<Spoiled>(inner.make(scene), 3, spoil);
+  kind.make = [&](const PreparedScene& scene) -> MadeWitness {
+    return std::make_unique<Spoiled>(inner.make(scene).value(), 3, spoil);
   };
   return judged(measureDigits(scene::findScene("puma_560"), {kind}, fewStates(10)), "spoiled",
                 "tau");
@@ -164,8 +162,8 @@ BOOST_AUTO_TEST_CASE(a_documented_loss_is_named_where_it_is_seen_and_does_not_di
   const WitnessKind inner = kindNamed("newton_euler");
   WitnessKind kind = inner;
   const auto lossesWhen = [&](double error) {
-    kind.make = [&, error](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-      return std::make_unique<Spoiled>(inner.make(scene), 3, [error](Answer& a) {
+    kind.make = [&, error](const PreparedScene& scene) -> MadeWitness {
+      return std::make_unique<Spoiled>(inner.make(scene).value(), 3, [error](Answer& a) {
         const double largest = a.value.cwiseAbs().maxCoeff();
         a.value(1, 0) += error * largest;
         a.known_loss = Eigen::MatrixXd::Constant(a.value.rows(), 1, 1e-7 * largest);

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Who stands alone, and how witnesses are asked.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE findings
 
 #include <limits>
 #include <map>
@@ -39,7 +37,7 @@ class Parrot : public Witness {
 };
 
 WitnessKind saying(const std::string& name, double value, double bound = 0.25) {
-  return {{name, "1", "parrot"}, [=](const scene::Scene&) -> std::unique_ptr<Witness> {
+  return {{name, "1", "parrot"}, [=](const PreparedScene&) -> MadeWitness {
             return std::make_unique<Parrot>(name, value, bound);
           }};
 }
@@ -71,7 +69,7 @@ BOOST_AUTO_TEST_CASE(every_pair_is_compared_once) {
   BOOST_TEST(checks.size() == 6u);
   std::map<std::string, int> pairs;
   for (const CheckResult& check : checks) {
-    BOOST_TEST(check.check == "same");
+    BOOST_TEST(check.name() == "same");
     BOOST_TEST(check.quantity == "kinetic");
     BOOST_TEST((check.verdict == Verdict::kAgree));
     BOOST_TEST(check.states == 2);
@@ -133,7 +131,7 @@ BOOST_AUTO_TEST_CASE(a_witness_that_agrees_with_someone_is_not_alone) {
 BOOST_AUTO_TEST_CASE(identities_and_tables_do_not_vote) {
   std::vector<CheckResult> checks = compared({saying("a", 1), saying("b", 1), saying("c", 9)});
   CheckResult identity;
-  identity.check = "power balance";
+  identity.law = "power balance";
   identity.quantity = "power";
   identity.left = "a";
   identity.verdict = Verdict::kDisagree;
@@ -141,6 +139,30 @@ BOOST_AUTO_TEST_CASE(identities_and_tables_do_not_vote) {
   const auto findings = findOutliers("test_scene", checks);
   BOOST_REQUIRE(findings.size() == 1u);
   BOOST_TEST(findings[0].witness == "c");
+}
+
+// The certified truth decides where pairs, with the sum of two limits, do not.
+BOOST_AUTO_TEST_CASE(who_is_off_the_truth_is_named) {
+  const auto truth = [](const std::string& witness, Verdict verdict) {
+    CheckResult check;
+    check.kind = CheckKind::kTruth;
+    check.quantity = "kinetic";
+    check.left = witness;
+    check.verdict = verdict;
+    return check;
+  };
+  for (const double other : {1.0, 9.0}) {  // in no dispute with the other, and in one
+    std::vector<CheckResult> checks = compared({saying("a", 1), saying("b", other)});
+    checks.push_back(truth("a", Verdict::kAgree));
+    checks.push_back(truth("b", Verdict::kDisagree));
+    const auto findings = findOutliers("test_scene", checks);
+    BOOST_REQUIRE(findings.size() == 1u);
+    BOOST_TEST(findings[0].witness == "b");
+    BOOST_TEST(findings[0].text == "test_scene: kinetic: b alone is off the certified truth");
+    checks.push_back(truth("c", Verdict::kDisagree));
+    BOOST_TEST(findOutliers("test_scene", checks)[0].text ==
+               "test_scene: kinetic: b, c are off the certified truth");
+  }
 }
 
 BOOST_AUTO_TEST_SUITE_END()

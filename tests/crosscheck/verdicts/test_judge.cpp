@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The judge is judged: faults planted into what draws states, compares entries and bounds errors
 // must not leave a run that says "all agree". Each test here fails with one of them in place.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE judge
 #include <stdlib.h>
 
 #include <algorithm>
@@ -27,6 +25,7 @@
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/all_lanes.hpp"
 #include "crosscheck/witnesses/witness.hpp"
+#include "crosscheck/witnesses/witnesses.hpp"
 
 namespace data = boost::unit_test::data;
 namespace fs = std::filesystem;
@@ -116,10 +115,7 @@ BOOST_AUTO_TEST_SUITE(entries)
 class OffInOneEntry : public Witness {
  public:
   OffInOneEntry(const scene::Scene& scene, int i, int j, int state)
-      : honest_(makeWitness(selectWitnesses({"newton_euler"}).front(), scene)),
-        i_(i),
-        j_(j),
-        state_(state) {}
+      : honest_(newtonEulerKind().make(scene).value()), i_(i), j_(j), state_(state) {}
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return quantity == Quantity::kM; }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
@@ -135,9 +131,8 @@ class OffInOneEntry : public Witness {
 };
 
 WitnessKind off(int i, int j, int state) {
-  return {{"off", "1", "off in one entry"},
-          [=](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-            return std::make_unique<OffInOneEntry>(scene, i, j, state);
+  return {{"off", "1", "off in one entry"}, [=](const PreparedScene& scene) -> MadeWitness {
+            return std::make_unique<OffInOneEntry>(scene.scene(), i, j, state);
           }};
 }
 
@@ -346,9 +341,9 @@ BOOST_DATA_TEST_CASE(a_kilogram_that_is_too_heavy_by_1e_10_is_found_everywhere,
   for (const Control& control : result.controls) {
     BOOST_TEST_CONTEXT(control.quantity << " " << control.nothing) {
       BOOST_TEST(control.missed.empty());
-      const bool is_of_table = control.found == std::vector<std::string>{"table"};
-      BOOST_TEST(
-          (is_of_table || control.found == std::vector<std::string>{"pairs", "truth", "field"}));
+      const bool is_of_table = control.found == std::vector<Road>{Road::kTable};
+      BOOST_TEST((is_of_table ||
+                  control.found == std::vector<Road>{Road::kPairs, Road::kTruth, Road::kField}));
       // 1e-10 is seen in every pair, not in the sharpest one only
       if (name != "humanoid_floating")
         BOOST_TEST(control.blind.empty());  // 38 rates: engines' limits are wider
@@ -365,12 +360,47 @@ BOOST_DATA_TEST_CASE(a_kilogram_that_is_too_heavy_by_1e_10_is_found_everywhere,
   for (const DigitsResult& digits : result.digits) BOOST_TEST(digits.witness != kControl);
 }
 
+/// Newton-Euler by the control's name, as somebody's program may call itself.
+class Namesake : public Witness {
+ public:
+  explicit Namesake(const scene::Scene& scene)
+      : sweep_(selectWitnesses({"newton_euler"}).front().make(scene).value()) {}
+  const std::string& name() const override { return name_; }
+  bool answers(Quantity quantity) const override { return sweep_->answers(quantity); }
+  Answer answer(Quantity quantity, const scene::State<double>& state) override {
+    return sweep_->answer(quantity, state);
+  }
+
+ private:
+  std::unique_ptr<Witness> sweep_;
+  std::string name_ = kControl;
+};
+
+BOOST_AUTO_TEST_CASE(a_witness_that_is_called_like_the_control_is_judged_like_any_other) {
+  const scene::Scene scene = scene::findScene("double_pendulum");
+  std::vector<WitnessKind> kinds = selectWitnesses({"newton_euler", "simbody"});
+  kinds.push_back({{kControl, "1", "somebody's"}, [](const PreparedScene& s) -> MadeWitness {
+                     return std::make_unique<Namesake>(s.scene());
+                   }});
+  const SceneResult result = crosscheckScene(scene, kinds, few(3));
+  int pairs = 0, truths = 0;
+  for (const CheckResult& check : result.checks) {
+    BOOST_TEST((!check.left_is_control && !check.right_is_control));
+    pairs += check.kind == CheckKind::kSame && check.right == kControl ? 1 : 0;
+    truths += check.kind == CheckKind::kTruth && check.left == kControl ? 1 : 0;
+  }
+  BOOST_TEST(pairs > 0);
+  BOOST_TEST(truths > 0);
+  for (const Control& control : result.controls)
+    BOOST_TEST((control.missed.empty() && control.blind.empty()), control.quantity);
+}
+
 /// By the dimension of the numbers, not by a formula: see Control.
 BOOST_AUTO_TEST_CASE(a_heavier_kilogram_scales_what_has_a_mass_in_it) {
   for (const char* name : {"prismatic_revolute_mix", "gyroscopic_wrist"}) {
     const scene::Scene scene = scene::findScene(name), heavy = heavier(scene, 2);
     const WitnessKind kind = selectWitnesses({"recursive_lagrange"}).front();
-    const auto before = makeWitness(kind, scene), after = makeWitness(kind, heavy);
+    const auto before = kind.make(scene).value(), after = kind.make(heavy).value();
     const scene::State<double> state = drawState(scene.mechanism, scene.name, 1, 0);
     for (const Quantity quantity : kAllQuantities) {
       if (!before->answers(quantity) || quantity == Quantity::kQdd) continue;
@@ -402,7 +432,7 @@ BOOST_AUTO_TEST_SUITE(verdicts)
 
 CheckResult checkOf(const std::string& quantity, int states, int missing, int excused) {
   CheckResult check;
-  check.check = "same";
+  check.kind = CheckKind::kSame;
   check.quantity = quantity;
   check.left = "a";
   check.right = "b";
@@ -474,13 +504,13 @@ BOOST_AUTO_TEST_CASE(a_run_that_misses_its_control_proves_nothing) {
   Control control;
   control.quantity = "M";
   control.size = 1e-10;
-  control.found = {"pairs", "field"};
+  control.found = {Road::kPairs, Road::kField};
   result.scenes[0].controls = {control};
   BOOST_TEST((result.verdict() == RunVerdict::kAgree));
   BOOST_TEST(
       result.controlLine() ==
       "control: a kilogram too heavy by 1e-10 was found in M of 1 scene, by pairs and field");
-  result.scenes[0].controls[0].missed = {"truth"};
+  result.scenes[0].controls[0].missed = {Road::kTruth};
   BOOST_TEST((result.verdict() == RunVerdict::kProvesNothing));
   BOOST_TEST(exitStatus(result.verdict()) == 3);
   BOOST_TEST(contains(result.headline(), "this run proves nothing"), result.headline());
@@ -497,8 +527,7 @@ BOOST_AUTO_TEST_CASE(a_run_that_misses_its_control_proves_nothing) {
 /// A witness of energies that throws at every seventh state.
 class Forgetful : public Witness {
  public:
-  explicit Forgetful(const scene::Scene& scene)
-      : honest_(makeWitness(selectWitnesses({"newton_euler"}).front(), scene)) {}
+  explicit Forgetful(const scene::Scene& scene) : honest_(newtonEulerKind().make(scene).value()) {}
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return quantity == Quantity::kKinetic; }
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
@@ -514,10 +543,9 @@ class Forgetful : public Witness {
 
 BOOST_AUTO_TEST_CASE(one_bad_state_of_many_voids_that_state_and_not_the_check) {
   std::vector<WitnessKind> kinds = selectWitnesses({"newton_euler"});
-  kinds.push_back(
-      {{"forgetful", "1", "throws"}, [](const scene::Scene& scene) -> std::unique_ptr<Witness> {
-         return std::make_unique<Forgetful>(scene);
-       }});
+  kinds.push_back({{"forgetful", "1", "throws"}, [](const PreparedScene& scene) -> MadeWitness {
+                     return std::make_unique<Forgetful>(scene.scene());
+                   }});
   const scene::Scene scene = scene::findScene("double_pendulum");
   for (const auto& [states, outcome] :
        {std::pair(10, RunVerdict::kAgree), std::pair(14, RunVerdict::kAgree)}) {

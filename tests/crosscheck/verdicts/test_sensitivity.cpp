@@ -2,8 +2,6 @@
 // The smallest fault that each quantity's check notices: a table in the documentation, held here.
 //
 //     build/test_sensitivity -- --record     writes it anew
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE sensitivity
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -98,7 +96,8 @@ std::map<std::string, double> sharesWith(const scene::Scene& scene, const std::s
                                          double size) {
   WitnessKind faulty;
   faulty.info.name = "faulty";
-  faulty.make = [&](const scene::Scene& right) -> std::unique_ptr<Witness> {
+  faulty.make = [&](const PreparedScene& asked) -> MadeWitness {
+    const scene::Scene& right = asked.scene();
     if (kind != "sine") return sweeps(withFault(right, kind, size));
     const int slot = static_cast<int>(right.mechanism.movingLinks().size()) / 2;
     return std::make_unique<Turned>(sweeps(right), slot, size);

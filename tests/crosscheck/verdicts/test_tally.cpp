@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE tally
 #include "crosscheck/verdicts/tally.hpp"
 
 #include <limits>
@@ -18,7 +16,7 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 Tally tallyOf(const char* quantity) {
   CheckResult description;
-  description.check = "same";
+  description.kind = CheckKind::kSame;
   description.quantity = quantity;
   return Tally(description);
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The certified truth against closed forms (exact rationals, Boost's decimal floats) and against
 // the derived programs, which share no formula with the sweeps that it runs.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE truth
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Programs as witnesses: those that are shipped agree, a planted error is seen, and hostile ones
 // get a reason each and leave nothing behind.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE engine_protocol
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>

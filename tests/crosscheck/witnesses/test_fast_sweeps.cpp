@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The fast sweeps are the textbook sweeps: the same functions over a prime field, whatever the
 // joints, and the same to rounding in double. The other road is recursive/*.hpp.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE fast_sweeps
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -16,6 +14,7 @@
 
 #include "crosscheck/inputs/random_mechanism.hpp"
 #include "crosscheck/inputs/states.hpp"
+#include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "recursive/build_model.hpp"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lagrange's equations link by link: known answers, the other witnesses over the field, and
 // mistakes.
-#define BOOST_TEST_DYN_LINK
-#define BOOST_TEST_MODULE recursive_lagrange
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 
 #include <algorithm>
@@ -17,6 +15,7 @@
 
 #include "crosscheck/exact/exact.hpp"
 #include "tests/fixtures/fixtures.hpp"
+#include "tests/fixtures/planted.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
@@ -50,12 +49,13 @@ scene::Mechanism hanging(const Q& g) {
 }
 
 /// The exact comparisons of recursive_lagrange, changed, with the other witnesses.
-template <typename Change>
-std::vector<CheckResult> compared(const scene::Scene& scene, Parameters parameters, Change change) {
+std::vector<CheckResult> compared(const scene::Scene& scene, Parameters parameters,
+                                  const fixtures::Planted<HomogeneousModel>& change) {
   ExactOptions options;
   options.parameters = parameters;
   std::vector<ExactWitness> witnesses = exactWitnesses(
-      scene, parameters, {"lagrange", "newton_euler", "composite_body", "articulated_body"});
+      scene, parameters,
+      selectWitnesses({"lagrange", "newton_euler", "composite_body", "articulated_body"}));
   witnesses.push_back(recursiveLagrangeWitness(scene, change));
   std::vector<CheckResult> checks;
   for (const CheckResult& check : compareExactly(scene, witnesses, options))

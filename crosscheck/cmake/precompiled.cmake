@@ -1,0 +1,51 @@
+# Headers by others that most files include, parsed once instead of in every file, which takes 2 to
+# 5 s each. None of ours is among them: a change of ours recompiles what includes it and no more.
+# -D CMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without; the linter does, and sees includes that are missing.
+file(WRITE ${PROJECT_BINARY_DIR}/nothing.cpp.in "")
+configure_file(${PROJECT_BINARY_DIR}/nothing.cpp.in ${PROJECT_BINARY_DIR}/nothing.cpp COPYONLY)
+
+# The collector of g++ walks through all of a precompiled header each time; with 512 MB to fill, most
+# files are done before its first turn.
+if(PROJECT_IS_TOP_LEVEL)
+  add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)
+endif()
+
+# dynwitness_precompile(NAME [COOL] LINK TARGET... HEADERS HEADER...): a library of one empty file, whose
+# headers dynwitness_use_precompiled(NAME TARGET...) gives to others. Macros that headers look at must
+# be the same in both (g++ warns where they are not, and parses anew), and so must the level of
+# optimization: g++ takes that of the precompiled header, whatever a file says. COOL is -O1.
+function(dynwitness_precompile NAME)
+  cmake_parse_arguments(ARG "COOL" "" "LINK;HEADERS" ${ARGN})
+  add_library(dynwitness_${NAME} OBJECT ${PROJECT_BINARY_DIR}/nothing.cpp)
+  target_link_libraries(dynwitness_${NAME} PRIVATE ${ARG_LINK})
+  target_compile_features(dynwitness_${NAME} PRIVATE cxx_std_17)
+  if(ARG_COOL)
+    target_compile_options(dynwitness_${NAME} PRIVATE -O1)
+  endif()
+  target_precompile_headers(dynwitness_${NAME} PRIVATE ${ARG_HEADERS})
+endfunction()
+function(dynwitness_use_precompiled NAME)
+  foreach(target ${ARGN})
+    target_precompile_headers(${target} REUSE_FROM dynwitness_${NAME})
+  endforeach()
+endfunction()
+
+set(standard <algorithm> <array> <cmath> <cstdint> <functional> <iostream> <limits> <map> <memory>
+             <optional> <random> <set> <sstream> <stdexcept> <string> <tuple> <type_traits>
+             <unordered_map> <utility> <variant> <vector>)
+set(mathematics <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
+                <boost/math/constants/constants.hpp> <boost/multiprecision/cpp_int.hpp>)
+set(libraries Boost::headers Eigen3::Eigen fmt::fmt)
+dynwitness_precompile(outside LINK ${libraries} HEADERS ${standard} ${mathematics} <fmt/format.h>)
+dynwitness_precompile(outside_cool COOL LINK ${libraries} nlohmann_json::nlohmann_json
+                      HEADERS ${standard} ${mathematics} <fmt/format.h> <nlohmann/json.hpp>)
+dynwitness_precompile(outside_of_commands COOL
+                      LINK ${libraries} nlohmann_json::nlohmann_json CLI11::CLI11
+                      HEADERS ${standard} ${mathematics} <fmt/format.h> <nlohmann/json.hpp>
+                              <CLI/CLI.hpp>)
+if(DYNWITNESS_TESTS)
+  find_package(Boost 1.74 REQUIRED COMPONENTS unit_test_framework)
+  dynwitness_precompile(outside_of_tests COOL LINK ${libraries} Boost::unit_test_framework
+                        HEADERS ${standard} ${mathematics} <boost/test/data/monomorphic.hpp>
+                                <boost/test/data/test_case.hpp> <boost/test/unit_test.hpp>)
+endif()

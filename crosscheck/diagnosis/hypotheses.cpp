@@ -1,0 +1,789 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/diagnosis/hypotheses.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using Edit = std::function<void(TextbookLink&)>;
+using Applies = std::function<bool(const TextbookLink&)>;
+constexpr double kDegree = M_PI / 180;
+/// Entries of an inertia, as its six numbers are listed.
+constexpr std::array<std::array<int, 2>, 6> kEntries = {
+    {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+
+Matrix3d pointMass(double mass, const Vector3d& r) {
+  return mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
+}
+/// What the theorem of parallel axes adds from the centre of mass to the link's origin.
+Matrix3d toOrigin(const TextbookLink& link) {
+  return pointMass(link.mass, link.com);
+}
+/// The same to the moved joint's origin, in link axes.
+Matrix3d toJoint(const TextbookLink& link) {
+  return pointMass(link.mass, link.com + link.after.R.transpose() * link.after.p);
+}
+bool isTrivial(const Frame& frame) {
+  return frame.R == Matrix3d::Identity() && frame.p == Vector3d::Zero();
+}
+bool hasOneRate(const TextbookLink& link) {
+  return link.parent >= 0 && scene::degreesOfFreedom(link.kind) == 1;
+}
+bool hasAxisOfOne(const TextbookLink& link) {
+  return hasOneRate(link) && scene::hasAxis(link.kind);
+}
+bool moves(const TextbookLink& link) {
+  return link.parent >= 0 && link.kind != scene::JointKind::kFixed;
+}
+bool hasParent(const TextbookLink& link) {
+  return link.parent >= 0;
+}
+Matrix3d withProducts(Matrix3d I, double factor) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (i != j) I(i, j) *= factor;
+  return I;
+}
+/// The inertia about the centre of mass, from numbers as they were written.
+Matrix3d fromWritten(const TextbookLink& link, const Matrix3d& written, const Matrix3d& axes) {
+  Matrix3d I = axes * written * axes.transpose();
+  if (link.about_origin) I -= toOrigin(link);
+  return I;
+}
+
+/// Collects hypotheses.
+class List {
+ public:
+  explicit List(const TextbookModel& model) : model_(model) {}
+
+  void add(const std::string& rule, const std::string& sentence,
+           std::function<void(Belief&)> apply) {
+    out_.push_back({rule, -1, false, sentence, std::move(apply)});
+  }
+  /// @param sentence  {} stands for "link 'arm'" or "joint 'elbow'"
+  void at(const std::string& rule, std::size_t i, bool at_joint, const std::string& sentence,
+          std::function<void(Belief&)> apply) {
+    const TextbookLink& link = model_.links[i];
+    const std::string where =
+        at_joint ? fmt::format("joint '{}'", link.joint) : fmt::format("link '{}'", link.name);
+    out_.push_back(
+        {rule, static_cast<int>(i), at_joint, fmt::format(sentence, where), std::move(apply)});
+  }
+  /// One a link to which it applies, and all of them together.
+  void each(const std::string& rule, bool at_joint, const Applies& applies,
+            const std::string& sentence, const Edit& edit) {
+    int count = 0;
+    for (std::size_t i = 0; i < model_.links.size(); ++i) {
+      if (!applies(model_.links[i])) continue;
+      ++count;
+      at(rule, i, at_joint, sentence, [edit, i](Belief& b) { edit(b.model.links[i]); });
+    }
+    if (count < 2) return;
+    add(rule, fmt::format(sentence, at_joint ? "every joint" : "every link"),
+        [edit, applies](Belief& b) {
+          for (TextbookLink& link : b.model.links)
+            if (applies(link)) edit(link);
+        });
+  }
+  void formula(const std::string& rule, const std::string& sentence,
+               const std::function<void(Formulas&)>& edit) {
+    add(rule, sentence, [edit](Belief& b) { edit(b.formulas); });
+  }
+  const TextbookModel& model() const { return model_; }
+  std::vector<Hypothesis> take() { return std::move(out_); }
+
+ private:
+  const TextbookModel& model_;
+  std::vector<Hypothesis> out_;
+};
+
+void addGravity(List& list) {
+  list.add("gravity_sign", "gravity with the opposite sign",
+           [](Belief& b) { b.model.gravity = -b.model.gravity; });
+  list.add("gravity_missing", "gravity left out",
+           [](Belief& b) { b.model.gravity = Vector3d::Zero(); });
+  list.add("gravity_twice", "gravity counted twice", [](Belief& b) { b.model.gravity *= 2; });
+  const double size = list.model().gravity.norm();
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int sign : {-1, 1}) {
+      const Vector3d other = sign * size * Vector3d::Unit(axis);
+      if (size == 0 || other == list.model().gravity || other == -list.model().gravity) continue;
+      list.add("gravity_frame",
+               fmt::format("gravity along {}{} of the world", sign < 0 ? "-" : "+", "xyz"[axis]),
+               [other](Belief& b) { b.model.gravity = other; });
+    }
+  list.formula("gravity_frame", "gravity in the world's axes taken as if in the axes of each link",
+               [](Formulas& f) { f.gravity_not_turned = true; });
+  for (const bool twice : {true, false})
+    list.formula("gravity_in_c",
+                 twice ? "gravity included in c (and once more in tau)" : "gravity included in c",
+                 [twice](Formulas& f) {
+                   f.gravity_in_c = true;
+                   f.g_twice_in_tau = twice;
+                 });
+}
+
+void addFormulas(List& list) {
+  for (const bool in_tau : {true, false}) {
+    const std::string where = in_tau ? "" : ", not in tau";
+    const auto factor = [&](const std::string& rule, const std::string& what, double of_M,
+                            double of_c) {
+      list.formula(rule, what + where, [=](Formulas& f) {
+        f.factor_M = of_M;
+        f.factor_c = of_c;
+        f.factor_in_tau = in_tau;
+      });
+    };
+    factor("c_twice", "c counted twice", 1, 2);
+    factor("c_half", "half of c", 1, 0.5);
+    factor("qd_ignored", "c left out", 1, 0);
+    factor("half_inertia", "half of M", 0.5, 1);
+    factor("double_inertia", "M twice as large", 2, 1);
+    factor("half_inertia", "half of M and of c", 0.5, 0.5);
+    factor("double_inertia", "M and c twice as large", 2, 2);
+  }
+  list.formula("double_inertia", "kinetic energy twice as large",
+               [](Formulas& f) { f.factor_kinetic = 2; });
+  list.formula("half_inertia", "half of the kinetic energy",
+               [](Formulas& f) { f.factor_kinetic = 0.5; });
+  list.formula("qdd_ignored", "accelerations of the joints ignored in tau",
+               [](Formulas& f) { f.qdd_ignored = true; });
+  for (const bool in_tau : {false, true}) {
+    list.formula("triangle_only", "only the upper triangle of M filled", [in_tau](Formulas& f) {
+      f.triangle = Formulas::Triangle::kUpper;
+      f.triangle_in_tau = in_tau;
+    });
+    list.formula("triangle_only", "only the lower triangle of M filled", [in_tau](Formulas& f) {
+      f.triangle = Formulas::Triangle::kLower;
+      f.triangle_in_tau = in_tau;
+    });
+  }
+  list.formula("gyroscopic_missing", "w x I w left out of the links' moments",
+               [](Formulas& f) { f.gyroscopic = false; });
+  list.formula("bias_missing",
+               "accelerations that come of velocities alone (dJ/dt qd) left out of c",
+               [](Formulas& f) { f.point_bias = f.turn_bias = false; });
+  list.formula("bias_missing", "v x Z qd left out of the spatial accelerations",
+               [](Formulas& f) { f.spatial_bias = false; });
+  list.formula("bias_missing",
+               "accelerations of points that come of velocities (dJv/dt qd) left out of c",
+               [](Formulas& f) { f.point_bias = false; });
+  list.formula("bias_missing",
+               "angular accelerations that come of velocities (dJw/dt qd) left out of c",
+               [](Formulas& f) { f.turn_bias = false; });
+  list.formula("centrifugal_missing", "c without the squares of rates (Coriolis terms alone)",
+               [](Formulas& f) { f.products = Formulas::Products::kMixed; });
+  list.formula("coriolis_missing",
+               "c without products of different rates (centrifugal terms alone)",
+               [](Formulas& f) { f.products = Formulas::Products::kSquares; });
+}
+
+void addInertias(List& list) {
+  const Applies any = [](const TextbookLink& link) { return hasParent(link); };
+  const Applies off_origin = [](const TextbookLink& link) {
+    return hasParent(link) && link.after.p != Vector3d::Zero();
+  };
+  const auto both = [&](const std::string& rule, const std::string& sentence, double factor) {
+    list.each(rule, false, any, sentence,
+              [factor](TextbookLink& link) { link.inertia += factor * toOrigin(link); });
+    list.each(rule, false, off_origin, sentence + ", as far as the joint's axis",
+              [factor](TextbookLink& link) { link.inertia += factor * toJoint(link); });
+  };
+  both("inertia_about_joint",
+       "inertia of {} taken about the joint instead of the centre of mass (parallel axis twice)",
+       1);
+  both("parallel_axis_missing", "parallel axis term of {} missing", -1);
+  both("parallel_axis_sign", "parallel axis term of {} with the opposite sign", -2);
+  list.each("parallel_axis_sign", false, any,
+            "parallel axis term of {} with the opposite sign, from the joint to the centre of mass",
+            [](TextbookLink& link) { link.inertia += 2 * toOrigin(link); });
+  for (const double factor : {-1.0, 0.0}) {
+    const std::string rule = factor < 0 ? "product_sign" : "products_dropped";
+    const std::string what = factor < 0 ? "products of inertia of {} with the opposite sign"
+                                        : "products of inertia of {} dropped";
+    list.each(rule, false, any, what,
+              [factor](TextbookLink& link) { link.inertia = withProducts(link.inertia, factor); });
+    list.each(rule, false, any, what + ", in the axes in which they are given",
+              [factor](TextbookLink& link) {
+                link.inertia = fromWritten(link, withProducts(link.written, factor), link.axes);
+              });
+    list.each(rule, false, any, what + ", about the link's origin", [factor](TextbookLink& link) {
+      link.inertia = withProducts(Matrix3d(link.inertia + toOrigin(link)), factor) - toOrigin(link);
+    });
+  }
+  list.each("principal_axes_not_rotated", false, any,
+            "inertia of {} taken in link axes although it is given in axes of its own",
+            [](TextbookLink& link) {
+              link.inertia = fromWritten(link, link.written, Matrix3d::Identity());
+            });
+  list.each("principal_axes_not_rotated", false, any,
+            "inertia of {} turned the wrong way from axes of its own", [](TextbookLink& link) {
+              link.inertia = fromWritten(link, link.written, link.axes.transpose());
+            });
+  std::array<int, 3> order = {0, 1, 2};
+  do
+    list.each("principal_axes_not_rotated", false, any,
+              "principal moments of {} taken as moments about the link's axes",
+              [order](TextbookLink& link) {
+                const Eigen::SelfAdjointEigenSolver<Matrix3d> solved(link.inertia);
+                for (int k = 0; k < 3; ++k)
+                  link.inertia.row(k) = Vector3d::Unit(k).transpose() *
+                                        solved.eigenvalues()(order[static_cast<std::size_t>(k)]);
+              });
+  while (std::next_permutation(order.begin(), order.end()));
+  list.each("half_inertia", false, any, "half of the inertia of {}",
+            [](TextbookLink& link) { link.inertia *= 0.5; });
+  list.each("double_inertia", false, any, "inertia of {} twice as large",
+            [](TextbookLink& link) { link.inertia *= 2; });
+  list.each("com_dropped", false, any, "centre of mass of {} taken at the link's origin",
+            [](TextbookLink& link) { link.com = Vector3d::Zero(); });
+  list.each("com_dropped", false, off_origin, "centre of mass of {} taken at the joint",
+            [](TextbookLink& link) { link.com = -link.after.R.transpose() * link.after.p; });
+}
+
+void addCentresOfMass(List& list) {
+  const std::string rule = "com_wrong_frame";
+  for (std::size_t i = 1; i < list.model().links.size(); ++i) {
+    for (const Formulas::Com com : {Formulas::Com::kParentFrame, Formulas::Com::kParentAxes})
+      list.at(rule, i, false,
+              com == Formulas::Com::kParentFrame
+                  ? "centre of mass of {} taken in the frame of its parent"
+                  : "centre of mass of {} taken in the axes of its parent",
+              [i, com](Belief& b) {
+                b.formulas.com_elsewhere = static_cast<int>(i);
+                b.formulas.com = com;
+              });
+  }
+  const Applies any = [](const TextbookLink& link) { return hasParent(link); };
+  list.each(rule, false, any, "centre of mass of {} taken in the moved joint frame",
+            [](TextbookLink& link) {
+              link.com = (link.after.R.transpose() * (link.com - link.after.p)).eval();
+            });
+  list.each(rule, false, any, "centre of mass of {} taken in the axes of the moved joint frame",
+            [](TextbookLink& link) { link.com = (link.after.R.transpose() * link.com).eval(); });
+  list.each(rule, false, any, "centre of mass of {} turned by its placement once more",
+            [](TextbookLink& link) { link.com = (link.before.R * link.com).eval(); });
+  list.each(rule, false, any,
+            "centre of mass of {} in the axes of its parent at rest taken as if in its own",
+            [](TextbookLink& link) { link.com = (link.before.R.transpose() * link.com).eval(); });
+  list.each(rule, false, any, "centre of mass of {} moved by its placement once more",
+            [](TextbookLink& link) { link.com = link.before.R * link.com + link.before.p; });
+  list.each(rule, false, any,
+            "centre of mass of {} taken in the frame of its parent, as it is at rest",
+            [](TextbookLink& link) {
+              link.com = (link.before.R.transpose() * (link.com - link.before.p)).eval();
+            });
+}
+
+void addJointForces(List& list) {
+  const Applies has_rotor = [](const TextbookLink& link) { return link.added != 0; };
+  list.each("rotor_missing", true, has_rotor, "rotor of {} missing",
+            [](TextbookLink& link) { link.added = link.rotor = 0; });
+  list.each("rotor_doubled", true, has_rotor, "rotor of {} counted twice",
+            [](TextbookLink& link) { link.added *= 2; });
+  list.each("rotor_ratio_not_squared", true, has_rotor, "gear ratio of {} not squared",
+            [](TextbookLink& link) { link.added = link.gear * link.rotor; });
+  list.each("rotor_ratio_not_squared", true, has_rotor, "gear ratio of {} left out",
+            [](TextbookLink& link) { link.added = link.rotor; });
+  list.each("rotor_sign", true, has_rotor, "rotor of {} with the opposite sign",
+            [](TextbookLink& link) { link.added = -link.added; });
+  const Applies damped = [](const TextbookLink& link) { return link.viscous != 0; };
+  const Applies rubs = [](const TextbookLink& link) {
+    return link.viscous != 0 || link.coulomb[0] != 0 || link.coulomb[1] != 0;
+  };
+  const Applies coulomb = [](const TextbookLink& link) {
+    return link.coulomb[0] != 0 || link.coulomb[1] != 0;
+  };
+  list.each("damping_sign", true, damped, "damping of {} with the opposite sign",
+            [](TextbookLink& link) { link.viscous = -link.viscous; });
+  list.each("damping_sign", true, rubs, "friction of {} with the opposite sign",
+            [](TextbookLink& link) {
+              link.viscous = -link.viscous;
+              for (double& x : link.coulomb) x = -x;
+            });
+  list.each("damping_missing", true, damped, "damping of {} left out",
+            [](TextbookLink& link) { link.viscous = 0; });
+  list.each("friction_missing", true, rubs, "friction of {} left out",
+            [](TextbookLink& link) { link.viscous = link.coulomb[0] = link.coulomb[1] = 0; });
+  list.each("friction_missing", true, coulomb, "Coulomb friction of {} left out",
+            [](TextbookLink& link) { link.coulomb[0] = link.coulomb[1] = 0; });
+  list.each(
+      "spring_missing", true, [](const TextbookLink& link) { return link.stiffness != 0; },
+      "spring of {} left out", [](TextbookLink& link) { link.stiffness = 0; });
+  list.each(
+      "spring_sign", true, [](const TextbookLink& link) { return link.stiffness != 0; },
+      "spring of {} with the opposite sign",
+      [](TextbookLink& link) { link.stiffness = -link.stiffness; });
+}
+
+void addWrenches(List& list) {
+  if (list.model().wrenches.empty()) return;
+  list.add("wrench_missing", "wrenches left out", [](Belief& b) { b.model.wrenches.clear(); });
+  const auto each = [&](const std::string& rule, const std::string& sentence,
+                        const std::function<void(TextbookWrench&)>& edit) {
+    list.add(rule, sentence, [edit](Belief& b) {
+      for (TextbookWrench& wrench : b.model.wrenches) edit(wrench);
+    });
+  };
+  each("wrench_sign", "wrenches with the opposite sign", [](TextbookWrench& w) {
+    w.force = -w.force;
+    w.moment = -w.moment;
+  });
+  each("wrench_frame", "wrenches in link axes taken in world axes",
+       [](TextbookWrench& w) { w.in_world = true; });
+  each("wrench_frame", "wrenches in world axes taken in link axes",
+       [](TextbookWrench& w) { w.in_world = false; });
+  each("wrench_point", "forces of wrenches taken at the link's origin",
+       [](TextbookWrench& w) { w.at = Vector3d::Zero(); });
+}
+
+void addPlacements(List& list) {
+  const TextbookModel& model = list.model();
+  list.each("rotation_transposed", false, hasParent, "rotation of {} (its placement) transposed",
+            [](TextbookLink& link) { link.before.R.transposeInPlace(); });
+  list.each("rotation_transposed", false, hasParent, "rotation of {} beyond its joint transposed",
+            [](TextbookLink& link) { link.after.R.transposeInPlace(); });
+  for (std::size_t i = 1; i < model.links.size(); ++i)
+    list.at("rotation_transposed", i, false,
+            "rotation of {} in its parent, with its joint's, transposed",
+            [i](Belief& b) { b.formulas.turned_back = static_cast<int>(i); });
+  list.each("rotation_transposed", false, hasParent, "placement of {} inverted",
+            [](TextbookLink& link) {
+              link.before.R.transposeInPlace();
+              link.before.p = (-link.before.R * link.before.p).eval();
+            });
+  list.each("rpy_order", false, hasParent, "turns of the placement of {} in the opposite order",
+            [](TextbookLink& link) {
+              Matrix3d R = Matrix3d::Identity();
+              for (const PlacementStep& step : link.before_steps)
+                if (step.axis >= 0) R = composed({step}).R * R;
+              link.before.R = R;
+            });
+
+  const Applies fixed = [](const TextbookLink& link) {
+    return link.parent >= 0 && link.kind == scene::JointKind::kFixed;
+  };
+  const Edit weightless = [](TextbookLink& link) {
+    link.mass = 0;
+    link.inertia = Matrix3d::Zero();
+  };
+  list.each("fixed_child_skipped", false, fixed, "{}, on a fixed joint, skipped: its mass",
+            weightless);
+  list.each("fixed_child_skipped", false, fixed, "{}, on a fixed joint, skipped: its placement",
+            [](TextbookLink& link) { link.before = link.after = Frame(); });
+  list.each("fixed_child_skipped", false, fixed,
+            "{}, on a fixed joint, skipped: its mass and its placement",
+            [weightless](TextbookLink& link) {
+              weightless(link);
+              link.before = link.after = Frame();
+            });
+
+  const Edit as_modified = [](TextbookLink& link) {
+    std::vector<PlacementStep> turn_z, shift, turn_x;
+    for (const PlacementStep& step : link.after_steps)
+      (step.axis < 0 ? shift : step.axis == 2 ? turn_z : turn_x).push_back(step);
+    const Vector3d p = composed(shift).p;
+    Frame a, d;
+    a.p = {p(0), 0, 0};
+    d.p = {0, 0, p(2)};
+    link.before = composed(turn_x) * a * composed(turn_z) * d;
+    link.after = Frame();
+  };
+  const Edit as_standard = [](TextbookLink& link) {
+    std::vector<PlacementStep> turn_z, turn_x;
+    Vector3d p = Vector3d::Zero();
+    for (const PlacementStep& step : link.before_steps) {
+      if (step.axis < 0) p += step.shift;
+      if (step.axis == 2) turn_z.push_back(step);
+      if (step.axis == 0) turn_x.push_back(step);
+    }
+    Frame shift;
+    shift.p = p;
+    link.before = Frame();
+    link.after = composed(turn_z) * shift * composed(turn_x);
+  };
+  // all at once is the likely way
+  const bool has_dh = std::any_of(model.links.begin(), model.links.end(),
+                                  [](const TextbookLink& link) { return link.is_dh; });
+  const bool has_mdh = std::any_of(model.links.begin(), model.links.end(),
+                                   [](const TextbookLink& link) { return link.is_mdh; });
+  if (has_dh)
+    list.each(
+        "dh_as_modified", false, [](const TextbookLink& link) { return link.is_dh; },
+        "Denavit-Hartenberg row of {} read as a modified one", as_modified);
+  if (has_mdh)
+    list.each(
+        "dh_as_modified", false, [](const TextbookLink& link) { return link.is_mdh; },
+        "modified Denavit-Hartenberg row of {} read as a standard one", as_standard);
+  list.each(
+      "dh_as_modified", false,
+      [](const TextbookLink& link) { return hasParent(link) && !isTrivial(link.after); },
+      "placement of {} beyond its joint taken before the joint",
+      [](TextbookLink& link) {
+        link.before = link.before * link.after;
+        link.after = Frame();
+      });
+
+  for (const double unit : {kDegree, 1 / kDegree}) {
+    const std::string how =
+        unit < 1 ? "in radians taken for degrees" : "in degrees taken for radians";
+    std::size_t most = 0;
+    for (const TextbookLink& link : model.links)
+      most = std::max(most, link.before_steps.size() + link.after_steps.size());
+    const auto scaled = [unit](TextbookLink& link, std::size_t only) {
+      std::size_t k = 0;
+      for (auto* steps : {&link.before_steps, &link.after_steps})
+        for (PlacementStep& step : *steps)
+          if (const std::size_t here = k++; only == here || only > 100) step.angle *= unit;
+      link.before = composed(link.before_steps);
+      link.after = composed(link.after_steps);
+    };
+    const Applies turned = [](const TextbookLink& link) {
+      return hasParent(link) &&
+             (link.before.R != Matrix3d::Identity() || link.after.R != Matrix3d::Identity());
+    };
+    for (std::size_t k = 0; k < most; ++k)
+      list.each(
+          "angle_in_degrees", false,
+          [k, turned](const TextbookLink& link) {
+            const std::size_t n = link.before_steps.size();
+            if (!turned(link) || k >= n + link.after_steps.size()) return false;
+            const PlacementStep& step = k < n ? link.before_steps[k] : link.after_steps[k - n];
+            return step.axis >= 0 && step.angle != 0;
+          },
+          "an angle of the placement of {} " + how,
+          [k, scaled](TextbookLink& link) { scaled(link, k); });
+    list.each("angle_in_degrees", false, turned, "angles of the placement of {} " + how,
+              [scaled](TextbookLink& link) { scaled(link, 1000); });
+    const auto rotation = [unit](Matrix3d& R) {
+      const Eigen::AngleAxisd turn(R);
+      R = Eigen::AngleAxisd(turn.angle() * unit, turn.axis()).toRotationMatrix();
+    };
+    list.each("angle_in_degrees", false, turned, "angle of the placement of {} " + how,
+              [rotation](TextbookLink& link) { rotation(link.before.R); });
+    list.each("angle_in_degrees", false, turned, "angle of the placement of {} " + how,
+              [rotation](TextbookLink& link) { rotation(link.after.R); });
+    list.add("angle_in_degrees", "angles of joints " + how,
+             [unit](Belief& b) { b.passing.angle_unit = unit; });
+  }
+}
+
+void addJoints(List& list) {
+  const TextbookModel& model = list.model();
+  std::vector<std::size_t> single;  // links whose joints have one position
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    if (hasOneRate(model.links[i])) single.push_back(i);
+  const std::size_t n = single.size();
+  const auto order = [&](const std::string& sentence, const std::vector<std::size_t>& taken) {
+    std::vector<int> rates(static_cast<std::size_t>(model.dof)),
+        positions(static_cast<std::size_t>(model.positions));
+    std::iota(rates.begin(), rates.end(), 0);
+    std::iota(positions.begin(), positions.end(), 0);
+    for (std::size_t k = 0; k < n; ++k) {
+      const TextbookLink &here = model.links[single[k]], &there = model.links[single[taken[k]]];
+      rates[static_cast<std::size_t>(here.qd)] = there.qd;
+      positions[static_cast<std::size_t>(here.q)] = there.q;
+    }
+    list.add("joint_order", sentence, [=](Belief& b) {
+      b.passing.order = rates;
+      b.passing.position_order = positions;
+    });
+  };
+  std::vector<std::size_t> same(n);
+  std::iota(same.begin(), same.end(), std::size_t{0});
+  if (n > 1) {
+    std::vector<std::size_t> backward(same.rbegin(), same.rend()), on = same;
+    if (n > 2) order("joints in the opposite order", backward);
+    if (n > 2) {
+      std::rotate(on.begin(), on.begin() + 1, on.end());
+      order("joints counted from the second on", on);
+      std::rotate(on.begin(), on.begin() + static_cast<std::ptrdiff_t>(n) - 2, on.end());
+      order("joints counted from the last on", on);
+    }
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = a + 1; b < n; ++b) {
+        std::vector<std::size_t> swapped = same;
+        std::swap(swapped[a], swapped[b]);
+        order(fmt::format("joints '{}' and '{}' taken for each other", model.links[single[a]].joint,
+                          model.links[single[b]].joint),
+              swapped);
+      }
+  }
+  const auto flip = [&model](Belief& b, std::size_t i) {
+    Passing& by = b.passing;
+    if (by.sign.empty()) by.sign.assign(static_cast<std::size_t>(model.dof), 1.0);
+    if (by.position_sign.empty())
+      by.position_sign.assign(static_cast<std::size_t>(model.positions), 1.0);
+    by.sign[static_cast<std::size_t>(model.links[i].qd)] *= -1;
+    by.position_sign[static_cast<std::size_t>(model.links[i].q)] *= -1;
+  };
+  for (const std::size_t i : single)
+    list.at("joint_sign", i, true, "{} moves in the opposite direction",
+            [flip, i](Belief& b) { flip(b, i); });
+  if (n > 1)
+    list.add("joint_sign", "all joints move in the opposite direction", [flip, single](Belief& b) {
+      for (const std::size_t i : single) flip(b, i);
+    });
+  list.each("joint_sign", true, hasAxisOfOne, "axis of {} points in the opposite direction",
+            [](TextbookLink& link) { link.axis = -link.axis; });
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int sign : {1, -1})
+      list.each(
+          "axis_wrong", true,
+          [axis](const TextbookLink& link) {
+            return hasAxisOfOne(link) && std::abs(link.axis(axis)) != 1;
+          },
+          fmt::format("{{}} moves about {}{} of its frame", sign < 0 ? "-" : "", "xyz"[axis]),
+          [axis, sign](TextbookLink& link) { link.axis = sign * Vector3d::Unit(axis); });
+  list.each("axis_wrong", true, hasAxisOfOne, "axis of {} taken in the parent's axes",
+            [](TextbookLink& link) { link.axis = (link.before.R.transpose() * link.axis).eval(); });
+  list.each("axis_wrong", true, hasAxisOfOne, "axis of {} turned by its placement once more",
+            [](TextbookLink& link) { link.axis = (link.before.R * link.axis).eval(); });
+  list.each(
+      "prismatic_as_revolute", true,
+      [](const TextbookLink& link) { return link.kind == scene::JointKind::kPrismatic; },
+      "{}, prismatic, taken as revolute",
+      [](TextbookLink& link) { link.kind = scene::JointKind::kRevolute; });
+  list.each(
+      "revolute_as_prismatic", true,
+      [](const TextbookLink& link) { return link.kind == scene::JointKind::kRevolute; },
+      "{}, revolute, taken as prismatic",
+      [](TextbookLink& link) { link.kind = scene::JointKind::kPrismatic; });
+  list.each(
+      "pitch_ignored", true,
+      [](const TextbookLink& link) { return link.kind == scene::JointKind::kHelical; },
+      "{}, helical, taken as revolute", [](TextbookLink& link) { link.pitch = 0; });
+
+  const bool turns = std::any_of(model.links.begin(), model.links.end(), [](const TextbookLink& l) {
+    return l.parent >= 0 &&
+           (l.kind == scene::JointKind::kSpherical || l.kind == scene::JointKind::kFloating);
+  });
+  if (!turns) return;
+  list.add("quaternion_order", "quaternions taken as (x, y, z, w)",
+           [](Belief& b) { b.passing.xyzw = true; });
+  for (const bool angular : {false, true})
+    for (const bool forces : {true, false})
+      list.add("base_twist_world",
+               fmt::format("{} of spherical and floating joints taken in world axes{}",
+                           angular ? "angular velocities" : "rates",
+                           forces ? ", and forces given there" : ""),
+               [angular, forces](Belief& b) {
+                 b.passing.world_rates = true;
+                 b.passing.world_forces = forces;
+                 b.passing.only_angular = angular;
+               });
+}
+
+void addSeries(List& list) {
+  constexpr int kMostTerms = 14;
+  for (const bool reduced : {false, true})
+    for (int terms = 1; terms <= kMostTerms; ++terms) {
+      const auto add = [&](const std::string& what, int sine, int cosine) {
+        list.formula("sine_series",
+                     fmt::format("{} by {} terms of the series{}", what, terms,
+                                 reduced ? " (angles brought to [-pi, pi])" : ""),
+                     [=](Formulas& f) {
+                       f.sine_terms = sine;
+                       f.cosine_terms = cosine;
+                       f.reduced = reduced;
+                     });
+      };
+      add("sine and cosine", terms, terms);
+      add("sine", terms, 0);
+      add("sine and cosine (one term more)", terms, terms + 1);
+      add("cosine", 0, terms);
+    }
+}
+
+}  // namespace
+
+std::vector<Hypothesis> hypotheses(const TextbookModel& model) {
+  List list(model);
+  addGravity(list);
+  addFormulas(list);
+  addJointForces(list);
+  addInertias(list);
+  addWrenches(list);
+  addPlacements(list);
+  addCentresOfMass(list);
+  addJoints(list);
+  addSeries(list);
+  // the other reading of these words: numbers about the centre of mass taken as if about the joint
+  list.each("inertia_about_joint", false, hasParent,
+            "inertia of {}, given about the centre of mass, taken as if about the joint",
+            [](TextbookLink& link) { link.inertia -= toOrigin(link); });
+  return list.take();
+}
+
+std::vector<Suspect> suspects(const TextbookModel& model) {
+  std::vector<Suspect> out;
+  using Values = Eigen::VectorXd;
+  const auto sizeOr1 = [](double x) { return x == 0 ? 1.0 : std::abs(x); };
+  if (model.gravity != Vector3d::Zero()) {
+    const double g = model.gravity.norm();
+    out.push_back({"gravity_wrong",
+                   -1,
+                   false,
+                   "gravity",
+                   "m/s^2",
+                   {"g"},
+                   {g},
+                   {g},
+                   [g](Belief& b, const Values& s) { b.model.gravity *= 1 + s(0) / g; }});
+  }
+  for (std::size_t i = 1; i < model.links.size(); ++i) {
+    const TextbookLink& link = model.links[i];
+    const int at = static_cast<int>(i);
+    const std::string of_link = fmt::format(" of link '{}'", link.name),
+                      of_joint = fmt::format(" of joint '{}'", link.joint);
+    out.push_back({"mass_wrong",
+                   at,
+                   false,
+                   "mass" + of_link,
+                   "kg",
+                   {"mass"},
+                   {link.mass},
+                   {sizeOr1(link.mass)},
+                   [i](Belief& b, const Values& s) { b.model.links[i].mass += s(0); }});
+    if (link.mass != 0)
+      out.push_back({"mass_wrong",
+                     at,
+                     false,
+                     "density (mass, and inertia with it)" + of_link,
+                     "kg",
+                     {"mass"},
+                     {link.mass},
+                     {link.mass},
+                     [i](Belief& b, const Values& s) {
+                       TextbookLink& l = b.model.links[i];
+                       const double factor = 1 + s(0) / l.mass;
+                       l.mass *= factor;
+                       l.inertia *= factor;
+                     }});
+    const double reach = std::max({link.before.p.norm(), link.after.p.norm(), link.com.norm()});
+    for (const bool after : {false, true}) {
+      const Vector3d p = after ? link.after.p : link.before.p;
+      const auto move = [&](const std::string& name, const Vector3d& direction, double value) {
+        out.push_back({"length_wrong",
+                       at,
+                       false,
+                       "length" + of_link,
+                       "m",
+                       {name},
+                       {value},
+                       {sizeOr1(reach)},
+                       [i, after, direction](Belief& b, const Values& s) {
+                         TextbookLink& l = b.model.links[i];
+                         (after ? l.after : l.before).p += s(0) * direction;
+                       }});
+      };
+      int along = 0;
+      for (int k = 0; k < 3; ++k) along += p(k) != 0;
+      if (along > 1) move("|p|", p.normalized(), p.norm());
+      for (int k = 0; k < 3; ++k)
+        if (p(k) != 0) move(fmt::format("p{}", "xyz"[k]), Vector3d::Unit(k), p(k));
+      for (int k = 0; k < 3; ++k)
+        if (p(k) == 0 && (!after || !isTrivial(link.after)))
+          move(fmt::format("p{}", "xyz"[k]), Vector3d::Unit(k), 0);
+    }
+    const double I = sizeOr1(link.inertia.trace());
+    const auto entry = [](std::size_t k) {
+      return fmt::format("I{}{}", "xyz"[kEntries[k][0]], "xyz"[kEntries[k][1]]);
+    };
+    const auto addEntry = [](Matrix3d& inertia, std::size_t k, double value) {
+      const auto [a, b] = kEntries[k];
+      inertia(a, b) += value;
+      if (a != b) inertia(b, a) += value;
+    };
+    if (link.inertia != Matrix3d::Zero())
+      out.push_back({"inertia_wrong",
+                     at,
+                     false,
+                     "inertia, by one factor," + of_link,
+                     "",
+                     {"factor"},
+                     {1},
+                     {1},
+                     [i](Belief& b, const Values& s) { b.model.links[i].inertia *= 1 + s(0); }});
+    for (std::size_t k = 0; k < 6; ++k)
+      out.push_back({"inertia_wrong",
+                     at,
+                     false,
+                     "inertia" + of_link,
+                     "kg m^2",
+                     {entry(k)},
+                     {link.inertia(kEntries[k][0], kEntries[k][1])},
+                     {I},
+                     [i, k, addEntry](Belief& b, const Values& s) {
+                       addEntry(b.model.links[i].inertia, k, s(0));
+                     }});
+    for (int k = 0; k < 3; ++k)
+      out.push_back({"com_wrong",
+                     at,
+                     false,
+                     "centre of mass" + of_link,
+                     "m",
+                     {fmt::format("c{}", "xyz"[k])},
+                     {link.com(k)},
+                     {sizeOr1(reach)},
+                     [i, k](Belief& b, const Values& s) { b.model.links[i].com(k) += s(0); }});
+    if (scene::degreesOfFreedom(link.kind) == 1 && link.parent >= 0) {
+      const auto number = [&](const std::string& rule, const std::string& what,
+                              const std::string& unit, double TextbookLink::*member) {
+        if (link.*member == 0) return;
+        out.push_back(
+            {rule,
+             at,
+             true,
+             what + of_joint,
+             unit,
+             {what},
+             {link.*member},
+             {std::abs(link.*member)},
+             [i, member](Belief& b, const Values& s) { b.model.links[i].*member += s(0); }});
+      };
+      number("rotor_wrong", "inertia of the rotor at the joint", "kg m^2", &TextbookLink::added);
+      number("damping_wrong", "damping", "N m s/rad", &TextbookLink::viscous);
+      number("spring_wrong", "stiffness", "N m/rad", &TextbookLink::stiffness);
+    }
+  }
+  // several numbers
+  for (std::size_t i = 1; i < model.links.size(); ++i) {
+    const TextbookLink& link = model.links[i];
+    const Matrix3d& I = link.inertia;
+    const double size = sizeOr1(I.trace());
+    out.push_back({"inertia_wrong",
+                   static_cast<int>(i),
+                   false,
+                   fmt::format("inertia of link '{}'", link.name),
+                   "kg m^2",
+                   {"Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"},
+                   {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)},
+                   {size, size, size, size, size, size},
+                   [i](Belief& b, const Values& s) {
+                     Matrix3d d;
+                     d << s(0), s(3), s(4), s(3), s(1), s(5), s(4), s(5), s(2);
+                     b.model.links[i].inertia += d;
+                   }});
+  }
+  return out;
+}
+
+std::vector<Stale> staleStates() {
+  return {{true, false, false, "positions of the question before used again"},
+          {true, true, false, "positions and rates of the question before used again"},
+          {true, true, true, "the state of the question before used again"},
+          {false, true, false, "rates of the question before used again"},
+          {false, false, true, "accelerations of the question before used again"}};
+}
+
+}  // namespace dynwitness::crosscheck

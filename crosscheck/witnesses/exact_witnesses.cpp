@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Our witnesses over the prime field and in degrees. Compiled without much optimisation, as
+// fast_sweeps_exact.cpp is.
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "crosscheck/kernel/roads.hpp"
+#include "crosscheck/witnesses/coupled.hpp"
+#include "crosscheck/witnesses/exact_witness.hpp"
+#include "crosscheck/witnesses/lagrange.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+const auto kUnchanged = [](auto&, const auto&) {};
+
+/// The programs that kernels are compiled from.
+struct KernelPrograms {
+  explicit KernelPrograms(const kernel::SmallestRoads& roads) : dof(roads.mechanism().dof()) {
+    using kernel::Formula;
+    for (const auto& [quantity, formula] : {std::pair(Quantity::kM, Formula::kMassMatrix),
+                                            std::pair(Quantity::kTau, Formula::kInverseDynamics),
+                                            std::pair(Quantity::kQdd, Formula::kForwardDynamics)}) {
+      try {
+        programs.emplace(quantity, roads(formula).program);
+      } catch (const std::domain_error& error) {
+        failures.emplace(quantity, error.what());
+      } catch (const kernel::NotUsed&) {  // the kernel's own witness says why
+      }
+    }
+  }
+  bool answers(Quantity quantity) const {
+    return programs.count(quantity) + failures.count(quantity) > 0;
+  }
+  std::map<Quantity, symbolic::Program> programs;
+  std::map<Quantity, std::string> failures;  ///< why there is none
+  int dof;
+};
+
+/// The same in one arithmetic.
+template <typename T>
+class KernelAnswers {
+ public:
+  template <typename Numbers>
+  KernelAnswers(std::shared_ptr<const KernelPrograms> programs, const Numbers& number)
+      : programs_(std::move(programs)) {
+    for (const auto& [quantity, program] : programs_->programs)
+      runs_.emplace(quantity, symbolic::ProgramRun<T>(program, number));
+  }
+  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& state) {
+    if (const auto it = programs_->failures.find(quantity); it != programs_->failures.end())
+      throw DivisionByZero(it->second);
+    const std::vector<T> out = runs_.at(quantity)(state);
+    return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        out.data(), programs_->dof, quantity == Quantity::kM ? programs_->dof : 1);
+  }
+
+ private:
+  std::shared_ptr<const KernelPrograms> programs_;
+  std::map<Quantity, symbolic::ProgramRun<T>> runs_;
+};
+
+}  // namespace
+
+OrRefusal<ExactWitness> exactLagrange(const PreparedScene& scene, Parameters parameters) {
+  const bool fold = parameters == Parameters::kAsWritten;
+  const auto on = [scene, fold](const auto& number) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    return [scene, answer = DerivedAnswers<T>(scene.derived(fold), number)](
+               Quantity quantity, const auto& state) mutable { return answer(quantity, state); };
+  };
+  return ExactWitness{"lagrange", DerivedPrograms::answers, on, on};
+}
+
+OrRefusal<ExactWitness> exactNewtonEuler(const PreparedScene& scene, Parameters) {
+  return sweepWitness<NewtonEuler>(scene.scene(), kUnchanged);
+}
+OrRefusal<ExactWitness> exactCompositeBody(const PreparedScene& scene, Parameters) {
+  return sweepWitness<CompositeBody>(scene.scene(), kUnchanged);
+}
+OrRefusal<ExactWitness> exactArticulatedBody(const PreparedScene& scene, Parameters) {
+  return sweepWitness<ArticulatedBody>(scene.scene(), kUnchanged);
+}
+
+OrRefusal<ExactWitness> exactRecursiveLagrange(const PreparedScene& scene, Parameters) {
+  return recursiveLagrangeWitness(scene.scene(), kUnchanged);
+}
+
+OrRefusal<ExactWitness> exactKernel(const PreparedScene& scene, Parameters parameters) {
+  if (parameters != Parameters::kAsWritten)
+    return Refusal{"a kernel is made for the numbers of its scene"};
+  if (!scene.mechanism().isOpenTree())
+    return Refusal{"kernels are made for open trees, without closures or springs between points"};
+  if (scene.mechanism().hasCoulombFriction())
+    return Refusal{"kernels compute with + - * / alone, and have no sign for Coulomb friction"};
+  const auto programs = std::make_shared<const KernelPrograms>(scene.tree().roads());
+  const auto on = [programs, mechanism = scene.mechanism()](const auto& number) {
+    using T = typename std::decay_t<decltype(number)>::Scalar;
+    return [answers = KernelAnswers<T>(programs, number), coupled = mechanism.hasMimics(),
+            coupling = Coupling<T>(mechanism, number)](
+               Quantity quantity, const scene::State<T>& state) mutable -> MatrixOf<T> {
+      return coupled ? coupling(quantity, state, answers) : answers(quantity, state);
+    };
+  };
+  return ExactWitness{
+      "kernel", [programs](Quantity quantity) { return programs->answers(quantity); }, on, on};
+}
+
+}  // namespace dynwitness::crosscheck
