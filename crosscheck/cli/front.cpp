@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/cli/front.hpp"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <new>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -19,6 +22,8 @@ namespace dynwitness::cli {
 namespace {
 
 constexpr int kBadInput = 2, kOwnFailure = 3;
+/// Libraries that we load need 96 KiB, the command line 128.
+constexpr rlim_t kLeastStack = 256 << 10;
 
 /// The status of some work, or of how it failed, which is told.
 template <typename Work>
@@ -37,6 +42,16 @@ int orFailure(const Work& work) {
   return kOwnFailure;
 }
 
+/// That there is room to speak: without stack there is no message, but a crash.
+void requireStack() {
+  rlimit stack;
+  if (getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur >= kLeastStack) return;
+  stack.rlim_cur = std::min(stack.rlim_max, kLeastStack);
+  if (stack.rlim_cur == kLeastStack && setrlimit(RLIMIT_STACK, &stack) == 0) return;
+  throw std::runtime_error(fmt::format("the stack is limited to {} KiB, at least {} are needed",
+                                       stack.rlim_cur >> 10, kLeastStack >> 10));
+}
+
 /// The program that `command` is, in place of this one; returns where there is none.
 int become(const std::string& command, char** argv) {
   std::error_code ignored;
@@ -53,6 +68,7 @@ int become(const std::string& command, char** argv) {
 
 int front(int argc, char** argv, const std::vector<Command>& commands) {
   occupyStandardFiles();
+  if (const int status = orFailure([] { return requireStack(), 0; }); status != 0) return status;
   crosscheck::leaveNothingBehind();
   CLI::App app("Independent computations of a mechanism's dynamics testify against each other.",
                "dynwitness");

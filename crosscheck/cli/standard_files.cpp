@@ -33,6 +33,10 @@ void requireOutputWritten() {
   if (!written)
     throw std::runtime_error(fmt::format("standard output could not be written{}{}",
                                          error ? ": " : "", error ? std::strerror(error) : ""));
+  // closed before we began (then it is read-only here): nobody wants to hear
+  const bool is_open = (fcntl(STDERR_FILENO, F_GETFL) & O_ACCMODE) != O_RDONLY;
+  if (is_open && (!std::cerr.flush() || std::ferror(stderr)))
+    throw std::runtime_error("standard error could not be written: something was not told");
 }
 
 }  // namespace dynwitness::cli

@@ -10,12 +10,13 @@ namespace dynwitness::cli {
 /// is written to by mistake. To read from or write to such a one still fails.
 void occupyStandardFiles();
 
-/// Writes to standard error. What cannot be written there is lost: it is no reason to give up the
-/// work.
+/// Writes to standard error. What cannot be written there is lost, which the status tells in the
+/// end (requireOutputWritten): it is no reason to give up the work.
 void tell(std::string_view text) noexcept;
 
-/// @throws std::runtime_error  standard output could not be written: what was printed has not
-/// arrived
+/// @throws std::runtime_error  standard output or error could not be written: what was printed or
+///                             told has not arrived. Standard error that was closed from the start
+///                             is nobody's wish to hear.
 void requireOutputWritten();
 
 }  // namespace dynwitness::cli

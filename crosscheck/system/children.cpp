@@ -129,35 +129,94 @@ struct Files {
   _exit(127);
 }
 
-/// How a keeper begins: the first of its group, which is asked to end by SIGTERM when the parent
-/// has gone.
-/// @param prepare  readies it for SIGTERM, before there can be one
-template <typename Prepare>
-void becomeKeeper(pid_t parent, const Prepare& prepare) {
+/// Of /proc: all processes that descend from one. What cannot be read has ended meanwhile.
+std::vector<pid_t> descendantsOf(pid_t ancestor) {
+  std::vector<std::pair<pid_t, pid_t>> all;  // process, parent
+  DIR* const folder = opendir("/proc");
+  if (!folder) return {};
+  while (const dirent* const entry = readdir(folder)) {
+    const pid_t process = static_cast<pid_t>(std::strtol(entry->d_name, nullptr, 10));
+    if (process <= 0) continue;
+    char path[64], text[512];
+    std::snprintf(path, sizeof path, "/proc/%d/stat", process);
+    const int file = open(path, O_RDONLY | O_CLOEXEC);
+    const ssize_t size = file < 0 ? -1 : read(file, text, sizeof text - 1);
+    if (file >= 0) close(file);
+    if (size <= 0) continue;
+    text[size] = '\0';
+    int parent = 0;
+    // "12 (name, with any character) S 7 ..."
+    const char* const name_ends = std::strrchr(text, ')');
+    if (name_ends && std::sscanf(name_ends + 1, " %*c %d", &parent) == 1)
+      all.emplace_back(process, parent);
+  }
+  closedir(folder);
+  std::vector<pid_t> found = {ancestor};
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (const auto& [process, parent] : all)
+      if (parent == found[i]) found.push_back(process);
+  found.erase(found.begin());
+  return found;
+}
+
+/// How long a keeper keeps: until its program has ended, or until it is asked to end.
+enum class Keeps { kTheProgram, kUntilAsked };
+
+/** The keeper of a program, the first of a group of its own. It inherits the orphans among its
+    descendants, so that it finds and ends all of them, those in groups and sessions of their own
+    too. SIGTERM asks it to end, which it gets when the parent has gone. */
+[[noreturn]] void keep(const Start& start, Keeps keeps, const Limits* limits, pid_t parent,
+                       const Files& files, int news) {
   setpgid(0, 0);
   everySignalDefault();
   noCore();
-  prepare();
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  sigset_t awaited;  // both wait until they are asked for, so that none is missed
+  sigemptyset(&awaited);
+  sigaddset(&awaited, SIGTERM);
+  sigaddset(&awaited, SIGCHLD);
+  sigprocmask(SIG_BLOCK, &awaited, nullptr);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
-}
-
-/// The keeper of a child: all of the group goes when the parent does, or when the program ends.
-[[noreturn]] void keep(const Start& start, pid_t parent, int output, int news) {
-  becomeKeeper(parent, [] {
-    struct sigaction kill_group {};
-    kill_group.sa_handler = [](int) { kill(0, SIGKILL); };
-    sigaction(SIGTERM, &kill_group, nullptr);
-  });
   const pid_t program = fork();
-  if (program == 0) becomeProgram(start, {-1, output, output}, news);
-  int status = 0;
+  if (program == 0) {
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (limits) {
+      const auto bytes = static_cast<rlim_t>(limits->gigabytes * 1e9);
+      const rlimit memory{bytes, bytes};
+      setrlimit(RLIMIT_AS, &memory);
+    }
+    close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+    becomeProgram(start, files, news);
+  }
+  // whoever else holds an end of these keeps the others from seeing that it is closed
+  close_range(0, static_cast<unsigned>(news) - 1, 0);
+  close_range(static_cast<unsigned>(news) + 1, ~0U, 0);
   if (program < 0)
     tell(news, {News::kCannotStart, errno});
-  else if (waitpid(program, &status, 0) == program)
-    tell(news, {News::kEnded, status});
-  kill(0, SIGKILL);
-  _exit(1);
+  else
+    setpgid(program, program);
+  int status = 0;
+  for (bool is_over = program < 0 && keeps == Keeps::kTheProgram; !is_over;) {
+    is_over = sigwaitinfo(&awaited, nullptr) == SIGTERM;
+    for (pid_t process; (process = waitpid(-1, &status, WNOHANG)) > 0;) {
+      if (process != program) continue;
+      tell(news, {News::kEnded, status});
+      is_over = is_over || keeps == Keeps::kTheProgram;
+    }
+  }
+  if (program > 0) kill(-program, SIGKILL);
+  constexpr int kRounds = 2000;  // one that the system itself holds up stays
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<pid_t> left = descendantsOf(getpid());
+    if (left.empty()) break;
+    for (const pid_t process : left) kill(process, SIGKILL);
+    usleep(1000);
+    while (waitpid(-1, &status, WNOHANG) > 0) {
+    }
+  }
+  _exit(0);
 }
 
 std::string howItEnded(int status) {
@@ -186,7 +245,7 @@ struct Child::Running {
 
   ~Running() {
     if (keeper < 0) return;
-    kill(-keeper, SIGKILL);
+    kill(keeper, SIGTERM);
     reap(keeper);
   }
 };
@@ -205,13 +264,15 @@ Child::Child(const std::vector<std::string>& words, const ChildOptions& options)
   const SignalsHeld held;
   const pid_t self = getpid();
   r.keeper = fork();
-  if (r.keeper == 0) keep(start, self, r.output.ends[1], r.news.ends[1]);
+  if (r.keeper == 0)
+    keep(start, Keeps::kTheProgram, nullptr, self, {-1, r.output.ends[1], r.output.ends[1]},
+         r.news.ends[1]);
   if (r.keeper < 0) {
     r.error = errno;
     return;
   }
   setpgid(r.keeper, r.keeper);  // here and there: whoever comes first
-  r.ends_with_us = EndsWithUs(-r.keeper, SIGKILL);
+  r.ends_with_us = EndsWithUs(r.keeper, SIGTERM);
   r.output.closeEnd(1);
   r.news.closeEnd(1);
 }
@@ -325,84 +386,6 @@ std::string triedInCopy(const std::function<std::string()>& trial, double second
 
 namespace {
 
-/// Of /proc: all processes that descend from one. What cannot be read has ended meanwhile.
-std::vector<pid_t> descendantsOf(pid_t ancestor) {
-  std::vector<std::pair<pid_t, pid_t>> all;  // process, parent
-  DIR* const folder = opendir("/proc");
-  if (!folder) return {};
-  while (const dirent* const entry = readdir(folder)) {
-    const pid_t process = static_cast<pid_t>(std::strtol(entry->d_name, nullptr, 10));
-    if (process <= 0) continue;
-    char path[64], text[512];
-    std::snprintf(path, sizeof path, "/proc/%d/stat", process);
-    const int file = open(path, O_RDONLY | O_CLOEXEC);
-    const ssize_t size = file < 0 ? -1 : read(file, text, sizeof text - 1);
-    if (file >= 0) close(file);
-    if (size <= 0) continue;
-    text[size] = '\0';
-    int parent = 0;
-    // "12 (name, with any character) S 7 ..."
-    const char* const name_ends = std::strrchr(text, ')');
-    if (name_ends && std::sscanf(name_ends + 1, " %*c %d", &parent) == 1)
-      all.emplace_back(process, parent);
-  }
-  closedir(folder);
-  std::vector<pid_t> found = {ancestor};
-  for (std::size_t i = 0; i < found.size(); ++i)
-    for (const auto& [process, parent] : all)
-      if (parent == found[i]) found.push_back(process);
-  found.erase(found.begin());
-  return found;
-}
-
-/// The keeper of a conversation. It inherits the orphans among its descendants, so that it finds
-/// and ends all of them.
-[[noreturn]] void keepAll(const Start& start, const Limits& limits, pid_t parent,
-                          const Files& files, int news) {
-  sigset_t awaited;
-  becomeKeeper(parent, [&awaited] {
-    prctl(PR_SET_CHILD_SUBREAPER, 1);
-    // both wait until they are asked for, so that none is missed
-    sigemptyset(&awaited);
-    sigaddset(&awaited, SIGTERM);
-    sigaddset(&awaited, SIGCHLD);
-    sigprocmask(SIG_BLOCK, &awaited, nullptr);
-  });
-  const pid_t program = fork();
-  if (program == 0) {
-    setpgid(0, 0);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    const auto bytes = static_cast<rlim_t>(limits.gigabytes * 1e9);
-    const rlimit memory{bytes, bytes};
-    setrlimit(RLIMIT_AS, &memory);
-    close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
-    becomeProgram(start, files, news);
-  }
-  // whoever else holds an end of these keeps the others from seeing that it is closed
-  close_range(0, static_cast<unsigned>(news) - 1, 0);
-  close_range(static_cast<unsigned>(news) + 1, ~0U, 0);
-  if (program < 0)
-    tell(news, {News::kCannotStart, errno});
-  else
-    setpgid(program, program);
-  int status = 0;
-  do {
-    for (pid_t process; (process = waitpid(-1, &status, WNOHANG)) > 0;)
-      if (process == program) tell(news, {News::kEnded, status});
-  } while (sigwaitinfo(&awaited, nullptr) != SIGTERM);
-  if (program > 0) kill(-program, SIGKILL);
-  constexpr int kRounds = 2000;  // one that the system itself holds up stays
-  for (int round = 0; round < kRounds; ++round) {
-    const std::vector<pid_t> left = descendantsOf(getpid());
-    if (left.empty()) break;
-    for (const pid_t process : left) kill(process, SIGKILL);
-    usleep(1000);
-    while (waitpid(-1, &status, WNOHANG) > 0) {
-    }
-  }
-  _exit(0);
-}
-
 /// The start of a text that somebody else wrote, on one line.
 std::string quoted(std::string text) {
   constexpr std::size_t kShown = 80;
@@ -514,8 +497,8 @@ Conversation::Conversation(const std::string& command, const Limits& limits)
     const pid_t self = getpid();
     r.keeper = fork();
     if (r.keeper == 0)
-      keepAll(start, limits, self, {r.input.ends[0], r.output.ends[1], r.error.ends[1]},
-              r.news.ends[1]);
+      keep(start, Keeps::kUntilAsked, &limits, self,
+           {r.input.ends[0], r.output.ends[1], r.error.ends[1]}, r.news.ends[1]);
     if (r.keeper < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
     setpgid(r.keeper, r.keeper);  // here and there: whoever comes first
     r.ends_with_us = EndsWithUs(r.keeper, SIGTERM);

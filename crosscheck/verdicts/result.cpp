@@ -213,7 +213,8 @@ RunVerdict CrosscheckResult::verdict() const {
   if (count(Verdict::kDisagree) > 0) return RunVerdict::kDisagree;
   if (controlMissed()) return RunVerdict::kProvesNothing;
   if (count(Verdict::kAgree) == 0) return RunVerdict::kNotAnswerable;
-  return thinlyCovered().empty() ? RunVerdict::kAgree : RunVerdict::kIncomplete;
+  return thinlyCovered().empty() && openAtStart().empty() ? RunVerdict::kAgree
+                                                          : RunVerdict::kIncomplete;
 }
 
 std::vector<Coverage> CrosscheckResult::coverage() const {
@@ -229,6 +230,14 @@ std::vector<std::string> CrosscheckResult::thinlyCovered() const {
     for (const Coverage& coverage : coverageOf(scene.checks))
       if (coverage.isThin()) thin.push_back(fmt::format("{} of {}", coverage.quantity, scene.name));
   return thin;
+}
+
+std::vector<std::string> CrosscheckResult::openAtStart() const {
+  std::vector<std::string> open;
+  for (const SceneResult& scene : scenes)
+    for (const Finding& finding : scene.findings)
+      if (finding.kind == Finding::Kind::kOpenStart) open.push_back(finding.scene);
+  return open;
 }
 
 bool CrosscheckResult::controlMissed() const {
@@ -360,8 +369,12 @@ std::string CrosscheckResult::headline() const {
       line += "nothing could be answered";
       break;
     case RunVerdict::kIncomplete:
-      line += fmt::format("incomplete: what was answered agrees, but too little was of {}",
-                          shortened(thinlyCovered(), 3));
+      line += "incomplete: what was answered agrees, but ";
+      if (!thinlyCovered().empty())
+        line += "too little was of " + shortened(thinlyCovered(), 3) +
+                (openAtStart().empty() ? "" : ", and ");
+      if (!openAtStart().empty())
+        line += "closures are open at the start of " + shortened(openAtStart(), 3);
       break;
     case RunVerdict::kProvesNothing:
       line += "this run proves nothing: its own control, a known fault, was not found";

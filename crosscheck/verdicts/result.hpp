@@ -21,7 +21,8 @@ const char* name(Verdict verdict);
 enum class RunVerdict {
   kAgree,          ///< everything that can be compared was, and agrees
   kNotAnswerable,  ///< nothing could be compared
-  kIncomplete,     ///< what was compared agrees; too much that can be compared was not (Coverage)
+  kIncomplete,     ///< what was compared agrees; too much that can be compared was not (Coverage),
+                   ///< or a start leaves closures open, so that the closed mechanism was not met
   kProvesNothing,  ///< the run's own control, a known fault, was not found (Control)
   kDisagree,
 };
@@ -259,6 +260,8 @@ struct CrosscheckResult {
   std::vector<Coverage> coverage() const;
   /// Quantities of a scene of which too much is missing: "qdd of chain".
   std::vector<std::string> thinlyCovered() const;
+  /// Scenes whose own start leaves closures open.
+  std::vector<std::string> openAtStart() const;
   /// "control: a kilogram off by 1e-10 was found in M, c, ... of all 46 scenes by pairs, truth,
   /// field"
   std::string controlLine() const;

@@ -176,6 +176,22 @@ def a_compiler_that_hangs_is_killed_with_its_children(place):
     place.requireNothingLeft()
 
 
+@case
+def what_a_compiler_leaves_in_a_session_of_its_own_ends_with_it(place):
+    if not shutil.which("setsid"):
+        raise Skipped("no setsid")
+    marker = place.folder / "pid"
+    detached = "setsid sh -c 'echo $$ >> %s; exec sleep 1000' >/dev/null 2>&1 &\nsleep 0.2\n" % marker
+    place.compiler(detached + 'exec "$CC" "$@"\n')
+    status, _, err = place.run(KERNEL)
+    check(status == 0 and "left out" not in err, status, err)
+    requireGone([int(pid) for pid in marker.read_text().split()])
+    marker.unlink()
+    place.compiler(detached + "sleep 1000\n")
+    place.agrees(QUICK, "kernels are left out", "did not end within")
+    requireGone([int(pid) for pid in marker.read_text().split()])
+
+
 def compilerIsRefused(place, text, *parts):
     place.compiler(text)
     place.agrees(QUICK, "kernels are left out", *parts)
@@ -413,6 +429,17 @@ def a_lack_of_memory_is_told(place):
 
 
 @case
+def a_lack_of_stack_is_mended_or_told(place):
+    little = 64 << 10
+    status, out, err = place.run(["derive", "double_pendulum"], limits=[(resource.RLIMIT_STACK, little)])
+    check(status == 0, "a soft limit", status, out, err)
+    process = subprocess.run(["/bin/sh", "-c", "ulimit -s 64; exec \"$0\" derive double_pendulum", PROGRAM], cwd=place.work,
+                             env=place.environment, capture_output=True, text=True)
+    check(process.returncode == 3 and "the stack is limited to 64 KiB, at least 256 are needed" in process.stderr,
+          "a hard limit", process.returncode, process.stderr)
+
+
+@case
 def a_limit_of_processor_time_is_told(place):
     place.fails(["crosscheck", "humanoid", "--states", "100000", "--processes", "1", "--no-charts"], -signal.SIGXCPU,
                 "processor time", limits=[(resource.RLIMIT_CPU, 1)])
@@ -431,9 +458,10 @@ def output_that_cannot_be_written_is_told(place):
 
 @case
 def without_standard_error_the_work_is_done(place):
-    for where in ("2>&-", "2>/dev/full", "<&- >/dev/null 2>&-"):
+    # a full one loses what it is told, which somebody wanted to hear: the status says so
+    for where, expected in (("2>&-", 0), ("2>/dev/full", 3), ("<&- >/dev/null 2>&-", 0)):
         status, out, _ = place.run(QUICK + ["--seed", "4"], shell=where)
-        check(status == 0, where, status, out)
+        check(status == expected, where, status, out)
         place.requireWhole({4})
     status, out, _ = place.run(["crosscheck", "missing.toml"], shell="2>&-")
     check(status == 2, status)

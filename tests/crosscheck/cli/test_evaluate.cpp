@@ -170,9 +170,12 @@ BOOST_AUTO_TEST_CASE(evaluate_simulate_and_crosscheck_tell_them) {
   BOOST_TEST(has(simulate.out, "the start leaves closures open, |phi| = 0.00025, |J qd| = 0"),
              simulate.out);
   const std::string words = " --witness newton_euler,lagrange --states 2 --no-charts --report r";
-  program.run("crosscheck open.toml" + words);
+  const Outcome crosscheck = program.run("crosscheck open.toml" + words);
+  BOOST_TEST(crosscheck.status == 1);
+  BOOST_TEST(has(crosscheck.out, "but closures are open at the start of "), crosscheck.out);
+  BOOST_TEST(!has(crosscheck.out, "all agree"), crosscheck.out);
   BOOST_TEST(has(program.read("r/report.json"), "the start leaves closures open, |phi| = 0.00025"));
-  program.run("crosscheck closed.toml" + words);
+  BOOST_TEST(program.run("crosscheck closed.toml" + words).status == 0);
   BOOST_TEST(!has(program.read("r/report.json"), "leaves closures open"));
 }
 
