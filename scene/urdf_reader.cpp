@@ -24,6 +24,7 @@
 #include "scene/mimic.hpp"
 #include "scene/scene.hpp"
 #include "scene/urdf.hpp"
+#include "scene/work.hpp"
 
 namespace dynwitness::scene {
 namespace {
@@ -455,12 +456,18 @@ Urdf readUrdfAsWritten(const std::string& text, const std::filesystem::path& fil
   std::unordered_map<std::string, std::size_t> index;
   bool has_limits = false;
   std::unordered_map<std::string, UrdfPart> parts;
-  for (const Element& element : robot.children("link")) {
+  const std::vector<Element> link_elements = robot.children("link"),
+                             joint_elements = robot.children("joint");
+  // arranged and asked of urdfdom after, validated by whoever asked: about as long again
+  Work reading("", 2.0 * static_cast<double>(link_elements.size() + joint_elements.size()));
+  for (const Element& element : link_elements) {
+    reading.done();
     links.push_back({readLink(element), {}, {}});
     parts.emplace(links.back().link.name, partOf(element));
     index.emplace(links.back().link.name, links.size() - 1);
   }
-  for (const Element& element : robot.children("joint")) {
+  for (const Element& element : joint_elements) {
+    reading.done();
     const Joint joint = readJoint(element);
     const Element child = element.requiredChild("child"), parent = element.requiredChild("parent");
     const std::string child_name = child.attribute("link");

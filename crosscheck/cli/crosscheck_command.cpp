@@ -59,7 +59,7 @@ constexpr int kMostChartStates = 100;
 std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
   std::vector<scene::Scene> scenes;
   for (const std::string& name : arguments.scenes) {
-    scenes.push_back(scene::findScene(name));
+    scenes.push_back(readScene(name));
     for (const std::string& what : scenes.back().not_modelled)
       tell(fmt::format("{}: {}\n", scenes.back().name, what));
   }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 
 namespace dynwitness::cli {
@@ -20,8 +21,13 @@ void admit(const scene::Scene& scene, const std::vector<crosscheck::Command>& co
     tell(fmt::format("{}: left out: {}\n", scene.name, sentence));
 }
 
+scene::Scene readScene(const std::string& name) {
+  const Progress progress("reading " + name);
+  return scene::findScene(name);
+}
+
 scene::Scene admitted(const std::string& name, crosscheck::Command command) {
-  scene::Scene scene = scene::findScene(name);
+  scene::Scene scene = readScene(name);
   admit(scene, {command});
   return scene;
 }

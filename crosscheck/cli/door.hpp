@@ -13,7 +13,10 @@ namespace dynwitness::cli {
 /// @throws scene::InputError  what one of them refuses (crosscheck/inputs/features.hpp)
 void admit(const scene::Scene& scene, const std::vector<crosscheck::Command>& commands);
 
-/// The scene of this name or file, let in.
+/// The scene of this name or file, with progress where that takes long.
+scene::Scene readScene(const std::string& name);
+
+/// The same, let in.
 scene::Scene admitted(const std::string& name, crosscheck::Command command);
 
 }  // namespace dynwitness::cli

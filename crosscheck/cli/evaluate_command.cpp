@@ -315,7 +315,7 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
 
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.output);
-  const scene::Scene scene = scene::findScene(arguments.scene);
+  const scene::Scene scene = readScene(arguments.scene);
   requireMotion(scene);
   Constrained constrained(scene);
   States states(arguments, scene, constrained);
