@@ -42,9 +42,9 @@ std::string text(const Vector3& v) {
 }
 
 std::string escaped(const std::string& name) {
-  TIXML_STRING encoded;
-  TiXmlBase::EncodeString(TIXML_STRING(name.c_str()), &encoded);
-  return encoded.c_str();
+  std::string encoded;  // TinyXML is built with TIXML_USE_STL wherever urdfdom is packaged
+  TiXmlBase::EncodeString(name, &encoded);
+  return encoded;
 }
 
 Vector3 vector(const Vector& v, const Numbers& number) {
@@ -188,7 +188,7 @@ const char* urdfType(const Link& link) {
 }
 
 std::string linkAndJoint(const Mechanism& mechanism, const Link& link, const Numbers& number) {
-  const std::string element = linkElement(link.name, link.inertia, number);
+  std::string element = linkElement(link.name, link.inertia, number);
   if (link.parent < 0) return element;
   const Joint& joint = link.joint;
   const std::string& parent = mechanism.links[link.parent].name;
@@ -267,20 +267,20 @@ std::string writeSceneUrdf(const Scene& scene) {
   return out + "</robot>\n";
 }
 
-std::string urdfForEngines(const Scene& with_mimics) {
-  Scene scene = with_mimics;
-  scene.mechanism = withoutMimics(scene.mechanism);
+std::string urdfForEngines(const Scene& scene) {
+  Scene tree = scene;
+  tree.mechanism = withoutMimics(scene.mechanism);
   std::error_code error;
   if (scene.file.extension() == ".urdf" && std::filesystem::is_regular_file(scene.file, error)) {
     const std::string original = readTextFile(scene.file, "a URDF file");
-    const std::string kept = withoutGeometryAndMimics(original);
+    std::string kept = withoutGeometryAndMimics(original);
     if (!kept.empty()) {
       Scene read = readSceneUrdf(original, scene.file);
       read.mechanism = withoutMimics(read.mechanism);
-      if (writeSceneUrdf(read) == writeSceneUrdf(scene)) return kept;
+      if (writeSceneUrdf(read) == writeSceneUrdf(tree)) return kept;
     }
   }
-  return writeSceneUrdf(scene);
+  return writeSceneUrdf(tree);
 }
 
 }  // namespace dynwitness::scene

@@ -496,7 +496,7 @@ double movedByRounding(const Problem& problem, const std::vector<PhasePoint<D>>&
 
 struct JacobiFields {
   std::vector<Action::Conjugate> conjugates;
-  Residual unsymmetric, late;  ///< A'P - P'A, J - (q', qd') of the later motion
+  StepResidual unsymmetric, late;  ///< A'P - P'A, J - (q', qd') of the later motion
   double size_late = 0;
   double size_state = 0, growth = 1;  ///< largest |q|, |qd|; largest entry of a neighbour
   std::vector<std::vector<PhasePoint<D>>> shared;  ///< neighbours where every size of steps is
@@ -823,9 +823,9 @@ void judgePlaces(const std::vector<Node>& nodes, Action* out) {
 
 }  // namespace
 
-void judgeOrder(CheckResult* check, const std::vector<Residual>& seen, double size,
+void judgeOrder(CheckResult* check, const std::vector<StepResidual>& seen, double size,
                 const std::function<double()>& moved, int steps) {
-  const Residual &fine = seen.back(), &coarse = seen[seen.size() - 2];
+  const StepResidual &fine = seen.back(), &coarse = seen[seen.size() - 2];
   const double rounding = std::numeric_limits<double>::epsilon() * fine.terms * steps;
   const double order = std::log2(coarse.worst / fine.worst);
   check->limit = kOrder - 1;
@@ -886,7 +886,7 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
   std::vector<Node> nodes;
   std::vector<FirstVariation> fine, coarse;
   JacobiFields fields, fields_coarse;
-  std::vector<Residual> seen_hamilton, seen_late, seen_symmetric;
+  std::vector<StepResidual> seen_hamilton, seen_late, seen_symmetric;
   bool sharp = false;
   std::vector<CheckResult> checks;
   requireMotionAtStart(problem);

@@ -88,7 +88,7 @@ struct Action {
 Action measureAction(const scene::Scene& scene, const ActionOptions& options);
 
 /// What is 0 in truth, as one size of the steps has it.
-struct Residual {
+struct StepResidual {
   std::vector<double> at;       ///< with a sign: entries that all sizes of steps have
   double worst = 0, terms = 0;  ///< largest magnitude anywhere; of the terms that it is left of
 
@@ -110,7 +110,7 @@ struct Residual {
     @param seen    by steps that are halved each time, two sizes at least
     @param size    of what is compared: a limit that reaches it would let everything pass
     @param moved   by rounding the state in all steps, asked where the order alone does not tell */
-void judgeOrder(CheckResult* check, const std::vector<Residual>& seen, double size,
+void judgeOrder(CheckResult* check, const std::vector<StepResidual>& seen, double size,
                 const std::function<double()>& moved, int steps);
 
 }  // namespace dynwitness::crosscheck

@@ -316,7 +316,7 @@ BOOST_AUTO_TEST_SUITE(what_does_not_vanish)
 
 /// The verdict on residuals at three sizes of steps; terms of 1.
 CheckResult judged(double longest, double longer, double last, double moved = 0) {
-  std::vector<Residual> seen(3);
+  std::vector<StepResidual> seen(3);
   const double all[] = {longest, longer, last};
   for (int k = 0; k < 3; ++k) {
     seen[k].add(all[k], true);
