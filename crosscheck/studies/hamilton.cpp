@@ -38,6 +38,7 @@ constexpr int kFirstSteps = 64, kMostSteps = 8192;
 constexpr int kOrder = 4;            // of the steps and of Simpson's sums
 constexpr int kSines = 3;            // a joint, in a varied path
 constexpr int kModes = 8;            // sines a joint, among which a slow one is sought
+constexpr int kMostModes = 128;      // where fewer do not lower the action, which can be lowered
 constexpr int kMostDof = 10;         // whose second variation is formed
 constexpr double kAmplitude = 0.01;  // of varied paths [rad, m]
 constexpr double kSharp =
@@ -750,7 +751,10 @@ void countDirections(const Problem& problem, const std::vector<Node>& nodes, boo
     coarse = out->negative;
     out->negative = negativeDirections(problem, finer, hessians(problem, finer), 1);
   }
-  const SecondVariation sines = secondVariation(problem, nodes, H, kModes);
+  SecondVariation sines = secondVariation(problem, nodes, H, kModes);
+  for (int modes = 2 * kModes; out->negative > 0 && sines.lowest >= 0 && modes <= kMostModes;
+       modes *= 2)
+    sines = secondVariation(problem, nodes, H, modes);
   *slowest = sines.slowest;
   out->lowest = sines.lowest;
   check.worst = std::abs(out->negative - expected);

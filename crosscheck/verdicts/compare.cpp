@@ -140,7 +140,8 @@ std::vector<Finding> findOutliers(const std::string& scene_name,
     finding.scene = scene_name;
     finding.quantity = quantity;
     finding.witness = outlier.value_or("");
-    // pairs have the sum of two limits: the truth condemns where they do not, and decides between two
+    // pairs have the sum of two limits: the truth condemns where they do not, and decides
+    // between two
     if (const std::vector<std::string> off = offTheTruth(quantity, checks);
         !outlier && !off.empty()) {
       if (off.size() == 1) finding.witness = off.front();

@@ -24,8 +24,8 @@ inline bool isPlain(scene::JointKind kind) {
          kind == scene::JointKind::kPrismatic;
 }
 
-/// @throws std::runtime_error, which becomes the refusal, when a joint is of a kind that the witness
-/// does not build.
+/// @throws std::runtime_error, which becomes the refusal, when a joint is of a kind that the
+/// witness does not build.
 inline void requirePlainJoints(const scene::Mechanism& mechanism) {
   for (const scene::Link& link : mechanism.links)
     if (!isPlain(link.joint.kind))
@@ -44,8 +44,8 @@ class OutsideWitness : public PartialWitness {
   virtual std::vector<std::string> remarks() const = 0;
 };
 
-/// W(arguments...). What its constructor throws (engines and compilers say so that they cannot hold a
-/// scene) is a reason from here on.
+/// W(arguments...). What its constructor throws (engines and compilers say so that they cannot hold
+/// a scene) is a reason from here on.
 template <typename W, typename... Arguments>
 MadeWitness makeWitness(const Arguments&... arguments) {
   try {

@@ -18,10 +18,10 @@ class SmallestRoads;
 }  // namespace kernel
 class DerivedPrograms;
 
-/** A scene, the models of its sweeps, its derived programs and its kernel. A part is made when it is
-    first asked for, and then kept: whoever crosschecks a scene makes one of these and hands it down.
-    Copies are the same prepared scene; what a function gives lives as long as any of them. Not for
-    several threads at once.
+/** A scene, the models of its sweeps, its derived programs and its kernel. A part is made when it
+    is first asked for, and then kept: whoever crosschecks a scene makes one of these and hands it
+    down. Copies are the same prepared scene; what a function gives lives as long as any of them.
+    Not for several threads at once.
 
     Arithmetics whose numbers change from use to use (the field's at each point, balls at each
     precision, those on a tape) have models of their own. */
