@@ -73,11 +73,10 @@ int run(const Arguments& arguments) {
     requireFinite("the action of a varied path", std::array{path.first, path.change});
   fmt::print("{}: {} s in {} steps of order 4\n", scene.name, action.duration, action.steps);
   fmt::print("action       S = integral of T - V = {:.12g} J s\n", action.action);
-  fmt::print(
-      "paths near   first variation for amplitude 1, and S(q + eta) - S(q) for amplitude {}\n",
-      action.paths.front().amplitude);
+  fmt::print("paths near   first variation for amplitude 1, and S(q + eta) - S(q)\n");
   for (const Action::Path& path : action.paths)
-    fmt::print("  {:<10} {:>10.2g} J s {:>+12.4g} J s\n", path.name, path.first, path.change);
+    fmt::print("  {:<10} {:>10.2g} J s {:>+12.4g} J s for amplitude {:g}\n", path.name, path.first,
+               path.change, path.amplitude);
   if (action.conservative) {
     fmt::print("energy       |E - E0| {:.2g} J\n", action.energy_drift);
     if (action.conjugates.empty())

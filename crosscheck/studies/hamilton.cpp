@@ -41,6 +41,7 @@ constexpr int kModes = 8;            // sines a joint, among which a slow one is
 constexpr int kMostModes = 128;      // where fewer do not lower the action, which can be lowered
 constexpr int kMostDof = 10;         // whose second variation is formed
 constexpr double kAmplitude = 0.01;  // of varied paths [rad, m]
+constexpr double kLeastAmplitude = kAmplitude / 1000;
 constexpr double kSharp =
     1000;  // steps are halved until conjugate times are known to duration / this
 /// A step adds to the state four times, each sum rounded by half an eps of it at most.
@@ -247,17 +248,18 @@ PathAction actionOf(const Problem& problem, const std::vector<Node>& nodes, cons
                             change(eta) - 4 change(eta / 2), hence twice that */
 struct Change {
   double value, unsure;
+  bool isSure() const { return std::abs(value) > unsure; }
 };
 
 Change changeOf(const Problem& problem, const std::vector<Node>& nodes, const PathAction& own,
-                const Sines& zeta, double first) {
-  const PathAction there = actionOf(problem, nodes, &zeta, kAmplitude),
-                   half = actionOf(problem, nodes, &zeta, kAmplitude / 2);
+                const Sines& zeta, double first, double amplitude) {
+  const PathAction there = actionOf(problem, nodes, &zeta, amplitude),
+                   half = actionOf(problem, nodes, &zeta, amplitude / 2);
   const RunningError change = there.by_all - own.by_all;
   const double longer = (there.by_half - own.by_half).value(),
                higher = change.value() - 4 * (half.by_all - own.by_all).value();
   return {change.value(), change.bound() + std::abs(change.value() - longer) +
-                              kAmplitude * std::abs(first) + 2 * std::abs(higher)};
+                              amplitude * std::abs(first) + 2 * std::abs(higher)};
 }
 
 /** By how much rounding the state after each step moves dS(eta), at most: between two steps it is
@@ -874,153 +876,220 @@ void judgeOrder(CheckResult* check, const std::vector<StepResidual>& seen, doubl
   leaveOpen(check, course + ": these steps do not follow the motion closely enough to tell");
 }
 
-Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
-  const Problem problem = problemOf(scene, options);
-  const int n = problem.n();
-  std::vector<Sines> variations;
-  for (int k = 0; k < options.paths; ++k)
-    variations.push_back(variation(scene, n, options.seed, k));
+namespace {
 
-  Action out;
-  out.dof = n;
-  out.duration = options.duration;
-  out.conservative = problem.conservative;
+/// Largest magnitude of a member.
+double largest(const std::vector<FirstVariation>& all, double FirstVariation::*member) {
+  double most = 0;
+  for (const FirstVariation& one : all) most = std::max(most, std::abs(one.*member));
+  return most;
+}
 
-  // finer steps until what must vanish is seen to vanish
+/// A motion by ever more steps, until what must vanish on it is seen to vanish.
+class Refinement {
+ public:
+  Refinement(const Problem& problem, const std::vector<Sines>& variations,
+             const ActionOptions& options, scene::Work& work)
+      : problem(problem), variations_(variations), options_(options), work_(work) {}
+
+  /// Twice the steps. Where they leave the numbers all begins anew: finer ones may do.
+  void follow(int count);
+  /// Whether more steps would say nothing new.
+  bool tells() const {
+    return sharp && !checks.empty() &&
+           std::all_of(checks.begin(), checks.end(),
+                       [](const CheckResult& c) { return c.verdict == Verdict::kAgree; });
+  }
+
+  const Problem& problem;
+  int steps = 0;
   std::vector<Node> nodes;
-  std::vector<FirstVariation> fine, coarse;
-  JacobiFields fields, fields_coarse;
-  std::vector<StepResidual> seen_hamilton, seen_late, seen_symmetric;
-  bool sharp = false;
-  std::vector<CheckResult> checks;
-  requireMotionAtStart(problem);
-  scene::Work work("neighbouring motions, with twice the steps until they tell", 1);
-  for (int steps = kFirstSteps; steps <= kMostSteps; steps *= 2) {
-    nodes = motionOf(problem, steps);
-    if (!isFinite(nodes.back().slots, nodes.back().qd)) {  // finer ones may do
-      fine.clear();
-      checks.clear();
-      for (auto* seen : {&seen_hamilton, &seen_late, &seen_symmetric}) seen->clear();
-      continue;
-    }
-    coarse = fine;
-    fine.clear();
-    for (const Sines& zeta : variations) fine.push_back(firstVariation(problem, nodes, zeta));
-    out.steps = steps;
-    const auto largest = [](const std::vector<FirstVariation>& all, auto member) {
-      double most = 0;
-      for (const FirstVariation& one : all) most = std::max(most, std::abs(one.*member));
-      return most;
-    };
-    seen_hamilton.emplace_back();
-    for (const FirstVariation& one : fine) seen_hamilton.back().add(one.with_forces, true);
-    const double size = largest(fine, &FirstVariation::size);
-    seen_hamilton.back().terms = size;
-    if (problem.conservative) {
-      fields_coarse = fields;
-      fields = jacobiFields(problem, steps, work);
-      seen_late.push_back(fields.late);
-      seen_symmetric.push_back(fields.unsymmetric);
-    }
-    if (coarse.empty()) continue;
-    checks.clear();
-    CheckResult hamilton =
-        problem.conservative
-            ? describe("Hamilton's principle",
-                       "dS(eta) = 0 for every eta that vanishes at both ends", "dS", "T - V")
-            : describe("d'Alembert's and Lagrange's principle",
-                       "dS(eta) + integral of Q' eta = 0 for every eta that vanishes at both ends",
-                       "dS", "T - V, Q");
-    hamilton.right = "articulated_body";
-    hamilton.seed = options.seed;
-    hamilton.states = options.paths;
-    judgeOrder(
-        &hamilton, seen_hamilton, size, [&] { return movedByRounding(problem, nodes); }, steps);
-    checks.push_back(hamilton);
-    if (!problem.conservative) {
-      out.with_work = largest(fine, &FirstVariation::with_work);
-      out.with_work_coarse = largest(coarse, &FirstVariation::with_work);
-    } else {
-      CheckResult late =
-          describe("a motion and the same a little later are neighbours",
-                   "(qd, qdd) solves the variational equation", "J", "articulated_body");
-      judgeOrder(
-          &late, seen_late, fields.size_late + fields.growth, [] { return 0.0; }, steps);
-      checks.push_back(late);
-      if (problem.coordinates && n > 1) {  // one alone is symmetric by itself
-        CheckResult symmetric = describe("neighbours of one place stay Lagrangian",
-                                         "A'P = P'A, P the momenta of A", "J", "articulated_body");
-        symmetric.right = "composite_body";
-        const auto moved = [&] {
-          double most = 0;
-          for (const auto& now : fields.shared)
-            most = std::max(most, movedByRounding(problem, now));
-          return most * steps;
-        };
-        judgeOrder(&symmetric, seen_symmetric, fields.unsymmetric.terms, moved, steps);
-        checks.push_back(symmetric);
-      }
-    }
-    out.conjugates = fields.conjugates;
-    sharp = fields.conjugates.size() == fields_coarse.conjugates.size();
-    for (std::size_t k = 0; k < out.conjugates.size(); ++k) {
-      out.conjugates[k].error =
-          sharp ? std::abs(out.conjugates[k].time - fields_coarse.conjugates[k].time)
-                : std::numeric_limits<double>::infinity();
-      sharp = sharp && out.conjugates[k].error <= options.duration / kSharp;
-    }
-    if (sharp && std::all_of(checks.begin(), checks.end(),
-                             [](const CheckResult& c) { return c.verdict == Verdict::kAgree; }))
-      break;
-  }
-  if (checks.empty()) refuseUnresolved(problem);
-  out.checks = checks;
+  std::vector<FirstVariation> fine, coarse;  ///< one a variation, by these steps and half of them
+  std::vector<CheckResult> checks;           ///< none before two sizes of steps end
+  std::vector<Action::Conjugate> conjugates;
+  bool sharp = false;  ///< conjugate times are the same at both
 
-  const PathAction own = actionOf(problem, nodes, nullptr, 0);
-  out.action = own.by_all.value();
-  Sines slowest;
-  if (problem.conservative) {
-    countDirections(problem, nodes, sharp, &out, &slowest);
-    Near<double> near(problem);
-    const Values none(n, 0.0);
-    recursive::Workspace<double> ws(problem.model);
-    double E_0 = 0;
-    for (const Node& node : nodes) {
-      const auto x = slotPositions(node.slots);
-      double E = recursive::kineticEnergy(problem.model, x, node.qd, ws);
-      if (problem.terms.gravity) E += recursive::potentialEnergy(problem.model, x, ws);
-      if (&node == &nodes.front()) E_0 = E;
-      out.energy_drift = std::max(out.energy_drift, std::abs(E - E_0));
-    }
+ private:
+  CheckResult hamilton() const;
+  CheckResult late() const;
+  CheckResult symmetric() const;
+  void compareConjugates();
+
+  const std::vector<Sines>& variations_;
+  const ActionOptions& options_;
+  scene::Work& work_;
+  JacobiFields fields_, fields_coarse_;
+  std::vector<StepResidual> seen_hamilton_, seen_late_, seen_symmetric_;
+};
+
+void Refinement::follow(int count) {
+  nodes = motionOf(problem, count);
+  if (!isFinite(nodes.back().slots, nodes.back().qd)) {
+    fine.clear();
+    checks.clear();
+    for (auto* seen : {&seen_hamilton_, &seen_late_, &seen_symmetric_}) seen->clear();
+    return;
   }
-  std::vector<double> unsure;
+  steps = count;
+  coarse = std::move(fine);
+  fine.clear();
+  for (const Sines& zeta : variations_) fine.push_back(firstVariation(problem, nodes, zeta));
+  seen_hamilton_.emplace_back();
+  for (const FirstVariation& one : fine) seen_hamilton_.back().add(one.with_forces, true);
+  seen_hamilton_.back().terms = largest(fine, &FirstVariation::size);
+  if (problem.conservative) {
+    fields_coarse_ = std::move(fields_);
+    fields_ = jacobiFields(problem, steps, work_);
+    seen_late_.push_back(fields_.late);
+    seen_symmetric_.push_back(fields_.unsymmetric);
+  }
+  if (coarse.empty()) return;
+  checks = {hamilton()};
+  if (problem.conservative) {
+    checks.push_back(late());
+    // one alone is symmetric by itself
+    if (problem.coordinates && problem.n() > 1) checks.push_back(symmetric());
+  }
+  compareConjugates();
+}
+
+CheckResult Refinement::hamilton() const {
+  CheckResult check =
+      problem.conservative
+          ? describe("Hamilton's principle", "dS(eta) = 0 for every eta that vanishes at both ends",
+                     "dS", "T - V")
+          : describe("d'Alembert's and Lagrange's principle",
+                     "dS(eta) + integral of Q' eta = 0 for every eta that vanishes at both ends",
+                     "dS", "T - V, Q");
+  check.right = "articulated_body";
+  check.seed = options_.seed;
+  check.states = options_.paths;
+  judgeOrder(
+      &check, seen_hamilton_, seen_hamilton_.back().terms,
+      [&] { return movedByRounding(problem, nodes); }, steps);
+  return check;
+}
+
+CheckResult Refinement::late() const {
+  CheckResult check =
+      describe("a motion and the same a little later are neighbours",
+               "(qd, qdd) solves the variational equation", "J", "articulated_body");
+  judgeOrder(
+      &check, seen_late_, fields_.size_late + fields_.growth, [] { return 0.0; }, steps);
+  return check;
+}
+
+CheckResult Refinement::symmetric() const {
+  CheckResult check = describe("neighbours of one place stay Lagrangian",
+                               "A'P = P'A, P the momenta of A", "J", "articulated_body");
+  check.right = "composite_body";
+  const auto moved = [&] {
+    double most = 0;
+    for (const auto& now : fields_.shared) most = std::max(most, movedByRounding(problem, now));
+    return most * steps;
+  };
+  judgeOrder(&check, seen_symmetric_, fields_.unsymmetric.terms, moved, steps);
+  return check;
+}
+
+void Refinement::compareConjugates() {
+  conjugates = fields_.conjugates;
+  sharp = conjugates.size() == fields_coarse_.conjugates.size();
+  for (std::size_t k = 0; k < conjugates.size(); ++k) {
+    conjugates[k].error = sharp ? std::abs(conjugates[k].time - fields_coarse_.conjugates[k].time)
+                                : std::numeric_limits<double>::infinity();
+    sharp = sharp && conjugates[k].error <= options_.duration / kSharp;
+  }
+}
+
+/// How far T + V is from its value at the start, at most [J].
+double energyDrift(const Problem& problem, const std::vector<Node>& nodes) {
+  recursive::Workspace<double> ws(problem.model);
+  double start = 0, drift = 0;
+  for (const Node& node : nodes) {
+    const auto x = slotPositions(node.slots);
+    double E = recursive::kineticEnergy(problem.model, x, node.qd, ws);
+    if (problem.terms.gravity) E += recursive::potentialEnergy(problem.model, x, ws);
+    if (&node == &nodes.front()) start = E;
+    drift = std::max(drift, std::abs(E - start));
+  }
+  return drift;
+}
+
+/// S, S of paths near by, and whether they are as the second variation says of all of them.
+void showPaths(const Refinement& motion, const std::vector<Sines>& variations, const Sines& slowest,
+               Action* out) {
   using Kind = Action::Path::Kind;
+  const Problem& problem = motion.problem;
+  const PathAction own = actionOf(problem, motion.nodes, nullptr, 0);
+  out->action = own.by_all.value();
+  std::vector<double> unsure;
   const auto add = [&](Kind kind, const std::string& name, const Sines& zeta, double first) {
-    const Change change = changeOf(problem, nodes, own, zeta, first);
-    out.paths.push_back({kind, name, kAmplitude, first, change.value});
+    double amplitude = kAmplitude;
+    Change change = changeOf(problem, motion.nodes, own, zeta, first, amplitude);
+    // one that is to decide: higher variations fall faster than the second, rounding does not
+    while (kind != Kind::kDrawn && !change.isSure() && amplitude > kLeastAmplitude) {
+      amplitude /= 4;
+      change = changeOf(problem, motion.nodes, own, zeta, first, amplitude);
+    }
+    out->paths.push_back({kind, name, amplitude, first, change.value});
     unsure.push_back(change.unsure);
   };
-  for (int k = 0; k < options.paths; ++k)
-    add(Kind::kDrawn, fmt::format("path {}", k + 1), variations[k], fine[k].with_forces);
-  if (problem.conservative && out.negative >= 0) {
-    // what the second variation says of all paths near by, shown on some
-    CheckResult nearby =
-        out.negative == 0
-            ? describe("the action is smallest", "S(q + eta) > S(q)", "S", "T - V")
-            : describe("the action is a saddle", "S(q + slow) < S(q) < S(q + fast)", "S", "T - V");
-    nearby.unit = Unit::kPaths;
-    nearby.limit = 0;
-    if (out.negative > 0 && out.lowest < 0) {
-      add(Kind::kSlowest, "slow", slowest, firstVariation(problem, nodes, slowest).with_forces);
-      Sines fast;  // more half waves than directions that lower
-      fast.a.assign(n, Values(4 * std::max(kModes, out.negative), 0.0));
-      fast.a[n - 1].back() = 1;
-      add(Kind::kFast, "fast", fast, firstVariation(problem, nodes, fast).with_forces);
-    }
-    judgePaths(out.paths, unsure, out.negative, &nearby);
-    out.checks.push_back(nearby);
+  for (std::size_t k = 0; k < variations.size(); ++k)
+    add(Kind::kDrawn, fmt::format("path {}", k + 1), variations[k], motion.fine[k].with_forces);
+  if (!problem.conservative || out->negative < 0) return;
+  CheckResult nearby =
+      out->negative == 0
+          ? describe("the action is smallest", "S(q + eta) > S(q)", "S", "T - V")
+          : describe("the action is a saddle", "S(q + slow) < S(q) < S(q + fast)", "S", "T - V");
+  nearby.unit = Unit::kPaths;
+  nearby.limit = 0;
+  if (out->negative > 0 && out->lowest < 0) {
+    const auto first = [&](const Sines& zeta) {
+      return firstVariation(problem, motion.nodes, zeta).with_forces;
+    };
+    add(Kind::kSlowest, "slow", slowest, first(slowest));
+    Sines fast;  // more half waves than directions that lower
+    fast.a.assign(problem.n(), Values(4 * std::max(kModes, out->negative), 0.0));
+    fast.a.back().back() = 1;
+    add(Kind::kFast, "fast", fast, first(fast));
   }
-  judgePlaces(nodes, &out);
+  judgePaths(out->paths, unsure, out->negative, &nearby);
+  out->checks.push_back(nearby);
+}
+
+}  // namespace
+
+Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
+  const Problem problem = problemOf(scene, options);
+  std::vector<Sines> variations;
+  for (int k = 0; k < options.paths; ++k)
+    variations.push_back(variation(scene, problem.n(), options.seed, k));
+  requireMotionAtStart(problem);
+  scene::Work work("neighbouring motions, with twice the steps until they tell", 1);
+  Refinement motion(problem, variations, options, work);
+  for (int steps = kFirstSteps; steps <= kMostSteps && !motion.tells(); steps *= 2)
+    motion.follow(steps);
+  if (motion.checks.empty()) refuseUnresolved(problem);
+
+  Action out;
+  out.dof = problem.n();
+  out.duration = options.duration;
+  out.conservative = problem.conservative;
+  out.steps = motion.steps;
+  out.checks = motion.checks;
+  out.conjugates = motion.conjugates;
+  if (!problem.conservative) {
+    out.with_work = largest(motion.fine, &FirstVariation::with_work);
+    out.with_work_coarse = largest(motion.coarse, &FirstVariation::with_work);
+  }
+  Sines slowest;
+  if (problem.conservative) {
+    countDirections(problem, motion.nodes, motion.sharp, &out, &slowest);
+    out.energy_drift = energyDrift(problem, motion.nodes);
+  }
+  showPaths(motion, variations, slowest, &out);
+  judgePlaces(motion.nodes, &out);
   return out;
 }
 
