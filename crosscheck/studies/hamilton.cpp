@@ -41,7 +41,6 @@ constexpr int kModes = 8;            // sines a joint, among which a slow one is
 constexpr int kMostModes = 128;      // where fewer do not lower the action, which can be lowered
 constexpr int kMostDof = 10;         // whose second variation is formed
 constexpr double kAmplitude = 0.01;  // of varied paths [rad, m]
-constexpr double kLeastAmplitude = kAmplitude / 1000;
 constexpr double kSharp =
     1000;  // steps are halved until conjugate times are known to duration / this
 /// A step adds to the state four times, each sum rounded by half an eps of it at most.
@@ -1016,6 +1015,21 @@ double energyDrift(const Problem& problem, const std::vector<Node>& nodes) {
   return drift;
 }
 
+/** S(q + zeta) - S(q) of a path that is to decide, by twice the steps and half the amplitude until it
+    does: dS, which is 0 but for the steps, falls with their order, higher variations with the
+    amplitude. */
+Change decidingChange(const Refinement& motion, const Sines& zeta, Action::Path* path) {
+  std::vector<Node> nodes = motion.nodes;
+  for (int steps = motion.steps;; steps *= 2, path->amplitude /= 2) {
+    if (steps > motion.steps) nodes = motionOf(motion.problem, steps);
+    path->first = firstVariation(motion.problem, nodes, zeta).with_forces;
+    const PathAction own = actionOf(motion.problem, nodes, nullptr, 0);
+    const Change change = changeOf(motion.problem, nodes, own, zeta, path->first, path->amplitude);
+    path->change = change.value;
+    if (change.isSure() || 2 * steps > kMostSteps) return change;
+  }
+}
+
 /// S, S of paths near by, and whether they are as the second variation says of all of them.
 void showPaths(const Refinement& motion, const std::vector<Sines>& variations, const Sines& slowest,
                Action* out) {
@@ -1024,19 +1038,13 @@ void showPaths(const Refinement& motion, const std::vector<Sines>& variations, c
   const PathAction own = actionOf(problem, motion.nodes, nullptr, 0);
   out->action = own.by_all.value();
   std::vector<double> unsure;
-  const auto add = [&](Kind kind, const std::string& name, const Sines& zeta, double first) {
-    double amplitude = kAmplitude;
-    Change change = changeOf(problem, motion.nodes, own, zeta, first, amplitude);
-    // one that is to decide: higher variations fall faster than the second, rounding does not
-    while (kind != Kind::kDrawn && !change.isSure() && amplitude > kLeastAmplitude) {
-      amplitude /= 4;
-      change = changeOf(problem, motion.nodes, own, zeta, first, amplitude);
-    }
-    out->paths.push_back({kind, name, amplitude, first, change.value});
+  for (std::size_t k = 0; k < variations.size(); ++k) {
+    const double first = motion.fine[k].with_forces;
+    const Change change = changeOf(problem, motion.nodes, own, variations[k], first, kAmplitude);
+    out->paths.push_back(
+        {Kind::kDrawn, fmt::format("path {}", k + 1), kAmplitude, first, change.value});
     unsure.push_back(change.unsure);
-  };
-  for (std::size_t k = 0; k < variations.size(); ++k)
-    add(Kind::kDrawn, fmt::format("path {}", k + 1), variations[k], motion.fine[k].with_forces);
+  }
   if (!problem.conservative || out->negative < 0) return;
   CheckResult nearby =
       out->negative == 0
@@ -1045,14 +1053,16 @@ void showPaths(const Refinement& motion, const std::vector<Sines>& variations, c
   nearby.unit = Unit::kPaths;
   nearby.limit = 0;
   if (out->negative > 0 && out->lowest < 0) {
-    const auto first = [&](const Sines& zeta) {
-      return firstVariation(problem, motion.nodes, zeta).with_forces;
-    };
-    add(Kind::kSlowest, "slow", slowest, first(slowest));
     Sines fast;  // more half waves than directions that lower
     fast.a.assign(problem.n(), Values(4 * std::max(kModes, out->negative), 0.0));
     fast.a.back().back() = 1;
-    add(Kind::kFast, "fast", fast, first(fast));
+    const auto add = [&](Kind kind, const char* name, const Sines& zeta) {
+      Action::Path path{kind, name, kAmplitude, 0, 0};
+      unsure.push_back(decidingChange(motion, zeta, &path).unsure);
+      out->paths.push_back(path);
+    };
+    add(Kind::kSlowest, "slow", slowest);
+    add(Kind::kFast, "fast", fast);
   }
   judgePaths(out->paths, unsure, out->negative, &nearby);
   out->checks.push_back(nearby);
