@@ -180,7 +180,7 @@ Call callOf(Command command) {
           "--processes 1 --report report",
           "report/report.json"};
     case Command::kCheck:
-      return {"check scene --engine 'python3 engine.py' --format json", ""};
+      return {"check scene --engine 'python3 engine.py' --engine-seconds 200 --format json", ""};
     case Command::kDerive:
       return {"derive scene", ""};
     case Command::kDerivePrograms:
