@@ -288,9 +288,9 @@ Run addCrosscheck(CLI::App& app) {
   command->footer(
       "Exit status: 0 what can be compared was, and agrees; 1 a disagreement, or more than a "
       "tenth of the\n"
-      "comparisons of a quantity of a scene is missing (\"incomplete\"); 2 bad usage or input; 3 "
-      "a failure of\n"
-      "dynwitness itself, among them that its own control, a known fault, was not found (\"proves "
+      "comparisons of a quantity of a scene is missing, or its start leaves closures open "
+      "(\"incomplete\");\n"
+      "2 bad usage or input; 3 a failure of dynwitness itself, among them that its own control, a known fault, was not found (\"proves "
       "nothing\").\n"
       "\n"
       "A comparison is one check at one state, and every one ought to be possible but: those of a "
