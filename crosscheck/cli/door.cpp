@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/standard_files.hpp"
-#include "scene/mimic.hpp"
-#include "scene/scene.hpp"
 
 namespace dynwitness::cli {
 
@@ -25,16 +23,6 @@ void admit(const scene::Scene& scene, const std::vector<crosscheck::Command>& co
 scene::Scene admitted(const std::string& name, crosscheck::Command command) {
   scene::Scene scene = scene::findScene(name);
   admit(scene, {command});
-  return scene;
-}
-
-scene::Scene onTheStand(const std::string& name) {
-  scene::Scene scene = admitted(name, crosscheck::Command::kCheck);
-  crosscheck::requireMotion(scene);
-  if (scene.mechanism.hasMimics()) {
-    scene.mechanism = scene::withoutMimics(scene.mechanism);
-    scene.start_qd.assign(static_cast<std::size_t>(scene.mechanism.dof()), scene::Number(0));
-  }
   return scene;
 }
 

@@ -16,8 +16,4 @@ void admit(const scene::Scene& scene, const std::vector<crosscheck::Command>& co
 /// The scene of this name or file, let in.
 scene::Scene admitted(const std::string& name, crosscheck::Command command);
 
-/// The scene as `check` asks a program about it: let in, joints that follow others let go.
-/// @throws scene::InputError  nothing moves in it
-scene::Scene onTheStand(const std::string& name);
-
 }  // namespace dynwitness::cli

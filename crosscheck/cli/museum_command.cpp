@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
-#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/on_the_stand.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/diagnosis/museum.hpp"

@@ -461,34 +461,40 @@ void addEstimates(const Case& all, const std::vector<Suspect>& list, Search& out
   }
 }
 
+constexpr double kSingle = 0x1p29;  ///< roundings of float in those of double
+
+/// Whether every number is one of single precision, those aside that are solved for.
+bool isRounded(const std::vector<Exhibit>& exhibits) {
+  for (const Exhibit& e : exhibits)
+    for (Eigen::Index k = 0; k < e.said.size() && e.failure.empty(); ++k) {
+      const double x = e.said.data()[k];
+      if (e.asked != Quantity::kQdd && static_cast<double>(static_cast<float>(x)) != x)
+        return false;
+    }
+  return true;
+}
+Explanation singlePrecision(bool rounded) {
+  return {"float_precision",
+          -1,
+          false,
+          rounded ? "single precision (float): all numbers have 24 bits"
+                  : "single precision (float) somewhere: errors of its size",
+          {}};
+}
+
 /// All that is wrong is so by no more than single precision loses.
-void addSingle(const Case& all, Search& out) {
-  constexpr double kSingle = 0x1p29;  // roundings of float in those of double
+void addSingle(const Case& all, bool rounded, Search& out) {
   Misfit worst;
-  bool rounded = true;  // every number is one of single precision
   for (const Exhibit* e : all.primary()) {
     Misfit one = misfitOf(*e, e->truth, false);
     one.share /= kSingle;
     keepWorse(worst, one);
-    for (Eigen::Index k = 0; k < e->said.size(); ++k) {
-      const double x = e->said.data()[k];
-      rounded = rounded &&
-                (e->asked == Quantity::kQdd || static_cast<double>(static_cast<float>(x)) == x);
-    }
   }
   ++out.tried;
   // smaller errors than those of a float are no float's
   if (worst.share > 1 || (!rounded && worst.relative < std::numeric_limits<float>::epsilon() / 4))
     return;
-  out.found.push_back(
-      findingOf(all, all.right(),
-                {{"float_precision",
-                  -1,
-                  false,
-                  rounded ? "single precision (float): all numbers have 24 bits"
-                          : "single precision (float) somewhere: errors of its size",
-                  {}}},
-                worst));
+  out.found.push_back(findingOf(all, all.right(), {singlePrecision(rounded)}, worst));
 }
 
 /// What each mistake makes of the first answers, in units in which the whole misfit of each
@@ -762,6 +768,13 @@ bool isClean(const Search& search) {
 Explained explained(const TextbookModel& model, const std::vector<Exhibit>& exhibits,
                     const std::vector<scene::State<double>>& chosen) {
   Explained out;
+  const bool rounded = isRounded(exhibits);
+  std::vector<Exhibit> coarse;  // with the limits of single precision
+  if (rounded) coarse = exhibits;
+  for (Exhibit& e : coarse) {
+    e.bound *= kSingle;
+    e.is_wrong = (e.error.array() > e.bound.array()).any();
+  }
   const std::vector<Hypothesis> list = hypotheses(model);
   const std::vector<Suspect> numbers = suspects(model);
   const scene::Work work("hypotheses", 4);
@@ -773,7 +786,15 @@ Explained explained(const TextbookModel& model, const std::vector<Exhibit>& exhi
     looked_at = all.primary().size();
     addSingles(all, list, search);
     if (!isClean(search)) addEstimates(all, numbers, search);
-    if (search.found.empty()) addSingle(all, search);
+    if (search.found.empty()) addSingle(all, rounded, search);
+    if (search.found.empty() && rounded) {  // and something else
+      const Case in_single(model, coarse, chosen, scope);
+      if (!in_single.primary().empty()) {
+        addSingles(in_single, list, search);
+        if (search.found.empty()) addEstimates(in_single, numbers, search);
+      }
+      for (Found& f : search.found) f.finding.parts.push_back(singlePrecision(rounded));
+    }
     if (search.found.empty()) {
       const Sketches sketches(all);
       const std::vector<Candidate> near = candidates(all, sketches, list);
