@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The museum can be red: a list with something wrong in it, or an engine that is, makes `dynwitness museum` fail.
+"""The museum can be red: a list with something wrong in it, or an engine that is, makes `dynwitness museum` fail. And the
+output of `check` that README.md shows is real.
 
     python3 test_museum.py PROGRAM
 """
 import os
+import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -23,9 +26,20 @@ def toml(exhibits):
         for key, value in exhibit.items()) for exhibit in exhibits)
 
 
+def shown_in_readme(program):
+    """What README.md shows below its `check` of the museum's engine is what is printed, but for last digits."""
+    text = (DATA.parent / "README.md").read_text(encoding="utf-8")
+    command, shown = re.search(r"```sh\n\./dynwitness (check puma_560 [^\n]*)\n```\n\n```text\n(.*?)```", text, re.S).groups()
+    done = subprocess.run([program, *shlex.split(command)], capture_output=True, text=True, cwd=DATA.parent)
+
+    def masked(lines):
+        return [re.sub(r"(?<![\w\[,])\d+(\.\d+)?(e[-+]?\d+)?", "#", re.sub(" +", " ", line)) for line in lines.splitlines()]
+    return [] if masked(shown) == masked(done.stdout) else ["README.md shows\n%s\nwhere this is printed:\n%s" % (shown, done.stdout)]
+
+
 def main():
     program = os.path.abspath(sys.argv[1])
-    failed = []
+    failed = shown_in_readme(program)
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "data"
         data.mkdir()
