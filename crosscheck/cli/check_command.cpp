@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
-#include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/engine_options.hpp"
+#include "crosscheck/cli/on_the_stand.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
@@ -15,7 +15,6 @@
 #include "crosscheck/diagnosis/examine.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
-#include "scene/mimic.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::cli {
@@ -33,12 +32,7 @@ struct Arguments {
 int run(Arguments arguments) {
   requireWritableFile(arguments.output);
   requireWritableFile(arguments.smallest);
-  scene::Scene scene = admitted(arguments.scene, Command::kCheck);
-  requireMotion(scene);
-  if (scene.mechanism.hasMimics()) {
-    scene.mechanism = scene::withoutMimics(scene.mechanism);
-    scene.start_qd.assign(static_cast<std::size_t>(scene.mechanism.dof()), scene::Number(0));
-  }
+  const scene::Scene scene = onTheStand(arguments.scene);
   arguments.options.single = arguments.scalar == "float";
   std::optional<Progress> progress(std::in_place, "check of " + scene.name);
   const WitnessKind kind = engineKinds(arguments.engines, arguments.limits, scene).front();

@@ -27,6 +27,7 @@
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/gnuplot.hpp"
 #include "crosscheck/system/processes.hpp"
+#include "crosscheck/system/shell.hpp"
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
@@ -68,13 +69,6 @@ std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
   for (const auto& table : bundledTables())
     if (const auto file = ownScene(table); !file.empty()) scenes.push_back(scene::readScene(file));
   return scenes;
-}
-
-/// In quotes for a shell.
-std::string shellWord(const std::string& text) {
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
-  return word + "'";
 }
 
 /// The words that give this result again.

@@ -2,11 +2,16 @@
 // The command line.
 #include "crosscheck/cli/front.hpp"
 
+namespace dynwitness::cli {
+Run addMuseum(CLI::App& app);
+}
+
 int main(int argc, char** argv) {
   using namespace dynwitness::cli;
   return front(argc, argv,
                {{"crosscheck", addCrosscheck},
                 {"check", addCheck},
+                {"museum", addMuseum},
                 {"derive", addDerive},
                 {"evaluate", addEvaluate},
                 {"drift", addDrift},

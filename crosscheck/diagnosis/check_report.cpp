@@ -25,12 +25,6 @@ std::vector<std::string> labels(const Examination& e, const std::vector<int>& ra
   return out;
 }
 
-std::string wordsOf(const CheckFinding& finding) {
-  std::vector<std::string> parts;
-  for (const Explanation& part : finding.parts) parts.push_back(part.sentence);
-  return joined(parts, " AND ");
-}
-
 std::string lineOf(const QuantityFound& q) {
   std::string out = fmt::format("  {:<10} {:<11}", name(q.quantity), name(q.verdict));
   if (q.verdict == Judged::kCannotSay) return out + q.reason + "\n";
@@ -59,26 +53,31 @@ std::string diagnosisText(const Examination& e) {
     const CheckFinding& best = e.findings.front();
     out += fmt::format(
         "  explained exactly by: {} (residual {:.1g}: {:.2g} of what rounding may leave)\n",
-        wordsOf(best), best.residual_relative, best.residual);
+        sentenceOf(best), best.residual_relative, best.residual);
     if (!best.spared.empty())
       out += "    but for " + joined(best.spared) +
              ", which it would have made wrong and which is right\n";
     if (!best.unasked.empty()) out += "    this leaves unexplained: " + joined(best.unasked) + "\n";
-    if (e.findings.size() > 1)
-      out += fmt::format("  {} other{} would answer the same:\n", e.findings.size() - 1,
-                         e.findings.size() == 2 ? "" : "s");
-    for (std::size_t k = 1; k < e.findings.size() && k < kMostTold; ++k)
-      out += fmt::format("    {}. {} (residual {:.1g})\n", k + 1, wordsOf(e.findings[k]),
-                         e.findings[k].residual_relative);
-    if (e.findings.size() > kMostTold)
-      out += fmt::format("    and {} more: --format json\n", e.findings.size() - kMostTold);
+    for (const bool is_first : {true, false}) {
+      std::vector<std::string> lines;
+      for (std::size_t k = 1; k < e.findings.size(); ++k)
+        if (e.findings[k].is_first == is_first)
+          lines.push_back(fmt::format("    {}. {} (residual {:.1g})\n", k + 1,
+                                      sentenceOf(e.findings[k]), e.findings[k].residual_relative));
+      if (lines.empty()) continue;
+      out += is_first ? "  no answer at any state tells it from\n"
+                      : "  at the states that were asked it cannot be told from\n";
+      for (std::size_t k = 0; k < lines.size() && k < kMostTold; ++k) out += lines[k];
+      if (lines.size() > kMostTold)
+        out += fmt::format("    and {} more: --format json\n", lines.size() - kMostTold);
+    }
   } else {
     out += fmt::format("  nothing on record explains it: {} mistakes tried", e.tried);
     if (e.pairs > 0) out += fmt::format(", and {} of {} pairs of them", e.pairs_tried, e.pairs);
     out += "\n";
     for (const CheckFinding& f : e.findings)
-      out +=
-          fmt::format("    nearest: {}: {:.3g} of the misfit would be left\n", wordsOf(f), f.left);
+      out += fmt::format("    nearest: {}: {:.3g} of the misfit would be left\n", sentenceOf(f),
+                         f.left);
   }
   if (e.smallest) {
     const Smallest& s = *e.smallest;
@@ -103,6 +102,12 @@ std::string diagnosisText(const Examination& e) {
 }
 
 }  // namespace
+
+std::string sentenceOf(const CheckFinding& finding) {
+  std::vector<std::string> parts;
+  for (const Explanation& part : finding.parts) parts.push_back(part.sentence);
+  return joined(parts, " AND ");
+}
 
 std::string checkText(const Examination& e) {
   std::string out =
@@ -157,7 +162,7 @@ std::string checkJson(const Examination& e, const std::string& version) {
       one["with"].push_back(part);
     }
     one["explains"] = f.explains;
-    one["sentence"] = wordsOf(f);
+    one["sentence"] = sentenceOf(f);
     if (f.explains) {
       one["residual_ulp"] = f.residual_ulp;
       one["residual_of_limit"] = f.residual;
@@ -165,6 +170,7 @@ std::string checkJson(const Examination& e, const std::string& version) {
     } else {
       one["left"] = f.left;
     }
+    if (f.is_first) one["same_as_first"] = true;
     if (!f.spared.empty()) one["spared"] = f.spared;
     if (!f.unasked.empty()) one["unexplained"] = f.unasked;
     findings.push_back(one);

@@ -8,6 +8,9 @@
 
 namespace dynwitness::crosscheck {
 
+/// What is done in place of what; of a pair both.
+std::string sentenceOf(const CheckFinding& finding);
+
 /// For a terminal.
 std::string checkText(const Examination& examination);
 

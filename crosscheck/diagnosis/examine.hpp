@@ -59,6 +59,7 @@ struct CheckFinding {
   double residual_ulp = 0;           ///< the largest misfit [ulp of the largest entry]
   double residual_relative = 0;      ///< the same as a share of that entry
   double left = 0;                   ///< of the misfit, the share that it leaves unexplained
+  bool is_first = false;             ///< at no state can it be told from the first finding
   std::vector<std::string> spared;   ///< quantities that are right nevertheless
   std::vector<std::string> unasked;  ///< wrong quantities that it says nothing about
 };

@@ -79,19 +79,24 @@ class List {
         {rule, static_cast<int>(i), at_joint, fmt::format(sentence, where), std::move(apply)});
   }
   /// One a link to which it applies, and all of them together.
-  void each(const std::string& rule, bool at_joint, const Applies& applies,
-            const std::string& sentence, const Edit& edit) {
+  void each(
+      const std::string& rule, bool at_joint, const Applies& applies, const std::string& sentence,
+      const Edit& edit, const std::function<void(Formulas&)>& formula = [](Formulas&) {}) {
     int count = 0;
     for (std::size_t i = 0; i < model_.links.size(); ++i) {
       if (!applies(model_.links[i])) continue;
       ++count;
-      at(rule, i, at_joint, sentence, [edit, i](Belief& b) { edit(b.model.links[i]); });
+      at(rule, i, at_joint, sentence, [edit, formula, i](Belief& b) {
+        edit(b.model.links[i]);
+        formula(b.formulas);
+      });
     }
     if (count < 2) return;
     add(rule, fmt::format(sentence, at_joint ? "every joint" : "every link"),
-        [edit, applies](Belief& b) {
+        [edit, formula, applies](Belief& b) {
           for (TextbookLink& link : b.model.links)
             if (applies(link)) edit(link);
+          formula(b.formulas);
         });
   }
   void formula(const std::string& rule, const std::string& sentence,
@@ -123,6 +128,12 @@ void addGravity(List& list) {
     }
   list.formula("gravity_frame", "gravity in the world's axes taken as if in the axes of each link",
                [](Formulas& f) { f.gravity_not_turned = true; });
+  for (std::size_t i = 0; i < list.model().links.size(); ++i)
+    if (list.model().links[i].kind == scene::JointKind::kFloating)
+      list.formula("gravity_frame",
+                   fmt::format("gravity in the world's axes taken as if in those of link '{}'",
+                               list.model().links[i].name),
+                   [i](Formulas& f) { f.gravity_turns_with = static_cast<int>(i); });
   for (const bool twice : {true, false})
     list.formula("gravity_in_c",
                  twice ? "gravity included in c (and once more in tau)" : "gravity included in c",
@@ -150,6 +161,11 @@ void addFormulas(List& list) {
     factor("double_inertia", "M twice as large", 2, 1);
     factor("half_inertia", "half of M and of c", 0.5, 0.5);
     factor("double_inertia", "M and c twice as large", 2, 2);
+    list.formula("c_times_qd", "c multiplied by the rates, entry by entry" + where,
+                 [in_tau](Formulas& f) {
+                   f.c_times_qd = true;
+                   f.factor_in_tau = in_tau;
+                 });
   }
   list.formula("double_inertia", "kinetic energy twice as large",
                [](Formulas& f) { f.factor_kinetic = 2; });
@@ -172,19 +188,89 @@ void addFormulas(List& list) {
   list.formula("bias_missing",
                "accelerations that come of velocities alone (dJ/dt qd) left out of c",
                [](Formulas& f) { f.point_bias = f.turn_bias = false; });
-  list.formula("bias_missing", "v x Z qd left out of the spatial accelerations",
-               [](Formulas& f) { f.spatial_bias = false; });
   list.formula("bias_missing",
                "accelerations of points that come of velocities (dJv/dt qd) left out of c",
                [](Formulas& f) { f.point_bias = false; });
   list.formula("bias_missing",
                "angular accelerations that come of velocities (dJw/dt qd) left out of c",
                [](Formulas& f) { f.turn_bias = false; });
+  const std::vector<TextbookLink>& links = list.model().links;
+  for (const Formulas::Bias bias : {Formulas::Bias::kMoved, Formulas::Bias::kSpatial}) {
+    const std::string what = bias == Formulas::Bias::kMoved
+                                 ? "accelerations that a moved axis makes (w x z qd) left out at {}"
+                                 : "v x Z qd left out of the spatial acceleration at {}";
+    for (std::size_t i = 0; i < links.size(); ++i)
+      if (moves(links[i]))
+        list.at("bias_missing", i, true, what, [i, bias](Belief& b) {
+          b.formulas.joint_bias = bias;
+          b.formulas.biased_joint = static_cast<int>(i);
+        });
+    list.formula("bias_missing", fmt::format(what, "every joint"),
+                 [bias](Formulas& f) { f.joint_bias = bias; });
+  }
+  for (std::size_t i = 0; i < links.size(); ++i)
+    if (hasParent(links[i]))
+      list.at("gyroscopic_missing", i, false, "w x I w left out of the moment of {}",
+              [i](Belief& b) { b.formulas.not_gyroscopic = static_cast<int>(i); });
   list.formula("centrifugal_missing", "c without the squares of rates (Coriolis terms alone)",
                [](Formulas& f) { f.products = Formulas::Products::kMixed; });
+  list.formula("centrifugal_missing", "w x (w x r) left out of the accelerations of points",
+               [](Formulas& f) { f.centripetal = false; });
+  list.formula("coriolis_missing", "2 w x v of slides left out",
+               [](Formulas& f) { f.slide_coriolis = false; });
   list.formula("coriolis_missing",
                "c without products of different rates (centrifugal terms alone)",
                [](Formulas& f) { f.products = Formulas::Products::kSquares; });
+}
+
+/// The link and what fixed joints carry on it, made one body without the theorem of parallel axes.
+void lumpWithoutParallelAxes(TextbookModel& model, std::size_t first) {
+  std::vector<Frame> frames(model.links.size());
+  std::vector<std::size_t> body = {first};
+  for (std::size_t i = first + 1; i < model.links.size(); ++i) {
+    const TextbookLink& link = model.links[i];
+    const auto parent = static_cast<std::size_t>(link.parent);
+    if (link.kind != scene::JointKind::kFixed || std::count(body.begin(), body.end(), parent) == 0)
+      continue;
+    frames[i] = frames[parent] * link.before * link.after;
+    body.push_back(i);
+  }
+  double mass = 0;
+  Vector3d moment = Vector3d::Zero();
+  Matrix3d inertia = Matrix3d::Zero();
+  for (const std::size_t i : body) {
+    TextbookLink& link = model.links[i];
+    mass += link.mass;
+    moment += link.mass * (frames[i].p + frames[i].R * link.com);
+    inertia += frames[i].R * link.inertia * frames[i].R.transpose();
+    link.mass = 0;
+    link.com = Vector3d::Zero();
+    link.inertia = Matrix3d::Zero();
+  }
+  TextbookLink& whole = model.links[first];
+  whole.mass = mass;
+  if (mass != 0) whole.com = moment / mass;
+  whole.inertia = inertia;
+}
+
+void addLumped(List& list) {
+  const TextbookModel& model = list.model();
+  std::vector<std::size_t> carriers;  // moving links with something on a fixed joint
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    if (moves(model.links[i]) &&
+        std::any_of(model.links.begin(), model.links.end(), [&](const TextbookLink& link) {
+          return link.kind == scene::JointKind::kFixed && link.parent == static_cast<int>(i);
+        }))
+      carriers.push_back(i);
+  const std::string what =
+      "parallel axis terms missing where {} and what it carries on fixed joints are made one body";
+  for (const std::size_t i : carriers)
+    list.at("parallel_axis_missing", i, false, what,
+            [i](Belief& b) { lumpWithoutParallelAxes(b.model, i); });
+  if (carriers.size() > 1)
+    list.add("parallel_axis_missing", fmt::format(what, "every link"), [carriers](Belief& b) {
+      for (const std::size_t i : carriers) lumpWithoutParallelAxes(b.model, i);
+    });
 }
 
 void addInertias(List& list) {
@@ -225,10 +311,44 @@ void addInertias(List& list) {
             [](TextbookLink& link) {
               link.inertia = fromWritten(link, link.written, Matrix3d::Identity());
             });
-  list.each("principal_axes_not_rotated", false, any,
+  list.each("rotation_transposed", false, any,
             "inertia of {} turned the wrong way from axes of its own", [](TextbookLink& link) {
               link.inertia = fromWritten(link, link.written, link.axes.transpose());
             });
+  list.each("principal_axes_not_rotated", false, any,
+            "inertia of {} taken in link axes as it is in those of its parent at rest",
+            [](TextbookLink& link) {
+              const Matrix3d R = link.before.R * link.after.R;
+              link.inertia = (R.transpose() * link.inertia * R).eval();
+            });
+  list.each("principal_axes_not_rotated", false, any,
+            "inertia of {} turned by its placement once more", [](TextbookLink& link) {
+              const Matrix3d R = link.before.R * link.after.R;
+              link.inertia = (R * link.inertia * R.transpose()).eval();
+            });
+  const Applies has_axes = [](const TextbookLink& link) {
+    return hasParent(link) && link.axes != Matrix3d::Identity();
+  };
+  for (const Formulas::Triangle kept :
+       {Formulas::Triangle::kBoth, Formulas::Triangle::kUpper, Formulas::Triangle::kLower})
+    for (const bool left : {true, false})
+      list.each(
+          "principal_axes_not_rotated", false, has_axes,
+          fmt::format("inertia of {{}} turned from axes of its own on the {} alone ({}){}",
+                      left ? "left" : "right", left ? "R I" : "I R'",
+                      kept == Formulas::Triangle::kBoth    ? ""
+                      : kept == Formulas::Triangle::kUpper ? ", M from its upper triangle"
+                                                           : ", M from its lower triangle"),
+          [left](TextbookLink& link) {
+            Matrix3d I = left ? Matrix3d(link.axes * link.written)
+                              : Matrix3d(link.written * link.axes.transpose());
+            if (link.about_origin) I -= toOrigin(link);
+            link.inertia = I;
+          },
+          [kept](Formulas& f) { f.mirrored = kept; });
+  list.each("inertia_dropped", false, any, "inertia of {} about its centre of mass left out",
+            [](TextbookLink& link) { link.inertia = Matrix3d::Zero(); });
+  addLumped(list);
   std::array<int, 3> order = {0, 1, 2};
   do
     list.each("principal_axes_not_rotated", false, any,
@@ -270,6 +390,10 @@ void addCentresOfMass(List& list) {
             });
   list.each(rule, false, any, "centre of mass of {} taken in the axes of the moved joint frame",
             [](TextbookLink& link) { link.com = (link.after.R.transpose() * link.com).eval(); });
+  list.each(rule, false, any, "centre of mass of {} turned with its inertia's axes",
+            [](TextbookLink& link) { link.com = (link.axes * link.com).eval(); });
+  list.each(rule, false, any, "centre of mass of {}, in link axes, taken in its inertia's axes",
+            [](TextbookLink& link) { link.com = (link.axes.transpose() * link.com).eval(); });
   list.each(rule, false, any, "centre of mass of {} turned by its placement once more",
             [](TextbookLink& link) { link.com = (link.before.R * link.com).eval(); });
   list.each(rule, false, any,
@@ -287,15 +411,23 @@ void addCentresOfMass(List& list) {
 void addJointForces(List& list) {
   const Applies has_rotor = [](const TextbookLink& link) { return link.added != 0; };
   list.each("rotor_missing", true, has_rotor, "rotor of {} missing",
-            [](TextbookLink& link) { link.added = link.rotor = 0; });
-  list.each("rotor_doubled", true, has_rotor, "rotor of {} counted twice",
-            [](TextbookLink& link) { link.added *= 2; });
+            [](TextbookLink& link) { link.added = link.rotor = link.spin = 0; });
+  list.each("rotor_doubled", true, has_rotor, "rotor of {} counted twice", [](TextbookLink& link) {
+    link.added *= 2;
+    link.spin *= 2;
+  });
   list.each("rotor_ratio_not_squared", true, has_rotor, "gear ratio of {} not squared",
             [](TextbookLink& link) { link.added = link.gear * link.rotor; });
   list.each("rotor_ratio_not_squared", true, has_rotor, "gear ratio of {} left out",
             [](TextbookLink& link) { link.added = link.rotor; });
   list.each("rotor_sign", true, has_rotor, "rotor of {} with the opposite sign",
             [](TextbookLink& link) { link.added = -link.added; });
+  const Applies spins = [](const TextbookLink& link) { return link.spin != 0; };
+  list.each("rotor_sign", true, spins, "gyroscopic rotor of {} spins the other way",
+            [](TextbookLink& link) { link.spin = -link.spin; });
+  list.each("gyroscopic_missing", true, spins,
+            "rotor of {} without what its spin does to its parent",
+            [](TextbookLink& link) { link.spin = 0; });
   const Applies damped = [](const TextbookLink& link) { return link.viscous != 0; };
   const Applies rubs = [](const TextbookLink& link) {
     return link.viscous != 0 || link.coulomb[0] != 0 || link.coulomb[1] != 0;
@@ -356,6 +488,14 @@ void addPlacements(List& list) {
     list.at("rotation_transposed", i, false,
             "rotation of {} in its parent, with its joint's, transposed",
             [i](Belief& b) { b.formulas.turned_back = static_cast<int>(i); });
+  for (std::size_t i = 1; i < model.links.size(); ++i)
+    if (hasOneRate(model.links[i]) && model.links[i].kind != scene::JointKind::kPrismatic)
+      list.at("rotation_transposed", i, false, "turn of the joint of {} transposed",
+              [i, &model](Belief& b) {
+                std::vector<double>& sign = b.passing.position_sign;
+                if (sign.empty()) sign.assign(static_cast<std::size_t>(model.positions), 1.0);
+                sign[static_cast<std::size_t>(model.links[i].q)] *= -1;
+              });
   list.each("rotation_transposed", false, hasParent, "placement of {} inverted",
             [](TextbookLink& link) {
               link.before.R.transposeInPlace();
@@ -436,14 +576,10 @@ void addPlacements(List& list) {
   for (const double unit : {kDegree, 1 / kDegree}) {
     const std::string how =
         unit < 1 ? "in radians taken for degrees" : "in degrees taken for radians";
-    std::size_t most = 0;
-    for (const TextbookLink& link : model.links)
-      most = std::max(most, link.before_steps.size() + link.after_steps.size());
-    const auto scaled = [unit](TextbookLink& link, std::size_t only) {
-      std::size_t k = 0;
+    const auto scaled = [unit](TextbookLink& link, int axis) {
       for (auto* steps : {&link.before_steps, &link.after_steps})
         for (PlacementStep& step : *steps)
-          if (const std::size_t here = k++; only == here || only > 100) step.angle *= unit;
+          if (step.axis >= 0 && (axis < 0 || step.axis == axis)) step.angle *= unit;
       link.before = composed(link.before_steps);
       link.after = composed(link.after_steps);
     };
@@ -451,19 +587,20 @@ void addPlacements(List& list) {
       return hasParent(link) &&
              (link.before.R != Matrix3d::Identity() || link.after.R != Matrix3d::Identity());
     };
-    for (std::size_t k = 0; k < most; ++k)
+    const auto turns_about = [](const TextbookLink& link, int axis) {
+      for (const auto* steps : {&link.before_steps, &link.after_steps})
+        for (const PlacementStep& step : *steps)
+          if (step.axis == axis && step.angle != 0) return true;
+      return false;
+    };
+    for (int axis = 0; axis < 3; ++axis)
       list.each(
           "angle_in_degrees", false,
-          [k, turned](const TextbookLink& link) {
-            const std::size_t n = link.before_steps.size();
-            if (!turned(link) || k >= n + link.after_steps.size()) return false;
-            const PlacementStep& step = k < n ? link.before_steps[k] : link.after_steps[k - n];
-            return step.axis >= 0 && step.angle != 0;
-          },
-          "an angle of the placement of {} " + how,
-          [k, scaled](TextbookLink& link) { scaled(link, k); });
+          [=](const TextbookLink& link) { return hasParent(link) && turns_about(link, axis); },
+          fmt::format("angle about {} of the placement of {{}} {}", "xyz"[axis], how),
+          [=](TextbookLink& link) { scaled(link, axis); });
     list.each("angle_in_degrees", false, turned, "angles of the placement of {} " + how,
-              [scaled](TextbookLink& link) { scaled(link, 1000); });
+              [scaled](TextbookLink& link) { scaled(link, -1); });
     const auto rotation = [unit](Matrix3d& R) {
       const Eigen::AngleAxisd turn(R);
       R = Eigen::AngleAxisd(turn.angle() * unit, turn.axis()).toRotationMatrix();
@@ -570,38 +707,59 @@ void addJoints(List& list) {
   if (!turns) return;
   list.add("quaternion_order", "quaternions taken as (x, y, z, w)",
            [](Belief& b) { b.passing.xyzw = true; });
-  for (const bool angular : {false, true})
+  struct InWorldAxes {
+    const char* what;
+    bool turns, slides;
+  };
+  for (const InWorldAxes& which :
+       {InWorldAxes{"rates", true, true}, InWorldAxes{"angular velocities", true, false},
+        InWorldAxes{"velocities", false, true}})
     for (const bool forces : {true, false})
       list.add("base_twist_world",
-               fmt::format("{} of spherical and floating joints taken in world axes{}",
-                           angular ? "angular velocities" : "rates",
+               fmt::format("{} of spherical and floating joints taken in world axes{}", which.what,
                            forces ? ", and forces given there" : ""),
-               [angular, forces](Belief& b) {
-                 b.passing.world_rates = true;
+               [which, forces](Belief& b) {
+                 b.passing.world_turns = which.turns;
+                 b.passing.world_slides = which.slides;
                  b.passing.world_forces = forces;
-                 b.passing.only_angular = angular;
                });
 }
 
 void addSeries(List& list) {
   constexpr int kMostTerms = 14;
   for (const bool reduced : {false, true})
-    for (int terms = 1; terms <= kMostTerms; ++terms) {
-      const auto add = [&](const std::string& what, int sine, int cosine) {
-        list.formula("sine_series",
-                     fmt::format("{} by {} terms of the series{}", what, terms,
-                                 reduced ? " (angles brought to [-pi, pi])" : ""),
-                     [=](Formulas& f) {
-                       f.sine_terms = sine;
-                       f.cosine_terms = cosine;
-                       f.reduced = reduced;
-                     });
-      };
-      add("sine and cosine", terms, terms);
-      add("sine", terms, 0);
-      add("sine and cosine (one term more)", terms, terms + 1);
-      add("cosine", 0, terms);
-    }
+    for (int terms = 1; terms <= kMostTerms; ++terms)
+      for (const bool in_world : {false, true}) {
+        const auto add = [&](const std::string& what, int sine, int cosine) {
+          list.formula("sine_series",
+                       fmt::format("{} by {} terms of the series{}{}", what, terms,
+                                   reduced ? " (angles brought to [-pi, pi])" : "",
+                                   in_world ? ", all in world axes" : ""),
+                       [=](Formulas& f) {
+                         f.sine_terms = sine;
+                         f.cosine_terms = cosine;
+                         f.reduced = reduced;
+                         f.in_world = in_world;
+                       });
+        };
+        add("sine and cosine", terms, terms);
+        add("sine", terms, 0);
+        add("sine and cosine (one term more)", terms, terms + 1);
+        add("cosine", 0, terms);
+      }
+}
+
+/// The state that was asked before, in part.
+void addStale(List& list) {
+  const auto add = [&](const std::string& what, const Stale& stale) {
+    list.add("stale_state", what + " of the question before used again",
+             [stale](Belief& b) { b.stale = stale; });
+  };
+  add("positions", {true, false, false});
+  add("positions and rates", {true, true, false});
+  add("the state", {true, true, true});
+  add("rates", {false, true, false});
+  add("accelerations", {false, false, true});
 }
 
 }  // namespace
@@ -617,6 +775,7 @@ std::vector<Hypothesis> hypotheses(const TextbookModel& model) {
   addCentresOfMass(list);
   addJoints(list);
   addSeries(list);
+  addStale(list);
   // the other reading of these words: numbers about the centre of mass taken as if about the joint
   list.each("inertia_about_joint", false, hasParent,
             "inertia of {}, given about the centre of mass, taken as if about the joint",
@@ -776,14 +935,6 @@ std::vector<Suspect> suspects(const TextbookModel& model) {
                    }});
   }
   return out;
-}
-
-std::vector<Stale> staleStates() {
-  return {{true, false, false, "positions of the question before used again"},
-          {true, true, false, "positions and rates of the question before used again"},
-          {true, true, true, "the state of the question before used again"},
-          {false, true, false, "rates of the question before used again"},
-          {false, false, true, "accelerations of the question before used again"}};
 }
 
 }  // namespace dynwitness::crosscheck

@@ -36,15 +36,9 @@ struct Suspect {
   std::vector<double> scene;       ///< what the scene says they are
   std::vector<double> scale;       ///< sizes that steps are measured in
   std::function<void(Belief&, const Eigen::VectorXd& added)> apply;
+  bool is_linear = true;  ///< where there are several: answers are linear in them
 };
 /// The same order: one number before several.
 std::vector<Suspect> suspects(const TextbookModel& model);
-
-/// Which part of the state is that of the question before.
-struct Stale {
-  bool q, qd, qdd;
-  std::string sentence;
-};
-std::vector<Stale> staleStates();
 
 }  // namespace dynwitness::crosscheck

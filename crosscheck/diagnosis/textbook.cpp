@@ -117,7 +117,7 @@ TextbookModel textbookModel(const scene::Scene& scene) {
       one.rotor = number(joint.rotor_inertia);
       one.gear = number(joint.gear_ratio);
       one.added = one.gear * one.gear * one.rotor;
-      one.gyroscopic = joint.gyroscopic;
+      if (joint.gyroscopic) one.spin = one.gear * one.rotor;
       one.viscous = number(joint.friction.viscous);
       one.coulomb[0] = number(joint.friction.positive);
       one.coulomb[1] = number(joint.friction.negative);
@@ -148,7 +148,8 @@ Textbook::Textbook(const Belief& belief)
   using scene::JointKind;
   const Formulas& f = formulas_;
   simple_ = f.products == Formulas::Products::kAll && f.factor_M == 1 && f.factor_c == 1 &&
-            f.triangle == Formulas::Triangle::kBoth && !f.qdd_ignored && !f.g_twice_in_tau;
+            f.triangle == Formulas::Triangle::kBoth && f.mirrored == Formulas::Triangle::kBoth &&
+            !f.qdd_ignored && !f.g_twice_in_tau && !f.c_times_qd;
   has_loads_ = !wrenches_.empty();
   for (std::size_t i = 0; i < belief.model.links.size(); ++i) {
     const TextbookLink& link = belief.model.links[i];
@@ -163,6 +164,7 @@ Textbook::Textbook(const Belief& belief)
       Part part;
       part.kind = kind;
       part.parent = parent;
+      part.joint = static_cast<int>(i);
       part.before = before;
       part.axis = axis;
       part.q = q;
@@ -222,7 +224,7 @@ Textbook::Textbook(const Belief& belief)
     last.inertia = link.after.R * link.inertia * link.after.R.transpose();
     if (last.rates == 1) {
       last.added = link.added;
-      if (link.gyroscopic) last.spin = link.gear * link.rotor;
+      last.spin = link.spin;
       last.viscous = link.viscous;
       last.coulomb[0] = link.coulomb[0];
       last.coulomb[1] = link.coulomb[1];
@@ -281,8 +283,22 @@ std::vector<Textbook::Placed> Textbook::placed(const Vector& q) const {
   return out;
 }
 
-Textbook::Vector Textbook::sweep(const std::vector<Placed>& at, const Vector& qd, const Vector& qdd,
-                                 bool gravity, bool loads) const {
+/// The same places for a sweep in world axes.
+std::vector<Textbook::Placed> Textbook::inWorldAxes(std::vector<Placed> at) const {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const int up = parts_[i].parent;
+    const Matrix3d R = up < 0 ? Matrix3d::Identity() : at[static_cast<std::size_t>(up)].Z;
+    Placed& here = at[i];
+    here.Z = R * here.E.transpose();
+    here.E = Matrix3d::Identity();
+    here.r = R * here.r;
+    here.com = here.Z * here.com;
+  }
+  return at;
+}
+
+Textbook::Vector Textbook::sweep(const std::vector<Placed>& given, const Vector& qd,
+                                 const Vector& qdd, bool gravity, bool loads) const {
   struct Motion {
     Vector3d w = Vector3d::Zero(), v = Vector3d::Zero();
     Vector3d wd = Vector3d::Zero(), a = Vector3d::Zero();      // with what velocities add
@@ -290,9 +306,12 @@ Textbook::Vector Textbook::sweep(const std::vector<Placed>& at, const Vector& qd
     Matrix3d R = Matrix3d::Identity();                         // own axes to the world's
   };
   const Formulas& on = formulas_;
+  std::vector<Placed> moved;
+  if (on.in_world) moved = inWorldAxes(given);
+  const std::vector<Placed>& at = on.in_world ? moved : given;
   const bool raw_gravity = gravity && on.gravity_not_turned;
   Motion world;
-  if (gravity && !raw_gravity) world.a = world.a_J = -gravity_;
+  if (gravity && !raw_gravity) world.a = world.a_J = -this->gravity(given);
   std::vector<Motion> m(parts_.size());
   std::vector<Vector3d> f(parts_.size()), n(parts_.size());
 
@@ -302,99 +321,107 @@ Textbook::Vector Textbook::sweep(const std::vector<Placed>& at, const Vector& qd
     const Motion& up = part.parent < 0 ? world : m[static_cast<std::size_t>(part.parent)];
     const Matrix3d& E = at[i].E;
     const Vector3d& r = at[i].r;
+    const Matrix3d& Z = at[i].Z;
     Vector3d Zw_qd = Vector3d::Zero(), Zv_qd = Zw_qd, Zw_qdd = Zw_qd, Zv_qdd = Zw_qd;
     switch (part.kind) {
       case Part::Kind::kRigid:
         break;
       case Part::Kind::kTurn:
-        Zw_qd = part.axis * qd(part.qd);
-        Zw_qdd = part.axis * qdd(part.qd);
+        Zw_qd = Z * part.axis * qd(part.qd);
+        Zw_qdd = Z * part.axis * qdd(part.qd);
         Zv_qd = part.pitch * Zw_qd;
         Zv_qdd = part.pitch * Zw_qdd;
         break;
       case Part::Kind::kSlide:
-        Zv_qd = part.axis * qd(part.qd);
-        Zv_qdd = part.axis * qdd(part.qd);
+        Zv_qd = Z * part.axis * qd(part.qd);
+        Zv_qdd = Z * part.axis * qdd(part.qd);
         break;
       case Part::Kind::kBall:
-        Zw_qd = qd.segment<3>(part.qd);
-        Zw_qdd = qdd.segment<3>(part.qd);
+        Zw_qd = Z * qd.segment<3>(part.qd);
+        Zw_qdd = Z * qdd.segment<3>(part.qd);
         break;
       case Part::Kind::kFree:
-        Zv_qd = qd.segment<3>(part.qd);
-        Zw_qd = qd.segment<3>(part.qd + 3);
-        Zv_qdd = qdd.segment<3>(part.qd);
-        Zw_qdd = qdd.segment<3>(part.qd + 3);
+        Zv_qd = Z * qd.segment<3>(part.qd);
+        Zw_qd = Z * qd.segment<3>(part.qd + 3);
+        Zv_qdd = Z * qdd.segment<3>(part.qd);
+        Zw_qdd = Z * qdd.segment<3>(part.qd + 3);
         break;
     }
     Motion& here = m[i];
     const Vector3d Ew = E * up.w;
     here.w = Ew + Zw_qd;
-    here.wd = E * up.wd + Zw_qdd + Ew.cross(Zw_qd);
-    here.a = E * (up.a + up.wd.cross(r) + up.w.cross(up.w.cross(r))) + Zv_qdd +
-             2 * Ew.cross(Zv_qd) + Zw_qd.cross(Zv_qd);
+    Vector3d wd_moved = Ew.cross(Zw_qd), a_moved = 2 * Ew.cross(Zv_qd) + Zw_qd.cross(Zv_qd);
+    if (!on.slide_coriolis && part.kind != Part::Kind::kFree) a_moved.setZero();
+    if (on.joint_bias != Formulas::Bias::kKept) {
+      const Vector3d Ev = E * (up.v + up.w.cross(r));
+      here.v = Ev + Zv_qd;
+      if (on.biased_joint < 0 || on.biased_joint == part.joint) {
+        wd_moved.setZero();
+        a_moved.setZero();  // of a spatial acceleration, w x v remains
+        if (on.joint_bias == Formulas::Bias::kSpatial)
+          a_moved = here.w.cross(Zv_qd) - Ev.cross(Zw_qd);
+      }
+    }
+    here.wd = E * up.wd + Zw_qdd + wd_moved;
+    const auto inward = [&](const Vector3d& w, const Vector3d& of) {
+      return on.centripetal ? Vector3d(w.cross(w.cross(of))) : Vector3d::Zero();
+    };
+    here.a = E * (up.a + up.wd.cross(r) + inward(up.w, r)) + Zv_qdd + a_moved;
     here.wd_J = E * up.wd_J + Zw_qdd;
     here.a_J = E * (up.a_J + up.wd_J.cross(r)) + Zv_qdd;
     here.R = up.R * E.transpose();
     const Vector3d& rc = at[i].com;
-    const Vector3d w_I_w = here.w.cross(part.inertia * here.w);
-    if (on.spatial_bias) {
-      Vector3d ac = on.point_bias
-                        ? Vector3d(here.a + here.wd.cross(rc) + here.w.cross(here.w.cross(rc)))
-                        : Vector3d(here.a_J + here.wd_J.cross(rc));
-      if (raw_gravity) ac -= gravity_;
-      f[i] = part.mass * ac;
-      n[i] = part.inertia * (on.turn_bias ? here.wd : here.wd_J) + rc.cross(f[i]);
-      if (on.gyroscopic) n[i] += w_I_w;
-    } else {  // a sweep of spatial accelerations that are not told of v x Z qd
-      here.v = E * (up.v + up.w.cross(r)) + Zv_qd;
-      const Vector3d h = part.mass * rc;
-      const Matrix3d I_o = part.inertia + pointMass(part.mass, rc);
-      const Vector3d P = part.mass * here.v + here.w.cross(h), L = I_o * here.w + h.cross(here.v);
-      f[i] = part.mass * here.a_J + here.wd_J.cross(h) + here.w.cross(P);
-      n[i] = I_o * here.wd_J + h.cross(here.a_J) + here.w.cross(L) + here.v.cross(P);
-    }
+    const Matrix3d I = on.in_world ? Matrix3d(Z * part.inertia * Z.transpose()) : part.inertia;
+    const Vector3d w_I_w = here.w.cross(I * here.w);
+    Vector3d ac = on.point_bias ? Vector3d(here.a + here.wd.cross(rc) + inward(here.w, rc))
+                                : Vector3d(here.a_J + here.wd_J.cross(rc));
+    if (raw_gravity) ac -= Z * gravity_;
+    f[i] = part.mass * ac;
+    n[i] = I * (on.turn_bias ? here.wd : here.wd_J) + rc.cross(f[i]);
+    if (on.gyroscopic && (on.not_gyroscopic < 0 || on.not_gyroscopic != part.link)) n[i] += w_I_w;
   }
   if (loads)
     for (const TextbookWrench& wrench : wrenches_) {
       const std::size_t i =
           static_cast<std::size_t>(place_of_link_[static_cast<std::size_t>(wrench.link)]);
       const Frame& after = parts_[i].after;
-      const Matrix3d R = wrench.in_world ? Matrix3d(m[i].R.transpose()) : after.R;
+      const Matrix3d R =
+          wrench.in_world ? Matrix3d(m[i].R.transpose()) : Matrix3d(at[i].Z * after.R);
       const Vector3d force = R * wrench.force;
       f[i] -= force;
-      n[i] -= R * wrench.moment + (after.p + after.R * wrench.at).cross(force);
+      n[i] -= R * wrench.moment + (at[i].Z * (after.p + after.R * wrench.at)).cross(force);
     }
 
   // inward: what passes through each joint
   Vector tau = Vector::Zero(dof_);
   for (std::size_t i = parts_.size(); i-- > 0;) {
     const Part& part = parts_[i];
-    const Matrix3d& E = at[i].E;
+    const Matrix3d &E = at[i].E, &Z = at[i].Z;
+    const Vector3d axis = Z * part.axis;
     Vector3d own = n[i];
     switch (part.kind) {
       case Part::Kind::kRigid:
         break;
       case Part::Kind::kTurn:
-        tau(part.qd) = part.axis.dot(n[i] + part.pitch * f[i]) + part.added * qdd(part.qd);
+        tau(part.qd) = axis.dot(n[i] + part.pitch * f[i]) + part.added * qdd(part.qd);
         break;
       case Part::Kind::kSlide:
-        tau(part.qd) = part.axis.dot(f[i]) + part.added * qdd(part.qd);
+        tau(part.qd) = axis.dot(f[i]) + part.added * qdd(part.qd);
         break;
       case Part::Kind::kBall:
-        tau.segment<3>(part.qd) = n[i];
+        tau.segment<3>(part.qd) = Z.transpose() * n[i];
         break;
       case Part::Kind::kFree:
-        tau.segment<3>(part.qd) = f[i];
-        tau.segment<3>(part.qd + 3) = n[i];
+        tau.segment<3>(part.qd) = Z.transpose() * f[i];
+        tau.segment<3>(part.qd + 3) = Z.transpose() * n[i];
         break;
     }
     if (part.parent < 0) continue;
     const std::size_t p = static_cast<std::size_t>(part.parent);
     if (part.spin != 0) {  // a rotor on the parent, which turns about the joint's axis
       const Vector3d Ew = E * m[p].w, Ewd = E * m[p].wd;
-      own += part.spin * (part.axis * qdd(part.qd) + Ew.cross(part.axis) * qd(part.qd));
-      tau(part.qd) += part.spin * part.axis.dot(Ewd);
+      own += part.spin * (axis * qdd(part.qd) + Ew.cross(axis) * qd(part.qd));
+      tau(part.qd) += part.spin * axis.dot(Ewd);
     }
     const Vector3d force = E.transpose() * f[i];
     f[p] += force;
@@ -428,15 +455,17 @@ Textbook::Input Textbook::received(const scene::State<double>& state) const {
     if (!state.qd.empty()) in.qd(i) = sign * state.qd[from];
     if (!state.qdd.empty()) in.qdd(i) = sign * state.qdd[from];
   }
-  if (by.world_rates)
+  if (by.world_turns || by.world_slides)
     for (const Part& part : parts_) {
       if (part.kind != Part::Kind::kBall && part.kind != Part::Kind::kFree) continue;
       const bool is_free = part.kind == Part::Kind::kFree;
       const int q = part.q + (is_free ? 3 : 0), turn = part.qd + (is_free ? 3 : 0);
       const Matrix3d back = turnOf(in.q(q), in.q.segment<3>(q + 1)).transpose();
-      in.qd.segment<3>(turn) = (back * in.qd.segment<3>(turn)).eval();
-      in.qdd.segment<3>(turn) = (back * in.qdd.segment<3>(turn)).eval();
-      if (!is_free || by.only_angular) continue;
+      if (by.world_turns) {
+        in.qd.segment<3>(turn) = (back * in.qd.segment<3>(turn)).eval();
+        in.qdd.segment<3>(turn) = (back * in.qdd.segment<3>(turn)).eval();
+      }
+      if (!is_free || !by.world_slides) continue;
       const Vector3d w = in.qd.segment<3>(turn);
       in.qd.segment<3>(part.qd) = (back * in.qd.segment<3>(part.qd)).eval();
       const Vector3d v = in.qd.segment<3>(part.qd);
@@ -449,14 +478,14 @@ Textbook::Input Textbook::received(const scene::State<double>& state) const {
 Eigen::MatrixXd Textbook::answeredForces(const Vector& given, const Vector& q) const {
   const Passing& by = passing_;
   Vector tau = given;
-  if (by.world_rates && by.world_forces)
+  if ((by.world_turns || by.world_slides) && by.world_forces)
     for (const Part& part : parts_) {
       if (part.kind != Part::Kind::kBall && part.kind != Part::Kind::kFree) continue;
       const bool is_free = part.kind == Part::Kind::kFree;
       const int at = part.q + (is_free ? 3 : 0), turn = part.qd + (is_free ? 3 : 0);
       const Matrix3d R = turnOf(q(at), q.segment<3>(at + 1));
-      tau.segment<3>(turn) = (R * tau.segment<3>(turn)).eval();
-      if (is_free && !by.only_angular)
+      if (by.world_turns) tau.segment<3>(turn) = (R * tau.segment<3>(turn)).eval();
+      if (is_free && by.world_slides)
         tau.segment<3>(part.qd) = (R * tau.segment<3>(part.qd)).eval();
     }
   if (by.order.empty() && by.sign.empty()) return tau;
@@ -487,17 +516,74 @@ Textbook::Vector Textbook::friction(const Vector& qd) const {
   return out;
 }
 
+/// In world axes.
+Vector3d Textbook::gravity(const std::vector<Placed>& at) const {
+  Vector3d out = gravity_;
+  if (formulas_.gravity_turns_with < 0) return out;
+  const auto link = static_cast<std::size_t>(formulas_.gravity_turns_with);
+  for (int i = place_of_link_[link]; i >= 0; i = parts_[static_cast<std::size_t>(i)].parent)
+    out = at[static_cast<std::size_t>(i)].E.transpose() * out;
+  return out;
+}
+
 double Textbook::potential(const std::vector<Placed>& at, const Vector& q) const {
   double V = 0;
+  const Vector3d weight = gravity(at);
   std::vector<Frame> world(parts_.size());
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Part& part = parts_[i];
     const Frame own{at[i].E.transpose(), at[i].r};
     world[i] = part.parent < 0 ? own : world[static_cast<std::size_t>(part.parent)] * own;
-    V -= part.mass * gravity_.dot(world[i].p + world[i].R * at[i].com);
+    V -= part.mass * weight.dot(world[i].p + world[i].R * at[i].com);
     if (part.stiffness != 0) V += part.stiffness * std::pow(q(part.q) - part.rest, 2) / 2;
   }
   return V;
+}
+
+/// Of all moving links, in world axes about the world's origin, linear part first.
+Textbook::Vector Textbook::momentum(const std::vector<Placed>& at, const Vector& qd) const {
+  struct Motion {
+    Vector3d o, w, v;
+    bool moves;
+  };
+  const std::vector<Placed> here = inWorldAxes(at);
+  std::vector<Motion> m;
+  Vector3d P = Vector3d::Zero(), L = P;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Part& part = parts_[i];
+    const Motion rest{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), false};
+    const Motion up = part.parent < 0 ? rest : m[static_cast<std::size_t>(part.parent)];
+    const Matrix3d& R = here[i].Z;
+    Vector3d slide = Vector3d::Zero(), turn = slide;
+    switch (part.kind) {
+      case Part::Kind::kRigid:
+        break;
+      case Part::Kind::kTurn:
+        turn = R * part.axis * qd(part.qd);
+        slide = part.pitch * turn;
+        break;
+      case Part::Kind::kSlide:
+        slide = R * part.axis * qd(part.qd);
+        break;
+      case Part::Kind::kBall:
+        turn = R * qd.segment<3>(part.qd);
+        break;
+      case Part::Kind::kFree:
+        slide = R * qd.segment<3>(part.qd);
+        turn = R * qd.segment<3>(part.qd + 3);
+        break;
+    }
+    m.push_back({up.o + here[i].r, up.w + turn, up.v + up.w.cross(here[i].r) + slide,
+                 up.moves || part.rates > 0});
+    const Motion& own = m.back();
+    const Vector3d p = part.mass * (own.v + own.w.cross(here[i].com));
+    P += p;
+    L += R * part.inertia * R.transpose() * own.w + (own.o + here[i].com).cross(p);
+    if (part.spin != 0 && up.moves) L += part.spin * (R * part.axis * qd(part.qd));
+  }
+  Vector out(6);
+  out << P, L;
+  return out;
 }
 
 Eigen::MatrixXd Textbook::operator()(Quantity quantity, const scene::State<double>& asked) const {
@@ -531,9 +617,11 @@ Eigen::MatrixXd Textbook::operator()(Quantity quantity, const scene::State<doubl
   const auto kept = [&](Eigen::MatrixXd M) -> Eigen::MatrixXd {
     if (on.triangle == Formulas::Triangle::kLower) return M.triangularView<Eigen::Lower>();
     if (on.triangle == Formulas::Triangle::kUpper) return M.triangularView<Eigen::Upper>();
+    if (on.mirrored == Formulas::Triangle::kLower) return M.selfadjointView<Eigen::Lower>();
+    if (on.mirrored == Formulas::Triangle::kUpper) return M.selfadjointView<Eigen::Upper>();
     return M;
   };
-  const auto products = [&]() -> Vector {
+  const auto sums = [&]() -> Vector {
     const bool all = on.products == Formulas::Products::kAll;
     Vector c = none;
     if (on.products != Formulas::Products::kSquares) c = forces(state.qd, zeros);
@@ -545,6 +633,10 @@ Eigen::MatrixXd Textbook::operator()(Quantity quantity, const scene::State<doubl
       squares += forces(one, zeros);
     }
     return on.products == Formulas::Products::kSquares ? squares : Vector(c - squares);
+  };
+  const auto products = [&]() -> Vector {
+    if (!on.c_times_qd) return sums();
+    return sums().cwiseProduct(Eigen::Map<const Vector>(state.qd.data(), dof_));
   };
   const auto weight = [&] {
     return Vector(answeredForces(sweep(at, none, none, true, false) + springs(in.q), in.q));
@@ -566,11 +658,11 @@ Eigen::MatrixXd Textbook::operator()(Quantity quantity, const scene::State<doubl
       Vector tau =
           answeredForces(sweep(at, none, none, true, true) + springs(in.q) + friction(in.qd), in.q);
       if (on.g_twice_in_tau) tau += weight();
-      tau += (on.factor_in_tau ? on.factor_c : 1) * products();
+      tau += on.factor_in_tau ? Vector(on.factor_c * products()) : sums();
       if (!on.qdd_ignored) {
         const Vector qdd = Eigen::Map<const Vector>(state.qdd.data(), dof_);
-        const Vector inertial =
-            on.triangle_in_tau ? Vector(kept(mass()) * qdd) : forces(zeros, state.qdd);
+        const bool by_mass = on.triangle_in_tau || on.mirrored != Formulas::Triangle::kBoth;
+        const Vector inertial = by_mass ? Vector(kept(mass()) * qdd) : forces(zeros, state.qdd);
         tau += (on.factor_in_tau ? on.factor_M : 1) * inertial;
       }
       return tau;
@@ -578,10 +670,14 @@ Eigen::MatrixXd Textbook::operator()(Quantity quantity, const scene::State<doubl
     case Quantity::kKinetic: {
       const Vector qd = Eigen::Map<const Vector>(state.qd.data(), dof_);
       return Eigen::MatrixXd::Constant(
-          1, 1, on.factor_kinetic * on.factor_M * qd.dot(kept(mass()) * qd) / 2);
+          1, 1,
+          on.factor_kinetic * on.factor_M *
+              qd.dot((on.mirrored == Formulas::Triangle::kBoth ? kept(mass()) : mass()) * qd) / 2);
     }
     case Quantity::kPotential:
       return Eigen::MatrixXd::Constant(1, 1, potential(at, in.q));
+    case Quantity::kMomentum:
+      return momentum(at, in.qd);
     default:
       return {};
   }
@@ -589,7 +685,9 @@ Eigen::MatrixXd Textbook::operator()(Quantity quantity, const scene::State<doubl
 
 Eigen::VectorXd Textbook::inertial(const scene::State<double>& state) const {
   const Vector qdd = Eigen::Map<const Vector>(state.qdd.data(), dof_);
-  if (formulas_.triangle != Formulas::Triangle::kBoth) return (*this)(Quantity::kM, state) * qdd;
+  if (formulas_.triangle != Formulas::Triangle::kBoth ||
+      formulas_.mirrored != Formulas::Triangle::kBoth)
+    return (*this)(Quantity::kM, state) * qdd;
   scene::State<double> still = state;
   still.qd.assign(state.qd.size(), 0.0);
   const Input in = received(still);

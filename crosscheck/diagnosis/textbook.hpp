@@ -53,7 +53,7 @@ struct TextbookLink {
   Vector3d axis = Vector3d::UnitZ();
   double pitch = 0, rotor = 0, gear = 1;  ///< rotor: J [kg m^2]; it adds gear^2 J to its joint
   double added = 0;                       ///< gear^2 J
-  bool gyroscopic = false;
+  double spin = 0;                        ///< gear J of a gyroscopic rotor
   double viscous = 0, coulomb[2] = {0, 0}, stiffness = 0, rest = 0;
   int q = 0, qd = 0;  ///< where its positions and rates begin
 };
@@ -82,18 +82,29 @@ TextbookModel textbookModel(const scene::Scene& scene);
 struct Formulas {
   /// What is left of (2): accelerations that come of velocities, of points, of turns, w x I w.
   bool point_bias = true, turn_bias = true, gyroscopic = true;
-  bool spatial_bias = true;  ///< v x Z qd, in a sweep of spatial accelerations
+  int not_gyroscopic = -1;     ///< the link that alone has no w x I w
+  bool centripetal = true;     ///< w x (w x r)
+  bool slide_coriolis = true;  ///< 2 w x v of slides
+  /// What a moved axis adds to wd and a, or, as v x Z qd, to the spatial acceleration.
+  enum class Bias { kKept, kMoved, kSpatial } joint_bias = Bias::kKept;
+  int biased_joint = -1;  ///< the link that it carries; -1: every
   enum class Products { kAll, kSquares, kMixed } products = Products::kAll;  ///< of rates, in c
   double factor_M = 1, factor_c = 1, factor_kinetic = 1;
   bool factor_in_tau = true;  ///< whether tau has these factors as well
+  bool c_times_qd = false;    ///< c multiplied by the rates, entry by entry
   bool qdd_ignored = false;
   bool gravity_in_c = false, g_twice_in_tau = false;
   bool gravity_not_turned = false;  ///< every link has the world's gravity in its own axes
+  int gravity_turns_with = -1;      ///< the link in whose axes it is taken
   enum class Triangle { kBoth, kLower, kUpper } triangle = Triangle::kBoth;
   bool triangle_in_tau = false;
+  /// M has this triangle of itself in the other one, too, which matters where it is not symmetric.
+  Triangle mirrored = Triangle::kBoth;
   /// Sine and cosine of joints' angles: terms of their series. 0: as they are.
   int sine_terms = 0, cosine_terms = 0;
   bool reduced = false;  ///< angles are brought to [-pi, pi] first
+  /// Sweeps in world axes, which are other numbers where a turn is no rotation.
+  bool in_world = false;
   int turned_back = -1;  ///< the link whose orientation in its parent is transposed
   enum class Com { kOwn, kParentFrame, kParentAxes };
   int com_elsewhere = -1;  ///< the link whose centre of mass is taken so
@@ -108,11 +119,15 @@ struct Passing {
   std::vector<double> position_sign;
   bool xyzw = false;      ///< quaternions (w, x, y, z) are taken for (x, y, z, w)
   double angle_unit = 1;  ///< positions of turns are multiplied by it
-  /// Rates of spherical and floating joints are taken in the axes of the joint frame, for floating
-  /// joints with the derivative of the velocity in them.
-  bool world_rates = false;
+  /// Rates of spherical and floating joints are taken in the axes of the joint frame: angular
+  /// velocities, velocities of floating joints (with their derivative in these axes).
+  bool world_turns = false, world_slides = false;
   bool world_forces = true;  ///< and so are the forces
-  bool only_angular = false;
+};
+
+/// What of the state is that of the question before.
+struct Stale {
+  bool q = false, qd = false, qdd = false;
 };
 
 /// Somebody's mistaken idea of a mechanism's dynamics.
@@ -120,6 +135,7 @@ struct Belief {
   TextbookModel model;
   Formulas formulas;
   Passing passing;
+  Stale stale;  ///< for whoever knows the question before
 };
 
 /** Newton and Euler as a textbook of robotics has them (Luh, Walker and Paul), in vectors of three,
@@ -130,12 +146,13 @@ struct Belief {
         F = m (a + wd x rc + w x (w x rc)),   N = I wd + w x I w
 
     and inward f, n with tau = Z_v' f + Z_w' n. It shares no code with the sweeps of recursive/, so
-    that a right engine is not measured by what may be wrong there. */
+    that a right engine is not measured by what may be wrong there. The same sweep runs in axes of
+    the world, with E = 1. */
 class Textbook {
  public:
   explicit Textbook(const Belief& belief);
 
-  /// M, c, g, tau, kinetic, potential: shaped like the quantity.
+  /// M, c, g, tau, kinetic, potential, momentum: shaped like the quantity.
   Eigen::MatrixXd operator()(Quantity quantity, const scene::State<double>& state) const;
   /// M qdd by one sweep, where M as it is answered has no more to it.
   Eigen::VectorXd inertial(const scene::State<double>& state) const;
@@ -144,6 +161,7 @@ class Textbook {
   struct Part {
     enum class Kind { kRigid, kTurn, kSlide, kBall, kFree } kind = Kind::kRigid;
     int parent = -1, link = -1;  ///< part; link: that it carries, -1: none
+    int joint = -1;              ///< link whose joint it is a part of
     int q = 0, qd = 0, rates = 0;
     Frame before;
     Vector3d axis = Vector3d::UnitZ();
@@ -158,6 +176,7 @@ class Textbook {
     Matrix3d E;  ///< parent axes to own
     Vector3d r;  ///< own origin in the parent's frame
     Vector3d com;
+    Matrix3d Z = Matrix3d::Identity();  ///< the part's axes to those of the sweep
   };
   using Vector = Eigen::VectorXd;
   struct Input {
@@ -166,11 +185,14 @@ class Textbook {
 
   Input received(const scene::State<double>& state) const;
   std::vector<Placed> placed(const Vector& q) const;
+  std::vector<Placed> inWorldAxes(std::vector<Placed> at) const;
   Vector sweep(const std::vector<Placed>& at, const Vector& qd, const Vector& qdd, bool gravity,
                bool loads) const;
   Vector springs(const Vector& q) const;
   Vector friction(const Vector& qd) const;
+  Vector3d gravity(const std::vector<Placed>& at) const;
   double potential(const std::vector<Placed>& at, const Vector& q) const;
+  Vector momentum(const std::vector<Placed>& at, const Vector& qd) const;
   Eigen::MatrixXd answeredForces(const Vector& tau, const Vector& q) const;
 
   Formulas formulas_;

@@ -92,7 +92,7 @@ const std::vector<Rule> kRules = {
     {"exact", {"scene", "symbolic", "recursive", "scalars", "witnesses", "laws", "verdicts"}},
     {"parameters", {"scene", "symbolic", "recursive", "inputs", "scalars", "witnesses", "exact"}},
     {"readers", {"scene", "recursive", "inputs", "scalars", "witnesses"}},
-    {"diagnosis", {"scene", "inputs", "scalars", "witnesses", "verdicts"}},
+    {"diagnosis", {"scene", "system", "inputs", "scalars", "witnesses", "verdicts"}},
     {"studies",
      {"scene", "recursive", "inputs", "scalars", "witnesses", "laws", "motion", "verdicts",
       "exact"}},

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness museum: mistakes of real tools, planted again; the check has to name each of them.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/on_the_stand.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/diagnosis/museum.hpp"
+#include "crosscheck/system/files.hpp"
+#include "crosscheck/system/processes.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+using namespace crosscheck;
+
+struct Arguments {
+  std::vector<std::string> exhibits;
+  std::string json;
+  int processes = availableProcessors();
+};
+
+int run(const Arguments& arguments) {
+  requireWritableFile(arguments.json);
+  const Museum museum = bundledMuseum();
+  const std::vector<MuseumPiece> pieces = selectPieces(museum, arguments.exhibits);
+  MuseumFound found;
+  {
+    const Progress progress("museum");
+    found = walkThrough(museum, pieces, onTheStand, arguments.processes);
+  }
+  fmt::print("{}", arguments.exhibits.empty() ? museumTable(found) : museumInFull(found));
+  if (!arguments.json.empty())
+    writeWholeFile(arguments.json, museumJson(found, DYNWITNESS_VERSION));
+  return found.holds() ? 0 : 1;
+}
+
+}  // namespace
+
+Run addMuseum(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "museum", "Mistakes of real tools, planted again: does `check` name each of them?");
+  command->add_option("exhibit", arguments->exhibits,
+                      "Exhibits by name, each shown in full, with its link and what the check "
+                      "says; without: all, as a table");
+  command->add_option("--json", arguments->json, "Write the result to this file");
+  command
+      ->add_option("--processes,--jobs", arguments->processes, "How many processes share the work")
+      ->capture_default_str()
+      ->check(whole(1, 1024));
+  command->footer(
+      "Examples:\n"
+      "  dynwitness museum\n"
+      "  dynwitness museum bullet_merge_com\n"
+      "Exit status: 0 each mistake is found and is what is named first, and the engine without a "
+      "mistake is right;\n"
+      "1 otherwise.");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli
