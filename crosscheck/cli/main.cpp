@@ -7,6 +7,7 @@ int main(int argc, char** argv) {
   return front(argc, argv,
                {{"crosscheck", addCrosscheck},
                 {"check", addCheck},
+                {"golden", addGolden},
                 {"derive", addDerive},
                 {"evaluate", addEvaluate},
                 {"drift", addDrift},
