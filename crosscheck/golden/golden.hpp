@@ -26,7 +26,7 @@ struct GoldenOptions {
   int states = 8;  ///< of a group, at most
 };
 
-/// A quantity at a state, entry by entry; `digits` in the order of the columns, as Eigen keeps them.
+/// A quantity at a state, entry by entry; `digits` column by column, as Eigen keeps them.
 struct GoldenAnswer {
   Quantity quantity = Quantity::kM;
   Eigen::MatrixXd value;            ///< the doubles nearest to the truth
@@ -60,8 +60,8 @@ struct Golden {
   long numbers() const;  ///< that are asked for
 };
 
-/** The questions, without answers. Groups isolate terms, so that the first that fails says which one
-    is wrong. Rates and accelerations, joint forces and slides are multiples of 2^-10, angles too
+/** The questions, without answers. Groups isolate terms, so that the first that fails says which
+    one is wrong. Rates and accelerations, joint forces and slides are multiples of 2^-10, angles too
     (2^-4 where they are large), tiny rates of 2^-20: such a number is the same in decimals, in
     double and in single precision. Costs O(n) a state looked at.
 

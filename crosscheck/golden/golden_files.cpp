@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/witnesses/engine_protocol.hpp"
+#include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -45,6 +46,17 @@ bool hasKind(const scene::Mechanism& mechanism, const std::vector<scene::JointKi
 std::vector<Named> conventions(const Golden& golden) {
   using scene::JointKind;
   const scene::Mechanism& mechanism = golden.scene.mechanism;
+  std::string gravity = "none";
+  if (mechanism.has_gravity) {
+    const scene::RealNumbers<double> number(mechanism);
+    const auto of = [&](int i) {
+      return text(number(mechanism.gravity[static_cast<std::size_t>(i)]));
+    };
+    gravity = fmt::format(
+        "bodies fall with [{}, {}, {}] m/s^2 in world axes, in which the root link rests; tau "
+        "includes it",
+        of(0), of(1), of(2));
+  }
   std::vector<Named> out = {
       {"equation",
        "M(q) qdd + c(q, qd) + g(q) + friction(qd) = tau + loads. c holds velocity products only; "
@@ -62,10 +74,7 @@ std::vector<Named> conventions(const Golden& golden) {
       {"joints",
        "a joint moves about or along its axis, positive by the right hand, its frame being placed "
        "on the parent link's; tau > 0 pushes towards larger q"},
-      {"gravity", mechanism.has_gravity
-                      ? "the acceleration of free fall, in world axes; the root link rests in the "
-                        "world. In tau it is included"
-                      : "none"},
+      {"gravity", gravity},
       {"inertia",
        "about the centre of mass, in the axes of the link. A rotor adds gear_ratio^2 rotor_inertia "
        "to its joint; friction is viscous qd + Coulomb's, which is 0 at rest"},
@@ -141,7 +150,8 @@ std::vector<std::string> heading(const Golden& golden, const std::string& versio
   std::vector<std::string> out = {
       fmt::format("golden vectors of {}, format {}, seed {}, by dynwitness {}", golden.scene.name,
                   kGoldenFormat, golden.seed, version),
-      "title: " + golden.scene.title, "source: " + golden.scene.source};
+      "title: " + golden.scene.title, "source: " + golden.scene.source,
+      "mechanism: its links, joints and numbers are in the JSON file, under scene"};
   for (const auto& [key, words] : conventions(golden)) out.push_back(key + (": " + words));
   for (std::size_t k = 0; k < labels.positions.size(); ++k)
     out.push_back(

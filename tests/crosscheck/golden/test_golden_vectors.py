@@ -25,8 +25,7 @@ import stranger  # noqa: E402
 PROGRAM = os.path.abspath(sys.argv[1])
 GROUPS = ["at_rest", "unit_accelerations", "one_joint_moving", "two_joints_moving", "generic", "large_angles", "tiny_rates",
           "worst_known"]
-ILL = "planar_3r"
-SCENES = ["puma_560", "satellite_arm", "double_pendulum", ILL]
+SCENES = ["puma_560", "satellite_arm", "double_pendulum"]
 CASES = []
 
 
@@ -294,7 +293,7 @@ def right_answers_of_other_programs_pass(place):
             for state in states(vectors):
                 table.append(",".join(repr(x) for k in ("q", "qd", "qdd") for x in state[k]))
             names = ["%s%d" % (k, i + 1) for k in ("q", "qd", "qdd") for i in range(len(states(vectors)[0][k]))]
-            quantities = ["M", "c", "g", "tau", "kinetic", "potential", "momentum"]
+            quantities = ["M", "c", "g", "tau", "kinetic", "potential"] + ["momentum"] * ("lagrange" not in witness)
             file = place.folder / "states.csv"
             file.write_text(",".join(names) + "\n" + "\n".join(table) + "\n")
             done = subprocess.run([PROGRAM, "evaluate", scene, "--states", file, "--quantity", ",".join(quantities), *witness],
@@ -333,11 +332,16 @@ def a_wrong_sign_in_one_group_names_that_group(place):
 @case
 def a_digit_lost_at_1e_12_is_found(place):
     vectors = place.json("double_pendulum")
-    right = by_stranger(vectors, only=("M", "c", "tau"))
-    check(place.first_to_fail("double_pendulum", right) is None)
-    for state, quantity in ((0, "tau"), (8, "M"), (30, "M"), (30, "c"), (30, "tau")):
-        lost = [(key, repr(float(x) * (1 + 1e-12)) if key == "%d,%s,1,1" % (state, quantity) else x) for key, x in right]
-        check(lost != right and place.first_to_fail("double_pendulum", lost) is not None, state, quantity)
+    right, count = by_stranger(vectors), 0
+    for group in vectors["groups"][:-1]:  # the worst known states forgive it
+        for quantity in {q for state in group["states"] for q in state["answers"]} & {"M", "c", "g", "tau"}:
+            state = next(state for state in group["states"] if quantity in state["answers"])
+            i, j, _ = max(flat(state["answers"][quantity]["value"]), key=lambda x: abs(x[2]))
+            place_of = "%d,%s,%d,%d" % (state["state"], quantity, i, j)
+            lost = [(key, repr(float(x) * (1 + 1e-12)) if key == place_of else x) for key, x in right]
+            check(place.first_to_fail("double_pendulum", lost) == group["group"], group["group"], place_of)
+            count += 1
+    check(count > 12, count)
 
 
 @case
@@ -388,7 +392,7 @@ def single_precision_passes_with_its_factor_alone(place):
 PLANTED = [  # scene, mistake, the first group that fails
     ("puma_560", "gravity_sign", "at_rest"),
     ("puma_560", "com_dropped", "at_rest"),
-    ("puma_560", "product_sign", "unit_accelerations"),
+    ("puma_560", "inertia_about_joint", "unit_accelerations"),
     ("puma_560", "rotor_missing", "unit_accelerations"),
     ("puma_560", "qdd_ignored", "unit_accelerations"),
     ("puma_560", "centrifugal_missing", "one_joint_moving"),
@@ -417,7 +421,7 @@ def angles_brought_back_by_a_rounded_turn_fail_first_where_they_are_large(place)
 
 @case
 def velocity_terms_as_a_difference_fail_first_where_rates_are_tiny(place):
-    vectors = place.json("puma_560")
+    vectors = place.json("double_pendulum")
     engine, zeros = stranger.Engine(vectors["scene"]), [0.0] * vectors["scene"]["dof"]
 
     def answer(state, asked):
@@ -427,7 +431,7 @@ def velocity_terms_as_a_difference_fail_first_where_rates_are_tiny(place):
             still = engine.answer(dict(state, qd=zeros, qdd=zeros), ["tau"])["tau"]
             out["c"] = [a - b for a, b in zip(moving, still)]
         return out
-    first = place.first_to_fail("puma_560", lines(vectors, answer))
+    first = place.first_to_fail("double_pendulum", lines(vectors, answer))
     check(first == "tiny_rates", first)
 
 
@@ -458,30 +462,24 @@ def the_worst_known_states_are_worse_than_usual_ones(place):
 
 
 @case
-def normal_equations_fail_first_where_the_mass_matrix_is_worst(place):
-    """M'M qdd = M'b loses the square of what M qdd = b loses, and passes where that is little."""
-    vectors = place.json(ILL)
-    engine, n = stranger.Engine(vectors["scene"]), vectors["scene"]["dof"]
+def twice_a_limit_fails_and_half_of_it_does_not(place):
+    """In the worst known group alone, where a program may lose the most: the limits there are not wider than they say."""
+    vectors = place.json("puma_560")
+    worst = {state["state"] for state in vectors["groups"][-1]["states"]}
 
-    def answer(state, asked):
-        out = engine.answer(state, asked)
-        if "qdd" in out:
-            M, zeros = engine.answer(state, ["M"])["M"], [0.0] * n
-            b = [t - x for t, x in zip(state["tau"], engine.answer(dict(state, qdd=zeros), ["tau"])["tau"])]
-            A = [[sum(M[k][i] * M[k][j] for k in range(n)) for j in range(n)] for i in range(n)]
-            x = [sum(M[k][i] * b[k] for k in range(n)) for i in range(n)]
-            for k in range(n):
-                for i in range(k + 1, n):
-                    f = A[i][k] / A[k][k]
-                    x[i] -= f * x[k]
-                    A[i] = [p - f * r for p, r in zip(A[i], A[k])]
-            for k in reversed(range(n)):
-                x[k] = (x[k] - sum(A[k][j] * x[j] for j in range(k + 1, n))) / A[k][k]
-            out["qdd"] = x
-        return out
-    check(place.first_to_fail(ILL, lines(vectors, engine.answer)) is None)
-    first = place.first_to_fail(ILL, lines(vectors, answer))
-    check(first == "worst_known", first)
+    def off_by(share):
+        def answer(state, asked):
+            out = {}
+            for quantity in asked:
+                value, limit = state["answers"][quantity]["value"], state["answers"][quantity]["limit"]
+                factor = share if state["state"] in worst else 0.5
+
+                def moved(x, d):
+                    return [moved(a, b) for a, b in zip(x, d)] if isinstance(x, list) else x + factor * d
+                out[quantity] = moved(value, limit)
+            return out
+        return place.first_to_fail("puma_560", lines(vectors, answer))
+    check(off_by(0.5) is None and off_by(2) == "worst_known", off_by(0.5), off_by(2))
 
 
 # ---- what is refused, and what is said beforehand
