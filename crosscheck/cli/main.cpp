@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
                {{"crosscheck", addCrosscheck},
                 {"check", addCheck},
                 {"museum", addMuseum},
+                {"golden", addGolden},
                 {"derive", addDerive},
                 {"evaluate", addEvaluate},
                 {"drift", addDrift},

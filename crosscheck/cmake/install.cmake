@@ -28,6 +28,7 @@ endforeach()
 install(TARGETS dynwitness_cli dynwitness_audit_program dynwitness_growth_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/scenes ${PROJECT_SOURCE_DIR}/data/reference
                   ${PROJECT_SOURCE_DIR}/data/audit ${PROJECT_SOURCE_DIR}/data/engines
+                  ${PROJECT_SOURCE_DIR}/data/golden
                   ${PROJECT_SOURCE_DIR}/data/museum
         DESTINATION ${data})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CITATION.cff

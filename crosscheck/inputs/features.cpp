@@ -88,6 +88,8 @@ std::vector<Rule> makeRules() {
   const Treatment own_rates = {Kind::kRefused,
                                "what is computed here moves every position with a rate of its own"};
   const Features followers = {Feature::kMimic};
+  const Treatment as_trees = {
+      Kind::kTold, "programs are asked about the tree, every joint of it with a rate of its own"};
   return {
       {Command::kDeriveOperations,
        followers,
@@ -114,11 +116,16 @@ std::vector<Rule> makeRules() {
        {Kind::kTold, "all joints are free in comparisons of witnesses"}},
 
       {Command::kCheck, closures + point_springs + prescribed, of_the_tree},
-      {Command::kCheck,
-       followers,
-       {Kind::kTold,
-        "programs are asked about the tree, every joint of it with a rate of its own"}},
+      {Command::kCheck, followers, as_trees},
       {Command::kCheck, {Feature::kStart}, random_states},
+
+      {Command::kGolden,
+       closures + point_springs + prescribed,
+       {Kind::kRefused,
+        "the answers would be those of the tree alone, all its joints free, and taken for those of "
+        "the mechanism"}},
+      {Command::kGolden, followers, as_trees},
+      {Command::kGolden, {Feature::kStart}, random_states},
 
       {Command::kDerive, closures + point_springs + prescribed, of_the_tree},
       {Command::kDerive, {Feature::kStart}, for_every_state},
@@ -347,6 +354,8 @@ const char* name(Command command) {
       return "crosscheck";
     case Command::kCheck:
       return "check";
+    case Command::kGolden:
+      return "golden";
     case Command::kDerive:
       return "derive";
     case Command::kDerivePrograms:

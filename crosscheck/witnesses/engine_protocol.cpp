@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,6 +15,7 @@
 
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/kinetic_bound.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
@@ -489,14 +489,12 @@ class EngineWitness : public OutsideWitness {
     return out;
   }
 
-  /// Of T = qd' M qd / 2: what the errors of M and of the sum (4 n roundings) make of it.
+  /// Of T, where it is found from M.
   Eigen::MatrixXd boundByMassMatrix(const State& state) {
-    const auto n = static_cast<Eigen::Index>(state.qd.size());
-    const Eigen::VectorXd rate = Eigen::Map<const Eigen::VectorXd>(state.qd.data(), n).cwiseAbs();
-    const double u = std::numeric_limits<double>::epsilon() / 2;
-    const Eigen::MatrixXd M = NewtonEuler::answer(ours_, Quantity::kM, state).cwiseAbs();
-    return rate.transpose() * (bound_(Quantity::kM, state) + 4 * u * static_cast<double>(n) * M) *
-           rate / 2;
+    return kineticBoundByMassMatrix(
+        NewtonEuler::answer(ours_, Quantity::kM, state), bound_(Quantity::kM, state),
+        Eigen::Map<const Eigen::VectorXd>(state.qd.data(),
+                                          static_cast<Eigen::Index>(state.qd.size())));
   }
 
   std::string name_;

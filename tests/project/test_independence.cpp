@@ -93,6 +93,7 @@ const std::vector<Rule> kRules = {
     {"parameters", {"scene", "symbolic", "recursive", "inputs", "scalars", "witnesses", "exact"}},
     {"readers", {"scene", "recursive", "inputs", "scalars", "witnesses"}},
     {"diagnosis", {"scene", "system", "inputs", "scalars", "witnesses", "verdicts"}},
+    {"golden", {"scene", "inputs", "scalars", "witnesses", "verdicts"}},
     {"studies",
      {"scene", "recursive", "inputs", "scalars", "witnesses", "laws", "motion", "verdicts",
       "exact"}},
@@ -108,8 +109,8 @@ const std::vector<Rule> kRules = {
     {"growth", {"scene", "recursive", "system", "inputs", "witnesses", "verdicts", "report"}},
     {"cli",
      {"scene", "symbolic", "system", "inputs", "kernel", "witnesses", "motion", "verdicts", "exact",
-      "parameters", "readers", "diagnosis", "studies", "conductor", "chart", "report", "audit",
-      "growth"}},
+      "parameters", "readers", "diagnosis", "golden", "studies", "conductor", "chart", "report",
+      "audit", "growth"}},
 };
 
 std::string textOf(const fs::path& file) {

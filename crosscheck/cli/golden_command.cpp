@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness golden: states and certified answers for other people's tests.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/golden/golden.hpp"
+#include "crosscheck/golden/golden_files.hpp"
+#include "crosscheck/report/text.hpp"
+#include "crosscheck/system/files.hpp"
+#include "scene/mimic.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+using namespace crosscheck;
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Format {
+  const char* name;
+  const char* ending;
+  std::string (*write)(const Golden& golden, const std::string& version);
+};
+constexpr Format kFormats[] = {
+    {"json", ".json", goldenJson}, {"csv", ".csv", goldenCsv}, {"c", ".h", goldenHeader}};
+constexpr const char* kVerifiers[] = {"verify.py", "verify.cpp", "verify.mjs"};
+
+struct Arguments {
+  std::vector<std::string> scenes, quantities, formats;
+  bool all = false;
+  std::string output;
+  GoldenOptions options;
+};
+
+std::vector<Format> formatsOf(const Arguments& arguments) {
+  std::vector<Format> out;
+  for (const Format& format : kFormats)
+    if (std::count(arguments.formats.begin(), arguments.formats.end(), format.name) > 0 ||
+        (arguments.formats.empty() && !arguments.output.empty()))
+      out.push_back(format);
+  if (out.empty()) out.push_back(kFormats[0]);
+  return out;
+}
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw scene::InputError({}, what);
+}
+
+/// As programs are asked about it: joints that follow others are let go.
+scene::Scene asTree(scene::Scene scene) {
+  requireMotion(scene);
+  if (!scene.mechanism.hasMimics()) return scene;
+  scene.mechanism = scene::withoutMimics(scene.mechanism);
+  scene.start_q = scene.mechanism.restPosition();
+  scene.start_qd.assign(static_cast<std::size_t>(scene.mechanism.dof()), scene::Number(0));
+  return scene;
+}
+
+/// The scenes that were asked for, and of --all those that are refused, with the reasons.
+struct Admitted {
+  std::vector<scene::Scene> scenes;
+  std::vector<std::vector<std::string>> left_out;  ///< one a scene
+  Json refused = Json::object();
+};
+Admitted admitAll(const Arguments& arguments) {
+  if (arguments.all != arguments.scenes.empty())
+    refuse(arguments.all ? "scenes beside --all, allowed: one or the other"
+                         : "no scene, allowed: SCENE... or --all");
+  Admitted out;
+  const auto take = [&](const scene::Scene& scene) {
+    admit(scene, {Command::kGolden});
+    out.left_out.push_back(leftOut(scene, Command::kGolden));
+    out.scenes.push_back(asTree(scene));
+  };
+  for (const std::string& name : arguments.scenes) take(scene::findScene(name));
+  if (arguments.all)
+    for (const fs::path& file : scene::bundledScenes()) {
+      const scene::Scene scene = scene::readScene(file);
+      const std::vector<std::string> reasons = refusals(scene, Command::kGolden);
+      if (reasons.empty()) {
+        take(scene);
+        continue;
+      }
+      out.refused[scene.name] = reasons;
+      for (const std::string& reason : reasons)
+        tell(fmt::format("{}: left out: {}\n", scene.name, reason));
+    }
+  std::set<std::string> names;
+  for (const scene::Scene& scene : out.scenes)
+    if (!names.insert(safeName(scene.name)).second)
+      refuse(fmt::format("two scenes write files called '{}', allowed: one", safeName(scene.name)));
+  return out;
+}
+
+Golden made(const scene::Scene& scene, const GoldenOptions& options,
+            const std::vector<std::string>& left_out) {
+  constexpr long kMany = 100000;
+  constexpr double kBytes = 110, kMega = 1e6;
+  Golden golden = goldenQuestions(scene, options);
+  for (const std::string& sentence : golden.left_out)
+    tell(fmt::format("{}: left out: {}\n", scene.name, sentence));
+  golden.left_out.insert(golden.left_out.begin(), left_out.begin(), left_out.end());
+  if (golden.numbers() > kMany)
+    tell(fmt::format("{}: {} numbers to certify at {} states, about {:.0f} MB in each format\n",
+                     scene.name, golden.numbers(), golden.states(),
+                     kBytes * static_cast<double>(golden.numbers()) / kMega));
+  answer(golden);
+  return golden;
+}
+
+std::string read(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) refuse(fmt::format("{}: cannot be read", file.string()));
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+int run(Arguments arguments) {
+  for (const std::string& quantity : arguments.quantities)
+    arguments.options.quantities.push_back(quantityNamed(quantity));
+  const std::vector<Format> formats = formatsOf(arguments);
+  const Admitted admitted = admitAll(arguments);
+  if (arguments.output.empty()) {
+    if (admitted.scenes.size() > 1 || formats.size() > 1)
+      refuse("several scenes or formats on standard output, allowed: one, or a folder (-o)");
+    std::optional<Progress> progress(std::in_place,
+                                     "golden vectors of " + admitted.scenes.front().name);
+    const Golden golden =
+        made(admitted.scenes.front(), arguments.options, admitted.left_out.front());
+    const std::string text = formats.front().write(golden, DYNWITNESS_VERSION);
+    progress.reset();
+    fmt::print("{}", text);
+    return 0;
+  }
+  const fs::path folder = arguments.output;
+  requireWritableFolder(folder);
+  std::vector<std::pair<std::string, std::string>> verifiers;  // read before the long work
+  for (const char* file : kVerifiers)
+    verifiers.emplace_back(file, read(scene::dataFolder() / "golden" / file));
+  Json scenes = Json::object();
+  {
+    Progress progress(static_cast<int>(admitted.scenes.size()));
+    for (std::size_t k = 0; k < admitted.scenes.size(); ++k) {
+      const scene::Scene& scene = admitted.scenes[k];
+      progress.stage(scene.name);
+      const Golden golden = made(scene, arguments.options, admitted.left_out[k]);
+      Json files = Json::array();
+      fs::create_directories(folder);
+      for (const Format& format : formats) {
+        files.push_back(safeName(scene.name) + format.ending);
+        writeWholeFile(folder / files.back().get<std::string>(),
+                       format.write(golden, DYNWITNESS_VERSION));
+      }
+      scenes[scene.name] = {{"files", files},
+                            {"states", golden.states()},
+                            {"numbers", golden.numbers()},
+                            {"left_out", golden.left_out}};
+    }
+  }
+  for (const auto& [file, text] : verifiers) writeWholeFile(folder / file, text);
+  const Json index = {{"dynwitness", DYNWITNESS_VERSION},
+                      {"seed", arguments.options.seed},
+                      {"verifiers", kVerifiers},
+                      {"scenes", scenes},
+                      {"refused", admitted.refused}};
+  writeWholeFile(folder / "index.json",
+                 index.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  return 0;
+}
+
+}  // namespace
+
+Run addGolden(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "golden",
+      "States and certified answers, for tests of programs that know nothing of this one");
+  command->add_option("scene", arguments->scenes, "Scenes");
+  command->add_flag("--all", arguments->all,
+                    "All bundled scenes; those that cannot be told are named");
+  std::vector<std::string> quantities, formats;
+  for (const Quantity quantity : kGoldenQuantities) quantities.push_back(name(quantity));
+  for (const Format& format : kFormats) formats.push_back(format.name);
+  command
+      ->add_option(
+          "--quantity", arguments->quantities,
+          "Several with commas; without: all, of more than 64 rates all but M, kinetic, qdd")
+      ->delimiter(',')
+      ->check(CLI::IsMember(quantities));
+  command->add_option("--states", arguments->options.states, "States of a group, at most")
+      ->capture_default_str()
+      ->check(whole(1, 1000));
+  command->add_option("--seed", arguments->options.seed, "Seed of the states")
+      ->capture_default_str()
+      ->check(seed());
+  command
+      ->add_option("--format", arguments->formats,
+                   "Several with commas; without: json on standard output, all in a folder")
+      ->delimiter(',')
+      ->check(CLI::IsMember(formats));
+  command->add_option("-o,--output", arguments->output,
+                      "Folder for SCENE.json, .csv and .h, index.json, and verifiers");
+  command->footer(
+      "dynwitness golden puma_560 -o golden; then in that folder, with answers in lines "
+      "state,quantity,row,column,value:\n"
+      "  python3 verify.py puma_560.csv answers.csv      (or node verify.mjs, or verify.cpp "
+      "compiled: no other files needed)\n"
+      "The same seed gives the same bytes. As one file that has the same bytes, too:\n"
+      "  tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -cf golden.tar golden");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli
