@@ -15,7 +15,6 @@
 #include "crosscheck/diagnosis/examine.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
-#include "scene/mimic.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::cli {
@@ -33,12 +32,8 @@ struct Arguments {
 int run(Arguments arguments) {
   requireWritableFile(arguments.output);
   requireWritableFile(arguments.smallest);
-  scene::Scene scene = admitted(arguments.scene, Command::kCheck);
+  const scene::Scene scene = withoutFollowers(admitted(arguments.scene, Command::kCheck));
   requireMotion(scene);
-  if (scene.mechanism.hasMimics()) {
-    scene.mechanism = scene::withoutMimics(scene.mechanism);
-    scene.start_qd.assign(static_cast<std::size_t>(scene.mechanism.dof()), scene::Number(0));
-  }
   arguments.options.single = arguments.scalar == "float";
   std::optional<Progress> progress(std::in_place, "check of " + scene.name);
   const WitnessKind kind = engineKinds(arguments.engines, arguments.limits, scene).front();

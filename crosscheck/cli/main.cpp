@@ -7,6 +7,7 @@ int main(int argc, char** argv) {
   return front(argc, argv,
                {{"crosscheck", addCrosscheck},
                 {"check", addCheck},
+                {"grade", addGrade},
                 {"derive", addDerive},
                 {"evaluate", addEvaluate},
                 {"drift", addDrift},

@@ -75,6 +75,8 @@ std::vector<Rule> makeRules() {
   const Features spring_of_joint = {Feature::kJointSpring};
   const Treatment of_the_tree = {Kind::kTold,
                                  "the equations are those of the tree alone, all its joints free"};
+  const Treatment every_rate = {
+      Kind::kTold, "programs are asked about the tree, every joint of it with a rate of its own"};
   const Treatment random_states = {Kind::kNoPart, "random states are drawn, whatever the start"};
   const Treatment for_every_state = {Kind::kNoPart, "the equations are those of every state"};
   const Treatment finite_forces = {Kind::kNoPart, "finite forces do nothing while a blow lasts"};
@@ -114,11 +116,11 @@ std::vector<Rule> makeRules() {
        {Kind::kTold, "all joints are free in comparisons of witnesses"}},
 
       {Command::kCheck, closures + point_springs + prescribed, of_the_tree},
-      {Command::kCheck,
-       followers,
-       {Kind::kTold,
-        "programs are asked about the tree, every joint of it with a rate of its own"}},
+      {Command::kCheck, followers, every_rate},
       {Command::kCheck, {Feature::kStart}, random_states},
+      {Command::kGrade, closures + point_springs + prescribed, of_the_tree},
+      {Command::kGrade, followers, every_rate},
+      {Command::kGrade, {Feature::kStart}, random_states},
 
       {Command::kDerive, closures + point_springs + prescribed, of_the_tree},
       {Command::kDerive, {Feature::kStart}, for_every_state},
@@ -347,6 +349,8 @@ const char* name(Command command) {
       return "crosscheck";
     case Command::kCheck:
       return "check";
+    case Command::kGrade:
+      return "grade";
     case Command::kDerive:
       return "derive";
     case Command::kDerivePrograms:

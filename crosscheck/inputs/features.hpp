@@ -15,6 +15,7 @@ namespace dynwitness::crosscheck {
 enum class Command {
   kCrosscheck,
   kCheck,
+  kGrade,
   kDerive,
   kDerivePrograms,
   kDeriveOperations,
@@ -34,6 +35,7 @@ enum class Command {
 };
 inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
                                            Command::kCheck,
+                                           Command::kGrade,
                                            Command::kDerive,
                                            Command::kDerivePrograms,
                                            Command::kDeriveOperations,

@@ -21,6 +21,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/system/leaving.hpp"
+#include "crosscheck/system/processes.hpp"
 
 extern char** environ;
 
@@ -158,12 +159,6 @@ void becomeKeeper(pid_t parent, const Prepare& prepare) {
     tell(news, {News::kEnded, status});
   kill(0, SIGKILL);
   _exit(1);
-}
-
-std::string howItEnded(int status) {
-  if (WIFSIGNALED(status))
-    return fmt::format("was ended by a signal ({})", strsignal(WTERMSIG(status)));
-  return fmt::format("failed with status {}", WEXITSTATUS(status));
 }
 
 /// Waits for a child of ours, which is about to end.
@@ -487,7 +482,7 @@ struct Conversation::Running {
     counted = now;
     const std::size_t count = descendantsOf(keeper).size();
     if (count > static_cast<std::size_t>(limits.processes))
-      fail(fmt::format("it runs {} processes, allowed: {}", count, limits.processes));
+      fail(fmt::format("it runs too many processes, allowed: {}", limits.processes));
   }
 
   /// What the keeper has to say, awaited for a moment. Empty: nothing, the program runs
