@@ -55,6 +55,15 @@ std::string reason(const Grade& grade) {
   return "";
 }
 
+/// So many characters of a text.
+std::string shortened(const std::string& text, int most) {
+  if (codePoints(text) <= most) return text;
+  std::size_t end = 0;
+  for (int count = 0; end < text.size(); ++end)
+    if ((static_cast<unsigned char>(text[end]) & 0xC0) != 0x80 && count++ == most) break;
+  return text.substr(0, end) + "...";
+}
+
 /// All that there is to say, a sentence a line.
 std::vector<std::string> sentences(const Grades* grades, const Grade& grade) {
   std::vector<std::string> out;
@@ -113,12 +122,13 @@ double mean(const Grades& grades) {
 }  // namespace
 
 std::string gradesText(const Grades& grades) {
-  constexpr int kLongest = 40;
+  constexpr int kLongest = 40, kLongestReason = 110;
   const std::vector<std::string> columns = titles(grades);
   int width = 10;
   for (const Grade& grade : grades.all)
     width = std::clamp(codePoints(oneLine(grade.submission)), width, kLongest);
-  std::string out = fmt::format("{} {}\n\n", grades.folder, hiding(grades));
+  std::string out =
+      fmt::format("grades of {} by {}\n{}\n\n", grades.folder, grades.rubric_file, hiding(grades));
   out += fmt::format("{:<{}}", "submission", width);
   std::vector<int> widths;
   for (const std::string& column : columns) {
@@ -135,7 +145,8 @@ std::string gradesText(const Grades& grades) {
                          widths[k]);
     out += fmt::format("  {:>7}  {}", grade.ungraded.empty() ? points(grade.total()) : "-",
                        state(grade));
-    if (const std::string why = oneLine(reason(grade)); !why.empty()) out += ": " + why;
+    if (const std::string why = oneLine(reason(grade)); !why.empty())
+      out += ": " + shortened(why, kLongestReason);
     out += "\n";
   }
   const int ungraded = grades.ungraded();

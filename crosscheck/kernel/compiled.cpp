@@ -34,7 +34,8 @@ std::string environment(const char* name) {
 /// The file of a command: as given when it has a slash, else the first in PATH.
 fs::path inPath(const std::string& command) {
   const auto runs = [](const fs::path& file) {
-    return fs::is_regular_file(file) && access(file.c_str(), X_OK) == 0;
+    std::error_code unreadable;  // somebody else's folder may be in the PATH
+    return fs::is_regular_file(file, unreadable) && access(file.c_str(), X_OK) == 0;
   };
   if (command.find('/') != std::string::npos) return runs(command) ? fs::path(command) : fs::path();
   std::istringstream folders(environment("PATH"));

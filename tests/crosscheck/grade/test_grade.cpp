@@ -150,8 +150,8 @@ BOOST_AUTO_TEST_CASE(marks_are_as_the_rubric_says) {
       {"right.py", "right.py,10,10,3,3,2,2,right,"},
       // 3/4 of 2 and 2
       {"gravity.py", "gravity.py,9,10,3,3,1.5,1.5,one mistake,"},
-      // half of M, c and tau; gravity has no inertia in it
-      {"inertia.py", "inertia.py,6,10,1.5,1.5,2,1,one mistake,"},
+      // half of M and tau: in a plane neither c nor g has a moment of inertia in it
+      {"inertia.py", "inertia.py,7.5,10,1.5,3,2,1,one mistake,"},
       {"two mistakes.py", "two mistakes.py,3,10,3,0,0,0,wrong,"},
       {"unknown.py", "unknown.py,5,10,3,0,2,0,wrong,"},
       {"half", "half,5,10,3,0,2,0,not answered,"},
@@ -181,7 +181,7 @@ BOOST_AUTO_TEST_CASE(marks_are_as_the_rubric_says) {
   BOOST_TEST(!contains(page, "http"));
   const std::string junit = course.read("grades/junit.xml");
   BOOST_TEST(contains(junit,
-                      "<testsuites name=\"dynwitness grade\" tests=\"35\" failures=\"13\" "
+                      "<testsuites name=\"dynwitness grade\" tests=\"35\" failures=\"11\" "
                       "errors=\"0\">"),
              junit.substr(0, 200));
   BOOST_TEST(contains(outcome.out, "7 graded, of 10 marks"), outcome.out);
@@ -272,7 +272,7 @@ BOOST_AUTO_TEST_CASE(a_submission_sees_nothing_that_is_not_its_own,
                      *boost::unit_test::precondition([](boost::unit_test::test_unit_id) {
                        return boost::test_tools::assertion_result(hides());
                      })) {
-  const Course course(kRubric + "");
+  const Course course;
   course.write("solution/right.py", stranger(""));
   course.write("rubric.toml", "hide = [\"solution\"]\n" + kRubric);
   const std::string path = course.path().string();
@@ -334,13 +334,12 @@ BOOST_AUTO_TEST_CASE(where_nothing_can_be_hidden_that_is_told,
                 saying("str(sorted(set(os.environ) - {'LANG', 'LC_CTYPE', 'PWD'})) + "
                        "str(os.environ['HOME'] == os.getcwd()) + "
                        "str(sorted(os.listdir('.')))"));
-  course.handIn("fails.py", "open(__file__ + '.x')\n");
   const std::string command = "unshare -Ur sh -c 'echo 0 > /proc/sys/user/max_user_namespaces; " +
                               course.command("") + "' > '" + (course.path() / "said").string() +
                               "' 2>&1";
   BOOST_TEST(std::system(command.c_str()) == 0);
   const std::string said = course.read("said");
-  BOOST_TEST(contains(said, "3 of 3 could have read the other submissions"), said);
+  BOOST_TEST(contains(said, "2 of 2 could have read the other submissions"), said);
   BOOST_TEST(contains(said, "no namespaces"), said);
   BOOST_TEST(contains(course.lines().at("right.py"), ",10,10,"));
   const auto record = nlohmann::json::parse(course.read("grades/records/environment.py.json"));
@@ -369,7 +368,7 @@ BOOST_AUTO_TEST_CASE(killed_it_goes_on_and_late_changes_are_graded_again) {
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }
-  while (records() < 2) usleep(1000);
+  for (int i = 0; i < 120'000 && records() < 2; ++i) usleep(1000);
   kill(grader, SIGKILL);
   int status = 0;
   waitpid(grader, &status, 0);
@@ -390,7 +389,7 @@ BOOST_AUTO_TEST_CASE(killed_it_goes_on_and_late_changes_are_graded_again) {
   course.handIn("s1.py", stranger("half_inertia"));  // handed in late
   const Outcome late = course.grade();
   BOOST_TEST(contains(late.out, fmt::format("{} kept from before", kMany - 1)), late.out);
-  BOOST_TEST(contains(course.lines().at("s1.py"), "s1.py,6,10,1.5,1.5,2,1,one mistake"));
+  BOOST_TEST(contains(course.lines().at("s1.py"), "s1.py,7.5,10,1.5,3,2,1,one mistake"));
   // marks alone: nothing has to run
   std::string rubric = kRubric;
   rubric.replace(rubric.find("0.75"), 4, "0.25");

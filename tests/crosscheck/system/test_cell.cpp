@@ -53,7 +53,7 @@ BOOST_AUTO_TEST_CASE(copies_end_each_in_its_own_way) {
       case 1:
         throw std::runtime_error("a reason");
       case 2:
-        raise(SIGSEGV);
+        raise(SIGKILL);  // Boost.Test would catch others
         break;
       case 3:
         for (;;) pause();
@@ -75,7 +75,7 @@ BOOST_AUTO_TEST_CASE(copies_end_each_in_its_own_way) {
     BOOST_TEST_REQUIRE(all.size() == static_cast<std::size_t>(kCount));
     BOOST_TEST(all[0].answer == std::string(1 << 20, 'x'));
     BOOST_TEST(all[1].problem == "a reason");
-    BOOST_TEST(all[2].problem == "its process was ended by a signal (Segmentation fault)");
+    BOOST_TEST(all[2].problem == "its process was ended by a signal (Killed)");
     BOOST_TEST(all[3].problem == "was not done within 1 s");
     BOOST_TEST(all[4].problem == "its process failed with status 7");
     BOOST_TEST(all[5].problem.empty());
