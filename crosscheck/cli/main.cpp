@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
                 {"check", addCheck},
                 {"museum", addMuseum},
                 {"golden", addGolden},
+                {"grade", addGrade},
                 {"derive", addDerive},
                 {"evaluate", addEvaluate},
                 {"drift", addDrift},

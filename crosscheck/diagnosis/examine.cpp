@@ -14,6 +14,7 @@
 #include "crosscheck/diagnosis/textbook.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
+#include "scene/mimic.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
@@ -158,6 +159,13 @@ bool Examination::isWrong() const {
 }
 bool Examination::isExplained() const {
   return !findings.empty() && findings.front().explains;
+}
+
+scene::Scene withoutFollowers(scene::Scene scene) {
+  if (!scene.mechanism.hasMimics()) return scene;
+  scene.mechanism = scene::withoutMimics(scene.mechanism);
+  scene.start_qd.assign(static_cast<std::size_t>(scene.mechanism.dof()), scene::Number(0));
+  return scene;
 }
 
 Examination examine(const scene::Scene& scene, const WitnessKind& kind,

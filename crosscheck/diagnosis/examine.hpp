@@ -97,6 +97,9 @@ struct Examination {
   bool isExplained() const;
 };
 
+/// The scene as programs are asked about it: every joint of its tree with a rate of its own.
+scene::Scene withoutFollowers(scene::Scene scene);
+
 /** Asks the witness at no more than ten chosen states, judges each answer against the certified
     truth by what a sweep of its kind may lose, and compares it with what each mistake on record
     would have made of it.

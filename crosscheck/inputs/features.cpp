@@ -118,6 +118,9 @@ std::vector<Rule> makeRules() {
       {Command::kCheck, closures + point_springs + prescribed, of_the_tree},
       {Command::kCheck, followers, as_trees},
       {Command::kCheck, {Feature::kStart}, random_states},
+      {Command::kGrade, closures + point_springs + prescribed, of_the_tree},
+      {Command::kGrade, followers, as_trees},
+      {Command::kGrade, {Feature::kStart}, random_states},
 
       {Command::kGolden,
        closures + point_springs + prescribed,
@@ -356,6 +359,8 @@ const char* name(Command command) {
       return "check";
     case Command::kGolden:
       return "golden";
+    case Command::kGrade:
+      return "grade";
     case Command::kDerive:
       return "derive";
     case Command::kDerivePrograms:

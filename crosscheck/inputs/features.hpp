@@ -16,6 +16,7 @@ enum class Command {
   kCrosscheck,
   kCheck,
   kGolden,
+  kGrade,
   kDerive,
   kDerivePrograms,
   kDeriveOperations,
@@ -34,7 +35,7 @@ enum class Command {
   kImpedance,
 };
 inline constexpr Command kAllCommands[] = {
-    Command::kCrosscheck,    Command::kCheck,          Command::kGolden,
+    Command::kCrosscheck,    Command::kCheck,          Command::kGolden, Command::kGrade,
     Command::kDerive,        Command::kDerivePrograms, Command::kDeriveOperations,
     Command::kEvaluateTree,  Command::kEvaluateForces, Command::kEvaluateMotion,
     Command::kEvaluateTasks, Command::kDrift,          Command::kChart,

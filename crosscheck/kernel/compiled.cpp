@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/system/children.hpp"
+#include "crosscheck/system/hash.hpp"
 #include "crosscheck/system/leaving.hpp"
 
 namespace dynwitness::crosscheck::kernel {
@@ -33,23 +34,14 @@ std::string environment(const char* name) {
 /// The file of a command: as given when it has a slash, else the first in PATH.
 fs::path inPath(const std::string& command) {
   const auto runs = [](const fs::path& file) {
-    return fs::is_regular_file(file) && access(file.c_str(), X_OK) == 0;
+    std::error_code unreadable;  // somebody else's folder may be in the PATH
+    return fs::is_regular_file(file, unreadable) && access(file.c_str(), X_OK) == 0;
   };
   if (command.find('/') != std::string::npos) return runs(command) ? fs::path(command) : fs::path();
   std::istringstream folders(environment("PATH"));
   for (std::string folder; std::getline(folders, folder, ':');)
     if (!folder.empty() && runs(fs::path(folder) / command)) return fs::path(folder) / command;
   return {};
-}
-
-/// 128 bits of FNV-1a from two starts: against accidents, not against a user's own malice.
-std::string hashOf(const std::string& text) {
-  std::uint64_t a = 0xcbf29ce484222325u, b = 0x84222325cbf29ce4u;
-  for (const unsigned char c : text) {
-    a = (a ^ c) * 0x100000001b3u;
-    b = (b ^ c ^ (b >> 29)) * 0x100000001b3u;
-  }
-  return fmt::format("{:016x}{:016x}", a, b);
 }
 
 /// More than any kernel has.

@@ -21,6 +21,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/system/leaving.hpp"
+#include "crosscheck/system/processes.hpp"
 
 extern char** environ;
 
@@ -217,12 +218,6 @@ enum class Keeps { kTheProgram, kUntilAsked };
     }
   }
   _exit(0);
-}
-
-std::string howItEnded(int status) {
-  if (WIFSIGNALED(status))
-    return fmt::format("was ended by a signal ({})", strsignal(WTERMSIG(status)));
-  return fmt::format("failed with status {}", WEXITSTATUS(status));
 }
 
 /// Waits for a child of ours, which is about to end.
@@ -470,7 +465,7 @@ struct Conversation::Running {
     counted = now;
     const std::size_t count = descendantsOf(keeper).size();
     if (count > static_cast<std::size_t>(limits.processes))
-      fail(fmt::format("it runs {} processes, allowed: {}", count, limits.processes));
+      fail(fmt::format("it runs too many processes, allowed: {}", limits.processes));
   }
 
   /// What the keeper has to say, awaited for a moment. Empty: nothing, the program runs

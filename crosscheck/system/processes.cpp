@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <new>
 #include <stdexcept>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sched.h>
@@ -66,19 +69,15 @@ void send(int file, int index, Header::Kind kind, const std::string& text) {
   writeAll(file, text.data(), text.size());
 }
 
-[[noreturn]] void runCopy(int file, int count, Counter& counter,
-                          const std::function<std::string(int)>& work) {
-  for (int index; (index = counter.take()) < count;) {
-    send(file, index, Header::kBegun, "");
-    try {
-      send(file, index, Header::kAnswer, work(index));
-    } catch (const scene::InputError& error) {
-      send(file, index, Header::kBadInput, error.what());
-    } catch (const std::exception& error) {
-      send(file, index, Header::kFailure, error.what());
-    }
+/// One task, and what came of it.
+void sendAnswer(int file, int index, const std::function<std::string(int)>& work) {
+  try {
+    send(file, index, Header::kAnswer, work(index));
+  } catch (const scene::InputError& error) {
+    send(file, index, Header::kBadInput, error.what());
+  } catch (const std::exception& error) {
+    send(file, index, Header::kFailure, error.what());
   }
-  _exit(0);  // without the destructors and buffers of the original
 }
 
 /// One copy, seen from the original.
@@ -113,10 +112,11 @@ struct Copies {
   }
 };
 
-void start(Copies& copies, int count, Counter& counter,
-           const std::function<std::string(int)>& work) {
+/// @param body  what the copy does; it is given where to write
+void start(Copies& copies, const std::function<void(int file)>& body) {
   int ends[2];
-  if (pipe(ends) != 0) throw std::runtime_error(fmt::format("pipe: {}", std::strerror(errno)));
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    throw std::runtime_error(fmt::format("pipe: {}", std::strerror(errno)));
   pid_t process;
   EndsWithUs ends_with_us;
   {
@@ -130,8 +130,10 @@ void start(Copies& copies, int count, Counter& counter,
   }
   if (process == 0) {
     close(ends[0]);
-    for (const Copy& earlier : copies.all) close(earlier.file);
-    runCopy(ends[1], count, counter, work);
+    for (const Copy& earlier : copies.all)
+      if (earlier.file >= 0) close(earlier.file);
+    body(ends[1]);
+    _exit(0);  // without the destructors and buffers of the original
   }
   close(ends[1]);
   copies.all.push_back({process, ends[0], -1, {}, std::move(ends_with_us)});
@@ -174,7 +176,13 @@ std::vector<std::string> inProcesses(int processes, int count,
   std::fflush(nullptr);  // or the copies would hold the same unwritten text
   Counter counter;
   Copies copies;
-  for (int i = 0; i < std::min(processes, count); ++i) start(copies, count, counter, work);
+  for (int i = 0; i < std::min(processes, count); ++i)
+    start(copies, [&](int file) {
+      for (int index; (index = counter.take()) < count;) {
+        send(file, index, Header::kBegun, "");
+        sendAnswer(file, index, work);
+      }
+    });
 
   for (std::size_t listening = copies.all.size(); listening > 0;) {
     std::vector<pollfd> files;
@@ -213,6 +221,70 @@ std::vector<std::string> inProcesses(int processes, int count,
     }
   }
   return answers;
+}
+
+void inOwnCopies(int at_a_time, int count, double seconds,
+                 const std::function<std::string(int)>& work,
+                 const std::function<void(int, const CopyEnded&)>& ended) {
+  if (at_a_time < 1) throw std::invalid_argument("inOwnCopies: expected at least one copy");
+  using Clock = std::chrono::steady_clock;
+  std::fflush(nullptr);  // or the copies would hold the same unwritten text
+  Copies copies;
+  std::vector<Clock::time_point> ends;
+  std::vector<CopyEnded> said(static_cast<std::size_t>(count));
+  std::vector<bool> has_said(said.size(), false);
+  for (int running = 0, next = 0; running > 0 || next < count;) {
+    for (; running < at_a_time && next < count; ++running, ++next) {
+      start(copies, [&](int file) { sendAnswer(file, next, work); });
+      ends.push_back(Clock::now() + std::chrono::milliseconds(static_cast<long>(1000 * seconds)));
+    }
+    std::vector<pollfd> files;
+    Clock::time_point first = Clock::time_point::max();
+    for (std::size_t i = 0; i < copies.all.size(); ++i) {
+      files.push_back({copies.all[i].file, POLLIN, 0});
+      if (copies.all[i].file >= 0) first = std::min(first, ends[i]);
+    }
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(first - Clock::now()).count() + 1;
+    if (poll(files.data(), files.size(), static_cast<int>(std::clamp<long>(left, 0, 1 << 30))) <
+            0 &&
+        errno != EINTR)
+      throw std::runtime_error(fmt::format("poll: {}", std::strerror(errno)));
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      Copy& copy = copies.all[i];
+      if (copy.file < 0) continue;
+      const bool is_late = Clock::now() >= ends[i];
+      if (files[i].revents == 0 && !is_late) continue;
+      char buffer[1 << 16];
+      const ssize_t got = is_late ? 0 : read(copy.file, buffer, sizeof buffer);
+      if (got < 0 && errno == EINTR) continue;
+      if (got > 0) {
+        copy.unread.append(buffer, static_cast<std::size_t>(got));
+        continue;
+      }
+      takeAnswers(copy, [&](const Header& header, std::string text) {
+        has_said[i] = true;
+        (header.kind == Header::kAnswer ? said[i].answer : said[i].problem) = std::move(text);
+      });
+      close(copy.file);
+      copy.file = -1;
+      --running;
+      const int status = is_late ? endCopy(copy.process) : Copies::waitFor(copy);
+      copy.process = -1;
+      copy.ends_with_us = {};
+      if (!has_said[i])
+        said[i].problem = is_late ? fmt::format("was not done within {:g} s", seconds)
+                                  : "its process " + howItEnded(status);
+      ended(static_cast<int>(i), said[i]);
+      said[i] = {};
+    }
+  }
+}
+
+std::string howItEnded(int status) {
+  if (WIFSIGNALED(status))
+    return fmt::format("was ended by a signal ({})", strsignal(WTERMSIG(status)));
+  return fmt::format("failed with status {}", WEXITSTATUS(status));
 }
 
 }  // namespace dynwitness::crosscheck

@@ -27,4 +27,23 @@ std::vector<std::string> inProcesses(int processes, int count,
                                      const std::function<std::string(int)>& work,
                                      const std::function<void(int)>& done = {});
 
+/// How one of several copies ended.
+struct CopyEnded {
+  std::string answer;   ///< what its task returned
+  std::string problem;  ///< not empty: why there is none
+};
+
+/** work(0), ..., work(count - 1), each in a copy of this process that does nothing else: what one
+    of them does to its process it does to itself alone.
+
+    @param at_a_time  copies, at least 1
+    @param seconds    after which a copy is ended
+    @param ended      called here as copies end, in any order */
+void inOwnCopies(int at_a_time, int count, double seconds,
+                 const std::function<std::string(int)>& work,
+                 const std::function<void(int, const CopyEnded&)>& ended);
+
+/// A status as of waitpid(), in words: "was ended by a signal (Killed)", "failed with status 1"
+std::string howItEnded(int status);
+
 }  // namespace dynwitness::crosscheck

@@ -183,6 +183,8 @@ Call callOf(Command command) {
       return {"check scene --engine 'python3 engine.py' --engine-seconds 200 --format json", ""};
     case Command::kGolden:
       return {"golden scene --states 2 --format csv", ""};
+    case Command::kGrade:
+      return {"grade submissions --rubric rubric.toml", "grades/gradescope/arm.py/results.json"};
     case Command::kDerive:
       return {"derive scene", ""};
     case Command::kDerivePrograms:
@@ -246,6 +248,13 @@ const std::string kEngine =
     "    return says\n"
     "dynwitness_engine.testify(engine)\n";
 
+/// Another one, in a cell that hides the program.
+const std::string kSubmission = "import stranger\nstranger.main([])\n";
+const std::string kRubric =
+    "command = \"python3 {file}\"\nfiles = [\"" DYNWITNESS_STRANGER
+    "\"]\n[[task]]\nscene = \"scene\"\n[task.marks]\n"
+    "M = 1\nc = 1\ng = 1\ntau = 1\nqdd = 1\nkinetic = 1\npotential = 1\nmomentum = 1\n";
+
 /// The table of a chart without its times.
 std::string withoutTimes(const std::string& csv) {
   std::istringstream lines(csv);
@@ -282,6 +291,10 @@ Said ask(const Program& program, Command command, std::string text) {
   }
   program.write("scene", text);
   if (command == Command::kCheck) program.write("engine.py", kEngine);
+  if (command == Command::kGrade) {
+    program.write("submissions/arm.py", kSubmission);
+    program.write("rubric.toml", kRubric);
+  }
   const Outcome outcome = program.run(call.words, "2> errors");
   Said said{outcome.status, call.file.empty() ? outcome.out : program.read(call.file),
             program.read("errors")};
