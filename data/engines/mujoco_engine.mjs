@@ -46,9 +46,12 @@ function mjcf(scene, gravity) {
     }
     const com = plus(inner.p, times(inner.R, link.com));
     const I = product(product(inner.R, link.inertia), transposed(inner.R));
+    // a full one is taken apart into principal axes, which loses digits
+    const diagonal = [I[0][0], I[1][1], I[2][2]], products = [I[0][1], I[0][2], I[1][2]];
     if (link.mass > 0)
-      out += `<inertial pos="${text(com)}" mass="${link.mass}" fullinertia="${
-          text([I[0][0], I[1][1], I[2][2], I[0][1], I[0][2], I[1][2]])}"/>`;
+      out += `<inertial pos="${text(com)}" mass="${link.mass}" ${
+          products.every(x => x === 0) ? `diaginertia="${text(diagonal)}"`
+                                       : `fullinertia="${text([...diagonal, ...products])}"`}/>`;
     return out + children[k].map(child => body(child, inner)).join('') + '</body>';
   };
   return `<mujoco><compiler angle="radian" autolimits="false"/><option gravity="${text(gravity)}">` +

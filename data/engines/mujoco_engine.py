@@ -38,10 +38,12 @@ def mjcf(scene, gravity):
                                             joint["viscous"], joint["stiffness"], joint["rest"])
         R, p = np.array(after["R"]), np.array(after["p"])
         I = R @ np.array(link["inertia"]) @ R.T
-        if link["mass"] > 0:
-            out += '<inertial pos="%s" mass="%.17g" fullinertia="%s"/>' % (
+        diagonal, products = np.diag(I), [I[0, 1], I[0, 2], I[1, 2]]
+        if link["mass"] > 0:                 # a full one is taken apart into principal axes, which loses digits
+            out += '<inertial pos="%s" mass="%.17g" %s/>' % (
                 text(p + R @ np.array(link["com"])), link["mass"],
-                text([I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]]))
+                'fullinertia="%s"' % text([*diagonal, *products]) if np.any(products)
+                else 'diaginertia="%s"' % text(diagonal))
         return out + children(k, R, p) + "</body>"
 
     def children(k, R, p):

@@ -110,7 +110,7 @@ for term in ("M", "c", "g", "friction"):
 # what cannot be read
 for arguments, words in (
         ([], "expected --engine COMMAND or --answers FILE"),
-        (["--answers", few], "without"),
+        (["--answers", few], "no answers"),
         (["--answers", states], "no answers"),
         (["--states", few, "--answers", tau], "more rows than"),
         (["--states", states, "--answers", one], "stand in"),

@@ -56,7 +56,8 @@ for a, b in zip(in_batches.splitlines()[1:], ours.splitlines()[1:]):
         assert abs(float(x) - float(y)) <= 1e-12 * max(1, abs(float(y))), (x, y)
 
 # hostile ones
-crosscheck = ["crosscheck", "simple_pendulum", "--states", "2", "--no-drift", "--no-charts", "--report",
+crosscheck = ["crosscheck", "simple_pendulum", "--states", "2", "--no-drift", "--no-charts", "--witness",
+              "newton_euler,composite_body", "--report",
               os.path.join(FOLDER.name, "report")]
 commands = {"evaluate": ["evaluate", "simple_pendulum", "--quantity", "M"], "check": ["check", "simple_pendulum"],
             "crosscheck": crosscheck,
