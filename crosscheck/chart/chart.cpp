@@ -4,16 +4,19 @@
 #include <time.h>
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "crosscheck/chart/answers.hpp"
 #include "crosscheck/chart/methods.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/system/environment.hpp"
 #include "crosscheck/verdicts/truth.hpp"
+#include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/kernel_names.hpp"
 #include "scene/error.hpp"
 #include "scene/work.hpp"
@@ -25,6 +28,39 @@ namespace {
 constexpr double kEnoughSeconds = 1;  // of one method: slow ones get fewer rounds
 
 using Methods = std::vector<std::unique_ptr<Method>>;
+
+/// Time that passes here and elsewhere [s].
+double wallSeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// A program of the user's, asked about as many states at once as are timed together.
+class AskedProgram : public Method {
+ public:
+  AskedProgram(std::unique_ptr<Witness> witness, Quantity quantity, const States& states)
+      : Method(witness->name() + " (a program: wall time)", Scalar::kDouble),
+        witness_(std::move(witness)),
+        quantity_(quantity),
+        states_(states) {}
+  void run(int state) override {
+    const int count = static_cast<int>(states_.size());
+    if (state == first_ || state < first_ || state >= last_) {
+      first_ = state;
+      last_ = std::min({count, state + static_cast<int>(kEngineBatch),
+                        state + std::max(1, count / kChartBatches)});
+      askEngineAhead(*witness_, quantity_, {states_.begin() + first_, states_.begin() + last_});
+    }
+    value_ = witness_->value(quantity_, states_[static_cast<std::size_t>(state)]);
+  }
+  MatrixOf<Ball> answer() const override { return exactlyAll<double>(value_); }
+
+ private:
+  std::unique_ptr<Witness> witness_;
+  Quantity quantity_;
+  States states_;
+  int first_ = 0, last_ = 0;  ///< of the states that it was asked about
+  Eigen::MatrixXd value_;
+};
 
 void addSweeps(Sweep sweep, const scene::Mechanism& mechanism, const States& states,
                Methods* methods) {
@@ -64,7 +100,8 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
         chart->left_out.push_back(fmt::format("{}: {}", MethodName::kKernel, error.what()));
       }
     }
-    if (kind.info.version == DYNWITNESS_VERSION) continue;  // ours: above, without their bounds
+    if (kind.info.version == DYNWITNESS_VERSION && !isProgram(kind))
+      continue;  // ours: above, without their bounds
     if (!kind.info.present) {
       chart->left_out.push_back(kind.info.name + ": absent from this build");
       continue;
@@ -72,6 +109,8 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
     MadeWitness made = kind.make(scene);
     if (made.isRefused())
       chart->left_out.push_back(kind.info.name + ": " + made.refusal());
+    else if ((*made)->answers(quantity) && isProgram(kind))
+      methods.push_back(std::make_unique<AskedProgram>(std::move(made).value(), quantity, states));
     else if ((*made)->answers(quantity))
       methods.push_back(engineMethod(std::move(made).value(), quantity, states));
     else
@@ -110,15 +149,16 @@ double quantile(const std::vector<double>& sorted, double share) {
 
 /// Times of one evaluation [ns], one a batch of states.
 void timeOneRound(Method& method, int states, std::vector<double>* times) {
+  const auto seconds = dynamic_cast<AskedProgram*>(&method) ? wallSeconds : cpuSeconds;
   const int batches = std::min(kChartBatches, states);
   for (int b = 0; b < batches; ++b) {
     const int first = states * b / batches, last = states * (b + 1) / batches;
     double spent = 0;
     // on virtual machines the clock may stand still over a batch: that is no time
     for (int attempt = 0; attempt < 10 && !(spent > 0); ++attempt) {
-      const double start = cpuSeconds();
+      const double start = seconds();
       for (int k = first; k < last; ++k) method.run(k);
-      spent = cpuSeconds() - start;
+      spent = seconds() - start;
     }
     times->push_back(1e9 * std::max(spent, 1e-9) / (last - first));
   }

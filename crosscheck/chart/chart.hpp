@@ -45,7 +45,8 @@ inline constexpr int kChartBatches = 20, kChartRounds = 5;
     program, the sweep, for qdd also the mass matrix with L D L', and the outside engines among
     `kinds` through Witness::value(). The closed form and the program solve for qdd by L D L'. The
     sweep also runs in float, long double, 50 decimal digits and balls of 128 bits. Programs are
-    interpreted here; compiled ones are faster. Rounds over all methods are repeated, so that a
+    interpreted here; compiled ones are faster. Of programs that are asked (engine_protocol.hpp) it is
+    wall time, with all that is said, a batch at a time. Rounds over all methods are repeated, so that a
     change of the machine's pace meets all of them.
 
     @param quantity  one of chartedQuantities()

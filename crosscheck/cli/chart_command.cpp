@@ -11,6 +11,7 @@
 #include "crosscheck/chart/chart.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/engine_options.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/inputs/features.hpp"
@@ -19,6 +20,7 @@
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/system/files.hpp"
+#include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::cli {
@@ -33,7 +35,8 @@ constexpr const char* kStyleFile = "dynwitness_style.gp";
 
 struct Arguments {
   std::string scene, output;
-  std::vector<std::string> quantities = {name(Quantity::kTau)}, witnesses;
+  std::vector<std::string> quantities = {name(Quantity::kTau)}, witnesses, engines;
+  Limits limits;  ///< of these programs
   int states = 1000;
   std::uint64_t seed = 1;
 };
@@ -81,8 +84,10 @@ int run(const Arguments& arguments) {
   const scene::Scene scene = admitted(arguments.scene, Command::kChart);
   requireMotion(scene);
   // without names the absent ones too: the table says that they are
-  const std::vector<WitnessKind> kinds =
+  std::vector<WitnessKind> kinds =
       arguments.witnesses.empty() ? witnessKinds() : selectWitnesses(arguments.witnesses);
+  for (const WitnessKind& kind : engineKinds(arguments.engines, arguments.limits, scene))
+    kinds.push_back(kind);
   if (!arguments.output.empty()) requireWritableFolder(arguments.output);
   const std::vector<Quantity> quantities = quantitiesOf(arguments);
   std::vector<Chart> charts;
@@ -124,6 +129,7 @@ Run addChart(CLI::App& app) {
       ->add_option("--witness", arguments->witnesses,
                    "Outside engines beside our own methods; without: all that are there")
       ->delimiter(',');
+  addEngineOptions(*command, arguments->engines, arguments->limits);
   command->add_option("-o,--output", arguments->output,
                       "Folder for SCENE_QUANTITY.csv, .gp, .svg and _dark.svg");
   return [arguments] { return run(*arguments); };

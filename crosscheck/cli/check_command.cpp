@@ -13,6 +13,7 @@
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/diagnosis/check_report.hpp"
 #include "crosscheck/diagnosis/examine.hpp"
+#include "crosscheck/diagnosis/recorded.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "scene/scene.hpp"
@@ -23,19 +24,33 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, scalar = "double", format = "text", output, smallest;
+  std::string scene, scalar = "double", format = "text", output, smallest, answers, states;
   std::vector<std::string> engines;
   Limits limits;
   CheckOptions options;
 };
 
+/// A program, or what is in files.
+WitnessKind kindFor(const scene::Scene& scene, Arguments& arguments) {
+  if (arguments.answers.empty() && arguments.engines.empty())
+    throw scene::InputError({}, "nobody to ask, expected --engine COMMAND or --answers FILE");
+  if (arguments.answers.empty())
+    return engineKinds(arguments.engines, arguments.limits, scene).front();
+  Recorded recorded = readRecorded(scene, arguments.answers, arguments.states);
+  arguments.options.states = recorded.states;
+  return recordedKind(std::move(recorded), arguments.answers);
+}
+
 int run(Arguments arguments) {
   requireWritableFile(arguments.output);
   requireWritableFile(arguments.smallest);
   const scene::Scene scene = onTheStand(arguments.scene);
+  if (!arguments.answers.empty() && scene::findScene(arguments.scene).mechanism.hasMimics())
+    throw scene::InputError({scene.file.string(), 0},
+                            "--answers of a scene whose joints follow others, allowed: --engine");
   arguments.options.single = arguments.scalar == "float";
   std::optional<Progress> progress(std::in_place, "check of " + scene.name);
-  const WitnessKind kind = engineKinds(arguments.engines, arguments.limits, scene).front();
+  const WitnessKind kind = kindFor(scene, arguments);
   const Examination found = examine(scene, kind, arguments.options);
   progress.reset();
   const std::string text =
@@ -56,7 +71,20 @@ Run addCheck(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "check", "A program of yours on the stand: is it right, where is it wrong, and why");
   command->add_option("scene", arguments->scene, "Scene")->required();
-  addEngineOptions(*command, arguments->engines, arguments->limits)->required()->expected(1);
+  CLI::Option* const engine =
+      addEngineOptions(*command, arguments->engines, arguments->limits)->expected(1);
+  CLI::Option* const answers =
+      command
+          ->add_option("--answers", arguments->answers,
+                       "CSV file in place of a program: answers in columns as evaluate writes them "
+                       "(tau1.., M11.., c1.., g1.., kinetic, potential, momentum1..), q1.., qd1.., "
+                       "qdd1.. beside them; every row is judged")
+          ->excludes(engine);
+  command
+      ->add_option("--states", arguments->states,
+                   "CSV file of the states of these answers, row by row, where they do not stand "
+                   "beside them (qdd1.. may be answers then, too: of tau1.. here)")
+      ->needs(answers);
   command
       ->add_option("--scalar", arguments->scalar,
                    "Arithmetic whose roundings are allowed: of double or of single precision")
@@ -64,16 +92,20 @@ Run addCheck(CLI::App& app) {
       ->check(CLI::IsMember({"double", "float"}));
   command->add_option("--seed", arguments->options.seed, "Seed of the states")
       ->check(seed())
+      ->excludes(answers)
       ->capture_default_str();
   command->add_option("--format", arguments->format, "How to write it")
       ->capture_default_str()
       ->check(CLI::IsMember({"text", "json"}));
   command->add_option("-o,--output", arguments->output, "File; without: standard output");
-  command->add_option("--smallest", arguments->smallest,
-                      "Where nothing on record explains it: write the smallest scene that is still "
-                      "answered wrongly to this file");
+  command
+      ->add_option("--smallest", arguments->smallest,
+                   "Where nothing on record explains it: write the smallest scene that is still "
+                   "answered wrongly to this file")
+      ->excludes(answers);
   command->footer(
       "dynwitness check puma_560 --engine \"python3 data/engines/open_chain.py\"\n"
+      "dynwitness check puma_560 --states states.csv --answers tau.csv\n"
       "At most ten states are asked. Each answer is judged by what an algorithm of its kind may "
       "lose; where it\n"
       "is wrong, each mistake on record is put into a textbook's formulas, and what these then say "

@@ -20,6 +20,7 @@
 #include "crosscheck/studies/constrained_quantities.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/growing_file.hpp"
+#include "crosscheck/witnesses/column_names.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 
@@ -34,35 +35,6 @@ struct Arguments {
   Limits limits;                     ///< of that program
   std::vector<std::string> quantities;
 };
-
-/// M11, M12, ... row by row (M1_1 from ten joints on, where M111 would be two things); c1, c2, ...;
-/// a single number has its own name; reactions are those of the joint: elbow.fx, ..., elbow.mz.
-std::vector<std::string> columnNames(Quantity quantity, const scene::Mechanism& mechanism) {
-  int n = mechanism.dof();
-  std::vector<std::string> names;
-  switch (quantity) {
-    case Quantity::kM:
-      for (int i = 1; i <= n; ++i)
-        for (int j = 1; j <= n; ++j)
-          names.push_back(fmt::format("M{}{}{}", i, n > 9 ? "_" : "", j));
-      return names;
-    case Quantity::kKinetic:
-    case Quantity::kPotential:
-      return {name(quantity)};
-    case Quantity::kMomentum:
-      n = 6;
-      break;
-    case Quantity::kReactions:
-      for (const scene::Link& link : mechanism.links)
-        for (const char* component : {"fx", "fy", "fz", "mx", "my", "mz"})
-          if (link.parent >= 0) names.push_back(link.joint.name + "." + component);
-      return names;
-    default:
-      break;
-  }
-  for (int i = 1; i <= n; ++i) names.push_back(fmt::format("{}{}", name(quantity), i));
-  return names;
-}
 
 /// nu1, nu2, ...; J11, J12, ... row by row (J1_1 where a number has two digits).
 std::vector<std::string> columnNames(const std::string& name, Eigen::Index rows,
@@ -226,35 +198,42 @@ class States {
   }
   /// The state that the next() below goes on from; nullptr: there is none left.
   scene::State<double>* current() { return has_state_ ? &state_ : nullptr; }
-  void next() {
-    has_state_ = reader_ && reader_->next(&state_);
-    ++rows_;
-  }
+  void next() { has_state_ = reader_ && reader_->next(&state_); }
   GivenColumns given() const {
     if (!reader_) return {true, false, true};
     return {reader_->gives("qd"), reader_->gives("qdd"), reader_->gives("tau")};
   }
   double fraction() const { return reader_ ? reader_->fraction() : 0; }
-  long rows() const { return rows_; }
 
  private:
   std::optional<StatesReader> reader_;
   scene::State<double> state_;
   bool has_state_ = false;
-  long rows_ = 0;
 };
 
 struct Column {
   Quantity quantity;
   std::unique_ptr<Witness> witness;  ///< none: asked of the constrained quantities by name
   std::string name;
+  bool is_engines = false;  ///< the witness is a program of the user's
+};
+
+/// That program failed, or has no value at a state.
+struct EngineFailed : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 /// One quantity at one state, finite.
 Eigen::MatrixXd valueOf(Column& column, Constrained& constrained, const scene::State<double>& state,
                         long row) {
-  Eigen::MatrixXd value = column.witness ? column.witness->value(column.quantity, state)
-                                         : constrained->answer(column.name, state);
+  Eigen::MatrixXd value;
+  try {
+    value = column.witness ? column.witness->value(column.quantity, state)
+                           : constrained->answer(column.name, state);
+  } catch (const std::runtime_error& error) {
+    if (!column.is_engines) throw;
+    throw EngineFailed(fmt::format("{} at state {}: {}", column.name, row, error.what()));
+  }
   if (!value.allFinite())
     throw scene::InputError(
         {}, fmt::format("{} is not finite at state {}: M is singular there, or numbers are too "
@@ -264,10 +243,11 @@ Eigen::MatrixXd valueOf(Column& column, Constrained& constrained, const scene::S
 }
 
 /** One row a state, into a file that is there only when all are.
-    @param finds_qdd  what is asked needs qdd, which is found from tau first */
+    @param finds_qdd  what is asked needs qdd, which is found from tau first
+    @param at_once    states that are read before they are answered */
 void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& columns,
-               Constrained& constrained, bool finds_qdd, const std::string& header,
-               const std::string& output) {
+               Constrained& constrained, bool finds_qdd, std::size_t at_once,
+               const std::string& header, const std::string& output) {
   constexpr std::size_t kPiece = std::size_t{1} << 18;
   constexpr long kBetweenNotes = 256;
   // rows that scroll by on a terminal are progress enough
@@ -279,31 +259,38 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
   GrowingFile file(output);
   std::string rows = header + "\n";
   OpenStates open(scene);
-  for (; scene::State<double>* state = states.current(); states.next()) {
-    open.see(*state);
-    if (finds_qdd) {
-      const Eigen::MatrixXd qdd = constrained->answer("qdd", *state);
-      state->qdd.assign(qdd.data(), qdd.data() + qdd.size());
+  std::vector<scene::State<double>> batch;
+  for (long row = 0; states.current() != nullptr;) {
+    for (batch.clear(); batch.size() < at_once && states.current() != nullptr; states.next()) {
+      batch.push_back(*states.current());
+      open.see(batch.back());
+      if (!finds_qdd) continue;
+      const Eigen::MatrixXd qdd = constrained->answer("qdd", batch.back());
+      batch.back().qdd.assign(qdd.data(), qdd.data() + qdd.size());
     }
-    for (Column& column : columns) {
-      const Eigen::MatrixXd value = valueOf(column, constrained, *state, states.rows() + 1);
-      for (Eigen::Index i = 0; i < value.rows(); ++i)
-        for (Eigen::Index j = 0; j < value.cols(); ++j) append(value(i, j), &rows);
+    if (at_once > 1)
+      for (Column& column : columns)
+        if (column.is_engines) askEngineAhead(*column.witness, column.quantity, batch);
+    for (const scene::State<double>& state : batch) {
+      ++row;
+      for (Column& column : columns) {
+        const Eigen::MatrixXd value = valueOf(column, constrained, state, row);
+        for (Eigen::Index i = 0; i < value.rows(); ++i)
+          for (Eigen::Index j = 0; j < value.cols(); ++j) append(value(i, j), &rows);
+      }
+      rows += '\n';
     }
-    rows += '\n';
     if (rows.size() > kPiece) {
       file.write(rows);
       rows.clear();
     }
     const auto now = std::chrono::steady_clock::now();
-    if (states.rows() % kBetweenNotes == kBetweenNotes - 1 ||
-        now - noted > std::chrono::milliseconds(200)) {
+    if (row % kBetweenNotes == kBetweenNotes - 1 || now - noted > std::chrono::milliseconds(200)) {
       noted = now;
       const std::chrono::duration<double> elapsed = now - begin;
-      const auto done = static_cast<double>(states.rows() + 1);
       if (progress)
-        progress->note(
-            fmt::format("{} rows, {:.0f} a second", states.rows() + 1, done / elapsed.count()));
+        progress->note(fmt::format("{} rows, {:.0f} a second", row,
+                                   static_cast<double>(row) / elapsed.count()));
       work.doneTo(states.fraction());
     }
   }
@@ -340,11 +327,13 @@ int run(const Arguments& arguments) {
     const std::string who = engine                      ? engine->info.name
                             : arguments.witness.empty() ? usualWitness(quantity)
                                                         : arguments.witness;
-    std::unique_ptr<Witness> witness =
-        (engine ? *engine : selectWitnesses({who}).front()).make(scene).value();
+    MadeWitness made = (engine ? *engine : selectWitnesses({who}).front()).make(scene);
+    if (engine && made.isRefused())
+      throw scene::InputError({scene.file.string(), 0}, made.refusal());
+    std::unique_ptr<Witness> witness = std::move(made).value();
     if (!witness->answers(quantity))
       throw scene::InputError({}, fmt::format("witness '{}' does not answer {}", who, text));
-    columns.push_back({quantity, std::move(witness), text});
+    columns.push_back({quantity, std::move(witness), text, engine.has_value()});
   }
   const bool finds_qdd = findsQddFirst(scene, arguments, states.given());
   admitFor(scene, arguments.quantities);
@@ -361,7 +350,14 @@ int run(const Arguments& arguments) {
     }
     for (const std::string& name : names) header += (header.empty() ? "" : ",") + name;
   }
-  writeRows(scene, states, columns, constrained, finds_qdd, header, arguments.output);
+  // a pipe may wait for the answer before it goes on
+  const std::size_t at_once = engine && arguments.states != "-" ? kEngineBatch : 1;
+  try {
+    writeRows(scene, states, columns, constrained, finds_qdd, at_once, header, arguments.output);
+  } catch (const EngineFailed& failed) {
+    tell(fmt::format("{}: {}\n", scene.name, failed.what()));
+    return 1;
+  }
   return 0;
 }
 

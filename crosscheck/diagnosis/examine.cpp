@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,6 +26,7 @@ namespace {
 using Judged = QuantityFound::Verdict;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kSingle = 0x1p29;  // roundings of float in those of double
+constexpr double kTiniest = std::numeric_limits<double>::min();
 
 bool isByRates(Quantity quantity) {
   return quantity == Quantity::kM || quantity == Quantity::kc || quantity == Quantity::kg ||
@@ -72,11 +76,93 @@ QuantityFound found(Quantity quantity, const std::vector<Exhibit>& exhibits) {
   return out;
 }
 
-/// The exhibit of tau at a chosen state, or nothing.
+/// Why a witness of whom nothing is known to be wrong is not right.
+std::string nothingJudged(const Examination& examined) {
+  std::string reasons;
+  for (const QuantityFound& q : examined.quantities)
+    reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", name(q.quantity), q.reason);
+  return "nothing that it says could be judged: " + reasons;
+}
+
+/// The exhibit of tau at a state, or nothing.
 const Exhibit* exhibitAt(const std::vector<Exhibit>& exhibits, Quantity quantity, int index) {
   for (const Exhibit& e : exhibits)
     if (e.asked == quantity && e.index == index && e.failure.empty()) return &e;
   return nullptr;
+}
+
+/// Which states isolate terms, at one q; -1: none does.
+struct Isolating {
+  int still = kStill, pushed = kPushed, moving = kMoving, backward = kBackward, faster = kFaster;
+
+  std::vector<int> found() const {
+    std::vector<int> out;
+    for (const int index : {still, pushed, moving, backward, faster})
+      if (index >= 0) out.push_back(index);
+    return out;
+  }
+};
+
+/// Among states that somebody else has chosen: those of the q where most are.
+Isolating isolatingAmong(const std::vector<scene::State<double>>& states) {
+  using Rates = std::vector<double>;
+  struct Here {
+    int still = -1, pushed = -1;
+    std::map<Rates, int> moving;  ///< by qd
+  };
+  std::map<std::vector<double>, Here> by_q;
+  const auto isZero = [](const Rates& v) {
+    return std::all_of(v.begin(), v.end(), [](double x) { return x == 0; });
+  };
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    std::vector<double> q;
+    for (const auto& x : states[k].x) q.push_back(x.q);
+    Here& here = by_q[q];
+    const int index = static_cast<int>(k);
+    if (!isZero(states[k].qd)) {
+      if (isZero(states[k].qdd)) here.moving.emplace(states[k].qd, index);
+    } else {
+      (isZero(states[k].qdd) ? here.still : here.pushed) = index;
+    }
+  }
+  Isolating best{-1, -1, -1, -1, -1};
+  for (const auto& [q, here] : by_q) {
+    Isolating one{here.still, here.pushed, -1, -1, -1};
+    for (const auto& [qd, index] : here.moving) {
+      const auto times = [&, &rates = qd](double k) {
+        Rates other = rates;
+        for (double& x : other) x *= k;
+        const auto found = here.moving.find(other);
+        return found == here.moving.end() ? -1 : found->second;
+      };
+      Isolating with = one;
+      with.moving = index;
+      with.backward = times(-1);
+      with.faster = times(2);
+      if (with.found().size() > one.found().size()) one = with;
+    }
+    if (one.found().size() > best.found().size()) best = one;
+  }
+  return best;
+}
+
+/// Of many, as many as diagnosis can take: those that isolate terms, and where it is worst.
+std::vector<Exhibit> telling(const std::vector<Exhibit>& exhibits, const Isolating& isolating) {
+  std::vector<std::pair<double, int>> worst;  // share of the limit, negative; state
+  for (const Exhibit& e : exhibits)
+    if (e.failure.empty() && e.is_wrong)
+      worst.emplace_back(-(e.error.array() / e.bound.array().max(kTiniest)).maxCoeff(), e.index);
+  std::sort(worst.begin(), worst.end());
+  std::vector<int> kept = isolating.found();
+  const auto isKept = [&](int index) { return std::count(kept.begin(), kept.end(), index) > 0; };
+  for (const auto& [share, index] : worst)
+    if (kept.size() < kChosenStates && !isKept(index)) kept.push_back(index);
+  for (const Exhibit& e : exhibits)
+    if (kept.size() < kChosenStates && !isKept(e.index)) kept.push_back(e.index);
+  std::vector<Exhibit> out;
+  for (const Exhibit& e : exhibits)
+    if (isKept(e.index)) out.push_back(e);
+  return out;
 }
 
 bool exceeds(const Eigen::MatrixXd& error, const Eigen::MatrixXd& bound) {
@@ -84,13 +170,7 @@ bool exceeds(const Eigen::MatrixXd& error, const Eigen::MatrixXd& bound) {
 }
 
 /// How errors grow: from the states that isolate terms.
-void tellGrowth(const std::vector<Exhibit>& exhibits, Where& where) {
-  const auto wrong = [&](const char* term, bool is_wrong, bool is_known = true) {
-    where.terms.push_back(fmt::format("{}: {}", term,
-                                      !is_known  ? "not told"
-                                      : is_wrong ? "wrong"
-                                                 : "right"));
-  };
+void tellGrowth(const std::vector<Exhibit>& exhibits, const Isolating& at, Where& where) {
   const auto direct = [&](Quantity quantity) -> std::optional<bool> {
     std::optional<bool> out;
     for (const Exhibit& e : exhibits)
@@ -98,44 +178,56 @@ void tellGrowth(const std::vector<Exhibit>& exhibits, Where& where) {
     return out;
   };
   const Quantity kTau = Quantity::kTau;
-  const Exhibit *still = exhibitAt(exhibits, kTau, kStill),
-                *pushed = exhibitAt(exhibits, kTau, kPushed),
-                *moving = exhibitAt(exhibits, kTau, kMoving),
-                *backward = exhibitAt(exhibits, kTau, kBackward),
-                *faster = exhibitAt(exhibits, kTau, kFaster);
-  const bool has_tau = still && pushed && moving && backward && faster;
+  const Exhibit *still = exhibitAt(exhibits, kTau, at.still),
+                *pushed = exhibitAt(exhibits, kTau, at.pushed),
+                *moving = exhibitAt(exhibits, kTau, at.moving),
+                *backward = exhibitAt(exhibits, kTau, at.backward),
+                *faster = exhibitAt(exhibits, kTau, at.faster);
   const auto off = [](const Exhibit* e) { return Eigen::MatrixXd(e->said - e->truth); };
-  bool tau_M = false, tau_g = false, tau_even = false, tau_odd = false;
-  if (has_tau) {
-    tau_g = exceeds(off(still), still->bound);
-    tau_M = exceeds(off(pushed) - off(still), pushed->bound + still->bound);
+  std::optional<bool> tau_M, tau_g, tau_even, tau_odd;  // nothing: the states do not isolate it
+  if (still) tau_g = exceeds(off(still), still->bound);
+  if (still && pushed) tau_M = exceeds(off(pushed) - off(still), pushed->bound + still->bound);
+  if (moving && backward) {
     const Eigen::MatrixXd two = moving->bound + backward->bound;
-    tau_even = exceeds(off(moving) + off(backward) - 2 * off(still), two + 2 * still->bound);
     tau_odd = exceeds(off(moving) - off(backward), two);
-    if (tau_g) where.growth.emplace_back("tau is off at rest: in gravity, springs or loads");
-    if (tau_M) where.growth.emplace_back("the error of tau grows with qdd: in M");
-    if (tau_even) where.growth.emplace_back("the error of tau has a part that is even in qd: in c");
-    if (tau_odd)
-      where.growth.emplace_back("the error of tau has a part that is odd in qd: in friction");
-    if (tau_even) {
-      const Eigen::MatrixXd once = (off(moving) + off(backward)) / 2 - off(still);
-      const Eigen::MatrixXd odd = (off(moving) - off(backward)) / 2;
-      const Eigen::MatrixXd twice = off(faster) - off(still) - 2 * odd;
-      if (!exceeds(twice - 4 * once, faster->bound + 4 * two + 8 * still->bound))
-        where.growth.emplace_back("it grows with qd^2");
-    }
+    if (still)
+      tau_even = exceeds(off(moving) + off(backward) - 2 * off(still), two + 2 * still->bound);
   }
-  const auto term = [&](const char* name, Quantity quantity, bool in_tau) {
-    const std::optional<bool> own = direct(quantity);
-    wrong(name, own.value_or(in_tau), own.has_value() || has_tau);
-    if (own && has_tau && *own != in_tau)
+  if (tau_g == true) where.growth.emplace_back("tau is off at rest: in gravity, springs or loads");
+  if (tau_M == true) where.growth.emplace_back("the error of tau grows with qdd: in M");
+  if (tau_even == true)
+    where.growth.emplace_back("the error of tau has a part that is even in qd: in c");
+  if (tau_odd == true)
+    where.growth.emplace_back("the error of tau has a part that is odd in qd: in friction");
+  if (tau_even == true && faster) {
+    const Eigen::MatrixXd two = moving->bound + backward->bound;
+    const Eigen::MatrixXd once = (off(moving) + off(backward)) / 2 - off(still);
+    const Eigen::MatrixXd odd = (off(moving) - off(backward)) / 2;
+    const Eigen::MatrixXd twice = off(faster) - off(still) - 2 * odd;
+    if (!exceeds(twice - 4 * once, faster->bound + 4 * two + 8 * still->bound))
+      where.growth.emplace_back("it grows with qd^2");
+  }
+  const auto term = [&](const char* name, const std::optional<bool>& own,
+                        const std::optional<bool>& in_tau, const char* needed) {
+    const std::optional<bool> is_wrong = own ? own : in_tau;
+    where.terms.push_back(fmt::format("{}: {}", name,
+                                      !is_wrong   ? "not told"
+                                      : *is_wrong ? "wrong"
+                                                  : "right"));
+    if (own && in_tau && *own != *in_tau)
       where.growth.push_back(fmt::format("{} is {} by itself and {} in tau", name,
-                                         *own ? "wrong" : "right", in_tau ? "wrong" : "right"));
+                                         *own ? "wrong" : "right", *in_tau ? "wrong" : "right"));
+    if (!is_wrong && direct(kTau))
+      where.growth.push_back(
+          fmt::format("the states do not isolate {} in tau: that takes {}", name, needed));
   };
-  term("M", Quantity::kM, tau_M);
-  term("c", Quantity::kc, tau_even);
-  term("g", Quantity::kg, tau_g);
-  if (has_tau) wrong("friction", tau_odd);
+  term("M", direct(Quantity::kM), tau_M,
+       "one at rest and one accelerated from rest, at the same q");
+  term("c", direct(Quantity::kc), tau_even,
+       "one at rest and two with opposite qd, at the same q, "
+       "qdd = 0");
+  term("g", direct(Quantity::kg), tau_g, "one at rest, qd = qdd = 0");
+  if (direct(kTau)) term("friction", {}, tau_odd, "two with opposite qd, at the same q, qdd = 0");
 }
 
 }  // namespace
@@ -188,8 +280,10 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
   MadeWitness made = kind.make(scene);
   if (made.isRefused()) throw scene::InputError({scene.file.string(), 0}, made.refusal());
   const std::unique_ptr<Witness> witness = std::move(made).value();
+  const bool is_given = !options.states.empty();
   const std::vector<scene::State<double>> chosen =
-      chosenStates(scene.mechanism, scene.name, options.seed, options.single);
+      is_given ? options.states
+               : chosenStates(scene.mechanism, scene.name, options.seed, options.single);
   out.states = static_cast<int>(chosen.size());
   if (auto* outside = dynamic_cast<OutsideWitness*>(witness.get())) {
     out.failure = outside->askedAhead(chosen);
@@ -210,7 +304,7 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
       continue;
     }
     for (int k = 0; k < out.states; ++k)
-      if (isAskedAt(quantity, k))
+      if (is_given || isAskedAt(quantity, k))
         exhibits.push_back(bench.ask(quantity, chosen[static_cast<std::size_t>(k)], k));
     out.quantities.push_back(found(quantity, exhibits));
   }
@@ -220,9 +314,21 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
       if (std::count(out.where.rates.begin(), out.where.rates.end(), rate) == 0)
         out.where.rates.push_back(rate);
   std::sort(out.where.rates.begin(), out.where.rates.end());
-  if (!out.isWrong()) return out;
+  if (!out.isWrong()) {
+    const bool judged =
+        std::any_of(out.quantities.begin(), out.quantities.end(),
+                    [](const QuantityFound& q) { return q.verdict == Judged::kRight; });
+    if (!judged) out.failure = nothingJudged(out);
+    return out;
+  }
 
-  tellGrowth(exhibits, out.where);
+  const Isolating isolating = is_given ? isolatingAmong(chosen) : Isolating();
+  tellGrowth(exhibits, isolating, out.where);
+  if (chosen.size() > kChosenStates) {
+    exhibits = telling(exhibits, isolating);
+    out.where.growth.push_back(
+        fmt::format("what follows goes by {} of the {} states", kChosenStates, chosen.size()));
+  }
   if (options.explain) {
     const Explained explained_by = explained(textbookModel(scene), exhibits, chosen);
     out.findings = explained_by.findings;
@@ -230,7 +336,7 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
     out.pairs = explained_by.pairs;
     out.pairs_tried = explained_by.pairs_tried;
   }
-  if (options.smallest && options.explain && !out.isExplained()) {
+  if (options.smallest && options.explain && !is_given && !out.isExplained()) {
     const auto worst =
         std::find_if(exhibits.begin(), exhibits.end(), [](const Exhibit& e) { return e.is_wrong; });
     if (worst != exhibits.end())

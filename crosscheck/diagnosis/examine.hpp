@@ -18,6 +18,8 @@ struct CheckOptions {
   bool single = false;   ///< limits are those of an engine that computes in single precision
   bool explain = true;   ///< seek what explains a mistake
   bool smallest = true;  ///< where nothing does, seek the smallest mechanism that still fails
+  /// Asked in place of those that isolate terms.
+  std::vector<scene::State<double>> states = {};
 };
 
 /// What was found out about one quantity.
@@ -100,7 +102,7 @@ struct Examination {
 /// The scene as programs are asked about it: every joint of its tree with a rate of its own.
 scene::Scene withoutFollowers(scene::Scene scene);
 
-/** Asks the witness at no more than ten chosen states, judges each answer against the certified
+/** Asks the witness at no more than ten chosen states (or at those given), judges each answer against the certified
     truth by what a sweep of its kind may lose, and compares it with what each mistake on record
     would have made of it.
 

@@ -131,8 +131,9 @@ void requireQuaternions(const scene::Mechanism& mechanism, const scene::State<do
 }  // namespace
 
 struct StatesReader::Parts {
-  Parts(int descriptor, const std::string& name, const scene::Mechanism& of)
-      : lines(descriptor, name), mechanism(&of), given(scene::givenSlots(of)) {}
+  Parts(int descriptor, const std::string& name, const scene::Mechanism& of,
+        const OtherColumns& allowed)
+      : lines(descriptor, name), mechanism(&of), given(scene::givenSlots(of)), others(allowed) {}
 
   int count(int group) const {
     return group == kQ ? static_cast<int>(given.size()) : mechanism->dof();
@@ -150,9 +151,10 @@ struct StatesReader::Parts {
 
   void readHeader() {
     const std::string allowed = fmt::format(
-        "q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}", mechanism->dof(), given.size());
+        "q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}{2}", mechanism->dof(), given.size(),
+        others.names.empty() ? "" : fmt::format(", and {}", fmt::join(others.names, ", ")));
     // 64 bytes are more than a number or a name of a column takes
-    std::size_t columns = 0;
+    std::size_t columns = others.names.size();
     for (std::size_t group = 0; group < kGroups.size(); ++group)
       columns += static_cast<std::size_t>(count(group));
     lines.setLongest((std::size_t{1} << 16) + 64 * columns);
@@ -176,9 +178,17 @@ struct StatesReader::Parts {
         at.erase(found);
         ++known;
       }
-      if (missing.empty() || (places[group].empty() && group != kQ)) continue;
+      if (missing.empty() || (places[group].empty() && (group != kQ || !others.has_positions)))
+        continue;
       if (first_missing.empty()) first_missing = missing;
     }
+    for (const std::string& name : others.names)
+      if (const auto found = at.find(name); found != at.end()) {
+        other_names.push_back(name);
+        other_places.push_back(found->second);
+        at.erase(found);
+        ++known;
+      }
     if (known < names.size())
       for (const std::string& column : names)
         if (at.count(column) > 0)
@@ -210,17 +220,21 @@ struct StatesReader::Parts {
   std::vector<int> given;          ///< slots of q that have a column: those of followers have none
   std::vector<std::string> names;  ///< of the columns
   std::array<std::vector<int>, 4> places;  ///< of each group's columns in a row; empty: not given
+  OtherColumns others;
+  std::vector<std::string> other_names;
+  std::vector<int> other_places;
   std::string first_missing;
   std::vector<std::string_view> cells;  ///< of the last line
 };
 
-StatesReader::StatesReader(const std::filesystem::path& file, const scene::Mechanism& mechanism) {
+StatesReader::StatesReader(const std::filesystem::path& file, const scene::Mechanism& mechanism,
+                           const OtherColumns& others) {
   const bool is_piped = file == "-";
   const int descriptor =
       is_piped ? STDIN_FILENO
                : scene::openRegularFile(file, "a CSV file of states, or - for standard input");
-  parts_ =
-      std::make_unique<Parts>(descriptor, is_piped ? "standard input" : file.string(), mechanism);
+  parts_ = std::make_unique<Parts>(descriptor, is_piped ? "standard input" : file.string(),
+                                   mechanism, others);
   parts_->readHeader();
 }
 StatesReader::~StatesReader() = default;
@@ -229,6 +243,15 @@ bool StatesReader::gives(const std::string& group) const {
   const auto found = std::find(kGroups.begin(), kGroups.end(), group);
   return found != kGroups.end() &&
          !parts_->places[static_cast<std::size_t>(found - kGroups.begin())].empty();
+}
+
+const std::vector<std::string>& StatesReader::otherNames() const {
+  return parts_->other_names;
+}
+std::vector<double> StatesReader::others() const {
+  std::vector<double> out;
+  for (const int place : parts_->other_places) out.push_back(parts_->number(place));
+  return out;
 }
 
 double StatesReader::fraction() const {
@@ -242,11 +265,13 @@ bool StatesReader::next(scene::State<double>* state) {
     throw InputError(p.lines.where(), fmt::format("{} entries, the header names {}", p.cells.size(),
                                                   p.names.size()));
   state->x.resize(static_cast<std::size_t>(p.mechanism->positions()));
-  for (std::size_t i = 0; i < p.given.size(); ++i)
+  for (std::size_t i = 0; i < p.places[kQ].size(); ++i)
     state->x[static_cast<std::size_t>(p.given[i])] =
         scene::jointPosition(p.number(p.places[kQ][i]));
-  scene::followLeaders(*p.mechanism, &state->x);
-  requireQuaternions(*p.mechanism, *state, p.lines.where());
+  if (!p.places[kQ].empty()) {
+    scene::followLeaders(*p.mechanism, &state->x);
+    requireQuaternions(*p.mechanism, *state, p.lines.where());
+  }
   p.fill(kQd, &state->qd);
   p.fill(kQdd, &state->qdd);
   p.fill(kTau, &state->tau);

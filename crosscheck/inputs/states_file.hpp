@@ -6,11 +6,18 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "scene/mechanism.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
+
+/// What a file may have beside states.
+struct OtherColumns {
+  std::vector<std::string> names;
+  bool has_positions = true;  ///< false: q need not be there
+};
 
 /** Reads states of a mechanism, row by row: millions take no more memory than one. The first line
     names the columns, in any order: q1 .. q(positions) and qd1 .. qdn, then qdd1 .. qddn and/or
@@ -21,16 +28,22 @@ class StatesReader {
   /** Reads the header.
       @param file       a regular file, or "-": standard input, which may be a pipe
       @param mechanism  must outlive the reader
+      @param others     columns that may be there as well
       @throws scene::InputError  `file:line: ...` on unknown, doubled or missing columns */
-  StatesReader(const std::filesystem::path& file, const scene::Mechanism& mechanism);
+  StatesReader(const std::filesystem::path& file, const scene::Mechanism& mechanism,
+               const OtherColumns& others = {});
   ~StatesReader();
 
   /** The next state into *state; false at the end.
       @throws scene::InputError  `file:line: ...` on a row of another length, on entries that are
         not finite numbers, on quaternions that are zero, and on lines longer than any row can be */
   bool next(scene::State<double>* state);
-  /// Whether the header names the columns of "qd", "qdd" or "tau".
+  /// Whether the header names the columns of "q", "qd", "qdd" or "tau".
   bool gives(const std::string& group) const;
+  /// Other columns that the header names, in the order in which they were allowed; and their numbers
+  /// in the last row.
+  const std::vector<std::string>& otherNames() const;
+  std::vector<double> others() const;
   /// How much of the file is read, from 0 to 1; negative when nobody knows how long it is.
   double fraction() const;
 

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,11 +16,8 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/witnesses/coupled.hpp"
-#include "crosscheck/witnesses/engine_bound.hpp"
-#include "crosscheck/witnesses/kinetic_bound.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
-#include "crosscheck/witnesses/solve_bound.hpp"
-#include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "crosscheck/witnesses/outside_judge.hpp"
 #include "crosscheck/witnesses/told_numbers.hpp"
 #include "scene/numbers.hpp"
 
@@ -211,7 +210,10 @@ struct Introduction {
     name = plain(textOr(said, "name", ""));
     version = plain(textOr(said, "version", ""));
     refuses = plain(textOr(said, "refuses", ""));
-    if (said.contains("refuses")) return;
+    if (said.contains("refuses")) {
+      if (refuses.empty()) refuses = "no, and not why";
+      return;
+    }
     if (!said.contains("quantities")) expected("quantities", "a list of names", "none");
     quantities = words(said, "quantities");
     if (said.contains("joints")) joints = words(said, "joints");
@@ -274,28 +276,91 @@ struct Order {
   bool is_ours = true;
 };
 
-/// The scene as the engine is told it, with places in its own arrays.
-Json inOrder(const std::vector<double>& ours, const std::vector<int>& order) {
-  Json out = Json::array();
-  for (const int i : order) out.push_back(ours.empty() ? 0.0 : ours.at(i));
-  return out;
+// ---- batches: written and read as they are, since a tree of them takes longer than most engines
+
+/// The shortest decimals that are this double again, with what shows that it is no integer.
+void append(double x, std::string* to) {
+  char digits[32];
+  const std::string_view shortest(
+      digits,
+      static_cast<std::size_t>(std::to_chars(digits, digits + sizeof digits, x).ptr - digits));
+  *to += shortest;
+  if (shortest.find_first_of(".e") == std::string_view::npos) *to += ".0";
 }
 
+/// One part of a state, with places in the engine's own arrays.
+template <typename Numbers>
+void append(const char* name, const Numbers& ours, const std::vector<int>& order, std::string* to) {
+  *to += fmt::format("\"{}\":[", name);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k > 0) *to += ',';
+    append(ours.empty() ? 0.0 : ours[static_cast<std::size_t>(order[k])], to);
+  }
+  *to += ']';
+}
+
+/// Reads what is as short and plain as it can be; false for anything else, which JSON may be.
+class PlainJson {
+ public:
+  explicit PlainJson(const std::string& line) : at_(line.data()), end_(at_ + line.size()) {}
+  bool take(char expected) {
+    skip();
+    if (at_ == end_ || *at_ != expected) return false;
+    ++at_;
+    return true;
+  }
+  bool key(const char* name) {
+    if (!take('"')) return false;
+    for (; *name != '\0'; ++name, ++at_)
+      if (at_ == end_ || *at_ != *name) return false;
+    return at_ != end_ && *at_++ == '"' && take(':');
+  }
+  bool number(double* x) {
+    skip();
+    const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
+    const char* const first = at_ != end_ && *at_ == '-' ? at_ + 1 : at_;
+    if (first == end_ || !isDigit(*first)) return false;  // from_chars knows inf and nan
+    const auto [after, error] = std::from_chars(at_, end_, *x);
+    if (error != std::errc() || !isDigit(after[-1])) return false;
+    at_ = after;
+    return true;
+  }
+  bool isAtEnd() {
+    skip();
+    return at_ == end_;
+  }
+
+ private:
+  void skip() {
+    while (at_ != end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r')) ++at_;
+  }
+  const char *at_, *end_;
+};
+
 // ---- the witness
+
+struct Handshake {
+  std::unique_ptr<Conversation> program;
+  Introduction said;
+
+  /// @throws std::runtime_error  what is wrong with its answer, or why there is none
+  Handshake(const std::string& command, const Limits& limits, const scene::Scene& scene)
+      : program(std::make_unique<Conversation>(command, limits)),
+        said(parsed(program->ask(greetingOf(scene), kMostIntroduction))) {}
+
+ private:
+  static constexpr std::size_t kMostIntroduction = 1 << 20;
+};
 
 class EngineWitness : public OutsideWitness {
  public:
   EngineWitness(std::string name, const std::string& command, const Limits& limits,
                 const PreparedScene& scene)
-      : name_(std::move(name)),
-        mechanism_(scene.mechanism()),
-        ours_(scene),
-        bound_(scene),
-        solve_bound_(scene, SolvedBy::kMassMatrix, kEngineTurns) {
+      : name_(std::move(name)), mechanism_(scene.mechanism()), judge_(scene) {
     guarded("in the handshake", [&] {
-      program_ = std::make_unique<Conversation>(command, limits);
-      constexpr std::size_t kMostIntroduction = 1 << 20;
-      introduction_.emplace(parsed(program_->ask(greetingOf(scene.scene()), kMostIntroduction)));
+      Handshake made(command, limits, scene.scene());
+      program_ = std::move(made.program);
+      introduction_.emplace(std::move(made.said));
       if (introduction_->refuses.empty()) order_.emplace(mechanism_, *introduction_);
     });
   }
@@ -328,14 +393,21 @@ class EngineWitness : public OutsideWitness {
     return out;
   }
   std::string askedAhead(const std::vector<State>& states) override {
-    constexpr std::size_t kBatch = 64;
     std::vector<Quantity> all;
     for (const Quantity quantity : kAskable)
       if (failure_.empty() && knows(quantity)) all.push_back(quantity);
-    for (std::size_t from = 0; from < states.size() && failure_.empty(); from += kBatch) try {
-        ask({states.begin() + static_cast<std::ptrdiff_t>(from),
-             states.begin() + static_cast<std::ptrdiff_t>(std::min(from + kBatch, states.size()))},
-            all);
+    return askedAhead(states, all);
+  }
+  void forget() { answers_.clear(); }
+  /// About these quantities alone.
+  std::string askedAhead(const std::vector<State>& states, const std::vector<Quantity>& all) {
+    for (std::size_t from = 0; from < states.size() && failure_.empty(); from += kEngineBatch) try {
+        const std::vector<State> batch(states.begin() + static_cast<std::ptrdiff_t>(from),
+                                       states.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                            from + kEngineBatch, states.size())));
+        std::vector<Said> said = ask(batch, all);
+        for (std::size_t k = 0; k < said.size(); ++k)
+          answers_[keyOf(all[k % all.size()], batch[k / all.size()])] = std::move(said[k]);
       } catch (const std::runtime_error&) {
         return failure_;  // set by ask()
       }
@@ -343,21 +415,25 @@ class EngineWitness : public OutsideWitness {
   }
 
   Answer answer(Quantity quantity, const State& state) override {
-    Answer out{value(quantity, state), bound_(quantity, state)};
-    if (quantity == Quantity::kQdd)
-      solve_bound_.judge(state, bound_(Quantity::kTau, moving(state, out.value)), out);
-    if (quantity == Quantity::kKinetic) out.bound = out.bound.cwiseMax(boundByMassMatrix(state));
-    return out;
+    return judge_.judged(quantity, state, value(quantity, state));
   }
   Eigen::MatrixXd value(Quantity quantity, const State& state) override {
     if (!failure_.empty()) throw std::runtime_error(failure_);
     const auto known = answers_.find(keyOf(quantity, state));
-    if (known != answers_.end()) return read(quantity, known->second);
-    return read(quantity, ask({state}, {quantity}).at(0).at(crosscheck::name(quantity)));
+    const Said said = known != answers_.end() ? known->second : ask({state}, {quantity}).at(0);
+    if (!said.reason.empty())
+      throw std::runtime_error(
+          fmt::format("{} has no {}: {}", name_, crosscheck::name(quantity), said.reason));
+    return said.value;
   }
 
  private:
   using Key = std::vector<double>;
+  /// In our order; or why there is none.
+  struct Said {
+    Eigen::MatrixXd value;
+    std::string reason;
+  };
 
   bool knows(Quantity quantity) const {
     const auto& names = introduction_->quantities;
@@ -391,57 +467,122 @@ class EngineWitness : public OutsideWitness {
     return quantity == Quantity::kM ? rowsOf(quantity) : 1;
   }
 
-  /// Asks about a batch; answers are kept, and are complete and of the right shapes.
+  /// Asks about a batch; answers are complete and of the right shapes.
+  /// @return  all quantities of the first state, then of the second, ...
   /// @throws std::runtime_error  failure_
-  std::vector<Json> ask(const std::vector<State>& states, const std::vector<Quantity>& quantities) {
-    std::vector<Json> answers;
+  std::vector<Said> ask(const std::vector<State>& states, const std::vector<Quantity>& quantities) {
+    std::vector<Said> answers;
     ++batch_;
     guarded(fmt::format("at batch {} ({} state{})", batch_, states.size(),
                         states.size() == 1 ? "" : "s"),
             [&] {
-              Json question = {{"batch", batch_}, {"quantities", Json::array()}};
               std::size_t numbers = 0;
-              for (const Quantity quantity : quantities) {
-                question["quantities"].push_back(crosscheck::name(quantity));
+              for (const Quantity quantity : quantities)
                 numbers += static_cast<std::size_t>(rowsOf(quantity) * columnsOf(quantity)) + 8;
-              }
-              Json& list = question["states"] = Json::array();
-              for (const State& state : states) {
-                std::vector<double> q;
-                for (const auto& x : state.x) q.push_back(x.q);
-                list.push_back({{"q", inOrder(q, order_->positions)},
-                                {"qd", inOrder(state.qd, order_->rates)},
-                                {"qdd", inOrder(state.qdd, order_->rates)},
-                                {"tau", inOrder(state.tau, order_->rates)}});
-              }
               // a double has 24 characters at most; twice that, and room for words
               constexpr std::size_t kPerNumber = 48, kWords = 1 << 16;
-              const Json said = parsed(
-                  program_->ask(question.dump(), kWords + kPerNumber * numbers * states.size()));
-              if (!said.contains("batch") || said.at("batch") != batch_)
-                expected("batch", fmt::format("{}", batch_),
-                         said.contains("batch") ? said.at("batch") : Json("none"));
-              if (!said.contains("answers") || !said.at("answers").is_array() ||
-                  said.at("answers").size() != states.size())
-                expected("answers", fmt::format("a list of {}, one a state", states.size()),
-                         said.contains("answers") ? said.at("answers") : Json("none"));
-              for (std::size_t k = 0; k < states.size(); ++k) {
-                const Json& one = said.at("answers").at(k);
-                for (const Quantity quantity : quantities) {
-                  const std::string where =
-                      fmt::format("{} of state {}", crosscheck::name(quantity), k + 1);
-                  if (!one.is_object() || !one.contains(crosscheck::name(quantity)))
-                    expected(where, "numbers, or a text with the reason why there are none", one);
-                  requireShape(quantity, where, one.at(crosscheck::name(quantity)));
-                }
-                answers.push_back(one);
-              }
+              const std::string said = program_->ask(question(states, quantities),
+                                                     kWords + kPerNumber * numbers * states.size());
+              if (!readPlain(said, states.size(), quantities, &answers))
+                answers = readAny(parsed(said), states.size(), quantities);
             });
     if (!failure_.empty()) throw std::runtime_error(failure_);
-    if (states.size() > 1)
-      for (std::size_t k = 0; k < states.size(); ++k)
-        for (const Quantity quantity : quantities)
-          answers_[keyOf(quantity, states[k])] = answers[k].at(crosscheck::name(quantity));
+    return answers;
+  }
+
+  std::string question(const std::vector<State>& states,
+                       const std::vector<Quantity>& quantities) const {
+    std::string text = fmt::format("{{\"batch\":{},\"quantities\":[", batch_);
+    for (const Quantity quantity : quantities)
+      text += fmt::format("{}\"{}\"", text.back() == '[' ? "" : ",", crosscheck::name(quantity));
+    text += "],\"states\":[";
+    std::vector<double> q;
+    for (const State& state : states) {
+      q.clear();
+      for (const auto& x : state.x) q.push_back(x.q);
+      text += text.back() == '[' ? "{" : ",{";
+      append("q", q, order_->positions, &text);
+      text += ',';
+      append("qd", state.qd, order_->rates, &text);
+      text += ',';
+      append("qdd", state.qdd, order_->rates, &text);
+      text += ',';
+      append("tau", state.tau, order_->rates, &text);
+      text += '}';
+    }
+    return text + "]}";
+  }
+
+  /// Where an entry of theirs is in ours.
+  Eigen::Index placed(Quantity quantity, Eigen::Index i) const {
+    switch (quantity) {
+      case Quantity::kKinetic:
+      case Quantity::kPotential:
+      case Quantity::kMomentum:
+        return i;
+      default:
+        return static_cast<Eigen::Index>(order_->rates[static_cast<std::size_t>(i)]);
+    }
+  }
+
+  /// @return  false: it has to be read as any JSON
+  bool readPlain(const std::string& line, std::size_t states,
+                 const std::vector<Quantity>& quantities, std::vector<Said>* answers) const {
+    PlainJson text(line);
+    double batch = 0;
+    if (!text.take('{') || !text.key("batch") || !text.number(&batch) ||
+        batch != static_cast<double>(batch_) || !text.take(',') || !text.key("answers") ||
+        !text.take('['))
+      return false;
+    answers->clear();
+    answers->reserve(states * quantities.size());
+    for (std::size_t k = 0; k < states; ++k) {
+      if ((k > 0 && !text.take(',')) || !text.take('{')) return false;
+      for (std::size_t m = 0; m < quantities.size(); ++m) {
+        const Quantity quantity = quantities[m];
+        if ((m > 0 && !text.take(',')) || !text.key(crosscheck::name(quantity))) return false;
+        const bool is_list = quantity != Quantity::kKinetic && quantity != Quantity::kPotential;
+        const bool has_rows = quantity == Quantity::kM;
+        Eigen::MatrixXd value(rowsOf(quantity), columnsOf(quantity));
+        if (is_list && !text.take('[')) return false;
+        for (Eigen::Index i = 0; i < value.rows(); ++i) {
+          if ((i > 0 && !text.take(',')) || (has_rows && !text.take('['))) return false;
+          for (Eigen::Index j = 0; j < value.cols(); ++j)
+            if ((j > 0 && !text.take(',')) ||
+                !text.number(&value(placed(quantity, i), has_rows ? placed(quantity, j) : j)))
+              return false;
+          if (has_rows && !text.take(']')) return false;
+        }
+        if (is_list && !text.take(']')) return false;
+        answers->push_back({std::move(value), ""});
+      }
+      if (!text.take('}')) return false;
+    }
+    return text.take(']') && text.take('}') && text.isAtEnd();
+  }
+
+  /// @throws std::runtime_error  what was expected, and what came
+  std::vector<Said> readAny(const Json& said, std::size_t states,
+                            const std::vector<Quantity>& quantities) const {
+    std::vector<Said> answers;
+    if (!said.contains("batch") || said.at("batch") != batch_)
+      expected("batch", fmt::format("{}", batch_),
+               said.contains("batch") ? said.at("batch") : Json("none"));
+    if (!said.contains("answers") || !said.at("answers").is_array() ||
+        said.at("answers").size() != states)
+      expected("answers", fmt::format("a list of {}, one a state", states),
+               said.contains("answers") ? said.at("answers") : Json("none"));
+    for (std::size_t k = 0; k < states; ++k) {
+      const Json& one = said.at("answers").at(k);
+      for (const Quantity quantity : quantities) {
+        const std::string where = fmt::format("{} of state {}", crosscheck::name(quantity), k + 1);
+        if (!one.is_object() || !one.contains(crosscheck::name(quantity)))
+          expected(where, "numbers, or a text with the reason why there are none", one);
+        const Json& value = one.at(crosscheck::name(quantity));
+        requireShape(quantity, where, value);
+        answers.push_back(read(quantity, value));
+      }
+    }
     return answers;
   }
 
@@ -469,46 +610,35 @@ class EngineWitness : public OutsideWitness {
     }
   }
 
-  /// An answer of the right shape, in our order.
-  Eigen::MatrixXd read(Quantity quantity, const Json& said) const {
-    if (said.is_string())
-      throw std::runtime_error(fmt::format("{} has no {}: {}", name_, crosscheck::name(quantity),
-                                           plain(said.get<std::string>())));
+  /// Of the right shape.
+  Said read(Quantity quantity, const Json& said) const {
+    if (said.is_string()) {
+      const std::string reason = plain(said.get<std::string>());
+      return {{}, reason.empty() ? "it does not say why" : reason};
+    }
     Eigen::MatrixXd out(rowsOf(quantity), columnsOf(quantity));
-    const bool by_rates = out.rows() == static_cast<Eigen::Index>(order_->rates.size()) &&
-                          quantity != Quantity::kMomentum && !said.is_number();
-    const auto at = [&](Eigen::Index i) {
-      return by_rates ? static_cast<Eigen::Index>(order_->rates[static_cast<std::size_t>(i)]) : i;
-    };
     for (Eigen::Index i = 0; i < out.rows(); ++i)
       for (Eigen::Index j = 0; j < out.cols(); ++j) {
         const Json& row = said.is_array() ? said.at(static_cast<std::size_t>(i)) : said;
         const Json& x = row.is_array() ? row.at(static_cast<std::size_t>(j)) : row;
-        out(at(i), quantity == Quantity::kM ? at(j) : j) = x.get<double>();
+        out(placed(quantity, i), quantity == Quantity::kM ? placed(quantity, j) : j) =
+            x.get<double>();
       }
-    return out;
-  }
-
-  /// Of T, where it is found from M.
-  Eigen::MatrixXd boundByMassMatrix(const State& state) {
-    return kineticBoundByMassMatrix(
-        NewtonEuler::answer(ours_, Quantity::kM, state), bound_(Quantity::kM, state),
-        Eigen::Map<const Eigen::VectorXd>(state.qd.data(),
-                                          static_cast<Eigen::Index>(state.qd.size())));
+    return {out, ""};
   }
 
   std::string name_;
   scene::Mechanism mechanism_;
-  Setup<double> ours_;  ///< for M in the bound of T
-  EngineBound bound_;
-  SolveBound solve_bound_;
+  OutsideJudge judge_;
   std::unique_ptr<Conversation> program_;
   std::optional<Introduction> introduction_;
   std::optional<Order> order_;
   std::string failure_;
-  std::map<Key, Json> answers_;
+  std::map<Key, Said> answers_;
   long batch_ = 0;
 };
+
+constexpr const char* kProgram = "the program ";  ///< then its command
 
 bool isName(const std::string& text) {
   constexpr std::size_t kLongest = 40;
@@ -535,25 +665,41 @@ std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, c
     WitnessInfo info;
     info.name = fmt::format("engine_{}", k + 1);
     info.version = "unknown";
-    info.method = "the program " + command;
-    const EngineWitness first(info.name, command, limits, PreparedScene(scene).tree());
-    if (const auto& said = first.introduction()) {
-      if (isName(said->name) && std::count(taken.begin(), taken.end(), said->name) == 0)
-        info.name = said->name;
-      if (!said->version.empty()) info.version = said->version;
+    info.method = kProgram + command;
+    try {
+      const Introduction said =
+          Handshake(command, limits, PreparedScene(scene).tree().scene()).said;
+      if (isName(said.name) && std::count(taken.begin(), taken.end(), said.name) == 0)
+        info.name = said.name;
+      if (!said.version.empty()) info.version = said.version;
+    } catch (const std::exception&) {
+      // its witnesses will say why
     }
     taken.push_back(info.name);
     const std::string name = info.name;
     kinds.push_back(overTree({info, [=](const PreparedScene& asked) -> MadeWitness {
-                                auto witness =
-                                    std::make_unique<EngineWitness>(name, command, limits, asked);
-                                const auto& said = witness->introduction();
+                                MadeWitness made =
+                                    makeWitness<EngineWitness>(name, command, limits, asked);
+                                if (made.isRefused()) return made;
+                                const auto& said =
+                                    dynamic_cast<const EngineWitness&>(**made).introduction();
                                 if (said && !said->refuses.empty())
                                   return Refusal{name + " says: " + said->refuses};
-                                return witness;
+                                return made;
                               }}));
   }
   return kinds;
+}
+
+bool isProgram(const WitnessKind& kind) {
+  return kind.info.method.rfind(kProgram, 0) == 0;
+}
+
+void askEngineAhead(Witness& witness, Quantity quantity, const std::vector<State>& states) {
+  auto* const engine = dynamic_cast<EngineWitness*>(&witness);
+  if (!engine) return;
+  engine->forget();
+  engine->askedAhead(states, {quantity});
 }
 
 }  // namespace dynwitness::crosscheck

@@ -12,7 +12,8 @@
 
 namespace dynwitness::crosscheck {
 
-inline constexpr int kEngineProtocol = 1;  ///< its version
+inline constexpr int kEngineProtocol = 1;        ///< its version
+inline constexpr std::size_t kEngineBatch = 64;  ///< most states of one question
 
 /** One kind a command. Each program is asked for its name once, with this scene, and is started
     again for every scene that it testifies about.
@@ -21,6 +22,14 @@ inline constexpr int kEngineProtocol = 1;  ///< its version
              where the name is taken. A program that fails is a kind, too: its witnesses say why. */
 std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, const Limits& limits,
                                      const scene::Scene& scene);
+
+/// Whether a kind is one of these: its time passes in another process.
+bool isProgram(const WitnessKind& kind);
+
+/// Lets a witness of such a kind answer these states in batches; value() then has this quantity at
+/// hand, and of no states before. What goes wrong, value() says. Others are left alone.
+void askEngineAhead(Witness& witness, Quantity quantity,
+                    const std::vector<scene::State<double>>& states);
 
 /// The first line that an engine is sent: protocol and scene.
 std::string greetingOf(const scene::Scene& scene);

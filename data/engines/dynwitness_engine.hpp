@@ -18,6 +18,7 @@
 // would be taken for an answer: use std::cerr.
 #pragma once
 
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -35,7 +36,7 @@ namespace dynwitness_engine {
 class Json {
  public:
   static Json parsed(const std::string& line) {
-    const char* at = line.c_str();
+    Cursor at{line.data(), line.data() + line.size()};
     return read(at);
   }
   bool has(const std::string& key) const { return members_.count(key) == 1; }
@@ -51,27 +52,35 @@ class Json {
   }
 
  private:
-  static void skip(const char*& at) {
-    while (*at == ' ' || *at == '\t' || *at == '\r' || *at == '\n') ++at;
+  friend class Engine;
+  struct Cursor {
+    const char *at, *end;
+    char operator*() const { return at < end ? *at : '\0'; }
+  };
+
+  static void skip(Cursor& c) {
+    while (*c == ' ' || *c == '\t' || *c == '\r' || *c == '\n') ++c.at;
   }
-  static void take(const char*& at, char expected) {
-    skip(at);
-    if (*at != expected)
-      throw std::runtime_error(std::string("JSON: expected ") + expected + ", got " + *at);
-    ++at;
+  static void take(Cursor& c, char expected) {
+    skip(c);
+    if (*c != expected)
+      throw std::runtime_error(std::string("JSON: expected ") + expected + ", got " + *c);
+    ++c.at;
   }
-  static std::string string(const char*& at) {
+  static std::string string(Cursor& c) {
     std::string out;
-    take(at, '"');
-    for (; *at != '"' && *at != '\0'; ++at) {
-      if (*at != '\\') {
-        out += *at;
+    take(c, '"');
+    for (; *c != '"' && c.at < c.end; ++c.at) {
+      if (*c != '\\') {
+        out += *c;
         continue;
       }
-      const char kind = *++at;
+      ++c.at;
+      const char kind = *c;
       if (kind == 'u') {  // dynwitness writes control characters alone in this way
-        out += static_cast<char>(std::strtol(std::string(at + 1, at + 5).c_str(), nullptr, 16));
-        at += 4;
+        if (c.end - c.at < 5) throw std::runtime_error("JSON: expected four digits");
+        out += static_cast<char>(std::strtol(std::string(c.at + 1, c.at + 5).c_str(), nullptr, 16));
+        c.at += 4;
       } else {
         out += kind == 'n'   ? '\n'
                : kind == 't' ? '\t'
@@ -81,39 +90,57 @@ class Json {
                              : kind;
       }
     }
-    take(at, '"');
+    take(c, '"');
     return out;
   }
-  static Json read(const char*& at) {
-    Json out;
-    skip(at);
-    if (*at == '{' || *at == '[') {
-      const char close = *at == '{' ? '}' : ']';
-      ++at;
-      skip(at);
-      while (*at != close) {
-        if (close == '}') {
-          skip(at);
-          const std::string key = string(at);
-          take(at, ':');
-          out.members_[key] = read(at);
-        } else {
-          out.elements_.push_back(read(at));
-        }
-        skip(at);
-        if (*at != close) take(at, ',');
+  static double number(Cursor& c) {
+    double x = 0;
+#if defined(__cpp_lib_to_chars)
+    const char* const after = std::from_chars(c.at, c.end, x).ptr;
+#else
+    char* after = nullptr;
+    x = std::strtod(c.at, &after);
+#endif
+    if (after == c.at) throw std::runtime_error("JSON: expected a value");
+    c.at = after;
+    return x;
+  }
+  /// Calls one(key) in front of every value of an object, one("") of a list.
+  template <typename One>
+  static void each(Cursor& c, const One& one) {
+    skip(c);
+    const bool has_keys = *c == '{';
+    const char close = has_keys ? '}' : ']';
+    take(c, has_keys ? '{' : '[');
+    skip(c);
+    while (*c != close) {
+      std::string key;
+      if (has_keys) {
+        skip(c);
+        key = string(c);
+        take(c, ':');
       }
-      ++at;
-    } else if (*at == '"') {
-      out.text_ = string(at);
-    } else if (*at == 't' || *at == 'f' || *at == 'n') {
-      out.number_ = *at == 't';
-      while (*at >= 'a' && *at <= 'z') ++at;
+      skip(c);
+      one(key);
+      skip(c);
+      if (*c != close) take(c, ',');
+    }
+    ++c.at;
+  }
+  static Json read(Cursor& c) {
+    Json out;
+    skip(c);
+    if (*c == '{') {
+      each(c, [&](const std::string& key) { out.members_[key] = read(c); });
+    } else if (*c == '[') {
+      each(c, [&](const std::string&) { out.elements_.push_back(read(c)); });
+    } else if (*c == '"') {
+      out.text_ = string(c);
+    } else if (*c == 't' || *c == 'f' || *c == 'n') {
+      out.number_ = *c == 't';
+      while (*c >= 'a' && *c <= 'z') ++c.at;
     } else {
-      char* end = nullptr;
-      out.number_ = std::strtod(at, &end);
-      if (end == at) throw std::runtime_error("JSON: expected a value");
-      at = end;
+      out.number_ = number(c);
     }
     return out;
   }
@@ -137,43 +164,50 @@ class Engine {
 
   std::function<void(const Json& scene)> scene;  ///< may be left empty
   std::vector<std::string> joints;               ///< your order of them; empty: the scene's
+  std::string quaternion = "wxyz";               ///< or "xyzw", if that is your order
 
   void number(const std::string& quantity, std::function<double(const State&)> f) {
-    known_[quantity] = [f](const State& s) { return written(f(s)); };
+    known_[quantity] = [f](const State& s, std::string& to) { write(f(s), to); };
   }
   void vector(const std::string& quantity, std::function<Vector(const State&)> f) {
-    known_[quantity] = [f](const State& s) { return written(f(s)); };
+    known_[quantity] = [f](const State& s, std::string& to) { write(f(s), to); };
   }
   void matrix(const std::string& quantity, std::function<Matrix(const State&)> f) {
-    known_[quantity] = [f](const State& s) {
-      std::string text;
-      for (const Vector& row : f(s)) text += (text.empty() ? "" : ",") + written(row);
-      return "[" + text + "]";
-    };
+    known_[quantity] = [f](const State& s, std::string& to) { write(f(s), to); };
   }
 
   /// Answers until there are no more questions. @return for main()
   int testify() {
     std::ios::sync_with_stdio(false);
-    for (std::string line; std::getline(std::cin, line);) {
-      const Json asked = Json::parsed(line);
-      std::cout << (asked.has("scene") ? introduction(asked["scene"]) : answers(asked))
+    for (std::string line; std::getline(std::cin, line);)
+      std::cout << (line.find("\"scene\"") != std::string::npos
+                        ? introduction(Json::parsed(line)["scene"])
+                        : answers(line))
                 << std::endl;
-    }
     return 0;
   }
 
  private:
-  static std::string written(double x) {
+  using Known = std::function<void(const State&, std::string&)>;
+
+  static void write(double x, std::string& to) {
     if (!std::isfinite(x)) throw std::runtime_error("not finite");
     char text[32];
+#if defined(__cpp_lib_to_chars)
+    to.append(text, std::to_chars(text, text + sizeof text, x).ptr);  // the same double when read
+#else
     std::snprintf(text, sizeof text, "%.17g", x);
-    return text;
+    to += text;
+#endif
   }
-  static std::string written(const Vector& v) {
-    std::string text;
-    for (const double x : v) text += (text.empty() ? "" : ",") + written(x);
-    return "[" + text + "]";
+  template <typename T>
+  static void write(const std::vector<T>& list, std::string& to) {
+    to += '[';
+    for (const T& x : list) {
+      if (&x != &list.front()) to += ',';
+      write(x, to);
+    }
+    to += ']';
   }
   static std::string quoted(const std::string& text) {
     std::string out = "\"";
@@ -197,32 +231,66 @@ class Engine {
       quantities += (quantities.empty() ? "" : ",") + quoted(one.first);
     for (const std::string& joint : joints) names += (names.empty() ? "" : ",") + quoted(joint);
     if (!joints.empty()) said += ",\"joints\":[" + names + "]";
+    if (quaternion != "wxyz") said += ",\"quaternion\":" + quoted(quaternion);
     return said + ",\"quantities\":[" + quantities + "]}";
   }
-  std::string answers(const Json& asked) const {
-    std::string all;
-    for (std::size_t k = 0; k < asked["states"].size(); ++k) {
-      const Json& given = asked["states"][k];
-      const State state = {given["q"].numbers(), given["qd"].numbers(), given["qdd"].numbers(),
-                           given["tau"].numbers()};
-      std::string one;
-      for (std::size_t i = 0; i < asked["quantities"].size(); ++i) {
-        const std::string& quantity = asked["quantities"][i].text();
-        std::string value;
-        try {
-          value = known_.at(quantity)(state);
-        } catch (const std::exception& reason) {
-          value = quoted(reason.what());
-        }
-        one += (one.empty() ? "" : ",") + quoted(quantity) + ":" + value;
+
+  /// A batch is read as it stands: a tree of it takes longer than most engines' answers.
+  std::string answers(const std::string& line) const {
+    Json::Cursor c{line.data(), line.data() + line.size()};
+    double batch = 0;
+    std::vector<std::pair<std::string, const Known*>> asked;
+    std::vector<State> states;
+    const auto readState = [&] {
+      states.emplace_back();
+      State& s = states.back();
+      Json::each(c, [&](const std::string& key) {
+        Vector* const to = key == "q"     ? &s.q
+                           : key == "qd"  ? &s.qd
+                           : key == "qdd" ? &s.qdd
+                           : key == "tau" ? &s.tau
+                                          : nullptr;
+        if (to)
+          Json::each(c, [&](const std::string&) { to->push_back(Json::number(c)); });
+        else
+          Json::read(c);
+      });
+    };
+    Json::each(c, [&](const std::string& key) {
+      if (key == "batch") {
+        batch = Json::number(c);
+      } else if (key == "quantities") {
+        for (const Json& one : Json::read(c).elements_)
+          asked.emplace_back(quoted(one.text()) + ":", &known_.at(one.text()));
+      } else if (key == "states") {
+        Json::each(c, [&](const std::string&) { readState(); });
+      } else {
+        Json::read(c);
       }
-      all += std::string(all.empty() ? "" : ",") + "{" + one + "}";
+    });
+    std::string said = "{\"batch\":";
+    write(batch, said);
+    said += ",\"answers\":[";
+    for (const State& state : states) {
+      said += said.back() == '[' ? "{" : ",{";
+      for (const auto& [label, function] : asked) {
+        if (said.back() != '{') said += ',';
+        said += label;
+        const std::size_t before = said.size();
+        try {
+          (*function)(state, said);
+        } catch (const std::exception& reason) {
+          said.resize(before);
+          said += quoted(reason.what());
+        }
+      }
+      said += '}';
     }
-    return "{\"batch\":" + written(asked["batch"].number()) + ",\"answers\":[" + all + "]}";
+    return said + "]}";
   }
 
   std::string name_, version_;
-  std::map<std::string, std::function<std::string(const State&)>> known_;
+  std::map<std::string, Known> known_;
 };
 
 }  // namespace dynwitness_engine

@@ -3,7 +3,7 @@
 
     python3 test_golden_vectors.py PROGRAM [NAME...]
 
-Answers come from `dynwitness evaluate`, from another program of the tests (tests/fixtures/stranger.py, right or with a
+Answers come from `dynwitness evaluate`, from another program of the tests (data/museum/stranger.py, right or with a
 mistake planted) and from formulas by hand in decimals; the verifiers of data/golden judge them.
 """
 import csv

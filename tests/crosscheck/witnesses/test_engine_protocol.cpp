@@ -91,6 +91,15 @@ const std::string kSay =
     "print(json.dumps({'batch': batch['batch'], 'answers': answers}), flush=True)\n"
     "sys.stdin.readline()\n";
 
+/// The answer to the batch, letter by letter.
+std::string written(const std::string& tau, const std::string& rest = "") {
+  return fmt::format(
+      "one = '{{\"M\":[[1]],\"tau\":{}}}'\n"
+      "print('{{\"batch\":1,\"answers\":[' + ','.join([one] * 3) + ']}}{}', flush=True)\n"
+      "sys.stdin.readline()\n",
+      tau, rest);
+}
+
 // of the simple pendulum, with three states
 const std::vector<Hostile> kHostile = {
     {"hangs in the handshake", "time.sleep(100)", "in the handshake: it did not answer within"},
@@ -128,6 +137,17 @@ const std::vector<Hostile> kHostile = {
      "expected numbers, got NaN, which JSON has not"},
     {"a number past double", kHello + "print('{\"batch\":1,\"answers\":[1e999]}')\n" + kSay,
      "expected a JSON object on one line"},
+    {"infinite", kHello + "answers[1]['M'] = [[float('inf')]]\n" + kSay,
+     "expected numbers, got Infinity, which JSON has not"},
+    {"a point without a digit behind it", kHello + written("[1.]"),
+     "expected a JSON object on one line"},
+    {"a point without a digit before it", kHello + written("[.5]"),
+     "expected a JSON object on one line"},
+    {"two numbers in one", kHello + written("[1.5.5]"), "expected a JSON object on one line"},
+    {"a word behind the answer", kHello + written("[1]", "and so on"),
+     "expected a JSON object on one line"},
+    {"one row too many", kHello + "answers[2]['M'] = [[1], [1]]\n" + kSay,
+     "M of state 3: expected 1 row, got \"2 of them\""},
     {"wrong length", kHello + "answers[1]['tau'] = [1, 2]\n" + kSay,
      "tau of state 2: expected 1 number, got \"2 of them\""},
     {"a vector in place of a matrix", kHello + "answers[2]['M'] = [1]\n" + kSay,
@@ -190,6 +210,30 @@ BOOST_DATA_TEST_CASE(a_hostile_program_gets_a_reason_and_leaves_nothing, data::m
   BOOST_TEST_REQUIRE(out.remarks.size() == 1u);
   BOOST_TEST(out.remarks.front().second == check.reason);
   BOOST_TEST(running(script) == 0);
+}
+
+BOOST_AUTO_TEST_CASE(json_may_be_written_in_many_ways) {
+  const files::TemporaryFolder folder;
+  const std::string script = (folder.path / "engine.py").string();
+  const auto says = [&](const std::string& tau) {
+    std::ofstream(script) << kStart << kHello << written(tau);
+    return heard("exec python3 " + script, "simple_pendulum").refusals.size();
+  };
+  // M, tau and nothing else are known: six quantities are refused
+  const std::size_t left_out = says("[1]");
+  BOOST_TEST(left_out == 6u);
+  for (const char* tau : {" [ 1 ] ", "[1e0]", "[10E-1]", "[-1.0]", "[1], \"more\": {}", "\"none\""})
+    BOOST_TEST(says(tau) == left_out, tau);
+  std::ofstream(script) << kStart << kHello
+                        << "print(json.dumps({'answers': [dict(reversed(a.items())) for a in "
+                           "answers], 'batch': 1}), flush=True)\nsys.stdin.readline()\n";
+  BOOST_TEST(heard("exec python3 " + script, "simple_pendulum").refusals.size() == left_out);
+}
+
+BOOST_AUTO_TEST_CASE(a_refusal_needs_no_words) {
+  const Heard out = heard("echo '{\"protocol\": 1, \"refuses\": \"\"}'; cat", "simple_pendulum");
+  BOOST_TEST_REQUIRE(out.refusals.size() == 1u);
+  BOOST_TEST(files::contains(out.refusals.front().reason, "says: no, and not why"));
 }
 
 BOOST_AUTO_TEST_CASE(a_program_that_does_not_exist_is_one_that_failed) {
