@@ -19,7 +19,7 @@ from fractions import Fraction
 from pathlib import Path
 
 HERE = Path(__file__).resolve()
-sys.path.insert(0, str(HERE.parents[2] / "fixtures"))
+sys.path.insert(0, str(HERE.parents[3] / "data" / "museum"))
 import stranger  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv[1])
