@@ -182,7 +182,8 @@ def pairs(subject, found, draw, count):
 
 def check(program, subject, options, extra=()):
     """(exit status, findings, seconds, standard error)"""
-    words = [program, "check", subject.argument, "--engine", engine_words(*options), "--format", "json", *extra]
+    words = [program, "check", subject.argument, "--engine", engine_words(*options), "--engine-seconds", "300",
+             "--format", "json", *extra]
     start = time.time()
     done = subprocess.run(words, capture_output=True, text=True)
     try:
