@@ -573,11 +573,11 @@ struct Slope {
 std::vector<Slope> slopes(const Case& all, const Sketches& sketches,
                           const std::vector<Suspect>& numbers) {
   std::vector<Slope> out;
-  constexpr double kStep = 1e-3;
+  const double step = std::sqrt(kEps);  // what differences lose and what rounding does are alike
   for (const Suspect& suspect : numbers) {
     if (suspect.names.size() != 1) continue;
     Belief belief = all.right();
-    suspect.apply(belief, VectorXd::Constant(1, kStep * suspect.scale[0]));
+    suspect.apply(belief, VectorXd::Constant(1, step * suspect.scale[0]));
     if (const auto sketch = sketches.of(belief)) out.push_back({&suspect, sketch->normalized()});
   }
   return out;
