@@ -71,6 +71,7 @@ bool isAskedAt(Quantity quantity, int state) {
 Bench::Bench(const scene::Scene& scene, Witness& witness, double factor)
     : witness_(witness),
       factor_(factor),
+      bound_(scene.mechanism),
       truth_(scene.mechanism),
       backward_error_(scene.mechanism) {}
 
@@ -119,6 +120,7 @@ Exhibit Bench::ask(Quantity quantity, const scene::State<double>& state, int ind
                                                  static_cast<Eigen::Index>(state.tau.size()));
     out.truth = out.said + middles(distance);
     out.bound = factor_ * answer.residual_bound;
+    out.sweep_bound = out.bound.cwiseMax(factor_ * bound_(Quantity::kTau, out.state));
     out.size = residual.size;
   } else {
     distance = MatrixOf<Ball>(answer.value.rows(), answer.value.cols());
@@ -126,7 +128,7 @@ Exhibit Bench::ask(Quantity quantity, const scene::State<double>& state, int ind
       distance.data()[k] = Ball(answer.value.data()[k]) - exact.value.data()[k];
     out.said = answer.value;
     out.truth = middles(exact.value);
-    out.bound = factor_ * answer.bound;
+    out.bound = out.sweep_bound = factor_ * answer.bound;
   }
   out.error = distance.unaryExpr(
       [](const Ball& ball) { return ball.isFinite() ? ball.atLeast() : kInfinite; });

@@ -11,6 +11,7 @@
 #include "crosscheck/diagnosis/examine.hpp"
 #include "crosscheck/verdicts/backward_error.hpp"
 #include "crosscheck/verdicts/truth.hpp"
+#include "crosscheck/witnesses/engine_bound.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 
 namespace dynwitness::crosscheck {
@@ -40,6 +41,8 @@ struct Exhibit {
   int index = 0;               ///< of the chosen state
   scene::State<double> state;  ///< at which `compared` is asked
   Eigen::MatrixXd said, truth, bound;
+  /// What `compared` may lose at that state, where the bound is of what solving for qdd may lose.
+  Eigen::MatrixXd sweep_bound;
   Eigen::MatrixXd error;  ///< proven distance from the truth, at least
   bool is_wrong = false;
   double digits = 0, size = 0;  ///< correct digits against the largest entry, that entry
@@ -57,6 +60,7 @@ class Bench {
  private:
   Witness& witness_;
   double factor_;
+  EngineBound bound_;
   Truth truth_;
   BackwardError backward_error_;
 };

@@ -122,9 +122,10 @@ class Case {
     for (const Exhibit* e : primary_) {
       const Misfit own = fromTruth(*e, textbook(e->compared, e->state));
       if (own.share > 1)
-        throw std::logic_error(
-            fmt::format("diagnosis: the textbook's {} is {} limits from the certified truth",
-                        crosscheck::name(e->compared), own.share));
+        throw std::logic_error(fmt::format(
+            "diagnosis: the textbook's {} is {} limits from the certified truth, at "
+            "state {}, where {} was asked",
+            crosscheck::name(e->compared), own.share, e->index, crosscheck::name(e->asked)));
     }
   }
 
@@ -473,6 +474,10 @@ bool isRounded(const std::vector<Exhibit>& exhibits) {
     }
   return true;
 }
+/// Smaller errors than those of a float are no float's.
+bool isOfSingle(double relative, bool rounded) {
+  return rounded || relative >= std::numeric_limits<float>::epsilon() / 4;
+}
 Explanation singlePrecision(bool rounded) {
   return {"float_precision",
           -1,
@@ -491,9 +496,7 @@ void addSingle(const Case& all, bool rounded, Search& out) {
     keepWorse(worst, one);
   }
   ++out.tried;
-  // smaller errors than those of a float are no float's
-  if (worst.share > 1 || (!rounded && worst.relative < std::numeric_limits<float>::epsilon() / 4))
-    return;
+  if (worst.share > 1 || !isOfSingle(worst.relative, rounded)) return;
   out.found.push_back(findingOf(all, all.right(), {singlePrecision(rounded)}, worst));
 }
 
@@ -533,6 +536,7 @@ class Sketches {
 
 struct Candidate {
   const Hypothesis* hypothesis;
+  std::vector<const Hypothesis*> all;  ///< that say the same first, this one included
   VectorXd sketch;
   double left;  ///< of the misfit
 };
@@ -545,12 +549,16 @@ std::vector<Candidate> candidates(const Case& all, const Sketches& sketches,
     Belief belief = all.right();
     h.apply(belief);
     const std::optional<VectorXd> sketch = sketches.of(belief);
-    if (!sketch || std::any_of(out.begin(), out.end(), [&](const Candidate& c) {
-          return sketches.areOne(c.sketch, *sketch);
-        }))
+    if (!sketch) continue;
+    const auto known = std::find_if(out.begin(), out.end(), [&](const Candidate& c) {
+      return sketches.areOne(c.sketch, *sketch);
+    });
+    if (known != out.end()) {
+      known->all.push_back(&h);
       continue;
+    }
     const double heads = static_cast<double>(all.heads().size());
-    out.push_back({&h, *sketch, (sketches.aim() - *sketch).norm() / std::sqrt(heads)});
+    out.push_back({&h, {&h}, *sketch, (sketches.aim() - *sketch).norm() / std::sqrt(heads)});
   }
   std::stable_sort(out.begin(), out.end(),
                    [](const Candidate& a, const Candidate& b) { return a.left < b.left; });
@@ -565,11 +573,11 @@ struct Slope {
 std::vector<Slope> slopes(const Case& all, const Sketches& sketches,
                           const std::vector<Suspect>& numbers) {
   std::vector<Slope> out;
-  constexpr double kStep = 1e-3;
+  const double step = std::sqrt(kEps);  // what differences lose and what rounding does are alike
   for (const Suspect& suspect : numbers) {
     if (suspect.names.size() != 1) continue;
     Belief belief = all.right();
-    suspect.apply(belief, VectorXd::Constant(1, kStep * suspect.scale[0]));
+    suspect.apply(belief, VectorXd::Constant(1, step * suspect.scale[0]));
     if (const auto sketch = sketches.of(belief)) out.push_back({&suspect, sketch->normalized()});
   }
   return out;
@@ -598,6 +606,25 @@ MatrixXd columns(const std::vector<Candidate>& list) {
   return out;
 }
 
+/// @return whether the two explain the answers
+bool addPair(const Case& all, const Hypothesis& a, const Hypothesis& b, Search& out) {
+  // of two at one link it may matter which comes first
+  const bool ordered = a.link >= 0 && a.link == b.link;
+  bool explains = false;
+  for (const bool forward : {true, false}) {
+    if (!forward && !ordered) break;
+    const Hypothesis &first = forward ? a : b, &second = forward ? b : a;
+    Belief belief = all.right();
+    first.apply(belief);
+    second.apply(belief);
+    const auto misfit = all.whole(belief);
+    if (!misfit) continue;
+    explains = true;
+    out.found.push_back(findingOf(all, belief, {wordsOf(first), wordsOf(second)}, *misfit));
+  }
+  return explains;
+}
+
 void addPairs(const Case& all, const Sketches& sketches, const std::vector<Candidate>& list,
               Search& out) {
   const auto n = static_cast<int>(list.size());
@@ -617,20 +644,13 @@ void addPairs(const Case& all, const Sketches& sketches, const std::vector<Candi
       if (known.count({i, j}) == 0) composed.push_back({0, i, j});
   added.insert(added.end(), composed.begin(), composed.end());
   for (const Two& two : added) {
-    const Hypothesis &a = *list[static_cast<std::size_t>(two.first)].hypothesis,
-                     &b = *list[static_cast<std::size_t>(two.second)].hypothesis;
-    // of two at one link it may matter which comes first
-    const bool ordered = a.link >= 0 && a.link == b.link;
     ++out.pairs_tried;
-    for (const bool forward : {true, false}) {
-      if (!forward && !ordered) break;
-      const Hypothesis &first = forward ? a : b, &second = forward ? b : a;
-      Belief belief = all.right();
-      first.apply(belief);
-      second.apply(belief);
-      if (const auto misfit = all.whole(belief))
-        out.found.push_back(findingOf(all, belief, {wordsOf(first), wordsOf(second)}, *misfit));
-    }
+    const Candidate &one = list[static_cast<std::size_t>(two.first)],
+                    &other = list[static_cast<std::size_t>(two.second)];
+    if (!addPair(all, *one.hypothesis, *other.hypothesis, out)) continue;
+    for (const Hypothesis* a : one.all)
+      for (const Hypothesis* b : other.all)
+        if (a != one.hypothesis || b != other.hypothesis) addPair(all, *a, *b, out);
   }
 }
 
@@ -649,7 +669,8 @@ void addPairsWithEstimates(const Case& all, const Sketches& sketches,
   }
   keepNearest(near, kMostPairsWithEstimates);
   for (const Two& two : near) {
-    const Hypothesis& h = *list[static_cast<std::size_t>(two.first)].hypothesis;
+    const Candidate& candidate = list[static_cast<std::size_t>(two.first)];
+    const Hypothesis& h = *candidate.hypothesis;
     const Suspect& suspect = *numbers[static_cast<std::size_t>(two.second)].suspect;
     Belief base = all.right();
     h.apply(base);
@@ -658,11 +679,14 @@ void addPairsWithEstimates(const Case& all, const Sketches& sketches,
     if (!estimated(all, head, base, suspect, &uncertainty, true)) continue;
     const auto added = estimated(all, all.primary(), base, suspect, &uncertainty);
     if (!added) continue;
-    Belief belief = base;
-    suspect.apply(belief, *added);
-    if (const auto misfit = all.whole(belief))
-      out.found.push_back(
-          findingOf(all, belief, {wordsOf(h), wordsOf(suspect, *added, uncertainty)}, *misfit));
+    for (const Hypothesis* same : candidate.all) {
+      Belief belief = all.right();
+      same->apply(belief);
+      suspect.apply(belief, *added);
+      if (const auto misfit = all.whole(belief))
+        out.found.push_back(findingOf(
+            all, belief, {wordsOf(*same), wordsOf(suspect, *added, uncertainty)}, *misfit));
+    }
   }
 }
 
@@ -765,15 +789,16 @@ bool isClean(const Search& search) {
 
 }  // namespace
 
-Explained explained(const TextbookModel& model, const std::vector<Exhibit>& exhibits,
+Explained explained(const TextbookModel& model, const std::vector<Exhibit>& given,
                     const std::vector<scene::State<double>>& chosen) {
   Explained out;
-  const bool rounded = isRounded(exhibits);
-  std::vector<Exhibit> coarse;  // with the limits of single precision
-  if (rounded) coarse = exhibits;
-  for (Exhibit& e : coarse) {
-    e.bound *= kSingle;
-    e.is_wrong = (e.error.array() > e.bound.array()).any();
+  const bool rounded = isRounded(given);
+  std::vector<Exhibit> exhibits = given, coarse;  // coarse: with the limits of single precision
+  for (Exhibit& e : exhibits) {
+    coarse.push_back(e);
+    coarse.back().bound = kSingle * e.sweep_bound;
+    coarse.back().is_wrong = (e.error.array() > kSingle * e.bound.array()).any();
+    e.bound = e.sweep_bound;
   }
   const std::vector<Hypothesis> list = hypotheses(model);
   const std::vector<Suspect> numbers = suspects(model);
@@ -787,14 +812,20 @@ Explained explained(const TextbookModel& model, const std::vector<Exhibit>& exhi
     addSingles(all, list, search);
     if (!isClean(search)) addEstimates(all, numbers, search);
     if (search.found.empty()) addSingle(all, rounded, search);
-    if (search.found.empty() && rounded) {  // and something else
+    const auto addBesideSingle = [&] {  // something else, and single precision
       const Case in_single(model, coarse, chosen, scope);
-      if (!in_single.primary().empty()) {
-        addSingles(in_single, list, search);
-        if (search.found.empty()) addEstimates(in_single, numbers, search);
-      }
-      for (Found& f : search.found) f.finding.parts.push_back(singlePrecision(rounded));
-    }
+      if (in_single.primary().empty()) return;
+      addSingles(in_single, list, search);
+      if (search.found.empty()) addEstimates(in_single, numbers, search);
+      std::vector<Found>& found = search.found;
+      found.erase(std::remove_if(found.begin(), found.end(),
+                                 [&](const Found& f) {
+                                   return !isOfSingle(f.finding.residual_relative, rounded);
+                                 }),
+                  found.end());
+      for (Found& f : found) f.finding.parts.push_back(singlePrecision(rounded));
+    };
+    if (search.found.empty() && rounded) addBesideSingle();
     if (search.found.empty()) {
       const Sketches sketches(all);
       const std::vector<Candidate> near = candidates(all, sketches, list);
@@ -802,6 +833,7 @@ Explained explained(const TextbookModel& model, const std::vector<Exhibit>& exhi
       addPairs(all, sketches, near, search);
       if (search.found.empty()) addPairsWithEstimates(all, sketches, near, sloping, search);
       if (search.found.empty()) addPairsOfEstimates(all, sketches, sloping, search);
+      if (search.found.empty() && !rounded) addBesideSingle();
       if (search.found.empty()) out.findings = nearest(near);
     }
     if (search.found.empty()) continue;

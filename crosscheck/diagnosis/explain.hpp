@@ -23,7 +23,7 @@ struct Explained {
     be confined to these: an engine that computes tau and M on two roads can err on one.
 
     @param chosen  all states, in the order in which they were asked */
-Explained explained(const TextbookModel& model, const std::vector<Exhibit>& exhibits,
+Explained explained(const TextbookModel& model, const std::vector<Exhibit>& given,
                     const std::vector<scene::State<double>>& chosen);
 
 }  // namespace dynwitness::crosscheck

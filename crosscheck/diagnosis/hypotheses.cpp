@@ -32,6 +32,10 @@ Matrix3d toOrigin(const TextbookLink& link) {
 Matrix3d toJoint(const TextbookLink& link) {
   return pointMass(link.mass, link.com + link.after.R.transpose() * link.after.p);
 }
+/// The link's frame in its parent's at q = 0.
+Frame atRest(const TextbookLink& link) {
+  return link.before * link.after;
+}
 bool isTrivial(const Frame& frame) {
   return frame.R == Matrix3d::Identity() && frame.p == Vector3d::Zero();
 }
@@ -126,6 +130,15 @@ void addGravity(List& list) {
                fmt::format("gravity along {}{} of the world", sign < 0 ? "-" : "+", "xyz"[axis]),
                [other](Belief& b) { b.model.gravity = other; });
     }
+  std::array<int, 3> order = {0, 1, 2};
+  while (std::next_permutation(order.begin(), order.end())) {
+    const Vector3d& g = list.model().gravity;
+    const Vector3d other(g(order[0]), g(order[1]), g(order[2]));
+    list.add("gravity_frame",
+             fmt::format("coordinates of gravity in the order {}{}{}", "xyz"[order[0]],
+                         "xyz"[order[1]], "xyz"[order[2]]),
+             [other](Belief& b) { b.model.gravity = other; });
+  }
   list.formula("gravity_frame", "gravity in the world's axes taken as if in the axes of each link",
                [](Formulas& f) { f.gravity_not_turned = true; });
   for (std::size_t i = 0; i < list.model().links.size(); ++i)
@@ -318,12 +331,12 @@ void addInertias(List& list) {
   list.each("principal_axes_not_rotated", false, any,
             "inertia of {} taken in link axes as it is in those of its parent at rest",
             [](TextbookLink& link) {
-              const Matrix3d R = link.before.R * link.after.R;
+              const Matrix3d R = atRest(link).R;
               link.inertia = (R.transpose() * link.inertia * R).eval();
             });
   list.each("principal_axes_not_rotated", false, any,
             "inertia of {} turned by its placement once more", [](TextbookLink& link) {
-              const Matrix3d R = link.before.R * link.after.R;
+              const Matrix3d R = atRest(link).R;
               link.inertia = (R * link.inertia * R.transpose()).eval();
             });
   const Applies has_axes = [](const TextbookLink& link) {
@@ -395,16 +408,20 @@ void addCentresOfMass(List& list) {
   list.each(rule, false, any, "centre of mass of {}, in link axes, taken in its inertia's axes",
             [](TextbookLink& link) { link.com = (link.axes.transpose() * link.com).eval(); });
   list.each(rule, false, any, "centre of mass of {} turned by its placement once more",
-            [](TextbookLink& link) { link.com = (link.before.R * link.com).eval(); });
+            [](TextbookLink& link) { link.com = (atRest(link).R * link.com).eval(); });
   list.each(rule, false, any,
             "centre of mass of {} in the axes of its parent at rest taken as if in its own",
-            [](TextbookLink& link) { link.com = (link.before.R.transpose() * link.com).eval(); });
+            [](TextbookLink& link) { link.com = (atRest(link).R.transpose() * link.com).eval(); });
   list.each(rule, false, any, "centre of mass of {} moved by its placement once more",
-            [](TextbookLink& link) { link.com = link.before.R * link.com + link.before.p; });
+            [](TextbookLink& link) {
+              const Frame rest = atRest(link);
+              link.com = rest.R * link.com + rest.p;
+            });
   list.each(rule, false, any,
             "centre of mass of {} taken in the frame of its parent, as it is at rest",
             [](TextbookLink& link) {
-              link.com = (link.before.R.transpose() * (link.com - link.before.p)).eval();
+              const Frame rest = atRest(link);
+              link.com = (rest.R.transpose() * (link.com - rest.p)).eval();
             });
 }
 

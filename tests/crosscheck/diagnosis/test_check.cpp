@@ -133,7 +133,7 @@ const std::vector<Planted> kPlanted = {
        for (Number& x : m.gravity) x = times(x, -1);
      }},
     {"puma_560", "gravity_missing", "", [](Mechanism& m) { m.has_gravity = false; }},
-    {"scara", "gravity_twice", "",
+    {"double_pendulum", "gravity_twice", "",
      [](Mechanism& m) {
        for (Number& x : m.gravity) x = times(x, 2);
      }},
@@ -359,7 +359,7 @@ BOOST_AUTO_TEST_CASE(where_says_which_terms_are_wrong) {
 }
 
 BOOST_AUTO_TEST_CASE(programs_read_the_rule_first) {
-  const Examination e = examined(scene::findScene("scara"), [](Mechanism& m) {
+  const Examination e = examined(scene::findScene("double_pendulum"), [](Mechanism& m) {
     for (Number& x : m.gravity) x = times(x, 2);
   });
   const auto json = nlohmann::json::parse(checkJson(e, "1"));

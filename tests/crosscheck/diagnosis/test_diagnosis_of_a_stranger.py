@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mistakes planted into a stranger's engine are named first, and a right engine is not blamed.
 
-    python3 test_diagnosis_of_a_stranger.py PROGRAM [--long] [--trees N] [--each N] [--only NAME] [--jobs N] [--table FILE]
+    python3 test_diagnosis_of_a_stranger.py PROGRAM [--long] [--trees N] [--each N] [--only NAME] [--jobs N] [--seconds S]
+                                               [--table FILE]
     python3 test_diagnosis_of_a_stranger.py PROGRAM --crosscheck      # each mistake makes `crosscheck --engine` fail
 
 The engine is data/museum/stranger.py. A single mistake is named when the first finding of `dynwitness check --format
@@ -182,7 +183,8 @@ def pairs(subject, found, draw, count):
 
 def check(program, subject, options, extra=()):
     """(exit status, findings, seconds, standard error)"""
-    words = [program, "check", subject.argument, "--engine", engine_words(*options), "--format", "json", *extra]
+    words = [program, "check", subject.argument, "--engine", engine_words(*options), "--engine-seconds", "300",
+             "--format", "json", *extra]
     start = time.time()
     done = subprocess.run(words, capture_output=True, text=True)
     try:
@@ -381,12 +383,20 @@ def run(options, folder):
         for kind, names, planted in cases_of(subject, names_of[subject.name], options, own):
             work.append((subject, "%s: %s" % (group, kind), names, ("--mistake", planted), (), planted))
 
+    end, left_out = math.inf, 0
+    if options.seconds:
+        draw.shuffle(work)
+        end = time.time() + options.seconds
+
     def one(case):
         subject, kind, names, words, extra, planted = case
-        return case, check(options.program, subject, words, extra)
+        return case, check(options.program, subject, words, extra) if time.time() < end else None
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for case, (status, findings, seconds, err) in pool.map(one, work):
-            subject, kind, names, words, extra, planted = case
+        for case, said in pool.map(one, work):
+            if said is None:
+                left_out += 1
+                continue
+            (status, findings, seconds, err), (subject, kind, names, words, extra, planted) = said, case
             times.append((seconds, subject.name))
             findings = findings if findings is not None else []
             if planted is None:
@@ -404,6 +414,8 @@ def run(options, folder):
                                                               status, said or "no findings", err if status not in (0, 1) else ""))
                 print("FAILS " + failures[-1], flush=True)
     print("named first, by kind\n%s\nby mistake\n%s" % (by_kind, by_name))
+    if left_out:
+        print("%d of %d checks left out, drawn: the time was over" % (left_out, len(work)))
     times.sort()
     print("%d checks, median %.2f s, slowest %s" % (len(times), times[len(times) // 2][0],
                                                     ", ".join("%.1f s (%s)" % x for x in times[-3:])))
@@ -462,6 +474,7 @@ def main():
     parser.add_argument("--scene", action="append", help="this bundled scene alone")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seconds", type=float, help="in a drawn order, and no check begun later")
     parser.add_argument("--table", help="the rates as JSON, to this file")
     options = parser.parse_args()
     options.trees = options.trees if options.trees is not None else 100 if options.long else 2
