@@ -216,19 +216,33 @@ class Questions {
     constexpr double kReach = 65536;  // [rad], 20 bits with the grid: exact in single precision
     GoldenGroup& g = group(
         "large_angles",
-        "angles of many turns, up to 65536 rad, and nothing else that is unusual. What fails here "
-        "first are sines and cosines of large angles");
-    const std::vector<scene::SlotKind> slots = mechanism_.slots();
-    const bool turns = std::count(slots.begin(), slots.end(), scene::SlotKind::kAngle) > 0;
-    for (int k = 0; turns && k < options_.states; ++k) {
+        "angles of many turns, up to 65536 rad (but for screws), and nothing else that is unusual. "
+        "What fails here first are sines and cosines of large angles");
+    const std::vector<std::size_t> angles = freeAngles();
+    for (int k = 0; !angles.empty() && k < options_.states; ++k) {
       State state = drawn(static_cast<std::uint64_t>(2 * options_.states + k));
       RandomStream random(name_ + " golden turns", options_.seed, static_cast<std::uint64_t>(k));
-      for (std::size_t i = 0; i < slots.size(); ++i)
-        if (slots[i] == scene::SlotKind::kAngle)
-          state.x[i] = scene::jointPosition(onGrid(random.uniform(-kReach, kReach), kBits));
+      for (const std::size_t i : angles)
+        state.x[i] = scene::jointPosition(onGrid(random.uniform(-kReach, kReach), kBits));
       add(g, "", state, kAll);
     }
-    close(turns ? "nothing that it is good for was asked for" : "no angles among the positions");
+    close(angles.empty() ? "no joint turns and stays where it is"
+                         : "nothing that it is good for was asked for");
+  }
+
+  /// Slots of angles that move no link away: a screw's does.
+  std::vector<std::size_t> freeAngles() const {
+    std::vector<std::size_t> out;
+    std::size_t slot = 0;
+    for (const int i : mechanism_.movingLinks()) {
+      const scene::JointKind kind = mechanism_.links[static_cast<std::size_t>(i)].joint.kind;
+      for (const scene::SlotKind is : scene::positionSlots(kind)) {
+        if (is == scene::SlotKind::kAngle && kind != scene::JointKind::kHelical)
+          out.push_back(slot);
+        ++slot;
+      }
+    }
+    return out;
   }
 
   void tinyRates() {

@@ -61,8 +61,8 @@ struct Golden {
 };
 
 /** The questions, without answers. Groups isolate terms, so that the first that fails says which
-    one is wrong. Rates and accelerations, joint forces and slides are multiples of 2^-10, angles too
-    (2^-4 where they are large), tiny rates of 2^-20: such a number is the same in decimals, in
+    one is wrong. Rates and accelerations, joint forces and slides are multiples of 2^-10, angles
+    too (2^-4 where they are large), tiny rates of 2^-20: such a number is the same in decimals, in
     double and in single precision. Costs O(n) a state looked at.
 
     @param scene  a tree, no joint of which follows another

@@ -86,9 +86,10 @@ std::vector<Named> conventions(const Golden& golden) {
        "arithmetic), for the decimal numbers of the scene as written"},
       {"limit",
        "how far an answer may lie from value: what an algorithm of the usual kinds (recursive "
-       "Newton-Euler, composite bodies, articulated bodies, Lagrange from Jacobians), in axes of "
-       "its own, may lose in double; proven, not tuned. None: nothing can be asked there. In single "
-       "precision it is 2^29 = 536870912 times as much"}};
+       "Newton-Euler, composite bodies, articulated bodies), with rotation matrices in axes of its "
+       "own, may lose in double; derived, not tuned. Orientations multiplied as quaternions, and "
+       "forces gathered about a far point, may lose a few times as much. None: nothing can be asked "
+       "there. In single precision it is 2^29 = 536870912 times as much"}};
   if (hasKind(mechanism, {JointKind::kSpherical, JointKind::kFloating}))
     out.emplace_back(
         "quaternions",
