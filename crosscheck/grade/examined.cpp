@@ -90,7 +90,9 @@ std::string examinedRecord(const Submission& submission, const Rubric& rubric, b
     record["problem"] = submission.problem;
     return record.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
   }
-  return inCell({hidden, rubric.environment, rubric.disk}, hides, [&](const fs::path& folder) {
+  constexpr int kBeyond = 200;  // threads count there
+  const Cell cell{hidden, rubric.environment, rubric.disk, rubric.limits.processes + kBeyond};
+  return inCell(cell, hides, [&](const fs::path& folder) {
     return examinedThere(submission, rubric, record, folder);
   });
 }

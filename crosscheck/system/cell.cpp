@@ -7,11 +7,14 @@
 #include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/utsname.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -62,11 +65,38 @@ void mounted(const char* what, const fs::path& where, const char* kind, unsigned
     fail(fmt::format("cannot mount on {}", where.string()), errno);
 }
 
+/// A program that forks without end is stopped by who counts its processes, if that one gets a turn.
+void limitProcesses(int most) {
+  rlimit before{};
+  getrlimit(RLIMIT_NPROC, &before);
+  const auto count = static_cast<rlim_t>(most);
+  const rlimit now{std::min(count, before.rlim_cur), std::min(count, before.rlim_max)};
+  const rlimit trial{now.rlim_cur, before.rlim_max};
+  setrlimit(RLIMIT_NPROC, &trial);
+  const pid_t copy = fork();
+  if (copy == 0) _exit(0);
+  if (copy > 0) waitpid(copy, nullptr, 0);
+  // before Linux 5.14 all processes of the user count, of whatever namespace
+  setrlimit(RLIMIT_NPROC, copy < 0 ? &before : &now);
+  // root is not bound by that. Before Linux 6.14 this is the whole machine's, and not ours to set
+  utsname kernel{};
+  int major = 0, minor = 0;
+  if (uname(&kernel) != 0 || std::sscanf(kernel.release, "%d.%d", &major, &minor) != 2 ||
+      std::make_pair(major, minor) < std::make_pair(6, 14))
+    return;
+  constexpr int kLeast = 301;  // that the kernel takes
+  try {
+    tellKernel("/proc/sys/kernel/pid_max", std::to_string(std::max(most, kLeast)));
+  } catch (const std::runtime_error&) {  // then who counts must do
+  }
+}
+
 /// The first process of the namespaces makes them what the cell wants.
 void furnish(const Cell& cell) {
   constexpr unsigned long kPlain = MS_NOSUID | MS_NODEV;
   mounted("none", "/", nullptr, MS_REC | MS_PRIVATE);
   mounted("proc", "/proc", "proc", kPlain | MS_NOEXEC);
+  limitProcesses(cell.processes);
   std::vector<fs::path> hidden = cell.hidden;
   hidden.emplace_back("/run");
   std::error_code none;
