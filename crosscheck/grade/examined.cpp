@@ -71,8 +71,10 @@ std::string examinedThere(const Submission& submission, const Rubric& rubric, Js
     const scene::Scene first = withoutFollowers(rubric.tasks.front().scene);
     const WitnessKind kind =
         engineKinds({commandFor(submission, rubric.command)}, rubric.limits, first).front();
-    for (const RubricTask& task : rubric.tasks)
+    for (const RubricTask& task : rubric.tasks) {
+      endAllInCell();  // what is left would take the numbers of processes from the next
       record["tasks"].push_back(heard(withoutFollowers(task.scene), kind, options));
+    }
   }
   return withoutPath(record.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", folder);
 }

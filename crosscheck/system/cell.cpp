@@ -153,6 +153,9 @@ struct Ends {
   }
 };
 
+/// Whether this process has a namespace of processes below it, and nobody else's.
+bool is_first_in_cell = false;
+
 /// In the copy: "+" and what the work returned, or "-" and what was thrown.
 std::string outcome(const Cell& cell, bool hides, const fs::path& folder,
                     const std::function<std::string(const fs::path&)>& work) {
@@ -164,6 +167,7 @@ std::string outcome(const Cell& cell, bool hides, const fs::path& folder,
     if (hides) {
       tellKernel("/proc/self/oom_score_adj", "1000");  // rather than who started all this
       furnish(cell);
+      is_first_in_cell = true;
     }
     fs::create_directory(folder);
     if (chdir(folder.c_str()) != 0) fail(folder.string(), errno);
@@ -225,6 +229,12 @@ std::string inCell(const Cell& cell, bool hides,
     throw std::runtime_error("the process that listened to it " + howItEnded(status));
   if (text[0] == '-') throw std::runtime_error(text.substr(1));
   return text.substr(1);
+}
+
+void endAllInCell() {
+  if (!is_first_in_cell || getpid() != 1) return;  // of all that this process may kill
+  do kill(-1, SIGKILL);
+  while (waitpid(-1, nullptr, 0) > 0 || errno != ECHILD);
 }
 
 std::string whyNothingIsHidden() {

@@ -40,4 +40,8 @@ std::string whyNothingIsHidden();
 std::string inCell(const Cell& cell, bool hides,
                    const std::function<std::string(const std::filesystem::path& folder)>& work);
 
+/// Ends all that was started in a cell that hides: for the work in it, which is the first process
+/// there. Elsewhere nothing.
+void endAllInCell();
+
 }  // namespace dynwitness::crosscheck
