@@ -71,8 +71,10 @@ std::string examinedThere(const Submission& submission, const Rubric& rubric, Js
     const scene::Scene first = withoutFollowers(rubric.tasks.front().scene);
     const WitnessKind kind =
         engineKinds({commandFor(submission, rubric.command)}, rubric.limits, first).front();
-    for (const RubricTask& task : rubric.tasks)
+    for (const RubricTask& task : rubric.tasks) {
+      endAllInCell();  // what is left would take the numbers of processes from the next
       record["tasks"].push_back(heard(withoutFollowers(task.scene), kind, options));
+    }
   }
   return withoutPath(record.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", folder);
 }
@@ -90,7 +92,9 @@ std::string examinedRecord(const Submission& submission, const Rubric& rubric, b
     record["problem"] = submission.problem;
     return record.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
   }
-  return inCell({hidden, rubric.environment, rubric.disk}, hides, [&](const fs::path& folder) {
+  constexpr int kBeyond = 200;  // threads count there
+  const Cell cell{hidden, rubric.environment, rubric.disk, rubric.limits.processes + kBeyond};
+  return inCell(cell, hides, [&](const fs::path& folder) {
     return examinedThere(submission, rubric, record, folder);
   });
 }

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,7 @@
 #include "crosscheck/system/hash.hpp"
 #include "crosscheck/system/leaving.hpp"
 #include "crosscheck/system/processes.hpp"
+#include "crosscheck/witnesses/engine_protocol.hpp"
 #include "scene/error.hpp"
 
 namespace dynwitness::crosscheck {
@@ -69,11 +71,12 @@ std::vector<fs::path> hiddenBy(const GradeOptions& options, const Rubric& rubric
   std::error_code none;
   const fs::path self = fs::read_symlink("/proc/self/exe", none);
   for (const char* name : {"", "-audit", "-growth"}) hidden.push_back(self.string() + name);
-  // kernels of scenes
-  if (const char* cache = std::getenv("DYNWITNESS_CACHE"))
-    hidden.emplace_back(fs::absolute(cache));
-  else if (const char* home = std::getenv("HOME"))
-    hidden.push_back(fs::path(home) / ".cache" / "dynwitness");
+  // kernels of scenes, wherever they are kept
+  for (const auto& [variable, below] :
+       {std::pair("DYNWITNESS_CACHE", ""), std::pair("XDG_CACHE_HOME", "dynwitness"),
+        std::pair("HOME", ".cache/dynwitness")})
+    if (const char* const folder = std::getenv(variable); folder != nullptr && *folder != 0)
+      hidden.push_back(fs::absolute(fs::path(folder) / below));
   return hidden;
 }
 
@@ -141,6 +144,8 @@ Grades grade(const GradeOptions& options, const std::function<void(int of, int d
       out.all[k] = without(names[k], error.what());
     }
 
+  // what it keeps is made before there are copies, which would each make it anew
+  engineKinds({}, out.rubric.limits, out.rubric.tasks.front().scene);
   int count = 0;
   const int of = static_cast<int>(left.size());
   done(of, count);

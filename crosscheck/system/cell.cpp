@@ -7,11 +7,14 @@
 #include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/utsname.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -62,11 +65,38 @@ void mounted(const char* what, const fs::path& where, const char* kind, unsigned
     fail(fmt::format("cannot mount on {}", where.string()), errno);
 }
 
+/// A program that forks without end is stopped by who counts its processes, if that one gets a turn.
+void limitProcesses(int most) {
+  rlimit before{};
+  getrlimit(RLIMIT_NPROC, &before);
+  const auto count = static_cast<rlim_t>(most);
+  const rlimit now{std::min(count, before.rlim_cur), std::min(count, before.rlim_max)};
+  const rlimit trial{now.rlim_cur, before.rlim_max};
+  setrlimit(RLIMIT_NPROC, &trial);
+  const pid_t copy = fork();
+  if (copy == 0) _exit(0);
+  if (copy > 0) waitpid(copy, nullptr, 0);
+  // before Linux 5.14 all processes of the user count, of whatever namespace
+  setrlimit(RLIMIT_NPROC, copy < 0 ? &before : &now);
+  // root is not bound by that. Before Linux 6.14 this is the whole machine's, and not ours to set
+  utsname kernel{};
+  int major = 0, minor = 0;
+  if (uname(&kernel) != 0 || std::sscanf(kernel.release, "%d.%d", &major, &minor) != 2 ||
+      std::make_pair(major, minor) < std::make_pair(6, 14))
+    return;
+  constexpr int kLeast = 301;  // that the kernel takes
+  try {
+    tellKernel("/proc/sys/kernel/pid_max", std::to_string(std::max(most, kLeast)));
+  } catch (const std::runtime_error&) {  // then who counts must do
+  }
+}
+
 /// The first process of the namespaces makes them what the cell wants.
 void furnish(const Cell& cell) {
   constexpr unsigned long kPlain = MS_NOSUID | MS_NODEV;
   mounted("none", "/", nullptr, MS_REC | MS_PRIVATE);
   mounted("proc", "/proc", "proc", kPlain | MS_NOEXEC);
+  limitProcesses(cell.processes);
   std::vector<fs::path> hidden = cell.hidden;
   hidden.emplace_back("/run");
   std::error_code none;
@@ -123,6 +153,9 @@ struct Ends {
   }
 };
 
+/// Whether this process has a namespace of processes below it, and nobody else's.
+bool is_first_in_cell = false;
+
 /// In the copy: "+" and what the work returned, or "-" and what was thrown.
 std::string outcome(const Cell& cell, bool hides, const fs::path& folder,
                     const std::function<std::string(const fs::path&)>& work) {
@@ -134,6 +167,7 @@ std::string outcome(const Cell& cell, bool hides, const fs::path& folder,
     if (hides) {
       tellKernel("/proc/self/oom_score_adj", "1000");  // rather than who started all this
       furnish(cell);
+      is_first_in_cell = true;
     }
     fs::create_directory(folder);
     if (chdir(folder.c_str()) != 0) fail(folder.string(), errno);
@@ -195,6 +229,12 @@ std::string inCell(const Cell& cell, bool hides,
     throw std::runtime_error("the process that listened to it " + howItEnded(status));
   if (text[0] == '-') throw std::runtime_error(text.substr(1));
   return text.substr(1);
+}
+
+void endAllInCell() {
+  if (!is_first_in_cell || getpid() != 1) return;  // of all that this process may kill
+  do kill(-1, SIGKILL);
+  while (waitpid(-1, nullptr, 0) > 0 || errno != ECHILD);
 }
 
 std::string whyNothingIsHidden() {

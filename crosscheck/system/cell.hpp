@@ -14,6 +14,7 @@ struct Cell {
   std::vector<std::filesystem::path> hidden;  ///< seen empty: folders, and files
   std::vector<std::string> environment;       ///< variables that stay, beside HOME and TMPDIR
   double gigabytes = 0.1;                     ///< of files that may be written
+  int processes = 256;                        ///< and threads, at a time
 };
 
 /** Why this machine cannot hide anything; empty: it can. Then work in a cell (namespaces(7) of
@@ -21,7 +22,8 @@ struct Cell {
 
         sees the folders that are hidden, /tmp, /var/tmp, /dev/shm and /run as empty,
         cannot write but in its own folder, /tmp, /var/tmp and /dev/shm, which go with it,
-        sees no process but its own, and none of them stays behind,
+        sees no process but its own, of which there are no more than so many (root: than 300 or
+        so, by Linux 6.14; no limit before), and none of them stays behind,
         has no network. */
 std::string whyNothingIsHidden();
 
@@ -37,5 +39,9 @@ std::string whyNothingIsHidden();
     @throws std::runtime_error  what it threw, how the copy ended, or why there is no cell */
 std::string inCell(const Cell& cell, bool hides,
                    const std::function<std::string(const std::filesystem::path& folder)>& work);
+
+/// Ends all that was started in a cell that hides: for the work in it, which is the first process
+/// there. Elsewhere nothing.
+void endAllInCell();
 
 }  // namespace dynwitness::crosscheck

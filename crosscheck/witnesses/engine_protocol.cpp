@@ -658,8 +658,13 @@ std::string greetingOf(const scene::Scene& scene) {
 std::vector<WitnessKind> engineKinds(const std::vector<std::string>& commands, const Limits& limits,
                                      const scene::Scene& scene) {
   std::vector<WitnessKind> kinds;
-  std::vector<std::string> taken = {"table", "control"};
-  for (const WitnessKind& kind : witnessKinds()) taken.push_back(kind.info.name);
+  // once a process: to list the kernel among them a program is compiled
+  static const std::vector<std::string> ours = [] {
+    std::vector<std::string> names = {"table", "control"};
+    for (const WitnessKind& kind : witnessKinds()) names.push_back(kind.info.name);
+    return names;
+  }();
+  std::vector<std::string> taken = ours;
   for (std::size_t k = 0; k < commands.size(); ++k) {
     const std::string& command = commands[k];
     WitnessInfo info;

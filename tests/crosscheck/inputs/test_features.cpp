@@ -251,7 +251,7 @@ const std::string kEngine =
 /// Another one, in a cell that hides the program.
 const std::string kSubmission = "import stranger\nstranger.main([])\n";
 const std::string kRubric =
-    "command = \"python3 {file}\"\nfiles = [\"" DYNWITNESS_STRANGER
+    "command = \"/usr/bin/python3 {file}\"\nfiles = [\"" DYNWITNESS_STRANGER
     "\"]\n[[task]]\nscene = \"scene\"\n[task.marks]\n"
     "M = 1\nc = 1\ng = 1\ntau = 1\nqdd = 1\nkinetic = 1\npotential = 1\nmomentum = 1\n";
 

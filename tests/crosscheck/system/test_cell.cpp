@@ -3,13 +3,16 @@
 #include "crosscheck/system/cell.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <signal.h>
+#include <sys/utsname.h>
 #include <unistd.h>
 
 #include <boost/test/unit_test.hpp>
@@ -107,6 +110,37 @@ BOOST_AUTO_TEST_CASE(what_happens_in_a_cell_comes_back) {
                  }) == "returned: 31111");
     }
   }
+}
+
+// Who counts processes may not get a turn while they grow.
+BOOST_AUTO_TEST_CASE(in_a_cell_nobody_forks_without_end,
+                     *boost::unit_test::precondition([](boost::unit_test::test_unit_id) {
+                       return boost::test_tools::assertion_result(hides());
+                     })) {
+  const std::string ours = files::read("/proc/sys/kernel/pid_max");
+  Cell cell;
+  cell.processes = 20;
+  constexpr int kMany = 2000;
+  const std::string said = inside(cell, true, [](const fs::path&) {
+    int count = 0;
+    for (; count < kMany; ++count) {
+      const pid_t copy = fork();
+      if (copy == 0)
+        for (;;) pause();
+      if (copy < 0) break;
+    }
+    return std::to_string(count);
+  });
+  BOOST_TEST_REQUIRE(said.rfind("returned: ", 0) == 0u, said);
+  const int count = std::stoi(said.substr(std::string("returned: ").size()));
+  // root is not bound by its limit of processes, but by numbers for them, since Linux 6.14
+  BOOST_TEST((count <= 20 || (geteuid() == 0 && count <= kMany)), said);
+  utsname kernel{};
+  uname(&kernel);
+  int major = 0, minor = 0;
+  std::sscanf(kernel.release, "%d.%d", &major, &minor);
+  if (std::make_pair(major, minor) >= std::make_pair(6, 14)) BOOST_TEST(count <= 301, said);
+  BOOST_TEST(files::read("/proc/sys/kernel/pid_max") == ours);
 }
 
 BOOST_AUTO_TEST_CASE(a_cell_hides_and_keeps_in,
