@@ -98,9 +98,9 @@ struct Examination {
   bool isExplained() const;
 };
 
-/** Asks the witness at no more than ten chosen states (or at those given), judges each answer against the certified
-    truth by what a sweep of its kind may lose, and compares it with what each mistake on record
-    would have made of it.
+/** Asks the witness at no more than ten chosen states (or at those given), judges each answer
+    against the certified truth by what a sweep of its kind may lose, and compares it with what each
+    mistake on record would have made of it.
 
     @param scene  a tree, no joint of which follows another
     @throws scene::InputError  the witness refuses the scene */
