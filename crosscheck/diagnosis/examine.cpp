@@ -324,6 +324,10 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
 
   const Isolating isolating = is_given ? isolatingAmong(chosen) : Isolating();
   tellGrowth(exhibits, isolating, out.where);
+  if (chosen.size() < kStill)
+    out.where.growth.push_back(
+        fmt::format("what follows goes by {} state{}: other mistakes may answer the same there",
+                    chosen.size(), chosen.size() == 1 ? "" : "s"));
   if (chosen.size() > kChosenStates) {
     exhibits = telling(exhibits, isolating);
     out.where.growth.push_back(

@@ -40,8 +40,8 @@ class StatesReader {
   bool next(scene::State<double>* state);
   /// Whether the header names the columns of "q", "qd", "qdd" or "tau".
   bool gives(const std::string& group) const;
-  /// Other columns that the header names, in the order in which they were allowed; and their numbers
-  /// in the last row.
+  /// Other columns that the header names, in the order in which they were allowed; and their
+  /// numbers in the last row.
   const std::vector<std::string>& otherNames() const;
   std::vector<double> others() const;
   /// How much of the file is read, from 0 to 1; negative when nobody knows how long it is.

@@ -402,12 +402,10 @@ class EngineWitness : public OutsideWitness {
   /// About these quantities alone.
   std::string askedAhead(const std::vector<State>& states, const std::vector<Quantity>& all) {
     for (std::size_t from = 0; from < states.size() && failure_.empty(); from += kEngineBatch) try {
-        const std::vector<State> batch(states.begin() + static_cast<std::ptrdiff_t>(from),
-                                       states.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                                            from + kEngineBatch, states.size())));
+        const Batch batch{&states[from], std::min(kEngineBatch, states.size() - from)};
         std::vector<Said> said = ask(batch, all);
         for (std::size_t k = 0; k < said.size(); ++k)
-          answers_[keyOf(all[k % all.size()], batch[k / all.size()])] = std::move(said[k]);
+          answers_[keyOf(all[k % all.size()], batch.first[k / all.size()])] = std::move(said[k]);
       } catch (const std::runtime_error&) {
         return failure_;  // set by ask()
       }
@@ -420,11 +418,8 @@ class EngineWitness : public OutsideWitness {
   Eigen::MatrixXd value(Quantity quantity, const State& state) override {
     if (!failure_.empty()) throw std::runtime_error(failure_);
     const auto known = answers_.find(keyOf(quantity, state));
-    const Said said = known != answers_.end() ? known->second : ask({state}, {quantity}).at(0);
-    if (!said.reason.empty())
-      throw std::runtime_error(
-          fmt::format("{} has no {}: {}", name_, crosscheck::name(quantity), said.reason));
-    return said.value;
+    if (known == answers_.end()) return valueOf(quantity, ask({&state, 1}, {quantity}).at(0));
+    return valueOf(quantity, known->second);
   }
 
  private:
@@ -434,6 +429,18 @@ class EngineWitness : public OutsideWitness {
     Eigen::MatrixXd value;
     std::string reason;
   };
+  struct Batch {
+    const State* first;
+    std::size_t count;
+    const State* begin() const { return first; }
+    const State* end() const { return first + count; }
+  };
+
+  Eigen::MatrixXd valueOf(Quantity quantity, const Said& said) const {
+    if (said.reason.empty()) return said.value;
+    throw std::runtime_error(
+        fmt::format("{} has no {}: {}", name_, crosscheck::name(quantity), said.reason));
+  }
 
   bool knows(Quantity quantity) const {
     const auto& names = introduction_->quantities;
@@ -452,7 +459,9 @@ class EngineWitness : public OutsideWitness {
   }
 
   static Key keyOf(Quantity quantity, const State& state) {
-    Key key = {static_cast<double>(quantity)};
+    Key key;
+    key.reserve(1 + state.x.size() + 3 * state.qd.size());
+    key.push_back(static_cast<double>(quantity));
     for (const auto& x : state.x) key.push_back(x.q);
     for (const auto* part : {&state.qd, &state.qdd, &state.tau})
       key.insert(key.end(), part->begin(), part->end());
@@ -470,28 +479,27 @@ class EngineWitness : public OutsideWitness {
   /// Asks about a batch; answers are complete and of the right shapes.
   /// @return  all quantities of the first state, then of the second, ...
   /// @throws std::runtime_error  failure_
-  std::vector<Said> ask(const std::vector<State>& states, const std::vector<Quantity>& quantities) {
+  std::vector<Said> ask(const Batch& states, const std::vector<Quantity>& quantities) {
     std::vector<Said> answers;
     ++batch_;
-    guarded(fmt::format("at batch {} ({} state{})", batch_, states.size(),
-                        states.size() == 1 ? "" : "s"),
-            [&] {
-              std::size_t numbers = 0;
-              for (const Quantity quantity : quantities)
-                numbers += static_cast<std::size_t>(rowsOf(quantity) * columnsOf(quantity)) + 8;
-              // a double has 24 characters at most; twice that, and room for words
-              constexpr std::size_t kPerNumber = 48, kWords = 1 << 16;
-              const std::string said = program_->ask(question(states, quantities),
-                                                     kWords + kPerNumber * numbers * states.size());
-              if (!readPlain(said, states.size(), quantities, &answers))
-                answers = readAny(parsed(said), states.size(), quantities);
-            });
+    guarded(
+        fmt::format("at batch {} ({} state{})", batch_, states.count, states.count == 1 ? "" : "s"),
+        [&] {
+          std::size_t numbers = 0;
+          for (const Quantity quantity : quantities)
+            numbers += static_cast<std::size_t>(rowsOf(quantity) * columnsOf(quantity)) + 8;
+          // a double has 24 characters at most; twice that, and room for words
+          constexpr std::size_t kPerNumber = 48, kWords = 1 << 16;
+          const std::string said = program_->ask(question(states, quantities),
+                                                 kWords + kPerNumber * numbers * states.count);
+          if (!readPlain(said, states.count, quantities, &answers))
+            answers = readAny(parsed(said), states.count, quantities);
+        });
     if (!failure_.empty()) throw std::runtime_error(failure_);
     return answers;
   }
 
-  std::string question(const std::vector<State>& states,
-                       const std::vector<Quantity>& quantities) const {
+  std::string question(const Batch& states, const std::vector<Quantity>& quantities) const {
     std::string text = fmt::format("{{\"batch\":{},\"quantities\":[", batch_);
     for (const Quantity quantity : quantities)
       text += fmt::format("{}\"{}\"", text.back() == '[' ? "" : ",", crosscheck::name(quantity));

@@ -13,8 +13,8 @@
 
 namespace dynwitness::crosscheck {
 
-/// Bounds of a program in double whose algorithm is not known: of a sweep of its kind in axes of its
-/// own, and of a solution by the mass matrix.
+/// Bounds of a program in double whose algorithm is not known: of a sweep of its kind in axes of
+/// its own, and of a solution by the mass matrix.
 class OutsideJudge {
  public:
   explicit OutsideJudge(const PreparedScene& scene)

@@ -83,7 +83,7 @@ int main() {
   std::unique_ptr<Arm> arm;
   engine.scene = [&](const Json& scene) { arm = std::make_unique<Arm>(scene); };
   engine.matrix("M", [&](const State& s) {
-    pin::crba(arm->model, *arm->data, arm->q(s), pin::Convention::WORLD);
+    pin::crba(arm->model, *arm->data, arm->q(s));
     const Eigen::MatrixXd M = arm->data->M.selfadjointView<Eigen::Upper>();
     Matrix out;
     for (Eigen::Index i = 0; i < M.rows(); ++i) out.push_back(plain(M.row(i)));
@@ -109,8 +109,8 @@ int main() {
     Eigen::VectorXd passive = Eigen::VectorXd::Zero(arm->model.nv);
     arm->scene.addSprings(s.q, &passive);
     arm->scene.addFriction(s.qd, &passive);
-    return plain(pin::aba(arm->model, *arm->data, arm->q(s), arm->rates(s.qd),
-                          arm->rates(s.tau) - passive, pin::Convention::WORLD));
+    return plain(
+        pin::aba(arm->model, *arm->data, arm->q(s), arm->rates(s.qd), arm->rates(s.tau) - passive));
   });
   engine.number("kinetic", [&](const State& s) {
     return pin::computeKineticEnergy(arm->model, *arm->data, arm->q(s), arm->rates(s.qd));

@@ -107,6 +107,12 @@ assert said["where"]["terms"] == ["M: not told", "c: not told", "g: not told", "
 for term in ("M", "c", "g", "friction"):
     assert any("the states do not isolate %s in tau" % term in x for x in said["where"]["growth"]), said["where"]
 
+# one state is no proof
+_, rows = table("wrong_few.csv")
+status, out, err = check("--states", write("one_state.csv", columns("q", "qd", "qdd"), generic[:1]),
+                         "--answers", write("one_answer.csv", columns("tau"), rows[:1]))
+assert status == 1 and "goes by 1 state: other mistakes may answer the same there" in out, out
+
 # what cannot be read
 for arguments, words in (
         ([], "expected --engine COMMAND or --answers FILE"),
