@@ -34,14 +34,26 @@ enum class Command {
   kImpulse,
   kImpedance,
 };
-inline constexpr Command kAllCommands[] = {
-    Command::kCrosscheck,    Command::kCheck,          Command::kGolden, Command::kGrade,
-    Command::kDerive,        Command::kDerivePrograms, Command::kDeriveOperations,
-    Command::kEvaluateTree,  Command::kEvaluateForces, Command::kEvaluateMotion,
-    Command::kEvaluateTasks, Command::kDrift,          Command::kChart,
-    Command::kSimulate,      Command::kRotors,         Command::kParameters,
-    Command::kGeometry,      Command::kAction,         Command::kImpulse,
-    Command::kImpedance};
+inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
+                                           Command::kCheck,
+                                           Command::kGolden,
+                                           Command::kGrade,
+                                           Command::kDerive,
+                                           Command::kDerivePrograms,
+                                           Command::kDeriveOperations,
+                                           Command::kEvaluateTree,
+                                           Command::kEvaluateForces,
+                                           Command::kEvaluateMotion,
+                                           Command::kEvaluateTasks,
+                                           Command::kDrift,
+                                           Command::kChart,
+                                           Command::kSimulate,
+                                           Command::kRotors,
+                                           Command::kParameters,
+                                           Command::kGeometry,
+                                           Command::kAction,
+                                           Command::kImpulse,
+                                           Command::kImpedance};
 /// "drift", "evaluate (tau, reactions)"
 const char* name(Command command);
 

@@ -65,7 +65,7 @@ void mounted(const char* what, const fs::path& where, const char* kind, unsigned
     fail(fmt::format("cannot mount on {}", where.string()), errno);
 }
 
-/// A program that forks without end is stopped by who counts its processes, if that one gets a turn.
+/// A program that forks without end is stopped by who counts its processes, if that gets a turn.
 void limitProcesses(int most) {
   rlimit before{};
   getrlimit(RLIMIT_NPROC, &before);
