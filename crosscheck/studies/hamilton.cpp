@@ -1015,8 +1015,8 @@ double energyDrift(const Problem& problem, const std::vector<Node>& nodes) {
   return drift;
 }
 
-/** S(q + zeta) - S(q) of a path that is to decide, by twice the steps and half the amplitude until it
-    does: dS, which is 0 but for the steps, falls with their order, higher variations with the
+/** S(q + zeta) - S(q) of a path that is to decide, by twice the steps and half the amplitude until
+    it does: dS, which is 0 but for the steps, falls with their order, higher variations with the
     amplitude. */
 Change decidingChange(const Refinement& motion, const Sines& zeta, Action::Path* path) {
   std::vector<Node> nodes = motion.nodes;

@@ -108,10 +108,9 @@ const std::vector<Rule> kRules = {
      {"scene", "symbolic", "recursive", "system", "inputs", "scalars", "studies", "report"}},
     {"growth", {"scene", "recursive", "system", "inputs", "witnesses", "verdicts", "report"}},
     {"grade", {"scene", "system", "witnesses", "diagnosis", "report"}},
-    {"cli",
-     {"scene", "symbolic", "system", "inputs", "kernel", "witnesses", "motion", "verdicts", "exact",
-      "parameters", "readers", "diagnosis", "golden", "studies", "conductor", "chart", "report",
-      "audit", "growth", "grade"}},
+    {"cli", {"scene",     "symbolic", "system",     "inputs",  "kernel",    "witnesses", "motion",
+             "verdicts",  "exact",    "parameters", "readers", "diagnosis", "golden",    "studies",
+             "conductor", "chart",    "report",     "audit",   "growth",    "grade"}},
 };
 
 std::string textOf(const fs::path& file) {
