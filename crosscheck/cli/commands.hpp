@@ -18,6 +18,7 @@ inline constexpr const char* kGrowthDescription =
 
 Run addCrosscheck(CLI::App& app);
 Run addCheck(CLI::App& app);
+Run addMuseum(CLI::App& app);
 Run addDerive(CLI::App& app);
 Run addEvaluate(CLI::App& app);
 Run addDrift(CLI::App& app);
