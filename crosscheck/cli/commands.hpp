@@ -20,6 +20,7 @@ Run addCrosscheck(CLI::App& app);
 Run addCheck(CLI::App& app);
 Run addGolden(CLI::App& app);
 Run addGrade(CLI::App& app);
+Run addMuseum(CLI::App& app);
 Run addDerive(CLI::App& app);
 Run addEvaluate(CLI::App& app);
 Run addDrift(CLI::App& app);

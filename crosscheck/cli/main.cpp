@@ -2,10 +2,6 @@
 // The command line.
 #include "crosscheck/cli/front.hpp"
 
-namespace dynwitness::cli {
-Run addMuseum(CLI::App& app);
-}
-
 int main(int argc, char** argv) {
   using namespace dynwitness::cli;
   return front(argc, argv,

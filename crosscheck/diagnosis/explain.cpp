@@ -833,7 +833,6 @@ Explained explained(const TextbookModel& model, const std::vector<Exhibit>& give
       addPairs(all, sketches, near, search);
       if (search.found.empty()) addPairsWithEstimates(all, sketches, near, sloping, search);
       if (search.found.empty()) addPairsOfEstimates(all, sketches, sloping, search);
-      if (search.found.empty() && !rounded) addBesideSingle();
       if (search.found.empty()) out.findings = nearest(near);
     }
     if (search.found.empty()) continue;
