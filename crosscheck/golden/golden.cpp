@@ -362,7 +362,8 @@ class Answers {
     }
     const BallPrecision precision(kLimitBits);
     const Eigen::MatrixXd bound = boundOf(quantity, state);
-    out.value = truth.value.unaryExpr([](const Ball& x) { return x.mid(); });
+    out.value =
+        truth.value.unaryExpr([](const Ball& x) { return x.containsZero() ? 0.0 : x.mid(); });
     out.radius = out.limit = Eigen::MatrixXd::Zero(out.value.rows(), out.value.cols());
     for (Eigen::Index k = 0; k < out.value.size(); ++k) {
       const Ball& x = truth.value.data()[k];
