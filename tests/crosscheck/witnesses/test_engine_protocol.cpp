@@ -326,13 +326,18 @@ BOOST_AUTO_TEST_CASE(check_your_own_code_works_by_copy_and_paste) {
     std::ofstream(clone.path / "block.sh") << section.substr(at, section.find(close, at) - at);
     const std::string command =
         "cd '" + clone.path.string() + "' && sh -e block.sh > said.txt 2>&1";
-    const int status = std::system(command.c_str());
+    const int status = WEXITSTATUS(std::system(command.c_str()));
     const std::string said = files::read(clone.path / "said.txt");
+    if (blocks == 2) {  // the stranger's mistake, named
+      BOOST_TEST(status == 1, said);
+      BOOST_TEST(files::contains(said, "explained exactly by: inertia of link 'link_3'"), said);
+      continue;
+    }
     BOOST_TEST(status == 0, said);
     BOOST_TEST(files::contains(said, "all agree"));
     BOOST_TEST(files::contains(files::read(clone.path / "report/report.json"), "my_arm"));
   }
-  BOOST_TEST(blocks == 2);
+  BOOST_TEST(blocks == 3);
 }
 
 BOOST_AUTO_TEST_CASE(a_planted_sign_is_seen) {
