@@ -72,7 +72,10 @@ std::string diagnosisText(const Examination& e) {
         out += fmt::format("    and {} more: --format json\n", lines.size() - kMostTold);
     }
   } else {
-    out += fmt::format("  nothing on record explains it: {} mistakes tried", e.tried);
+    out +=
+        e.tried == 0
+            ? "  it is so near to its limit that no mistake is needed to explain it: no cause told"
+            : fmt::format("  nothing on record explains it: {} mistakes tried", e.tried);
     if (e.pairs > 0) out += fmt::format(", and {} of {} pairs of them", e.pairs_tried, e.pairs);
     out += "\n";
     for (const CheckFinding& f : e.findings)

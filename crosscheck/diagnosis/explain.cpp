@@ -809,6 +809,8 @@ Explained explained(const TextbookModel& model, const std::vector<Exhibit>& give
     const Case all(model, exhibits, chosen, scope);
     if (all.primary().empty() || all.primary().size() == looked_at) continue;
     looked_at = all.primary().size();
+    // so near to the limit that no mistake at all explains it as well as any
+    if (all.whole(all.right())) continue;
     addSingles(all, list, search);
     if (!isClean(search)) addEstimates(all, numbers, search);
     if (search.found.empty()) addSingle(all, rounded, search);
