@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <new>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -52,7 +53,12 @@ void Progress::startWatching() {
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   try {
-    watcher_ = std::thread([this] { watch(); });
+    watcher_ = std::thread([this] {
+      try {
+        watch();
+      } catch (const std::bad_alloc&) {  // the work will tell, which wants more
+      }
+    });
   } catch (const std::system_error&) {  // no memory for a thread: stages are still told
   }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
