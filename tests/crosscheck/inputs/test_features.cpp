@@ -117,7 +117,7 @@ Pair scenesOf(Feature feature) {
     case Feature::kGyroscopicRotor:
       return onJoint(rotor + "gyroscopic = true\n", rotor);
     case Feature::kViscousFriction:
-      return onJoint("friction = { viscous = 0.4 }\n");
+      return onJoint("friction = { viscous = 10 }\n");
     case Feature::kCoulombFriction:
       return onJoint("friction = { coulomb = 0.3 }\n");
     case Feature::kJointSpring:
