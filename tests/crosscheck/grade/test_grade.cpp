@@ -38,7 +38,7 @@ namespace {
 const std::string kRubric =
     "command = \"/usr/bin/python3 {file}\"\nfiles = [\"" DYNWITNESS_STRANGER
     "\"]\npartial = 0.5\n"
-    "[limits]\nseconds = 4\n[partial_by_rule]\ngravity_sign = 0.75\n"
+    "[limits]\nseconds = 12\n[partial_by_rule]\ngravity_sign = 0.75\n"
     "[[task]]\nscene = \"double_pendulum\"\n[task.marks]\nM = 3\nc = 3\ng = 2\ntau = 2\n";
 
 /// A submission: the stranger with a mistake, or right.
@@ -204,7 +204,7 @@ const std::vector<Hostile> kHostile = {
     {"gigabytes.py", "x = bytearray(2**31)\n", "MemoryError"},
     {"disk.py", "with open('big', 'wb') as f:\n  for _ in range(4096): f.write(b'x' * 2**20)\n",
      "OSError"},
-    {"hang.py", "import time\ntime.sleep(1000)\n", "it did not answer within 4 s"},
+    {"hang.py", "import time\ntime.sleep(1000)\n", "it did not answer within 12 s"},
     {"rubbish.py", "print('hello', flush=True)\n",
      "expected a JSON object on one line, got 'hello'"},
     {"nan.py", kHello + "answers[1]['g'] = [float('nan'), 0]\n" + kSay,
