@@ -174,8 +174,8 @@ std::string summaryOf(const MuseumFound& all) {
   }
   for (const PieceFound& x : all.right) right += x.failure.empty() && !x.caught ? 1 : 0;
   std::string out = fmt::format(
-      "{} exhibits: {} caught, {} named first; the same engine without a mistake is right on {} of {} scenes\n",
-      all.found.size(), caught, named, right, all.right.size());
+      "{} exhibit{}: {} caught, {} named first; the same engine without a mistake is right on {} of {} scenes\n",
+      all.found.size(), all.found.size() == 1 ? "" : "s", caught, named, right, all.right.size());
   for (const PieceFound& x : all.right)
     if (!x.failure.empty() || x.caught)
       out += fmt::format("{}: the engine without a mistake is blamed: {}\n", x.scene,
