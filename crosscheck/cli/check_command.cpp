@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/engine_options.hpp"
-#include "crosscheck/cli/on_the_stand.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
@@ -44,10 +44,12 @@ WitnessKind kindFor(const scene::Scene& scene, Arguments& arguments) {
 int run(Arguments arguments) {
   requireWritableFile(arguments.output);
   requireWritableFile(arguments.smallest);
-  const scene::Scene scene = onTheStand(arguments.scene);
-  if (!arguments.answers.empty() && scene::findScene(arguments.scene).mechanism.hasMimics())
-    throw scene::InputError({scene.file.string(), 0},
+  const scene::Scene whole = admitted(arguments.scene, Command::kCheck);
+  requireMotion(whole);
+  if (!arguments.answers.empty() && whole.mechanism.hasMimics())
+    throw scene::InputError({whole.file.string(), 0},
                             "--answers of a scene whose joints follow others, allowed: --engine");
+  const scene::Scene scene = withoutFollowers(whole);
   arguments.options.single = arguments.scalar == "float";
   std::optional<Progress> progress(std::in_place, "check of " + scene.name);
   const WitnessKind kind = kindFor(scene, arguments);

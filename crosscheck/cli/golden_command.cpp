@@ -2,8 +2,6 @@
 // dynwitness golden: states and certified answers for other people's tests.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <set>
@@ -16,12 +14,13 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/diagnosis/examine.hpp"
 #include "crosscheck/golden/golden.hpp"
 #include "crosscheck/golden/golden_files.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/system/files.hpp"
-#include "scene/mimic.hpp"
 #include "scene/scene.hpp"
+#include "scene/text_file.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -60,16 +59,6 @@ std::vector<Format> formatsOf(const Arguments& arguments) {
   throw scene::InputError({}, what);
 }
 
-/// As programs are asked about it: joints that follow others are let go.
-scene::Scene asTree(scene::Scene scene) {
-  requireMotion(scene);
-  if (!scene.mechanism.hasMimics()) return scene;
-  scene.mechanism = scene::withoutMimics(scene.mechanism);
-  scene.start_q = scene.mechanism.restPosition();
-  scene.start_qd.assign(static_cast<std::size_t>(scene.mechanism.dof()), scene::Number(0));
-  return scene;
-}
-
 /// The scenes that were asked for, and of --all those that are refused, with the reasons.
 struct Admitted {
   std::vector<scene::Scene> scenes;
@@ -83,10 +72,13 @@ Admitted admitAll(const Arguments& arguments) {
   Admitted out;
   const auto take = [&](const scene::Scene& scene) {
     admit(scene, {Command::kGolden});
+    requireMotion(scene);
     out.left_out.push_back(leftOut(scene, Command::kGolden));
-    out.scenes.push_back(asTree(scene));
+    out.scenes.push_back(withoutFollowers(scene));
+    if (scene.mechanism.hasMimics())  // where followers start is no start of the tree
+      out.scenes.back().start_q = out.scenes.back().mechanism.restPosition();
   };
-  for (const std::string& name : arguments.scenes) take(scene::findScene(name));
+  for (const std::string& name : arguments.scenes) take(readScene(name));
   if (arguments.all)
     for (const fs::path& file : scene::bundledScenes()) {
       const scene::Scene scene = scene::readScene(file);
@@ -122,12 +114,6 @@ Golden made(const scene::Scene& scene, const GoldenOptions& options,
   return golden;
 }
 
-std::string read(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) refuse(fmt::format("{}: cannot be read", file.string()));
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 int run(Arguments arguments) {
   for (const std::string& quantity : arguments.quantities)
     arguments.options.quantities.push_back(quantityNamed(quantity));
@@ -149,7 +135,8 @@ int run(Arguments arguments) {
   requireWritableFolder(folder);
   std::vector<std::pair<std::string, std::string>> verifiers;  // read before the long work
   for (const char* file : kVerifiers)
-    verifiers.emplace_back(file, read(scene::dataFolder() / "golden" / file));
+    verifiers.emplace_back(
+        file, scene::readTextFile(scene::dataFolder() / "golden" / file, "a verifier"));
   Json scenes = Json::object();
   {
     Progress progress(static_cast<int>(admitted.scenes.size()));

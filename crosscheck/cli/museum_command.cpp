@@ -7,10 +7,11 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
-#include "crosscheck/cli/on_the_stand.hpp"
+#include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/diagnosis/museum.hpp"
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/processes.hpp"
 
@@ -24,6 +25,13 @@ struct Arguments {
   std::string json;
   int processes = availableProcessors();
 };
+
+/// The scene of this name or file as `check` asks about it.
+scene::Scene onTheStand(const std::string& name) {
+  scene::Scene scene = withoutFollowers(admitted(name, Command::kCheck));
+  requireMotion(scene);
+  return scene;
+}
 
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.json);

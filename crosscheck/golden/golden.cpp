@@ -15,9 +15,7 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/verdicts/truth.hpp"
-#include "crosscheck/witnesses/engine_bound.hpp"
-#include "crosscheck/witnesses/kinetic_bound.hpp"
-#include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "crosscheck/witnesses/outside_judge.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
@@ -349,8 +347,7 @@ class Answers {
         truth_(scene.mechanism, kAccuracy,
                std::max(Truth::kMaxBits,
                         kBitsALink * static_cast<long>(scene.mechanism.links.size()))),
-        bound_(prepared_),
-        sweeps_(prepared_) {}
+        bound_(prepared_) {}
 
   GoldenAnswer operator()(Quantity quantity, const State& state) {
     GoldenAnswer out;
@@ -361,7 +358,7 @@ class Answers {
       return out;
     }
     const BallPrecision precision(kLimitBits);
-    const Eigen::MatrixXd bound = boundOf(quantity, state);
+    const Eigen::MatrixXd bound = bound_(quantity, state);
     out.value =
         truth.value.unaryExpr([](const Ball& x) { return x.containsZero() ? 0.0 : x.mid(); });
     out.radius = out.limit = Eigen::MatrixXd::Zero(out.value.rows(), out.value.cols());
@@ -380,19 +377,9 @@ class Answers {
   }
 
  private:
-  Eigen::MatrixXd boundOf(Quantity quantity, const State& state) {
-    Eigen::MatrixXd bound = bound_(quantity, state);
-    if (quantity != Quantity::kKinetic) return bound;
-    const Eigen::Map<const Eigen::VectorXd> qd(state.qd.data(),
-                                               static_cast<Eigen::Index>(state.qd.size()));
-    return bound.cwiseMax(kineticBoundByMassMatrix(
-        NewtonEuler::answer(sweeps_, Quantity::kM, state), bound_(Quantity::kM, state), qd));
-  }
-
   PreparedScene prepared_;
   Truth truth_;
-  EngineBound bound_;
-  Setup<double> sweeps_;
+  OutsideBound bound_;
 };
 
 }  // namespace

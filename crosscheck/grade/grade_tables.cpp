@@ -159,13 +159,14 @@ std::string gradesText(const Grades& grades) {
 
 std::string gradesCsv(const Grades& grades) {
   std::string out = "submission,total,out_of";
-  for (const std::string& column : titles(grades)) out += "," + field(column);
+  const std::vector<std::string> columns = titles(grades);
+  for (const std::string& column : columns) out += "," + field(column);
   out += ",state,feedback\n";
   for (const Grade& grade : grades.all) {
     const bool is_graded = grade.ungraded.empty();
     out += fmt::format("{},{},{}", field(grade.submission), is_graded ? points(grade.total()) : "",
                        points(grades.rubric.outOf()));
-    for (std::size_t k = 0; k < titles(grades).size(); ++k)
+    for (std::size_t k = 0; k < columns.size(); ++k)
       out += "," + (is_graded ? points(grade.marks[k].marks) : "");
     out += fmt::format(",{},{}\n", field(state(grade)),
                        field(fmt::format("{}", fmt::join(sentences(&grades, grade), "; "))));

@@ -14,6 +14,7 @@
 
 #include "crosscheck/system/environment.hpp"
 #include "crosscheck/system/hash.hpp"
+#include "crosscheck/system/shell.hpp"
 
 namespace dynwitness::crosscheck {
 namespace fs = std::filesystem;
@@ -97,13 +98,6 @@ class Reader {
   std::uintmax_t bytes_ = 0;
 };
 
-/// For a shell: one word, whatever is in it.
-std::string quoted(const std::string& word) {
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 }  // namespace
 
 std::vector<std::string> submissionsIn(const fs::path& folder) {
@@ -185,7 +179,7 @@ void layOut(const Submission& submission, const Rubric& rubric, const fs::path& 
 }
 
 std::string commandFor(const Submission& submission, std::string words) {
-  const std::string place = "{file}", file = quoted("./" + submission.start);
+  const std::string place = "{file}", file = shellWord("./" + submission.start);
   for (std::size_t at = 0; (at = words.find(place, at)) != std::string::npos; at += file.size())
     words.replace(at, place.size(), file);
   return words;

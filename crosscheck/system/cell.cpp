@@ -222,9 +222,7 @@ std::string inCell(const Cell& cell, bool hides,
     if (got < 0 && errno != EINTR) fail("read", errno);
     if (got > 0) text.append(buffer, static_cast<std::size_t>(got));
   }
-  int status = 0;
-  while (waitpid(copy, &status, 0) < 0 && errno == EINTR) {
-  }
+  const int status = reap(copy);
   if (status != 0 || text.empty())
     throw std::runtime_error("the process that listened to it " + howItEnded(status));
   if (text[0] == '-') throw std::runtime_error(text.substr(1));

@@ -220,14 +220,6 @@ enum class Keeps { kTheProgram, kUntilAsked };
   _exit(0);
 }
 
-/// Waits for a child of ours, which is about to end.
-int reap(pid_t process) {
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
-}
-
 }  // namespace
 
 struct Child::Running {

@@ -130,9 +130,7 @@ int awaitEnd(pid_t process) {
     nanosleep(&pause, nullptr);
   }
   kill(process, SIGKILL);
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
+  return reap(process);
 }
 
 void endChildren() {
@@ -268,6 +266,13 @@ fs::path makeFolder(const fs::path& parent, const std::string& stem) {
 }
 
 }  // namespace
+
+int reap(pid_t child) {
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
 
 DraftFolder::DraftFolder(const fs::path& parent, const std::string& stem)
     : path_(makeFolder(parent, stem)), lock_(path_), removed_(path_) {}

@@ -32,6 +32,9 @@ class SignalsHeld {
   sigset_t before_;
 };
 
+/// Waits for a child that has ended or is about to. @return its status
+int reap(pid_t child);
+
 /// Asks a copy of this process to end, and waits for it; after two seconds it is killed.
 /// @return its status
 int endCopy(pid_t copy);

@@ -103,9 +103,7 @@ struct Copies {
     }
   }
   static int waitFor(Copy& copy) {
-    int status = 0;
-    while (waitpid(copy.process, &status, 0) < 0 && errno == EINTR) {
-    }
+    const int status = reap(copy.process);
     copy.process = -1;
     copy.ends_with_us = {};
     return status;

@@ -445,8 +445,8 @@ class MujocoWitness : public Witness {
       const double dropped = std::max({std::abs(D(0, 1)), std::abs(D(0, 2)), std::abs(D(1, 2))});
       // What is left to turn moves a difference of moments off the diagonal; an entry below
       // kMujocoTurnStop is not turned at all. D itself is rounded: entries of R made of a
-      // quaternion by
-      // 10 u, so R by 3 * 10 u (Frobenius) on each side, and two products by 9 u each.
+      // quaternion by 10 u, so R by 3 * 10 u (Frobenius) on each side, and two products by 9 u
+      // each.
       const double left =
           std::sqrt(2 * kMujocoTurnStop) * (moments.maxCoeff() - moments.minCoeff());
       const double rounded = (2 * 30 + 2 * 9) * RunningError::kUnitRoundoff * moments.maxCoeff();

@@ -116,17 +116,6 @@ bool hides() {
   return is_so;
 }
 
-/// Processes with this in their command line.
-int running(const std::string& words) {
-  int count = 0;
-  for (const auto& entry : fs::directory_iterator("/proc")) {
-    std::ifstream file(entry.path() / "cmdline");
-    const std::string line((std::istreambuf_iterator<char>(file)), {});
-    count += contains(line, words) ? 1 : 0;
-  }
-  return count;
-}
-
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(marks_are_as_the_rubric_says) {
@@ -247,8 +236,7 @@ BOOST_AUTO_TEST_CASE(hostile_submissions_get_no_marks_but_a_reason_and_take_nobo
   BOOST_TEST(contains(lines.at("nothing"), "there is no file in it"));
   BOOST_TEST(contains(lines.at("link.py"), "left out, being no file: link.py"));
   BOOST_TEST(!contains(lines.at("link.py"), "root:"));
-  for (int i = 0; i < 100 && running("orphan_of_a_submission") > 0; ++i) usleep(10'000);
-  BOOST_TEST(running("orphan_of_a_submission") == 0);
+  BOOST_TEST(fixtures::running("orphan_of_a_submission") == 0);
   const std::string junit = course.read("grades/junit.xml");
   BOOST_TEST(contains(junit, "<failure type=\"could not be run\""));
 }
@@ -375,8 +363,7 @@ BOOST_AUTO_TEST_CASE(killed_it_goes_on_and_late_changes_are_graded_again) {
   const int there = records();
   BOOST_TEST(there < kMany);
   BOOST_TEST(!fs::exists(course.path() / "grades/grades.csv"));
-  for (int i = 0; i < 300 && running(course.path().string()) > 0; ++i) usleep(10'000);
-  BOOST_TEST(running(course.path().string()) == 0);
+  BOOST_TEST(fixtures::running(course.path().string(), 300) == 0);
 
   const Outcome again = course.grade("--jobs 2");
   BOOST_TEST(again.status == 0, again.out);

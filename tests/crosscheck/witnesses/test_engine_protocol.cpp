@@ -28,29 +28,13 @@ using namespace dynwitness;
 using namespace dynwitness::crosscheck;
 using fixtures::Outcome;
 using fixtures::Program;
+using fixtures::running;
 namespace data = boost::unit_test::data;
 namespace fs = std::filesystem;
 
 namespace {
 
 const std::string kEngines = std::string(DYNWITNESS_DATA_DIR) + "/engines";
-
-/// How many processes have this in their command line.
-int countRunning(const std::string& words) {
-  int count = 0;
-  for (const auto& entry : fs::directory_iterator("/proc")) {
-    std::ifstream file(entry.path() / "cmdline");
-    const std::string line((std::istreambuf_iterator<char>(file)), {});
-    count += files::contains(line, words) ? 1 : 0;
-  }
-  return count;
-}
-
-/// The same, once those have gone that have been sent a signal.
-int running(const std::string& words) {
-  for (int i = 0; i < 100 && countRunning(words) > 0; ++i) usleep(10'000);
-  return countRunning(words);
-}
 
 /// What a hearing makes of one program.
 struct Heard {
