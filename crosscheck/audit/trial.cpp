@@ -42,13 +42,13 @@ Outcome runExact(const ExactStatement& statement, const std::string& name, std::
   double chance = 0;
   std::size_t entries = 0;
   {
-    DegreeBound::Divisors divisors;
-    Point<DegreeSource> point{DegreeSource{}};
-    statement.in_degrees(point);
+    const crosscheck::FormulaSizes sizes;
+    Point<FieldSource> point{FieldSource(name, seed, 0)};
+    statement(point);
     for (const auto& difference : point.differences()) {
       entries += difference.entries.size();
-      for (const DegreeBound& entry : difference.entries)
-        chance = std::max(chance, errorProbability(entry, divisors));
+      for (const PrimeField& entry : difference.entries)
+        chance = std::max(chance, errorProbability(entry, sizes));
     }
   }
   if (entries == 0) throw std::logic_error(name + ": the statement compares nothing");
@@ -60,7 +60,7 @@ Outcome runExact(const ExactStatement& statement, const std::string& name, std::
     const PrimeField::Modulus modulus(crosscheck::drawPrime(name, seed, index));
     Point<FieldSource> point{FieldSource(name, seed, index)};
     try {
-      statement.in_field(point);
+      statement(point);
     } catch (const crosscheck::DivisionByZero&) {
       if (++discarded < kMostDiscarded) continue;
       outcome.residual = fmt::format("no value: a divisor is 0 at all of {} points", discarded);

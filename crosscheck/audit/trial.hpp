@@ -10,16 +10,14 @@
 #include "crosscheck/audit/audit.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/scalars/ball.hpp"
-#include "crosscheck/scalars/degree.hpp"
 #include "crosscheck/scalars/dual.hpp"
+#include "crosscheck/scalars/formula_sizes.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 #include "recursive/spatial.hpp"
 
 namespace dynwitness::audit {
 
 using crosscheck::Ball;
-using crosscheck::DegreeBound;
-using crosscheck::DegreeSource;
 using crosscheck::Dual;
 using crosscheck::FieldSource;
 using crosscheck::PrimeField;
@@ -148,24 +146,21 @@ class Point {
 template <typename At>
 using ScalarOf = typename std::decay_t<At>::Scalar;
 
-/// The two functions that one generic function is.
-struct ExactStatement {
-  std::function<void(Point<FieldSource>&)> in_field;
-  std::function<void(Point<DegreeSource>&)> in_degrees;
-};
+using ExactStatement = std::function<void(Point<FieldSource>&)>;
 Outcome runExact(const ExactStatement& statement, const std::string& name, std::uint64_t seed);
 Outcome opposite(Outcome outcome);
 
 /** Decides an equation over a prime field: zero at as many random points as make the chance that
-    different formulas pass at most 1e-30 (degree.hpp derives it), or a point where it is not zero.
+    different formulas pass at most 1e-30 (formula_sizes.hpp derives it), or a point where it is not zero.
 
     @param statement  called as statement(at) with a Point: draws its indeterminates from it,
     computes both sides by roads of their own, and says at.equal("what", left, right) for each
     equation that the statement makes. What the statement assumes is how the point is drawn. */
 template <typename Statement>
 Trial exact(Statement statement) {
-  return [both = ExactStatement{statement, statement}](
-             const std::string& name, std::uint64_t seed) { return runExact(both, name, seed); };
+  return [statement = ExactStatement(statement)](const std::string& name, std::uint64_t seed) {
+    return runExact(statement, name, seed);
+  };
 }
 
 /// The opposite of exact(): the sides are said to differ, and one point where they do proves it.

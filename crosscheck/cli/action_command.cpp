@@ -107,9 +107,7 @@ int run(const Arguments& arguments) {
 
 Run addAction(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "action",
-      "Hamilton's principle: the action of a motion and of the paths near it, conjugate times");
+  CLI::App* command = app.add_subcommand("action", kActionDescription);
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command->add_option("--duration", arguments->options.duration, "Time between the end points [s]")
       ->check(positive())

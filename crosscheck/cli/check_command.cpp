@@ -70,8 +70,7 @@ int run(Arguments arguments) {
 
 Run addCheck(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "check", "A program of yours on the stand: is it right, where is it wrong, and why");
+  CLI::App* command = app.add_subcommand("check", kCheckDescription);
   command->add_option("scene", arguments->scene, "Scene")->required();
   CLI::Option* const engine =
       addEngineOptions(*command, arguments->engines, arguments->limits)->expected(1);

@@ -11,7 +11,7 @@
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/kernel/roads.hpp"
-#include "crosscheck/studies/shared_subtrees.hpp"
+#include "crosscheck/kernel/shared_subtrees.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/scene.hpp"

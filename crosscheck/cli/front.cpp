@@ -52,15 +52,15 @@ void requireStack() {
                                        stack.rlim_cur >> 10, kLeastStack >> 10));
 }
 
-/// The program that `command` is, in place of this one; returns where there is none.
-int become(const std::string& command, char** argv) {
+/// The program that has the command, in place of this one; returns where there is none.
+int become(const Command& command, char** argv) {
   std::error_code ignored;
   std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
   if (self.empty()) self = argv[0];
-  const std::filesystem::path program = self.parent_path() / ("dynwitness-" + command);
+  const std::filesystem::path program = self.parent_path() / ("dynwitness-" + command.program);
   execv(program.c_str(), argv);
-  tell(fmt::format("dynwitness: {} is a program of its own, {}: {}; ./dynwitness {} builds it\n",
-                   command, program.string(), std::strerror(errno), command));
+  tell(fmt::format("dynwitness: {} is in a program of its own, {}: {}; ./dynwitness {} builds it\n",
+                   command.name, program.string(), std::strerror(errno), command.name));
   return kBadInput;
 }
 
@@ -88,7 +88,7 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
       runs.push_back(command.add(app));
       continue;
     }
-    if (argc > 1 && command.name == argv[1]) return become(command.name, argv);
+    if (argc > 1 && command.name == argv[1]) return become(command, argv);
     app.add_subcommand(command.name, command.description);
     runs.emplace_back();
   }
@@ -107,7 +107,7 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
   return orFailure([&] {
     for (std::size_t k = 0; k < commands.size(); ++k)
       if (app.got_subcommand(commands[k].name)) {
-        if (!runs[k]) return become(commands[k].name, argv);
+        if (!runs[k]) return become(commands[k], argv);
         const int status = runs[k]();
         requireOutputWritten();
         return status;

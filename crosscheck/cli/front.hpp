@@ -10,12 +10,14 @@
 
 namespace dynwitness::cli {
 
-/// A word of the command line. One that takes long to compile and is rarely asked for is a program
-/// of its own, dynwitness-NAME beside this one, which the wrapper builds when it is first needed.
+/// A word of the command line. What a first crosscheck does not need, and takes long to compile, is
+/// in programs of its own, dynwitness-PROGRAM beside this one, which the wrapper builds when they are
+/// first needed.
 struct Command {
   std::string name;
-  std::function<Run(CLI::App&)> add;  ///< empty: a program of its own
-  std::string description = {};       ///< of a program of its own
+  std::function<Run(CLI::App&)> add;  ///< empty: in another program
+  std::string program = {};
+  std::string description = {};  ///< of one in another program
 };
 
 /// Parses, runs the command, tells failures. Returns the exit status (commands.hpp).

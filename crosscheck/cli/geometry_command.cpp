@@ -136,9 +136,7 @@ int run(Arguments arguments) {
 
 Run addGeometry(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "geometry",
-      "The mass matrix as a metric: Christoffel symbols, curvature, geodesics, Jacobi fields");
+  CLI::App* command = app.add_subcommand("geometry", kGeometryDescription);
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command
       ->add_option("--state", arguments->q, "Position q, e.g. 0.1,0.2 (default: the scene's start)")

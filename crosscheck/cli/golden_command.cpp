@@ -172,9 +172,7 @@ int run(Arguments arguments) {
 
 Run addGolden(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "golden",
-      "States and certified answers, for tests of programs that know nothing of this one");
+  CLI::App* command = app.add_subcommand("golden", kGoldenDescription);
   command->add_option("scene", arguments->scenes, "Scenes");
   command->add_flag("--all", arguments->all,
                     "All bundled scenes; those that cannot be told are named");

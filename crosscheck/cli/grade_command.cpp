@@ -61,8 +61,7 @@ int run(const Arguments& arguments) {
 
 Run addGrade(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "grade", "Marks for a folder of programs, by a rubric, with the reason for each");
+  CLI::App* command = app.add_subcommand("grade", kGradeDescription);
   command->add_option("folder", arguments->folder, "Folder: one submission a file or sub-folder");
   command->add_option("--rubric", arguments->rubric,
                       "TOML file: how submissions are started, scenes, marks");

@@ -94,9 +94,7 @@ int run(Arguments arguments) {
 
 Run addImpedance(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "impedance",
-      "Stiffness, damping, compliance and inertia of a link's point, seen from the joints");
+  CLI::App* command = app.add_subcommand("impedance", kImpedanceDescription);
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command->add_option("--link", arguments->options.link, "Link (default: the last)");
   command->add_option("--at", arguments->at, "Point of the link, its frame [m]")

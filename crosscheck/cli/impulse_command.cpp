@@ -10,8 +10,8 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
-#include "crosscheck/studies/closure_gap.hpp"
-#include "crosscheck/studies/constrained_quantities.hpp"
+#include "crosscheck/motion/closure_gap.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/studies/impulse.hpp"
 #include "crosscheck/system/files.hpp"
 
@@ -126,8 +126,7 @@ int run(Arguments arguments) {
 
 Run addImpulse(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "impulse", "A blow on a link, on joints or against a wall: velocities, momentum, energy");
+  CLI::App* command = app.add_subcommand("impulse", kImpulseDescription);
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--link", arguments->options.link, "Link that is struck (default: the last)");
   command->add_option("--at", arguments->at, "Point of the link, its frame [m], e.g. 0,0,0.1")

@@ -52,8 +52,7 @@ int run(const Arguments& arguments) {
 
 Run addMuseum(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "museum", "Mistakes of real tools, planted again: does `check` name each of them?");
+  CLI::App* command = app.add_subcommand("museum", kMuseumDescription);
   command->add_option("exhibit", arguments->exhibits,
                       "Exhibits by name, each shown in full, with its link and what the check "
                       "says; without: all, as a table");

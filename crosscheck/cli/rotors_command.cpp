@@ -72,8 +72,7 @@ int run(const Arguments& arguments) {
 
 Run addRotors(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "rotors", "How much the gyroscopic coupling of rotors is, which d = n^2 J leaves out");
+  CLI::App* command = app.add_subcommand("rotors", kRotorsDescription);
   command->add_option("scene", arguments->scene, "Scene with rotors")->required();
   command->add_option("--states", arguments->states, "Random states")
       ->check(whole(1, 1000000))

@@ -25,7 +25,9 @@ foreach(library scene recursive symbolic)
           PATTERN "toml_file.hpp" EXCLUDE)  # needs toml++, which users do not
 endforeach()
 
-install(TARGETS dynwitness_cli dynwitness_audit_program dynwitness_growth_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+set(programs ${DYNWITNESS_PROGRAMS})
+list(TRANSFORM programs REPLACE "(.+)" "dynwitness_\\1_program")
+install(TARGETS dynwitness_cli ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/scenes ${PROJECT_SOURCE_DIR}/data/reference
                   ${PROJECT_SOURCE_DIR}/data/audit ${PROJECT_SOURCE_DIR}/data/engines
                   ${PROJECT_SOURCE_DIR}/data/golden

@@ -14,7 +14,7 @@
 #include "crosscheck/exact/control_in_field.hpp"
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/drift.hpp"
-#include "crosscheck/studies/closure_gap.hpp"
+#include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/system/processes.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"

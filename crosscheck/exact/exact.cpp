@@ -38,17 +38,16 @@ class Trial {
   }
 
   /// How many points it takes, from the size of the formulas.
-  void size(const TwoSides<DegreeBound>& sides, const DegreeBound::Divisors& divisors,
-            double target) {
+  void size(const TwoSides<PrimeField>& sides, const FormulaSizes& sizes, double target) {
     check_.is_idle = sides.is_idle;
     if (!sides.failure.empty()) return giveUp(sides.failure, true);
     if (!sameShape(sides)) return;
     double chance = 0;
     for (Eigen::Index j = 0; j < sides.left.cols(); ++j) {
       for (Eigen::Index i = 0; i < sides.left.rows(); ++i) {
-        const DegreeBound difference = sides.left(i, j) - sides.right(i, j);
+        const PrimeField difference = sides.left(i, j) - sides.right(i, j);
         exact_.degree = std::max(exact_.degree, difference.degree());
-        chance = std::max(chance, errorProbability(difference, divisors));
+        chance = std::max(chance, errorProbability(difference, sizes));
       }
     }
     if (!(chance < 1))
@@ -111,8 +110,7 @@ class Trial {
     check_.ratio = check_.worst = std::numeric_limits<double>::infinity();
     done_ = true;
   }
-  template <typename T>
-  bool sameShape(const TwoSides<T>& sides) {
+  bool sameShape(const TwoSides<PrimeField>& sides) {
     const bool same =
         sides.left.rows() == sides.right.rows() && sides.left.cols() == sides.right.cols();
     if (!same)
@@ -134,18 +132,22 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
                                 const ExactOptions& options) {
   std::vector<Trial> trials;
   for (const CheckResult& check : inquiry.checks) trials.emplace_back(check, options);
-  {
-    const DegreeBound::Divisors divisors;
-    const DegreeSource source;
-    SidesOfAll<DegreeBound> sides(trials.size());
+  const auto ask = [&](int index) {
+    const FieldSource source(scene.name, options.seed, index);
+    SidesOfAll sides(trials.size());
     try {
-      sides = inquiry.in_degrees(DegreeNumbers(scene.mechanism, source, options.parameters),
-                                 indeterminateState(scene.mechanism, source, options.parameters));
-    } catch (const DivisionByZero& error) {
-      for (TwoSides<DegreeBound>& failed : sides) failed.failure = error.what();
+      sides = inquiry.ask(FieldNumbers(scene.mechanism, source, options.parameters),
+                          indeterminateState(scene.mechanism, source, options.parameters));
+    } catch (const DivisionByZero& error) {  // sized: as a formula; else the prime divides a number
+      for (TwoSides<PrimeField>& failed : sides) failed.failure = error.what();
     }
+    return sides;
+  };
+  {
+    const FormulaSizes sizes;
+    const SidesOfAll sides = ask(0);
     for (std::size_t i = 0; i < trials.size(); ++i)
-      trials[i].size(sides[i], divisors, options.error_probability);
+      trials[i].size(sides[i], sizes, options.error_probability);
   }
   int points = 1;
   for (const Trial& trial : trials) points = std::max(points, trial.needed());
@@ -153,14 +155,7 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
   const auto isDone = [](const Trial& trial) { return trial.done(); };
   for (int index = 0; !std::all_of(trials.begin(), trials.end(), isDone); ++index, work.done()) {
     const PrimeField::Modulus modulus(drawPrime(scene.name, options.seed, index));
-    const FieldSource source(scene.name, options.seed, index);
-    SidesOfAll<PrimeField> sides(trials.size());
-    try {
-      sides = inquiry.in_field(FieldNumbers(scene.mechanism, source, options.parameters),
-                               indeterminateState(scene.mechanism, source, options.parameters));
-    } catch (const DivisionByZero& error) {  // the prime divides a number of the scene
-      for (TwoSides<PrimeField>& failed : sides) failed.failure = error.what();
-    }
+    const SidesOfAll sides = ask(index);
     for (std::size_t i = 0; i < trials.size(); ++i) trials[i].add(index, sides[i]);
   }
   std::vector<CheckResult> results;
@@ -189,12 +184,10 @@ std::vector<Pair> pairsOf(const std::vector<ExactWitness>& witnesses) {
 }
 
 /// What all witnesses say about all quantities, asked once each, then pair by pair.
-template <typename T>
-SidesOfAll<T> ask(const std::vector<Pair>& pairs,
-                  const std::vector<ExactWitness::Answers<T>>& witnesses,
-                  const scene::State<T>& state) {
+SidesOfAll ask(const std::vector<Pair>& pairs, const std::vector<ExactWitness::Answers>& witnesses,
+               const scene::State<PrimeField>& state) {
   struct Testimony {
-    MatrixOf<T> answer;
+    MatrixOf<PrimeField> answer;
     std::string failure;
   };
   std::map<std::pair<Quantity, std::size_t>, Testimony> said;
@@ -209,7 +202,7 @@ SidesOfAll<T> ask(const std::vector<Pair>& pairs,
     }
     return it->second;
   };
-  SidesOfAll<T> all;
+  SidesOfAll all;
   for (const Pair& pair : pairs) {
     const Testimony &left = hear(pair.quantity, pair.left),
                     &right = hear(pair.quantity, pair.right);
@@ -235,15 +228,10 @@ Inquiry comparisonInquiry(const std::vector<ExactWitness>& witnesses) {
         fmt::format("{0} by {1} = {0} by {2}", check.quantity, check.left, check.right);
     inquiry.checks.push_back(check);
   }
-  inquiry.in_field = [=](const FieldNumbers& number, const scene::State<PrimeField>& state) {
-    std::vector<ExactWitness::Answers<PrimeField>> built;
+  inquiry.ask = [=](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    std::vector<ExactWitness::Answers> built;
     for (const ExactWitness& witness : witnesses) built.push_back(witness.in_field(number));
-    return ask<PrimeField>(pairs, built, state);
-  };
-  inquiry.in_degrees = [=](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
-    std::vector<ExactWitness::Answers<DegreeBound>> built;
-    for (const ExactWitness& witness : witnesses) built.push_back(witness.in_degrees(number));
-    return ask<DegreeBound>(pairs, built, state);
+    return ask(pairs, built, state);
   };
   return inquiry;
 }
@@ -281,9 +269,10 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
   outputs.insert(outputs.end(), derived.gamma.begin(), derived.gamma.end());
   const auto program =
       std::make_shared<const symbolic::Program>(symbolic::compile(equations.graph, outputs));
-  const auto ask = [program, &mechanism](const auto& number, const auto& state) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
-    SidesOfAll<T> all(kParts);
+  inquiry.ask = [program, &mechanism](const FieldNumbers& number,
+                                      const scene::State<PrimeField>& state) {
+    using T = PrimeField;
+    SidesOfAll all(kParts);
     try {
       const auto model = recursive::buildModel(mechanism, number);
       recursive::Workspace<T> ws(model);
@@ -305,25 +294,20 @@ Inquiry closures(const scene::Mechanism& mechanism, const scene::Mechanism& deri
     }
     return all;
   };
-  inquiry.in_field = ask;
-  inquiry.in_degrees = ask;
   return inquiry;
 }
 
 }  // namespace
 
 Inquiry both(const Inquiry& a, const Inquiry& b) {
-  Inquiry inquiry{a.checks, {}, {}};
+  Inquiry inquiry{a.checks, {}};
   inquiry.checks.insert(inquiry.checks.end(), b.checks.begin(), b.checks.end());
-  const auto joined = [](auto left, auto right) {
-    return [=](const auto& number, const auto& state) {
-      auto sides = left(number, state);
-      for (auto& more : right(number, state)) sides.push_back(std::move(more));
-      return sides;
-    };
+  inquiry.ask = [left = a.ask, right = b.ask](const FieldNumbers& number,
+                                              const scene::State<PrimeField>& state) {
+    SidesOfAll sides = left(number, state);
+    for (auto& more : right(number, state)) sides.push_back(std::move(more));
+    return sides;
   };
-  inquiry.in_field = joined(a.in_field, b.in_field);
-  inquiry.in_degrees = joined(a.in_degrees, b.in_degrees);
   return inquiry;
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/scalars/degree.hpp"
+#include "crosscheck/scalars/formula_sizes.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/verdicts/result.hpp"
 #include "crosscheck/witnesses/exact_witness.hpp"

@@ -164,13 +164,13 @@ CheckResult question(const char* law, const char* quantity, const char* statemen
 }
 
 /// Fills in what both sides say, or why one cannot.
-template <typename T, typename Ask>
-SidesOfAll<T> answered(std::size_t count, const Ask& ask) {
-  SidesOfAll<T> all(count);
+template <typename Ask>
+SidesOfAll answered(std::size_t count, const Ask& ask) {
+  SidesOfAll all(count);
   try {
     ask(all);
   } catch (const DivisionByZero& error) {
-    for (TwoSides<T>& failed : all) failed.failure = error.what();
+    for (TwoSides<PrimeField>& failed : all) failed.failure = error.what();
   }
   return all;
 }
@@ -183,9 +183,10 @@ Inquiry loops(const scene::Mechanism& mechanism, std::shared_ptr<const DenseProg
                "qdd of closed loops, each eliminated where it closes = one dense system"),
       question("closed loops", "lambda",
                "multipliers of closed loops by the sweeps = one dense system")};
-  const auto ask = [dense, &mechanism](const auto& number, const auto& state) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
-    return answered<T>(2, [&](SidesOfAll<T>& all) {
+  inquiry.ask = [dense, &mechanism](const FieldNumbers& number,
+                                    const scene::State<PrimeField>& state) {
+    using T = PrimeField;
+    return answered(2, [&](SidesOfAll& all) {
       const auto model = recursive::buildModel(mechanism, number);
       recursive::Workspace<T> ws(model);
       auto closures = recursive::buildConstraints(mechanism, number, model);
@@ -204,8 +205,6 @@ Inquiry loops(const scene::Mechanism& mechanism, std::shared_ptr<const DenseProg
       all[1].right = swept.lambda;
     });
   };
-  inquiry.in_field = ask;
-  inquiry.in_degrees = ask;
   return inquiry;
 }
 
@@ -223,9 +222,10 @@ Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DensePro
           "operational space", "b",
           "J qdd + (dJ/dt) qd under the controller's torques = what the task asks, whatever the "
           "posture")};
-  const auto ask = [dense, &mechanism](const auto& number, const auto& state) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
-    return answered<T>(4, [&](SidesOfAll<T>& all) {
+  inquiry.ask = [dense, &mechanism](const FieldNumbers& number,
+                                    const scene::State<PrimeField>& state) {
+    using T = PrimeField;
+    return answered(4, [&](SidesOfAll& all) {
       const auto model = recursive::buildModel(mechanism, number);
       recursive::Workspace<T> ws(model);
       auto held =
@@ -259,8 +259,6 @@ Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DensePro
       all[3].right = e.b;
     });
   };
-  inquiry.in_field = ask;
-  inquiry.in_degrees = ask;
   return inquiry;
 }
 
@@ -274,9 +272,10 @@ Inquiry baseProblem(const scene::Mechanism& mechanism, std::shared_ptr<const Den
           "dense system"),
       question("least constraint", "nu",
                "forces on the base by Gauss' problem = one dense system")};
-  const auto ask = [dense, &mechanism](const auto& number, const auto& state) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
-    return answered<T>(2, [&](SidesOfAll<T>& all) {
+  inquiry.ask = [dense, &mechanism](const FieldNumbers& number,
+                                    const scene::State<PrimeField>& state) {
+    using T = PrimeField;
+    return answered(2, [&](SidesOfAll& all) {
       const auto model = recursive::buildModel(mechanism, number);
       recursive::Workspace<T> ws(model);
       const auto held =
@@ -305,8 +304,6 @@ Inquiry baseProblem(const scene::Mechanism& mechanism, std::shared_ptr<const Den
       all[1].right = force;
     });
   };
-  inquiry.in_field = ask;
-  inquiry.in_degrees = ask;
   return inquiry;
 }
 

@@ -9,11 +9,8 @@ namespace dynwitness::crosscheck {
 Inquiry identityInquiry(const scene::Mechanism& mechanism) {
   Inquiry inquiry;
   inquiry.checks = inWords(Identities::words(mechanism));
-  inquiry.in_field = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+  inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
     return Identities::sides(mechanism, SweptMechanism<PrimeField>(mechanism, number).at(state));
-  };
-  inquiry.in_degrees = [&](const DegreeNumbers& number, const scene::State<DegreeBound>& state) {
-    return Identities::sides(mechanism, SweptMechanism<DegreeBound>(mechanism, number).at(state));
   };
   return inquiry;
 }

@@ -11,17 +11,13 @@
 
 namespace dynwitness::crosscheck {
 
-template <typename T>
-using SidesOfAll = std::vector<TwoSides<T>>;
+using SidesOfAll = std::vector<TwoSides<PrimeField>>;
 
-/// Some checks that are asked together: both sides of each, in the field for their values and in
-/// DegreeBound for the size of their formulas. Where a side cannot be had, `failure` says why.
+/// Some checks that are asked together: both sides of each, asked once for the size of their
+/// formulas and at each point for their values. Where a side cannot be had, `failure` says why.
 struct Inquiry {
   std::vector<CheckResult> checks;  ///< what is asked, in words
-  std::function<SidesOfAll<PrimeField>(const FieldNumbers&, const scene::State<PrimeField>&)>
-      in_field;
-  std::function<SidesOfAll<DegreeBound>(const DegreeNumbers&, const scene::State<DegreeBound>&)>
-      in_degrees;
+  std::function<SidesOfAll(const FieldNumbers&, const scene::State<PrimeField>&)> ask;
 };
 
 /// The identities of identities.hpp; the mechanism must outlive it.
@@ -39,11 +35,11 @@ std::vector<CheckResult> decide(const scene::Scene& scene, const Inquiry& inquir
                                 const ExactOptions& options);
 
 /// The same of laws.
-/// @param ask  their sides, on the numbers and the state of either arithmetic
+/// @param ask  their sides, on numbers and a state
 template <typename Ask>
 std::vector<CheckResult> decide(const scene::Scene& scene, const std::vector<LawWords>& laws,
                                 const Ask& ask, const ExactOptions& options) {
-  return explained(laws, decide(scene, Inquiry{inWords(laws), ask, ask}, options));
+  return explained(laws, decide(scene, Inquiry{inWords(laws), ask}, options));
 }
 
 }  // namespace dynwitness::crosscheck

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/parameters/certified_solve.hpp"
-#include "crosscheck/scalars/degree.hpp"
+#include "crosscheck/scalars/formula_sizes.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/regressor.hpp"
@@ -127,15 +127,15 @@ Stack stackRegressor(const scene::Scene& scene,
     is that of p factors, each no larger than the sum of all entries of Y, and p! terms. */
 double chanceOfTooSmallRank(const scene::Scene& scene,
                             const std::vector<scene::InertialParameter>& parameters) {
-  const DegreeBound::Divisors divisors;
-  const DegreeSource source;
-  const DegreeNumbers number(scene.mechanism, source);
+  const FormulaSizes sizes;
+  const FieldSource source(scene.name, 0, 0);
+  const FieldNumbers number(scene.mechanism, source);
   const auto state = indeterminateState(scene.mechanism, source);
   const auto model = recursive::buildModel(scene.mechanism, number);
-  recursive::Workspace<DegreeBound> ws(model);
-  recursive::MatrixX<DegreeBound> Y(model.dof(), parameters.size());
+  recursive::Workspace<PrimeField> ws(model);
+  recursive::MatrixX<PrimeField> Y(model.dof(), parameters.size());
   recursive::regressor(model, parameters, state.x, state.qd, state.qdd, ws, Y);
-  DegreeBound entry = 0, minor = 1;
+  PrimeField entry = 0, minor = 1;
   for (Eigen::Index i = 0; i < Y.rows(); ++i)
     for (Eigen::Index j = 0; j < Y.cols(); ++j) entry += Y(i, j);
   double terms = 0;  // log2 p!
@@ -144,7 +144,7 @@ double chanceOfTooSmallRank(const scene::Scene& scene,
     terms += std::log2(static_cast<double>(k));
   }
   for (int k = 0; k < terms; ++k) minor += minor;
-  return (static_cast<double>(parameters.size()) + 1) * errorProbability(minor, divisors);
+  return (static_cast<double>(parameters.size()) + 1) * errorProbability(minor, sizes);
 }
 
 // ---- from residues to rationals -----------------------------------------------------------------

@@ -50,16 +50,14 @@ std::vector<CheckResult> checkRegressorExactly(const scene::Scene& scene,
       symbolic::compile(symbols.equations.graph, outputs));
   scene::Scene asked = scene;  // numbers for both sides: the scene's, and the symbols
   asked.mechanism.parameters = symbols.mechanism.parameters;
-  const auto ask = [&scene, derived](const auto& number, const auto& state) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
+  inquiry.ask = [&scene, derived](const FieldNumbers& number,
+                                  const scene::State<PrimeField>& state) {
     try {
-      return SidesOfAll<T>{sides(scene.mechanism, *derived, number, state)};
+      return SidesOfAll{sides(scene.mechanism, *derived, number, state)};
     } catch (const std::domain_error& error) {
-      return SidesOfAll<T>{{{}, {}, error.what()}};
+      return SidesOfAll{{{}, {}, error.what()}};
     }
   };
-  inquiry.in_field = ask;
-  inquiry.in_degrees = ask;
   return decide(asked, inquiry, options);
 }
 

@@ -10,7 +10,7 @@
 
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/readers/rules.hpp"
-#include "crosscheck/scalars/degree.hpp"
+#include "crosscheck/scalars/formula_sizes.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/mimic.hpp"
@@ -281,35 +281,34 @@ bool sameForces(const scene::Mechanism& a, const scene::Mechanism& b,
         visit(static_cast<std::size_t>(places_a[i].rate + k), rateOf(i, k));
     }
   };
+  const auto differences = [&](std::uint64_t point) {
+    const FieldSource source(name, seed, point);
+    const auto state = indeterminateState(a, source);
+    const auto tau_a = forces(a, FieldNumbers(a, source), state, kWithoutFriction);
+    const auto tau_b = forces(b, FieldNumbers(b, source),
+                              mapped(state, places_a, places_b, match, a), kWithoutFriction);
+    std::vector<PrimeField> all;
+    eachRate([&](std::size_t i, std::size_t j) { all.push_back(tau_a[i] - tau_b[j]); });
+    return all;
+  };
   double chance = 0;
   {
-    const DegreeBound::Divisors divisors;
-    const DegreeSource source;
-    const auto state = indeterminateState(a, source);
-    const auto tau_a = forces(a, DegreeNumbers(a, source), state, kWithoutFriction);
-    const auto tau_b = forces(b, DegreeNumbers(b, source),
-                              mapped(state, places_a, places_b, match, a), kWithoutFriction);
-    eachRate([&](std::size_t i, std::size_t j) {
-      chance += errorProbability(tau_a[i] - tau_b[j], divisors);
-    });
+    const FormulaSizes sizes;
+    for (const PrimeField& difference : differences(0))
+      chance += errorProbability(difference, sizes);
   }
   constexpr int kPoints = 2;
   *error = std::pow(chance, kPoints);
   int done = 0;
-  constexpr int kMostPoints = 20;
-  for (int point = 0; done < kPoints; ++point) {
+  constexpr std::uint64_t kMostPoints = 20;
+  for (std::uint64_t point = 0; done < kPoints; ++point) {
     if (point == kMostPoints)
       throw std::runtime_error("same: a divisor vanishes at every point of the prime field");
-    const PrimeField::Modulus field(drawPrime(name, seed, static_cast<std::uint64_t>(point)));
-    const FieldSource source(name, seed, static_cast<std::uint64_t>(point));
+    const PrimeField::Modulus field(drawPrime(name, seed, point));
     try {
-      const auto state = indeterminateState(a, source);
-      const auto tau_a = forces(a, FieldNumbers(a, source), state, kWithoutFriction);
-      const auto tau_b = forces(b, FieldNumbers(b, source),
-                                mapped(state, places_a, places_b, match, a), kWithoutFriction);
-      bool same = true;
-      eachRate([&](std::size_t i, std::size_t j) { same = same && tau_a[i] == tau_b[j]; });
-      if (!same) return false;
+      const std::vector<PrimeField> all = differences(point);
+      if (!std::all_of(all.begin(), all.end(), [](const PrimeField& x) { return x.isZero(); }))
+        return false;
       ++done;
     } catch (const DivisionByZero&) {  // another point
     }

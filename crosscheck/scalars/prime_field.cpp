@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/inputs/states.hpp"
+#include "crosscheck/scalars/formula_sizes.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -32,31 +33,72 @@ PrimeField anyElement(RandomStream& random) {
 
 }  // namespace
 
-PrimeField::Modulus::Modulus(std::uint64_t prime) : outer_(modulus_) {
+PrimeField::Modulus::Modulus(std::uint64_t prime) : outer_(modulus_), outer_sizes_(sizes_) {
   if (prime <= (std::uint64_t(1) << 61) || prime >> 63 != 0 || prime % 4 != 3 ||
       n_is_prime(prime) == 0)
     throw std::invalid_argument(fmt::format(
         "PrimeField::Modulus: prime: expected a prime p = 3 mod 4, 2^61 < p < 2^63, got {}",
         prime));
   nmod_init(&modulus_, prime);
+  sizes_ = nullptr;
+}
+
+PrimeField::Modulus::~Modulus() {
+  modulus_ = outer_;
+  sizes_ = outer_sizes_;
+}
+
+PrimeField::PrimeField(int value) {
+  if (sizes_) {
+    *this = sizes_->constant(value);
+  } else {
+    word_ = value >= 0 ? static_cast<mp_limb_t>(value)
+                       : modulus_.n - static_cast<mp_limb_t>(-static_cast<std::int64_t>(value));
+  }
 }
 
 PrimeField PrimeField::fromRational(const scene::Rational& value) {
+  if (sizes_) return sizes_->constant(value);
   const PrimeField top = fromInteger(numerator(value));
   return denominator(value) == 1 ? top : top / fromInteger(denominator(value));
 }
 
 PrimeField PrimeField::inverse() const {
+  if (sizes_) return sizes_->quotient(sizes_->constant(1), *this);
   if (isZero()) throw DivisionByZero("division by zero modulo " + std::to_string(modulus_.n));
-  return {nmod_inv(residue_, modulus_), Raw{}};
+  return {nmod_inv(word_, modulus_), Raw{}};
+}
+
+PrimeField PrimeField::operator-() const {
+  if (sizes_) return *this;
+  return {nmod_neg(word_, modulus_), Raw{}};
+}
+PrimeField PrimeField::sum(const PrimeField& a, const PrimeField& b) {
+  if (sizes_) return sizes_->sum(a, b);
+  return {_nmod_add(a.word_, b.word_, modulus_), Raw{}};
+}
+PrimeField PrimeField::difference(const PrimeField& a, const PrimeField& b) {
+  if (sizes_) return sizes_->sum(a, b);
+  return {_nmod_sub(a.word_, b.word_, modulus_), Raw{}};
+}
+PrimeField PrimeField::product(const PrimeField& a, const PrimeField& b) {
+  if (sizes_) return sizes_->product(a, b);
+  return {nmod_mul(a.word_, b.word_, modulus_), Raw{}};
+}
+PrimeField PrimeField::quotient(const PrimeField& a, const PrimeField& b) {
+  if (sizes_) return sizes_->quotient(a, b);
+  return product(a, b.inverse());
 }
 
 PrimeField FieldSource::element(const std::string& what) const {
+  if (PrimeField::isSized()) return FormulaSizes::indeterminate(1);
   RandomStream random(name_ + " " + what, seed_, index_);
   return anyElement(random);
 }
 
 scene::CosSin<PrimeField> FieldSource::circlePoint(const std::string& what) const {
+  if (PrimeField::isSized())
+    return {FormulaSizes::indeterminate(2), FormulaSizes::indeterminate(2)};
   const PrimeField t = element(what), t2 = t * t;
   const PrimeField scale = (PrimeField(1) + t2).inverse();
   return {(PrimeField(1) - t2) * scale, (t + t) * scale};

@@ -21,11 +21,20 @@ class DivisionByZero : public std::domain_error {
   using std::domain_error::domain_error;
 };
 
-/** An element of the field of integers modulo a prime p below 2^63, through FLINT's nmod.
+class FormulaSizes;
 
-    The prime is that of the innermost Modulus of the thread; elements made under one prime mean
-    nothing under another. + - * and comparison are exact, so is division by anything but zero.
-    There is no order and no size: a residual is zero or it is not. */
+/** The scalar of the exact checks.
+
+    In the scope of a Modulus it is an element of the field of integers modulo a prime p below 2^63,
+    through FLINT's nmod: + - * and comparison are exact, so is division by anything but zero. There
+    is no order and no size: a residual is zero or it is not. Elements made under one prime mean
+    nothing under another.
+
+    In the scope of FormulaSizes it is the size of the formula that makes the element, which says how
+    many random elements are enough. So both come from one code, compiled once.
+
+    The innermost scope of the thread decides. Operations are compiled apart (prime_field.cpp): a
+    sweep on this type is large enough without them. */
 class PrimeField {
  public:
   /// The field that this thread computes in, for as long as the object lives.
@@ -33,60 +42,71 @@ class PrimeField {
    public:
     /// @throws std::invalid_argument unless `prime` is a prime, p = 3 mod 4 and 2^61 < p < 2^63.
     explicit Modulus(std::uint64_t prime);
-    ~Modulus() { modulus_ = outer_; }
+    ~Modulus();
     Modulus(const Modulus&) = delete;
     Modulus& operator=(const Modulus&) = delete;
 
    private:
     nmod_t outer_;
+    FormulaSizes* outer_sizes_;
   };
   static std::uint64_t modulus() { return modulus_.n; }
+  static bool isSized() { return sizes_ != nullptr; }  ///< the innermost scope is FormulaSizes
 
-  PrimeField() = default;
-  PrimeField(int value)  // NOLINT(google-explicit-constructor): integers are field elements
-      : residue_(value >= 0
-                     ? static_cast<mp_limb_t>(value)
-                     : modulus_.n - static_cast<mp_limb_t>(-static_cast<std::int64_t>(value))) {}
+  PrimeField() = default;  ///< zero
+  PrimeField(int value);   // NOLINT(google-explicit-constructor): integers are field elements
   /// The class of an integer 0 <= residue < p.
   static PrimeField fromResidue(std::uint64_t residue) { return PrimeField(residue, Raw{}); }
   /// numerator / denominator. @throws DivisionByZero when p divides the denominator.
   static PrimeField fromRational(const scene::Rational& value);
 
-  std::uint64_t residue() const { return residue_; }
-  bool isZero() const { return residue_ == 0; }
+  std::uint64_t residue() const { return word_; }
+  bool isZero() const { return word_ == 0; }  ///< sized: the formula is the polynomial 0
   /// @throws DivisionByZero for zero
   PrimeField inverse() const;
 
-  friend PrimeField operator+(PrimeField a, PrimeField b) {
-    return {_nmod_add(a.residue_, b.residue_, modulus_), Raw{}};
-  }
-  friend PrimeField operator-(PrimeField a, PrimeField b) {
-    return {_nmod_sub(a.residue_, b.residue_, modulus_), Raw{}};
-  }
-  friend PrimeField operator*(PrimeField a, PrimeField b) {
-    return {nmod_mul(a.residue_, b.residue_, modulus_), Raw{}};
-  }
-  friend PrimeField operator/(PrimeField a, PrimeField b) { return a * b.inverse(); }
-  PrimeField operator-() const { return {nmod_neg(residue_, modulus_), Raw{}}; }
-  PrimeField& operator+=(PrimeField b) { return *this = *this + b; }
-  PrimeField& operator-=(PrimeField b) { return *this = *this - b; }
-  PrimeField& operator*=(PrimeField b) { return *this = *this * b; }
-  PrimeField& operator/=(PrimeField b) { return *this = *this / b; }
-  friend bool operator==(PrimeField a, PrimeField b) { return a.residue_ == b.residue_; }
-  friend bool operator!=(PrimeField a, PrimeField b) { return a.residue_ != b.residue_; }
+  /// Sized: the weighted degree of the numerator.
+  double degree() const { return degree_; }
+  /// Sized: log2 of the sum of the magnitudes of the numerator's coefficients.
+  double bits() const { return bits_; }
+
+  friend PrimeField operator+(const PrimeField& a, const PrimeField& b) { return sum(a, b); }
+  friend PrimeField operator-(const PrimeField& a, const PrimeField& b) { return difference(a, b); }
+  friend PrimeField operator*(const PrimeField& a, const PrimeField& b) { return product(a, b); }
+  friend PrimeField operator/(const PrimeField& a, const PrimeField& b) { return quotient(a, b); }
+  PrimeField operator-() const;
+  PrimeField& operator+=(const PrimeField& b) { return *this = sum(*this, b); }
+  PrimeField& operator-=(const PrimeField& b) { return *this = difference(*this, b); }
+  PrimeField& operator*=(const PrimeField& b) { return *this = product(*this, b); }
+  PrimeField& operator/=(const PrimeField& b) { return *this = quotient(*this, b); }
+  /// Sized: the same value of the same operation.
+  friend bool operator==(const PrimeField& a, const PrimeField& b) { return a.word_ == b.word_; }
+  friend bool operator!=(const PrimeField& a, const PrimeField& b) { return !(a == b); }
 
  private:
+  friend class FormulaSizes;
   struct Raw {};
-  PrimeField(mp_limb_t residue, Raw) : residue_(residue) {}
+  PrimeField(mp_limb_t residue, Raw) : word_(residue) {}
+  static PrimeField sum(const PrimeField& a, const PrimeField& b);
+  static PrimeField difference(const PrimeField& a, const PrimeField& b);
+  static PrimeField product(const PrimeField& a, const PrimeField& b);
+  static PrimeField quotient(const PrimeField& a, const PrimeField& b);
 
   static thread_local nmod_t modulus_;
-  mp_limb_t residue_ = 0;
+  static thread_local FormulaSizes* sizes_;
+  /// The residue; sized: the operation that made the value, which copies keep.
+  std::uint64_t word_ = 0;
+  // sized
+  double degree_ = 0, bits_ = 0;
+  int denominator_ = 0;  ///< index into the denominators of FormulaSizes; 0 is 1
 };
 
 inline thread_local nmod_t PrimeField::modulus_ = {0, 0, 0};
+inline thread_local FormulaSizes* PrimeField::sizes_ = nullptr;
 
 /** Where the random elements of one point come from: pure functions of (name, seed, index) and of
-    what is asked for. */
+    what is asked for. Sized, they are indeterminates: of weight 1, and 2 for the coordinates of a
+    point of the circle. */
 class FieldSource {
  public:
   using Scalar = PrimeField;
@@ -123,5 +143,5 @@ inline constexpr double kSmallestPrime = 0x1p62;
 namespace Eigen {
 template <>
 struct NumTraits<dynwitness::crosscheck::PrimeField>
-    : dynwitness::crosscheck::EigenScalar<dynwitness::crosscheck::PrimeField, 1, 2, 6> {};
+    : dynwitness::crosscheck::EigenScalar<dynwitness::crosscheck::PrimeField, 4, 4, 6> {};
 }  // namespace Eigen

@@ -10,8 +10,8 @@ namespace dynwitness::crosscheck {
 std::vector<CheckResult> checkGeometryExactly(const scene::Scene& scene,
                                               const ExactOptions& options) {
   requireTreated(scene, Command::kGeometry);
-  const auto ask = [&](const auto& number, const auto& state) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
+  const auto ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    using T = PrimeField;
     return GeometryLaws::sides(scene.mechanism, MetricAsked<T>(scene.mechanism, number, state));
   };
   return decide(scene, GeometryLaws::words(scene.mechanism), ask, options);

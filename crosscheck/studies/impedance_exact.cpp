@@ -23,8 +23,8 @@ std::vector<CheckResult> checkImpedanceExactly(const scene::Scene& scene, const 
                                                const ExactOptions& options) {
   requireTreated(scene, Command::kImpedance);
   const int seen = linkNamed(scene, link);
-  const auto ask = [&](const auto& number, const auto& state) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
+  const auto ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    using T = PrimeField;
     // tau is used as joint compliance; the rest is made of qdd, which the laws do not use
     Powers<T> any(state.qdd[0]);
     Impedance<T> z;

@@ -16,8 +16,8 @@ std::vector<CheckResult> checkImpulsesExactly(const scene::Scene& scene, const s
     equations += scene::equationCount(closure.kind);
   std::vector<int> rows(equations);
   std::iota(rows.begin(), rows.end(), 0);
-  const auto ask = [&](const auto& number, const auto& state) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
+  const auto ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    using T = PrimeField;
     Powers<T> any(state.qdd[0]);  // what the laws do not use otherwise
     Impulse<T> impulse;
     impulse.point = {struck, any.vector()};

@@ -16,8 +16,6 @@ class AdjointError;
 class AdjointErrorNumbers;
 class Ball;
 class BallNumbers;
-class DegreeBound;
-struct DegreeSource;
 class FieldSource;
 class PrimeField;
 class RunningError;
@@ -60,9 +58,6 @@ DYNWITNESS_MODELS(extern, crosscheck::AdjointError, crosscheck::AdjointErrorNumb
 DYNWITNESS_SWEEPS(extern, crosscheck::PrimeField);
 DYNWITNESS_MODELS(extern, crosscheck::PrimeField,
                   crosscheck::IndeterminateNumbers<crosscheck::FieldSource>);
-DYNWITNESS_SWEEPS(extern, crosscheck::DegreeBound);
-DYNWITNESS_MODELS(extern, crosscheck::DegreeBound,
-                  crosscheck::IndeterminateNumbers<crosscheck::DegreeSource>);
 DYNWITNESS_SWEEPS(extern, crosscheck::Ball);
 DYNWITNESS_MODELS(extern, crosscheck::Ball, crosscheck::BallNumbers);
 

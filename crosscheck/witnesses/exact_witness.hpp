@@ -6,7 +6,6 @@
 #include <string>
 #include <type_traits>
 
-#include "crosscheck/scalars/degree.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
@@ -15,18 +14,14 @@
 
 namespace dynwitness::crosscheck {
 
-/** A witness in any arithmetic: built with a scene's numbers once, then asked at many states.
-
-    A sweep or a derived program is one template, run in the field for its answers and in
-    DegreeBound for the size of its formulas; so both ways are made of the same code. */
+/** A witness over the prime field: built with a scene's numbers, then asked at states; in the scope
+    of FormulaSizes for the size of its formulas, else for their values. */
 struct ExactWitness {
-  template <typename T>
-  using Answers = std::function<MatrixOf<T>(Quantity, const scene::State<T>&)>;
+  using Answers = std::function<MatrixOf<PrimeField>(Quantity, const scene::State<PrimeField>&)>;
 
   std::string name;
   std::function<bool(Quantity)> answers;
-  std::function<Answers<PrimeField>(const FieldNumbers&)> in_field;
-  std::function<Answers<DegreeBound>(const DegreeNumbers&)> in_degrees;
+  std::function<Answers(const FieldNumbers&)> in_field;
   bool is_control = false;  ///< too heavy by design (exact/control_in_field.hpp)
 };
 
@@ -35,9 +30,8 @@ struct ExactWitness {
                    witness itself; tests plant their errors here */
 template <typename Algorithm, typename Change>
 ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
-  const auto on = [mechanism = scene.mechanism, change](const auto& number) {
-    using Numbers = std::decay_t<decltype(number)>;
-    using T = typename Numbers::Scalar;
+  const auto on = [mechanism = scene.mechanism, change](const FieldNumbers& number) {
+    using T = PrimeField;
     Setup<T> setup(mechanism, number);
     change(setup.model, number);
     for (Setup<T>& kept : setup.with_fixed_joints) change(kept.model, number);
@@ -45,19 +39,18 @@ ExactWitness sweepWitness(const scene::Scene& scene, Change change) {
       return MatrixOf<T>(Algorithm::answer(setup, quantity, state));
     };
   };
-  return {Algorithm::kName, Algorithm::answers, on, on};
+  return {Algorithm::kName, Algorithm::answers, on};
 }
 
 /// Lagrange's equations link by link, with the same `change` on its HomogeneousModel.
 template <typename Change>
 ExactWitness recursiveLagrangeWitness(const scene::Scene& scene, Change change) {
-  const auto on = [mechanism = scene.mechanism, change](const auto& number) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
-    RecursiveLagrange<T> witness(mechanism, number);
+  const auto on = [mechanism = scene.mechanism, change](const FieldNumbers& number) {
+    RecursiveLagrange<PrimeField> witness(mechanism, number);
     change(witness.model, number);
     return witness;
   };
-  return {RecursiveLagrange<PrimeField>::kName, RecursiveLagrange<PrimeField>::answers, on, on};
+  return {RecursiveLagrange<PrimeField>::kName, RecursiveLagrange<PrimeField>::answers, on};
 }
 
 // What the kinds of witnesses.hpp make: WitnessKind::make_exact.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Our witnesses over the prime field and in degrees. Compiled without much optimisation, as
+// Our witnesses over the prime field. Compiled without much optimisation, as
 // fast_sweeps_exact.cpp is.
 #include <map>
 #include <memory>
@@ -39,12 +39,11 @@ struct KernelPrograms {
   int dof;
 };
 
-/// The same in one arithmetic.
-template <typename T>
+/// The same on numbers.
 class KernelAnswers {
  public:
-  template <typename Numbers>
-  KernelAnswers(std::shared_ptr<const KernelPrograms> programs, const Numbers& number)
+  using T = PrimeField;
+  KernelAnswers(std::shared_ptr<const KernelPrograms> programs, const FieldNumbers& number)
       : programs_(std::move(programs)) {
     for (const auto& [quantity, program] : programs_->programs)
       runs_.emplace(quantity, symbolic::ProgramRun<T>(program, number));
@@ -66,12 +65,13 @@ class KernelAnswers {
 
 OrRefusal<ExactWitness> exactLagrange(const PreparedScene& scene, Parameters parameters) {
   const bool fold = parameters == Parameters::kAsWritten;
-  const auto on = [scene, fold](const auto& number) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
-    return [scene, answer = DerivedAnswers<T>(scene.derived(fold), number)](
-               Quantity quantity, const auto& state) mutable { return answer(quantity, state); };
+  const auto on = [scene, fold](const FieldNumbers& number) {
+    return [scene, answer = DerivedAnswers<PrimeField>(scene.derived(fold), number)](
+               Quantity quantity, const scene::State<PrimeField>& state) mutable {
+      return answer(quantity, state);
+    };
   };
-  return ExactWitness{"lagrange", DerivedPrograms::answers, on, on};
+  return ExactWitness{"lagrange", DerivedPrograms::answers, on};
 }
 
 OrRefusal<ExactWitness> exactNewtonEuler(const PreparedScene& scene, Parameters) {
@@ -96,16 +96,16 @@ OrRefusal<ExactWitness> exactKernel(const PreparedScene& scene, Parameters param
   if (scene.mechanism().hasCoulombFriction())
     return Refusal{"kernels compute with + - * / alone, and have no sign for Coulomb friction"};
   const auto programs = std::make_shared<const KernelPrograms>(scene.tree().roads());
-  const auto on = [programs, mechanism = scene.mechanism()](const auto& number) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
-    return [answers = KernelAnswers<T>(programs, number), coupled = mechanism.hasMimics(),
+  const auto on = [programs, mechanism = scene.mechanism()](const FieldNumbers& number) {
+    using T = PrimeField;
+    return [answers = KernelAnswers(programs, number), coupled = mechanism.hasMimics(),
             coupling = Coupling<T>(mechanism, number)](
                Quantity quantity, const scene::State<T>& state) mutable -> MatrixOf<T> {
       return coupled ? coupling(quantity, state, answers) : answers(quantity, state);
     };
   };
-  return ExactWitness{
-      "kernel", [programs](Quantity quantity) { return programs->answers(quantity); }, on, on};
+  return ExactWitness{"kernel",
+                      [programs](Quantity quantity) { return programs->answers(quantity); }, on};
 }
 
 }  // namespace dynwitness::crosscheck

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "crosscheck/scalars/adjoint_error.hpp"
+#include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "recursive/fast/forward_dynamics.hpp"
 #include "recursive/fast/inverse_dynamics.hpp"
@@ -53,5 +54,11 @@ class FastSweeps {
   recursive::fast::MassMatrixWorkspace<T> m_;
   recursive::fast::ForwardDynamicsWorkspace<T> fd_;
 };
+
+// compiled once, and without much optimisation: all of a sweep is inlined, which takes a compiler
+// minutes for a scalar that is no double (fast_sweeps_bounds.cpp, fast_sweeps_exact.cpp)
+extern template class FastSweeps<RunningError>;
+extern template class FastSweeps<AdjointError>;
+extern template class FastSweeps<PrimeField>;
 
 }  // namespace dynwitness::crosscheck

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fast sweeps over the prime field and in degrees. Compiled without much optimisation: all of a
-// sweep is inlined, which takes a compiler minutes for a scalar that is no double.
+// The fast sweeps over the prime field.
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/exact_witness.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
 
 namespace dynwitness::crosscheck {
+
+template class FastSweeps<PrimeField>;
+
 namespace {
 
 /// The tree without followers. Over the field every rate has the sign 1 (scene::directionOf), and
@@ -25,15 +27,15 @@ scene::Mechanism treeOf(const scene::Mechanism& mechanism) {
 }  // namespace
 
 OrRefusal<ExactWitness> exactFast(const PreparedScene& scene, Parameters) {
-  const auto on = [mechanism = scene.mechanism()](const auto& number) {
-    using T = typename std::decay_t<decltype(number)>::Scalar;
+  const auto on = [mechanism = scene.mechanism()](const FieldNumbers& number) {
+    using T = PrimeField;
     return [sweeps = FastSweeps<T>(recursive::buildModel(treeOf(mechanism), number)),
             coupled = mechanism.hasMimics(), coupling = Coupling<T>(mechanism, number)](
                Quantity quantity, const scene::State<T>& state) mutable -> MatrixOf<T> {
       return coupled ? coupling(quantity, state, sweeps) : sweeps(quantity, state);
     };
   };
-  return ExactWitness{kFastName, FastSweeps<double>::answers, on, on};
+  return ExactWitness{kFastName, FastSweeps<double>::answers, on};
 }
 
 }  // namespace dynwitness::crosscheck

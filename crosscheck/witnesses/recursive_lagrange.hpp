@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "crosscheck/scalars/adjoint_error.hpp"
+#include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "recursive/factorization.hpp"
 #include "scene/mimic.hpp"
@@ -147,6 +149,22 @@ class HomogeneousModel {
   template <typename Numbers>
   static Matrix4<T> pseudoInertia(const scene::MassProperties& m, const Numbers& number);
 
+  /// How far the scene has been read: the body and the frame that come next are fixed to, and the
+  /// first slot and follower that are free.
+  struct Reading {
+    int parent = -1, slot = 0;
+    Matrix4<T> placed = Matrix4<T>::Identity();
+    std::vector<scene::Follower>::const_iterator follower;
+  };
+  template <typename Numbers>
+  void addLink(const scene::Link& link, Reading* at, const Numbers& number);
+  /// The link's joint, or one of the chain that it is, about k.
+  template <typename Numbers>
+  void addJoint(const scene::Joint& joint, scene::JointKind kind, const Vector3& k, Reading* at,
+                const Numbers& number);
+  template <typename Numbers>
+  void addLoad(const scene::Wrench& wrench, const Numbers& number);
+
   /** A gyroscopic rotor is a body of its own, which its joint's coordinate turns gear_ratio times
       as far about the joint's axis on the link that carries it; that link then lacks it. Where it
       has been turned to makes no difference, so it is left unturned and only its generator tells of
@@ -240,107 +258,110 @@ void HomogeneousModel<T>::addRotor(const Body& joint, const T& gear, const T& J_
 template <typename T>
 template <typename Numbers>
 HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const Numbers& number) {
-  using Kind = scene::JointKind;
   if (mechanism.has_gravity) gravity.template head<3>() = vector(mechanism.gravity, number);
-  const Vector3 none = Vector3::Constant(T(0));
-  int slot = 0;
   const std::vector<scene::Follower> followers = scene::followers(mechanism);
-  auto follower = followers.begin();
-  for (const scene::Link& link : mechanism.links) {
-    int parent = link.parent < 0 ? -1 : body_of_link[link.parent];
-    const Matrix4<T> before = composed(link.joint.placement.beforeJoint(), number);
-    Matrix4<T> placed = link.parent < 0 ? before : Matrix4<T>(after_of_link[link.parent] * before);
-    const scene::AxisTurn<T> turned = number.axisTurn(link.joint.axis);
-    const T &ca = turned.alpha.c, &sa = turned.alpha.s, &cb = turned.beta.c, &sb = turned.beta.s;
-    const Vector3 x(ca * cb, sa * cb, -sb), y(-sa, ca, T(0)), z(ca * sb, sa * sb, cb);
-    const auto add = [&](Kind kind, const Vector3& k) {
-      Body body;
-      body.parent = parent;
-      body.kind = kind;
-      body.before = placed;
-      body.k = k;
-      body.pitch = number(link.joint.pitch);
-      body.stiffness = number(link.joint.stiffness);
-      body.rest = number(link.joint.rest);
-      body.viscous = number(link.joint.friction.viscous);
-      body.positive = number(link.joint.friction.positive);
-      body.negative = number(link.joint.friction.negative);
-      T gear = number(link.joint.gear_ratio);
-      const T J_rotor = number(link.joint.rotor_inertia);
-      if (link.joint.mimic) {
-        body.follows = true;
-        body.backward = follower->multiplier < 0;
-        body.ratio = number(scene::Number(follower->multiplier));
-        gear *= body.ratio;
-      }
-      // on what rests in the world, only its joint feels it
-      const bool spins = link.joint.gyroscopic && parent >= 0 && !bodies[parent].rests;
-      body.rests = kind == Kind::kFixed && (parent < 0 || bodies[parent].rests);
-      const T rotor = spins ? T(0) : T(gear * gear * J_rotor);
-      const auto axis = [&](const Vector3& w, const Vector3& v) {
-        body.axes.push_back({joined(hat(w), v, 0), rotor});
-        if (body.follows) body.axes.back().E *= body.ratio;
-      };
-      switch (kind) {
-        case Kind::kRevolute:
-          axis(k, none);
-          break;
-        case Kind::kPrismatic:
-          axis(none, k);
-          break;
-        case Kind::kHelical:
-          axis(k, k * body.pitch);
-          break;
-        case Kind::kFloating:
-          for (int i = 0; i < 3; ++i) axis(none, Vector3::Unit(i));
-          [[fallthrough]];
-        case Kind::kSpherical:
-          for (int i = 0; i < 3; ++i) axis(Vector3::Unit(i), none);
-          break;
-        default:
-          break;
-      }
-      if (!body.axes.empty()) {
-        body.dof = body.follows ? (follower++)->rate : dof_;
-        body.slot = slot;
-        if (!body.follows) dof_ += static_cast<int>(body.axes.size());
-        slot += kind == Kind::kFloating ? 7 : kind == Kind::kSpherical ? 4 : 1;
-      }
-      if (spins) addRotor(body, gear, J_rotor);
-      parent = static_cast<int>(bodies.size());
-      placed = Matrix4<T>::Identity();
-      bodies.push_back(body);
-    };
-    switch (link.joint.kind) {
-      case Kind::kCylindrical:
-        add(Kind::kPrismatic, z), add(Kind::kRevolute, z);
-        break;
-      case Kind::kUniversal:
-        add(Kind::kRevolute, x), add(Kind::kRevolute, y);
-        break;
-      case Kind::kPlanar:
-        add(Kind::kPrismatic, x), add(Kind::kPrismatic, y), add(Kind::kRevolute, z);
-        break;
-      default:
-        add(link.joint.kind, z);
-    }
-    const Matrix4<T> after = composed(link.joint.placement.afterJoint(), number);
-    bodies.back().J = after * pseudoInertia(link.inertia, number) * after.transpose();
-    body_of_link.push_back(parent);
-    after_of_link.push_back(after);
+  Reading at;
+  at.follower = followers.begin();
+  for (const scene::Link& link : mechanism.links) addLink(link, &at, number);
+  for (const scene::Wrench& wrench : mechanism.wrenches) addLoad(wrench, number);
+}
+
+template <typename T>
+template <typename Numbers>
+void HomogeneousModel<T>::addLink(const scene::Link& link, Reading* at, const Numbers& number) {
+  using Kind = scene::JointKind;
+  at->parent = link.parent < 0 ? -1 : body_of_link[link.parent];
+  at->placed = composed(link.joint.placement.beforeJoint(), number);
+  if (link.parent >= 0) at->placed = after_of_link[link.parent] * at->placed;
+  const scene::AxisTurn<T> turned = number.axisTurn(link.joint.axis);
+  const T &ca = turned.alpha.c, &sa = turned.alpha.s, &cb = turned.beta.c, &sb = turned.beta.s;
+  const Vector3 x(ca * cb, sa * cb, -sb), y(-sa, ca, T(0)), z(ca * sb, sa * sb, cb);
+  const auto add = [&](Kind kind, const Vector3& k) { addJoint(link.joint, kind, k, at, number); };
+  switch (link.joint.kind) {
+    case Kind::kCylindrical:
+      add(Kind::kPrismatic, z), add(Kind::kRevolute, z);
+      break;
+    case Kind::kUniversal:
+      add(Kind::kRevolute, x), add(Kind::kRevolute, y);
+      break;
+    case Kind::kPlanar:
+      add(Kind::kPrismatic, x), add(Kind::kPrismatic, y), add(Kind::kRevolute, z);
+      break;
+    default:
+      add(link.joint.kind, z);
   }
-  for (const scene::Wrench& wrench : mechanism.wrenches) {
-    const Matrix4<T>& after = after_of_link[wrench.link];
-    Vector4<T> at = Vector4<T>::Constant(T(1));
-    at.template head<3>() = vector(wrench.at, number);
-    Load load = {body_of_link[wrench.link], wrench.axes == scene::Wrench::Axes::kWorld,
-                 vector(wrench.force, number), vector(wrench.moment, number), after * at};
-    if (!load.in_world) {  // to the body's axes
-      load.force = after.template topLeftCorner<3, 3>() * load.force;
-      load.moment = after.template topLeftCorner<3, 3>() * load.moment;
-    }
-    loads.push_back(load);
+  const Matrix4<T> after = composed(link.joint.placement.afterJoint(), number);
+  bodies.back().J = after * pseudoInertia(link.inertia, number) * after.transpose();
+  body_of_link.push_back(at->parent);
+  after_of_link.push_back(after);
+}
+
+template <typename T>
+template <typename Numbers>
+void HomogeneousModel<T>::addJoint(const scene::Joint& joint, scene::JointKind kind,
+                                   const Vector3& k, Reading* at, const Numbers& number) {
+  using Kind = scene::JointKind;
+  Body body;
+  body.parent = at->parent;
+  body.kind = kind;
+  body.before = at->placed;
+  body.k = k;
+  body.pitch = number(joint.pitch);
+  body.stiffness = number(joint.stiffness);
+  body.rest = number(joint.rest);
+  body.viscous = number(joint.friction.viscous);
+  body.positive = number(joint.friction.positive);
+  body.negative = number(joint.friction.negative);
+  T gear = number(joint.gear_ratio);
+  const T J_rotor = number(joint.rotor_inertia);
+  if (joint.mimic) {
+    body.follows = true;
+    body.backward = at->follower->multiplier < 0;
+    body.ratio = number(scene::Number(at->follower->multiplier));
+    gear *= body.ratio;
   }
+  // on what rests in the world, only its joint feels it
+  const bool on_fixed = body.parent < 0 || bodies[body.parent].rests;
+  const bool spins = joint.gyroscopic && !on_fixed;
+  body.rests = kind == Kind::kFixed && on_fixed;
+  const T rotor = spins ? T(0) : T(gear * gear * J_rotor);
+  const Vector3 none = Vector3::Constant(T(0));
+  const auto axis = [&](const Vector3& w, const Vector3& v) {
+    body.axes.push_back({joined(hat(w), v, 0), rotor});
+    if (body.follows) body.axes.back().E *= body.ratio;
+  };
+  if (kind == Kind::kRevolute) axis(k, none);
+  if (kind == Kind::kPrismatic) axis(none, k);
+  if (kind == Kind::kHelical) axis(k, k * body.pitch);
+  if (kind == Kind::kFloating)
+    for (int i = 0; i < 3; ++i) axis(none, Vector3::Unit(i));
+  if (kind == Kind::kFloating || kind == Kind::kSpherical)
+    for (int i = 0; i < 3; ++i) axis(Vector3::Unit(i), none);
+  if (!body.axes.empty()) {
+    body.dof = body.follows ? (at->follower++)->rate : dof_;
+    body.slot = at->slot;
+    if (!body.follows) dof_ += static_cast<int>(body.axes.size());
+    at->slot += kind == Kind::kFloating ? 7 : kind == Kind::kSpherical ? 4 : 1;
+  }
+  if (spins) addRotor(body, gear, J_rotor);
+  at->parent = static_cast<int>(bodies.size());
+  at->placed = Matrix4<T>::Identity();
+  bodies.push_back(body);
+}
+
+template <typename T>
+template <typename Numbers>
+void HomogeneousModel<T>::addLoad(const scene::Wrench& wrench, const Numbers& number) {
+  const Matrix4<T>& after = after_of_link[wrench.link];
+  Vector4<T> at = Vector4<T>::Constant(T(1));
+  at.template head<3>() = vector(wrench.at, number);
+  Load load = {body_of_link[wrench.link], wrench.axes == scene::Wrench::Axes::kWorld,
+               vector(wrench.force, number), vector(wrench.moment, number), after * at};
+  if (!load.in_world) {  // to the body's axes
+    load.force = after.template topLeftCorner<3, 3>() * load.force;
+    load.moment = after.template topLeftCorner<3, 3>() * load.moment;
+  }
+  loads.push_back(load);
 }
 
 // ---- sweeps -------------------------------------------------------------------------------------
@@ -585,5 +606,15 @@ struct RecursiveLagrange {
 
   HomogeneousModel<T> model;
 };
+
+// compiled once, in recursive_lagrange_bounds.cpp and recursive_lagrange_exact.cpp
+#define DYNWITNESS_RECURSIVE_LAGRANGE(PREFIX, T, NUMBERS)                                         \
+  PREFIX template class HomogeneousModel<T>;                                                      \
+  PREFIX template HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism&, const NUMBERS&); \
+  PREFIX template struct RecursiveLagrange<T>
+
+DYNWITNESS_RECURSIVE_LAGRANGE(extern, RunningError, RunningErrorNumbers);
+DYNWITNESS_RECURSIVE_LAGRANGE(extern, AdjointError, AdjointErrorNumbers);
+DYNWITNESS_RECURSIVE_LAGRANGE(extern, PrimeField, FieldNumbers);
 
 }  // namespace dynwitness::crosscheck

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/studies/closure_gap.hpp"
-#include "crosscheck/studies/constrained_quantities.hpp"
+#include "crosscheck/motion/closure_gap.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
 #include "tests/fixtures/program.hpp"
 
 using namespace dynwitness;

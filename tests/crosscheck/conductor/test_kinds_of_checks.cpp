@@ -234,8 +234,9 @@ namespace {
 std::vector<CheckResult> decidedWithAFault(const scene::Scene& scene, long wrong,
                                            long* operations) {
   Inquiry inquiry = identityInquiry(scene.mechanism);
-  inquiry.in_field = [&scene, wrong, operations](const FieldNumbers& number,
-                                                 const scene::State<PrimeField>& state) {
+  inquiry.ask = [&scene, wrong, operations, honest = inquiry.ask](
+                    const FieldNumbers& number, const scene::State<PrimeField>& state) {
+    if (PrimeField::isSized()) return honest(number, state);
     Faulty::wrong = -1;
     const FaultyNumbers numbers(number);
     SweptMechanism<Faulty> swept(scene.mechanism, numbers);
@@ -246,7 +247,7 @@ std::vector<CheckResult> decidedWithAFault(const scene::Scene& scene, long wrong
     at.tau.assign(state.tau.begin(), state.tau.end());
     Faulty::done = 0;
     Faulty::wrong = wrong;
-    SidesOfAll<PrimeField> all;
+    SidesOfAll all;
     const auto inner = [](const Faulty& x) { return x.inner(); };
     for (const TwoSides<Faulty>& law : Identities::sides(scene.mechanism, swept.at(at)))
       all.push_back({law.left.unaryExpr(inner), law.right.unaryExpr(inner), law.failure});

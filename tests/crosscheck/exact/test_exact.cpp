@@ -24,8 +24,8 @@ using namespace dynwitness::crosscheck;
 
 namespace {
 
-DegreeBound x() {
-  return DegreeBound::indeterminate(1);
+PrimeField x() {
+  return FormulaSizes::indeterminate(1);
 }
 
 std::vector<std::string> sceneNames() {
@@ -140,59 +140,59 @@ joint = { kind = "prismatic" }
 
 }  // namespace
 
-BOOST_AUTO_TEST_SUITE(degree_bound)
+BOOST_AUTO_TEST_SUITE(sizes_of_formulas)
 
 BOOST_AUTO_TEST_CASE(a_product_of_k_inputs_has_degree_k) {
-  const DegreeBound::Divisors divisors;
-  DegreeBound product = 1;
+  const FormulaSizes sizes;
+  PrimeField product = 1;
   for (int k = 1; k <= 20; ++k) {
     product *= x();
     BOOST_TEST(product.degree() == k);
     BOOST_TEST(product.bits() == 0);
   }
-  BOOST_TEST(divisors.totalDegree() == 0);
+  BOOST_TEST(sizes.totalDegree() == 0);
 }
 
 BOOST_AUTO_TEST_CASE(sums_take_the_larger_degree_and_zero_is_no_polynomial_of_any) {
-  const DegreeBound::Divisors divisors;
+  const FormulaSizes sizes;
   BOOST_TEST((x() * x() + x()).degree() == 2);
-  BOOST_TEST((x() * DegreeBound(0) + x()).degree() == 1);
-  BOOST_TEST((x() * DegreeBound(0)).isZero());
+  BOOST_TEST((x() * PrimeField(0) + x()).degree() == 1);
+  BOOST_TEST((x() * PrimeField(0)).isZero());
   BOOST_TEST((x() - x()).degree() == 1);  // another x: not zero
-  BOOST_CHECK_THROW(x() / DegreeBound(0), DivisionByZero);
+  BOOST_CHECK_THROW(x() / PrimeField(0), DivisionByZero);
 }
 
 BOOST_AUTO_TEST_CASE(sums_of_coefficients_are_bounded) {
-  const DegreeBound::Divisors divisors;
-  const DegreeBound f = (x() + x()) * (x() + DegreeBound(1000));  // coefficients 1 1, 1 1000
+  const FormulaSizes sizes;
+  const PrimeField f = (x() + x()) * (x() + PrimeField(1000));  // coefficients 1 1, 1 1000
   BOOST_TEST(f.bits() >= std::log2(2.0 * 1001));
   BOOST_TEST(f.bits() <= std::log2(2.0 * 1001) + 2);
   // 0.25 = 1/4: the common denominator of decimals is a power of 2 and 5
-  const DegreeBound quarter = DegreeBound::constant(scene::Rational(1, 4));
-  const DegreeBound sum = quarter + DegreeBound::constant(scene::Rational(3, 10));  // 11/20
+  const PrimeField quarter = PrimeField::fromRational(scene::Rational(1, 4));
+  const PrimeField sum = quarter + PrimeField::fromRational(scene::Rational(3, 10));  // 11/20
   BOOST_TEST(sum.bits() >= std::log2(11.0));
   BOOST_TEST(sum.bits() <= std::log2(11.0) + 2);
 }
 
 BOOST_AUTO_TEST_CASE(fractions_with_the_same_divisor_share_it) {
-  const DegreeBound::Divisors divisors;
-  const DegreeBound d = x() * x() * x();
-  DegreeBound sum = 0;
+  const FormulaSizes sizes;
+  const PrimeField d = x() * x() * x();
+  PrimeField sum = 0;
   for (int k = 0; k < 100; ++k) sum += x() / d;  // (x1 + ... + x100) / d
   BOOST_TEST(sum.degree() == 1);
   BOOST_TEST((sum - x()).degree() == 4);  // over d: (x1 + ...) - x d
   BOOST_TEST((sum * d).degree() == 1);    // and d cancels
   BOOST_TEST((sum * d - x()).degree() == 1);
-  BOOST_TEST(divisors.totalDegree() == 3);
+  BOOST_TEST(sizes.totalDegree() == 3);
 }
 
 BOOST_AUTO_TEST_CASE(nested_fractions_multiply_out) {
-  const DegreeBound::Divisors divisors;
-  const DegreeBound a = x() / x();      // x1 / x2
-  const DegreeBound b = a / (a + x());  // (x1 / x2) / ((x1 + x3 x2) / x2) = x1 / (x1 + x2 x3)
+  const FormulaSizes sizes;
+  const PrimeField a = x() / x();      // x1 / x2
+  const PrimeField b = a / (a + x());  // (x1 / x2) / ((x1 + x3 x2) / x2) = x1 / (x1 + x2 x3)
   BOOST_TEST(b.degree() == 1);
   BOOST_TEST((b - x()).degree() == 3);
-  BOOST_TEST(divisors.totalDegree() == 1 + 2);
+  BOOST_TEST(sizes.totalDegree() == 1 + 2);
 }
 
 BOOST_DATA_TEST_CASE(it_bounds_the_degree_that_interpolation_measures,
@@ -200,18 +200,20 @@ BOOST_DATA_TEST_CASE(it_bounds_the_degree_that_interpolation_measures,
                                  "elastic_pendulum", "scara", "stanford_arm", "puma_560"})) {
   const scene::Scene scene = scene::findScene(sample);
   const PrimeField::Modulus modulus(drawPrime("degree", 1, 0));
-  const DegreeBound::Divisors divisors;
-  const FieldNumbers in_field(scene.mechanism, FieldSource("degree", 1, 0));
-  const DegreeNumbers in_degrees(scene.mechanism, DegreeSource());
+  const FieldSource source("degree", 1, 0);
+  const FieldNumbers number(scene.mechanism, source);
   int largest_bound = 0, largest_measured = 0;
   for (const ExactWitness& witness : exactWitnesses(scene, Parameters::kAsWritten)) {
-    const auto values = witness.in_field(in_field);
-    const auto bounds = witness.in_degrees(in_degrees);
+    const auto values = witness.in_field(number);
     for (const Quantity quantity : {Quantity::kM, Quantity::kc, Quantity::kg, Quantity::kTau,
                                     Quantity::kKinetic, Quantity::kPotential}) {
       if (!witness.answers(quantity)) continue;
-      const MatrixOf<DegreeBound> bound =
-          bounds(quantity, indeterminateState(scene.mechanism, DegreeSource()));
+      const MatrixOf<PrimeField> bound = [&] {
+        const FormulaSizes sizes;
+        const FieldNumbers indeterminates(scene.mechanism, source);
+        return witness.in_field(indeterminates)(quantity,
+                                                indeterminateState(scene.mechanism, source));
+      }();
       std::vector<MatrixOf<PrimeField>> at;
       for (int u = 0; u < 80; ++u) at.push_back(values(quantity, onCurve(scene.mechanism, u)));
       for (Eigen::Index j = 0; j < bound.cols(); ++j) {
@@ -294,15 +296,15 @@ BOOST_AUTO_TEST_CASE(points_follow_from_the_error_probability) {
 }
 
 BOOST_AUTO_TEST_CASE(the_chance_is_the_degree_over_the_prime_and_the_bits_over_the_primes) {
-  const DegreeBound::Divisors divisors;
-  DegreeBound power = 1;
+  const FormulaSizes sizes;
+  PrimeField power = 1;
   for (int k = 0; k < 1000; ++k) power *= x();
   const double expected = 1000 / 0x1p62 + 250 / 62.0 / kPrimesDrawnFrom;
-  BOOST_TEST(errorProbability(power, divisors) == expected, boost::test_tools::tolerance(1e-12));
-  BOOST_TEST(errorProbability(DegreeBound(0), divisors) == 0);
-  DegreeBound huge = x();
+  BOOST_TEST(errorProbability(power, sizes) == expected, boost::test_tools::tolerance(1e-12));
+  BOOST_TEST(errorProbability(PrimeField(0), sizes) == 0);
+  PrimeField huge = x();
   for (int k = 0; k < 63; ++k) huge *= huge;  // degree 2^63
-  BOOST_TEST(std::isinf(errorProbability(huge, divisors)));
+  BOOST_TEST(std::isinf(errorProbability(huge, sizes)));
 }
 
 BOOST_AUTO_TEST_SUITE_END()

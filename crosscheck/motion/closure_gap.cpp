@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "crosscheck/studies/closure_gap.hpp"
+#include "crosscheck/motion/closure_gap.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/scalars/rounded_state.hpp"
-#include "crosscheck/studies/constrained_quantities.hpp"
 #include "recursive/constraints.hpp"
 
 namespace dynwitness::crosscheck {

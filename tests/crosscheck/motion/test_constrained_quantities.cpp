@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What evaluate says about constrained scenes: the sweeps against one dense system in double
 // precision, tasks, and the chapter's question about N_0 in numbers.
-#include "crosscheck/studies/constrained_quantities.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
 
 #include <cmath>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "crosscheck/scalars/degree.hpp"
+#include "crosscheck/scalars/formula_sizes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,6 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-
-#include "crosscheck/scalars/prime_field.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -21,14 +19,12 @@ double bitsOf(const scene::Integer& n) {
 
 }  // namespace
 
-thread_local DegreeBound::Divisors* DegreeBound::current_ = nullptr;
-
-DegreeBound::Divisors::Divisors() : outer_(current_), denominators_{{{}, {0, 0}}} {
+FormulaSizes::FormulaSizes() : outer_(PrimeField::sizes_), denominators_{{{}, {0, 0}}} {
   index_[{}] = 0;
-  current_ = this;
+  PrimeField::sizes_ = this;
 }
 
-int DegreeBound::Divisors::intern(const Powers& powers) {
+int FormulaSizes::intern(const Powers& powers) {
   const auto [it, is_new] = index_.emplace(powers, static_cast<int>(denominators_.size()));
   if (is_new) {
     Size size{0, 0};
@@ -41,7 +37,7 @@ int DegreeBound::Divisors::intern(const Powers& powers) {
   return it->second;
 }
 
-int DegreeBound::Divisors::combined(int a, int b, bool add) {
+int FormulaSizes::combined(int a, int b, bool add) {
   const Powers &x = denominators_[a].powers, &y = denominators_[b].powers;
   Powers both;
   for (std::size_t i = 0, j = 0; i < x.size() || j < y.size();) {
@@ -58,7 +54,7 @@ int DegreeBound::Divisors::combined(int a, int b, bool add) {
   return intern(both);
 }
 
-int DegreeBound::Divisors::product(int a, int b) {
+int FormulaSizes::timesDenominator(int a, int b) {
   if (a == 0 || b == 0) return a + b;
   if (b < a) std::swap(a, b);
   const std::uint64_t key = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b);
@@ -66,7 +62,7 @@ int DegreeBound::Divisors::product(int a, int b) {
   return it != products_.end() ? it->second : products_[key] = combined(a, b, true);
 }
 
-int DegreeBound::Divisors::common(int a, int b) {
+int FormulaSizes::common(int a, int b) {
   if (a == b || b == 0) return a;
   if (a == 0) return b;
   if (b < a) std::swap(a, b);
@@ -75,117 +71,119 @@ int DegreeBound::Divisors::common(int a, int b) {
   return it != commons_.end() ? it->second : commons_[key] = combined(a, b, false);
 }
 
-int DegreeBound::Divisors::newDivisor(Size size) {
+int FormulaSizes::newDivisor(Size size) {
   divisors_.push_back(size);
   total_degree_ += size.degree;
   total_bits_ += size.bits;
   return static_cast<int>(divisors_.size()) - 1;
 }
 
-int DegreeBound::Divisors::divisorOf(const DegreeBound& value) {
-  const auto [it, is_new] = divisor_of_serial_.emplace(value.serial_, 0);
+int FormulaSizes::divisorOf(const PrimeField& value) {
+  const auto [it, is_new] = divisor_of_operation_.emplace(value.word_, 0);
   if (is_new) it->second = newDivisor({value.degree_, value.bits_});
   return it->second;
 }
 
-int DegreeBound::Divisors::constantDivisor(const scene::Integer& n) {
+int FormulaSizes::constantDivisor(const scene::Integer& n) {
   const auto [it, is_new] = constants_.emplace(n, 0);
   if (is_new) it->second = newDivisor({0, bitsOf(n)});
   return it->second;
 }
 
-DegreeBound::DegreeBound(double degree, double bits, int denominator)
-    : degree_(degree), bits_(bits), denominator_(denominator), serial_(++current_->serial_) {}
-
-DegreeBound::DegreeBound(int value) {
-  if (value != 0) *this = DegreeBound(0, bitsOf(value), 0);
+PrimeField FormulaSizes::made(double degree, double bits, int denominator) {
+  PrimeField value;
+  value.word_ = ++operations_;
+  value.degree_ = degree;
+  value.bits_ = bits;
+  value.denominator_ = denominator;
+  return value;
 }
 
-DegreeBound DegreeBound::constant(const scene::Rational& value) {
+PrimeField FormulaSizes::constant(int value) {
+  return value == 0 ? PrimeField() : made(0, bitsOf(value), 0);
+}
+
+PrimeField FormulaSizes::constant(const scene::Rational& value) {
   if (value == 0) return {};
   const double bits = bitsOf(numerator(value));
-  if (denominator(value) == 1) return {0, bits, 0};
+  if (denominator(value) == 1) return made(0, bits, 0);
   // decimals are what scenes are made of: common powers of 2, 3, 5, and the rest as it is
-  Divisors& divisors = *current_;
-  Divisors::Powers powers;
+  Powers powers;
   scene::Integer rest = denominator(value);
   for (const int prime : {2, 3, 5}) {
     int exponent = 0;
     for (; rest % prime == 0; rest /= prime) ++exponent;
-    if (exponent > 0) powers.emplace_back(divisors.constantDivisor(prime), exponent);
+    if (exponent > 0) powers.emplace_back(constantDivisor(prime), exponent);
   }
-  if (rest != 1) powers.emplace_back(divisors.constantDivisor(rest), 1);
+  if (rest != 1) powers.emplace_back(constantDivisor(rest), 1);
   std::sort(powers.begin(), powers.end());
-  return {0, bits, divisors.intern(powers)};
+  return made(0, bits, intern(powers));
 }
 
-DegreeBound DegreeBound::indeterminate(double weight) {
-  return {weight, 0, 0};
+PrimeField FormulaSizes::indeterminate(double weight) {
+  return PrimeField::sizes_->made(weight, 0, 0);
 }
 
-DegreeBound DegreeBound::sum(const DegreeBound& a, const DegreeBound& b) {
+PrimeField FormulaSizes::sum(const PrimeField& a, const PrimeField& b) {
   if (a.isZero()) return b;
   if (b.isZero()) return a;
   if (a.denominator_ == b.denominator_)
-    return {std::max(a.degree_, b.degree_), std::max(a.bits_, b.bits_) + 1, a.denominator_};
-  Divisors& divisors = *current_;
-  const int common = divisors.common(a.denominator_, b.denominator_);
-  const auto& size = divisors.denominators_[common].size;
-  const auto& a_size = divisors.denominators_[a.denominator_].size;
-  const auto& b_size = divisors.denominators_[b.denominator_].size;
-  return {size.degree + std::max(a.degree_ - a_size.degree, b.degree_ - b_size.degree),
-          size.bits + std::max(a.bits_ - a_size.bits, b.bits_ - b_size.bits) + 1, common};
+    return made(std::max(a.degree_, b.degree_), std::max(a.bits_, b.bits_) + 1, a.denominator_);
+  const int both = common(a.denominator_, b.denominator_);
+  const auto& size = denominators_[both].size;
+  const auto& a_size = denominators_[a.denominator_].size;
+  const auto& b_size = denominators_[b.denominator_].size;
+  return made(size.degree + std::max(a.degree_ - a_size.degree, b.degree_ - b_size.degree),
+              size.bits + std::max(a.bits_ - a_size.bits, b.bits_ - b_size.bits) + 1, both);
 }
 
-DegreeBound DegreeBound::product(const DegreeBound& a, const DegreeBound& b) {
+PrimeField FormulaSizes::product(const PrimeField& a, const PrimeField& b) {
   if (a.isZero() || b.isZero()) return {};
   if (a.denominator_ == 0 && b.denominator_ == 0)
-    return {a.degree_ + b.degree_, a.bits_ + b.bits_, 0};
+    return made(a.degree_ + b.degree_, a.bits_ + b.bits_, 0);
   // (N / E) (X / (N F)) = X / (E F)
-  Divisors& divisors = *current_;
   for (const auto& [n, x] : {std::pair(&a, &b), std::pair(&b, &a)}) {
     if (x->denominator_ == 0) continue;
-    const auto known = divisors.divisor_of_serial_.find(n->serial_);
-    if (known == divisors.divisor_of_serial_.end()) continue;
-    auto powers = divisors.denominators_[x->denominator_].powers;
+    const auto known = divisor_of_operation_.find(n->word_);
+    if (known == divisor_of_operation_.end()) continue;
+    auto powers = denominators_[x->denominator_].powers;
     const auto it = std::find_if(powers.begin(), powers.end(),
                                  [&](const auto& power) { return power.first == known->second; });
     if (it == powers.end()) continue;
     if (--it->second == 0) powers.erase(it);
-    return {x->degree_, x->bits_, divisors.product(n->denominator_, divisors.intern(powers))};
+    return made(x->degree_, x->bits_, timesDenominator(n->denominator_, intern(powers)));
   }
-  return {a.degree_ + b.degree_, a.bits_ + b.bits_,
-          divisors.product(a.denominator_, b.denominator_)};
+  return made(a.degree_ + b.degree_, a.bits_ + b.bits_,
+              timesDenominator(a.denominator_, b.denominator_));
 }
 
-DegreeBound DegreeBound::quotient(const DegreeBound& a, const DegreeBound& b) {
+PrimeField FormulaSizes::quotient(const PrimeField& a, const PrimeField& b) {
   if (b.isZero()) throw DivisionByZero("division by a formula that is zero");
   if (a.isZero()) return {};
-  Divisors& divisors = *current_;
   // (X / E) / (N / F) = X F' / (E' N), with E' / F' = E / F in lowest terms
-  Divisors::Powers below = divisors.denominators_[a.denominator_].powers;
+  Powers below = denominators_[a.denominator_].powers;
   double degree = a.degree_, bits = a.bits_;
-  for (const auto& [divisor, exponent] : divisors.denominators_[b.denominator_].powers) {
+  for (const auto& [divisor, exponent] : denominators_[b.denominator_].powers) {
     const auto it = std::find_if(below.begin(), below.end(),
                                  [&](const auto& power) { return power.first == divisor; });
     const int cancelled = it == below.end() ? 0 : std::min(it->second, exponent);
     if (cancelled > 0) it->second -= cancelled;
-    degree += (exponent - cancelled) * divisors.divisors_[divisor].degree;
-    bits += (exponent - cancelled) * divisors.divisors_[divisor].bits;
+    degree += (exponent - cancelled) * divisors_[divisor].degree;
+    bits += (exponent - cancelled) * divisors_[divisor].bits;
   }
   below.erase(std::remove_if(below.begin(), below.end(),
                              [](const auto& power) { return power.second == 0; }),
               below.end());
-  const int numerator_of_b = divisors.intern({{divisors.divisorOf(b), 1}});
-  return {degree, bits, divisors.product(divisors.intern(below), numerator_of_b)};
+  const int numerator_of_b = intern({{divisorOf(b), 1}});
+  return made(degree, bits, timesDenominator(intern(below), numerator_of_b));
 }
 
-double errorProbability(const DegreeBound& difference, const DegreeBound::Divisors& divisors) {
+double errorProbability(const PrimeField& difference, const FormulaSizes& sizes) {
   const auto share = [](double degree, double bits) {
     return degree / kSmallestPrime + (bits + degree / 4) / 62 / kPrimesDrawnFrom;
   };
   if (difference.isZero()) return 0;
-  const double drawn_again = share(divisors.totalDegree(), divisors.totalBits());
+  const double drawn_again = share(sizes.totalDegree(), sizes.totalBits());
   const double chance = share(difference.degree(), difference.bits()) / (1 - drawn_again);
   return drawn_again < 1 && chance < 1 ? chance : std::numeric_limits<double>::infinity();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "crosscheck/studies/constrained_quantities.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
 
 #include <algorithm>
 #include <stdexcept>

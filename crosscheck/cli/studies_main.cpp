@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness-studies: the commands geometry, action, impulse, impedance and rotors, in a program of their own (front.hpp).
+#include "crosscheck/cli/front.hpp"
+
+int main(int argc, char** argv) {
+  using namespace dynwitness::cli;
+  return front(argc, argv,
+               {{"geometry", addGeometry},
+                {"action", addAction},
+                {"impulse", addImpulse},
+                {"impedance", addImpedance},
+                {"rotors", addRotors}});
+}

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How large the formula is that a computation evaluates: what the chance of a false "equal" rests
+// on.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "crosscheck/scalars/prime_field.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** For as long as the object lives, PrimeField bounds the rational function N / D which a
+    computation makes of its indeterminates, and does not compute its values.
+
+    N and D are polynomials with integer coefficients. Of N it bounds
+      degree  the weighted degree: 1 for an element of the field, 2 for each of the coordinates c, s
+              of a point of the circle (why 2: see errorProbability)
+      bits    the logarithm to base 2 of the sum of the magnitudes of the coefficients
+    and D it knows as a product of powers of the divisors that occurred, so that the common
+    denominator of a sum is no larger than need be. A value that was divided by before is
+    recognised, and what cancels for that reason cancels. Other cancellation is not seen: the bounds
+    are upper bounds.
+
+    A sweep in this scope returns, entry by entry, bounds for the formula of that entry. */
+class FormulaSizes {
+ public:
+  FormulaSizes();
+  ~FormulaSizes() { PrimeField::sizes_ = outer_; }
+  FormulaSizes(const FormulaSizes&) = delete;
+  FormulaSizes& operator=(const FormulaSizes&) = delete;
+
+  /// An indeterminate of this weight, coefficient 1, in the innermost scope.
+  static PrimeField indeterminate(double weight);
+
+  /// Of the product of all divisors: where any of them vanishes, the computation has no value.
+  double totalDegree() const { return total_degree_; }
+  double totalBits() const { return total_bits_; }
+
+ private:
+  friend class PrimeField;
+  PrimeField constant(int value);
+  PrimeField constant(const scene::Rational& value);
+  PrimeField sum(const PrimeField& a, const PrimeField& b);
+  PrimeField product(const PrimeField& a, const PrimeField& b);
+  /// @throws DivisionByZero when b is the polynomial 0
+  PrimeField quotient(const PrimeField& a, const PrimeField& b);
+
+  using Powers = std::vector<std::pair<int, int>>;  ///< (divisor, exponent > 0), in order
+  struct Size {
+    double degree, bits;
+  };
+  struct Denominator {
+    Powers powers;
+    Size size;
+  };
+
+  PrimeField made(double degree, double bits, int denominator);  ///< the value of a new operation
+  int intern(const Powers& powers);
+  int timesDenominator(int a, int b);
+  int common(int a, int b);  ///< least common multiple
+  int combined(int a, int b, bool add);
+  int newDivisor(Size size);
+  int divisorOf(const PrimeField& value);  ///< the divisor that value's numerator is
+  int constantDivisor(const scene::Integer& n);
+
+  FormulaSizes* outer_;
+  std::vector<Size> divisors_;
+  std::vector<Denominator> denominators_;
+  std::map<Powers, int> index_;
+  std::unordered_map<std::uint64_t, int> products_, commons_;
+  std::unordered_map<std::uint64_t, int> divisor_of_operation_;
+  std::map<scene::Integer, int> constants_;
+  std::uint64_t operations_ = 0;
+  double total_degree_ = 0, total_bits_ = 0;
+};
+
+/** Chance that a difference which is not zero as a formula is zero at one random point.
+
+    Let the difference be N / D with N not zero: a polynomial with integer coefficients in elements
+    x_i and in points (c_j, s_j) of circles, up to c_j^2 + s_j^2 = 1. A point is a random prime p
+    and, modulo p, random x_i and random t_j with c_j = (1 - t_j^2)/(1 + t_j^2), s_j = 2 t_j/(1 +
+    t_j^2).
+
+    (1) The prime. Write N without squares of s_j; each of the at most degree/4 replacements
+        s^2 = 1 - c^2 at most doubles the sum of coefficients. Some coefficient is then not zero and
+        below 2^(bits + degree/4), so fewer than (bits + degree/4)/62 of the primes above 2^62
+        divide it, out of kPrimesDrawnFrom. For all other primes N is not zero modulo p.
+    (2) The point. With z_j = c_j + i s_j and i^2 = -1 (p = 3 mod 4: a field with p^2 elements),
+        N is a Laurent polynomial in z_j, a monomial of degree k in c_j and s_j going from z_j^-k to
+        z_j^k. Take one variable after the other, as for the lemma of Schwartz and Zippel: let k be
+        the largest exponent of z_1 or 1/z_1 in N; its coefficient has a weighted degree smaller by
+        at least 2 k, and where it does not vanish, at most 2 k values of z_1 are zeros. So N
+        vanishes at no more than the share degree / p of all points: each t gives another z.
+    (3) Points where a divisor vanishes are drawn again. By (1) and (2) for the product of all
+        divisors that is the share r of all points, and what is left is larger by 1 / (1 - r).
+
+    @param difference  left - right, in the scope of `sizes`
+    @return the chance, infinite when the field is too small to say anything */
+double errorProbability(const PrimeField& difference, const FormulaSizes& sizes);
+
+/// The fewest points at which a chance p of one point becomes at most `target`, p^k <= target, but
+/// at least one. @throws std::invalid_argument unless 0 <= p < 1 and 0 < target < 1.
+int pointsNeeded(double p, double target);
+
+}  // namespace dynwitness::crosscheck
