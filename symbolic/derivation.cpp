@@ -44,129 +44,154 @@ Equation equationOfMotion(const Equations& e, int i) {
 
 // ---- closed forms -------------------------------------------------------------------------------
 
-std::vector<Step> closedSteps(Equations& e) {
-  const int n = e.dof();
-  ClosedAlgebra algebra(e);
-  const ClosedForm f = deriveClosedForm(algebra, e);
-  const auto isZero = [&](const GiNaC::ex& x) { return algebra.isZero(x); };
-  const auto equals = [&](const GiNaC::ex& x, Node node) {
-    return algebra.isZero(x - algebra.expression(node));
-  };
-  const auto equation = [&](const std::string& name, const GiNaC::ex& x) {
-    return Equation{Formula::ofSymbol(name), algebra.formula(x)};
-  };
-  const auto velocity = [&](int i) { return GiNaC::ex(algebra.input(Input::kVelocity, i)); };
+/// The steps of Lagrange's way in closed form, each checked by another road where it stands.
+class ClosedSteps {
+ public:
+  explicit ClosedSteps(Equations& e) : e_(e), algebra_(e), f_(deriveClosedForm(algebra_, e)) {
+    energies();
+    momenta();
+    christoffelSymbols();
+    forces();
+    equationsOfMotion();
+  }
   std::vector<Step> steps;
 
-  for (std::size_t i = 0; i < e.links.size(); ++i) {
-    const GiNaC::ex T = algebra.expression(e.link_kinetic[i]);
-    GiNaC::ex twice = 0;
-    for (int j = 0; j < n; ++j) twice += velocity(j) * algebra.derivative(T, {Input::kVelocity, j});
-    steps.push_back({"kinetic energy of " + e.links[i],
+ private:
+  using Ex = GiNaC::ex;
+
+  bool isZero(const Ex& x) { return algebra_.isZero(x); }
+  bool equals(const Ex& x, Node node) { return isZero(x - algebra_.expression(node)); }
+  Equation equation(const std::string& name, const Ex& x) {
+    return {Formula::ofSymbol(name), algebra_.formula(x)};
+  }
+  Ex velocity(int i) { return algebra_.input(Input::kVelocity, i); }
+  Ex byPosition(const Ex& x, int i) { return algebra_.derivative(x, {Input::kPosition, i}); }
+  Ex byVelocity(const Ex& x, int i) { return algebra_.derivative(x, {Input::kVelocity, i}); }
+
+  void energies();
+  void momenta();
+  void christoffelSymbols();
+  void forces();
+  void equationsOfMotion();
+
+  Equations& e_;
+  const int n_ = e_.dof();
+  ClosedAlgebra algebra_;
+  const ClosedForm f_;
+};
+
+void ClosedSteps::energies() {
+  for (std::size_t i = 0; i < e_.links.size(); ++i) {
+    const Ex T = algebra_.expression(e_.link_kinetic[i]);
+    Ex twice = 0;
+    for (int j = 0; j < n_; ++j) twice += velocity(j) * byVelocity(T, j);
+    steps.push_back({"kinetic energy of " + e_.links[i],
                      "Half of mass times velocity squared, summed over the link, from the velocity "
                      "and angular velocity that the joints give it.",
-                     {equation("T_" + e.links[i], T)},
+                     {equation("T_" + e_.links[i], T)},
                      "sum of qd_j dT/dqd_j = 2 T: the energy is quadratic in the velocities",
                      isZero(twice - 2 * T)});
   }
-  GiNaC::ex quadratic = 0;
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j)
-      quadratic += algebra.expression(e.M[i][j]) * velocity(i) * velocity(j) / 2;
+  Ex quadratic = 0;
+  for (int i = 0; i < n_; ++i)
+    for (int j = 0; j < n_; ++j)
+      quadratic += algebra_.expression(e_.M[i][j]) * velocity(i) * velocity(j) / 2;
   steps.push_back({"kinetic energy T",
                    "The sum over the links.",
-                   {equation("T", f.kinetic)},
+                   {equation("T", f_.kinetic)},
                    "T = qd' M qd / 2, with M from the composite bodies outboard of each joint",
-                   isZero(f.kinetic - quadratic)});
+                   isZero(f_.kinetic - quadratic)});
 
-  GiNaC::ex shares = 0;
-  for (const Node& share : e.link_potential) shares += algebra.expression(share);
+  Ex shares = 0;
+  for (const Node& share : e_.link_potential) shares += algebra_.expression(share);
   bool constant_difference = true;
-  for (int i = 0; i < n; ++i)
-    constant_difference = constant_difference &&
-                          isZero(algebra.derivative(f.potential - shares, {Input::kPosition, i}));
+  for (int i = 0; i < n_; ++i)
+    constant_difference = constant_difference && isZero(byPosition(f_.potential - shares, i));
   steps.push_back({"potential energy V",
                    "Minus gravity times the first moment of mass, and what the springs store.",
-                   {equation("V", f.potential)},
+                   {equation("V", f_.potential)},
                    "V differs from the sum of the links' shares by a constant",
                    constant_difference});
+}
 
-  for (int i = 0; i < n; ++i)
+void ClosedSteps::momenta() {
+  for (int i = 0; i < n_; ++i)
     steps.push_back({numbered("p_", i),
-                     "The momentum of joint " + e.joints[i] + ": p_i = dT/dqd_i.",
-                     {equation(numbered("p", i), f.p[i])},
+                     "The momentum of joint " + e_.joints[i] + ": p_i = dT/dqd_i.",
+                     {equation(numbered("p", i), f_.p[i])},
                      "GiNaC's derivative equals that of the program in reverse mode",
-                     equals(f.p[i], e.p[i])});
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j)
+                     equals(f_.p[i], e_.p[i])});
+  for (int i = 0; i < n_; ++i)
+    for (int j = i; j < n_; ++j)
       steps.push_back({numbered("M_", i, j),
                        "Mass matrix: M_ij = dp_i/dqd_j.",
-                       {equation(numbered("M", i, j), f.M[i][j])},
+                       {equation(numbered("M", i, j), f_.M[i][j])},
                        "equals M_ji, and the matrix of the composite bodies",
-                       isZero(f.M[i][j] - f.M[j][i]) && equals(f.M[i][j], e.M[i][j])});
+                       isZero(f_.M[i][j] - f_.M[j][i]) && equals(f_.M[i][j], e_.M[i][j])});
+}
 
-  for (int i = 0; i < n; ++i) {
+void ClosedSteps::christoffelSymbols() {
+  for (int i = 0; i < n_; ++i) {
     Step step{"Christoffel symbols of row " + std::to_string(i + 1),
               "Gamma_ijk = (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)/2; those that are not listed are "
               "0, and Gamma_ikj = Gamma_ijk.",
               {},
               "symmetric in j and k, and dM_ij/dq_k = Gamma_ijk + Gamma_jik",
               true};
-    for (int j = 0; j < n; ++j) {
-      for (int k = 0; k < n; ++k) {
-        const GiNaC::ex& gamma = f.Gamma[i][j][k];
-        step.holds =
-            step.holds && isZero(gamma - f.Gamma[i][k][j]) &&
-            isZero(algebra.derivative(f.M[i][j], {Input::kPosition, k}) - gamma - f.Gamma[j][i][k]);
+    for (int j = 0; j < n_; ++j) {
+      for (int k = 0; k < n_; ++k) {
+        const Ex& gamma = f_.Gamma[i][j][k];
+        step.holds = step.holds && isZero(gamma - f_.Gamma[i][k][j]) &&
+                     isZero(byPosition(f_.M[i][j], k) - gamma - f_.Gamma[j][i][k]);
         if (k >= j && !isZero(gamma))
           step.equations.push_back(equation(christoffelName(i, j, k), gamma));
       }
     }
     steps.push_back(step);
   }
-  for (int i = 0; i < n; ++i)
+}
+
+void ClosedSteps::forces() {
+  for (int i = 0; i < n_; ++i)
     steps.push_back({numbered("c_", i),
                      "Coriolis and centrifugal forces: c_i = sum of Gamma_ijk qd_j qd_k.",
-                     {equation(numbered("c", i), f.c[i])},
+                     {equation(numbered("c", i), f_.c[i])},
                      "equals sum of (dp_i/dq_j) qd_j - dT/dq_i by the program",
-                     equals(f.c[i], e.c[i])});
-  for (int i = 0; i < n; ++i)
+                     equals(f_.c[i], e_.c[i])});
+  for (int i = 0; i < n_; ++i)
     steps.push_back({numbered("g_", i),
                      "Gravity and springs: g_i = dV/dq_i.",
-                     {equation(numbered("g", i), f.g[i])},
+                     {equation(numbered("g", i), f_.g[i])},
                      "GiNaC's derivative equals that of the program in reverse mode",
-                     equals(f.g[i], e.g[i])});
-  for (int i = 0; i < n; ++i)
-    if (!e.graph.isZero(e.Q[i]))
-      steps.push_back(
-          {numbered("Q_", i),
-           e.graph.isZero(e.friction[i])
-               ? "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i."
-               : "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i "
-                 "- dR/dqd_i, R = sum of viscous qd^2/2 + coulomb |qd|.",
-           {equation(numbered("Q", i), algebra.expression(e.Q[i]))},
-           e.graph.isZero(e.friction[i]) ? "depends on the position alone"
-                                         : "without dR/dqd_i depends on the position alone",
-           [&] {
-             bool at_rest = true;
-             for (int j = 0; j < n; ++j)
-               at_rest = at_rest && isZero(algebra.derivative(algebra.expression(e.Q[i]) +
-                                                                  algebra.expression(e.friction[i]),
-                                                              {Input::kVelocity, j}));
-             return at_rest;
-           }()});
-  for (int i = 0; i < n; ++i) {
-    GiNaC::ex row = f.c[i] + f.g[i];
-    for (int j = 0; j < n; ++j) row += f.M[i][j] * algebra.input(Input::kAcceleration, j);
-    const GiNaC::ex lagrange =
-        algebra.rate(f.p[i]) - algebra.derivative(f.kinetic - f.potential, {Input::kPosition, i});
+                     equals(f_.g[i], e_.g[i])});
+  for (int i = 0; i < n_; ++i) {
+    if (e_.graph.isZero(e_.Q[i])) continue;
+    const bool rubs = !e_.graph.isZero(e_.friction[i]);
+    const Ex Q = algebra_.expression(e_.Q[i]), wrenches = Q + algebra_.expression(e_.friction[i]);
+    bool at_rest = true;
+    for (int j = 0; j < n_; ++j) at_rest = at_rest && isZero(byVelocity(wrenches, j));
+    steps.push_back(
+        {numbered("Q_", i),
+         rubs ? "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i "
+                "- dR/dqd_i, R = sum of viscous qd^2/2 + coulomb |qd|."
+              : "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i.",
+         {equation(numbered("Q", i), Q)},
+         rubs ? "without dR/dqd_i depends on the position alone" : "depends on the position alone",
+         at_rest});
+  }
+}
+
+void ClosedSteps::equationsOfMotion() {
+  for (int i = 0; i < n_; ++i) {
+    Ex row = f_.c[i] + f_.g[i];
+    for (int j = 0; j < n_; ++j) row += f_.M[i][j] * algebra_.input(Input::kAcceleration, j);
+    const Ex lagrange = algebra_.rate(f_.p[i]) - byPosition(f_.kinetic - f_.potential, i);
     steps.push_back({"equation of motion " + std::to_string(i + 1),
                      "Lagrange's equation d/dt (dL/dqd_i) - dL/dq_i = tau_i with L = T - V.",
-                     {equationOfMotion(e, i)},
+                     {equationOfMotion(e_, i)},
                      "the left side equals d/dt (dL/dqd_i) - dL/dq_i by GiNaC",
                      isZero(row - lagrange)});
   }
-  return steps;
 }
 
 // ---- straight-line programs ---------------------------------------------------------------------
@@ -253,39 +278,38 @@ std::vector<Step> quasiSteps(Equations& e, int points,
   return steps;
 }
 
-std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, int points) {
+/// What a program's steps are checked by: all are 0.
+struct Residuals {
+  Node kinetic;                                ///< T by M, less T
+  std::vector<Node> momentum, force, gravity;  ///< p and c once more, from M; g from the links' V
+  Node power;                                  ///< qd' (M qdd + c + g), less d(T + V)/dt
+};
+
+Residuals residualsOf(Equations& e) {
   const int n = e.dof();
   Graph& graph = e.graph;
-  const std::string at = " at " + std::to_string(points) + " random rational points";
-  constexpr int kChecks = 7;
-  scene::Work work("checks of the steps at rational points", kChecks, 3);
-  const auto check = [&](const std::vector<Node>& residuals) {
-    const bool holds = vanish(e, residuals, mechanism, points);
-    work.done();
-    return holds;
-  };
   const auto velocity = [&](int i) { return graph.input(Input::kVelocity, i); };
-
-  // what the checks compare with: momentum and c once more, from M
-  std::vector<Node> p_of_M, residual_p, residual_c, residual_g;
+  Residuals r;
+  std::vector<Node> p_of_M;
   Node T_of_M, V_of_links;
   for (const Node& share : e.link_potential) V_of_links = graph.add(V_of_links, share);
   for (int i = 0; i < n; ++i) {
     Node p;
     for (int j = 0; j < n; ++j) p = graph.add(p, graph.multiply(e.M[i][j], velocity(j)));
     p_of_M.push_back(p);
-    residual_p.push_back(graph.subtract(p, e.p[i]));
+    r.momentum.push_back(graph.subtract(p, e.p[i]));
     T_of_M = graph.add(T_of_M, graph.multiply(p, velocity(i)));
   }
   T_of_M = graph.multiply(graph.constant(Rational(1, 2)), T_of_M);
+  r.kinetic = graph.subtract(T_of_M, e.kinetic);
   const std::vector<Node> p_rate = graph.directionalDerivative(p_of_M, motion(e));
   const std::vector<Node> T_slope = positionGradient(e, T_of_M);
   const std::vector<Node> V_slope = positionGradient(e, V_of_links);
   const std::vector<Node> structure = structureTerms(e, p_of_M);
   for (int i = 0; i < n; ++i) {
     const Node c = graph.add(graph.subtract(p_rate[i], T_slope[i]), structure[i]);
-    residual_c.push_back(graph.subtract(c, e.c[i]));
-    residual_g.push_back(graph.subtract(V_slope[i], e.g[i]));
+    r.force.push_back(graph.subtract(c, e.c[i]));
+    r.gravity.push_back(graph.subtract(V_slope[i], e.g[i]));
   }
   Node power;  // of tau = M qdd + c + g
   for (int i = 0; i < n; ++i) {
@@ -296,69 +320,27 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
   }
   const Node energy_rate =
       graph.directionalDerivative({graph.add(e.kinetic, e.potential)}, motion(e, true))[0];
+  r.power = graph.subtract(power, energy_rate);
+  return r;
+}
 
-  const bool quasi = !e.quasi.empty();
-  std::vector<Step> steps = quasiSteps(e, points, check);
-  const std::size_t base = steps.size();
-  for (
-      Step& step : std::vector<Step>{
-          {"kinetic energy T",
-           "Angular velocity omega and velocity v of each link's joint frame, in that frame, and from "
-           "them half of mass times velocity squared.",
-           {},
-           "T = qd' M qd / 2" + at,
-           check({graph.subtract(T_of_M, e.kinetic)})},
-          {"potential energy V",
-           "Minus gravity times the first moment of mass, and the springs.",
-           {},
-           "dV/dq is that of the links' shares" + at,
-           check(residual_g)},
-          {"momentum p", "p_i = dT/dqd_i.", {}, "p = M qd" + at, check(residual_p)},
-          {"mass matrix M",
-           "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
-           {},
-           "M qd is the momentum of T as a sum over links" + at,
-           check(residual_p)},
-          {"Coriolis and centrifugal forces c",
-           quasi ? "c_i = sum of (X_j p_i) qd_j - X_i T + sum of b_ijk qd_j p_k."
-                 : "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
-           {},
-           (quasi ? "the same from M alone, with p = M qd and T = qd' M qd/2"
-                  : "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq") +
-               at,
-           check(residual_c)},
-          {"gravity and springs g",
-           quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
-           {},
-           "equals the derivative of the links' shares" + at,
-           check(residual_g)},
-          {"equations of motion",
-           quasi ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)."
-                 : "Lagrange's equations.",
-           {},
-           "power: qd' (M qdd + c + g) = d(T + V)/dt" + at,
-           check({graph.subtract(power, energy_rate)})}})
-    steps.push_back(std::move(step));
+/// A result of the program, and the step that it belongs to.
+struct Result {
+  std::string name;
+  Node node;
+  std::size_t step;
+};
 
-  // the program's lines, each under the first step that needs it
-  struct Result {
-    std::string name;
-    Node node;
-    std::size_t step;
-  };
-  std::vector<Result> results = {{"T", e.kinetic, base}, {"V", e.potential, base + 1}};
-  for (int i = 0; i < n; ++i) results.push_back({numbered("p", i), e.p[i], base + 2});
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j) results.push_back({numbered("M", i, j), e.M[i][j], base + 3});
-  for (int i = 0; i < n; ++i) results.push_back({numbered("c", i), e.c[i], base + 4});
-  for (int i = 0; i < n; ++i) results.push_back({numbered("g", i), e.g[i], base + 5});
+/// The program's lines as equations, each under the first step that needs it, and after them what
+/// the step is about.
+void addLines(const Graph& graph, const std::vector<Result>& results, std::vector<Step>* steps) {
   std::vector<Node> nodes;
   for (const Result& r : results) nodes.push_back(r.node);
   const Program program = compile(graph, nodes);
   const std::vector<Statement> lines = statements(program, Style::kText);
   std::map<int, std::size_t> line_of;
   for (std::size_t i = 0; i < lines.size(); ++i) line_of[lines[i].slot] = i;
-  std::vector<std::size_t> step_of(lines.size(), steps.size());
+  std::vector<std::size_t> step_of(lines.size(), steps->size());
   for (std::size_t r = 0; r < results.size(); ++r) {
     std::vector<int> open{program.outputs[r]};
     while (!open.empty()) {
@@ -370,15 +352,64 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
     }
   }
   for (std::size_t i = 0; i < lines.size(); ++i)
-    if (step_of[i] < steps.size())
-      steps[step_of[i]].equations.push_back({Formula::ofSymbol(lines[i].name), lines[i].value});
+    if (step_of[i] < steps->size())
+      (*steps)[step_of[i]].equations.push_back({Formula::ofSymbol(lines[i].name), lines[i].value});
   for (std::size_t r = 0; r < results.size(); ++r) {
     if (graph.isZero(results[r].node)) continue;
     const auto it = line_of.find(program.outputs[r]);
     const Formula value = it != line_of.end() ? Formula::ofSymbol(lines[it->second].name)
                                               : leafFormula(program, program.outputs[r]);
-    steps[results[r].step].equations.push_back({Formula::ofSymbol(results[r].name), value});
+    (*steps)[results[r].step].equations.push_back({Formula::ofSymbol(results[r].name), value});
   }
+}
+
+std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, int points) {
+  const int n = e.dof();
+  const std::string at = " at " + std::to_string(points) + " random rational points";
+  constexpr int kChecks = 7;
+  scene::Work work("checks of the steps at rational points", kChecks, 3);
+  const auto check = [&](const std::vector<Node>& residuals) {
+    const bool holds = vanish(e, residuals, mechanism, points);
+    work.done();
+    return holds;
+  };
+  const Residuals r = residualsOf(e);
+  const bool quasi = !e.quasi.empty();
+  std::vector<Step> steps = quasiSteps(e, points, check);
+  const std::size_t base = steps.size();
+  const auto add = [&](const char* name, const char* sentence, const std::string& what,
+                       const std::vector<Node>& residuals) {
+    steps.push_back({name, sentence, {}, what + at, check(residuals)});
+  };
+  add("kinetic energy T",
+      "Angular velocity omega and velocity v of each link's joint frame, in that frame, and from "
+      "them half of mass times velocity squared.",
+      "T = qd' M qd / 2", {r.kinetic});
+  add("potential energy V", "Minus gravity times the first moment of mass, and the springs.",
+      "dV/dq is that of the links' shares", r.gravity);
+  add("momentum p", "p_i = dT/dqd_i.", "p = M qd", r.momentum);
+  add("mass matrix M", "M_ij = dp_i/dqd_j, with T as a sum over composite bodies.",
+      "M qd is the momentum of T as a sum over links", r.momentum);
+  add("Coriolis and centrifugal forces c",
+      quasi ? "c_i = sum of (X_j p_i) qd_j - X_i T + sum of b_ijk qd_j p_k."
+            : "c_i = sum of (dp_i/dq_j) qd_j - dT/dq_i.",
+      quasi ? "the same from M alone, with p = M qd and T = qd' M qd/2"
+            : "the same from M alone: d(M qd)/dt - d(qd' M qd/2)/dq",
+      r.force);
+  add("gravity and springs g", quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
+      "equals the derivative of the links' shares", r.gravity);
+  add("equations of motion",
+      quasi ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)."
+            : "Lagrange's equations.",
+      "power: qd' (M qdd + c + g) = d(T + V)/dt", {r.power});
+
+  std::vector<Result> results = {{"T", e.kinetic, base}, {"V", e.potential, base + 1}};
+  for (int i = 0; i < n; ++i) results.push_back({numbered("p", i), e.p[i], base + 2});
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j) results.push_back({numbered("M", i, j), e.M[i][j], base + 3});
+  for (int i = 0; i < n; ++i) results.push_back({numbered("c", i), e.c[i], base + 4});
+  for (int i = 0; i < n; ++i) results.push_back({numbered("g", i), e.g[i], base + 5});
+  addLines(e.graph, results, &steps);
   for (int i = 0; i < n; ++i) steps.back().equations.push_back(equationOfMotion(e, i));
   return steps;
 }
@@ -436,8 +467,8 @@ Derivation derivation(const scene::Mechanism& mechanism, int points) {
   Derivation result;
   result.joints = equations.joints;
   result.closed_form = hasClosedForm(mechanism);
-  result.steps =
-      result.closed_form ? closedSteps(equations) : programSteps(equations, mechanism, points);
+  result.steps = result.closed_form ? ClosedSteps(equations).steps
+                                    : programSteps(equations, mechanism, points);
   if (!result.steps.empty()) result.steps.front().sentence += followersSentence(mechanism);
   return result;
 }
