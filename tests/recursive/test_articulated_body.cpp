@@ -11,6 +11,7 @@
 #include "recursive/build_model.hpp"
 #include "recursive/newton_euler.hpp"
 #include "scene/scene.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 
 namespace data = boost::unit_test::data;

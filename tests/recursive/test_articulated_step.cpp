@@ -14,6 +14,7 @@
 #include "scene/mimic.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 
 namespace data = boost::unit_test::data;

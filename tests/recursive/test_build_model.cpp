@@ -6,6 +6,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "recursive/newton_euler.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 
 namespace data = boost::unit_test::data;

@@ -9,6 +9,7 @@
 #include "recursive/build_model.hpp"
 #include "recursive/factorization.hpp"
 #include "scene/scene.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 
 namespace data = boost::unit_test::data;

@@ -13,6 +13,7 @@
 #include "recursive/factorization.hpp"
 #include "recursive/newton_euler.hpp"
 #include "recursive/operational_space.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 
 namespace data = boost::unit_test::data;

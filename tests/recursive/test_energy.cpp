@@ -8,6 +8,7 @@
 #include "crosscheck/scalars/dual.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 
 namespace data = boost::unit_test::data;

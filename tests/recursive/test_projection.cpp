@@ -7,6 +7,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/laws/identities.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 
 namespace data = boost::unit_test::data;

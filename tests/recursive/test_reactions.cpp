@@ -18,6 +18,7 @@
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "symbolic/program.hpp"
 #include "symbolic/reactions.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 
 using namespace dynwitness;

@@ -21,6 +21,7 @@
 #include "crosscheck/witnesses/witness.hpp"
 #include "symbolic/derivation.hpp"
 #include "symbolic/program.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 #include "tests/fixtures/planted.hpp"
 

@@ -16,6 +16,7 @@
 #include "recursive/build_model.hpp"
 #include "recursive/composite_body.hpp"
 #include "recursive/newton_euler.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 
 namespace data = boost::unit_test::data;

@@ -12,6 +12,7 @@
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/kinetic_metric.hpp"
 #include "recursive/build_model.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 
 namespace data = boost::unit_test::data;

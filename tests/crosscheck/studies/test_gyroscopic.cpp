@@ -12,6 +12,7 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "recursive/reactions.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 #include "tests/fixtures/planted.hpp"
 

@@ -14,6 +14,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/exact/exact.hpp"
+#include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
 #include "tests/fixtures/planted.hpp"
 
