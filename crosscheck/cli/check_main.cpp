@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dynwitness-check: the commands check, museum, golden and grade, in a program of their own (front.hpp).
+// dynwitness-check: check, museum, golden and grade, in a program of their own (front.hpp).
 #include "crosscheck/cli/front.hpp"
 
 int main(int argc, char** argv) {

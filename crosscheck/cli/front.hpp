@@ -10,9 +10,8 @@
 
 namespace dynwitness::cli {
 
-/// A word of the command line. What a first crosscheck does not need, and takes long to compile, is
-/// in programs of its own, dynwitness-PROGRAM beside this one, which the wrapper builds when they are
-/// first needed.
+/// A word of the command line. What a first crosscheck does not need is in programs of its own,
+/// dynwitness-PROGRAM beside this one, which the wrapper builds when they are first needed.
 struct Command {
   std::string name;
   std::function<Run(CLI::App&)> add;  ///< empty: in another program

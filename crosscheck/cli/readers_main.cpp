@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dynwitness-readers: the commands readers and same, in a program of their own (front.hpp).
+// dynwitness-readers: readers and same, in a program of their own (front.hpp).
 #include "crosscheck/cli/front.hpp"
 
 int main(int argc, char** argv) {

@@ -364,7 +364,7 @@ BOOST_AUTO_TEST_CASE(a_point_without_a_value_is_drawn_again_and_counted) {
   std::vector<ExactWitness> witnesses = exactWitnesses(scene, Parameters::kAsWritten);
   int built = 0;
   witnesses[1].in_field = [&, inner = witnesses[1].in_field](const FieldNumbers& number) {
-    const bool fails = built++ == 0;
+    const bool fails = !PrimeField::isSized() && built++ == 0;
     return
         [fails, answer = inner(number)](Quantity quantity, const scene::State<PrimeField>& state) {
           if (fails && quantity == Quantity::kc) PrimeField(0).inverse();

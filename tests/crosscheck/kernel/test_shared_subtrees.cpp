@@ -7,9 +7,9 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include "crosscheck/kernel/shared_subtrees.hpp"
 #include "crosscheck/laws/gauss_value.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
-#include "crosscheck/kernel/shared_subtrees.hpp"
 #include "recursive/build_model.hpp"
 #include "scene/scene.hpp"
 
