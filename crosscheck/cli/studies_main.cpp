@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dynwitness-studies: geometry, action, impulse, impedance and rotors, in a program of their own (front.hpp).
+// dynwitness-studies: geometry, action, impulse, impedance, rotors, a program of their own (front.hpp).
 #include "crosscheck/cli/front.hpp"
 
 int main(int argc, char** argv) {

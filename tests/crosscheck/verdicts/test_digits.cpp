@@ -193,8 +193,8 @@ BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(identities)
 
 // Measured at 300 states of each scene: our sweeps and the program use at most 93 % of their
-// bounds. The crosscheck of all scenes, a test too, asks at 100 states. An engine may refuse a scene
-// that it cannot hold, but what it answers must lie within its bound too.
+// bounds. The crosscheck of all scenes, a test too, asks at 100 states. An engine may refuse a
+// scene that it cannot hold, but what it answers must lie within its bound too.
 BOOST_DATA_TEST_CASE(every_witness_lies_within_its_bound, data::make(sceneFiles()), file) {
   const scene::Scene scene = scene::findScene(file);
   const auto all = measureDigits(scene, selectWitnesses({}), fewStates(5));
