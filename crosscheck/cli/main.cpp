@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
                 {"parameters", addParameters},
                 {"readers", addReaders},
                 {"same", addSame},
+                {"write", addWrite},
                 {"geometry", addGeometry},
                 {"action", addAction},
                 {"impulse", addImpulse},
