@@ -64,9 +64,14 @@ Vector3 valueOf(const Vector& v) {
 /** A computed number as a decimal.
     @param size  of the numbers that it was made of: what their rounding leaves of it is zero */
 Number printed(Real x, Real size, const SourceLocation& where) {
-  if (!std::isfinite(static_cast<double>(x)))
-    throw InputError(where, "what follows from its numbers is not finite, allowed: finite numbers");
-  return std::abs(x) < 1e-18L * size ? Number(0) : Expression::parse(fmt::format("{:.18g}", x));
+  if (x == 0 || std::abs(x) < 1e-18L * size) return Number(0);
+  const Real magnitude = std::abs(x);
+  if (!(magnitude >= std::numeric_limits<double>::min() &&
+        magnitude <= std::numeric_limits<double>::max()))
+    throw InputError(where,
+                     "what follows from its numbers is too large or too small to be finite in a "
+                     "double, allowed: sizes of machines");
+  return Expression::parse(fmt::format("{:.18g}", x));
 }
 Vector printed(const Vector3& v, Real size, const SourceLocation& where) {
   return {printed(v[0], size, where), printed(v[1], size, where), printed(v[2], size, where)};
@@ -308,23 +313,13 @@ void requireKnown(const Node& node, Names children) {
   }
 }
 
-/// Attributes of geoms that neither inertia nor motion knows.
-constexpr const char* kContactOfGeom[] = {
-    "condim", "priority", "material", "friction", "solmix",     "solref",    "solimp", "margin",
-    "gap",    "hfield",   "fitscale", "rgba",     "fluidshape", "fluidcoef", "user"};
-
 void requireKnownGeom(const Element& element) {
-  const Names used = {"name",    "class", "type",      "size",    "fromto",      "pos",
-                      "quat",    "euler", "axisangle", "xyaxes",  "zaxis",       "mass",
-                      "density", "group", "mesh",      "contype", "conaffinity", "shellinertia"};
-  for (const TiXmlAttribute* a = element.xml().FirstAttribute(); a; a = a->Next()) {
-    if (isOneOf(a->Name(), used)) continue;
-    if (std::find(std::begin(kContactOfGeom), std::end(kContactOfGeom), std::string(a->Name())) !=
-        std::end(kContactOfGeom))
-      continue;
-    element.fail(fmt::format("{}=\"{}\" is not in the subset that is read (scene/mjcf.md)",
-                             a->Name(), a->Value()));
-  }
+  requireKnown(
+      element,
+      {"name", "class", "type", "size", "fromto", "pos", "quat", "euler", "axisangle", "xyaxes",
+       "zaxis", "mass", "density", "group", "mesh", "contype", "conaffinity", "shellinertia"},
+      {"condim", "priority", "material", "friction", "solmix", "solref", "solimp", "margin", "gap",
+       "hfield", "fitscale", "rgba", "fluidshape", "fluidcoef", "user"});
 }
 
 void requireKnownJoint(const Element& element) {
@@ -391,8 +386,8 @@ class MjcfReader {
   void readOption(const Node& node);
   void readDefaults(const Node& node, const Class* parent);
   void takeNames(const Node& body);
-  void readBodies(const Node& node, const Carrier& carrier);
-  void readBody(const Node& node, const Carrier& carrier);
+  void readBodies(const Node& world, const Carrier& carrier);
+  Carrier readBody(const Node& node, const Carrier& parent);
   Carrier readJoints(const Node& node, const Carrier& parent, const Class* defaults,
                      const std::string& name, const MassProperties& inertia, bool is_known);
   Joint readJoint(const Said& said, JointKind kind);
@@ -429,14 +424,10 @@ class MjcfReader {
   std::set<std::string> joint_names_, body_names_;
   int bodies_ = 0, joints_ = 0;
   std::vector<MovingJoint> moving_;  ///< in the order of MuJoCo's, which is the scene's
+  std::unordered_map<std::string, std::size_t> moving_index_;
   std::map<std::string, std::vector<Number>> free_starts_;  ///< by joint
   std::map<std::string, Place> places_;                     ///< by body
-  struct Follows {
-    std::string joint;
-    Mimic mimic;
-    SourceLocation where;
-  };
-  std::vector<Follows> follows_;
+  std::unordered_map<std::string, Mimic> follows_;          ///< by the follower's joint
   struct Closing {
     Closure closure;
     std::string a, b;  ///< links
@@ -985,18 +976,27 @@ Joint MjcfReader::readJoint(const Said& said, JointKind kind) {
   return joint;
 }
 
-void MjcfReader::readBodies(const Node& node, const Carrier& carrier) {
-  for (const Node& child : node.children) {
-    const std::string kind = child.element.kind();
-    if (kind == "geom") requireKnownGeom(child.element);
-    if (kind == "body")
-      readBody(child, carrier);
-    else if (isOneOf(kind, {"geom", "site", "camera", "light"}))
-      ++left_out_[kind];
+/// In the order of the file, without recursion: bodies lie deep inside one another.
+void MjcfReader::readBodies(const Node& world, const Carrier& carrier) {
+  std::vector<std::pair<const Node*, Carrier>> left;  // bodies, with what carries them
+  const auto enter = [&](const Node& node, const Carrier& at) {
+    for (const Node& child : node.children) {
+      const std::string kind = child.element.kind();
+      if (kind == "geom") requireKnownGeom(child.element);
+      if (isOneOf(kind, {"geom", "site", "camera", "light"})) ++left_out_[kind];
+    }
+    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+      if (child->element.kind() == "body") left.emplace_back(&*child, at);
+  };
+  enter(world, carrier);
+  while (!left.empty()) {
+    const auto [node, at] = std::move(left.back());
+    left.pop_back();
+    enter(*node, readBody(*node, at));
   }
 }
 
-void MjcfReader::readBody(const Node& node, const Carrier& parent) {
+MjcfReader::Carrier MjcfReader::readBody(const Node& node, const Carrier& parent) {
   requireKnown(node.element,
                {"name", "childclass", "pos", "quat", "euler", "axisangle", "xyaxes", "zaxis",
                 "mocap", "gravcomp"},
@@ -1040,7 +1040,7 @@ void MjcfReader::readBody(const Node& node, const Carrier& parent) {
                                   ": mass of meshes not modelled, it rests in the world");
   }
   places_[name] = {carrier.link, carrier.shift, carrier.pose};
-  readBodies(node, carrier);
+  return carrier;
 }
 
 /// The joints of a body, in a row of links of which the last is the body.
@@ -1107,6 +1107,7 @@ MjcfReader::Carrier MjcfReader::readJoints(const Node& node, const Carrier& pare
     if (!isZero(ref))
       scene_.not_modelled.push_back(fmt::format(
           "joint {}: ref {} not modelled: q is MuJoCo's less that", read.joint.name, ref.text()));
+    moving_index_.emplace(read.joint.name, moving_.size());
     moving_.push_back({read.joint.name, joint_kind, ref});
     joints.push_back(read);
   }
@@ -1232,9 +1233,10 @@ void MjcfReader::readClosure(const Said& said, bool is_weld) {
 void MjcfReader::readMimic(const Said& said) {
   const auto joint = [&](const char* key) -> const MovingJoint& {
     const std::string name = said.text(key);
-    const auto found = std::find_if(moving_.begin(), moving_.end(),
-                                    [&](const MovingJoint& j) { return j.name == name; });
-    if (found == moving_.end()) said.fail(key, "is \"" + name + "\", allowed: the name of a joint");
+    const auto place = moving_index_.find(name);
+    if (place == moving_index_.end())
+      said.fail(key, "is \"" + name + "\", allowed: the name of a joint");
+    const MovingJoint* const found = &moving_[place->second];
     if (found->kind != JointKind::kRevolute && found->kind != JointKind::kPrismatic)
       said.fail(key, "is \"" + name + "\", allowed: a hinge or a slide");
     return *found;
@@ -1250,12 +1252,10 @@ void MjcfReader::readMimic(const Said& said) {
   if (isZero(c[1]) || !isZero(c[2]) || !isZero(c[3]) || !isZero(c[4]))
     said.fail("polycoef", "is " + said.text("polycoef") +
                               ", allowed: a straight line that rises or falls, A B 0 0 0");
-  for (const Follows& other : follows_)
-    if (other.joint == follower.name)
-      said.fail("joint1", "is \"" + follower.name + "\", which follows another one already");
   Mimic mimic{leader.name, c[1], c[0]};
   if (follower.kind == JointKind::kRevolute) mimic.offset = angleOf(mimic.offset);
-  follows_.push_back({follower.name, mimic, said.where()});
+  if (!follows_.emplace(follower.name, mimic).second)
+    said.fail("joint1", "is \"" + follower.name + "\", which follows another one already");
 }
 
 void MjcfReader::readEquality(const Node& node) {
@@ -1326,8 +1326,7 @@ void MjcfReader::readKeyframes(const Node& node) {
         const Matrix3 R = turnOf(q(3), {q(4), q(5), q(6)});
         v = printed(Vector3(R.transpose() * valueOf(v)), valueOf(v).norm(), said.where());
       }
-      const bool follows = std::any_of(follows_.begin(), follows_.end(),
-                                       [&](const Follows& f) { return f.joint == joint.name; });
+      const bool follows = follows_.count(joint.name) > 0;
       for (std::size_t k = 0; k < dof && !follows; ++k)
         scene_.start_qd.push_back(k < 3 ? v[k] : given[rate + k]);
       rate += dof;
@@ -1390,8 +1389,8 @@ Scene MjcfReader::read(const Node& top, double elements) {
   setTotalMass();
   each("equality", [&](const Node& node) { readEquality(node); });
   for (NamedLink& named : links_)
-    for (const Follows& f : follows_)
-      if (named.link.joint.name == f.joint) named.link.joint.mimic = f.mimic;
+    if (const auto f = follows_.find(named.link.joint.name); f != follows_.end())
+      named.link.joint.mimic = f->second;
 
   mechanism.links = arrange(links_, file_);
   std::unordered_map<std::string, int> index;

@@ -82,7 +82,8 @@ class MjcfWriter {
   /// The links of a body from the first to the last joint.
   std::vector<int> rowFrom(int first) const;
   Frame world(int i) const;
-  std::string body(int first, int indent);
+  std::string opened(const std::vector<int>& row, const std::string& margin, bool has_bodies);
+  std::string bodies(std::vector<int> firsts);
   std::string joints(const std::vector<int>& row, const Frame& after);
   std::string jointElement(const std::string& name, const char* type, const Joint* joint,
                            const Vector3& pos, const Vector3& axis) const;
@@ -100,7 +101,6 @@ class MjcfWriter {
   std::vector<bool> rests_, is_held_;  ///< by link: in the world; by a closure, load, ...
   std::vector<Vector3> shift_;         ///< by link: of its frame in its body's
   std::vector<int> first_slot_;        ///< by link; -1: its joint does not move
-  std::string free_bodies_;            ///< which stand in the world
   bool start_is_lost_ = false;
 };
 
@@ -172,21 +172,27 @@ std::vector<int> MjcfWriter::rowFrom(int first) const {
 
 /// Where a link is with all q zero, but free joints at the start.
 Frame MjcfWriter::world(int i) const {
-  if (i <= 0) return {};
-  const Placement& placement = link(i).joint.placement;
-  const Frame on = world(link(i).parent),
-              before = written::frameOf(placement.beforeJoint(), number_),
-              after = written::frameOf(placement.afterJoint(), number_);
-  Frame out{on.R * before.R, on.p + on.R * before.p, on.size + before.size + after.size};
-  if (link(i).joint.kind == JointKind::kFloating) {
-    const auto slot = static_cast<std::size_t>(first_slot_[static_cast<std::size_t>(i)]);
-    std::array<Real, 7> x;
-    for (std::size_t k = 0; k < 7; ++k) x[k] = number_(scene_.start_q[slot + k]);
-    out.p += out.R * Vector3(x[0], x[1], x[2]);
-    out.R = out.R * turnOf(&x[3]);
+  std::vector<int> path;
+  for (; i > 0; i = link(i).parent) path.push_back(i);
+  Frame out;
+  const auto move = [&out](const Vector3& p, const Matrix3& R) {
+    out.p += out.R * p;
+    out.R = out.R * R;
+  };
+  for (auto at = path.rbegin(); at != path.rend(); ++at) {
+    const Joint& joint = link(*at).joint;
+    const Frame before = written::frameOf(joint.placement.beforeJoint(), number_),
+                after = written::frameOf(joint.placement.afterJoint(), number_);
+    move(before.p, before.R);
+    if (joint.kind == JointKind::kFloating) {
+      const auto slot = static_cast<std::size_t>(first_slot_[static_cast<std::size_t>(*at)]);
+      std::array<Real, 7> x;
+      for (std::size_t k = 0; k < 7; ++k) x[k] = number_(scene_.start_q[slot + k]);
+      move(Vector3(x[0], x[1], x[2]), turnOf(&x[3]));
+    }
+    move(after.p, after.R);
+    out.size += before.size + after.size;
   }
-  out.p += out.R * after.p;
-  out.R = out.R * after.R;
   return out;
 }
 
@@ -295,12 +301,13 @@ std::string MjcfWriter::joints(const std::vector<int>& row, const Frame& after) 
   return out;
 }
 
-std::string MjcfWriter::body(int first, int indent) {
-  const std::vector<int> row = rowFrom(first);
+/// A body's element without those in it: its opening tag, or the whole one where it is empty.
+std::string MjcfWriter::opened(const std::vector<int>& row, const std::string& margin,
+                               bool has_bodies) {
+  const int first = row.front();
   const int last = row.back();
   const Link& l = link(last);
   const Joint& joint = link(first).joint;
-  const std::string margin(static_cast<std::size_t>(indent), ' ');
   std::string inside, out = fmt::format("{}<body name=\"{}\"", margin, escaped(l.name));
   if (joint.kind == JointKind::kFloating) {
     const auto slot = static_cast<std::size_t>(first_slot_[static_cast<std::size_t>(first)]);
@@ -339,16 +346,41 @@ std::string MjcfWriter::body(int first, int indent) {
     inside = joints(row, after);
   }
   inside += inertial(l, shift_[static_cast<std::size_t>(last)]);
-  std::string children;
-  for (const int child : children_[static_cast<std::size_t>(last)]) {
-    if (link(child).joint.kind == JointKind::kFloating)
-      free_bodies_ += body(child, 4);
-    else
-      children += body(child, indent + 2);
+  if (inside.empty() && !has_bodies) return out + "/>\n";
+  return out + ">" + inside + (has_bodies ? "\n" : "</body>\n");
+}
+
+/// Bodies with all in them, without recursion; those with free joints stand in the world, after.
+std::string MjcfWriter::bodies(std::vector<int> firsts) {
+  struct Task {
+    int first;  ///< -1: a tag is closed
+    std::size_t indent;
+  };
+  std::string out;
+  while (!firsts.empty()) {
+    std::vector<Task> left;
+    for (auto first = firsts.rbegin(); first != firsts.rend(); ++first) left.push_back({*first, 4});
+    firsts.clear();
+    while (!left.empty()) {
+      const Task task = left.back();
+      left.pop_back();
+      const std::string margin(task.indent, ' ');
+      if (task.first < 0) {
+        out += margin + "</body>\n";
+        continue;
+      }
+      const std::vector<int> row = rowFrom(task.first);
+      std::vector<int> inside;
+      for (const int child : children_[static_cast<std::size_t>(row.back())])
+        (link(child).joint.kind == JointKind::kFloating ? firsts : inside).push_back(child);
+      out += opened(row, margin, !inside.empty());
+      if (inside.empty()) continue;
+      left.push_back({-1, task.indent});
+      for (auto child = inside.rbegin(); child != inside.rend(); ++child)
+        left.push_back({*child, task.indent + 2});
+    }
   }
-  if (inside.empty() && children.empty()) return out + "/>\n";
-  out += ">" + inside;
-  return children.empty() ? out + "</body>\n" : out + "\n" + children + margin + "</body>\n";
+  return out;
 }
 
 /// Closures that MJCF has, and followers.
@@ -456,12 +488,7 @@ void MjcfWriter::loseRest() {
 
 std::string MjcfWriter::operator()() {
   prepare();
-  std::string bodies;
-  if (isWorld(0)) {
-    for (const int child : children_[0]) bodies += body(child, 4);
-  } else {
-    bodies = body(0, 4);
-  }
+  const std::string tree = bodies(isWorld(0) ? children_[0] : std::vector<int>{0});
   const std::string closed = equality(), start = keyframe();
   loseRest();
   std::string out = fmt::format("<mujoco model=\"{}\">\n", escaped(scene_.title));
@@ -469,7 +496,7 @@ std::string MjcfWriter::operator()() {
   out += fmt::format(
       "  <option gravity=\"{}\"/>\n",
       mechanism_.has_gravity ? text(written::vector(mechanism_.gravity, number_)) : "0 0 0");
-  out += "  <worldbody>\n" + bodies + free_bodies_ + "  </worldbody>\n";
+  out += "  <worldbody>\n" + tree + "  </worldbody>\n";
   if (!closed.empty()) out += "  <equality>\n" + closed + "  </equality>\n";
   if (!start.empty()) out += "  <keyframe>\n" + start + "  </keyframe>\n";
   return out + "</mujoco>\n";
