@@ -1345,7 +1345,7 @@ void MjcfReader::tell() {
     }
     list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, kind);
   }
-  if (!list.empty()) scene_.not_modelled.push_back(list + ": not modelled");
+  if (!list.empty()) scene_.not_modelled.push_back(list + " not modelled");
   if (has_limits_) scene_.not_modelled.push_back("joint limits not modelled");
 }
 
