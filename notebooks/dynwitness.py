@@ -9,7 +9,7 @@ names.
     dw.evaluate("double_pendulum", "M,g", q=[0.3, -0.7])["M"]  # an array of shape (states, n, n)
     dw.crosscheck("double_pendulum")["verdict"]                # report.json
 
-A scene is a name (`dw.run("scenes")` lists them), a TOML or URDF file, or a `Scene`, the text of
+A scene is a name (`dw.run("scenes")` lists them), a TOML, URDF or MJCF file, or a `Scene`, the text of
 one. Needs numpy. Pictures are SVG, drawn by gnuplot.
 """
 import json

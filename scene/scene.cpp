@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/scene.hpp"
 #include "scene/families.hpp"
+#include "scene/mjcf.hpp"
 #include "scene/text_file.hpp"
 
 #include <algorithm>
@@ -90,8 +91,9 @@ fs::path dataFolder() {
 }
 
 Scene readScene(const fs::path& file) {
-  const std::string text = readTextFile(file, "a TOML or URDF file");
-  return looksLikeXml(text) ? readSceneUrdf(text, file) : readSceneToml(text, file);
+  const std::string text = readTextFile(file, "a TOML, URDF or MJCF file");
+  if (!looksLikeXml(text)) return readSceneToml(text, file);
+  return isMjcf(text) ? readSceneMjcf(text, file) : readSceneUrdf(text, file);
 }
 
 std::vector<fs::path> bundledScenes() {

@@ -11,10 +11,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <optional>
-#include <sstream>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -25,178 +23,10 @@
 #include "scene/scene.hpp"
 #include "scene/urdf.hpp"
 #include "scene/work.hpp"
+#include "scene/xml_element.hpp"
 
 namespace dynwitness::scene {
 namespace {
-
-// ----------------------------------------------------------------------------------- numbers
-
-/** Angles that decimals cannot spell. A number that is, as a double, within two units in the last
-    place of k pi / n, n = 1, 2, 3, 4 or 6, is taken to be that angle: these are all the prints of
-   it with 16 or more significant digits (1.570796326794897). A print with fewer digits, such
-   as 1.5708, stays the decimal that it is: other programs that read the file turn by that angle,
-   too. */
-Number angleOf(const Number& decimal) {
-  const double angle = exactValue(decimal, {}).toDouble();
-  constexpr double kPi = 3.14159265358979323846;
-  if (std::abs(angle) > 4 * kPi) return decimal;
-  for (const int n : {1, 2, 3, 4, 6}) {
-    const int k = static_cast<int>(std::lround(angle * n / kPi));
-    if (k == 0) continue;
-    const double exact = std::abs(Exact{0, Rational(k, n)}.toDouble());
-    const double unit = std::nextafter(exact, HUGE_VAL) - exact;
-    if (std::abs(std::abs(angle) - exact) > 2 * unit) continue;
-    std::string text = k < 0 ? "-" : "";
-    if (std::abs(k) != 1) text += std::to_string(std::abs(k)) + "*";
-    text += n == 1 ? "pi" : "pi/" + std::to_string(n);
-    return Expression::parse(text);
-  }
-  return decimal;
-}
-
-// ---------------------------------------------------------------------------------- elements
-
-/// @throws InputError on elements so deep that TinyXML, which recurses, would overflow the stack.
-void requireShallow(const std::string& text, const std::string& file) {
-  constexpr int kMaxDepth = 100;  // a robot needs 6
-  const auto skipTo = [&text](std::size_t from, const char* end) {
-    return std::min(text.find(end, from), text.size());
-  };
-  int depth = 0;
-  for (std::size_t at = skipTo(0, "<"); at < text.size(); at = skipTo(at, "<")) {
-    if (text.compare(at, 4, "<!--") == 0) {
-      at = skipTo(at, "-->");
-    } else if (text.compare(at, 2, "<!") == 0 || text.compare(at, 2, "<?") == 0) {
-      at = skipTo(at, ">");
-    } else if (text.compare(at, 2, "</") == 0) {
-      --depth;
-      at = skipTo(at, ">");
-    } else {
-      while (at < text.size() && text[at] != '>') {  // which may stand in a quoted value
-        const char quote[] = {text[at], '\0'};
-        at = quote[0] == '"' || quote[0] == '\'' ? skipTo(at + 1, quote) + 1 : at + 1;
-      }
-      if (text[std::min(at, text.size()) - 1] != '/') ++depth;
-    }
-    if (depth <= kMaxDepth) continue;
-    throw InputError({file, 0},
-                     "more than " + std::to_string(kMaxDepth) + " elements inside one another");
-  }
-}
-
-/// One element of the file, with the messages about it.
-class Element {
- public:
-  Element(const TiXmlElement* xml, const std::string& file) : xml_(xml), file_(file) {}
-
-  SourceLocation where() const { return {file_, xml_->Row()}; }
-
-  [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(where(), "<" + xml_->ValueStr() + ">: " + what);
-  }
-
-  /// The only child of this kind, if there is one.
-  std::optional<Element> child(const char* kind) const {
-    const TiXmlElement* first = xml_->FirstChildElement(kind);
-    if (!first) return {};
-    if (const TiXmlElement* second = first->NextSiblingElement(kind)) {
-      Element(second, file_).fail("a second one, allowed: one in <" + xml_->ValueStr() + ">");
-    }
-    return Element(first, file_);
-  }
-  Element requiredChild(const char* kind) const {
-    const std::optional<Element> found = child(kind);
-    if (!found) fail("has no <" + std::string(kind) + ">");
-    return *found;
-  }
-  std::vector<Element> children(const char* kind) const {
-    std::vector<Element> found;
-    for (const TiXmlElement* e = xml_->FirstChildElement(kind); e;
-         e = e->NextSiblingElement(kind)) {
-      found.emplace_back(e, file_);
-    }
-    return found;
-  }
-
-  std::string optionalAttribute(const char* key) const {
-    const char* text = xml_->Attribute(key);
-    return text ? text : "";
-  }
-  std::string kind() const { return xml_->ValueStr(); }
-  /// The number between the element's tags.
-  Number numberInside() const {
-    const char* text = xml_->GetText();
-    std::istringstream words(text ? text : "");
-    std::string word, more;
-    if (!(words >> word) || words >> more) fail("expected one number between its tags");
-    return decimal(word, "text");
-  }
-  std::vector<Element> children() const {
-    std::vector<Element> found;
-    for (const TiXmlElement* e = xml_->FirstChildElement(); e; e = e->NextSiblingElement())
-      found.emplace_back(e, file_);
-    return found;
-  }
-  std::string attribute(const char* key) const {
-    const char* text = xml_->Attribute(key);
-    if (!text) fail("has no " + std::string(key));
-    return text;
-  }
-
-  Number number(const char* key) const { return decimals(key, 1)[0]; }
-  Number optionalNumber(const char* key, const Number& otherwise = Number(0)) const {
-    return xml_->Attribute(key) ? number(key) : otherwise;
-  }
-  Vector optionalVector(const char* key) const {
-    if (!xml_->Attribute(key)) return {};
-    const std::vector<Number> v = decimals(key, 3);
-    return {v[0], v[1], v[2]};
-  }
-  Vector optionalAngles(const char* key) const {
-    Vector v = optionalVector(key);
-    for (Number& angle : v) angle = angleOf(angle);
-    return v;
-  }
-
- private:
-  std::vector<Number> decimals(const char* key, std::size_t count) const {
-    std::istringstream words(attribute(key));
-    std::vector<Number> result;
-    for (std::string word; words >> word;) result.push_back(decimal(word, key));
-    if (result.size() != count) {
-      fail(std::string(key) + " has " + std::to_string(result.size()) +
-           " numbers, allowed: " + std::to_string(count));
-    }
-    return result;
-  }
-
-  Number decimal(const std::string& word, const char* key) const {
-    std::string lower = word;
-    for (char& c : lower) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-    const std::size_t unsigned_at = lower.find_first_not_of("+-");
-    for (const char* word_of_double : {"inf", "nan"}) {
-      if (unsigned_at != std::string::npos && lower.compare(unsigned_at, 3, word_of_double) == 0) {
-        fail(std::string(key) + " is \"" + word + "\", not finite, allowed: finite decimals");
-      }
-    }
-    if (lower.find_first_not_of("0123456789+-.e") == std::string::npos) {
-      try {
-        Number n = Expression::parse(word);
-        using Kind = Expression::Kind;
-        if ((n.kind() == Kind::kNegate ? n.left() : n).kind() == Kind::kNumber) {
-          exactValue(n, {});  // refuses what is not finite
-          return n;
-        }
-      } catch (const InputError& error) {
-        fail(std::string(key) + ": " + error.what());
-      }
-    }
-    fail(std::string(key) + " is \"" + word + "\", allowed: decimals");
-  }
-
-  const TiXmlElement* xml_;
-  std::string file_;
-};
 
 // ------------------------------------------------------------------------------ links, joints
 
@@ -427,19 +257,16 @@ void requireValidUrdf(const std::string& text, const std::string& file) {
 
 Urdf readUrdfAsWritten(const std::string& text, const std::filesystem::path& file) {
   const std::string name = file.string();
-  requireShallow(text, name);
+  constexpr int kMostDepth = 100;  // a robot needs 6
   TiXmlDocument document;
-  document.Parse(text.c_str());
-  if (document.Error()) {
-    throw InputError({name, document.ErrorRow()}, "not XML: " + std::string(document.ErrorDesc()));
-  }
+  parseXml(text, name, kMostDepth, &document);
   const TiXmlElement* top = document.RootElement();
   if (!top) throw InputError({name, 0}, "not URDF: there is no element");
   if (top->ValueStr() != "robot") {
     throw InputError({name, top->Row()}, "not URDF: the outermost element is <" + top->ValueStr() +
                                              ">, allowed: <robot>");
   }
-  const Element robot(top, name);
+  const Element robot(top, &name);
   for (const Element& element : robot.children())
     if (element.kind().compare(0, 6, "xacro:") == 0)
       element.fail("the file is in xacro, which writes URDF, allowed: what it writes (xacro " +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Writes scenes as TOML (data/scenes/README.md). What has its default value is left out, so a scene
-// reads as short as its author would write it. What a URDF file says beyond the scene
+// reads as short as its author would write it. What a URDF or MJCF file says beyond the scene
 // (Scene::not_modelled) does not come back: the written file says nothing that is not modelled.
 #include <algorithm>
 #include <cctype>

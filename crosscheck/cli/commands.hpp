@@ -60,5 +60,6 @@ Run addImpulse(CLI::App& app);
 Run addImpedance(CLI::App& app);
 Run addScenes(CLI::App& app);
 Run addVersion(CLI::App& app);
+Run addWrite(CLI::App& app);
 
 }  // namespace dynwitness::cli

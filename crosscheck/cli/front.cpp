@@ -77,9 +77,9 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
   app.footer(
       "The wrapper ./dynwitness knows two more words: test builds and runs all tests, bench the "
       "benchmarks.\n"
-      "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file "
-      "or a\n"
-      "URDF file. Exit status: 0 all agree; 1 a disagreement was found, or too little could be "
+      "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file, "
+      "a\n"
+      "URDF or an MJCF file. Exit status: 0 all agree; 1 a disagreement was found, or too little could be "
       "compared;\n"
       "2 bad usage or bad input; 3 a failure of dynwitness itself.");
   std::vector<Run> runs;

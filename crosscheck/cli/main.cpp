@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
                 {"parameters", addParameters},
                 {"readers", {}, "readers", kReadersDescription},
                 {"same", {}, "readers", kSameDescription},
+                {"write", addWrite},
                 {"geometry", {}, "studies", kGeometryDescription},
                 {"action", {}, "studies", kActionDescription},
                 {"impulse", {}, "studies", kImpulseDescription},

@@ -34,7 +34,7 @@ int run(const Arguments& arguments) {
 Run addSame(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("same", kSameDescription);
-  command->add_option("a", arguments->a, "Scene, TOML or URDF file")->required();
+  command->add_option("a", arguments->a, "Scene, TOML, URDF or MJCF file")->required();
   command->add_option("b", arguments->b, "The other one")->required();
   command->add_option("--states", arguments->states, "Seeded states for what a difference does")
       ->check(whole(1, 10000))

@@ -14,6 +14,7 @@
 #include "crosscheck/scalars/prime_field.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/mimic.hpp"
+#include "scene/mjcf.hpp"
 #include "scene/text_file.hpp"
 
 namespace dynwitness::crosscheck {
@@ -348,10 +349,10 @@ const char* id(SameResult::Verdict verdict) {
 Description findDescription(const std::string& name_or_path) {
   std::error_code error;
   if (std::filesystem::is_regular_file(name_or_path, error)) {
-    const std::string text = scene::readTextFile(name_or_path, "a TOML or URDF file");
+    const std::string text = scene::readTextFile(name_or_path, "a TOML, URDF or MJCF file");
     const std::size_t start = text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0;
     const std::size_t first = text.find_first_not_of(" \t\r\n", start);
-    if (first != std::string::npos && text[first] == '<')
+    if (first != std::string::npos && text[first] == '<' && !scene::isMjcf(text))
       return scene::readUrdfAsWritten(text, name_or_path);
   }
   return {scene::findScene(name_or_path), {}};

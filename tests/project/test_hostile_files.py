@@ -161,6 +161,35 @@ def long_rows():
                                                           f'q = [{numbers}]\n')))
 
 
+def mjcf(inside):
+    return f'<mujoco><worldbody>{inside}</worldbody></mujoco>'
+
+
+def mjcf_files():
+    refuses('more than 500 elements', *asks(write('deep.xml', mjcf('<body>' * 10**6))))
+    arm = '<joint axis="0 1 0"/><geom size="0.1" pos="0.1 0 0"/>'
+    n = 490
+    status, _, err = run(*asks(write('row.xml', mjcf(f'<body>{arm}' * n + '</body>' * n))))
+    require(status == 0, f'MJCF chain of {n} links is answered on 1 MiB of stack ({status} {err[:200]})')
+    n = 20000
+    inertia = '<inertial mass="2" pos="0 0 0" diaginertia="0.1 0.1 0.1"/>'
+    expected = sum(2 * (k / 2)**2 + 0.1 for k in range(n))
+    text = ''.join(f'<body pos="{k/2} 0 0">{inertia}</body>' for k in range(1, n))
+    status, out, err = run('evaluate', write('many.xml', mjcf(f'<body><joint/>{inertia}{text}</body>')), '--quantity', 'M',
+                           seconds=40)
+    require(status == 0 and abs(float(out.split()[1]) / expected - 1) < 1e-12,
+            f'many.xml: {n} bodies give M = {expected} ({status} {out} {err[:200]})')
+    arm = f'<body>{arm}</body>'
+    os.mkfifo('fifo.xml')
+    os.mkdir('folder.xml')
+    for file, part in [('fifo.xml', 'is a FIFO'), ('self.xml', 'was read already'), ('/dev/zero', 'is a device'),
+                       ('folder.xml', 'is a folder')]:
+        refuses(part, *asks(write('self.xml', mjcf(arm).replace('<world', f'<include file="{file}"/><world'))), seconds=5)
+    for size in ['1e300', '9' * 300, '1e-300', '-1e300']:
+        refuses('size.xml:1: ', *asks(write('size.xml', mjcf(arm.replace('0.1"', f'{size}"')))))
+    refuses('angle is "turns"', *asks(write('unit.xml', mjcf(arm).replace('<world', '<compiler angle="turns"/><world'))))
+
+
 def states_files():
     header = 'q1,q2,qd1,qd2,qdd1,qdd2\n'
     evaluate = ('evaluate', 'acrobot', '--quantity', 'tau', '--states')
@@ -248,7 +277,7 @@ def unwritable():
 
 
 if __name__ == '__main__':
-    parts = [nested_values, what_is_no_file, long_rows, states_files, only_what_is_asked, unwritable, waits_are_told]
+    parts = [nested_values, what_is_no_file, long_rows, mjcf_files, states_files, only_what_is_asked, unwritable, waits_are_told]
     chosen = sys.argv[2:]
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)

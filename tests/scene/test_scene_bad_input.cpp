@@ -460,7 +460,7 @@ BOOST_AUTO_TEST_CASE(a_file_that_cannot_be_read_is_named) {
   requireComplaint(complaint([] { readScene("/no/such/file.toml"); }),
                    "/no/such/file.toml: cannot be read: No such file or directory");
   requireComplaint(complaint([] { readScene("/tmp"); }),
-                   "/tmp: is a folder, allowed: a TOML or URDF file");
+                   "/tmp: is a folder, allowed: a TOML, URDF or MJCF file");
 }
 
 BOOST_AUTO_TEST_CASE(an_unknown_scene_is_answered_with_the_known_ones) {

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness write: a scene in another format.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/system/files.hpp"
+#include "scene/formats.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+struct Arguments {
+  std::string scene, format, output;
+  bool lossy = false;
+};
+
+int run(const Arguments& arguments) {
+  crosscheck::requireWritableFile(arguments.output);
+  const scene::Scene scene = readScene(arguments.scene);
+  scene::Format format = scene::Format::kToml;
+  for (const scene::Format f : {scene::Format::kUrdf, scene::Format::kMjcf})
+    if (arguments.format == scene::name(f)) format = f;
+  const scene::WrittenScene written = scene::writeSceneAs(scene, format);
+  if (!written.lost.empty() && !arguments.lossy) {
+    std::string list;
+    for (const std::string& what : written.lost) list += "\n  " + what;
+    throw scene::InputError(
+        {scene.file.string()},
+        fmt::format("{} cannot hold, allowed: another format, or --lossy, which leaves it out:{}",
+                    arguments.format, list));
+  }
+  for (const std::string& what : scene.not_modelled)
+    tell(fmt::format("{}: not read: {}\n", scene.name, what));
+  for (const std::string& what : written.lost)
+    tell(fmt::format("{}: lost: {}\n", scene.name, what));
+  if (arguments.output.empty())
+    fmt::print("{}", written.text);
+  else
+    crosscheck::writeWholeFile(arguments.output, written.text);
+  return 0;
+}
+
+}  // namespace
+
+Run addWrite(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("write", "A scene in another format: TOML, URDF or MJCF");
+  command->add_option("scene", arguments->scene, "Scene, TOML, URDF or MJCF file")->required();
+  command->add_option("--format", arguments->format, "toml, urdf or mjcf")
+      ->required()
+      ->check(CLI::IsMember({"toml", "urdf", "mjcf"}));
+  command->add_option("-o,--output", arguments->output,
+                      "File; without, the text goes to standard output");
+  command->add_flag("--lossy", arguments->lossy,
+                    "Leave out what the format cannot hold, each as a comment");
+  command->footer(
+      "Examples:\n"
+      "  dynwitness write my_arm.xml --format toml -o my_arm.toml\n"
+      "  dynwitness write franka_panda --format mjcf -o panda.xml\n"
+      "What is read again is the same robot ('dynwitness same A B'). Exit status: 0 written; 2 the "
+      "format cannot\n"
+      "hold all of it, or bad usage or input.");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli
