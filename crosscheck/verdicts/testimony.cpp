@@ -50,7 +50,7 @@ std::vector<CheckResult> Hearing::claimsOf(OutsideClaims& claims, const std::str
   for (CheckResult& check : checks) {
     check.seed = options_.seed;
     if (check.verdict == Verdict::kDisagree)
-      remarks_.emplace_back(witness, fmt::format("{}: {}", check.law, check.reason));
+      remarks_.emplace_back(witness, fmt::format("{}: {}: {}", witness, check.law, check.reason));
   }
   return checks;
 }

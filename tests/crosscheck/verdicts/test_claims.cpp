@@ -206,10 +206,9 @@ BOOST_DATA_TEST_CASE(the_jacobian_is_the_virtual_work_of_a_wrench,
       const Eigen::MatrixXd limit = J.bound.row(k).transpose() + bound(Quantity::kTau, state);
       BOOST_TEST((off.array() <= limit.array()).all(), name << " row " << k);
     }
-    BOOST_TEST((J.bound.array() <= J.engine.array()).all());
     // a limit that what is seen is far below would be none
     constexpr double kEps = 0x1p-52, kWide = 1e4;
-    BOOST_TEST(J.engine.maxCoeff() <= kWide * kEps * J.value.cwiseAbs().maxCoeff());
+    BOOST_TEST((J.bound + J.engine).maxCoeff() <= kWide * kEps * J.value.cwiseAbs().maxCoeff());
   }
 }
 
