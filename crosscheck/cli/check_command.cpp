@@ -78,7 +78,8 @@ Run addCheck(CLI::App& app) {
       command
           ->add_option("--answers", arguments->answers,
                        "CSV file in place of a program: answers in columns as evaluate writes them "
-                       "(tau1.., M11.., c1.., g1.., kinetic, potential, momentum1..), q1.., qd1.., "
+                       "(tau1.., M11.., c1.., g1.., kinetic, potential, momentum1.., JOINT.fx to "
+                       "JOINT.mz: reactions), q1.., qd1.., "
                        "qdd1.. beside them; every row is judged")
           ->excludes(engine);
   command

@@ -259,18 +259,28 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
   GrowingFile file(output);
   std::string rows = header + "\n";
   OpenStates open(scene);
-  std::vector<scene::State<double>> batch;
-  for (long row = 0; states.current() != nullptr;) {
-    for (batch.clear(); batch.size() < at_once && states.current() != nullptr; states.next()) {
-      batch.push_back(*states.current());
-      open.see(batch.back());
+  std::vector<scene::State<double>> batch, next;
+  const auto read = [&] {
+    for (next.clear(); next.size() < at_once && states.current() != nullptr; states.next()) {
+      next.push_back(*states.current());
+      open.see(next.back());
       if (!finds_qdd) continue;
-      const Eigen::MatrixXd qdd = constrained->answer("qdd", batch.back());
-      batch.back().qdd.assign(qdd.data(), qdd.data() + qdd.size());
+      const Eigen::MatrixXd qdd = constrained->answer("qdd", next.back());
+      next.back().qdd.assign(qdd.data(), qdd.data() + qdd.size());
     }
-    if (at_once > 1)
+    if (at_once == 1) return;
+    for (Column& column : columns)
+      if (column.is_engines) sendEngineAhead(*column.witness, column.quantity, next);
+  };
+  read();
+  for (long row = 0; !next.empty();) {
+    std::swap(batch, next);
+    next.clear();
+    if (at_once > 1) {
+      read();  // while the program is at the batch before
       for (Column& column : columns)
-        if (column.is_engines) askEngineAhead(*column.witness, column.quantity, batch);
+        if (column.is_engines) receiveEngineAhead(*column.witness);
+    }
     for (const scene::State<double>& state : batch) {
       ++row;
       for (Column& column : columns) {
@@ -293,6 +303,7 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
                                    static_cast<double>(row) / elapsed.count()));
       work.doneTo(states.fraction());
     }
+    if (at_once == 1) read();
   }
   file.write(rows);
   file.finish();

@@ -182,7 +182,7 @@ Run addGolden(CLI::App& app) {
   command
       ->add_option(
           "--quantity", arguments->quantities,
-          "Several with commas; without: all, of more than 64 rates all but M, kinetic, qdd")
+          "Several with commas; without: all, of more than 64 rates all but M, kinetic, qdd, reactions")
       ->delimiter(',')
       ->check(CLI::IsMember(quantities));
   command->add_option("--states", arguments->options.states, "States of a group, at most")

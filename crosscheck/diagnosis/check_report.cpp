@@ -26,7 +26,7 @@ std::vector<std::string> labels(const Examination& e, const std::vector<int>& ra
 }
 
 std::string lineOf(const QuantityFound& q) {
-  std::string out = fmt::format("  {:<10} {:<11}", name(q.quantity), name(q.verdict));
+  std::string out = fmt::format("  {:<10} {:<11}", q.name, name(q.verdict));
   if (q.verdict == Judged::kCannotSay) return out + q.reason + "\n";
   if (q.digits)
     out += fmt::format("{:4.1f} digits of {:<9.3g}", *q.digits, q.largest);
@@ -37,7 +37,43 @@ std::string lineOf(const QuantityFound& q) {
   return out + "\n";
 }
 
+/// What it believes the links to be: the first thing to read, since it explains what follows.
+std::string modelText(const ModelExamined& model) {
+  if (!model.is_told) return "";
+  if (model.differences.empty())
+    return fmt::format("  {:<10} {:<11}its links are the scene's\n", "model", name(Judged::kRight));
+  std::string out;
+  for (std::size_t k = 0; k < model.differences.size() && k < kMostTold; ++k)
+    out += fmt::format("  {:<10} {:<11}{}\n", k == 0 ? "model" : "",
+                       k == 0 ? name(Judged::kWrong) : "", sentenceOf(model.differences[k]));
+  if (model.differences.size() > kMostTold)
+    out += fmt::format("  {:<22}and {} more: --format json\n", "",
+                       model.differences.size() - kMostTold);
+  return out;
+}
+
+/// Whether quantities of states are wrong, and not the links or the Jacobian alone.
+bool hasWrongQuantity(const Examination& e) {
+  return std::any_of(e.quantities.begin(), e.quantities.end(), [](const QuantityFound& q) {
+    return q.verdict == Judged::kWrong && q.name != "jacobian";
+  });
+}
+
+std::string jacobianText(const Examination& e) {
+  const auto found = std::find_if(e.quantities.begin(), e.quantities.end(),
+                                  [](const QuantityFound& q) { return q.name == "jacobian"; });
+  if (found == e.quantities.end() || found->verdict != Judged::kWrong) return "";
+  return fmt::format("  jacobian of {}: {}\n", e.frame,
+                     e.jacobian_reading.empty()
+                         ? std::string("nothing on record explains it")
+                         : "explained exactly by: it is that " + e.jacobian_reading);
+}
+
 std::string diagnosisText(const Examination& e) {
+  if (!hasWrongQuantity(e)) {
+    const std::string why = jacobianText(e);
+    return why.empty() ? "" : "\nwhy\n" + why;
+  }
   std::string out = "\nwhere\n  " + joined(e.where.terms) + "\n";
   if (!e.where.rates.empty()) {
     std::vector<int> right;
@@ -48,7 +84,9 @@ std::string diagnosisText(const Examination& e) {
   }
   for (const std::string& sentence : e.where.growth) out += "  " + sentence + "\n";
 
-  out += "\nwhy\n";
+  out += "\nwhy\n" + jacobianText(e);
+  if (!e.model.differences.empty())
+    out += "  its model differs from the scene (above), which may be all of it\n";
   if (e.isExplained()) {
     const CheckFinding& best = e.findings.front();
     out += fmt::format(
@@ -106,6 +144,27 @@ std::string diagnosisText(const Examination& e) {
 
 }  // namespace
 
+namespace {
+
+Json modelJson(const ModelExamined& model) {
+  Json differences = Json::array();
+  for (const ModelDifference& d : model.differences) {
+    Json one = {{"link", d.link}};
+    if (!d.parameter.empty()) {
+      one["parameter"] = d.parameter;
+      one["said"] = d.said;
+    }
+    one["scene"] = d.scene;
+    one["unit"] = d.unit;
+    one["sentence"] = sentenceOf(d);
+    differences.push_back(one);
+  }
+  return {{"verdict", name(model.differences.empty() ? Judged::kRight : Judged::kWrong)},
+          {"differences", differences}};
+}
+
+}  // namespace
+
 std::string sentenceOf(const CheckFinding& finding) {
   std::vector<std::string> parts;
   for (const Explanation& part : finding.parts) parts.push_back(part.sentence);
@@ -118,6 +177,7 @@ std::string checkText(const Examination& e) {
                   e.scalar == "float" ? "single" : "double", e.states);
   for (const std::string& remark : e.remarks) out += "  " + remark + "\n";
   if (!e.failure.empty()) return out + "FAILED: " + e.failure + "\n";
+  out += modelText(e.model);
   for (const QuantityFound& q : e.quantities) out += lineOf(q);
   if (e.isWrong()) out += diagnosisText(e);
   out += fmt::format("\n{}\n", e.isWrong() ? "WRONG" : "right");
@@ -127,7 +187,7 @@ std::string checkText(const Examination& e) {
 std::string checkJson(const Examination& e, const std::string& version) {
   Json quantities = Json::array(), findings = Json::array();
   for (const QuantityFound& q : e.quantities) {
-    Json one = {{"quantity", name(q.quantity)}, {"verdict", name(q.verdict)}};
+    Json one = {{"quantity", q.name}, {"verdict", name(q.verdict)}};
     if (!q.reason.empty()) one["reason"] = q.reason;
     if (q.states > 0) {
       one["states"] = q.states;
@@ -184,6 +244,9 @@ std::string checkJson(const Examination& e, const std::string& version) {
               {"states", e.states},    {"verdict", e.isWrong() ? "wrong" : "right"}};
   if (!e.failure.empty()) out["failure"] = e.failure;
   out["remarks"] = e.remarks;
+  if (e.model.is_told) out["model"] = modelJson(e.model);
+  if (!e.frame.empty()) out["frame"] = e.frame;
+  if (!e.jacobian_reading.empty()) out["jacobian_reading"] = e.jacobian_reading;
   out["quantities"] = quantities;
   if (e.isWrong() && e.failure.empty()) {
     out["where"] = {{"terms", e.where.terms}, {"growth", e.where.growth}, {"rates", Json::array()}};

@@ -34,9 +34,10 @@ bool isByRates(Quantity quantity) {
 }
 
 /// What the exhibits of one quantity come to.
-QuantityFound found(Quantity quantity, const std::vector<Exhibit>& exhibits) {
+QuantityFound found(const std::string& name, Quantity quantity, bool by_rates,
+                    const std::vector<Exhibit>& exhibits) {
   QuantityFound out;
-  out.quantity = quantity;
+  out.name = name;
   bool wrong = false;
   for (const Exhibit& e : exhibits) {
     if (e.asked != quantity) continue;
@@ -53,7 +54,7 @@ QuantityFound found(Quantity quantity, const std::vector<Exhibit>& exhibits) {
     for (Eigen::Index j = 0; j < e.error.cols(); ++j)
       for (Eigen::Index i = 0; i < e.error.rows(); ++i) {
         const double error = e.error(i, j), bound = e.bound(i, j);
-        if (error > bound && isByRates(quantity) &&
+        if (error > bound && by_rates &&
             std::count(out.rates.begin(), out.rates.end(), static_cast<int>(i)) == 0)
           out.rates.push_back(static_cast<int>(i));
         const double ratio = error == 0  ? 0
@@ -63,7 +64,7 @@ QuantityFound found(Quantity quantity, const std::vector<Exhibit>& exhibits) {
         out.ratio = ratio;
         out.seen = error / ulp;
         out.limit = bound / ulp;
-        out.entry = entryName(crosscheck::name(quantity), i, j, e.error);
+        out.entry = entryName(name, i, j, e.error);
         out.state = e.index;
       }
   }
@@ -80,7 +81,7 @@ QuantityFound found(Quantity quantity, const std::vector<Exhibit>& exhibits) {
 std::string nothingJudged(const Examination& examined) {
   std::string reasons;
   for (const QuantityFound& q : examined.quantities)
-    reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", name(q.quantity), q.reason);
+    reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", q.name, q.reason);
   return "nothing that it says could be judged: " + reasons;
 }
 
@@ -169,6 +170,86 @@ bool exceeds(const Eigen::MatrixXd& error, const Eigen::MatrixXd& bound) {
   return (error.cwiseAbs().array() > bound.array()).any();
 }
 
+/// A Jacobian, as an answer that is judged.
+Exhibit exhibitOf(const OutsideClaims::SaidJacobian& said, const BoundedJacobian& J, double factor,
+                  int index) {
+  Exhibit out;
+  out.index = index;
+  out.failure = said.reason;
+  if (!said.reason.empty()) return out;
+  out.said = said.value;
+  out.truth = J.value;
+  out.bound = J.bound + factor * J.engine;
+  out.error = (said.value - J.value).cwiseAbs();
+  out.is_wrong = (out.error.array() > out.bound.array()).any();
+  out.size = J.value.cwiseAbs().maxCoeff();
+  const double off = out.error.maxCoeff();
+  constexpr double kMostDigits = std::numeric_limits<double>::max_digits10;
+  out.digits = off == 0       ? kMostDigits
+               : out.size > 0 ? std::clamp(-std::log10(off / out.size), 0.0, kMostDigits)
+                              : 0;
+  return out;
+}
+
+/// What else than was asked is answered at all these states: the first reading that is, in words.
+std::string readingOf(const std::vector<Exhibit>& exhibits,
+                      const std::vector<BoundedJacobian>& ours) {
+  std::vector<std::string> words;
+  for (const JacobianReading& reading : otherReadings(ours.front())) words.push_back(reading.words);
+  std::vector<bool> fits(words.size(), true);
+  for (std::size_t k = 0; k < exhibits.size(); ++k) {
+    if (!exhibits[k].failure.empty()) continue;
+    const std::vector<JacobianReading> readings = otherReadings(ours[k]);
+    const double limit = exhibits[k].bound.maxCoeff(), size = exhibits[k].size;
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      // about another point its numbers are larger, and so is what is lost of them
+      const double here = readings[i].value.cwiseAbs().maxCoeff();
+      const double growth = size > 0 ? std::max(1.0, here / size) : 1.0;
+      const double off = (exhibits[k].said - readings[i].value).cwiseAbs().maxCoeff();
+      fits[i] = fits[i] && off <= 2 * growth * limit + kEps * std::max(here, size);
+    }
+  }
+  const auto first = std::find(fits.begin(), fits.end(), true);
+  return first == fits.end() ? "" : words[static_cast<std::size_t>(first - fits.begin())];
+}
+
+/// What it says besides quantities.
+void examineClaims(OutsideClaims& claims, const scene::Scene& scene,
+                   const std::vector<scene::State<double>>& chosen, double factor,
+                   Examination& out) {
+  if (const auto links = claims.believedLinks()) {
+    const ModelFound model = compareModel(scene.mechanism, *links, factor);
+    out.model.is_told = true;
+    out.model.differences = model.differences;
+    for (const std::string& sentence : model.merged) out.remarks.push_back("its model " + sentence);
+  }
+  QuantityFound jacobian;
+  jacobian.name = "jacobian";
+  jacobian.reason = "the engine does not know it";
+  if (claims.knowsJacobian()) {
+    const FramePoint point = farthestPoint(scene.mechanism);
+    out.frame = wordsOf(point, scene.mechanism);
+    std::vector<scene::State<double>> states;
+    std::vector<int> indices;
+    for (std::size_t k = 0; k < chosen.size(); ++k)
+      if (isAskedAt(Quantity::kM, static_cast<int>(k))) {
+        states.push_back(chosen[k]);
+        indices.push_back(static_cast<int>(k));
+      }
+    const std::vector<OutsideClaims::SaidJacobian> said = claims.jacobians(point, states);
+    FrameJacobian frame(scene);
+    std::vector<BoundedJacobian> ours;
+    std::vector<Exhibit> exhibits;
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      ours.push_back(frame(point, states[k]));
+      exhibits.push_back(exhibitOf(said[k], ours.back(), factor, indices[k]));
+    }
+    jacobian = found(jacobian.name, Quantity::kM, false, exhibits);
+    if (jacobian.verdict == Judged::kWrong) out.jacobian_reading = readingOf(exhibits, ours);
+  }
+  out.quantities.push_back(jacobian);
+}
+
 /// How errors grow: from the states that isolate terms.
 void tellGrowth(const std::vector<Exhibit>& exhibits, const Isolating& at, Where& where) {
   const auto direct = [&](Quantity quantity) -> std::optional<bool> {
@@ -245,7 +326,7 @@ const char* name(Judged verdict) {
 }
 
 bool Examination::isWrong() const {
-  return !failure.empty() ||
+  return !failure.empty() || !model.differences.empty() ||
          std::any_of(quantities.begin(), quantities.end(),
                      [](const QuantityFound& q) { return q.verdict == Judged::kWrong; });
 }
@@ -295,10 +376,9 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
   std::vector<Exhibit> exhibits;
   Bench bench(scene, *witness, factor);
   for (const Quantity quantity : kAllQuantities) {
-    if (quantity == Quantity::kReactions) continue;
     if (!witness->answers(quantity)) {
       QuantityFound missing;
-      missing.quantity = quantity;
+      missing.name = name(quantity);
       missing.reason = "the engine does not know it";
       out.quantities.push_back(missing);
       continue;
@@ -306,8 +386,14 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
     for (int k = 0; k < out.states; ++k)
       if (is_given || isAskedAt(quantity, k))
         exhibits.push_back(bench.ask(quantity, chosen[static_cast<std::size_t>(k)], k));
-    out.quantities.push_back(found(quantity, exhibits));
+    out.quantities.push_back(found(name(quantity), quantity, isByRates(quantity), exhibits));
   }
+  if (auto* claims = dynamic_cast<OutsideClaims*>(witness.get())) try {
+      examineClaims(*claims, scene, chosen, factor, out);
+    } catch (const std::runtime_error& failure) {  // it has failed at the last question
+      out.failure = failure.what();
+      return out;
+    }
   work.done();
   for (const QuantityFound& q : out.quantities)
     for (const int rate : q.rates)
@@ -318,7 +404,7 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
     const bool judged =
         std::any_of(out.quantities.begin(), out.quantities.end(),
                     [](const QuantityFound& q) { return q.verdict == Judged::kRight; });
-    if (!judged) out.failure = nothingJudged(out);
+    if (!judged && !out.model.is_told) out.failure = nothingJudged(out);
     return out;
   }
 
@@ -333,7 +419,9 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
     out.where.growth.push_back(
         fmt::format("what follows goes by {} of the {} states", kChosenStates, chosen.size()));
   }
-  if (options.explain) {
+  const bool has_wrong_answers =
+      std::any_of(exhibits.begin(), exhibits.end(), [](const Exhibit& e) { return e.is_wrong; });
+  if (options.explain && has_wrong_answers) {
     const Explained explained_by = explained(textbookModel(scene), exhibits, chosen);
     out.findings = explained_by.findings;
     out.tried = explained_by.tried;

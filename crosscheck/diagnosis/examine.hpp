@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "crosscheck/verdicts/claims.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/scene.hpp"
 
@@ -25,7 +26,7 @@ struct CheckOptions {
 /// What was found out about one quantity.
 struct QuantityFound {
   enum class Verdict { kRight, kWrong, kCannotSay };
-  Quantity quantity = Quantity::kM;
+  std::string name;  ///< "M", ...; "jacobian", which is no quantity of a witness
   Verdict verdict = Verdict::kCannotSay;
   std::string reason;            ///< why nothing can be said
   int states = 0;                ///< at which it was judged
@@ -82,13 +83,22 @@ struct Smallest {
   std::vector<std::string> joints;  ///< that are not at rest there
 };
 
+/// What it believes the links to be.
+struct ModelExamined {
+  bool is_told = false;
+  std::vector<ModelDifference> differences;
+};
+
 struct Examination {
   std::string scene, engine, version, scalar;
   std::uint64_t seed = 0;
   int states = 0;
   std::string failure;  ///< it failed as a whole: why
   std::vector<std::string> remarks;
+  ModelExamined model;
   std::vector<QuantityFound> quantities;
+  std::string frame;             ///< whose Jacobian was asked, in words; empty: nobody's
+  std::string jacobian_reading;  ///< what was answered in its place, where that is known
   Where where;
   std::vector<CheckFinding> findings;  ///< best first
   long tried = 0, pairs_tried = 0, pairs = 0;
@@ -102,7 +112,8 @@ struct Examination {
 /// The scene as programs are asked about it: every joint of its tree with a rate of its own.
 scene::Scene withoutFollowers(scene::Scene scene);
 
-/** Asks the witness at no more than ten chosen states (or at those given), judges each answer
+/** Compares the links that the witness believes in, where it tells them, with the scene's; asks it at
+    no more than ten chosen states (or at those given), judges each answer
     against the certified truth by what a sweep of its kind may lose, and compares it with what each
     mistake on record would have made of it.
 

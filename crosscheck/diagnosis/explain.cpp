@@ -34,10 +34,6 @@ bool isForce(Quantity quantity) {
   return quantity == Quantity::kM || quantity == Quantity::kc || quantity == Quantity::kg ||
          quantity == Quantity::kTau || quantity == Quantity::kQdd;
 }
-bool isPredicted(Quantity quantity) {
-  return isForce(quantity) || quantity == Quantity::kKinetic || quantity == Quantity::kPotential ||
-         quantity == Quantity::kMomentum;
-}
 double largest(const MatrixXd& m) {
   return m.size() == 0 ? 0 : m.cwiseAbs().maxCoeff();
 }
@@ -94,19 +90,16 @@ class Case {
     for (const Exhibit& e : exhibits) {
       if (e.is_wrong && std::count(wrong.begin(), wrong.end(), e.asked) == 0)
         wrong.push_back(e.asked);
-      if (e.failure.empty() && isPredicted(e.asked) && e.asked != Quantity::kQdd)
+      if (e.failure.empty() && e.asked != Quantity::kQdd)
         loose_[e.asked] = std::max(loose_[e.asked], largest(limitOf(e, e.truth, false)) /
                                                         sizeOf(e.asked, e.truth, e.state));
     }
     const auto isWrong = [&](Quantity q) { return std::count(wrong.begin(), wrong.end(), q) > 0; };
     for (const Exhibit& e : exhibits) {
       if (!e.failure.empty()) continue;
-      if (!isPredicted(e.asked)) continue;
       const bool counts = isWrong(e.asked) && (scope == Scope::kAll || isForce(e.asked));
       (counts ? primary_ : others_).push_back(&e);
     }
-    for (const Quantity q : wrong)
-      if (!isPredicted(q)) unpredicted_.emplace_back(crosscheck::name(q));
     // cheap and telling first: what needs one sweep, at a generic state that has one before it
     const auto cost = [](const Exhibit* e) {
       return std::make_tuple(!e->is_wrong, e->compared == Quantity::kM,
@@ -138,8 +131,9 @@ class Case {
   }
   /// What is compared.
   MatrixXd predicted(const Textbook& textbook, const Belief& belief, const Exhibit& e) const {
-    if (!isStale(belief)) return textbook(e.compared, e.state);
-    return textbook(e.compared, mixed(belief, e));
+    const bool solved = e.asked == Quantity::kQdd;
+    if (!isStale(belief)) return textbook(e.compared, e.state, solved);
+    return textbook(e.compared, mixed(belief, e), solved);
   }
   /// The same, of M only what it makes of qdd: one sweep for one a column.
   MatrixXd glanced(const Textbook& textbook, const Belief& belief, const Exhibit& e) const {
@@ -174,7 +168,6 @@ class Case {
   /// not account for.
   void compareOthers(const Belief& belief, CheckFinding& finding) const {
     const Textbook textbook(belief);
-    finding.unasked = unpredicted_;
     for (const Exhibit* e : others_) {
       if (!isAnswerable(belief, *e)) continue;
       const Misfit one = misfitHere(textbook, belief, *e, predicted(textbook, belief, *e));
@@ -288,7 +281,6 @@ class Case {
   Belief right_;
   const std::vector<State>& chosen_;
   std::vector<const Exhibit*> primary_, others_, heads_;
-  std::vector<std::string> unpredicted_;
   std::map<Quantity, double> loose_;  ///< limit of a quantity that is known, of its size
 };
 

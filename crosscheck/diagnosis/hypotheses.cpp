@@ -495,7 +495,7 @@ void addWrenches(List& list) {
        [](TextbookWrench& w) { w.at = Vector3d::Zero(); });
 }
 
-void addPlacements(List& list) {
+void addPlacementTurns(List& list) {
   const TextbookModel& model = list.model();
   list.each("rotation_transposed", false, hasParent, "rotation of {} (its placement) transposed",
             [](TextbookLink& link) { link.before.R.transposeInPlace(); });
@@ -525,7 +525,9 @@ void addPlacements(List& list) {
                 if (step.axis >= 0) R = composed({step}).R * R;
               link.before.R = R;
             });
+}
 
+void addFixedChildren(List& list) {
   const Applies fixed = [](const TextbookLink& link) {
     return link.parent >= 0 && link.kind == scene::JointKind::kFixed;
   };
@@ -543,31 +545,36 @@ void addPlacements(List& list) {
               weightless(link);
               link.before = link.after = Frame();
             });
+}
 
-  const Edit as_modified = [](TextbookLink& link) {
-    std::vector<PlacementStep> turn_z, shift, turn_x;
-    for (const PlacementStep& step : link.after_steps)
-      (step.axis < 0 ? shift : step.axis == 2 ? turn_z : turn_x).push_back(step);
-    const Vector3d p = composed(shift).p;
-    Frame a, d;
-    a.p = {p(0), 0, 0};
-    d.p = {0, 0, p(2)};
-    link.before = composed(turn_x) * a * composed(turn_z) * d;
-    link.after = Frame();
-  };
-  const Edit as_standard = [](TextbookLink& link) {
-    std::vector<PlacementStep> turn_z, turn_x;
-    Vector3d p = Vector3d::Zero();
-    for (const PlacementStep& step : link.before_steps) {
-      if (step.axis < 0) p += step.shift;
-      if (step.axis == 2) turn_z.push_back(step);
-      if (step.axis == 0) turn_x.push_back(step);
-    }
-    Frame shift;
-    shift.p = p;
-    link.before = Frame();
-    link.after = composed(turn_z) * shift * composed(turn_x);
-  };
+/// A row of Denavit and Hartenberg, read by the other convention.
+void readAsModified(TextbookLink& link) {
+  std::vector<PlacementStep> turn_z, shift, turn_x;
+  for (const PlacementStep& step : link.after_steps)
+    (step.axis < 0 ? shift : step.axis == 2 ? turn_z : turn_x).push_back(step);
+  const Vector3d p = composed(shift).p;
+  Frame a, d;
+  a.p = {p(0), 0, 0};
+  d.p = {0, 0, p(2)};
+  link.before = composed(turn_x) * a * composed(turn_z) * d;
+  link.after = Frame();
+}
+void readAsStandard(TextbookLink& link) {
+  std::vector<PlacementStep> turn_z, turn_x;
+  Vector3d p = Vector3d::Zero();
+  for (const PlacementStep& step : link.before_steps) {
+    if (step.axis < 0) p += step.shift;
+    if (step.axis == 2) turn_z.push_back(step);
+    if (step.axis == 0) turn_x.push_back(step);
+  }
+  Frame shift;
+  shift.p = p;
+  link.before = Frame();
+  link.after = composed(turn_z) * shift * composed(turn_x);
+}
+
+void addDenavitHartenberg(List& list) {
+  const TextbookModel& model = list.model();
   // all at once is the likely way
   const bool has_dh = std::any_of(model.links.begin(), model.links.end(),
                                   [](const TextbookLink& link) { return link.is_dh; });
@@ -576,11 +583,11 @@ void addPlacements(List& list) {
   if (has_dh)
     list.each(
         "dh_as_modified", false, [](const TextbookLink& link) { return link.is_dh; },
-        "Denavit-Hartenberg row of {} read as a modified one", as_modified);
+        "Denavit-Hartenberg row of {} read as a modified one", readAsModified);
   if (has_mdh)
     list.each(
         "dh_as_modified", false, [](const TextbookLink& link) { return link.is_mdh; },
-        "modified Denavit-Hartenberg row of {} read as a standard one", as_standard);
+        "modified Denavit-Hartenberg row of {} read as a standard one", readAsStandard);
   list.each(
       "dh_as_modified", false,
       [](const TextbookLink& link) { return hasParent(link) && !isTrivial(link.after); },
@@ -589,7 +596,9 @@ void addPlacements(List& list) {
         link.before = link.before * link.after;
         link.after = Frame();
       });
+}
 
+void addDegrees(List& list) {
   for (const double unit : {kDegree, 1 / kDegree}) {
     const std::string how =
         unit < 1 ? "in radians taken for degrees" : "in degrees taken for radians";
@@ -631,11 +640,17 @@ void addPlacements(List& list) {
   }
 }
 
-void addJoints(List& list) {
-  const TextbookModel& model = list.model();
-  std::vector<std::size_t> single;  // links whose joints have one position
+/// Links whose joints have one position.
+std::vector<std::size_t> singleJoints(const TextbookModel& model) {
+  std::vector<std::size_t> out;
   for (std::size_t i = 0; i < model.links.size(); ++i)
-    if (hasOneRate(model.links[i])) single.push_back(i);
+    if (hasOneRate(model.links[i])) out.push_back(i);
+  return out;
+}
+
+void addJointOrders(List& list) {
+  const TextbookModel& model = list.model();
+  const std::vector<std::size_t> single = singleJoints(model);
   const std::size_t n = single.size();
   const auto order = [&](const std::string& sentence, const std::vector<std::size_t>& taken) {
     std::vector<int> rates(static_cast<std::size_t>(model.dof)),
@@ -672,6 +687,11 @@ void addJoints(List& list) {
               swapped);
       }
   }
+}
+
+void addJointSigns(List& list) {
+  const TextbookModel& model = list.model();
+  const std::vector<std::size_t> single = singleJoints(model);
   const auto flip = [&model](Belief& b, std::size_t i) {
     Passing& by = b.passing;
     if (by.sign.empty()) by.sign.assign(static_cast<std::size_t>(model.dof), 1.0);
@@ -683,12 +703,15 @@ void addJoints(List& list) {
   for (const std::size_t i : single)
     list.at("joint_sign", i, true, "{} moves in the opposite direction",
             [flip, i](Belief& b) { flip(b, i); });
-  if (n > 1)
+  if (single.size() > 1)
     list.add("joint_sign", "all joints move in the opposite direction", [flip, single](Belief& b) {
       for (const std::size_t i : single) flip(b, i);
     });
   list.each("joint_sign", true, hasAxisOfOne, "axis of {} points in the opposite direction",
             [](TextbookLink& link) { link.axis = -link.axis; });
+}
+
+void addJointAxes(List& list) {
   for (int axis = 0; axis < 3; ++axis)
     for (const int sign : {1, -1})
       list.each(
@@ -716,7 +739,11 @@ void addJoints(List& list) {
       "pitch_ignored", true,
       [](const TextbookLink& link) { return link.kind == scene::JointKind::kHelical; },
       "{}, helical, taken as revolute", [](TextbookLink& link) { link.pitch = 0; });
+}
 
+/// Of spherical and floating joints.
+void addFreeTurns(List& list) {
+  const TextbookModel& model = list.model();
   const bool turns = std::any_of(model.links.begin(), model.links.end(), [](const TextbookLink& l) {
     return l.parent >= 0 &&
            (l.kind == scene::JointKind::kSpherical || l.kind == scene::JointKind::kFloating);
@@ -779,6 +806,34 @@ void addStale(List& list) {
   add("accelerations", {false, false, true});
 }
 
+/// How reactions are told.
+void addReactions(List& list) {
+  list.formula("reaction_sign", "reactions that the link exerts on its parent",
+               [](Formulas& f) { f.reaction_on_parent = true; });
+  list.formula("reaction_order", "reactions with the moment first",
+               [](Formulas& f) { f.moment_first = true; });
+  struct About {
+    const char* words;
+    Formulas::About point;
+  };
+  struct In {
+    const char* words;
+    Formulas::Axes axes;
+  };
+  for (const About& about : {About{"", Formulas::About::kJoint},
+                             About{" about the link's origin", Formulas::About::kLink},
+                             About{" about the link's centre of mass", Formulas::About::kCom}})
+    for (const In& in : {In{"", Formulas::Axes::kJoint}, In{" in link axes", Formulas::Axes::kLink},
+                         In{" in world axes", Formulas::Axes::kWorld}}) {
+      if (*about.words == '\0' && *in.words == '\0') continue;
+      list.formula("reaction_frame", fmt::format("reactions{}{}", about.words, in.words),
+                   [point = about.point, axes = in.axes](Formulas& f) {
+                     f.reaction_about = point;
+                     f.reaction_axes = axes;
+                   });
+    }
+}
+
 }  // namespace
 
 std::vector<Hypothesis> hypotheses(const TextbookModel& model) {
@@ -788,11 +843,18 @@ std::vector<Hypothesis> hypotheses(const TextbookModel& model) {
   addJointForces(list);
   addInertias(list);
   addWrenches(list);
-  addPlacements(list);
+  addPlacementTurns(list);
+  addFixedChildren(list);
+  addDenavitHartenberg(list);
+  addDegrees(list);
   addCentresOfMass(list);
-  addJoints(list);
+  addJointOrders(list);
+  addJointSigns(list);
+  addJointAxes(list);
+  addFreeTurns(list);
   addSeries(list);
   addStale(list);
+  addReactions(list);
   // the other reading of these words: numbers about the centre of mass taken as if about the joint
   list.each("inertia_about_joint", false, hasParent,
             "inertia of {}, given about the centre of mass, taken as if about the joint",
@@ -800,10 +862,141 @@ std::vector<Hypothesis> hypotheses(const TextbookModel& model) {
   return list.take();
 }
 
+namespace {
+
+using Values = Eigen::VectorXd;
+
+double sizeOr1(double x) {
+  return x == 0 ? 1.0 : std::abs(x);
+}
+
+/// Collects suspects of one link, or of the joint that carries it.
+class Numbers {
+ public:
+  Numbers(const TextbookModel& model, std::size_t i, std::vector<Suspect>& out)
+      : link_(model.links[i]), i_(i), out_(out) {}
+
+  /// One that is added to.
+  /// @param edit  what an addition does to the link
+  void add(const std::string& rule, const std::string& what, const std::string& unit,
+           const std::string& name, double value, double scale,
+           const std::function<void(TextbookLink&, double)>& edit, bool at_joint = false) {
+    const std::string of = at_joint ? fmt::format(" of joint '{}'", link_.joint)
+                                    : fmt::format(" of link '{}'", link_.name);
+    out_.push_back({rule,
+                    static_cast<int>(i_),
+                    at_joint,
+                    what + of,
+                    unit,
+                    {name},
+                    {value},
+                    {scale},
+                    [edit, i = i_](Belief& b, const Values& s) { edit(b.model.links[i], s(0)); }});
+  }
+  const TextbookLink& link() const { return link_; }
+  double reach() const {
+    return sizeOr1(std::max({link_.before.p.norm(), link_.after.p.norm(), link_.com.norm()}));
+  }
+
+ private:
+  const TextbookLink& link_;
+  std::size_t i_;
+  std::vector<Suspect>& out_;
+};
+
+void suspectMass(Numbers& of) {
+  const double mass = of.link().mass;
+  of.add("mass_wrong", "mass", "kg", "mass", mass, sizeOr1(mass),
+         [](TextbookLink& l, double s) { l.mass += s; });
+  if (mass != 0)
+    of.add("mass_wrong", "density (mass, and inertia with it)", "kg", "mass", mass, mass,
+           [](TextbookLink& l, double s) {
+             const double factor = 1 + s / l.mass;
+             l.mass *= factor;
+             l.inertia *= factor;
+           });
+}
+
+void suspectLengths(Numbers& of) {
+  const TextbookLink& link = of.link();
+  for (const bool after : {false, true}) {
+    const Vector3d p = after ? link.after.p : link.before.p;
+    const auto move = [&](const std::string& name, const Vector3d& direction, double value) {
+      of.add("length_wrong", "length", "m", name, value, of.reach(),
+             [after, direction](TextbookLink& l, double s) {
+               (after ? l.after : l.before).p += s * direction;
+             });
+    };
+    int along = 0;
+    for (int k = 0; k < 3; ++k) along += p(k) != 0;
+    if (along > 1) move("|p|", p.normalized(), p.norm());
+    for (int k = 0; k < 3; ++k)
+      if (p(k) != 0) move(fmt::format("p{}", "xyz"[k]), Vector3d::Unit(k), p(k));
+    for (int k = 0; k < 3; ++k)
+      if (p(k) == 0 && (!after || !isTrivial(link.after)))
+        move(fmt::format("p{}", "xyz"[k]), Vector3d::Unit(k), 0);
+  }
+}
+
+void suspectInertia(Numbers& of) {
+  const TextbookLink& link = of.link();
+  if (link.inertia != Matrix3d::Zero())
+    of.add("inertia_wrong", "inertia, by one factor,", "", "factor", 1, 1,
+           [](TextbookLink& l, double s) { l.inertia *= 1 + s; });
+  for (const auto& [a, b] : kEntries)
+    of.add("inertia_wrong", "inertia", "kg m^2", fmt::format("I{}{}", "xyz"[a], "xyz"[b]),
+           link.inertia(a, b), sizeOr1(link.inertia.trace()),
+           [a = a, b = b](TextbookLink& l, double s) {
+             l.inertia(a, b) += s;
+             if (a != b) l.inertia(b, a) += s;
+           });
+}
+
+void suspectCentreOfMass(Numbers& of) {
+  for (int k = 0; k < 3; ++k)
+    of.add("com_wrong", "centre of mass", "m", fmt::format("c{}", "xyz"[k]), of.link().com(k),
+           of.reach(), [k](TextbookLink& l, double s) { l.com(k) += s; });
+}
+
+void suspectJoint(Numbers& of) {
+  if (!hasOneRate(of.link())) return;
+  const auto number = [&](const std::string& rule, const std::string& what, const std::string& unit,
+                          double TextbookLink::*member) {
+    const double value = of.link().*member;
+    if (value == 0) return;
+    of.add(
+        rule, what, unit, what, value, std::abs(value),
+        [member](TextbookLink& l, double s) { l.*member += s; }, true);
+  };
+  number("rotor_wrong", "inertia of the rotor at the joint", "kg m^2", &TextbookLink::added);
+  number("damping_wrong", "damping", "N m s/rad", &TextbookLink::viscous);
+  number("spring_wrong", "stiffness", "N m/rad", &TextbookLink::stiffness);
+}
+
+/// All six of an inertia.
+Suspect wholeInertia(const TextbookModel& model, std::size_t i) {
+  const TextbookLink& link = model.links[i];
+  const Matrix3d& I = link.inertia;
+  const double size = sizeOr1(I.trace());
+  return {"inertia_wrong",
+          static_cast<int>(i),
+          false,
+          fmt::format("inertia of link '{}'", link.name),
+          "kg m^2",
+          {"Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"},
+          {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)},
+          {size, size, size, size, size, size},
+          [i](Belief& b, const Values& s) {
+            Matrix3d d;
+            d << s(0), s(3), s(4), s(3), s(1), s(5), s(4), s(5), s(2);
+            b.model.links[i].inertia += d;
+          }};
+}
+
+}  // namespace
+
 std::vector<Suspect> suspects(const TextbookModel& model) {
   std::vector<Suspect> out;
-  using Values = Eigen::VectorXd;
-  const auto sizeOr1 = [](double x) { return x == 0 ? 1.0 : std::abs(x); };
   if (model.gravity != Vector3d::Zero()) {
     const double g = model.gravity.norm();
     out.push_back({"gravity_wrong",
@@ -817,140 +1010,14 @@ std::vector<Suspect> suspects(const TextbookModel& model) {
                    [g](Belief& b, const Values& s) { b.model.gravity *= 1 + s(0) / g; }});
   }
   for (std::size_t i = 1; i < model.links.size(); ++i) {
-    const TextbookLink& link = model.links[i];
-    const int at = static_cast<int>(i);
-    const std::string of_link = fmt::format(" of link '{}'", link.name),
-                      of_joint = fmt::format(" of joint '{}'", link.joint);
-    out.push_back({"mass_wrong",
-                   at,
-                   false,
-                   "mass" + of_link,
-                   "kg",
-                   {"mass"},
-                   {link.mass},
-                   {sizeOr1(link.mass)},
-                   [i](Belief& b, const Values& s) { b.model.links[i].mass += s(0); }});
-    if (link.mass != 0)
-      out.push_back({"mass_wrong",
-                     at,
-                     false,
-                     "density (mass, and inertia with it)" + of_link,
-                     "kg",
-                     {"mass"},
-                     {link.mass},
-                     {link.mass},
-                     [i](Belief& b, const Values& s) {
-                       TextbookLink& l = b.model.links[i];
-                       const double factor = 1 + s(0) / l.mass;
-                       l.mass *= factor;
-                       l.inertia *= factor;
-                     }});
-    const double reach = std::max({link.before.p.norm(), link.after.p.norm(), link.com.norm()});
-    for (const bool after : {false, true}) {
-      const Vector3d p = after ? link.after.p : link.before.p;
-      const auto move = [&](const std::string& name, const Vector3d& direction, double value) {
-        out.push_back({"length_wrong",
-                       at,
-                       false,
-                       "length" + of_link,
-                       "m",
-                       {name},
-                       {value},
-                       {sizeOr1(reach)},
-                       [i, after, direction](Belief& b, const Values& s) {
-                         TextbookLink& l = b.model.links[i];
-                         (after ? l.after : l.before).p += s(0) * direction;
-                       }});
-      };
-      int along = 0;
-      for (int k = 0; k < 3; ++k) along += p(k) != 0;
-      if (along > 1) move("|p|", p.normalized(), p.norm());
-      for (int k = 0; k < 3; ++k)
-        if (p(k) != 0) move(fmt::format("p{}", "xyz"[k]), Vector3d::Unit(k), p(k));
-      for (int k = 0; k < 3; ++k)
-        if (p(k) == 0 && (!after || !isTrivial(link.after)))
-          move(fmt::format("p{}", "xyz"[k]), Vector3d::Unit(k), 0);
-    }
-    const double I = sizeOr1(link.inertia.trace());
-    const auto entry = [](std::size_t k) {
-      return fmt::format("I{}{}", "xyz"[kEntries[k][0]], "xyz"[kEntries[k][1]]);
-    };
-    const auto addEntry = [](Matrix3d& inertia, std::size_t k, double value) {
-      const auto [a, b] = kEntries[k];
-      inertia(a, b) += value;
-      if (a != b) inertia(b, a) += value;
-    };
-    if (link.inertia != Matrix3d::Zero())
-      out.push_back({"inertia_wrong",
-                     at,
-                     false,
-                     "inertia, by one factor," + of_link,
-                     "",
-                     {"factor"},
-                     {1},
-                     {1},
-                     [i](Belief& b, const Values& s) { b.model.links[i].inertia *= 1 + s(0); }});
-    for (std::size_t k = 0; k < 6; ++k)
-      out.push_back({"inertia_wrong",
-                     at,
-                     false,
-                     "inertia" + of_link,
-                     "kg m^2",
-                     {entry(k)},
-                     {link.inertia(kEntries[k][0], kEntries[k][1])},
-                     {I},
-                     [i, k, addEntry](Belief& b, const Values& s) {
-                       addEntry(b.model.links[i].inertia, k, s(0));
-                     }});
-    for (int k = 0; k < 3; ++k)
-      out.push_back({"com_wrong",
-                     at,
-                     false,
-                     "centre of mass" + of_link,
-                     "m",
-                     {fmt::format("c{}", "xyz"[k])},
-                     {link.com(k)},
-                     {sizeOr1(reach)},
-                     [i, k](Belief& b, const Values& s) { b.model.links[i].com(k) += s(0); }});
-    if (scene::degreesOfFreedom(link.kind) == 1 && link.parent >= 0) {
-      const auto number = [&](const std::string& rule, const std::string& what,
-                              const std::string& unit, double TextbookLink::*member) {
-        if (link.*member == 0) return;
-        out.push_back(
-            {rule,
-             at,
-             true,
-             what + of_joint,
-             unit,
-             {what},
-             {link.*member},
-             {std::abs(link.*member)},
-             [i, member](Belief& b, const Values& s) { b.model.links[i].*member += s(0); }});
-      };
-      number("rotor_wrong", "inertia of the rotor at the joint", "kg m^2", &TextbookLink::added);
-      number("damping_wrong", "damping", "N m s/rad", &TextbookLink::viscous);
-      number("spring_wrong", "stiffness", "N m/rad", &TextbookLink::stiffness);
-    }
+    Numbers of(model, i, out);
+    suspectMass(of);
+    suspectLengths(of);
+    suspectInertia(of);
+    suspectCentreOfMass(of);
+    suspectJoint(of);
   }
-  // several numbers
-  for (std::size_t i = 1; i < model.links.size(); ++i) {
-    const TextbookLink& link = model.links[i];
-    const Matrix3d& I = link.inertia;
-    const double size = sizeOr1(I.trace());
-    out.push_back({"inertia_wrong",
-                   static_cast<int>(i),
-                   false,
-                   fmt::format("inertia of link '{}'", link.name),
-                   "kg m^2",
-                   {"Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"},
-                   {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)},
-                   {size, size, size, size, size, size},
-                   [i](Belief& b, const Values& s) {
-                     Matrix3d d;
-                     d << s(0), s(3), s(4), s(3), s(1), s(5), s(4), s(5), s(2);
-                     b.model.links[i].inertia += d;
-                   }});
-  }
+  for (std::size_t i = 1; i < model.links.size(); ++i) out.push_back(wholeInertia(model, i));
   return out;
 }
 

@@ -19,8 +19,9 @@ namespace {
 using State = scene::State<double>;
 
 /// What a table may hold beside tau and qdd, which are columns of states as well.
-constexpr Quantity kOthers[] = {Quantity::kM,       Quantity::kc,         Quantity::kg,
-                                Quantity::kKinetic, Quantity::kPotential, Quantity::kMomentum};
+constexpr Quantity kOthers[] = {Quantity::kM,        Quantity::kc,         Quantity::kg,
+                                Quantity::kKinetic,  Quantity::kPotential, Quantity::kMomentum,
+                                Quantity::kReactions};
 
 Eigen::MatrixXd asColumn(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -124,6 +125,11 @@ Recorded readRecorded(const scene::Scene& scene, const std::filesystem::path& an
     out.answers.emplace_back(quantity, std::vector<Eigen::MatrixXd>());
     places.emplace_back();
   };
+  for (const auto& [quantity, all] : out.answers)
+    if (quantity == Quantity::kReactions && !given.gives("qdd"))
+      throw scene::InputError(file,
+                              "reactions without qdd1..: they are judged as the answer to q, qd "
+                              "and qdd, allowed: qdd1.. with them");
   addGroup(Quantity::kTau, "qdd");
   if (beside) addGroup(Quantity::kQdd, "tau");
   if (out.answers.empty())
@@ -131,7 +137,7 @@ Recorded readRecorded(const scene::Scene& scene, const std::filesystem::path& an
         file, fmt::format("no answers, allowed: columns as evaluate writes them: {}{}",
                           beside ? "qdd1.., " : "",
                           "tau1.., M11.., c1.., g1.., kinetic, "
-                          "potential, momentum1.."));
+                          "potential, momentum1.., JOINT.fx to JOINT.mz of all joints"));
 
   State state, row;
   for (;;) {

@@ -297,137 +297,184 @@ std::vector<Textbook::Placed> Textbook::inWorldAxes(std::vector<Placed> at) cons
   return at;
 }
 
-Textbook::Vector Textbook::sweep(const std::vector<Placed>& given, const Vector& qd,
-                                 const Vector& qdd, bool gravity, bool loads) const {
-  struct Motion {
-    Vector3d w = Vector3d::Zero(), v = Vector3d::Zero();
-    Vector3d wd = Vector3d::Zero(), a = Vector3d::Zero();      // with what velocities add
-    Vector3d wd_J = Vector3d::Zero(), a_J = Vector3d::Zero();  // J qdd alone, and gravity
-    Matrix3d R = Matrix3d::Identity();                         // own axes to the world's
-  };
-  const Formulas& on = formulas_;
-  std::vector<Placed> moved;
-  if (on.in_world) moved = inWorldAxes(given);
-  const std::vector<Placed>& at = on.in_world ? moved : given;
-  const bool raw_gravity = gravity && on.gravity_not_turned;
-  Motion world;
-  if (gravity && !raw_gravity) world.a = world.a_J = -this->gravity(given);
-  std::vector<Motion> m(parts_.size());
-  std::vector<Vector3d> f(parts_.size()), n(parts_.size());
-
-  // outward: motion, and what each link needs for it
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const Part& part = parts_[i];
-    const Motion& up = part.parent < 0 ? world : m[static_cast<std::size_t>(part.parent)];
-    const Matrix3d& E = at[i].E;
-    const Vector3d& r = at[i].r;
-    const Matrix3d& Z = at[i].Z;
-    Vector3d Zw_qd = Vector3d::Zero(), Zv_qd = Zw_qd, Zw_qdd = Zw_qd, Zv_qdd = Zw_qd;
-    switch (part.kind) {
-      case Part::Kind::kRigid:
-        break;
-      case Part::Kind::kTurn:
-        Zw_qd = Z * part.axis * qd(part.qd);
-        Zw_qdd = Z * part.axis * qdd(part.qd);
-        Zv_qd = part.pitch * Zw_qd;
-        Zv_qdd = part.pitch * Zw_qdd;
-        break;
-      case Part::Kind::kSlide:
-        Zv_qd = Z * part.axis * qd(part.qd);
-        Zv_qdd = Z * part.axis * qdd(part.qd);
-        break;
-      case Part::Kind::kBall:
-        Zw_qd = Z * qd.segment<3>(part.qd);
-        Zw_qdd = Z * qdd.segment<3>(part.qd);
-        break;
-      case Part::Kind::kFree:
-        Zv_qd = Z * qd.segment<3>(part.qd);
-        Zw_qd = Z * qd.segment<3>(part.qd + 3);
-        Zv_qdd = Z * qdd.segment<3>(part.qd);
-        Zw_qdd = Z * qdd.segment<3>(part.qd + 3);
-        break;
-    }
-    Motion& here = m[i];
-    const Vector3d Ew = E * up.w;
-    here.w = Ew + Zw_qd;
-    Vector3d wd_moved = Ew.cross(Zw_qd), a_moved = 2 * Ew.cross(Zv_qd) + Zw_qd.cross(Zv_qd);
-    if (!on.slide_coriolis && part.kind != Part::Kind::kFree) a_moved.setZero();
-    if (on.joint_bias != Formulas::Bias::kKept) {
-      const Vector3d Ev = E * (up.v + up.w.cross(r));
-      here.v = Ev + Zv_qd;
-      if (on.biased_joint < 0 || on.biased_joint == part.joint) {
-        wd_moved.setZero();
-        a_moved.setZero();  // of a spatial acceleration, w x v remains
-        if (on.joint_bias == Formulas::Bias::kSpatial)
-          a_moved = here.w.cross(Zv_qd) - Ev.cross(Zw_qd);
-      }
-    }
-    here.wd = E * up.wd + Zw_qdd + wd_moved;
-    const auto inward = [&](const Vector3d& w, const Vector3d& of) {
-      return on.centripetal ? Vector3d(w.cross(w.cross(of))) : Vector3d::Zero();
-    };
-    here.a = E * (up.a + up.wd.cross(r) + inward(up.w, r)) + Zv_qdd + a_moved;
-    here.wd_J = E * up.wd_J + Zw_qdd;
-    here.a_J = E * (up.a_J + up.wd_J.cross(r)) + Zv_qdd;
-    here.R = up.R * E.transpose();
-    const Vector3d& rc = at[i].com;
-    const Matrix3d I = on.in_world ? Matrix3d(Z * part.inertia * Z.transpose()) : part.inertia;
-    const Vector3d w_I_w = here.w.cross(I * here.w);
-    Vector3d ac = on.point_bias ? Vector3d(here.a + here.wd.cross(rc) + inward(here.w, rc))
-                                : Vector3d(here.a_J + here.wd_J.cross(rc));
-    if (raw_gravity) ac -= Z * gravity_;
-    f[i] = part.mass * ac;
-    n[i] = I * (on.turn_bias ? here.wd : here.wd_J) + rc.cross(f[i]);
-    if (on.gyroscopic && (on.not_gyroscopic < 0 || on.not_gyroscopic != part.link)) n[i] += w_I_w;
+Textbook::JointMotion Textbook::jointMotion(const Part& part, const Matrix3d& Z, const Vector& qd,
+                                            const Vector& qdd) {
+  JointMotion J;
+  switch (part.kind) {
+    case Part::Kind::kRigid:
+      break;
+    case Part::Kind::kTurn:
+      J.w = Z * part.axis * qd(part.qd);
+      J.wd = Z * part.axis * qdd(part.qd);
+      J.v = part.pitch * J.w;
+      J.a = part.pitch * J.wd;
+      break;
+    case Part::Kind::kSlide:
+      J.v = Z * part.axis * qd(part.qd);
+      J.a = Z * part.axis * qdd(part.qd);
+      break;
+    case Part::Kind::kBall:
+      J.w = Z * qd.segment<3>(part.qd);
+      J.wd = Z * qdd.segment<3>(part.qd);
+      break;
+    case Part::Kind::kFree:
+      J.v = Z * qd.segment<3>(part.qd);
+      J.w = Z * qd.segment<3>(part.qd + 3);
+      J.a = Z * qdd.segment<3>(part.qd);
+      J.wd = Z * qdd.segment<3>(part.qd + 3);
+      break;
   }
-  if (loads)
-    for (const TextbookWrench& wrench : wrenches_) {
-      const std::size_t i =
-          static_cast<std::size_t>(place_of_link_[static_cast<std::size_t>(wrench.link)]);
-      const Frame& after = parts_[i].after;
-      const Matrix3d R =
-          wrench.in_world ? Matrix3d(m[i].R.transpose()) : Matrix3d(at[i].Z * after.R);
-      const Vector3d force = R * wrench.force;
-      f[i] -= force;
-      n[i] -= R * wrench.moment + (at[i].Z * (after.p + after.R * wrench.at)).cross(force);
-    }
+  return J;
+}
 
-  // inward: what passes through each joint
+/// From the motion of the parent to that of the part.
+Textbook::Motion Textbook::moved(const Part& part, const Placed& at, const Motion& up,
+                                 const JointMotion& J) const {
+  const Formulas& on = formulas_;
+  const Matrix3d& E = at.E;
+  const Vector3d& r = at.r;
+  Motion here;
+  const Vector3d Ew = E * up.w;
+  here.w = Ew + J.w;
+  Vector3d wd_moved = Ew.cross(J.w), a_moved = 2 * Ew.cross(J.v) + J.w.cross(J.v);
+  if (!on.slide_coriolis && part.kind != Part::Kind::kFree) a_moved.setZero();
+  if (on.joint_bias != Formulas::Bias::kKept) {
+    const Vector3d Ev = E * (up.v + up.w.cross(r));
+    here.v = Ev + J.v;
+    if (on.biased_joint < 0 || on.biased_joint == part.joint) {
+      wd_moved.setZero();
+      a_moved.setZero();  // of a spatial acceleration, w x v remains
+      if (on.joint_bias == Formulas::Bias::kSpatial) a_moved = here.w.cross(J.v) - Ev.cross(J.w);
+    }
+  }
+  here.wd = E * up.wd + J.wd + wd_moved;
+  const Vector3d inward = on.centripetal ? Vector3d(up.w.cross(up.w.cross(r))) : Vector3d::Zero();
+  here.a = E * (up.a + up.wd.cross(r) + inward) + J.a + a_moved;
+  here.wd_J = E * up.wd_J + J.wd;
+  here.a_J = E * (up.a_J + up.wd_J.cross(r)) + J.a;
+  here.R = up.R * E.transpose();
+  return here;
+}
+
+/// What a part needs for its motion.
+Textbook::Wrench Textbook::needed(const Part& part, const Placed& at, const Motion& here,
+                                  bool raw_gravity) const {
+  const Formulas& on = formulas_;
+  const Vector3d& rc = at.com;
+  const Matrix3d I = on.in_world ? Matrix3d(at.Z * part.inertia * at.Z.transpose()) : part.inertia;
+  const Vector3d w_I_w = here.w.cross(I * here.w);
+  const Vector3d inward =
+      on.centripetal ? Vector3d(here.w.cross(here.w.cross(rc))) : Vector3d::Zero();
+  Vector3d ac = on.point_bias ? Vector3d(here.a + here.wd.cross(rc) + inward)
+                              : Vector3d(here.a_J + here.wd_J.cross(rc));
+  if (raw_gravity) ac -= at.Z * gravity_;
+  Wrench out;
+  out.f = part.mass * ac;
+  out.n = I * (on.turn_bias ? here.wd : here.wd_J) + rc.cross(out.f);
+  if (on.gyroscopic && (on.not_gyroscopic < 0 || on.not_gyroscopic != part.link)) out.n += w_I_w;
+  return out;
+}
+
+void Textbook::addLoads(const std::vector<Placed>& at, const std::vector<Motion>& m,
+                        std::vector<Wrench>& through) const {
+  for (const TextbookWrench& wrench : wrenches_) {
+    const auto i = static_cast<std::size_t>(place_of_link_[static_cast<std::size_t>(wrench.link)]);
+    const Frame& after = parts_[i].after;
+    const Matrix3d R = wrench.in_world ? Matrix3d(m[i].R.transpose()) : Matrix3d(at[i].Z * after.R);
+    const Vector3d force = R * wrench.force;
+    through[i].f -= force;
+    through[i].n -= R * wrench.moment + (at[i].Z * (after.p + after.R * wrench.at)).cross(force);
+  }
+}
+
+/// From what each part needs to what passes through its joint, and the joint forces.
+Textbook::Vector Textbook::passedInward(const std::vector<Placed>& at, const std::vector<Motion>& m,
+                                        const Vector& qd, const Vector& qdd,
+                                        std::vector<Wrench>& through) const {
   Vector tau = Vector::Zero(dof_);
   for (std::size_t i = parts_.size(); i-- > 0;) {
     const Part& part = parts_[i];
     const Matrix3d &E = at[i].E, &Z = at[i].Z;
+    const Vector3d &f = through[i].f, &n = through[i].n;
     const Vector3d axis = Z * part.axis;
-    Vector3d own = n[i];
+    Vector3d own = n;
     switch (part.kind) {
       case Part::Kind::kRigid:
         break;
       case Part::Kind::kTurn:
-        tau(part.qd) = axis.dot(n[i] + part.pitch * f[i]) + part.added * qdd(part.qd);
+        tau(part.qd) = axis.dot(n + part.pitch * f) + part.added * qdd(part.qd);
         break;
       case Part::Kind::kSlide:
-        tau(part.qd) = axis.dot(f[i]) + part.added * qdd(part.qd);
+        tau(part.qd) = axis.dot(f) + part.added * qdd(part.qd);
         break;
       case Part::Kind::kBall:
-        tau.segment<3>(part.qd) = Z.transpose() * n[i];
+        tau.segment<3>(part.qd) = Z.transpose() * n;
         break;
       case Part::Kind::kFree:
-        tau.segment<3>(part.qd) = Z.transpose() * f[i];
-        tau.segment<3>(part.qd + 3) = Z.transpose() * n[i];
+        tau.segment<3>(part.qd) = Z.transpose() * f;
+        tau.segment<3>(part.qd + 3) = Z.transpose() * n;
         break;
     }
     if (part.parent < 0) continue;
-    const std::size_t p = static_cast<std::size_t>(part.parent);
+    const auto p = static_cast<std::size_t>(part.parent);
     if (part.spin != 0) {  // a rotor on the parent, which turns about the joint's axis
       const Vector3d Ew = E * m[p].w, Ewd = E * m[p].wd;
       own += part.spin * (axis * qdd(part.qd) + Ew.cross(axis) * qd(part.qd));
       tau(part.qd) += part.spin * axis.dot(Ewd);
     }
-    const Vector3d force = E.transpose() * f[i];
-    f[p] += force;
-    n[p] += E.transpose() * own + at[i].r.cross(force);
+    const Vector3d force = E.transpose() * f;
+    through[p].f += force;
+    through[p].n += E.transpose() * own + at[i].r.cross(force);
   }
   return tau;
+}
+
+Textbook::Vector Textbook::sweep(const std::vector<Placed>& given, const Vector& qd,
+                                 const Vector& qdd, bool gravity, bool loads,
+                                 Eigen::MatrixXd* reactions) const {
+  std::vector<Placed> turned;
+  if (formulas_.in_world) turned = inWorldAxes(given);
+  const std::vector<Placed>& at = formulas_.in_world ? turned : given;
+  const bool raw_gravity = gravity && formulas_.gravity_not_turned;
+  Motion world;
+  if (gravity && !raw_gravity) world.a = world.a_J = -this->gravity(given);
+  std::vector<Motion> m(parts_.size());
+  std::vector<Wrench> through(parts_.size());
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Part& part = parts_[i];
+    const Motion& up = part.parent < 0 ? world : m[static_cast<std::size_t>(part.parent)];
+    m[i] = moved(part, at[i], up, jointMotion(part, at[i].Z, qd, qdd));
+    through[i] = needed(part, at[i], m[i], raw_gravity);
+  }
+  if (loads) addLoads(at, m, through);
+  Vector tau = passedInward(at, m, qd, qdd, through);
+  if (reactions != nullptr) *reactions = answeredReactions(at, m, through);
+  return tau;
+}
+
+/// Link by link but for the root: force and moment about the moved joint frame's origin, in its
+/// axes.
+Eigen::MatrixXd Textbook::answeredReactions(const std::vector<Placed>& at,
+                                            const std::vector<Motion>& m,
+                                            const std::vector<Wrench>& through) const {
+  const Formulas& on = formulas_;
+  Vector out(6 * static_cast<Eigen::Index>(place_of_link_.size() - 1));
+  for (std::size_t link = 1; link < place_of_link_.size(); ++link) {
+    const auto i = static_cast<std::size_t>(place_of_link_[link]);
+    const Frame& after = parts_[i].after;
+    const Matrix3d& Z = at[i].Z;
+    Vector3d f = Z.transpose() * through[i].f, n = Z.transpose() * through[i].n;
+    if (on.reaction_about == Formulas::About::kLink) n -= after.p.cross(f);
+    if (on.reaction_about == Formulas::About::kCom) n -= (Z.transpose() * at[i].com).cross(f);
+    Matrix3d R = Matrix3d::Identity();
+    if (on.reaction_axes == Formulas::Axes::kLink) R = after.R.transpose();
+    if (on.reaction_axes == Formulas::Axes::kWorld) R = on.in_world ? Z : m[i].R;
+    if (on.reaction_on_parent) R = -R;
+    const auto row = 6 * static_cast<Eigen::Index>(link - 1);
+    out.segment<3>(row + (on.moment_first ? 3 : 0)) = R * f;
+    out.segment<3>(row + (on.moment_first ? 0 : 3)) = R * n;
+  }
+  return out;
 }
 
 Textbook::Input Textbook::received(const scene::State<double>& state) const {
@@ -542,17 +589,17 @@ double Textbook::potential(const std::vector<Placed>& at, const Vector& q) const
 
 /// Of all moving links, in world axes about the world's origin, linear part first.
 Textbook::Vector Textbook::momentum(const std::vector<Placed>& at, const Vector& qd) const {
-  struct Motion {
+  struct Moving {
     Vector3d o, w, v;
     bool moves;
   };
   const std::vector<Placed> here = inWorldAxes(at);
-  std::vector<Motion> m;
+  std::vector<Moving> m;
   Vector3d P = Vector3d::Zero(), L = P;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Part& part = parts_[i];
-    const Motion rest{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), false};
-    const Motion up = part.parent < 0 ? rest : m[static_cast<std::size_t>(part.parent)];
+    const Moving rest{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), false};
+    const Moving up = part.parent < 0 ? rest : m[static_cast<std::size_t>(part.parent)];
     const Matrix3d& R = here[i].Z;
     Vector3d slide = Vector3d::Zero(), turn = slide;
     switch (part.kind) {
@@ -575,7 +622,7 @@ Textbook::Vector Textbook::momentum(const std::vector<Placed>& at, const Vector&
     }
     m.push_back({up.o + here[i].r, up.w + turn, up.v + up.w.cross(here[i].r) + slide,
                  up.moves || part.rates > 0});
-    const Motion& own = m.back();
+    const Moving& own = m.back();
     const Vector3d p = part.mass * (own.v + own.w.cross(here[i].com));
     P += p;
     L += R * part.inertia * R.transpose() * own.w + (own.o + here[i].com).cross(p);
@@ -586,7 +633,8 @@ Textbook::Vector Textbook::momentum(const std::vector<Placed>& at, const Vector&
   return out;
 }
 
-Eigen::MatrixXd Textbook::operator()(Quantity quantity, const scene::State<double>& asked) const {
+Eigen::MatrixXd Textbook::operator()(Quantity quantity, const scene::State<double>& asked,
+                                     bool solved_for_qdd) const {
   const Formulas& on = formulas_;
   scene::State<double> state = asked;
   const auto n = static_cast<std::size_t>(dof_);
@@ -659,7 +707,7 @@ Eigen::MatrixXd Textbook::operator()(Quantity quantity, const scene::State<doubl
           answeredForces(sweep(at, none, none, true, true) + springs(in.q) + friction(in.qd), in.q);
       if (on.g_twice_in_tau) tau += weight();
       tau += on.factor_in_tau ? Vector(on.factor_c * products()) : sums();
-      if (!on.qdd_ignored) {
+      if (!on.qdd_ignored || solved_for_qdd) {
         const Vector qdd = Eigen::Map<const Vector>(state.qdd.data(), dof_);
         const bool by_mass = on.triangle_in_tau || on.mirrored != Formulas::Triangle::kBoth;
         const Vector inertial = by_mass ? Vector(kept(mass()) * qdd) : forces(zeros, state.qdd);
@@ -678,6 +726,11 @@ Eigen::MatrixXd Textbook::operator()(Quantity quantity, const scene::State<doubl
       return Eigen::MatrixXd::Constant(1, 1, potential(at, in.q));
     case Quantity::kMomentum:
       return momentum(at, in.qd);
+    case Quantity::kReactions: {
+      Eigen::MatrixXd reactions;
+      sweep(at, in.qd, in.qdd, true, true, &reactions);
+      return reactions;
+    }
     default:
       return {};
   }

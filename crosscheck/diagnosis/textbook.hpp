@@ -109,6 +109,11 @@ struct Formulas {
   enum class Com { kOwn, kParentFrame, kParentAxes };
   int com_elsewhere = -1;  ///< the link whose centre of mass is taken so
   Com com = Com::kOwn;
+  /// Of reactions: about which point of the link the moment is, in whose axes both stand.
+  enum class About { kJoint, kLink, kCom } reaction_about = About::kJoint;
+  enum class Axes { kJoint, kLink, kWorld } reaction_axes = Axes::kJoint;
+  bool reaction_on_parent = false;  ///< what the link exerts on its parent
+  bool moment_first = false;
 };
 
 /// How positions, rates and forces are passed on. Right as it stands.
@@ -152,8 +157,11 @@ class Textbook {
  public:
   explicit Textbook(const Belief& belief);
 
-  /// M, c, g, tau, kinetic, potential, momentum: shaped like the quantity.
-  Eigen::MatrixXd operator()(Quantity quantity, const scene::State<double>& state) const;
+  /// M, c, g, tau, kinetic, potential, momentum, reactions: shaped like the quantity.
+  /// @param solved_for_qdd  of tau: as it stands in the equations that forward dynamics solves, from
+  ///                        which M qdd is not left out whoever leaves it out of tau
+  Eigen::MatrixXd operator()(Quantity quantity, const scene::State<double>& state,
+                             bool solved_for_qdd = false) const;
   /// M qdd by one sweep, where M as it is answered has no more to it.
   Eigen::VectorXd inertial(const scene::State<double>& state) const;
 
@@ -186,8 +194,33 @@ class Textbook {
   Input received(const scene::State<double>& state) const;
   std::vector<Placed> placed(const Vector& q) const;
   std::vector<Placed> inWorldAxes(std::vector<Placed> at) const;
+  /// Of a part, in the axes of the sweep.
+  struct Motion {
+    Vector3d w = Vector3d::Zero(), v = Vector3d::Zero();
+    Vector3d wd = Vector3d::Zero(), a = Vector3d::Zero();      // with what velocities add
+    Vector3d wd_J = Vector3d::Zero(), a_J = Vector3d::Zero();  // J qdd alone, and gravity
+    Matrix3d R = Matrix3d::Identity();                         // own axes to the world's
+  };
+  struct Wrench {
+    Vector3d f, n;  ///< n about the part's origin
+  };
+  /// Through the joint.
+  struct JointMotion {
+    Vector3d w = Vector3d::Zero(), v = w, wd = w, a = w;
+  };
+  static JointMotion jointMotion(const Part& part, const Matrix3d& Z, const Vector& qd,
+                                 const Vector& qdd);
+  Motion moved(const Part& part, const Placed& at, const Motion& up, const JointMotion& J) const;
+  Wrench needed(const Part& part, const Placed& at, const Motion& here, bool raw_gravity) const;
+  void addLoads(const std::vector<Placed>& at, const std::vector<Motion>& m,
+                std::vector<Wrench>& through) const;
+  Vector passedInward(const std::vector<Placed>& at, const std::vector<Motion>& m, const Vector& qd,
+                      const Vector& qdd, std::vector<Wrench>& through) const;
+  /// @param reactions  if given, becomes what passes through the joints
   Vector sweep(const std::vector<Placed>& at, const Vector& qd, const Vector& qdd, bool gravity,
-               bool loads) const;
+               bool loads, Eigen::MatrixXd* reactions = nullptr) const;
+  Eigen::MatrixXd answeredReactions(const std::vector<Placed>& at, const std::vector<Motion>& m,
+                                    const std::vector<Wrench>& through) const;
   Vector springs(const Vector& q) const;
   Vector friction(const Vector& qd) const;
   Vector3d gravity(const std::vector<Placed>& at) const;

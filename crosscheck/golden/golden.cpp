@@ -54,6 +54,11 @@ class Questions {
             fmt::format("M, kinetic, qdd: n^2 numbers a state and limits that cost n^2 and n^3 "
                         "operations, and n = {} rates; --quantity asks for them",
                         n_));
+        wanted_.erase(std::remove(wanted_.begin(), wanted_.end(), Quantity::kReactions),
+                      wanted_.end());
+        out_.left_out.emplace_back(
+            "reactions: 6 numbers a link, and those that are 0 take thousands of bits to say so; "
+            "--quantity asks for them");
       }
     }
     base_ = drawn(0);
@@ -132,7 +137,8 @@ class Questions {
         "at_rest",
         "nothing moves: tau is what gravity, springs and loads ask for. What fails here is wrong "
         "in one of these, in a mass, a centre of mass or a placement");
-    const Quantities good_for = {Quantity::kg, Quantity::kPotential, Quantity::kTau};
+    const Quantities good_for = {Quantity::kg, Quantity::kPotential, Quantity::kTau,
+                                 Quantity::kReactions};
     add(g, "the base position", still(), good_for);
     for (int k = 1; k < options_.states; ++k) {
       State state = drawn(static_cast<std::uint64_t>(k));
@@ -358,12 +364,16 @@ class Answers {
       return out;
     }
     const BallPrecision precision(kLimitBits);
-    const Eigen::MatrixXd bound = bound_(quantity, state);
-    out.value =
-        truth.value.unaryExpr([](const Ball& x) { return x.containsZero() ? 0.0 : x.mid(); });
+    Eigen::MatrixXd bound = bound_(quantity, state);
+    MatrixOf<Ball> exact = truth.value;
+    if (quantity == Quantity::kReactions) {  // a row a joint
+      exact = truth.value.reshaped<Eigen::RowMajor>(truth.value.size() / 6, 6).eval();
+      bound = bound.reshaped<Eigen::RowMajor>(bound.size() / 6, 6).eval();
+    }
+    out.value = exact.unaryExpr([](const Ball& x) { return x.containsZero() ? 0.0 : x.mid(); });
     out.radius = out.limit = Eigen::MatrixXd::Zero(out.value.rows(), out.value.cols());
     for (Eigen::Index k = 0; k < out.value.size(); ++k) {
-      const Ball& x = truth.value.data()[k];
+      const Ball& x = exact.data()[k];
       const Written text = written(x);
       out.digits.push_back(text.digits);
       out.radius.data()[k] = text.radius;
@@ -405,6 +415,9 @@ long Golden::numbers() const {
             break;
           case Quantity::kMomentum:
             count += 6;
+            break;
+          case Quantity::kReactions:
+            count += 6 * (static_cast<long>(scene.mechanism.links.size()) - 1);
             break;
           default:
             count += n;

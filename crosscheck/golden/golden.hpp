@@ -17,8 +17,9 @@ namespace dynwitness::crosscheck {
 
 /// What may be asked for: everything that an outside program may be asked.
 inline constexpr Quantity kGoldenQuantities[] = {
-    Quantity::kM,   Quantity::kc,       Quantity::kg,         Quantity::kTau,
-    Quantity::kQdd, Quantity::kKinetic, Quantity::kPotential, Quantity::kMomentum};
+    Quantity::kM,         Quantity::kc,        Quantity::kg,
+    Quantity::kTau,       Quantity::kQdd,      Quantity::kKinetic,
+    Quantity::kPotential, Quantity::kMomentum, Quantity::kReactions};
 
 struct GoldenOptions {
   std::vector<Quantity> quantities;  ///< empty: all, but for dear ones of many rates
@@ -26,7 +27,7 @@ struct GoldenOptions {
   int states = 8;  ///< of a group, at most
 };
 
-/// A quantity at a state, entry by entry; `digits` column by column, as Eigen keeps them.
+/// A quantity at a state, entry by entry, reactions in a row a joint; `digits` column by column, as Eigen keeps them.
 struct GoldenAnswer {
   Quantity quantity = Quantity::kM;
   Eigen::MatrixXd value;            ///< the doubles nearest to the truth

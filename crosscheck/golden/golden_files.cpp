@@ -70,7 +70,10 @@ std::vector<Named> conventions(const Golden& golden) {
        "is given (forward dynamics); kinetic energy; potential energy, -gravity . m p summed over "
        "all links, p their centres of mass from the world's origin, and stiffness (q - rest)^2 / 2 "
        "over all springs; momentum of all moving links: linear, then angular about the world's "
-       "origin, in world axes"},
+       "origin, in world axes; reactions: of q, qd, qdd, row by row for every joint of the scene, "
+       "fixed ones too, in the order of the links, force and then moment that the parent exerts on "
+       "the link through the joint, about the origin of the moved joint frame, in its axes: all that "
+       "passes, what drive, spring and friction do about the axis included"},
       {"joints",
        "a joint moves about or along its axis, positive by the right hand, its frame being placed "
        "on the parent link's; tau > 0 pushes towards larger q"},
@@ -194,7 +197,7 @@ Json shaped(Quantity quantity, const Eigen::MatrixXd& m,
   if (quantity == Quantity::kKinetic || quantity == Quantity::kPotential) return at(0, 0);
   Json out = Json::array();
   for (Eigen::Index i = 0; i < m.rows(); ++i) {
-    if (quantity != Quantity::kM) {
+    if (quantity != Quantity::kM && quantity != Quantity::kReactions) {
       out.push_back(at(i, 0));
       continue;
     }

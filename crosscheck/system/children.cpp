@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -407,9 +408,13 @@ struct Conversation::Running {
   Pipe input, output, error, news;
   pid_t keeper = -1;
   EndsWithUs ends_with_us;
-  std::string unread;   ///< of its standard output
-  std::string grumble;  ///< the end of its standard error
-  std::string failure;  ///< not empty: it is over
+  std::string unsent;    ///< of the questions
+  std::size_t sent = 0;  ///< of these
+  int awaited = 0;       ///< answers to questions that have been put
+  bool hears = true;     ///< it has not closed its standard input
+  std::string unread;    ///< of its standard output
+  std::string grumble;   ///< the end of its standard error
+  std::string failure;   ///< not empty: it is over
   Clock::time_point counted = Clock::now();
 
   ~Running() { end(); }
@@ -449,6 +454,16 @@ struct Conversation::Running {
       if (grumble.size() > kEnd) grumble.erase(0, grumble.size() - kEnd);
     }
     return true;
+  }
+
+  /// As much of the questions as the pipe takes.
+  void send() {
+    const ssize_t size = writeQuietly(input.ends[1], unsent.data() + sent, unsent.size() - sent);
+    if (size > 0) sent += static_cast<std::size_t>(size);
+    if (size < 0 && errno == EPIPE) hears = false;
+    if (sent < unsent.size()) return;
+    unsent.clear();
+    sent = 0;
   }
 
   void countProcesses() {
@@ -498,14 +513,37 @@ Conversation::Conversation(const std::string& command, const Limits& limits)
 
 Conversation::~Conversation() = default;
 
-std::string Conversation::ask(const std::string& line, std::size_t most) {
+void Conversation::put(const std::string& line) {
   Running& r = *running_;
   if (!r.failure.empty()) throw std::runtime_error(r.failure);
-  if (!r.unread.empty())
+  if (r.awaited == 0 && !r.unread.empty())
     r.fail("it said more than was asked, expected one line: " + quoted(r.unread));
-  const std::string question = line + "\n";
-  std::size_t sent = 0;
-  bool hears = true, speaks = true, grumbles = true;
+  ++r.awaited;
+  r.unsent.erase(0, r.sent);
+  r.sent = 0;
+  r.unsent += line;
+  r.unsent += '\n';
+  if (r.hears) r.send();
+}
+
+std::string Conversation::take(std::size_t most) {
+  Running& r = *running_;
+  if (!r.failure.empty()) throw std::runtime_error(r.failure);
+  if (r.awaited == 0) throw std::logic_error("Conversation::take: expected a question first");
+  // an answer that has come with the one before
+  const auto whole = [&](std::size_t from) -> std::optional<std::string> {
+    const std::size_t newline = r.unread.find('\n', from);
+    if (std::min(newline, r.unread.size()) > most)
+      r.fail(fmt::format("its answer has more than {} bytes, expected less: {}", most,
+                         quoted(r.unread)));
+    if (newline == std::string::npos) return {};
+    std::string answer = r.unread.substr(0, newline);
+    r.unread.erase(0, newline + 1);
+    --r.awaited;
+    return answer;
+  };
+  if (std::optional<std::string> answer = whole(0)) return *std::move(answer);
+  bool speaks = true, grumbles = true;
   const auto end =
       Clock::now() + std::chrono::milliseconds(static_cast<long>(1000 * r.limits.seconds));
   for (;;) {
@@ -513,27 +551,23 @@ std::string Conversation::ask(const std::string& line, std::size_t most) {
         std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     if (left <= 0)
       r.fail(fmt::format("it did not answer within {:g} s{}", r.limits.seconds,
-                         !hears ? ", and has closed its standard input"
-                         : sent < question.size()
-                             ? fmt::format(", and has read {} of {} bytes", sent, question.size())
+                         !r.hears ? ", and has closed its standard input"
+                         : r.sent < r.unsent.size()
+                             ? fmt::format(", and has read {} of {} bytes", r.sent, r.unsent.size())
                              : ""));
     r.countProcesses();
     pollfd files[4] = {
-        {hears ? r.input.ends[1] : -1, static_cast<short>(sent < question.size() ? POLLOUT : 0), 0},
+        {r.hears ? r.input.ends[1] : -1, static_cast<short>(r.unsent.empty() ? 0 : POLLOUT), 0},
         {r.output.ends[0], POLLIN, 0},
         {grumbles ? r.error.ends[0] : -1, POLLIN, 0},
         {r.news.ends[0], POLLIN, 0}};
     constexpr long kTick = 50;  // [ms] between counts of its processes
     if (poll(files, 4, static_cast<int>(std::min<long>(left, kTick))) < 0 && errno != EINTR)
       r.fail(std::string("poll: ") + std::strerror(errno));
-    if ((files[0].revents & POLLERR) != 0) {
-      hears = false;
-    } else if (files[0].revents != 0) {
-      const ssize_t size =
-          writeQuietly(r.input.ends[1], question.data() + sent, question.size() - sent);
-      if (size > 0) sent += static_cast<std::size_t>(size);
-      if (size < 0 && errno == EPIPE) hears = false;
-    }
+    if ((files[0].revents & POLLERR) != 0)
+      r.hears = false;
+    else if (files[0].revents != 0)
+      r.send();
     if (files[2].revents != 0) grumbles = r.readError();
     // what it said before it ended is there to be read; a child of its own may hold the pipe open
     if (files[1].revents == 0 && files[3].revents != 0) speaks = false;
@@ -545,15 +579,7 @@ std::string Conversation::ask(const std::string& line, std::size_t most) {
       speaks = true;
       const std::size_t before = r.unread.size();
       r.unread.append(buffer, static_cast<std::size_t>(size));
-      const std::size_t newline = r.unread.find('\n', before);
-      if (std::min(newline, r.unread.size()) > most)
-        r.fail(fmt::format("its answer has more than {} bytes, expected less: {}", most,
-                           quoted(r.unread)));
-      if (newline != std::string::npos) {
-        std::string answer = r.unread.substr(0, newline);
-        r.unread.erase(0, newline + 1);
-        return answer;
-      }
+      if (std::optional<std::string> answer = whole(before)) return *std::move(answer);
     }
     if (!speaks) {
       constexpr int kMoment = 500;  // [ms] from closing a file to the end of the program

@@ -66,7 +66,15 @@ class Conversation {
       @param most  bytes of an answer
       @throws std::runtime_error  what came in place of an answer. The program has been killed then,
                                   and every further question gets the same. */
-  std::string ask(const std::string& line, std::size_t most);
+  std::string ask(const std::string& line, std::size_t most) {
+    put(line);
+    return take(most);
+  }
+  /// The same in two steps. Any number of questions may be under way: what the pipe to the program
+  /// does not take at once is written while answers are awaited, and answers are read meanwhile, so
+  /// that neither waits for the other. Answers come in the order of the questions.
+  void put(const std::string& line);
+  std::string take(std::size_t most);
 
  private:
   struct Running;

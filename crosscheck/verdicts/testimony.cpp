@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/inputs/states.hpp"
+#include "crosscheck/verdicts/claims.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 
 namespace dynwitness::crosscheck {
@@ -33,6 +34,25 @@ bool Hearing::Seat::isAsked(Quantity quantity) const {
 
 scene::State<double> Hearing::drawn(int index) const {
   return drawState(scene_.mechanism(), scene_.scene().name, options_.seed, index);
+}
+
+/// What it says besides quantities, with what it says wrongly as remarks: those come first, since a
+/// model that differs explains what follows from it.
+std::vector<CheckResult> Hearing::claimsOf(OutsideClaims& claims, const std::string& witness,
+                                           const std::vector<scene::State<double>>& states) {
+  std::vector<CheckResult> checks;
+  try {
+    checks = judgeClaims(claims, witness, scene_, states);
+  } catch (const std::runtime_error& failure) {
+    remarks_.emplace_back(witness, failure.what());  // and so will every quantity say
+    return {};
+  }
+  for (CheckResult& check : checks) {
+    check.seed = options_.seed;
+    if (check.verdict == Verdict::kDisagree)
+      remarks_.emplace_back(witness, fmt::format("{}: {}: {}", witness, check.law, check.reason));
+  }
+  return checks;
 }
 
 std::vector<CheckResult> Hearing::dismissRefused() {
@@ -68,6 +88,9 @@ std::vector<CheckResult> Hearing::dismissRefused() {
         remarks_.emplace_back(seat.name, failure);
         continue;
       }
+      if (auto* claims = dynamic_cast<OutsideClaims*>(witness))
+        for (CheckResult& check : claimsOf(*claims, seat.name, states))
+          refusals.push_back(std::move(check));
       for (const std::string& remark : outside->remarks()) remarks_.emplace_back(seat.name, remark);
     }
     if (const auto* partial = dynamic_cast<const PartialWitness*>(witness))

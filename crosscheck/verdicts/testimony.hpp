@@ -18,6 +18,8 @@
 
 namespace dynwitness::crosscheck {
 
+class OutsideClaims;
+
 /// What one witness said about one quantity at one state.
 struct Testimony {
   std::string witness;
@@ -36,7 +38,8 @@ class Hearing {
           const Options& options);
 
   /// Takes the witnesses out that cannot hold the scene: one check each, not answerable, says why;
-  /// and one for each quantity that another leaves out for this scene. A program that fails is
+  /// and one for each quantity that another leaves out for this scene. What a program says besides
+  /// quantities is judged here. A program that fails is
   /// taken out as well, but held against the run: that it was asked was somebody's wish.
   std::vector<CheckResult> dismissRefused();
 
@@ -63,6 +66,8 @@ class Hearing {
     bool isAsked(Quantity quantity) const;
   };
   scene::State<double> drawn(int index) const;
+  std::vector<CheckResult> claimsOf(OutsideClaims& claims, const std::string& witness,
+                                    const std::vector<scene::State<double>>& states);
 
   PreparedScene scene_;
   const Options& options_;

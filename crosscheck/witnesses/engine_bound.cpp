@@ -7,6 +7,7 @@
 
 #include <Eigen/LU>
 
+#include "crosscheck/witnesses/frame_jacobian.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
@@ -127,10 +128,9 @@ double axisUncertainty(const Link& link, const Passage& here, const Turns& by) {
   return recursive::axisCount(link.kind) >= 3 ? std::max(by.axis, here.turn) : by.axis;
 }
 
-}  // namespace
-
-struct EngineBound::Impl {
-  Impl(const PreparedScene& scene, double matrices, Attitude attitude);
+/// The sweeps on (size, error).
+struct SizedSweeps {
+  SizedSweeps(const PreparedScene& scene, double matrices, Attitude attitude);
 
   void run(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd, Terms terms);
   void moveOutward(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd,
@@ -150,7 +150,9 @@ struct EngineBound::Impl {
   double potential(const scene::State<RunningError>& state) const;
   Eigen::VectorXd momentum() const;
   Eigen::VectorXd reactions() const;
-  std::vector<Size> places() const;  ///< of the links in the world
+  /// Of the links in the world. @param origins  if given, becomes those of the model's frames
+  std::vector<Size> places(std::vector<Eigen::Vector3d>* origins = nullptr) const;
+  BoundedJacobian jacobian(const FramePoint& point, const scene::State<RunningError>& state);
 
   Turns turns;
   double by_attitude;  ///< what the orientation of a spherical or floating joint loses
@@ -159,7 +161,7 @@ struct EngineBound::Impl {
   std::vector<Passage> at;
 };
 
-EngineBound::Impl::Impl(const PreparedScene& scene, double matrices, Attitude attitude)
+SizedSweeps::SizedSweeps(const PreparedScene& scene, double matrices, Attitude attitude)
     : turns(matrices),
       by_attitude(attitude == Attitude::kQuaternion ? kQuaternion : kRotationVector),
       setup(scene.modelWithFixedJoints<RunningError>()),
@@ -213,16 +215,15 @@ EngineBound::Impl::Impl(const PreparedScene& scene, double matrices, Attitude at
 }
 
 /// The motion at these rates, along axes of any direction.
-Pair EngineBound::Impl::throughJoint(const Link& link, const Passage& here,
-                                     const Rates& rates) const {
+Pair SizedSweeps::throughJoint(const Link& link, const Passage& here, const Rates& rates) const {
   if (link.dof < 0) return {};
   const recursive::Motion<RunningError> motion = recursive::AnyJoints::motion(link, rates);
   const double axis = axisUncertainty(link, here, turns);
   return {sizeOf(motion.linear).turned(axis), sizeOf(motion.angular).turned(axis)};
 }
 
-void EngineBound::Impl::run(const scene::State<RunningError>& state, const Rates& qd,
-                            const Rates& qdd, Terms terms) {
+void SizedSweeps::run(const scene::State<RunningError>& state, const Rates& qd, const Rates& qdd,
+                      Terms terms) {
   setup.inverse(state, qd, qdd, terms);
   moveOutward(state, qd, qdd, terms);
   loadInward(qd, qdd, terms);
@@ -237,8 +238,8 @@ Pair seenFromLink(const Body& body, Pair x, const recursive::Motion<RunningError
   return x;
 }
 
-void EngineBound::Impl::moveOutward(const scene::State<RunningError>& state, const Rates& qd,
-                                    const Rates& qdd, Terms terms) {
+void SizedSweeps::moveOutward(const scene::State<RunningError>& state, const Rates& qd,
+                              const Rates& qdd, Terms terms) {
   const Passage world;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Link& link = setup.model.links[i];
@@ -291,7 +292,7 @@ void EngineBound::Impl::moveOutward(const scene::State<RunningError>& state, con
 
 /// A gyroscopic rotor as a body that turns gear times as fast as the joint, w = w_p + n z qd: the
 /// moment that it exerts on its carrier, J dw/dt + w x J w.
-void EngineBound::Impl::spinRotor(std::size_t i, const Rates& qd, const Rates& qdd) {
+void SizedSweeps::spinRotor(std::size_t i, const Rates& qd, const Rates& qdd) {
   const Link& link = setup.model.links[i];
   const Body& body = bodies[i];
   const Passage& carrier = at[link.parent];
@@ -304,7 +305,7 @@ void EngineBound::Impl::spinRotor(std::size_t i, const Rates& qd, const Rates& q
   at[i].rotor_moment = body.disc * w_rate + w * (body.disc * w);
 }
 
-void EngineBound::Impl::loadInward(const Rates& qd, const Rates& qdd, Terms terms) {
+void SizedSweeps::loadInward(const Rates& qd, const Rates& qdd, Terms terms) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     at[i].f = at[i].inertial;
     if (!terms.loads) continue;
@@ -336,7 +337,7 @@ void EngineBound::Impl::loadInward(const Rates& qd, const Rates& qdd, Terms term
 }
 
 /// Z_k' f
-Size EngineBound::Impl::jointForce(const Link& link, int k, const Passage& here) const {
+Size SizedSweeps::jointForce(const Link& link, int k, const Passage& here) const {
   const recursive::Vector6<RunningError> Z = recursive::jointAxis(link, k);
   const double uncertainty = axisUncertainty(link, here, turns);
   const auto along = [&](Size axis, const Size& f) {
@@ -347,8 +348,8 @@ Size EngineBound::Impl::jointForce(const Link& link, int k, const Passage& here)
 }
 
 /// tau = Z' f + d qdd + k (q - rest) + friction, and what the spinning of a rotor needs
-Eigen::VectorXd EngineBound::Impl::jointForces(const scene::State<RunningError>& state,
-                                               const Rates& qd, const Rates& qdd, Terms terms) {
+Eigen::VectorXd SizedSweeps::jointForces(const scene::State<RunningError>& state, const Rates& qd,
+                                         const Rates& qdd, Terms terms) {
   run(state, qd, qdd, terms);
   Eigen::VectorXd errors(setup.model.dof());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -369,7 +370,7 @@ Eigen::VectorXd EngineBound::Impl::jointForces(const scene::State<RunningError>&
 
 /// Column j: the forces of a unit acceleration of joint j alone. An engine may find either of two
 /// equal entries.
-Eigen::MatrixXd EngineBound::Impl::massMatrix(const scene::State<RunningError>& state) {
+Eigen::MatrixXd SizedSweeps::massMatrix(const scene::State<RunningError>& state) {
   const int n = setup.model.dof();
   Eigen::MatrixXd errors(n, n);
   for (int j = 0; j < n; ++j) {
@@ -381,7 +382,7 @@ Eigen::MatrixXd EngineBound::Impl::massMatrix(const scene::State<RunningError>& 
 }
 
 /// From the forces that qdd leaves unexplained: |M^-1| times their errors.
-Eigen::VectorXd EngineBound::Impl::accelerations(const scene::State<RunningError>& state) {
+Eigen::VectorXd SizedSweeps::accelerations(const scene::State<RunningError>& state) {
   const auto value = [](const RunningError& x) { return x.value(); };
   const int n = setup.model.dof();
   const Eigen::MatrixXd M =
@@ -408,7 +409,7 @@ Eigen::VectorXd EngineBound::Impl::accelerations(const scene::State<RunningError
   return inverse * forces / (1 - moved);
 }
 
-double EngineBound::Impl::kinetic(const Rates& qd) const {
+double SizedSweeps::kinetic(const Rates& qd) const {
   Size twice;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Link& link = setup.model.links[i];
@@ -423,7 +424,7 @@ double EngineBound::Impl::kinetic(const Rates& qd) const {
   return twice.error / 2;
 }
 
-std::vector<Size> EngineBound::Impl::places() const {
+std::vector<Size> SizedSweeps::places(std::vector<Eigen::Vector3d>* origins) const {
   std::vector<Size> out;
   std::vector<Eigen::Vector3d> p_W;
   std::vector<Eigen::Matrix3d> R_W;  // world axes to link axes
@@ -438,11 +439,12 @@ std::vector<Size> EngineBound::Impl::places() const {
     place.size = p_W.back().norm();
     out.push_back(place + bodies[i].reach.turned(at[i].turned));
   }
+  if (origins != nullptr) *origins = p_W;
   return out;
 }
 
 /// V = -g' sum m p + sum k (q - rest)^2 / 2
-double EngineBound::Impl::potential(const scene::State<RunningError>& state) const {
+double SizedSweeps::potential(const scene::State<RunningError>& state) const {
   const std::vector<Size> place = places();
   Size h_world = sizeOf(setup.model.base.h).turned(3 * turns.turn_turn), springs;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -455,7 +457,7 @@ double EngineBound::Impl::potential(const scene::State<RunningError>& state) con
   return (sizeOf(setup.model.gravity) * h_world + springs).error;
 }
 
-Eigen::VectorXd EngineBound::Impl::momentum() const {
+Eigen::VectorXd SizedSweeps::momentum() const {
   const std::vector<Size> place = places();
   Pair sum;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -469,7 +471,7 @@ Eigen::VectorXd EngineBound::Impl::momentum() const {
       .finished();
 }
 
-Eigen::VectorXd EngineBound::Impl::reactions() const {
+Eigen::VectorXd SizedSweeps::reactions() const {
   const auto& joints = setup.model.joints;
   Eigen::VectorXd errors(6 * (joints.size() - 1));
   for (std::size_t i = 1; i < joints.size(); ++i) {
@@ -479,6 +481,68 @@ Eigen::VectorXd EngineBound::Impl::reactions() const {
   }
   return errors;
 }
+
+/// Column by column, the motion of a unit rate.
+BoundedJacobian SizedSweeps::jacobian(const FramePoint& point,
+                                      const scene::State<RunningError>& state) {
+  const recursive::Model<RunningError>& model = setup.model;
+  const recursive::ScenePlace<RunningError>& place = model.places[point.link];
+  const Vector3 arm = point.at.cast<RunningError>();
+  BoundedJacobian out;
+  out.value = out.bound = out.engine = Eigen::MatrixXd::Zero(6, model.dof());
+  run(state, setup.zeros(), setup.zeros(), Terms::none());
+  recursive::Transform<RunningError> X = place.X;  // world to link
+  std::vector<bool> moves(bodies.size(), false);   // the link
+  for (int i = place.link; i >= 0; i = model.links[i].parent) {
+    X = X * setup.ws.X_up[i];
+    moves[i] = true;
+  }
+  const auto value = [](const RunningError& x) { return x.value(); };
+  out.axes = X.R.transpose().unaryExpr(value).cast<double>();
+  out.origin = X.p.unaryExpr(value).cast<double>();
+  out.point = out.origin + out.axes * point.at;
+  if (place.link < 0) return out;
+  std::vector<Eigen::Vector3d> origins;
+  const std::vector<Size> places_W = places(&origins);
+  const Size reach = sizeOf(arm).turned(0);
+  for (int j = 0; j < model.dof(); ++j) {
+    const int carrier = model.link_of_dof[j];
+    if (!moves[carrier]) continue;  // exactly zero
+    Rates unit = setup.zeros();
+    unit[j] = 1;
+    run(state, unit, setup.zeros(), Terms::none());
+    const recursive::Motion<RunningError> v = place.X * setup.ws.v[place.link];
+    const Vector3 linear = X.R.transpose() * (v.linear + v.angular.cross(arm)),
+                  angular = X.R.transpose() * v.angular;
+    for (int k = 0; k < 3; ++k) {
+      out.value(k, j) = linear(k).value();
+      out.bound(k, j) = linear(k).bound();
+      out.value(3 + k, j) = angular(k).value();
+      out.bound(3 + k, j) = angular(k).bound();
+    }
+    // by velocities, link by link
+    const Passage& here = at[place.link];
+    const Pair swept{(here.v.linear + reach * here.v.angular).turned(here.turned),
+                     here.v.angular.turned(here.turned)};
+    // by z x (p - p_j), of points of the world
+    const Pair axis = throughJoint(model.links[carrier], at[carrier], unit);
+    const double turned = at[carrier].turned;
+    const Size between{
+        (out.point - origins[carrier]).norm(),
+        (places_W[place.link] + reach.turned(here.turned) + places_W[carrier]).error};
+    const Pair crossed{axis.linear.turned(turned) + axis.angular.turned(turned) * between,
+                       axis.angular.turned(turned)};
+    out.engine.col(j).head<3>().setConstant(std::max(swept.linear.error, crossed.linear.error));
+    out.engine.col(j).tail<3>().setConstant(std::max(swept.angular.error, crossed.angular.error));
+  }
+  return out;
+}
+
+}  // namespace
+
+struct EngineBound::Impl : SizedSweeps {
+  using SizedSweeps::SizedSweeps;
+};
 
 EngineBound::EngineBound(const PreparedScene& scene, double matrices, Attitude attitude)
     : impl_(new Impl(scene, matrices, attitude)) {}
@@ -514,6 +578,19 @@ Eigen::MatrixXd EngineBound::operator()(Quantity quantity,
   if (quantity == Quantity::kMomentum) return impl_->momentum();
   return scalar(quantity == Quantity::kKinetic ? impl_->kinetic(state.qd)
                                                : impl_->potential(state));
+}
+
+struct FrameJacobian::Impl : SizedSweeps {
+  using SizedSweeps::SizedSweeps;
+};
+
+FrameJacobian::FrameJacobian(const PreparedScene& scene)
+    : impl_(new Impl(scene, 1, Attitude::kQuaternion)) {}
+FrameJacobian::~FrameJacobian() = default;
+
+BoundedJacobian FrameJacobian::operator()(const FramePoint& point,
+                                          const scene::State<double>& state) {
+  return impl_->jacobian(point, runningErrorState(state));
 }
 
 }  // namespace dynwitness::crosscheck

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/outside_claims.hpp"
 #include "crosscheck/witnesses/outside_judge.hpp"
 #include "crosscheck/witnesses/told_numbers.hpp"
 #include "scene/numbers.hpp"
@@ -116,10 +118,19 @@ Json sceneJson(const scene::Scene& scene) {
           {"toml", scene::writeSceneToml(scene)}};
 }
 
-/// What an engine may be asked.
-constexpr Quantity kAskable[] = {Quantity::kM,         Quantity::kc,       Quantity::kg,
-                                 Quantity::kTau,       Quantity::kQdd,     Quantity::kKinetic,
-                                 Quantity::kPotential, Quantity::kMomentum};
+/// What an engine may be asked of a state.
+constexpr Quantity kAskable[] = {Quantity::kM,         Quantity::kc,        Quantity::kg,
+                                 Quantity::kTau,       Quantity::kQdd,      Quantity::kKinetic,
+                                 Quantity::kPotential, Quantity::kMomentum, Quantity::kReactions};
+constexpr const char* kJacobian = "jacobian";  ///< of a frame that is named beside it
+constexpr const char* kModel = "model";        ///< which the handshake holds
+
+std::vector<std::string> askable() {
+  std::vector<std::string> out;
+  for (const Quantity quantity : kAskable) out.emplace_back(crosscheck::name(quantity));
+  out.emplace_back(kJacobian);
+  return out;
+}
 
 // ---- what an engine says of itself
 
@@ -196,10 +207,73 @@ Json parsed(const std::string& line) {
   throw std::runtime_error(fmt::format("expected a JSON object on one line, got '{}'", start));
 }
 
+double number(const Json& from, const char* key, const std::string& where) {
+  const auto at = from.find(key);
+  if (at == from.end() || !at->is_number())
+    expected(where + " " + key, "a number", at == from.end() ? Json("none") : *at);
+  return at->get<double>();
+}
+
+/// Three numbers.
+Eigen::Vector3d three(const Json& from, const std::string& where) {
+  if (!from.is_array() || from.size() != 3 ||
+      !std::all_of(from.begin(), from.end(), [](const Json& x) { return x.is_number(); }))
+    expected(where, "three numbers", from);
+  return {from[0].get<double>(), from[1].get<double>(), from[2].get<double>()};
+}
+
+/// What an engine believes a link to be, by the link's name.
+struct ToldLink {
+  std::string name;
+  BelievedLink link;
+};
+
+std::vector<ToldLink> toldLinks(const Json& said) {
+  if (!said.is_array()) expected(kModel, "a list of links", said);
+  std::vector<ToldLink> out;
+  for (const Json& one : said) {
+    const std::string where = fmt::format("link {} of {}", out.size() + 1, kModel);
+    if (!one.is_object() || !one.contains("link") || !one.at("link").is_string())
+      expected(where, "the name of a link, mass, com and inertia", one);
+    ToldLink told;
+    told.name = one.at("link").get<std::string>();
+    told.link.mass = number(one, "mass", where);
+    told.link.com = three(one.contains("com") ? one.at("com") : Json("none"), where + " com");
+    const Json rows = one.contains("inertia") ? one.at("inertia") : Json("none");
+    if (!rows.is_array() || rows.size() != 3)
+      expected(where + " inertia", "three rows of three numbers", rows);
+    for (int i = 0; i < 3; ++i)
+      told.link.inertia.row(i) =
+          three(rows[static_cast<std::size_t>(i)], where + " inertia").transpose();
+    out.push_back(told);
+  }
+  return out;
+}
+
+/// The scene's links of these names. @throws std::runtime_error  there is none, or it comes twice
+std::vector<BelievedLink> believedLinks(const std::vector<ToldLink>& told,
+                                        const scene::Mechanism& mechanism) {
+  std::vector<std::string> names;
+  for (const scene::Link& link : mechanism.links) names.push_back(link.name);
+  std::vector<BelievedLink> out;
+  for (const ToldLink& one : told) {
+    const auto at = std::find(names.begin(), names.end(), one.name);
+    if (at == names.end())
+      expected(kModel, "names of links of the scene, " + listed(names), one.name);
+    out.push_back(one.link);
+    out.back().link = static_cast<int>(at - names.begin());
+    if (std::count_if(out.begin(), out.end(),
+                      [&](const BelievedLink& b) { return b.link == out.back().link; }) > 1)
+      expected(kModel, "each link once", one.name);
+  }
+  return out;
+}
+
 /// What an engine answers to the greeting.
 struct Introduction {
   std::string name, version, refuses;
   std::vector<std::string> quantities, joints;
+  std::optional<std::vector<ToldLink>> model;
   bool wxyz = true;  ///< false: quaternions come as (x, y, z, w)
 
   explicit Introduction(const Json& said) {
@@ -223,14 +297,13 @@ struct Introduction {
     if (!wxyz && quaternion != "xyzw") expected("quaternion", "\"wxyz\" or \"xyzw\"", quaternion);
     if (rates != "link")
       expected("rates", "\"link\" (of spherical and floating joints, in the link's axes)", rates);
-    std::string allowed;
-    for (const Quantity quantity : kAskable)
-      allowed += (allowed.empty() ? "" : ", ") + std::string(crosscheck::name(quantity));
+    const std::vector<std::string> allowed = askable();
     for (const std::string& quantity : quantities)
-      if (std::none_of(std::begin(kAskable), std::end(kAskable),
-                       [&](Quantity q) { return quantity == crosscheck::name(q); }))
-        expected("quantities", "names among " + allowed, quantity);
-    if (quantities.empty()) expected("quantities", "at least one of " + allowed, Json::array());
+      if (std::find(allowed.begin(), allowed.end(), quantity) == allowed.end())
+        expected("quantities", "names among " + listed(allowed), quantity);
+    if (said.contains(kModel)) model = toldLinks(said.at(kModel));
+    if (quantities.empty() && !model)
+      expected("quantities", "at least one of " + listed(allowed), Json::array());
   }
 };
 
@@ -289,9 +362,11 @@ void append(double x, std::string* to) {
 }
 
 /// One part of a state, with places in the engine's own arrays.
+/// @param label  what stands in front of its numbers
 template <typename Numbers>
-void append(const char* name, const Numbers& ours, const std::vector<int>& order, std::string* to) {
-  *to += fmt::format("\"{}\":[", name);
+void append(std::string_view label, const Numbers& ours, const std::vector<int>& order,
+            std::string* to) {
+  *to += label;
   for (std::size_t k = 0; k < order.size(); ++k) {
     if (k > 0) *to += ',';
     append(ours.empty() ? 0.0 : ours[static_cast<std::size_t>(order[k])], to);
@@ -337,6 +412,28 @@ class PlainJson {
   const char *at_, *end_;
 };
 
+/// How something stands in an answer, and where its entries go.
+struct Form {
+  enum class Written { kNumber, kList, kRows };
+  std::string name;
+  Eigen::Index rows = 1, columns = 1;
+  Written written = Written::kNumber;
+  const std::vector<int>*rows_at = nullptr, *columns_at = nullptr;  ///< none: as they stand
+  bool is_row_by_row = false;  ///< a column of ours, the rows one after the other
+
+  bool hasRows() const { return written == Written::kRows; }
+  static Eigen::Index placed(const std::vector<int>* at, Eigen::Index i) {
+    return at == nullptr ? i : static_cast<Eigen::Index>((*at)[static_cast<std::size_t>(i)]);
+  }
+  double& entry(Eigen::MatrixXd& value, Eigen::Index i, Eigen::Index j) const {
+    return value(placed(rows_at, i), placed(columns_at, j));
+  }
+  Eigen::MatrixXd ours(Eigen::MatrixXd value) const {
+    if (!is_row_by_row) return value;
+    return value.reshaped<Eigen::RowMajor>();
+  }
+};
+
 // ---- the witness
 
 struct Handshake {
@@ -346,14 +443,22 @@ struct Handshake {
   /// @throws std::runtime_error  what is wrong with its answer, or why there is none
   Handshake(const std::string& command, const Limits& limits, const scene::Scene& scene)
       : program(std::make_unique<Conversation>(command, limits)),
-        said(parsed(program->ask(greetingOf(scene), kMostIntroduction))) {}
+        said(parsed(program->ask(greetingOf(scene),
+                                 kMostIntroduction + kALink * scene.mechanism.links.size()))) {}
 
  private:
-  static constexpr std::size_t kMostIntroduction = 1 << 20;
+  static constexpr std::size_t kMostIntroduction = 1 << 20, kALink = 1 << 10;
 };
 
-class EngineWitness : public OutsideWitness {
+class EngineWitness : public OutsideWitness, public OutsideClaims {
  public:
+  struct Batch {
+    const State* first;
+    std::size_t count;
+    const State* begin() const { return first; }
+    const State* end() const { return first + count; }
+  };
+
   EngineWitness(std::string name, const std::string& command, const Limits& limits,
                 const PreparedScene& scene)
       : name_(std::move(name)), mechanism_(scene.mechanism()), judge_(scene) {
@@ -361,7 +466,10 @@ class EngineWitness : public OutsideWitness {
       Handshake made(command, limits, scene.scene());
       program_ = std::move(made.program);
       introduction_.emplace(std::move(made.said));
-      if (introduction_->refuses.empty()) order_.emplace(mechanism_, *introduction_);
+      if (!introduction_->refuses.empty()) return;
+      order_.emplace(mechanism_, *introduction_);
+      if (introduction_->model)
+        believed_ = crosscheck::believedLinks(*introduction_->model, mechanism_);
     });
   }
 
@@ -369,10 +477,7 @@ class EngineWitness : public OutsideWitness {
   const std::optional<Introduction>& introduction() const { return introduction_; }
 
   const std::string& name() const override { return name_; }
-  bool answers(Quantity quantity) const override {
-    if (!failure_.empty()) return quantity != Quantity::kReactions;
-    return knows(quantity);
-  }
+  bool answers(Quantity quantity) const override { return !failure_.empty() || knows(quantity); }
   std::vector<std::pair<Quantity, std::string>> leftOut() const override {
     std::vector<std::pair<Quantity, std::string>> out;
     if (!failure_.empty()) return out;
@@ -399,17 +504,74 @@ class EngineWitness : public OutsideWitness {
     return askedAhead(states, all);
   }
   void forget() { answers_.clear(); }
-  /// About these quantities alone.
+  /// About these quantities alone: a batch is sent before the answers to the one before are read,
+  /// so that the program computes while we read and write.
   std::string askedAhead(const std::vector<State>& states, const std::vector<Quantity>& all) {
-    for (std::size_t from = 0; from < states.size() && failure_.empty(); from += kEngineBatch) try {
-        const Batch batch{&states[from], std::min(kEngineBatch, states.size() - from)};
-        std::vector<Said> said = ask(batch, all);
-        for (std::size_t k = 0; k < said.size(); ++k)
-          answers_[keyOf(all[k % all.size()], batch.first[k / all.size()])] = std::move(said[k]);
-      } catch (const std::runtime_error&) {
-        return failure_;  // set by ask()
-      }
+    if (all.empty()) return failure_;
+    std::size_t sent = 0, read = 0;
+    const auto send = [&] {
+      if (sent == states.size()) return;
+      const std::size_t count = std::min(kEngineBatch, states.size() - sent);
+      sendAhead({&states[sent], count}, all);
+      sent += count;
+    };
+    if (failure_.empty()) send();
+    while (read < sent && failure_.empty()) {
+      send();
+      read += std::min(kEngineBatch, states.size() - read);
+      receiveAhead();
+    }
     return failure_;
+  }
+  /// Sends a question; nobody waits for its answer yet. What goes wrong, value() says.
+  void sendAhead(const Batch& batch, const std::vector<Quantity>& all) {
+    if (!failure_.empty()) return;
+    const std::vector<Form> forms = formsOf(all);
+    try {
+      put(batch, forms, nullptr);
+    } catch (const std::runtime_error&) {
+      return;
+    }
+    underway_.push_back({batch_, forms, {}});
+    for (const State& state : batch)
+      for (const Quantity quantity : all) underway_.back().keys.push_back(keyOf(quantity, state));
+  }
+  /// Reads the answer to the first of the questions that are under way.
+  void receiveAhead() {
+    if (!failure_.empty() || underway_.empty()) return;
+    Question asked = std::move(underway_.front());
+    underway_.pop_front();
+    try {
+      std::vector<Said> said =
+          take(asked.batch, asked.keys.size() / asked.forms.size(), asked.forms);
+      for (std::size_t k = 0; k < said.size(); ++k)
+        answers_[std::move(asked.keys[k])] = std::move(said[k]);
+    } catch (const std::runtime_error&) {
+      return;  // failure_ is set
+    }
+  }
+
+  std::optional<std::vector<BelievedLink>> believedLinks() const override { return believed_; }
+  bool knowsJacobian() const override {
+    return failure_.empty() && introduction_->refuses.empty() && knows(kJacobian);
+  }
+  std::vector<SaidJacobian> jacobians(const FramePoint& point,
+                                      const std::vector<State>& states) override {
+    if (!failure_.empty()) throw std::runtime_error(failure_);
+    Form form;
+    form.name = kJacobian;
+    form.rows = 6;
+    form.columns = static_cast<Eigen::Index>(order_->rates.size());
+    form.written = Form::Written::kRows;
+    form.columns_at = &order_->rates;
+    std::vector<SaidJacobian> out;
+    for (std::size_t from = 0; from < states.size(); from += kEngineBatch) {
+      const Batch batch{&states[from], std::min(kEngineBatch, states.size() - from)};
+      put(batch, {form}, &point);
+      for (Said& said : take(batch_, batch.count, {form}))
+        out.push_back({std::move(said.value), std::move(said.reason)});
+    }
+    return out;
   }
 
   Answer answer(Quantity quantity, const State& state) override {
@@ -418,8 +580,11 @@ class EngineWitness : public OutsideWitness {
   Eigen::MatrixXd value(Quantity quantity, const State& state) override {
     if (!failure_.empty()) throw std::runtime_error(failure_);
     const auto known = answers_.find(keyOf(quantity, state));
-    if (known == answers_.end()) return valueOf(quantity, ask({&state, 1}, {quantity}).at(0));
-    return valueOf(quantity, known->second);
+    if (known != answers_.end()) return valueOf(quantity, known->second);
+    while (!underway_.empty() && failure_.empty()) receiveAhead();
+    const std::vector<Form> forms = formsOf({quantity});
+    put({&state, 1}, forms, nullptr);
+    return valueOf(quantity, take(batch_, 1, forms).at(0));
   }
 
  private:
@@ -429,11 +594,11 @@ class EngineWitness : public OutsideWitness {
     Eigen::MatrixXd value;
     std::string reason;
   };
-  struct Batch {
-    const State* first;
-    std::size_t count;
-    const State* begin() const { return first; }
-    const State* end() const { return first + count; }
+  /// One that has been sent.
+  struct Question {
+    long batch;
+    std::vector<Form> forms;
+    std::vector<Key> keys;  ///< all of the first state, then of the second, ...
   };
 
   Eigen::MatrixXd valueOf(Quantity quantity, const Said& said) const {
@@ -442,9 +607,10 @@ class EngineWitness : public OutsideWitness {
         fmt::format("{} has no {}: {}", name_, crosscheck::name(quantity), said.reason));
   }
 
-  bool knows(Quantity quantity) const {
+  bool knows(Quantity quantity) const { return knows(crosscheck::name(quantity)); }
+  bool knows(const std::string& name) const {
     const auto& names = introduction_->quantities;
-    return std::find(names.begin(), names.end(), crosscheck::name(quantity)) != names.end();
+    return std::find(names.begin(), names.end(), name) != names.end();
   }
 
   /// What goes wrong is the end of the witness: the reason is kept, and the program goes.
@@ -468,101 +634,128 @@ class EngineWitness : public OutsideWitness {
     return key;
   }
 
-  Eigen::Index rowsOf(Quantity quantity) const {
-    if (quantity == Quantity::kKinetic || quantity == Quantity::kPotential) return 1;
-    return quantity == Quantity::kMomentum ? 6 : static_cast<Eigen::Index>(order_->rates.size());
+  Form formOf(Quantity quantity) const {
+    const auto n = static_cast<Eigen::Index>(order_->rates.size());
+    Form out;
+    out.name = crosscheck::name(quantity);
+    switch (quantity) {
+      case Quantity::kKinetic:
+      case Quantity::kPotential:
+        return out;
+      case Quantity::kMomentum:
+        out.rows = 6;
+        out.written = Form::Written::kList;
+        return out;
+      case Quantity::kReactions:
+        out.rows = static_cast<Eigen::Index>(mechanism_.links.size()) - 1;
+        out.columns = 6;
+        out.written = Form::Written::kRows;
+        out.is_row_by_row = true;
+        return out;
+      case Quantity::kM:
+        out.rows = out.columns = n;
+        out.written = Form::Written::kRows;
+        out.rows_at = out.columns_at = &order_->rates;
+        return out;
+      default:
+        out.rows = n;
+        out.written = Form::Written::kList;
+        out.rows_at = &order_->rates;
+        return out;
+    }
   }
-  Eigen::Index columnsOf(Quantity quantity) const {
-    return quantity == Quantity::kM ? rowsOf(quantity) : 1;
+  std::vector<Form> formsOf(const std::vector<Quantity>& quantities) const {
+    std::vector<Form> out;
+    for (const Quantity quantity : quantities) out.push_back(formOf(quantity));
+    return out;
   }
 
-  /// Asks about a batch; answers are complete and of the right shapes.
-  /// @return  all quantities of the first state, then of the second, ...
-  /// @throws std::runtime_error  failure_
-  std::vector<Said> ask(const Batch& states, const std::vector<Quantity>& quantities) {
-    std::vector<Said> answers;
+  static std::string whenAsked(long batch, std::size_t states) {
+    return fmt::format("at batch {} ({} state{})", batch, states, states == 1 ? "" : "s");
+  }
+  /// Sends a batch. @throws std::runtime_error  failure_
+  void put(const Batch& states, const std::vector<Form>& forms, const FramePoint* frame) {
+    if (!failure_.empty()) throw std::runtime_error(failure_);
     ++batch_;
-    guarded(
-        fmt::format("at batch {} ({} state{})", batch_, states.count, states.count == 1 ? "" : "s"),
-        [&] {
-          std::size_t numbers = 0;
-          for (const Quantity quantity : quantities)
-            numbers += static_cast<std::size_t>(rowsOf(quantity) * columnsOf(quantity)) + 8;
-          // a double has 24 characters at most; twice that, and room for words
-          constexpr std::size_t kPerNumber = 48, kWords = 1 << 16;
-          const std::string said = program_->ask(question(states, quantities),
-                                                 kWords + kPerNumber * numbers * states.count);
-          if (!readPlain(said, states.count, quantities, &answers))
-            answers = readAny(parsed(said), states.count, quantities);
-        });
+    guarded(whenAsked(batch_, states.count),
+            [&] { program_->put(question(states, forms, frame)); });
+    if (!failure_.empty()) throw std::runtime_error(failure_);
+  }
+  /// The answer to the first batch that waits for one, complete and of the right shapes.
+  /// @return  all forms of the first state, then of the second, ...
+  /// @throws std::runtime_error  failure_
+  std::vector<Said> take(long batch, std::size_t states, const std::vector<Form>& forms) {
+    std::vector<Said> answers;
+    guarded(whenAsked(batch, states), [&] {
+      std::size_t numbers = 0;
+      for (const Form& form : forms)
+        numbers += static_cast<std::size_t>(form.rows * form.columns) + 8;
+      // a double has 24 characters at most; twice that, and room for words
+      constexpr std::size_t kPerNumber = 48, kWords = 1 << 16;
+      const std::string said = program_->take(kWords + kPerNumber * numbers * states);
+      if (!readPlain(said, batch, states, forms, &answers))
+        answers = readAny(parsed(said), batch, states, forms);
+    });
     if (!failure_.empty()) throw std::runtime_error(failure_);
     return answers;
   }
 
-  std::string question(const Batch& states, const std::vector<Quantity>& quantities) const {
+  std::string question(const Batch& states, const std::vector<Form>& forms,
+                       const FramePoint* frame) const {
     std::string text = fmt::format("{{\"batch\":{},\"quantities\":[", batch_);
-    for (const Quantity quantity : quantities)
-      text += fmt::format("{}\"{}\"", text.back() == '[' ? "" : ",", crosscheck::name(quantity));
-    text += "],\"states\":[";
+    for (const Form& form : forms)
+      text += fmt::format("{}\"{}\"", text.back() == '[' ? "" : ",", form.name);
+    text += "],";
+    if (frame != nullptr) {
+      text += fmt::format("\"frame\":{{\"link\":{},\"at\":[", frame->link);
+      for (int k = 0; k < 3; ++k) {
+        if (k > 0) text += ',';
+        append(frame->at(k), &text);
+      }
+      text += "]},";
+    }
+    text += "\"states\":[";
     std::vector<double> q;
     for (const State& state : states) {
       q.clear();
       for (const auto& x : state.x) q.push_back(x.q);
-      text += text.back() == '[' ? "{" : ",{";
-      append("q", q, order_->positions, &text);
-      text += ',';
-      append("qd", state.qd, order_->rates, &text);
-      text += ',';
-      append("qdd", state.qdd, order_->rates, &text);
-      text += ',';
-      append("tau", state.tau, order_->rates, &text);
+      if (text.back() != '[') text += ',';
+      append("{\"q\":[", q, order_->positions, &text);
+      append(",\"qd\":[", state.qd, order_->rates, &text);
+      append(",\"qdd\":[", state.qdd, order_->rates, &text);
+      append(",\"tau\":[", state.tau, order_->rates, &text);
       text += '}';
     }
     return text + "]}";
   }
 
-  /// Where an entry of theirs is in ours.
-  Eigen::Index placed(Quantity quantity, Eigen::Index i) const {
-    switch (quantity) {
-      case Quantity::kKinetic:
-      case Quantity::kPotential:
-      case Quantity::kMomentum:
-        return i;
-      default:
-        return static_cast<Eigen::Index>(order_->rates[static_cast<std::size_t>(i)]);
-    }
-  }
-
   /// @return  false: it has to be read as any JSON
-  bool readPlain(const std::string& line, std::size_t states,
-                 const std::vector<Quantity>& quantities, std::vector<Said>* answers) const {
+  static bool readPlain(const std::string& line, long asked, std::size_t states,
+                        const std::vector<Form>& forms, std::vector<Said>* answers) {
     PlainJson text(line);
     double batch = 0;
     if (!text.take('{') || !text.key("batch") || !text.number(&batch) ||
-        batch != static_cast<double>(batch_) || !text.take(',') || !text.key("answers") ||
+        batch != static_cast<double>(asked) || !text.take(',') || !text.key("answers") ||
         !text.take('['))
       return false;
     answers->clear();
-    answers->reserve(states * quantities.size());
+    answers->reserve(states * forms.size());
     for (std::size_t k = 0; k < states; ++k) {
       if ((k > 0 && !text.take(',')) || !text.take('{')) return false;
-      for (std::size_t m = 0; m < quantities.size(); ++m) {
-        const Quantity quantity = quantities[m];
-        if ((m > 0 && !text.take(',')) || !text.key(crosscheck::name(quantity))) return false;
-        const bool is_list = quantity != Quantity::kKinetic && quantity != Quantity::kPotential;
-        const bool has_rows = quantity == Quantity::kM;
-        Eigen::MatrixXd value(rowsOf(quantity), columnsOf(quantity));
+      for (std::size_t m = 0; m < forms.size(); ++m) {
+        const Form& form = forms[m];
+        if ((m > 0 && !text.take(',')) || !text.key(form.name.c_str())) return false;
+        const bool is_list = form.written != Form::Written::kNumber;
+        Eigen::MatrixXd value(form.rows, form.columns);
         if (is_list && !text.take('[')) return false;
         for (Eigen::Index i = 0; i < value.rows(); ++i) {
-          if ((i > 0 && !text.take(',')) || (has_rows && !text.take('['))) return false;
+          if ((i > 0 && !text.take(',')) || (form.hasRows() && !text.take('['))) return false;
           for (Eigen::Index j = 0; j < value.cols(); ++j)
-            if ((j > 0 && !text.take(',')) ||
-                !text.number(&value(placed(quantity, i), has_rows ? placed(quantity, j) : j)))
-              return false;
-          if (has_rows && !text.take(']')) return false;
+            if ((j > 0 && !text.take(',')) || !text.number(&form.entry(value, i, j))) return false;
+          if (form.hasRows() && !text.take(']')) return false;
         }
         if (is_list && !text.take(']')) return false;
-        answers->push_back({std::move(value), ""});
+        answers->push_back({form.ours(std::move(value)), ""});
       }
       if (!text.take('}')) return false;
     }
@@ -570,11 +763,11 @@ class EngineWitness : public OutsideWitness {
   }
 
   /// @throws std::runtime_error  what was expected, and what came
-  std::vector<Said> readAny(const Json& said, std::size_t states,
-                            const std::vector<Quantity>& quantities) const {
+  static std::vector<Said> readAny(const Json& said, long asked, std::size_t states,
+                                   const std::vector<Form>& forms) {
     std::vector<Said> answers;
-    if (!said.contains("batch") || said.at("batch") != batch_)
-      expected("batch", fmt::format("{}", batch_),
+    if (!said.contains("batch") || said.at("batch") != asked)
+      expected("batch", fmt::format("{}", asked),
                said.contains("batch") ? said.at("batch") : Json("none"));
     if (!said.contains("answers") || !said.at("answers").is_array() ||
         said.at("answers").size() != states)
@@ -582,32 +775,32 @@ class EngineWitness : public OutsideWitness {
                said.contains("answers") ? said.at("answers") : Json("none"));
     for (std::size_t k = 0; k < states; ++k) {
       const Json& one = said.at("answers").at(k);
-      for (const Quantity quantity : quantities) {
-        const std::string where = fmt::format("{} of state {}", crosscheck::name(quantity), k + 1);
-        if (!one.is_object() || !one.contains(crosscheck::name(quantity)))
+      for (const Form& form : forms) {
+        const std::string where = fmt::format("{} of state {}", form.name, k + 1);
+        if (!one.is_object() || !one.contains(form.name))
           expected(where, "numbers, or a text with the reason why there are none", one);
-        const Json& value = one.at(crosscheck::name(quantity));
-        requireShape(quantity, where, value);
-        answers.push_back(read(quantity, value));
+        const Json& value = one.at(form.name);
+        requireShape(form, where, value);
+        answers.push_back(read(form, value));
       }
     }
     return answers;
   }
 
-  void requireShape(Quantity quantity, const std::string& where, const Json& said) const {
+  static void requireShape(const Form& form, const std::string& where, const Json& said) {
     if (said.is_string()) return;  // why there is no value
-    const auto rows = static_cast<std::size_t>(rowsOf(quantity)),
-               columns = static_cast<std::size_t>(columnsOf(quantity));
-    if (quantity == Quantity::kKinetic || quantity == Quantity::kPotential) {
+    const auto rows = static_cast<std::size_t>(form.rows),
+               columns = static_cast<std::size_t>(form.columns);
+    if (form.written == Form::Written::kNumber) {
       if (!said.is_number()) expected(where, "a number", said);
       return;
     }
-    const std::string shape = fmt::format(
-        "{} {}{}", rows, quantity == Quantity::kM ? "row" : "number", rows == 1 ? "" : "s");
+    const std::string shape =
+        fmt::format("{} {}{}", rows, form.hasRows() ? "row" : "number", rows == 1 ? "" : "s");
     if (!said.is_array() || said.size() != rows)
       expected(where, shape, said.is_array() ? Json(fmt::format("{} of them", said.size())) : said);
     for (const Json& row : said) {
-      if (quantity != Quantity::kM) {
+      if (!form.hasRows()) {
         if (!row.is_number()) expected(where, shape, said);
         continue;
       }
@@ -619,20 +812,19 @@ class EngineWitness : public OutsideWitness {
   }
 
   /// Of the right shape.
-  Said read(Quantity quantity, const Json& said) const {
+  static Said read(const Form& form, const Json& said) {
     if (said.is_string()) {
       const std::string reason = plain(said.get<std::string>());
       return {{}, reason.empty() ? "it does not say why" : reason};
     }
-    Eigen::MatrixXd out(rowsOf(quantity), columnsOf(quantity));
+    Eigen::MatrixXd out(form.rows, form.columns);
     for (Eigen::Index i = 0; i < out.rows(); ++i)
       for (Eigen::Index j = 0; j < out.cols(); ++j) {
         const Json& row = said.is_array() ? said.at(static_cast<std::size_t>(i)) : said;
         const Json& x = row.is_array() ? row.at(static_cast<std::size_t>(j)) : row;
-        out(placed(quantity, i), quantity == Quantity::kM ? placed(quantity, j) : j) =
-            x.get<double>();
+        form.entry(out, i, j) = x.get<double>();
       }
-    return {out, ""};
+    return {form.ours(std::move(out)), ""};
   }
 
   std::string name_;
@@ -641,8 +833,10 @@ class EngineWitness : public OutsideWitness {
   std::unique_ptr<Conversation> program_;
   std::optional<Introduction> introduction_;
   std::optional<Order> order_;
+  std::optional<std::vector<BelievedLink>> believed_;
   std::string failure_;
   std::map<Key, Said> answers_;
+  std::deque<Question> underway_;
   long batch_ = 0;
 };
 
@@ -659,7 +853,10 @@ bool isName(const std::string& text) {
 }  // namespace
 
 std::string greetingOf(const scene::Scene& scene) {
-  const Json greeting = {{"protocol", kEngineProtocol}, {"scene", sceneJson(scene)}};
+  std::vector<std::string> asks = askable();
+  asks.emplace_back(kModel);
+  const Json greeting = {
+      {"protocol", kEngineProtocol}, {"asks", asks}, {"scene", sceneJson(scene)}};
   return greeting.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -713,6 +910,18 @@ void askEngineAhead(Witness& witness, Quantity quantity, const std::vector<State
   if (!engine) return;
   engine->forget();
   engine->askedAhead(states, {quantity});
+}
+
+void sendEngineAhead(Witness& witness, Quantity quantity, const std::vector<State>& states) {
+  if (auto* const engine = dynamic_cast<EngineWitness*>(&witness); engine && !states.empty())
+    engine->sendAhead({states.data(), states.size()}, {quantity});
+}
+
+void receiveEngineAhead(Witness& witness) {
+  auto* const engine = dynamic_cast<EngineWitness*>(&witness);
+  if (!engine) return;
+  engine->forget();
+  engine->receiveAhead();
 }
 
 }  // namespace dynwitness::crosscheck

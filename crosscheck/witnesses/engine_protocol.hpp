@@ -31,7 +31,14 @@ bool isProgram(const WitnessKind& kind);
 void askEngineAhead(Witness& witness, Quantity quantity,
                     const std::vector<scene::State<double>>& states);
 
-/// The first line that an engine is sent: protocol and scene.
+/// The same in two steps, so that a batch (kEngineBatch states at most) is under way while the
+/// answers to the one before are used: the first sends it, the second has the answers to the oldest
+/// at hand, and no others. Not more than two at a time: what two pipes hold.
+void sendEngineAhead(Witness& witness, Quantity quantity,
+                     const std::vector<scene::State<double>>& states);
+void receiveEngineAhead(Witness& witness);
+
+/// The first line that an engine is sent: protocol, what may be asked, and the scene.
 std::string greetingOf(const scene::Scene& scene);
 
 }  // namespace dynwitness::crosscheck

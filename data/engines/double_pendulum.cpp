@@ -36,6 +36,21 @@ Vector tau(const State& s) {
           m[1][0] * s.qdd[0] + m[1][1] * s.qdd[1] + cs[1] + gs[1]};
 }
 
+/// z x r and z about y, from the shoulder; from the elbow for what lies beyond it.
+Matrix jacobian(const State& s) {
+  const bool is_lower = s.frame.link == 2;
+  const double a = s.q[0], b = is_lower ? a + s.q[1] : a, x = s.frame.at[0], z = s.frame.at[2];
+  const double dx = x * std::cos(b) + z * std::sin(b), dz = z * std::cos(b) - x * std::sin(b);
+  const double rx = is_lower ? dx - l1 * std::sin(a) : dx,
+               rz = is_lower ? dz - l1 * std::cos(a) : dz;
+  const double on = is_lower ? 1 : 0;
+  return {{rz, on * dz}, {0, 0}, {-rx, -on * dx}, {0, 0}, {1, on}, {0, 0}};
+}
+
+Body rod(const std::string& name, double m, double r, double I) {
+  return {name, m, {0, 0, -r}, {{I, 0, 0}, {0, I, 0}, {0, 0, 0}}};
+}
+
 }  // namespace
 
 int main() {
@@ -44,5 +59,9 @@ int main() {
   engine.vector("c", c);
   engine.vector("g", g);
   engine.vector("tau", tau);
+  engine.matrix("jacobian", jacobian);
+  engine.model = [] {
+    return std::vector<Body>{rod("upper", m1, r1, I1), rod("lower", m2, r2, I2)};
+  };
   return engine.testify();
 }

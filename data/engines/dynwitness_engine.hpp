@@ -10,6 +10,9 @@
 //       engine.matrix("M", [](const State& s) { return Matrix{{...}, {...}}; });
 //       engine.vector("tau", [](const State& s) { return Vector{...}; });   // s.q, s.qd, s.qdd
 //       engine.number("potential", [](const State& s) { return ...; });
+//       engine.matrix("reactions", ...);                          // six numbers a link but the root
+//       engine.matrix("jacobian", ...);                           // of s.frame, six rows
+//       engine.model = [] { return std::vector<Body>{...}; };     // what you take the links to be
 //       return engine.testify();
 //     }
 //
@@ -153,8 +156,19 @@ class Json {
 
 using Vector = std::vector<double>;
 using Matrix = std::vector<Vector>;
+struct Frame {
+  std::size_t link = 0;  ///< an index into the scene's links
+  Vector at;             ///< a point of it, in its axes
+};
 struct State {
   Vector q, qd, qdd, tau;
+  Frame frame;  ///< whose Jacobian is asked; nobody's where none is
+};
+struct Body {
+  std::string link;  ///< its name in the scene
+  double mass;
+  Vector com;      ///< in link axes
+  Matrix inertia;  ///< about com, in link axes
 };
 
 class Engine {
@@ -165,6 +179,7 @@ class Engine {
   std::function<void(const Json& scene)> scene;  ///< may be left empty
   std::vector<std::string> joints;               ///< your order of them; empty: the scene's
   std::string quaternion = "wxyz";               ///< or "xyzw", if that is your order
+  std::function<std::vector<Body>()> model;      ///< called after `scene`; may be left empty
 
   void number(const std::string& quantity, std::function<double(const State&)> f) {
     known_[quantity] = [f](const State& s, std::string& to) { write(f(s), to); };
@@ -180,9 +195,8 @@ class Engine {
   int testify() {
     std::ios::sync_with_stdio(false);
     for (std::string line; std::getline(std::cin, line);)
-      std::cout << (line.find("\"scene\"") != std::string::npos
-                        ? introduction(Json::parsed(line)["scene"])
-                        : answers(line))
+      std::cout << (line.find("\"scene\"") != std::string::npos ? introduction(Json::parsed(line))
+                                                                : answers(line))
                 << std::endl;
     return 0;
   }
@@ -221,18 +235,43 @@ class Engine {
   std::string introduction(const Json& asked) const {
     std::string said =
         "{\"protocol\":1,\"name\":" + quoted(name_) + ",\"version\":" + quoted(version_);
+    std::string bodies;
     try {
-      if (scene) scene(asked);
+      if (scene) scene(asked["scene"]);
+      if (model) bodies = written(model());
     } catch (const std::exception& reason) {
       return said + ",\"refuses\":" + quoted(reason.what()) + "}";
     }
     std::string quantities, names;
     for (const auto& one : known_)
-      quantities += (quantities.empty() ? "" : ",") + quoted(one.first);
+      if (isAsked(asked, one.first))
+        quantities += (quantities.empty() ? "" : ",") + quoted(one.first);
     for (const std::string& joint : joints) names += (names.empty() ? "" : ",") + quoted(joint);
     if (!joints.empty()) said += ",\"joints\":[" + names + "]";
     if (quaternion != "wxyz") said += ",\"quaternion\":" + quoted(quaternion);
+    if (model) said += ",\"model\":" + bodies;
     return said + ",\"quantities\":[" + quantities + "]}";
+  }
+
+  /// Whether the program that asks knows the word.
+  static bool isAsked(const Json& asked, const std::string& quantity) {
+    if (!asked.has("asks")) return true;
+    for (const Json& word : asked["asks"].elements_)
+      if (word.text() == quantity) return true;
+    return false;
+  }
+  static std::string written(const std::vector<Body>& bodies) {
+    std::string out = "[";
+    for (const Body& body : bodies) {
+      out += (out.size() > 1 ? ",{\"link\":" : "{\"link\":") + quoted(body.link) + ",\"mass\":";
+      write(body.mass, out);
+      out += ",\"com\":";
+      write(body.com, out);
+      out += ",\"inertia\":";
+      write(body.inertia, out);
+      out += '}';
+    }
+    return out + "]";
   }
 
   /// A batch is read as it stands: a tree of it takes longer than most engines' answers.
@@ -241,9 +280,15 @@ class Engine {
     double batch = 0;
     std::vector<std::pair<std::string, const Known*>> asked;
     std::vector<State> states;
+    Frame frame;
     const auto readState = [&] {
       states.emplace_back();
       State& s = states.back();
+      s.frame = frame;
+      if (states.size() > 1) {
+        const std::size_t slots = states[states.size() - 2].q.size();
+        for (Vector* part : {&s.q, &s.qd, &s.qdd, &s.tau}) part->reserve(slots);
+      }
       Json::each(c, [&](const std::string& key) {
         Vector* const to = key == "q"     ? &s.q
                            : key == "qd"  ? &s.qd
@@ -262,6 +307,10 @@ class Engine {
       } else if (key == "quantities") {
         for (const Json& one : Json::read(c).elements_)
           asked.emplace_back(quoted(one.text()) + ":", &known_.at(one.text()));
+      } else if (key == "frame") {  // comes before the states
+        const Json asked_of = Json::read(c);
+        frame.link = static_cast<std::size_t>(asked_of["link"].number());
+        frame.at = asked_of["at"].numbers();
       } else if (key == "states") {
         Json::each(c, [&](const std::string&) { readState(); });
       } else {

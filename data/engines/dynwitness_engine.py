@@ -7,6 +7,8 @@
         def tau(q, qd, qdd): ...            # called with the parts of the state that it names
         def M(q): ...
         return {"tau": tau, "M": M}         # what you know
+    # reactions(q, qd, qdd): six a link but the root; jacobian(q, frame): of frame["link"] at frame["at"], six rows;
+    # model(): [{"link": name, "mass": .., "com": .., "inertia": ..}, ..], what you take the links to be
 
     dynwitness_engine.testify(engine, name="my_arm", version="1")
 
@@ -26,6 +28,8 @@ class Refused(Exception):
 def _plain(value):
     """Lists and floats, all finite."""
     value = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(value, dict):
+        return {key: _plain(x) for key, x in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(x) for x in value]
     value = float(value)
@@ -52,16 +56,19 @@ def testify(engine, name="", version="", **introduction):
         if "scene" in asked:
             said = {"protocol": 1, "name": name, "version": version, **introduction}
             try:
-                known = {quantity: (f, list(inspect.signature(f).parameters))
-                         for quantity, f in engine(asked["scene"]).items()}
-                said["quantities"] = list(known)
+                functions = engine(asked["scene"])
+                if "model" in functions:
+                    said["model"] = [dict(_plain({k: link[k] for k in link if k != "link"}), link=link["link"])
+                                     for link in functions.pop("model")()]
+                known = {quantity: (f, list(inspect.signature(f).parameters)) for quantity, f in functions.items()}
+                said["quantities"] = [quantity for quantity in known if quantity in asked.get("asks", known)]
             except Refused as reason:
                 said["refuses"] = str(reason)
             say(said)
             continue
         answers = []
         for state in asked["states"]:
-            answer = {}
+            answer, state["frame"] = {}, asked.get("frame")
             for quantity in asked["quantities"]:
                 f, parts = known[quantity]
                 try:

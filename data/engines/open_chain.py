@@ -72,8 +72,9 @@ def engine(scene):
         z = times(back, joint["axis"]) if joint["rates"] else None
         return product(R, Ra), add(origin, times(R, pa)), times(back, pa), z, origin
 
-    def sweep(q, qd, qdd, gravity):
-        """Forces of links alone: M qdd + c, and g where there is gravity."""
+    def passed(q, qd, qdd, gravity):
+        """Where the links are in their parents, and force and moment (about the link's origin) that
+        each needs from its parent, in its axes."""
         where, w, wd, a = [None], [[0.0] * 3], [[0.0] * 3], [scaled(-1, gravity)]
         for link in links[1:]:                       # outward: motion
             joint, p = link["joint"], link["parent"]
@@ -92,24 +93,40 @@ def engine(scene):
             wd.append(wdi)
             a.append(add(aj, cross(wdi, r), cross(wi, cross(wi, r))))
         f, m = [[0.0] * 3 for _ in links], [[0.0] * 3 for _ in links]
-        tau = list(zeros)
         for i in range(len(links) - 1, 0, -1):       # inward: forces
-            link, joint, p = links[i], links[i]["joint"], links[i]["parent"]
+            link, p = links[i], links[i]["parent"]
             com, I = link["com"], link["inertia"]
             ac = add(a[i], cross(wd[i], com), cross(w[i], cross(w[i], com)))
             F = scaled(link["mass"], ac)
             N = add(times(I, wd[i]), cross(w[i], times(I, w[i])))
             f[i] = add(f[i], F)
             m[i] = add(m[i], N, cross(com, F))
-            R, position, r, z, _ = where[i]
+            R, position = where[i][:2]
+            f_parent = times(R, f[i])
+            f[p] = add(f[p], f_parent)
+            m[p] = add(m[p], times(R, m[i]), cross(position, f_parent))
+        return where, f, m
+
+    def sweep(q, qd, qdd, gravity):
+        """Forces of links alone: M qdd + c, and g where there is gravity."""
+        where, f, m = passed(q, qd, qdd, gravity)
+        tau = list(zeros)
+        for i, link in enumerate(links[1:], 1):
+            joint, (_, _, r, z, _) = link["joint"], where[i]
             if joint["kind"] == "revolute":
                 tau[joint["qd"]] = dot(z, add(m[i], cross(r, f[i])))
             if joint["kind"] == "prismatic":
                 tau[joint["qd"]] = dot(z, f[i])
-            f_parent = times(R, f[i])
-            f[p] = add(f[p], f_parent)
-            m[p] = add(m[p], times(R, m[i]), cross(position, f_parent))
         return tau
+
+    def reactions(q, qd, qdd):
+        """About the moved joint frame's origin, in its axes."""
+        where, f, m = passed(q, qd, qdd, gravity)
+        rows = []
+        for i, link in enumerate(links[1:], 1):
+            R, r = link["joint"]["after"]["R"], where[i][2]
+            rows.append(times(R, f[i]) + times(R, add(m[i], cross(r, f[i]))))
+        return rows
 
     def rotor(joint):
         return joint["gear_ratio"] ** 2 * joint["rotor_inertia"]
@@ -155,18 +172,45 @@ def engine(scene):
     def kinetic(q, qd):
         return dot(qd, times(M(q), qd)) / 2
 
-    def potential(q):
-        frames, V = [([[1, 0, 0], [0, 1, 0], [0, 0, 1]], [0, 0, 0])], 0.0
+    def world(q):
+        """R, p of every link."""
+        frames = [([[1, 0, 0], [0, 1, 0], [0, 0, 1]], [0, 0, 0])]
         for link in links[1:]:
             R, p = frames[link["parent"]]
             R_here, p_here = place(link["joint"], q)[:2]
             frames.append((product(R, R_here), add(p, times(R, p_here))))
-        for link, (R, p) in zip(links, frames):
+        return frames
+
+    def jacobian(q, frame):
+        """z x (p - p_joint) and z, joint by joint from the link inward."""
+        frames, J = world(q), [[0.0] * n for _ in range(6)]
+        i = frame["link"]
+        R, p = frames[i]
+        point = add(p, times(R, frame["at"]))
+        while i > 0:
+            joint, parent = links[i]["joint"], links[i]["parent"]
+            if joint["rates"]:
+                _, _, _, z, origin = place(joint, q)
+                z, (R, p) = times(frames[i][0], z), frames[parent]
+                arm = add(point, scaled(-1, add(p, times(R, origin))))
+                column = cross(z, arm) + z if joint["kind"] == "revolute" else z + [0.0] * 3
+                for row, x in zip(J, column):
+                    row[joint["qd"]] = x
+            i = parent
+        return J
+
+    def model():
+        return [{key: link[key] for key in ("mass", "com", "inertia")} | {"link": link["name"]} for link in links[1:]]
+
+    def potential(q):
+        V = 0.0
+        for link, (R, p) in zip(links, world(q)):
             V -= link["mass"] * dot(gravity, add(p, times(R, link["com"])))
         return V + sum(j["stiffness"] * (x - j["rest"]) ** 2 / 2 for j, x in zip(moving, q))
 
     return {"M": M, "c": c, "g": g, "tau": tau,
-            "qdd": lambda q, qd, tau: qdd(q, qd, tau), "kinetic": kinetic, "potential": potential}
+            "qdd": lambda q, qd, tau: qdd(q, qd, tau), "kinetic": kinetic, "potential": potential,
+            "reactions": reactions, "jacobian": jacobian, "model": model}
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -17,6 +18,7 @@
 #include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/report.hpp"
 #include "crosscheck/system/processes.hpp"
+#include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/error.hpp"
 #include "tests/benchmarks/benchmark_goals.hpp"
@@ -29,7 +31,7 @@ using namespace dynwitness::crosscheck;
 namespace fs = std::filesystem;
 
 constexpr const char* kUsage =
-    R"(usage: dynwitness bench [--output FOLDER] [--benchmark_...=VALUE]
+    R"(usage: dynwitness bench [--output FOLDER] [--engine COMMAND]... [--benchmark_...=VALUE]
 
 Times inverse dynamics (ID), the mass matrix (M) and forward dynamics (FD) of an arm and a humanoid by
 our sweeps and kernels, made by two compilers, beside the engines, all in one run on the same states;
@@ -44,6 +46,11 @@ alone, and the fastest counts.
                       bench.json             what was measured, ratios, goals
                       bench.csv, bench.gp, bench.svg, bench_dark.svg
                       google_benchmark.json  every repetition
+  --engine COMMAND  a program of yours as one more contender: a shell's words, "python3 my_arm.py". It answers
+                    lines of JSON (crosscheck/witnesses/engine_protocol.md). Its time is wall time a state
+                    in batches of {}, with all that is said and read on both sides; goals are none of its
+  --engine-seconds S  time that such a program has for one answer [{}]
+  --engine-memory GB  address space that each of its processes may have [{}]
   --help            this text
 
 Options of google-benchmark are passed on; these are the useful ones:
@@ -147,8 +154,21 @@ std::vector<Environment::Library> engines() {
   return all;
 }
 
+/// Of an option that is one of ours.
+double numberIn(const std::string& option, const std::string& text, double least, double most) {
+  char* end = nullptr;
+  const double x = std::strtod(text.c_str(), &end);
+  if (end == text.c_str() || *end != '\0' || !(x >= least && x <= most))
+    throw scene::InputError({}, fmt::format("bench: {}: got '{}', allowed: a number from {} to {}",
+                                            option, text, least, most));
+  return x;
+}
+
 int run(int argc, char** argv) {
   std::string output = DYNWITNESS_BENCH_FOLDER;
+  std::vector<std::string> engines_asked;
+  Limits limits;
+  bool limits_given = false;
   std::vector<std::string> words = {argv[0], "--benchmark_enable_random_interleaving=true",
                                     fmt::format("--benchmark_repetitions={}", kRepetitions),
                                     fmt::format("--benchmark_min_time={}", kMinTime)};
@@ -156,24 +176,44 @@ int run(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--help" || word == "-h") {
-      fmt::print(kUsage, DYNWITNESS_BENCH_FOLDER, kRepetitions, kMinTime, DYNWITNESS_BENCH_FOLDER);
+      fmt::print(kUsage, DYNWITNESS_BENCH_FOLDER, kEngineBatch, limits.seconds, limits.gigabytes,
+                 kRepetitions, kMinTime, DYNWITNESS_BENCH_FOLDER);
       return 0;
     }
-    if (word.rfind("--output=", 0) == 0)
-      output = word.substr(word.find('=') + 1);
-    else if (word == "--output") {
-      if (++i == argc) throw scene::InputError({}, "bench: --output: expected a folder");
-      output = argv[i];
+    // "--option=VALUE" or "--option VALUE"
+    const auto given = [&](const std::string& option,
+                           const char* what) -> std::optional<std::string> {
+      if (word.rfind(option + "=", 0) == 0) return word.substr(option.size() + 1);
+      if (word != option) return {};
+      if (++i == argc)
+        throw scene::InputError({}, fmt::format("bench: {}: expected {}", option, what));
+      return argv[i];
+    };
+    if (const auto folder = given("--output", "a folder")) {
+      output = *folder;
+    } else if (const auto command = given("--engine", "a command")) {
+      engines_asked.push_back(*command);
+    } else if (const auto seconds = given("--engine-seconds", "a time")) {
+      limits.seconds = numberIn("--engine-seconds", *seconds, 0.1, 86400);
+      limits_given = true;
+    } else if (const auto memory = given("--engine-memory", "a size")) {
+      limits.gigabytes = numberIn("--engine-memory", *memory, 0.01, 1000000);
+      limits_given = true;
     } else if (word.rfind("--benchmark_", 0) == 0) {
       only_lists = only_lists || word.rfind("--benchmark_list_tests", 0) == 0;
       words.push_back(word);
     } else {
-      throw scene::InputError({},
-                              fmt::format("bench: '{}': allowed are --output FOLDER, --help and "
-                                          "google-benchmark's --benchmark_...",
-                                          word));
+      throw scene::InputError(
+          {}, fmt::format("bench: '{}': allowed are --output FOLDER, --engine COMMAND, "
+                          "--engine-seconds, --engine-memory, --help and "
+                          "google-benchmark's --benchmark_...",
+                          word));
     }
   }
+  if (limits_given && engines_asked.empty())
+    throw scene::InputError({},
+                            "bench: --engine-seconds or --engine-memory without a program, "
+                            "allowed: with --engine");
   requireWritableFolder(output);
 
   BenchResult result;
@@ -187,6 +227,7 @@ int run(int argc, char** argv) {
   benchmarks::registerDerivations(&result);
   benchmarks::registerSweeps(&result);
   benchmarks::registerStarts(&result);
+  benchmarks::registerEngines(&result, engines_asked, limits);
 
   // every repetition is kept beside our own file, unless the caller says where
   const fs::path raw = fs::path(output) / "google_benchmark.json",

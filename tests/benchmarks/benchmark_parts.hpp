@@ -8,18 +8,23 @@
 #include <benchmark/benchmark.h>
 
 #include "crosscheck/report/bench.hpp"
+#include "crosscheck/system/children.hpp"
 
 namespace dynwitness::benchmarks {
 
 constexpr int kStates = 1000;  ///< that a benchmark cycles through
 constexpr std::uint64_t kSeed = 1;
 constexpr const char* kStatesCounter = "states";
+constexpr const char* kScenes[] = {"franka_panda", "humanoid", "humanoid_floating"};
 
 /// Each adds its benchmarks to google-benchmark's list, and what the table must know of them to the
 /// result: contenders, and what is left out here.
 void registerSweeps(crosscheck::BenchResult* result);       ///< SCENE/ID, M, FD/...
 void registerDerivations(crosscheck::BenchResult* result);  ///< SCENE/derivation/...
 void registerStarts(crosscheck::BenchResult* result);       ///< making, crosscheck, counts
+/// SCENE/ID, M, FD/NAME of programs that answer lines of JSON; who refuses or fails is left out.
+void registerEngines(crosscheck::BenchResult* result, const std::vector<std::string>& commands,
+                     const crosscheck::Limits& limits);
 
 /// A contender that may have been added before.
 void addContender(crosscheck::BenchResult* result, const crosscheck::Contender& contender);

@@ -307,8 +307,6 @@ Quantity quantityOf(Formula formula) {
                                                 : Quantity::kTau;
 }
 
-constexpr const char* kScenes[] = {"franka_panda", "humanoid", "humanoid_floating"};
-
 /// "SCENE/ID/BY" and so on.
 template <typename Function, typename... Arguments>
 std::vector<benchmark::internal::Benchmark*> add(BenchResult* result, const Contender& contender,

@@ -84,6 +84,12 @@ std::string written(const std::string& tau, const std::string& rest = "") {
       tau, rest);
 }
 
+// in place of both
+const std::string kModel =
+    "link = {'link': 'bob', 'mass': 1, 'com': [0, 0, 0], 'inertia': [[0] * 3] * 3}\n"
+    "def hello(model): print(json.dumps({'protocol': 1, 'quantities': ['M'], 'model': model}), "
+    "flush=True)\n";
+
 // of the simple pendulum, with three states
 const std::vector<Hostile> kHostile = {
     {"hangs in the handshake", "time.sleep(100)", "in the handshake: it did not answer within"},
@@ -107,10 +113,20 @@ const std::vector<Hostile> kHostile = {
     {"no version", "print('{\"quantities\": [\"M\"]}')",
      "protocol: expected version 1, got \"none\""},
     {"knows nothing", "print('{\"protocol\": 1, \"quantities\": []}')",
-     "quantities: expected at least one of M, c, g, tau, qdd, kinetic, potential, momentum, got []"},
+     "quantities: expected at least one of M, c, g, tau, qdd, kinetic, potential, momentum, "
+     "reactions, jacobian, got []"},
     {"a quantity that does not exist", "print('{\"protocol\": 1, \"quantities\": [\"mass\"]}')",
-     "quantities: expected names among M, c, g, tau, qdd, kinetic, potential, momentum, got "
-     "\"mass\""},
+     "quantities: expected names among M, c, g, tau, qdd, kinetic, potential, momentum, reactions, "
+     "jacobian, got \"mass\""},
+    {"a model that is no list", kModel + "hello(3)", "model: expected a list of links, got 3"},
+    {"a model of another arm", kModel + "hello([dict(link, link='wrist')])",
+     "model: expected names of links of the scene, base, bob, got \"wrist\""},
+    {"a model with a link twice", kModel + "hello([link, link])",
+     "model: expected each link once, got \"bob\""},
+    {"a model without a mass", kModel + "del link['mass']\nhello([link])",
+     "link 1 of model mass: expected a number, got \"none\""},
+    {"a model with a flat inertia", kModel + "hello([dict(link, inertia=[1, 2, 3])])",
+     "link 1 of model inertia: expected three numbers, got 1"},
     {"joints of another arm",
      "print('{\"protocol\": 1, \"quantities\": [\"M\"], \"joints\": [\"wrist\"]}')",
      "joints: expected all of pivot, in any order, got [\"wrist\"]"},
@@ -203,9 +219,9 @@ BOOST_AUTO_TEST_CASE(json_may_be_written_in_many_ways) {
     std::ofstream(script) << kStart << kHello << written(tau);
     return heard("exec python3 " + script, "simple_pendulum").refusals.size();
   };
-  // M, tau and nothing else are known: six quantities are refused
+  // M, tau and nothing else are known: seven quantities are refused
   const std::size_t left_out = says("[1]");
-  BOOST_TEST(left_out == 6u);
+  BOOST_TEST(left_out == 7u);
   for (const char* tau : {" [ 1 ] ", "[1e0]", "[10E-1]", "[-1.0]", "[1], \"more\": {}", "\"none\""})
     BOOST_TEST(says(tau) == left_out, tau);
   std::ofstream(script) << kStart << kHello
@@ -244,12 +260,13 @@ BOOST_AUTO_TEST_CASE(a_program_gets_none_of_our_files) {
 
 BOOST_AUTO_TEST_CASE(what_it_does_not_know_is_not_answerable) {
   const Heard out = heard("python3 " + kEngines + "/double_pendulum.py", "double_pendulum");
-  BOOST_TEST_REQUIRE(out.refusals.size() == 2u);
+  BOOST_TEST_REQUIRE(out.refusals.size() == 3u);
   BOOST_TEST(out.refusals[0].quantity == "kinetic");
   BOOST_TEST(out.refusals[0].reason ==
              "double_pendulum_by_hand does not know kinetic, it said that it knows M, c, g, tau, "
              "qdd, potential");
   BOOST_TEST(out.refusals[1].quantity == "momentum");
+  BOOST_TEST(out.refusals[2].quantity == "reactions");
   BOOST_TEST(out.answering_M.size() == 1u);
   BOOST_TEST(out.remarks.empty());
 }
@@ -285,6 +302,11 @@ BOOST_AUTO_TEST_CASE(the_engines_that_are_shipped_agree) {
       program.run("crosscheck double_pendulum" + kShort + "--engine 'python3 " + kEngines +
                   "/double_pendulum.py' --engine " + built.path.string() + "/in_cpp");
   BOOST_TEST(two.status == 0, two.out);
+  const Outcome besides =
+      program.run("check double_pendulum --engine " + built.path.string() + "/in_cpp");
+  BOOST_TEST(besides.status == 0, besides.out);
+  for (const char* said : {"  model      right", "  jacobian   right"})
+    BOOST_TEST(files::contains(besides.out, said), besides.out);
   const Outcome chains = program.run(
       "crosscheck double_pendulum puma_560 stanford_arm prismatic_revolute_mix gripper" + kShort +
       "--json r.json --engine 'python3 " + kEngines + "/open_chain.py'");
@@ -335,6 +357,64 @@ BOOST_AUTO_TEST_CASE(a_planted_sign_is_seen) {
   BOOST_TEST(files::contains(outcome.out, "changed"), outcome.out);
 }
 
+namespace {
+
+/// One thing wrong in what open_chain.py says besides quantities, or in its reactions.
+struct Beside {
+  std::string name, change;  ///< of says['...']
+  std::string finding;       ///< by crosscheck
+  std::string why;           ///< by check
+};
+std::ostream& operator<<(std::ostream& out, const Beside& beside) {
+  return out << beside.name;
+}
+const std::string kOfReactions =
+                      "    r = says['reactions']\n    says['reactions'] = lambda q, qd, qdd: ",
+                  kOfJacobian =
+                      "    j = says['jacobian']\n    says['jacobian'] = lambda q, frame: ",
+                  kOfModel = "    m = says['model']\n    says['model'] = lambda: ";
+const std::vector<Beside> kBeside = {
+    {"reactions the other way", kOfReactions + "[[-x for x in row] for row in r(q, qd, qdd)]\n",
+     "reactions: changed stands alone",
+     "explained exactly by: reactions that the link exerts on its parent"},
+    {"moments first", kOfReactions + "[row[3:] + row[:3] for row in r(q, qd, qdd)]\n",
+     "reactions: changed stands alone", "explained exactly by: reactions with the moment first"},
+    {"one moment off",
+     kOfReactions +
+         "(lambda R: R[:2] + [R[2][:5] + [R[2][5] * (1 + 1e-9)]] + R[3:])(r(q, qd, qdd))\n",
+     "reactions: changed stands alone", "nothing on record explains it"},
+    {"a Jacobian of another point", kOfJacobian + "j(q, dict(frame, at=[0, 0, 0]))\n",
+     "changed: jacobian: jacobian[",
+     "explained exactly by: it is that of the link's origin in place of the point"},
+    {"a Jacobian with angular rows first", kOfJacobian + "j(q, frame)[3:] + j(q, frame)[:3]\n",
+     "changed: jacobian: jacobian[", "explained exactly by: it is that angular rows first"},
+    {"a Jacobian with one entry off",
+     kOfJacobian + "(lambda J: [[x * (1 + 1e-9) for x in J[0]]] + J[1:])(j(q, frame))\n",
+     "changed: jacobian: jacobian[1,", "nothing on record explains it"},
+    {"one mass",
+     kOfModel + "[dict(l, mass=1.1 * l['mass']) if l['link'] == 'link_3' else l for l in m()]\n",
+     "changed: model: link 'link_3': mass is 5.28 kg in its model and 4.8 kg in the scene",
+     "model      wrong      link 'link_3': mass is 5.28 kg in its model and 4.8 kg in the scene"},
+    {"one link", kOfModel + "m()[:4] + m()[5:]\n",
+     "changed: model: link 'link_5' is missing in its model",
+     "model      wrong      link 'link_5' is missing in its model"},
+};
+
+}  // namespace
+
+BOOST_DATA_TEST_CASE(what_is_said_besides_quantities_is_judged, data::make(kBeside), beside) {
+  const Program program;
+  const std::string engine = changed(program, beside.change);
+  const Outcome crosschecked = program.run("crosscheck puma_560" + kShort + engine);
+  BOOST_TEST(crosschecked.status == 1, crosschecked.out);
+  BOOST_TEST(files::contains(crosschecked.out, beside.finding), crosschecked.out);
+  const Outcome checked = program.run("check puma_560" + engine);
+  BOOST_TEST(checked.status == 1, checked.out);
+  BOOST_TEST(files::contains(checked.out, beside.why), checked.out);
+  for (const char* right : {"  M          right", "  tau        right"})
+    BOOST_TEST(files::contains(checked.out, right), checked.out);
+}
+
 BOOST_AUTO_TEST_CASE(another_order_of_joints_is_undone_and_told) {
   const Program program;
   program.write("reversed.py",
@@ -344,6 +424,8 @@ BOOST_AUTO_TEST_CASE(another_order_of_joints_is_undone_and_told) {
                     "    says = open_chain.engine(scene)\n"
                     "    return {'M': lambda q: [r[::-1] for r in says['M'](q[::-1])][::-1],\n"
                     "            'c': lambda q, qd: says['c'](q[::-1], qd[::-1])[::-1],\n"
+                    "            'jacobian': lambda q, frame: [r[::-1] for r in "
+                    "says['jacobian'](q[::-1], frame)],\n"
                     "            'tau': lambda q, qd, qdd: says['tau'](q[::-1], qd[::-1], "
                     "qdd[::-1])[::-1],\n"
                     "            'qdd': lambda q, qd, tau: says['qdd'](q[::-1], qd[::-1], "
