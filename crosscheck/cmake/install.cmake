@@ -26,6 +26,9 @@ foreach(library scene recursive symbolic)
 endforeach()
 
 install(TARGETS dynwitness_cli dynwitness_audit_program dynwitness_growth_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(reader_programs)
+  install(TARGETS ${reader_programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/scenes ${PROJECT_SOURCE_DIR}/data/reference
                   ${PROJECT_SOURCE_DIR}/data/audit ${PROJECT_SOURCE_DIR}/data/engines
                   ${PROJECT_SOURCE_DIR}/data/golden

@@ -165,6 +165,8 @@ class Engine {
   std::function<void(const Json& scene)> scene;  ///< may be left empty
   std::vector<std::string> joints;               ///< your order of them; empty: the scene's
   std::string quaternion = "wxyz";               ///< or "xyzw", if that is your order
+  /// As a reader of scene["file"] (engine_protocol.md, "Readers"): JSON of what you have read.
+  std::string shows;
 
   void number(const std::string& quantity, std::function<double(const State&)> f) {
     known_[quantity] = [f](const State& s, std::string& to) { write(f(s), to); };
@@ -231,6 +233,7 @@ class Engine {
       quantities += (quantities.empty() ? "" : ",") + quoted(one.first);
     for (const std::string& joint : joints) names += (names.empty() ? "" : ",") + quoted(joint);
     if (!joints.empty()) said += ",\"joints\":[" + names + "]";
+    if (!shows.empty()) said += ",\"shows\":" + shows;
     if (quaternion != "wxyz") said += ",\"quaternion\":" + quoted(quaternion);
     return said + ",\"quantities\":[" + quantities + "]}";
   }

@@ -38,6 +38,7 @@ def testify(engine, name="", version="", **introduction):
     """Answers until there are no more questions.
 
     introduction: joints=[...], your order of the joints' names; quaternion="xyzw", if that is yours.
+    What engine(scene) returns as "shows" is no function: what a reader of scene["file"] has read.
     """
     out = os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")
     os.dup2(2, 1)  # what is printed is no answer
@@ -52,8 +53,11 @@ def testify(engine, name="", version="", **introduction):
         if "scene" in asked:
             said = {"protocol": 1, "name": name, "version": version, **introduction}
             try:
+                answers = dict(engine(asked["scene"]))
+                if "shows" in answers:
+                    said["shows"] = answers.pop("shows")
                 known = {quantity: (f, list(inspect.signature(f).parameters))
-                         for quantity, f in engine(asked["scene"]).items()}
+                         for quantity, f in answers.items()}
                 said["quantities"] = list(known)
             except Refused as reason:
                 said["refuses"] = str(reason)
