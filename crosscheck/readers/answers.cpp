@@ -35,7 +35,8 @@ class Search {
 
   std::vector<Misreading> findings() {
     if (fits(ours_)) return {};
-    if (tryGravity() || tryEverywhere() || tryOne()) return out_;
+    if (tryGravity(true) || tryEverywhere() || tryOne() || tryArmature() || tryGravity(false))
+      return out_;
     inward();
     return out_;
   }
@@ -118,7 +119,7 @@ class Search {
   }
 
   /// g is linear in gravity, and M does not know it.
-  bool tryGravity() {
+  bool tryGravity(bool plainly) {
     Robot along = ours_;
     const Eigen::Index n = said_[0].g.size(), m = static_cast<Eigen::Index>(q_.size());
     Eigen::MatrixXd G(n * m, 3);
@@ -133,7 +134,9 @@ class Search {
     }
     Guess guess{{"", "gravity", "", shown(ours_.gravity), "", {}}, ours_};
     guess.robot.gravity = G.colPivHouseholderQr().solve(g);
-    for (const double size : {0.0, -1.0}) {  // those that need no digits of the least squares
+    // none, or the other sign: those need no digits of the least squares
+    for (const double size : {0.0, -1.0}) {
+      if (!plainly) break;
       Guess plain = guess;
       plain.robot.gravity = size * ours_.gravity;
       plain.finding.rule = gravityMistake(ours_.gravity, plain.robot.gravity);
@@ -142,7 +145,7 @@ class Search {
     }
     guess.finding.rule = gravityMistake(ours_.gravity, guess.robot.gravity);
     guess.finding.theirs = shown(guess.robot.gravity);
-    return tryWhole(guess);
+    return !plainly && tryWhole(guess);
   }
 
   /// The same mistake at every link, or every joint.
@@ -202,7 +205,13 @@ class Search {
         if (tryWhole(guessOf(b, one, ours_))) return true;
       for (const JointReading& one : jointMisreadings(file_, b))
         if (tryWhole(guessOf(b, one, ours_))) return true;
-      if (tryWhole(armatureOf(b, ours_))) return true;
+    }
+    return false;
+  }
+  bool tryArmature() {
+    for (std::size_t b = 0; b < ours_.bodies.size(); ++b) {
+      const Guess guess = armatureOf(b, ours_);
+      if (guess.robot.bodies[b].armature >= 0 && tryWhole(guess)) return true;
     }
     return false;
   }
@@ -238,7 +247,10 @@ class Search {
       if (take(guessOf(b, one, *known))) return true;
     for (const JointReading& one : jointMisreadings(file_, b))
       if (take(guessOf(b, one, *known))) return true;
-    return take(armatureOf(b, *known));
+    for (const MassReading& one : pairsOfMisreadings(file_, b))
+      if (take(guessOf(b, one, *known))) return true;
+    const Guess guess = armatureOf(b, *known);
+    return guess.robot.bodies[b].armature >= 0 && take(guess);
   }
 
   /// The least change of the ten numbers of a link that gives its row.

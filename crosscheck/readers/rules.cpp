@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include <Eigen/Eigenvalues>
+#include <boost/math/constants/constants.hpp>
 
 #include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
@@ -27,9 +28,10 @@ constexpr Mistake kMistakes[] = {Mistake::kInertialTurnDropped, Mistake::kInerti
                                  Mistake::kDefaultMassAlone,    Mistake::kGeometryWithoutInertial,
                                  Mistake::kNotRotated,          Mistake::kTensorNotRotated,
                                  Mistake::kComNotRotated,       Mistake::kRotatedBack,
-                                 Mistake::kNotShifted,          Mistake::kMassDropped,
-                                 Mistake::kComInParent,         Mistake::kParallelAxisMissing,
-                                 Mistake::kParallelAxisDoubled, Mistake::kParallelAxisNegated};
+                                 Mistake::kNotShifted,          Mistake::kMergedInReverse,
+                                 Mistake::kMassDropped,         Mistake::kComInParent,
+                                 Mistake::kParallelAxisMissing, Mistake::kParallelAxisDoubled,
+                                 Mistake::kParallelAxisNegated};
 
 Vector3d vector(const scene::Vector& v, const Numbers& number) {
   return {number(v[0]), number(v[1]), number(v[2])};
@@ -127,6 +129,8 @@ const char* words(Mistake mistake) {
       return "a fixed child is merged with its rotation transposed";
     case Mistake::kNotShifted:
       return "a fixed child is merged without its shift";
+    case Mistake::kMergedInReverse:
+      return "a fixed child's placement and principal axes are composed in reverse";
     case Mistake::kMassDropped:
       return "a fixed child is dropped";
     case Mistake::kParallelAxisMissing:
@@ -308,7 +312,8 @@ struct FileParts::Draft {
   Matrix3d tensor_turn;  ///< of the inertia; that of X, but for mistakes
   double about_com = 0;  ///< multiples of m c^2 that are added to the inertia
   double parallel_axes = 1;
-  bool from_solids = false, com_not_rotated = false, balanced = false, dropped = false;
+  bool from_solids = false, com_not_rotated = false, balanced = false, dropped = false,
+       in_reverse = false;
 
   /// A mistake about a link's own <inertial>. @return false: it is none
   bool slipInertial(Mistake mistake, const Piece& piece);
@@ -413,6 +418,9 @@ void FileParts::Draft::slipMerging(Mistake mistake, const Piece& piece) {
     case Mistake::kNotShifted:
       X.translation().setZero();
       return;
+    case Mistake::kMergedInReverse:
+      in_reverse = true;
+      return;
     case Mistake::kMassDropped:
       dropped = true;
       return;
@@ -420,6 +428,39 @@ void FileParts::Draft::slipMerging(Mistake mistake, const Piece& piece) {
       return;
   }
 }
+
+namespace {
+
+/** Principal axes as columns, the largest moment first, as MuJoCo keeps them: those nearest to the
+    link's own, then a quarter turn for each two that are not in that order. */
+Matrix3d principalAxes(const Matrix3d& I) {
+  Vector3d moments = I.diagonal();
+  Matrix3d Q = Matrix3d::Identity();
+  if (!I.isDiagonal(roundingOf(0))) {
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(I);
+    int order[] = {0, 1, 2};
+    double best = -1;
+    do {  // as near to the link's axes as signs and orders allow
+      Matrix3d V;
+      for (int k = 0; k < 3; ++k)
+        V.col(k) =
+            solver.eigenvectors().col(order[k]) * (solver.eigenvectors()(k, order[k]) < 0 ? -1 : 1);
+      if (V.determinant() < 0 || V.trace() <= best) continue;
+      best = V.trace();
+      Q = V;
+      for (int k = 0; k < 3; ++k) moments[k] = solver.eigenvalues()[order[k]];
+    } while (std::next_permutation(order, order + 3));
+  }
+  for (const int k : {0, 1, 0}) {
+    if (moments[k] >= moments[k + 1] * (1 - roundingOf(0))) continue;
+    std::swap(moments[k], moments[k + 1]);
+    const Vector3d about = Vector3d::Unit((k + 2) % 3);
+    Q = Q * Eigen::AngleAxisd(boost::math::constants::half_pi<double>(), about);
+  }
+  return Q;
+}
+
+}  // namespace
 
 MassMoments FileParts::Draft::summedUp(const Piece& piece) {
   if (dropped) return {};
@@ -435,6 +476,13 @@ MassMoments FileParts::Draft::summedUp(const Piece& piece) {
   if (balanced) {
     const Vector3d moments = I.selfadjointView<Eigen::Lower>().eigenvalues();
     if (moments[0] + moments[1] < moments[2]) I = moments.mean() * Matrix3d::Identity();
+  }
+  if (in_reverse) {
+    const Matrix3d Q = principalAxes(I), turned = Q * X.linear() * Q.transpose();
+    MassMoments out =
+        MassMoments::of(mass, com + Q * X.translation(), turned * I * turned.transpose());
+    out.reach2 += mass * (X.translation().squaredNorm() + com.squaredNorm());
+    return out;
   }
   const Vector3d moved = com_not_rotated ? Vector3d(X.translation() + com) : Vector3d(X * com);
   MassMoments out = MassMoments::of(mass, moved, tensor_turn * I * tensor_turn.transpose());
@@ -552,7 +600,17 @@ NamedMistakes explanation(const FileParts& file, std::size_t body, const MassMom
   const std::vector<std::string> links = file.links(body);
   const int count = static_cast<int>(links.size());
   const MassMoments as_it_is = file.read(body, {});
-  const auto fits = [&](const MassMoments& read) { return isSame(read, seen, count, unturned); };
+  // a centre of mass that was turned by principal axes has what these lose
+  const auto fits = [&](const MassMoments& read, Mistake mistake) {
+    MassMoments there = seen;
+    if (mistake == Mistake::kMergedInReverse &&
+        (read.first - seen.first).norm() <=
+            unturned * (count + 1.0) * std::sqrt(std::abs(read.mass) * read.reach2)) {
+      there.first = read.first;
+      there.second = read.second + seen.aboutCom() - read.aboutCom();
+    }
+    return isSame(read, there, count, unturned);
+  };
   // of a mistake at all links, those at which it changes something
   const auto everywhere = [&](Mistake mistake) {
     std::string places;
@@ -565,19 +623,21 @@ NamedMistakes explanation(const FileParts& file, std::size_t body, const MassMom
     return std::string(words(mistake)) + " (" + links[place] + ")";
   };
   for (const Mistake mistake : kMistakes)
-    if (fits(file.read(body, {{mistake, ""}}))) return {everywhere(mistake), {mistake}};
+    if (fits(file.read(body, {{mistake, ""}}), mistake)) return {everywhere(mistake), {mistake}};
   for (const Mistake mistake : kMistakes)
     for (std::size_t place = 0; place < links.size(); ++place)
-      if (fits(file.readAt(body, place, {mistake}))) return {at(mistake, place), {mistake}};
+      if (fits(file.readAt(body, place, {mistake}), mistake))
+        return {at(mistake, place), {mistake}};
   // two, in the order in which they are listed; those of the parallel axis are the last
   for (const Mistake first : kMistakes)
     for (const Mistake second : kMistakes) {
       if (first >= second) continue;
-      if (fits(file.read(body, {{first, ""}, {second, ""}})))
+      const Mistake loosest = first == Mistake::kMergedInReverse ? first : second;
+      if (fits(file.read(body, {{first, ""}, {second, ""}}), loosest))
         return {everywhere(first) + ", and " + everywhere(second), {first, second}};
       for (std::size_t place = 0; place < links.size() && second < Mistake::kParallelAxisMissing;
            ++place)
-        if (fits(file.readAt(body, place, {first, second})))
+        if (fits(file.readAt(body, place, {first, second}), loosest))
           return {at(first, place) + ", and " + at(second, place), {first, second}};
     }
   return {};
@@ -592,6 +652,7 @@ std::vector<MassReading> misreadings(const FileParts& file, std::size_t body) {
     if (!isSame(moments, as_it_is, count, 0))
       out.push_back({std::string(words(mistake)) + " (" + places + ")", mistake, moments});
   };
+  std::vector<Mistake> at_several;
   for (const Mistake mistake : kMistakes) {
     std::string places;
     std::size_t changed = 0;
@@ -601,9 +662,26 @@ std::vector<MassReading> misreadings(const FileParts& file, std::size_t body) {
       ++changed;
     }
     add(mistake, places, file.read(body, {{mistake, ""}}));
-    for (std::size_t place = 0; place < links.size() && changed > 1; ++place)
-      add(mistake, links[place], file.readAt(body, place, {mistake}));
+    if (changed > 1) at_several.push_back(mistake);
   }
+  for (const Mistake mistake : at_several)
+    for (std::size_t place = 0; place < links.size(); ++place)
+      add(mistake, links[place], file.readAt(body, place, {mistake}));
+  return out;
+}
+
+std::vector<MassReading> pairsOfMisreadings(const FileParts& file, std::size_t body) {
+  const std::vector<std::string> links = file.links(body);
+  std::vector<MassReading> out;
+  for (const Mistake first : kMistakes)
+    for (const Mistake second : kMistakes) {
+      if (first >= second) continue;
+      const std::string both = std::string(words(first)) + ", and " + words(second);
+      out.push_back({both, first, file.read(body, {{first, ""}, {second, ""}})});
+      for (std::size_t place = 0; place < links.size() && links.size() > 1; ++place)
+        out.push_back(
+            {both + " (" + links[place] + ")", first, file.readAt(body, place, {first, second})});
+    }
   return out;
 }
 
@@ -660,6 +738,7 @@ std::string publicRecord(const std::string& reader, Mistake mistake) {
        "https://github.com/google-deepmind/mujoco/issues/3559"},
       {"mujoco", Mistake::kTensorNotRotated, kFused},
       {"mujoco", Mistake::kNotRotated, kFused},
+      {"mujoco", Mistake::kMergedInReverse, kFused},
       {"mujoco", Mistake::kNotShifted, kFused},
       {"mujoco", Mistake::kComNotRotated, kFused},
       {"mujoco", Mistake::kParallelAxisMissing, kFused},

@@ -40,6 +40,7 @@ enum class Mistake {
   kComNotRotated,     ///< the centre of mass without it
   kRotatedBack,       ///< X with its turn transposed
   kNotShifted,        ///< X without its shift
+  kMergedInReverse,   ///< its principal axes Q, then X: c + Q p for R c + p, and Q R for R Q
   kMassDropped,       ///< nothing of it
   kComInParent,       ///< of any link: c seen from its parent's
   kParallelAxisMissing,
@@ -145,6 +146,8 @@ struct MassReading {
 };
 /// All of them that change something: at all links of the body, then at one.
 std::vector<MassReading> misreadings(const FileParts& file, std::size_t body);
+/// Two of them together, at all links or at one.
+std::vector<MassReading> pairsOfMisreadings(const FileParts& file, std::size_t body);
 
 /// A joint read with one mistake: its origin, its axis, its kind.
 struct JointReading {

@@ -149,10 +149,12 @@ int main() {
     std::cerr.rdbuf(before);
     const std::string warned = inOneLine(warnings.str());
     const sdf::Model* model = root.Model();
-    if (!errors.empty() || !model)
-      throw std::runtime_error(
-          (errors.empty() ? "no model comes of it" : errors.front().Message()) +
-          (warned.empty() ? "" : "; it warned: " + warned));
+    if (!errors.empty() || !model) {
+      std::string why = errors.empty() ? "no model comes of it" : errors.front().Message();
+      if (!model || model->LinkCount() == 0)
+        why += " (it leaves out links without inertia, and what hangs on them: sdformat issue 199)";
+      throw std::runtime_error(why + (warned.empty() ? "" : "; it warned: " + warned));
+    }
     engine.shows = json({{"gravity", {0, 0, -9.81}},
                          {"links", linksOf(*model)},
                          {"told", warned.empty() ? json::array() : json({"it warned: " + warned})},

@@ -5,7 +5,6 @@ shows: link by link; answers: M and g alone; tau: that alone; forgets: the rpy o
 ignores: takes the numbers that crosscheck gives; refuses, nonsense, dies, floods, order: as the words say.
 """
 import math
-import os
 import sys
 import xml.etree.ElementTree
 
@@ -19,13 +18,13 @@ def engine(scene):
     if mode == "refuses":
         raise dynwitness_engine.Refused("it is Tuesday")
     if mode == "dies":
-        print("I give up", file=sys.stderr)
-        os.abort()
+        sys.exit("I give up")
     if mode == "ignores":
-        return {"M": lambda q: scene["links"][1]["mass"]}
+        mass = scene["links"][1]["mass"]
+        return {"M": lambda q: mass}
     robot = xml.etree.ElementTree.parse(scene["file"]).getroot()
     link = robot.findall("link")[1]
-    numbers = lambda name, key: [float(x) for x in link.find("inertial/" + name).get(key).split()]
+    numbers = lambda name, key: [float(x) for x in link.find("inertial/" + name).get(key, "0 0 0").split()]
     mass, = numbers("mass", "value")
     x, y, z = numbers("origin", "xyz")
     yaw = numbers("origin", "rpy")[2]

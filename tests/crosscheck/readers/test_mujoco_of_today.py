@@ -32,7 +32,10 @@ def fused(origin, inertial=""):
 # file, rule, M off by [%], where it is on record; nothing: MuJoCo has the robot of the file
 CASES = {
     "inertial_turned": (robot(f"<origin {TURN}/>"), "the rpy of <inertial> is dropped (a)", 50, "3559"),
-    "fused_child_turned": (fused(TURN), "a fixed child's inertia is merged without its rotation (b)", 100 / 3, "2982"),
+    "fused_child_turned": (fused(TURN), "a fixed child is merged without its rotation (b)", 100 / 3, "2982"),
+    # the least moment is ixx, so that its principal axes are (y, z, x): it puts the child at z = 0.4
+    "fused_child_shifted": (fused('xyz="0 0.4 0"'), "a fixed child's placement and principal axes are composed in reverse (b)",
+                            0, "2982"),
     "plain": (robot(""), None, 0, None),
     "child_as_it_stands": (fused('xyz="0 0 0"'), None, 0, None),
 }

@@ -147,7 +147,7 @@ struct Plant {
   const char* name;
   std::function<void(Arm&)> change;
   const char *link, *quantity, *rule;
-  const char* by_answers = nullptr;  ///< what M and g alone say: the same, but for these
+  const char* by_answers = nullptr;  ///< what M and g alone say; "": nothing; "?": it is not asked
 };
 std::ostream& operator<<(std::ostream& out, const Plant& plant) {
   return out << plant.name;
@@ -274,7 +274,8 @@ const Plant kPlants[] = {
        a.tool_rpy.setZero(), a.tool_xyz.setZero();
      },
      "arm", "inertia",
-     "a fixed child is merged without its rotation (tool), and a fixed child is merged without its shift (tool)"},
+     "a fixed child is merged without its rotation (tool), and a fixed child is merged without its shift (tool)",
+     "a fixed child is merged without its rotation, and a fixed child is merged without its shift (tool)"},
     {"child dropped", [](Arm& a) { a.tool.mass = 0, a.tool.I.setZero(); }, "arm", "inertia",
      "a fixed child is dropped (tool)"},
     {"parallel axis missing", [](Arm& a) { addLevers(a, -1); }, "arm", "inertia",
@@ -298,9 +299,9 @@ const Plant kPlants[] = {
     {"joint rpy transposed", [](Arm& a) { a.arm_rpy = rpyOf(turn(a.arm_rpy).transpose()); }, "arm",
      "origin", "the rpy of the joint's origin is transposed"},
     {"joint xyz dropped", [](Arm& a) { a.arm_xyz.setZero(); }, "arm", "origin",
-     "the xyz of the joint's origin is dropped"},
+     "the xyz of the joint's origin is dropped", ""},
     {"joint xyz turned", [](Arm& a) { a.arm_xyz = turn(a.arm_rpy) * a.arm_xyz; }, "arm", "origin",
-     "the xyz of the joint's origin is turned by its rpy"},
+     "the xyz of the joint's origin is turned by its rpy", ""},
     {"joint rpy in the reverse order",
      [](Arm& a) {
        a.arm_rpy = rpyOf((Eigen::AngleAxisd(a.arm_rpy[0], Vector3d::UnitX()) *
@@ -313,10 +314,10 @@ const Plant kPlants[] = {
      "prismatic is read as revolute"},
     {"limits in degrees",
      [](Arm& a) { a.lower *= 57.295779513082320877, a.upper *= 57.295779513082320877; }, "arm",
-     "limits", "they are kept in degrees"},
-    {"damping ignored", [](Arm& a) { a.damping = 0; }, "arm", "damping", "it is ignored"},
+     "limits", "they are kept in degrees", ""},
+    {"damping ignored", [](Arm& a) { a.damping = 0; }, "arm", "damping", "it is ignored", ""},
     {"a joint that is not there", [](Arm& a) { a.finger_kind = "fixed"; }, "finger", "tree",
-     "the joint is not there, or does not move"},
+     "the joint is not there, or does not move", "?"},
 };
 
 }  // namespace
@@ -339,6 +340,7 @@ BOOST_DATA_TEST_CASE(a_planted_mistake_is_found_from_M_and_g_alone, data::make(k
   plant.change(changed);
   const std::vector<Misreading> findings = findingsOf(text(Arm()), silentReaderOf(text(changed)));
   const std::string expected = plant.by_answers ? plant.by_answers : plant.rule;
+  if (expected == "?") return;
   BOOST_REQUIRE(findings.empty() == expected.empty());
   if (findings.empty()) return;
   BOOST_TEST(findings[0].link == plant.link);
@@ -507,6 +509,13 @@ BOOST_AUTO_TEST_CASE(M_and_g_by_jacobians_are_those_of_the_sweeps) {
 /// MuJoCo of today has another robot where anything is turned: test_mujoco_of_today.py.
 constexpr const char* kOfToday = "mujoco_npm";
 
+/// sdformat leaves out links without inertia, the root with all that hangs on it.
+std::string withHeavyBase(std::string file) {
+  const std::string base = "<link name=\"base\"/>";
+  return file.replace(file.find(base), base.size(),
+                      "<link name=\"base\">" + text(Arm().finger) + "</link>");
+}
+
 // The real ones: on a file without traps they have its robot; with one, what they are known to do.
 BOOST_AUTO_TEST_CASE(engines_have_the_robot_of_a_plain_file) {
   Arm arm;
@@ -514,7 +523,8 @@ BOOST_AUTO_TEST_CASE(engines_have_the_robot_of_a_plain_file) {
       Inertial{0.5, {0.01, 0, 0}, {0.1, 0.2, 0.3}, inertia(0.001, 0.0011, 0.0012, 0, 0, 0)};
   for (const Reader& reader : engineReaders()) {
     if (!reader.present || reader.name == kOfToday) continue;
-    const ReadersResult result = examineReaders(text(arm), "arm.urdf", {reader}, 5, 1);
+    const ReadersResult result =
+        examineReaders(withHeavyBase(text(arm)), "arm.urdf", {reader}, 5, 1);
     BOOST_TEST(result.readers[0].refusal == "");
     BOOST_TEST_CONTEXT(readersText(result, true)) BOOST_TEST(result.agrees());
   }
@@ -525,7 +535,8 @@ BOOST_AUTO_TEST_CASE(engines_do_what_they_are_known_to_do_with_a_link_without_in
       {"mujoco", words(Mistake::kGeometryWithoutInertial)}, {"dart", words(Mistake::kDefaultMass)}};
   for (const Reader& reader : engineReaders()) {
     if (!reader.present || reader.name == kOfToday) continue;
-    const ReadersResult result = examineReaders(text(Arm()), "arm.urdf", {reader}, 5, 1);
+    const ReadersResult result =
+        examineReaders(withHeavyBase(text(Arm())), "arm.urdf", {reader}, 5, 1);
     const ReaderResult& one = result.readers[0];
     BOOST_TEST_CONTEXT(readersText(result, true)) {
       BOOST_TEST(one.has_read);
