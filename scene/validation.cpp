@@ -109,12 +109,13 @@ Frame operator*(const Frame& a, const Frame& b) {
 
 // ------------------------------------------------------------------------------------ a mechanism
 
-/// Inertia of one link about its centre of mass, in link axes, and what it was computed from.
+/// Inertia of one link about its centre of mass, and what it was computed from.
 struct Body {
   Rational mass;
   RationalVector com;
   RationalMatrix inertia;
-  bool is_exact;  ///< no rounding in it
+  bool is_exact;       ///< no rounding in it
+  const Vector* turn;  ///< from the axes that it is given in to the link's; null: these
 };
 
 /// A motion of a joint's link: velocity of the joint frame's origin, and angular velocity.
@@ -189,6 +190,7 @@ class Validator {
   Frame frame(const std::vector<Step>& steps);
   RationalMatrix turnOf(const Vector& rpy);
   Body body(const Link& link);
+  const Body& inLinkAxes(std::size_t i);
   std::string impossible(const Link& link, const RationalMatrix& given, const RationalMatrix& R,
                          const Rational& allowance);
   double sizeOfRobot();
@@ -363,7 +365,7 @@ void Validator::requireBodies() {
 Body Validator::body(const Link& link) {
   const MassProperties& given = link.inertia;
   is_exact_ = true;
-  Body b{value(given.mass), vector(given.com), {}, true};
+  Body b{value(given.mass), vector(given.com), {}, true, nullptr};
   const Rational xx = value(given.xx), yy = value(given.yy), zz = value(given.zz);
   const Rational xy = value(given.xy), xz = value(given.xz), yz = value(given.yz);
   const auto complain = [&](const std::string& what) {
@@ -387,21 +389,37 @@ Body Validator::body(const Link& link) {
   const bool about_origin = given.about == MassProperties::About::kLinkOrigin;
   const RationalMatrix as_written = b.inertia;
   Rational size = abs(xx) + abs(yy) + abs(zz);
-  const Rational exactly = slack(size);  // about the centre of mass in any axes: without the turn
-  const RationalMatrix R = turnOf(given.rpy);
-  b.inertia = R * b.inertia * transpose(R);
   if (about_origin) {  // I_com = I_o - m (c.c 1 - c c')
+    const RationalMatrix R = turnOf(given.rpy);
+    b.inertia = R * b.inertia * transpose(R);
     const Rational c2 = dot(b.com, b.com);
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = 0; j < 3; ++j)
         b.inertia[i][j] -= b.mass * ((i == j ? c2 : Rational(0)) - b.com[i] * b.com[j]);
     size += b.mass * c2;
+  } else {
+    b.turn = &given.rpy;
   }
   b.is_exact = is_exact_;
+  const Rational allowance = slack(size);
   bool ignored = false;
-  if (!isRealizable(about_origin ? b.inertia : as_written, about_origin ? slack(size) : exactly,
-                    &ignored))
-    complain(impossible(link, as_written, R, about_origin ? slack(size) : exactly));
+  if (!isRealizable(b.inertia, allowance, &ignored))
+    complain(impossible(link, as_written, turnOf(given.rpy), allowance));
+  return b;
+}
+
+/// Turned when somebody asks: whether a body has it, its axes do not say, and turning rationals of
+/// 256 bits takes most of the reading of a file.
+const Body& Validator::inLinkAxes(std::size_t i) {
+  Body& b = bodies_[i];
+  if (!b.turn) return b;
+  const bool was_exact = is_exact_;
+  is_exact_ = b.is_exact;
+  const RationalMatrix R = turnOf(*b.turn);
+  b.inertia = R * b.inertia * transpose(R);
+  b.is_exact = is_exact_;
+  b.turn = nullptr;
+  is_exact_ = was_exact;
   return b;
 }
 
@@ -468,7 +486,7 @@ void Validator::requireCarriers() {
     if (link.joint.gyroscopic && !rests[link.parent]) carriers[link.parent].push_back(&link);
   }
   for (const auto& [i, children] : carriers) {
-    RationalMatrix left = bodies_[i].inertia;
+    RationalMatrix left = inLinkAxes(static_cast<std::size_t>(i)).inertia;
     Rational size = left[0][0] + left[1][1] + left[2][2];
     is_exact_ = bodies_[i].is_exact;
     std::string joints;
@@ -552,6 +570,12 @@ bool Validator::surelyMovesInertia(std::size_t leaf) {
     Eigen::Matrix3d I_b;
     for (Eigen::Index k = 0; k < 3; ++k)
       I_b.row(k) = vectorOf(b.inertia[static_cast<std::size_t>(k)]);
+    if (b.turn) {
+      Placement turn;
+      turn.rpy = *b.turn;
+      const Eigen::Matrix3d R = placed(Eigen::Isometry3d::Identity(), turn.beforeJoint()).linear();
+      I_b = (R * I_b * R.transpose()).eval();
+    }
     mass += m;
     h += m * p;
     I += X.linear() * I_b * X.linear().transpose() +
@@ -603,7 +627,7 @@ bool Validator::movesInertia(std::size_t leaf) {
           {static_cast<std::size_t>(child),
            shortened(in_joint * frame(placement.beforeJoint()) * frame(placement.afterJoint()))});
     }
-    const Body& b = bodies_[i];
+    const Body& b = inLinkAxes(i);
     is_exact_ = is_exact_ && b.is_exact;
     const Frame com = in_joint * Frame{identity(), b.com};
     const RationalMatrix turned = com.R * b.inertia * transpose(com.R);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace dynwitness::scene {
@@ -54,6 +55,10 @@ Number angleOf(const Number& decimal) {
   for (const int n : {1, 2, 3, 4, 6}) {
     const int k = static_cast<int>(std::lround(angle * n / kPi));
     if (k == 0) continue;
+    // its double takes a thousand times as long as this one, which is within 3 units of it
+    const double near = std::abs(k) * kPi / n;
+    if (std::abs(std::abs(angle) - near) > 8 * std::numeric_limits<double>::epsilon() * near)
+      continue;
     const double exact = std::abs(Exact{0, Rational(k, n)}.toDouble());
     const double unit = std::nextafter(exact, HUGE_VAL) - exact;
     if (std::abs(std::abs(angle) - exact) > 2 * unit) continue;

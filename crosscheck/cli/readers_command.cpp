@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness readers: what every engine makes of a robot description.
+#include <algorithm>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/engine_options.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/readers/compare.hpp"
+#include "crosscheck/readers/readers_page.hpp"
+#include "crosscheck/system/environment.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/text_file.hpp"
 
@@ -15,18 +19,28 @@ namespace dynwitness::cli {
 namespace {
 
 struct Arguments {
-  std::string file, json, mend, plain;
+  std::string file, json, html, mend, plain;
+  std::vector<std::string> engines;
+  crosscheck::Limits limits;
   bool all = false;
   int states = 20;
   std::uint64_t seed = 1;
 };
 
+/// A program of the user's is asked once for its name and once a state or more.
+crosscheck::ReaderLimits limitsOf(const Arguments& arguments) {
+  crosscheck::ReaderLimits limits;
+  limits.seconds = std::max(limits.seconds, 4 * arguments.limits.seconds);
+  return limits;
+}
+
 int run(const Arguments& arguments) {
-  for (const std::string& file : {arguments.json, arguments.mend, arguments.plain})
+  for (const std::string& file : {arguments.json, arguments.html, arguments.mend, arguments.plain})
     crosscheck::requireWritableFile(file);
   const std::string text = scene::readTextFile(arguments.file, "a URDF file");
   const crosscheck::ReadersResult result = crosscheck::examineReaders(
-      text, arguments.file, crosscheck::engineReaders(), arguments.states, arguments.seed);
+      text, arguments.file, crosscheck::engineReaders(arguments.engines, arguments.limits),
+      arguments.states, arguments.seed, limitsOf(arguments));
   fmt::print("{}", crosscheck::readersText(result, arguments.all));
   if (!arguments.mend.empty()) {
     std::vector<std::string> changes;
@@ -41,7 +55,12 @@ int run(const Arguments& arguments) {
         arguments.plain, crosscheck::plainUrdf(scene::readUrdfAsWritten(text, arguments.file)));
   if (!arguments.json.empty())
     crosscheck::writeWholeFile(arguments.json, crosscheck::readersJson(result, DYNWITNESS_VERSION));
-  if (!result.anyRead()) {
+  if (!arguments.html.empty()) {
+    crosscheck::writeWholeFile(arguments.html,
+                               crosscheck::readersPage(result, crosscheck::thisEnvironment()));
+    fmt::print("page: {}\n", arguments.html);
+  }
+  if (!result.anyRead() && result.agrees()) {
     tell(fmt::format("dynwitness: {}: no engine reads the file\n", arguments.file));
     return 2;
   }
@@ -61,7 +80,9 @@ Run addReaders(CLI::App& app) {
   command->add_option("--seed", arguments->seed, "Seed of the states")
       ->check(seed())
       ->capture_default_str();
+  addEngineOptions(*command, arguments->engines, arguments->limits);
   command->add_option("--json", arguments->json, "Write the result to this file");
+  command->add_option("--html", arguments->html, "Write the result as a page, one file");
   command->add_option("--mend", arguments->mend,
                       "Write the file with impossible inertias replaced by the nearest possible "
                       "ones, each change a comment");
@@ -70,11 +91,12 @@ Run addReaders(CLI::App& app) {
   command->footer(
       "Examples:\n"
       "  dynwitness readers my_arm.urdf\n"
-      "  dynwitness readers my_arm.urdf --all --json readers.json\n"
+      "  dynwitness readers my_arm.urdf --all --json readers.json --html readers.html\n"
+      "  dynwitness readers my_arm.urdf --engine \"python3 my_reader.py\"\n"
       "  dynwitness readers my_arm.urdf --mend mended.urdf\n"
-      "Exit status: 0 every engine that reads the file has its robot; 1 one has another robot; 2 no "
-      "URDF, or\n"
-      "no engine reads it.");
+      "Exit status: 0 every engine that reads the file has its robot; 1 one has another robot, "
+      "crashes or\n"
+      "hangs; 2 no URDF, or no engine reads it.");
   return [arguments] { return run(*arguments); };
 }
 

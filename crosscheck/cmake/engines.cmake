@@ -1,10 +1,10 @@
-# The witnesses and readers that need an engine which may be absent: MuJoCo, DART, Orocos KDL.
-# Included by the top-level CMakeLists.txt after the targets dynwitness_witnesses and
-# dynwitness_readers, among whose sources is one file an engine; without its engine a file is a stub,
-# which reports name as absent.
+# The witnesses and readers that need an engine which may be absent: MuJoCo, DART, Orocos KDL,
+# kdl_parser, sdformat. Included by the top-level CMakeLists.txt after the targets
+# dynwitness_witnesses and dynwitness_readers, among whose sources is one file an engine; without its
+# engine a file is a stub, which reports name as absent.
 #
-#     apt-get install libmujoco-dev libdart-utils-urdf-dev liborocos-kdl-dev
-option(DYNWITNESS_ENGINES "look for MuJoCo, DART and Orocos KDL" ON)
+#     apt-get install libmujoco-dev libdart-utils-urdf-dev liborocos-kdl-dev libkdl-parser-dev libsdformat-dev
+option(DYNWITNESS_ENGINES "look for MuJoCo, DART, Orocos KDL, kdl_parser and sdformat" ON)
 
 # dynwitness_engine(FLOOR FILE DEFINITION TARGET...): compile crosscheck/FLOOR/FILE with the engine
 function(dynwitness_engine FLOOR FILE DEFINITION)
@@ -47,14 +47,46 @@ if(DYNWITNESS_ENGINES)
   if(TARGET PkgConfig::KDL)
     dynwitness_engine(witnesses kdl.cpp DYNWITNESS_HAS_KDL PkgConfig::KDL)
   endif()
+
+  # Readers that are programs of their own, started for a file: dynwitness would load their
+  # libraries (Python, ROS, ICU) at every start. The program looks for them beside itself.
+  function(dynwitness_reader_program NAME)
+    set(target dynwitness_${NAME}_reader)
+    add_executable(${target} crosscheck/readers/programs/${NAME}_reader.cpp)
+    set_target_properties(${target} PROPERTIES OUTPUT_NAME dynwitness-reader-${NAME}
+      RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+    target_compile_options(${target} PRIVATE -Wall -Wextra -O1)
+    target_compile_features(${target} PRIVATE cxx_std_17)
+    target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+    target_link_libraries(${target} PRIVATE ${ARGN} Eigen3::Eigen nlohmann_json::nlohmann_json)
+    set_property(GLOBAL APPEND PROPERTY DYNWITNESS_READER_PROGRAMS ${target})
+  endfunction()
+  # not by its pkg-config file, which asks for a pluginlib.pc that Debian has not
+  find_path(KDL_PARSER_FOLDER kdl_parser/kdl_parser.hpp)
+  find_library(KDL_PARSER_LIBRARY kdl_parser)
+  pkg_check_modules(URDF_MODEL QUIET IMPORTED_TARGET urdfdom_headers)
+  if(TARGET PkgConfig::KDL AND TARGET PkgConfig::URDF_MODEL AND KDL_PARSER_FOLDER AND KDL_PARSER_LIBRARY)
+    add_library(kdl_parser SHARED IMPORTED)
+    set_target_properties(kdl_parser PROPERTIES IMPORTED_LOCATION ${KDL_PARSER_LIBRARY}
+      INTERFACE_INCLUDE_DIRECTORIES ${KDL_PARSER_FOLDER})
+    dynwitness_reader_program(kdl kdl_parser PkgConfig::KDL PkgConfig::URDF_MODEL)
+    file(STRINGS ${KDL_PARSER_FOLDER}/../share/kdl_parser/package.xml version REGEX "<version>" LIMIT_COUNT 1)
+    string(REGEX REPLACE ".*<version>([^<]*)<.*" "\\1" version "${version}")
+    target_compile_definitions(dynwitness_kdl_reader PRIVATE KDL_PARSER_VERSION="${version}")
+  endif()
+  pkg_check_modules(SDFORMAT QUIET IMPORTED_TARGET sdformat12)  # later ones renamed their mathematics
+  if(TARGET PkgConfig::SDFORMAT)
+    dynwitness_reader_program(sdformat PkgConfig::SDFORMAT)
+  endif()
 endif()
 
-foreach(engine MuJoCo=mujoco::mujoco DART=dart-utils-urdf KDL=PkgConfig::KDL)
+foreach(engine MuJoCo=mujoco::mujoco DART=dart-utils-urdf KDL=PkgConfig::KDL kdl_parser=kdl_parser
+               sdformat=PkgConfig::SDFORMAT)
   string(REPLACE "=" ";" engine ${engine})
   list(POP_FRONT engine name)
   if(TARGET ${engine})
-    message(STATUS "Witness ${name}: found")
+    message(STATUS "Engine ${name}: found")
   else()
-    message(STATUS "Witness ${name}: not found, the report will say so")
+    message(STATUS "Engine ${name}: not found, reports will say so")
   endif()
 endforeach()

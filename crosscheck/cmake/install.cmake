@@ -28,6 +28,9 @@ endforeach()
 set(programs ${DYNWITNESS_PROGRAMS})
 list(TRANSFORM programs REPLACE "(.+)" "dynwitness_\\1_program")
 install(TARGETS dynwitness_cli ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(reader_programs)
+  install(TARGETS ${reader_programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/scenes ${PROJECT_SOURCE_DIR}/data/reference
                   ${PROJECT_SOURCE_DIR}/data/audit ${PROJECT_SOURCE_DIR}/data/engines
                   ${PROJECT_SOURCE_DIR}/data/golden

@@ -8,11 +8,10 @@
 #include <fmt/format.h>
 #include <boost/math/constants/constants.hpp>
 
+#include "crosscheck/readers/answers.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
-namespace {
-
 using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -32,7 +31,10 @@ std::string shown(const Isometry3d& X) {
   return fmt::format("xyz {} rpy {}", shown(Vector3d(X.translation())),
                      shown(Vector3d(ypr[2], ypr[1], ypr[0])));
 }
-std::string shown(const std::optional<double>& x) {
+
+namespace {
+
+std::string limit(const std::optional<double>& x) {
   return x ? fmt::format("{:.6g}", *x) : "none";
 }
 
@@ -43,12 +45,24 @@ bool isSameNumber(double a, double b) {
 /// What was compared of one reader.
 class Comparison {
  public:
-  Comparison(const FileParts& file, const Robot& seen, int states, std::uint64_t seed)
-      : file_(file), ours_(file.robot()), seen_(seen), states_(states), seed_(seed) {}
+  Comparison(const FileParts& file, const Reading& reading, const std::string& reader, int states,
+             std::uint64_t seed)
+      : file_(file),
+        ours_(file.robot()),
+        reading_(reading),
+        seen_(reading.robot),
+        reader_(reader),
+        states_(states),
+        seed_(seed) {}
 
   std::vector<Misreading> findings() {
     if (!isSame(ours_.gravity, seen_.gravity, 0))
-      add({"", "gravity", "", shown(ours_.gravity), shown(seen_.gravity), {}});
+      add({"",
+           "gravity",
+           gravityMistake(ours_.gravity, seen_.gravity),
+           shown(ours_.gravity),
+           shown(seen_.gravity),
+           {}});
     for (std::size_t b = 0; b < ours_.bodies.size(); ++b) compareBody(b);
     for (const ReadBody& body : seen_.bodies)
       if (ours_.indexOf(body.link) < 0)
@@ -63,7 +77,11 @@ class Comparison {
   static bool isSame(const Vector3d& a, const Vector3d& b, double size) {
     return (a - b).norm() <= roundingOf(0) * std::max({a.norm(), b.norm(), size});
   }
-  void add(Misreading finding) { out_.push_back(std::move(finding)); }
+  void add(Misreading finding) {
+    const std::vector<std::string>& left_out = reading_.not_kept;
+    if (std::find(left_out.begin(), left_out.end(), finding.quantity) == left_out.end())
+      out_.push_back(std::move(finding));
+  }
 
   /// With the effect of having `changed` in place of our body.
   void addWithEffect(Misreading finding, std::size_t b, const ReadBody& changed) {
@@ -107,9 +125,16 @@ class Comparison {
     if (!crosscheck::isSame(body.moments, seen.moments, body.links, seen_.unturned)) {
       ReadBody changed = body;
       changed.moments = seen.moments;
-      addWithEffect({body.link, "inertia", explanation(file_, b, seen.moments, seen_.unturned),
-                     shown(body.moments), shown(seen.moments), where},
-                    b, changed);
+      const NamedMistakes why = explanation(file_, b, seen.moments, seen_.unturned);
+      Misreading finding{body.link,           "inertia",           why.words,
+                         shown(body.moments), shown(seen.moments), where};
+      for (const Mistake mistake : why.mistakes) {
+        const std::string record = publicRecord(reader_, mistake);
+        std::vector<std::string>& records = finding.records;
+        if (!record.empty() && std::find(records.begin(), records.end(), record) == records.end())
+          records.push_back(record);
+      }
+      addWithEffect(finding, b, changed);
     }
   }
 
@@ -123,10 +148,9 @@ class Comparison {
     };
     if (fits(body.placement)) return;
     std::string rule;
-    for (const FrameMistake mistake :
-         {FrameMistake::kTurnDropped, FrameMistake::kTurnTransposed, FrameMistake::kTurnReversed,
-          FrameMistake::kShiftDropped, FrameMistake::kShiftTurned})
-      if (rule.empty() && fits(file_.readOrigin(b, mistake))) rule = words(mistake);
+    for (const JointReading& one : jointMisreadings(file_, b))
+      if (rule.empty() && one.quantity == std::string("origin") && fits(one.body.placement))
+        rule = one.words;
     ReadBody changed = body;
     changed.placement = seen.placement;
     addWithEffect({body.link, "origin", rule, shown(body.placement), shown(seen.placement), where},
@@ -137,22 +161,14 @@ class Comparison {
     const ReadBody& body = ours_.bodies[b];
     const auto fits = [&](const Vector3d& axis) { return isSame(axis, seen.axis, 0); };
     if (fits(body.axis)) return;
-    const Vector3d written = file_.writtenAxis(b);
-    const Matrix3d R = file_.turnOfOrigin(b);
     std::string rule;
-    if (fits(written))
-      rule = "the axis is not normalised";
-    else if (fits(R.transpose() * body.axis) || fits(R * body.axis))
-      rule = "the axis is taken in the parent link's frame";
-    else if (fits(-body.axis))
-      rule = "the axis has the other sign";
-    else
-      for (int k = 0; k < 3; ++k)
-        if (fits(Vector3d::Unit(k)))
-          rule = fmt::format("the axis is {}, whatever the file says", "xyz"[k]);
+    for (const JointReading& one : jointMisreadings(file_, b))
+      if (rule.empty() && one.quantity == std::string("axis") && fits(one.body.axis))
+        rule = one.words;
     ReadBody changed = body;
     changed.axis = seen.axis;
-    addWithEffect({body.link, "axis", rule, shown(written), shown(seen.axis), where}, b, changed);
+    addWithEffect({body.link, "axis", rule, shown(file_.writtenAxis(b)), shown(seen.axis), where},
+                  b, changed);
   }
 
   void compareNumbers(std::size_t b, const ReadBody& seen, const scene::SourceLocation& where) {
@@ -173,8 +189,8 @@ class Comparison {
     number("friction", body.friction, seen.friction);
     number("armature", body.armature, seen.armature);
     number("stiffness", body.stiffness, seen.stiffness);
-    const std::string limits = shown(body.lower) + " to " + shown(body.upper),
-                      their_limits = shown(seen.lower) + " to " + shown(seen.upper);
+    const std::string limits = limit(body.lower) + " to " + limit(body.upper),
+                      their_limits = limit(seen.lower) + " to " + limit(seen.upper);
     // a range of nothing is what URDF says by leaving the numbers out
     const bool has_limits = body.lower && body.upper && *body.lower < *body.upper;
     const bool seen_limits = seen.lower && seen.upper && *seen.lower < *seen.upper;
@@ -206,7 +222,9 @@ class Comparison {
 
   const FileParts& file_;
   const Robot& ours_;
+  const Reading& reading_;
   const Robot& seen_;
+  std::string reader_;
   int states_;
   std::uint64_t seed_;
   std::vector<Misreading> out_;
@@ -219,43 +237,50 @@ std::string inOneLine(std::string text) {
   return text;
 }
 
-/// What an engine throws is its refusal. Meshes that are not there end some engines' reading: then
-/// the file is read without its shapes, which is told.
-Reading readBy(const Reader& reader, const std::string& text, const std::filesystem::path& file) {
-  const auto attempt = [&](const std::string& bytes) {
-    Reading reading;
-    try {
-      reading = reader.read(bytes, file);
-    } catch (const std::exception& error) {
-      reading.refusal = error.what();
-    }
-    reading.refusal = inOneLine(reading.refusal);
-    return reading;
+/// Meshes that are not there end some engines' reading, and some engines: then the file is read
+/// without its shapes, which is told.
+std::vector<ReadApart> readAll(const std::vector<const Reader*>& readers, const std::string& text,
+                               const std::filesystem::path& file, int states, std::uint64_t seed,
+                               const ReaderLimits& limits) {
+  const auto whyNot = [](const ReadApart& read) {
+    return inOneLine(read.failure.empty() ? read.reading.refusal : read.failure);
   };
-  Reading reading = attempt(text);
-  if (reading.refusal.empty()) return reading;
+  std::vector<ReadApart> all = readApart(readers, text, file, states, seed, limits);
+  std::vector<const Reader*> others;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].reading.refusal = inOneLine(all[i].reading.refusal);
+    if (whyNot(all[i]).empty()) continue;
+    others.push_back(readers[i]);
+    places.push_back(i);
+  }
+  const bool has_shapes =
+      text.find("<visual") != std::string::npos || text.find("<collision") != std::string::npos;
+  if (others.empty() || !has_shapes) return all;
   const std::string without_shapes = scene::urdfWithoutShapes(text);
-  if (without_shapes == text) return reading;
-  Reading again = attempt(without_shapes);
-  if (again.refusal.empty())
-    again.told.push_back("read without its shapes, since with them: " + reading.refusal);
-  else
-    again.refusal = reading.refusal + "; without its shapes: " + again.refusal;
-  return again;
+  const std::vector<ReadApart> again =
+      readApart(others, without_shapes, file, states, seed, limits);
+  for (std::size_t k = 0; k < again.size(); ++k) {
+    ReadApart& first = all[places[k]];
+    if (whyNot(again[k]).empty()) {
+      // a crash stays a finding; a refusal is a circumstance
+      const std::string why = whyNot(first), failure = first.failure;
+      first = again[k];
+      first.failure = failure;
+      first.reading.told.push_back("read without its shapes, since with them: " + why);
+    } else if (first.failure.empty()) {
+      first.reading.refusal += "; without its shapes: " + whyNot(again[k]);
+    }
+  }
+  return all;
 }
 
 /// The engine's own M and g against those of the robot that it shows.
-void compareAnswers(const Reading& reading, int states, std::uint64_t seed, ReaderResult* result) {
-  const Robot& robot = reading.robot;
-  if (!reading.answer || robot.bodies.empty()) return;
-  if (!allHaveOnePosition(robot)) {
-    result->told.push_back(
-        "its own M and g were not compared: a joint has several degrees of freedom");
-    return;
-  }
-  for (int k = 0; k < states; ++k) {
-    const std::vector<double> q = drawPositions(robot, seed, static_cast<std::uint64_t>(k));
-    const MassAndGravity shown = massAndGravity(robot, q), own = reading.answer(q);
+void compareAnswers(const ReadApart& read, std::uint64_t seed, ReaderResult* result) {
+  const Robot& robot = read.reading.robot;
+  for (std::size_t k = 0; k < read.answers.size(); ++k) {
+    const MassAndGravity& own = read.answers[k];
+    const MassAndGravity shown = massAndGravity(robot, drawPositions(robot, seed, k));
     for (Eigen::Index i = 0; i < shown.g.size(); ++i) {
       const std::string& link = robot.bodies[static_cast<std::size_t>(i)].link;
       const auto differs = [&](double a, double b, double bound, const char* what) {
@@ -273,6 +298,40 @@ void compareAnswers(const Reading& reading, int states, std::uint64_t seed, Read
         if (differs(shown.M(i, j), own.M(i, j), shown.M_bound(i, j), "M")) return;
     }
   }
+}
+
+/// Without a copy that lived to tell, there is not even a name.
+bool hasRead(const ReadApart& read) {
+  const Reading& reading = read.reading;
+  return reading.refusal.empty() && (read.failure.empty() || !reading.robot.bodies.empty());
+}
+
+/// What a reader has otherwise.
+void judge(const FileParts& parts, const ReadApart& read, int states, std::uint64_t seed,
+           ReaderResult* result) {
+  const Robot& robot = read.reading.robot;
+  if (read.reading.shows) {
+    result->findings = Comparison(parts, read.reading, result->name, states, seed).findings();
+    compareAnswers(read, seed, result);
+    if (!allHaveOnePosition(robot))
+      result->told.push_back(
+          "its own M and g were not compared: a joint has several degrees of freedom");
+    else if (isTooLargeToAsk(robot))
+      result->told.push_back("its own M and g were not compared: too many joints");
+    return;
+  }
+  if (read.answers.empty()) {
+    result->has_read = false;
+    result->refusal =
+        "it says M and g alone, which are not compared: a joint has several degrees "
+        "of freedom";
+    return;
+  }
+  std::vector<std::vector<double>> positions;
+  for (std::size_t k = 0; k < read.answers.size(); ++k)
+    positions.push_back(drawPositions(robot, seed, k));
+  result->told.push_back("it says M and g alone: what it has read is found from these");
+  result->findings = explainAnswers(parts, positions, read.answers, result->name, states, seed);
 }
 
 /// The file as --plain writes it, and what it has.
@@ -301,19 +360,16 @@ Effect effectOf(const Robot& robot, const Robot& changed, int states, std::uint6
 
 bool ReadersResult::anyRead() const {
   return std::any_of(readers.begin(), readers.end(),
-                     [](const ReaderResult& r) { return r.hasRead(); });
+                     [](const ReaderResult& r) { return r.has_read; });
 }
 bool ReadersResult::agrees() const {
   return std::all_of(readers.begin(), readers.end(),
                      [](const ReaderResult& r) { return r.findings.empty(); });
 }
 
-std::vector<Reader> engineReaders() {
-  return {mujocoReader(), dartReader()};
-}
-
 ReadersResult examineReaders(const std::string& text, const std::filesystem::path& file,
-                             const std::vector<Reader>& readers, int states, std::uint64_t seed) {
+                             const std::vector<Reader>& readers, int states, std::uint64_t seed,
+                             const ReaderLimits& limits) {
   const scene::Urdf urdf = scene::readUrdfAsWritten(text, file);
   const FileParts parts(urdf);
   ReadersResult result;
@@ -325,31 +381,53 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
   for (const ReadBody& body : parts.robot().bodies) result.bodies.push_back(body.link);
   if (result.bodies.empty())
     throw scene::InputError({file.string()}, "no joint moves, expected at least one that does");
-  std::optional<Plain> plain;  // which few files need
+
+  std::vector<const Reader*> asked;
+  for (const Reader& reader : readers)
+    if (reader.present) asked.push_back(&reader);
+  const std::vector<ReadApart> read = readAll(asked, text, file, states, seed, limits);
+  std::vector<const Reader*> wrong;
+  std::size_t k = 0;
   for (const Reader& reader : readers) {
     ReaderResult one;
     one.name = reader.name;
     one.version = reader.version;
     one.present = reader.present;
+    one.absence = reader.absence;
     if (reader.present) {
-      const Reading reading = readBy(reader, text, file);
-      one.refusal = reading.refusal;
-      one.told = reading.told;
-      if (reading.refusal.empty()) {
-        one.findings = Comparison(parts, reading.robot, states, seed).findings();
-        compareAnswers(reading, states, seed, &one);
-      }
-      if (!one.findings.empty()) {
-        if (!plain) plain.emplace(urdf, file);
-        const Reading again = readBy(reader, plain->text, file);
-        if (again.refusal.empty() &&
-            Comparison(plain->parts, again.robot, states, seed).findings().empty())
-          one.remedy =
-              "--plain OUT.urdf: fixed links merged, inertias in link axes; tried: it then "
-              "has the robot of the file";
-      }
+      const ReadApart& its = read[k++];
+      if (!its.reading.name.empty()) one.name = its.reading.name;
+      if (!its.reading.version.empty()) one.version = its.reading.version;
+      one.refusal = its.reading.refusal;
+      one.told = its.reading.told;
+      one.failure = its.failure;
+      one.has_read = hasRead(its);
+      if (one.has_read) judge(parts, its, states, seed, &one);
+      if (!its.failure.empty())
+        one.findings.insert(one.findings.begin(),
+                            {"", "failure", "it fails on this file", "", its.failure, {}});
+      if (!one.findings.empty()) wrong.push_back(&reader);
     }
     result.readers.push_back(std::move(one));
+  }
+  if (wrong.empty()) return result;
+
+  // the remedy is tried
+  const Plain plain(urdf, file);
+  const std::vector<ReadApart> again = readAll(wrong, plain.text, file, states, seed, limits);
+  k = 0;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    ReaderResult& one = result.readers[i];
+    if (one.findings.empty()) continue;
+    const ReadApart& its = again[k++];
+    ReaderResult mended;
+    mended.name = one.name;
+    if (!its.failure.empty() || !hasRead(its)) continue;
+    judge(plain.parts, its, states, seed, &mended);
+    if (mended.findings.empty() && mended.refusal.empty())
+      one.remedy =
+          "--plain OUT.urdf: fixed links merged, inertias in link axes; tried: it then "
+          "has the robot of the file";
   }
   return result;
 }

@@ -28,18 +28,21 @@ struct Misreading {
   scene::SourceLocation where;
   bool has_effect = false;
   Effect effect = {};
+  std::vector<std::string> records = {};  ///< where this is on public record
 };
 
 struct ReaderResult {
   std::string name, version;
   bool present = true;
+  std::string absence;  ///< not present: what is missing
   std::string refusal;
+  std::string failure;  ///< how it crashed, hung, or talked nonsense, which is a finding, too
   std::vector<std::string> told;
   std::vector<Misreading> findings;
   std::string
       remedy;  ///< tried: with it the reader has the robot of the file; empty: none is known
 
-  bool hasRead() const { return present && refusal.empty(); }
+  bool has_read = false;
 };
 
 struct ReadersResult {
@@ -53,14 +56,30 @@ struct ReadersResult {
   bool anyRead() const;
   /// Whether every reader that has read has the robot of the file.
   bool agrees() const;
+  /// The moving links, and what findings name besides; empty: the whole robot.
+  std::vector<std::string> rows() const;
 };
+
+/// "mujoco 2.2.2"
+std::string title(const ReaderResult& reader);
+/// What the table says of a link: "same", the quantities that differ, or why there is nothing.
+std::string cellOf(const ReaderResult& reader, const std::string& link);
+/// "M 12 % on its diagonal, g 3 N m at the worst state"; empty: there is none to say.
+std::string effectText(const Misreading& finding);
 
 /** Reads a URDF by every reader and compares: the tree, joints (kinds, places, axes, limits,
     damping, friction, armature, springs, followers), mass, centre of mass and inertia of each moving
     body after lumping fixed joints, gravity; then each reader's own M and g with those of what it
-    shows, at seeded states. */
+    shows, at seeded states. Of one that shows nothing, what it has read is found from its M and g
+    (answers.hpp). Each reads in a copy of this process. */
 ReadersResult examineReaders(const std::string& text, const std::filesystem::path& file,
-                             const std::vector<Reader>& readers, int states, std::uint64_t seed);
+                             const std::vector<Reader>& readers, int states, std::uint64_t seed,
+                             const ReaderLimits& limits = {});
+
+/// What inertia is, in one line.
+std::string shown(const MassMoments& m);
+std::string shown(const Eigen::Isometry3d& X);
+std::string shown(const Eigen::Vector3d& v);
 
 /// The robot as a URDF that leaves readers little to do: fixed links merged, inertias in link axes
 /// about centres of mass, unit axes.

@@ -9,16 +9,14 @@
 #include "crosscheck/readers/compare.hpp"
 
 namespace dynwitness::crosscheck {
-namespace {
 
 std::string title(const ReaderResult& reader) {
   return reader.version.empty() ? reader.name : reader.name + " " + reader.version;
 }
 
-/// What a cell of the table says: the quantities that differ.
 std::string cellOf(const ReaderResult& reader, const std::string& link) {
   if (!reader.present) return "absent";
-  if (!reader.hasRead()) return "not read";
+  if (!reader.has_read) return reader.failure.empty() ? "not read" : "fails";
   std::string cell;
   for (const Misreading& finding : reader.findings)
     if (finding.link == link && cell.find(finding.quantity) == std::string::npos)
@@ -28,12 +26,19 @@ std::string cellOf(const ReaderResult& reader, const std::string& link) {
 
 std::string effectText(const Misreading& finding) {
   if (!finding.has_effect) return "";
-  if (finding.effect.M_percent == 0 && finding.effect.g == 0) return "; M and g do not feel it";
-  return fmt::format("; M {:.3g} % on its diagonal, g {:.3g} N m at the worst state",
+  if (finding.effect.M_percent == 0 && finding.effect.g == 0) return "M and g do not feel it";
+  return fmt::format("M {:.3g} % on its diagonal, g {:.3g} N m at the worst state",
                      finding.effect.M_percent, finding.effect.g);
 }
 
-}  // namespace
+std::vector<std::string> ReadersResult::rows() const {
+  std::vector<std::string> links = bodies;
+  for (const ReaderResult& reader : readers)
+    for (const Misreading& finding : reader.findings)
+      if (std::find(links.begin(), links.end(), finding.link) == links.end())
+        links.push_back(finding.link);
+  return links;
+}
 
 std::string readersText(const ReadersResult& result, bool all) {
   std::string out = fmt::format("{}: {} links, {} of them moved by joints of their own\n",
@@ -43,11 +48,7 @@ std::string readersText(const ReadersResult& result, bool all) {
     out += fmt::format("{}: {} inertias that no body has (--mend OUT.urdf writes the nearest)\n",
                        result.file, result.impossible.size());
 
-  std::vector<std::string> links = result.bodies;
-  for (const ReaderResult& reader : result.readers)
-    for (const Misreading& finding : reader.findings)
-      if (std::find(links.begin(), links.end(), finding.link) == links.end())
-        links.push_back(finding.link);
+  const std::vector<std::string> links = result.rows();
   const auto differs = [&](const std::string& link) {
     return std::any_of(result.readers.begin(), result.readers.end(), [&](const ReaderResult& r) {
       return std::any_of(r.findings.begin(), r.findings.end(),
@@ -57,27 +58,32 @@ std::string readersText(const ReadersResult& result, bool all) {
   std::size_t width = 8;
   for (const std::string& link : links) width = std::max(width, link.size());
   out += fmt::format("\n{:<{}}", "link", width);
-  for (const ReaderResult& reader : result.readers) out += fmt::format("  {:<24}", title(reader));
+  // who is not there is told below
+  std::vector<const ReaderResult*> columns;
+  for (const ReaderResult& reader : result.readers)
+    if (reader.present) columns.push_back(&reader);
+  for (const ReaderResult* reader : columns) out += fmt::format("  {:<20}", title(*reader));
   std::size_t rows = 0;
   for (const std::string& link : links) {
     if (!all && !differs(link)) continue;
     ++rows;
     out += fmt::format("\n{:<{}}", link.empty() ? "(all)" : link, width);
-    for (const ReaderResult& reader : result.readers)
-      out += fmt::format("  {:<24}", cellOf(reader, link));
+    for (const ReaderResult* reader : columns)
+      out += fmt::format("  {:<20}", cellOf(*reader, link));
   }
   if (rows < links.size()) {
     out += fmt::format("\n{:<{}}", rows == 0 ? "all" : "others", width);
-    for (const ReaderResult& reader : result.readers)
-      out += fmt::format("  {:<24}", reader.hasRead() ? "same" : cellOf(reader, ""));
+    for (const ReaderResult* reader : columns)
+      out += fmt::format("  {:<20}", reader->has_read ? "same" : cellOf(*reader, ""));
   }
   out += "\n\n";
   for (const ReaderResult& reader : result.readers) {
     if (!reader.present) {
-      out += fmt::format("{}: absent from this build\n", reader.name);
+      out += fmt::format("{}: {}\n", reader.name,
+                         reader.absence.empty() ? "absent from this build" : reader.absence);
       continue;
     }
-    if (!reader.hasRead()) {
+    if (!reader.refusal.empty()) {
       out += fmt::format("{}: does not read the file: {}\n", title(reader), reader.refusal);
       continue;
     }
@@ -85,12 +91,14 @@ std::string readersText(const ReadersResult& result, bool all) {
     if (reader.findings.empty())
       out += fmt::format("{}: has the robot of the file\n", title(reader));
     for (const Misreading& f : reader.findings)
-      out +=
-          fmt::format("{}: {}{}: {}: {}{}\n    the file: {}\n    {}: {}\n", title(reader),
-                      f.where.line > 0 ? f.where.text() + ": " : "",
-                      f.link.empty() ? "robot" : "link \"" + f.link + "\"", f.quantity,
-                      f.rule.empty() ? "another, by none of the mistakes that are tried" : f.rule,
-                      effectText(f), f.ours, reader.name, f.theirs);
+      out += fmt::format(
+          "{}: {}{}: {}: {}{}{}\n{}    {}: {}\n{}", title(reader),
+          f.where.line > 0 ? f.where.text() + ": " : "",
+          f.link.empty() ? "robot" : "link \"" + f.link + "\"", f.quantity,
+          f.rule.empty() ? "another, by none of the mistakes that are tried" : f.rule,
+          effectText(f).empty() ? "" : "; ", effectText(f),
+          f.ours.empty() ? "" : "    the file: " + f.ours + "\n", reader.name, f.theirs,
+          f.records.empty() ? "" : fmt::format("    on record: {}\n", fmt::join(f.records, ", ")));
     if (!reader.remedy.empty())
       out += fmt::format("{}: remedy: {}\n", title(reader), reader.remedy);
   }
@@ -106,12 +114,14 @@ std::string readersJson(const ReadersResult& result, const std::string& version)
   out["readers"] = json::array();
   for (const ReaderResult& reader : result.readers) {
     json one = {{"name", reader.name},       {"version", reader.version},
-                {"present", reader.present}, {"read", reader.hasRead()},
-                {"refusal", reader.refusal}, {"told", reader.told},
+                {"present", reader.present}, {"absence", reader.absence},
+                {"read", reader.has_read},   {"refusal", reader.refusal},
+                {"failure", reader.failure}, {"told", reader.told},
                 {"remedy", reader.remedy},   {"findings", json::array()}};
     for (const Misreading& f : reader.findings) {
-      json finding = {{"link", f.link}, {"line", f.where.line},  {"quantity", f.quantity},
-                      {"rule", f.rule}, {"in_the_file", f.ours}, {"as_read", f.theirs}};
+      json finding = {{"link", f.link},      {"line", f.where.line},  {"quantity", f.quantity},
+                      {"rule", f.rule},      {"in_the_file", f.ours}, {"as_read", f.theirs},
+                      {"records", f.records}};
       if (f.has_effect) {
         finding["M_percent"] = f.effect.M_percent;
         finding["g_difference"] = f.effect.g;

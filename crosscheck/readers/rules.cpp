@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include <Eigen/Eigenvalues>
+#include <boost/math/constants/constants.hpp>
 
 #include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
@@ -27,9 +28,10 @@ constexpr Mistake kMistakes[] = {Mistake::kInertialTurnDropped, Mistake::kInerti
                                  Mistake::kDefaultMassAlone,    Mistake::kGeometryWithoutInertial,
                                  Mistake::kNotRotated,          Mistake::kTensorNotRotated,
                                  Mistake::kComNotRotated,       Mistake::kRotatedBack,
-                                 Mistake::kNotShifted,          Mistake::kMassDropped,
-                                 Mistake::kComInParent,         Mistake::kParallelAxisMissing,
-                                 Mistake::kParallelAxisDoubled, Mistake::kParallelAxisNegated};
+                                 Mistake::kNotShifted,          Mistake::kMergedInReverse,
+                                 Mistake::kMassDropped,         Mistake::kComInParent,
+                                 Mistake::kParallelAxisMissing, Mistake::kParallelAxisDoubled,
+                                 Mistake::kParallelAxisNegated};
 
 Vector3d vector(const scene::Vector& v, const Numbers& number) {
   return {number(v[0]), number(v[1]), number(v[2])};
@@ -112,11 +114,11 @@ const char* words(Mistake mistake) {
     case Mistake::kFromGeometry:
       return "the inertia is that of the collision shapes, of 1000 kg/m^3";
     case Mistake::kDefaultMass:
-      return "a link without <inertial> gets 1 kg and 1 kg m^2";
+      return "a massless link gets 1 kg and 1 kg m^2";
     case Mistake::kDefaultMassAlone:
-      return "a link without <inertial> gets 1 kg";
+      return "a massless link gets 1 kg";
     case Mistake::kGeometryWithoutInertial:
-      return "a link without <inertial> gets that of its collision shapes, of 1000 kg/m^3";
+      return "a massless link gets that of its collision shapes, of 1000 kg/m^3";
     case Mistake::kNotRotated:
       return "a fixed child is merged without its rotation";
     case Mistake::kTensorNotRotated:
@@ -127,6 +129,8 @@ const char* words(Mistake mistake) {
       return "a fixed child is merged with its rotation transposed";
     case Mistake::kNotShifted:
       return "a fixed child is merged without its shift";
+    case Mistake::kMergedInReverse:
+      return "a fixed child's placement and principal axes are composed in reverse";
     case Mistake::kMassDropped:
       return "a fixed child is dropped";
     case Mistake::kParallelAxisMissing:
@@ -162,6 +166,91 @@ FileParts::FileParts(const scene::Mechanism& mechanism) {
   build(mechanism, nullptr);
 }
 
+namespace {
+
+bool isFixed(const scene::Link& link) {
+  return link.parent >= 0 && link.joint.kind == scene::JointKind::kFixed;
+}
+
+Matrix3d tensor(const scene::MassProperties& p, const Numbers& number) {
+  return (Matrix3d() << number(p.xx), number(p.xy), number(p.xz), number(p.xy), number(p.yy),
+          number(p.yz), number(p.xz), number(p.yz), number(p.zz))
+      .finished();
+}
+
+/// The joint of a link that moves, but for its place.
+ReadBody jointOf(const scene::Link& link, const scene::UrdfPart* part, const Numbers& number) {
+  const scene::Joint& joint = link.joint;
+  ReadBody body;
+  body.link = link.name;
+  body.joint = joint.name;
+  body.kind = joint.kind;
+  const Vector3d axis = vector(joint.axis, number);
+  if (axis.isZero(0))
+    throw scene::InputError(link.where, "joint \"" + joint.name +
+                                            "\": axis is [0, 0, 0], allowed: any length but zero");
+  body.axis = scene::positionSlots(joint.kind).size() == 1 ? Vector3d(axis.normalized())
+                                                           : Vector3d(0, 0, 0);
+  body.links = 0;
+  body.damping = number(joint.friction.viscous);
+  body.friction = number(joint.friction.positive);
+  const double gear = number(joint.gear_ratio);
+  body.armature = gear * gear * number(joint.rotor_inertia);
+  body.stiffness = number(joint.stiffness);
+  if (joint.mimic) {
+    body.leader = joint.mimic->joint;
+    body.multiplier = number(joint.mimic->multiplier);
+    body.offset = number(joint.mimic->offset);
+  }
+  if (part && part->limits) {
+    body.lower = number(part->limits->lower);
+    body.upper = number(part->limits->upper);
+  }
+  return body;
+}
+
+}  // namespace
+
+/// From the body that carries a link's parent to the link's joint.
+std::vector<FileParts::Origin> FileParts::originsOf(const scene::Mechanism& mechanism,
+                                                    const scene::Link& link) {
+  const Numbers number(mechanism);
+  std::vector<Origin> out;
+  for (const scene::Link* l = &link;; l = &mechanism.links[static_cast<std::size_t>(l->parent)]) {
+    const scene::Placement& at = l->joint.placement;
+    if (l != &link && !isFixed(*l)) break;
+    out.push_back(
+        {vector(at.xyz, number), vector(at.rpy, number), along(at.beforeJoint(), number)});
+  }
+  std::reverse(out.begin(), out.end());
+  return out;
+}
+
+/// A link as it is written.
+FileParts::Piece FileParts::pieceOf(const scene::Link& link, const scene::UrdfPart* part,
+                                    const Isometry3d& X_before, const Numbers& number) {
+  const scene::MassProperties& m = link.inertia;
+  Piece piece;
+  piece.link = link.name;
+  piece.is_fixed = isFixed(link);
+  piece.mass = number(m.mass);
+  piece.has_mass = piece.mass != 0 && (!part || part->has_inertial);
+  piece.from_parent = X_before.translation();
+  piece.turn_from_parent = X_before.linear();
+  piece.com = vector(m.com, number);
+  piece.R = turn(m.rpy, number);
+  piece.I = tensor(m, number);
+  if (m.about == scene::MassProperties::About::kLinkOrigin)
+    piece.I -= piece.mass * lever(piece.R.transpose() * piece.com);
+  if (part)
+    for (const scene::MassProperties& solid : part->solids) {
+      const Matrix3d R = turn(solid.rpy, number);
+      piece.solids.push_back(MassMoments::of(number(solid.mass), vector(solid.com, number),
+                                             R * tensor(solid, number) * R.transpose()));
+    }
+  return piece;
+}
+
 void FileParts::build(const scene::Mechanism& mechanism,
                       const std::vector<scene::UrdfPart>* parts) {
   const Numbers number(mechanism);
@@ -170,96 +259,31 @@ void FileParts::build(const scene::Mechanism& mechanism,
     int body = -1;
     Isometry3d X = Isometry3d::Identity();  // x_body = X x_link
   };
-  const auto isFixed = [&](const scene::Link& link) {
-    return link.parent >= 0 && link.joint.kind == scene::JointKind::kFixed;
-  };
-  const auto originOf = [&](const scene::Joint& joint) {
-    return Origin{vector(joint.placement.xyz, number), vector(joint.placement.rpy, number),
-                  along(joint.placement.beforeJoint(), number)};
-  };
   std::vector<Carrier> carriers;
   for (std::size_t i = 0; i < mechanism.links.size(); ++i) {
     const scene::Link& link = mechanism.links[i];
-    const scene::Joint& joint = link.joint;
-    Carrier here;
+    const scene::UrdfPart* const part = parts ? &(*parts)[i] : nullptr;
     const Carrier parent =
         link.parent < 0 ? Carrier() : carriers[static_cast<std::size_t>(link.parent)];
-    const Isometry3d X_before = along(joint.placement.beforeJoint(), number),
-                     X_after = along(joint.placement.afterJoint(), number);
-    const bool moves = link.parent >= 0 && !isFixed(link);
-    if (moves) {
-      ReadBody body;
-      body.link = link.name;
-      body.joint = joint.name;
+    const Isometry3d X_before = along(link.joint.placement.beforeJoint(), number),
+                     X_after = along(link.joint.placement.afterJoint(), number);
+    Carrier here{parent.body, parent.X * X_before * X_after};
+    if (link.parent >= 0 && !isFixed(link)) {
+      ReadBody body = jointOf(link, part, number);
       body.parent = parent.body;
-      body.kind = joint.kind;
       body.placement = parent.X * X_before;
-      const Vector3d axis = vector(joint.axis, number);
-      if (axis.isZero(0))
-        throw scene::InputError(link.where, "joint \"" + joint.name +
-                                                "\": axis is [0, 0, 0], allowed: any length but "
-                                                "zero");
-      body.axis = scene::positionSlots(joint.kind).size() == 1 ? Vector3d(axis.normalized())
-                                                               : Vector3d(0, 0, 0);
-      body.links = 0;
-      body.damping = number(joint.friction.viscous);
-      body.friction = number(joint.friction.positive);
-      const double gear = number(joint.gear_ratio);
-      body.armature = gear * gear * number(joint.rotor_inertia);
-      body.stiffness = number(joint.stiffness);
-      if (joint.mimic) {
-        body.leader = joint.mimic->joint;
-        body.multiplier = number(joint.mimic->multiplier);
-        body.offset = number(joint.mimic->offset);
-      }
-      if (parts && (*parts)[i].limits) {
-        body.lower = number((*parts)[i].limits->lower);
-        body.upper = number((*parts)[i].limits->upper);
-      }
-      here.body = static_cast<int>(robot_.bodies.size());
-      here.X = X_after;
-      std::vector<Origin> origins = {originOf(joint)};
-      for (const scene::Link* l = &mechanism.links[static_cast<std::size_t>(link.parent)];
-           isFixed(*l); l = &mechanism.links[static_cast<std::size_t>(l->parent)])
-        origins.push_back(originOf(l->joint));
-      std::reverse(origins.begin(), origins.end());
-      origins_.push_back(std::move(origins));
-      axes_.push_back(axis);
+      here = {static_cast<int>(robot_.bodies.size()), X_after};
+      origins_.push_back(originsOf(mechanism, link));
+      axes_.push_back(vector(link.joint.axis, number));
       where_.push_back(link.where);
       robot_.bodies.push_back(body);
       pieces_.emplace_back();
-    } else {
-      here.body = parent.body;
-      here.X = parent.X * X_before * X_after;
     }
     carriers.push_back(here);
     if (here.body < 0) continue;
-    const scene::MassProperties& m = link.inertia;
-    Piece piece;
-    piece.link = link.name;
-    piece.is_fixed = !moves;
-    piece.has_inertial = parts ? (*parts)[i].has_inertial : true;
+    Piece piece = pieceOf(link, part, X_before, number);
     piece.X = here.X;
-    piece.from_parent = X_before.translation();
-    piece.turn_from_parent = X_before.linear();
-    const auto given = [&](const scene::MassProperties& p) {
-      return (Matrix3d() << number(p.xx), number(p.xy), number(p.xz), number(p.xy), number(p.yy),
-              number(p.yz), number(p.xz), number(p.yz), number(p.zz))
-          .finished();
-    };
-    piece.mass = number(m.mass);
-    piece.com = vector(m.com, number);
-    piece.R = turn(m.rpy, number);
-    piece.I = given(m);
-    if (m.about == scene::MassProperties::About::kLinkOrigin)
-      piece.I -= piece.mass * lever(piece.R.transpose() * piece.com);
-    if (parts)
-      for (const scene::MassProperties& solid : (*parts)[i].solids) {
-        const Matrix3d R = turn(solid.rpy, number);
-        piece.solids.push_back(MassMoments::of(number(solid.mass), vector(solid.com, number),
-                                               R * given(solid) * R.transpose()));
-      }
-    pieces_[static_cast<std::size_t>(here.body)].push_back(piece);
+    pieces_[static_cast<std::size_t>(here.body)].push_back(std::move(piece));
     ++robot_.bodies[static_cast<std::size_t>(here.body)].links;
   }
   for (std::size_t b = 0; b < pieces_.size(); ++b) {
@@ -271,122 +295,209 @@ void FileParts::build(const scene::Mechanism& mechanism,
   }
 }
 
-MassMoments FileParts::readPiece(const Piece& piece, const std::vector<Slip>& slips,
-                                 double* parallel_axes) const {
-  double mass = piece.mass;
-  Vector3d c = piece.com;
-  Matrix3d R = piece.R, I = piece.I, tensor_turn = piece.X.linear();
-  Isometry3d X = piece.X;
-  double about_com = 0;  // multiples of m c^2 added to the inertia
-  MassMoments solids;
-  for (const MassMoments& solid : piece.solids) solids += solid;
-  bool from_solids = false, com_not_rotated = false, balanced = false;
-  for (const Slip& slip : slips) {
-    if (!slip.link.empty() && slip.link != piece.link) continue;
-    switch (slip.mistake) {
-      case Mistake::kInertialTurnDropped:
-        R.setIdentity();
-        break;
-      case Mistake::kInertialTurnTransposed:
-        R.transposeInPlace();
-        break;
-      case Mistake::kInertialTurnOneSide:
-      case Mistake::kInertialTurnOneSideLow:
-        I = fromTriangle(R * I, slip.mistake == Mistake::kInertialTurnOneSide);
-        R.setIdentity();
-        break;
-      case Mistake::kInertialTurnTwice:
-        R = (R * R).eval();
-        break;
-      case Mistake::kProductsDropped:
-        I = Matrix3d(I.diagonal().asDiagonal());
-        break;
-      case Mistake::kProductsNegated:
-        I = 2 * Matrix3d(I.diagonal().asDiagonal()) - I;
-        break;
-      case Mistake::kComTurned:
-        c = piece.R * c;
-        break;
-      case Mistake::kComTurnedBack:
-        c = piece.R.transpose() * c;
-        break;
-      case Mistake::kComInParent:
-        c = piece.turn_from_parent.transpose() * (c - piece.from_parent);
-        break;
-      case Mistake::kComDropped:
-        c.setZero();
-        break;
-      case Mistake::kInertiaAboutJoint:
-        about_com -= 1;
-        break;
-      case Mistake::kInertiaShiftedTwice:
-        about_com += 1;
-        break;
-      case Mistake::kInertiaDropped:
-        I.setZero();
-        break;
-      case Mistake::kBalanced:
-        balanced = true;
-        break;
-      case Mistake::kFromGeometry:
-        from_solids = from_solids || piece.has_inertial;
-        break;
-      case Mistake::kGeometryWithoutInertial:
-        from_solids = from_solids || !piece.has_inertial;
-        break;
-      case Mistake::kDefaultMass:
-      case Mistake::kDefaultMassAlone:
-        if (piece.has_inertial) break;
-        mass = 1;
-        if (slip.mistake == Mistake::kDefaultMass) I.setIdentity();
-        break;
-      case Mistake::kNotRotated:
-        if (piece.is_fixed) X.linear().setIdentity(), tensor_turn.setIdentity();
-        break;
-      case Mistake::kTensorNotRotated:
-        if (piece.is_fixed) tensor_turn.setIdentity();
-        break;
-      case Mistake::kComNotRotated:
-        com_not_rotated = com_not_rotated || piece.is_fixed;
-        break;
-      case Mistake::kRotatedBack:
-        if (piece.is_fixed) {
-          X.linear() = Matrix3d(X.linear().transpose());
-          tensor_turn.transposeInPlace();
-        }
-        break;
-      case Mistake::kNotShifted:
-        if (piece.is_fixed) X.translation().setZero();
-        break;
-      case Mistake::kMassDropped:
-        if (piece.is_fixed) return {};
-        break;
-      case Mistake::kParallelAxisMissing:
-        *parallel_axes = 0;
-        break;
-      case Mistake::kParallelAxisDoubled:
-        *parallel_axes = 2;
-        break;
-      case Mistake::kParallelAxisNegated:
-        *parallel_axes = -1;
-        break;
-    }
+/// A link in the making: what mistakes turn it into, before it is summed up.
+struct FileParts::Draft {
+  explicit Draft(const Piece& piece)
+      : mass(piece.mass),
+        com(piece.com),
+        R(piece.R),
+        I(piece.I),
+        X(piece.X),
+        tensor_turn(piece.X.linear()) {}
+
+  double mass;
+  Vector3d com;
+  Matrix3d R, I;
+  Isometry3d X;
+  Matrix3d tensor_turn;  ///< of the inertia; that of X, but for mistakes
+  double about_com = 0;  ///< multiples of m c^2 that are added to the inertia
+  double parallel_axes = 1;
+  bool from_solids = false, com_not_rotated = false, balanced = false, dropped = false,
+       in_reverse = false;
+
+  /// A mistake about a link's own <inertial>. @return false: it is none
+  bool slipInertial(Mistake mistake, const Piece& piece);
+  /// A mistake on merging it into the link that it is fixed to.
+  void slipMerging(Mistake mistake, const Piece& piece);
+  MassMoments summedUp(const Piece& piece);
+};
+
+bool FileParts::Draft::slipInertial(Mistake mistake, const Piece& piece) {
+  switch (mistake) {
+    case Mistake::kInertialTurnDropped:
+      R.setIdentity();
+      return true;
+    case Mistake::kInertialTurnTransposed:
+      R.transposeInPlace();
+      return true;
+    case Mistake::kInertialTurnOneSide:
+    case Mistake::kInertialTurnOneSideLow:
+      I = fromTriangle(R * I, mistake == Mistake::kInertialTurnOneSide);
+      R.setIdentity();
+      return true;
+    case Mistake::kInertialTurnTwice:
+      R = (R * R).eval();
+      return true;
+    case Mistake::kProductsDropped:
+      I = Matrix3d(I.diagonal().asDiagonal());
+      return true;
+    case Mistake::kProductsNegated:
+      I = 2 * Matrix3d(I.diagonal().asDiagonal()) - I;
+      return true;
+    case Mistake::kComTurned:
+      com = piece.R * com;
+      return true;
+    case Mistake::kComTurnedBack:
+      com = piece.R.transpose() * com;
+      return true;
+    case Mistake::kComInParent:
+      com = piece.turn_from_parent.transpose() * (com - piece.from_parent);
+      return true;
+    case Mistake::kComDropped:
+      com.setZero();
+      return true;
+    case Mistake::kInertiaAboutJoint:
+      about_com -= 1;
+      return true;
+    case Mistake::kInertiaShiftedTwice:
+      about_com += 1;
+      return true;
+    case Mistake::kInertiaDropped:
+      I.setZero();
+      return true;
+    case Mistake::kBalanced:
+      balanced = true;
+      return true;
+    case Mistake::kFromGeometry:
+      from_solids = from_solids || piece.has_mass;
+      return true;
+    case Mistake::kGeometryWithoutInertial:
+      from_solids = from_solids || !piece.has_mass;
+      return true;
+    case Mistake::kDefaultMass:
+    case Mistake::kDefaultMassAlone:
+      if (piece.has_mass) return true;
+      mass = 1;
+      if (mistake == Mistake::kDefaultMass) I.setIdentity();
+      return true;
+    default:
+      return false;
   }
+}
+
+void FileParts::Draft::slipMerging(Mistake mistake, const Piece& piece) {
+  switch (mistake) {
+    case Mistake::kParallelAxisMissing:
+      parallel_axes = 0;
+      return;
+    case Mistake::kParallelAxisDoubled:
+      parallel_axes = 2;
+      return;
+    case Mistake::kParallelAxisNegated:
+      parallel_axes = -1;
+      return;
+    default:
+      break;
+  }
+  if (!piece.is_fixed) return;
+  switch (mistake) {
+    case Mistake::kNotRotated:
+      X.linear().setIdentity();
+      tensor_turn.setIdentity();
+      return;
+    case Mistake::kTensorNotRotated:
+      tensor_turn.setIdentity();
+      return;
+    case Mistake::kComNotRotated:
+      com_not_rotated = true;
+      return;
+    case Mistake::kRotatedBack:
+      X.linear() = Matrix3d(X.linear().transpose());
+      tensor_turn.transposeInPlace();
+      return;
+    case Mistake::kNotShifted:
+      X.translation().setZero();
+      return;
+    case Mistake::kMergedInReverse:
+      in_reverse = true;
+      return;
+    case Mistake::kMassDropped:
+      dropped = true;
+      return;
+    default:
+      return;
+  }
+}
+
+namespace {
+
+/** Principal axes as columns, the largest moment first, as MuJoCo keeps them: those nearest to the
+    link's own, then a quarter turn for each two that are not in that order. */
+Matrix3d principalAxes(const Matrix3d& I) {
+  Vector3d moments = I.diagonal();
+  Matrix3d Q = Matrix3d::Identity();
+  if (!I.isDiagonal(roundingOf(0))) {
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(I);
+    int order[] = {0, 1, 2};
+    double best = -1;
+    do {  // as near to the link's axes as signs and orders allow
+      Matrix3d V;
+      for (int k = 0; k < 3; ++k)
+        V.col(k) =
+            solver.eigenvectors().col(order[k]) * (solver.eigenvectors()(k, order[k]) < 0 ? -1 : 1);
+      if (V.determinant() < 0 || V.trace() <= best) continue;
+      best = V.trace();
+      Q = V;
+      for (int k = 0; k < 3; ++k) moments[k] = solver.eigenvalues()[order[k]];
+    } while (std::next_permutation(order, order + 3));
+  }
+  for (const int k : {0, 1, 0}) {
+    if (moments[k] >= moments[k + 1] * (1 - roundingOf(0))) continue;
+    std::swap(moments[k], moments[k + 1]);
+    const Vector3d about = Vector3d::Unit((k + 2) % 3);
+    Q = Q * Eigen::AngleAxisd(boost::math::constants::half_pi<double>(), about);
+  }
+  return Q;
+}
+
+}  // namespace
+
+MassMoments FileParts::Draft::summedUp(const Piece& piece) {
+  if (dropped) return {};
   if (from_solids) {
+    MassMoments solids;
+    for (const MassMoments& solid : piece.solids) solids += solid;
     mass = solids.mass;
-    c = solids.com();
+    com = solids.com();
     I = solids.aboutCom();
     R.setIdentity();
   }
-  I = (R * I * R.transpose() + about_com * mass * lever(c)).eval();
+  I = (R * I * R.transpose() + about_com * mass * lever(com)).eval();
   if (balanced) {
     const Vector3d moments = I.selfadjointView<Eigen::Lower>().eigenvalues();
     if (moments[0] + moments[1] < moments[2]) I = moments.mean() * Matrix3d::Identity();
   }
-  const Vector3d com = com_not_rotated ? Vector3d(X.translation() + c) : Vector3d(X * c);
-  MassMoments out = MassMoments::of(mass, com, tensor_turn * I * tensor_turn.transpose());
-  out.reach2 += mass * (X.translation().squaredNorm() + c.squaredNorm());
+  if (in_reverse) {
+    const Matrix3d Q = principalAxes(I), turned = Q * X.linear() * Q.transpose();
+    MassMoments out =
+        MassMoments::of(mass, com + Q * X.translation(), turned * I * turned.transpose());
+    out.reach2 += mass * (X.translation().squaredNorm() + com.squaredNorm());
+    return out;
+  }
+  const Vector3d moved = com_not_rotated ? Vector3d(X.translation() + com) : Vector3d(X * com);
+  MassMoments out = MassMoments::of(mass, moved, tensor_turn * I * tensor_turn.transpose());
+  out.reach2 += mass * (X.translation().squaredNorm() + com.squaredNorm());
   return out;
+}
+
+MassMoments FileParts::readPiece(const Piece& piece, const std::vector<Slip>& slips,
+                                 double* parallel_axes) {
+  Draft draft(piece);
+  for (const Slip& slip : slips)
+    if (slip.link.empty() || slip.link == piece.link)
+      if (!draft.slipInertial(slip.mistake, piece)) draft.slipMerging(slip.mistake, piece);
+  *parallel_axes = draft.parallel_axes;
+  return draft.summedUp(piece);
 }
 
 MassMoments FileParts::read(std::size_t body, const std::vector<Slip>& slips) const {
@@ -484,12 +595,22 @@ bool isSame(const MassMoments& a, const MassMoments& b, int links, double unturn
              unit * reach2 + unturned * (links + 1.0) * a.aboutCom().cwiseAbs().trace();
 }
 
-std::string explanation(const FileParts& file, std::size_t body, const MassMoments& seen,
-                        double unturned) {
+NamedMistakes explanation(const FileParts& file, std::size_t body, const MassMoments& seen,
+                          double unturned) {
   const std::vector<std::string> links = file.links(body);
   const int count = static_cast<int>(links.size());
   const MassMoments as_it_is = file.read(body, {});
-  const auto fits = [&](const MassMoments& read) { return isSame(read, seen, count, unturned); };
+  // a centre of mass that was turned by principal axes has what these lose
+  const auto fits = [&](const MassMoments& read, Mistake mistake) {
+    MassMoments there = seen;
+    if (mistake == Mistake::kMergedInReverse &&
+        (read.first - seen.first).norm() <=
+            unturned * (count + 1.0) * std::sqrt(std::abs(read.mass) * read.reach2)) {
+      there.first = read.first;
+      there.second = read.second + seen.aboutCom() - read.aboutCom();
+    }
+    return isSame(read, there, count, unturned);
+  };
   // of a mistake at all links, those at which it changes something
   const auto everywhere = [&](Mistake mistake) {
     std::string places;
@@ -502,21 +623,131 @@ std::string explanation(const FileParts& file, std::size_t body, const MassMomen
     return std::string(words(mistake)) + " (" + links[place] + ")";
   };
   for (const Mistake mistake : kMistakes)
-    if (fits(file.read(body, {{mistake, ""}}))) return everywhere(mistake);
+    if (fits(file.read(body, {{mistake, ""}}), mistake)) return {everywhere(mistake), {mistake}};
   for (const Mistake mistake : kMistakes)
     for (std::size_t place = 0; place < links.size(); ++place)
-      if (fits(file.readAt(body, place, {mistake}))) return at(mistake, place);
+      if (fits(file.readAt(body, place, {mistake}), mistake))
+        return {at(mistake, place), {mistake}};
   // two, in the order in which they are listed; those of the parallel axis are the last
   for (const Mistake first : kMistakes)
     for (const Mistake second : kMistakes) {
       if (first >= second) continue;
-      if (fits(file.read(body, {{first, ""}, {second, ""}})))
-        return everywhere(first) + ", and " + everywhere(second);
+      const Mistake loosest = first == Mistake::kMergedInReverse ? first : second;
+      if (fits(file.read(body, {{first, ""}, {second, ""}}), loosest))
+        return {everywhere(first) + ", and " + everywhere(second), {first, second}};
       for (std::size_t place = 0; place < links.size() && second < Mistake::kParallelAxisMissing;
            ++place)
-        if (fits(file.readAt(body, place, {first, second})))
-          return at(first, place) + ", and " + at(second, place);
+        if (fits(file.readAt(body, place, {first, second}), loosest))
+          return {at(first, place) + ", and " + at(second, place), {first, second}};
     }
+  return {};
+}
+
+std::vector<MassReading> misreadings(const FileParts& file, std::size_t body) {
+  const std::vector<std::string> links = file.links(body);
+  const int count = static_cast<int>(links.size());
+  const MassMoments as_it_is = file.read(body, {});
+  std::vector<MassReading> out;
+  const auto add = [&](Mistake mistake, const std::string& places, const MassMoments& moments) {
+    if (!isSame(moments, as_it_is, count, 0))
+      out.push_back({std::string(words(mistake)) + " (" + places + ")", mistake, moments});
+  };
+  std::vector<Mistake> at_several;
+  for (const Mistake mistake : kMistakes) {
+    std::string places;
+    std::size_t changed = 0;
+    for (std::size_t place = 0; place < links.size(); ++place) {
+      if (isSame(file.readAt(body, place, {mistake}), as_it_is, count, 0)) continue;
+      places += (places.empty() ? "" : ", ") + links[place];
+      ++changed;
+    }
+    add(mistake, places, file.read(body, {{mistake, ""}}));
+    if (changed > 1) at_several.push_back(mistake);
+  }
+  for (const Mistake mistake : at_several)
+    for (std::size_t place = 0; place < links.size(); ++place)
+      add(mistake, links[place], file.readAt(body, place, {mistake}));
+  return out;
+}
+
+std::vector<MassReading> pairsOfMisreadings(const FileParts& file, std::size_t body) {
+  const std::vector<std::string> links = file.links(body);
+  std::vector<MassReading> out;
+  for (const Mistake first : kMistakes)
+    for (const Mistake second : kMistakes) {
+      if (first >= second) continue;
+      const std::string both = std::string(words(first)) + ", and " + words(second);
+      out.push_back({both, first, file.read(body, {{first, ""}, {second, ""}})});
+      for (std::size_t place = 0; place < links.size() && links.size() > 1; ++place)
+        out.push_back(
+            {both + " (" + links[place] + ")", first, file.readAt(body, place, {first, second})});
+    }
+  return out;
+}
+
+std::vector<JointReading> jointMisreadings(const FileParts& file, std::size_t body) {
+  const ReadBody& ours = file.robot().bodies[body];
+  std::vector<JointReading> out;
+  for (const FrameMistake mistake :
+       {FrameMistake::kTurnDropped, FrameMistake::kTurnTransposed, FrameMistake::kTurnReversed,
+        FrameMistake::kShiftDropped, FrameMistake::kShiftTurned}) {
+    JointReading one{"origin", words(mistake), ours};
+    one.body.placement = file.readOrigin(body, mistake);
+    if (!one.body.placement.isApprox(ours.placement, roundingOf(ours.links))) out.push_back(one);
+  }
+  if (!hasOnePosition(ours)) return out;
+  const auto axis = [&](const std::string& rule, const Vector3d& a) {
+    if ((a - ours.axis).norm() <= roundingOf(0)) return;
+    out.push_back({"axis", rule, ours});
+    out.back().body.axis = a;
+  };
+  axis("the axis is not normalised", file.writtenAxis(body));
+  const Matrix3d R = file.turnOfOrigin(body);
+  axis("the axis is taken in the parent link's frame", R.transpose() * ours.axis);
+  axis("the axis is taken in the parent link's frame", R * ours.axis);
+  axis("the axis has the other sign", -ours.axis);
+  for (int k = 0; k < 3; ++k)
+    axis(std::string("the axis is ") + "xyz"[k] + ", whatever the file says", Vector3d::Unit(k));
+  using Kind = scene::JointKind;
+  const Kind other = ours.kind == Kind::kRevolute ? Kind::kPrismatic : Kind::kRevolute;
+  out.push_back({"joint kind",
+                 std::string(scene::name(ours.kind)) + " is read as " + scene::name(other), ours});
+  out.back().body.kind = other;
+  return out;
+}
+
+std::string gravityMistake(const Vector3d& file, const Vector3d& seen) {
+  const double size = file.norm();
+  if (seen.isZero(0)) return "there is none";
+  if ((file + seen).norm() <= roundingOf(0) * size) return "it has the other sign";
+  if (file.cross(seen).norm() <= roundingOf(0) * size * seen.norm() && file.dot(seen) > 0)
+    return "it has another size";
+  if (std::abs(seen.norm() - size) <= roundingOf(0) * size) return "it points elsewhere";
+  return "";
+}
+
+std::string publicRecord(const std::string& reader, Mistake mistake) {
+  struct Record {
+    const char* reader;  // how its name begins
+    Mistake mistake;
+    const char* link;
+  };
+  constexpr const char* kFused = "https://github.com/google-deepmind/mujoco/issues/2982";
+  static constexpr Record kRecords[] = {
+      {"mujoco", Mistake::kInertialTurnDropped,
+       "https://github.com/google-deepmind/mujoco/issues/3559"},
+      {"mujoco", Mistake::kTensorNotRotated, kFused},
+      {"mujoco", Mistake::kNotRotated, kFused},
+      {"mujoco", Mistake::kMergedInReverse, kFused},
+      {"mujoco", Mistake::kNotShifted, kFused},
+      {"mujoco", Mistake::kComNotRotated, kFused},
+      {"mujoco", Mistake::kParallelAxisMissing, kFused},
+      {"dart", Mistake::kInertialTurnDropped, "https://github.com/dartsim/dart/issues/47"},
+      {"dart", Mistake::kDefaultMass, "https://github.com/dartsim/dart/issues/1604"},
+      {"kdl", Mistake::kComTurned, "https://github.com/ros/robot_model/pull/66"},
+  };
+  for (const Record& record : kRecords)
+    if (record.mistake == mistake && reader.rfind(record.reader, 0) == 0) return record.link;
   return "";
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crosscheck/readers/robot.hpp"
+#include "scene/numbers.hpp"
 #include "scene/urdf.hpp"
 
 namespace dynwitness::crosscheck {
@@ -29,7 +30,7 @@ enum class Mistake {
   kInertiaDropped,       ///< a point mass
   kBalanced,             ///< all moments the mean, where they break the triangle inequality
   kFromGeometry,         ///< that of its collision shapes, of water
-  // of a link without <inertial>
+  // of a link without <inertial>, or with a mass of zero
   kDefaultMass,              ///< 1 kg, 1 kg m^2 about each axis, at the link's origin
   kDefaultMassAlone,         ///< 1 kg at the link's origin
   kGeometryWithoutInertial,  ///< that of its collision shapes, of water
@@ -39,6 +40,7 @@ enum class Mistake {
   kComNotRotated,     ///< the centre of mass without it
   kRotatedBack,       ///< X with its turn transposed
   kNotShifted,        ///< X without its shift
+  kMergedInReverse,   ///< its principal axes Q, then X: c + Q p for R c + p, and Q R for R Q
   kMassDropped,       ///< nothing of it
   kComInParent,       ///< of any link: c seen from its parent's
   kParallelAxisMissing,
@@ -94,7 +96,7 @@ class FileParts {
  private:
   struct Piece {
     std::string link;
-    bool is_fixed, has_inertial;
+    bool is_fixed, has_mass;
     Eigen::Isometry3d X;          ///< x_body = X x_link
     Eigen::Vector3d from_parent;  ///< the link's origin in its parent's link
     Eigen::Matrix3d turn_from_parent;
@@ -108,9 +110,13 @@ class FileParts {
     Eigen::Vector3d xyz, rpy;
     Eigen::Isometry3d X;
   };
+  struct Draft;
   void build(const scene::Mechanism& mechanism, const std::vector<scene::UrdfPart>* parts);
-  MassMoments readPiece(const Piece& piece, const std::vector<Slip>& slips,
-                        double* parallel_axes) const;
+  static std::vector<Origin> originsOf(const scene::Mechanism& mechanism, const scene::Link& link);
+  static Piece pieceOf(const scene::Link& link, const scene::UrdfPart* part,
+                       const Eigen::Isometry3d& X_before, const scene::RealNumbers<double>& number);
+  static MassMoments readPiece(const Piece& piece, const std::vector<Slip>& slips,
+                               double* parallel_axes);
 
   Robot robot_;
   std::vector<std::vector<Piece>> pieces_;    ///< by body
@@ -123,10 +129,39 @@ class FileParts {
 /// axes lose; depth: joints from the world.
 bool isSame(const MassMoments& a, const MassMoments& b, int links, double unturned);
 
-/** The mistakes that turn the file into what a reader has of a body: one, or else two, at all of
-    its links or at one of them.
-    @return  "the <inertial> rpy is dropped (link_3)"; empty: none of those that are tried */
-std::string explanation(const FileParts& file, std::size_t body, const MassMoments& seen,
-                        double unturned);
+struct NamedMistakes {
+  std::string words;  ///< "the rpy of <inertial> is dropped (link_3)"; empty: none that is tried
+  std::vector<Mistake> mistakes;
+};
+/// The mistakes that turn the file into what a reader has of a body: one, or else two, at all of
+/// its links or at one of them.
+NamedMistakes explanation(const FileParts& file, std::size_t body, const MassMoments& seen,
+                          double unturned);
+
+/// A body read with one mistake.
+struct MassReading {
+  std::string words;
+  Mistake mistake;
+  MassMoments moments;
+};
+/// All of them that change something: at all links of the body, then at one.
+std::vector<MassReading> misreadings(const FileParts& file, std::size_t body);
+/// Two of them together, at all links or at one.
+std::vector<MassReading> pairsOfMisreadings(const FileParts& file, std::size_t body);
+
+/// A joint read with one mistake: its origin, its axis, its kind.
+struct JointReading {
+  const char* quantity;
+  std::string words;
+  ReadBody body;
+};
+/// All of them that change something, the plainest first.
+std::vector<JointReading> jointMisreadings(const FileParts& file, std::size_t body);
+
+/// How gravity was mistaken; empty: in no way that is known.
+std::string gravityMistake(const Eigen::Vector3d& file, const Eigen::Vector3d& seen);
+
+/// Where a reader of this name is on public record with a mistake; empty: not known.
+std::string publicRecord(const std::string& reader, Mistake mistake);
 
 }  // namespace dynwitness::crosscheck

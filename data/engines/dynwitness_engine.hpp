@@ -180,6 +180,8 @@ class Engine {
   std::vector<std::string> joints;               ///< your order of them; empty: the scene's
   std::string quaternion = "wxyz";               ///< or "xyzw", if that is your order
   std::function<std::vector<Body>()> model;      ///< called after `scene`; may be left empty
+  /// As a reader of scene["file"] (engine_protocol.md, "Readers"): JSON of what you have read.
+  std::string shows;
 
   void number(const std::string& quantity, std::function<double(const State&)> f) {
     known_[quantity] = [f](const State& s, std::string& to) { write(f(s), to); };
@@ -248,6 +250,7 @@ class Engine {
         quantities += (quantities.empty() ? "" : ",") + quoted(one.first);
     for (const std::string& joint : joints) names += (names.empty() ? "" : ",") + quoted(joint);
     if (!joints.empty()) said += ",\"joints\":[" + names + "]";
+    if (!shows.empty()) said += ",\"shows\":" + shows;
     if (quaternion != "wxyz") said += ",\"quaternion\":" + quoted(quaternion);
     if (model) said += ",\"model\":" + bodies;
     return said + ",\"quantities\":[" + quantities + "]}";

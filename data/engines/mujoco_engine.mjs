@@ -9,6 +9,11 @@
 // (Node and WebAssembly reserve more address space than they use: --engine-memory.)
 // The scene is given as MJCF, each joint at its body's origin. Rotors are `armature`, springs
 // `stiffness` and `springref`, viscous friction `damping`; contacts and constraints are off.
+//
+// As a reader (dynwitness readers FILE --engine "...") it is told a file: that is given to MuJoCo as
+// it stands, with no option set, and what its compiler made of it is shown. Package mujoco-js 0.0.7
+// (MuJoCo 3.3.8) serves as well here.
+import {readFileSync} from 'node:fs';
 import {createInterface} from 'node:readline';
 import {pathToFileURL} from 'node:url';
 
@@ -119,6 +124,119 @@ function engine(scene) {
   };
 }
 
+// ---- as a reader
+
+const kWorld = 0;
+const column = (x, k, n) => Array.from(x.slice(n * k, n * k + n));
+
+/** Rotation matrix of (w, x, y, z). */
+function turn([w, x, y, z]) {
+  const n = Math.hypot(w, x, y, z);
+  [w, x, y, z] = [w / n, x / n, y / n, z / n];
+  return [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+          [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+          [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]];
+}
+
+/** A body's joint: its frame is the body's, at the joint's anchor. */
+function shownJoint(m, body) {
+  const X = {R: turn(column(m.body_quat, body, 4)), p: column(m.body_pos, body, 3)};
+  const first = m.body_jntadr[body], count = m.body_jntnum[body];
+  if (count === 0) return {name: '', kind: 'fixed', before: X};
+  const kinds = ['floating', 'spherical', 'prismatic', 'revolute'];
+  const anchor = column(m.jnt_pos, first, 3);
+  const said = {
+    name: mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_JOINT.value, first),
+    kind: count === 1 ? kinds[m.jnt_type[first]] : count === 3 ? 'planar' : 'floating',
+    before: {R: X.R, p: plus(X.p, times(X.R, anchor))},
+    after: {R: kIdentity.R, p: anchor.map(x => -x)},
+  };
+  if (said.kind !== 'revolute' && said.kind !== 'prismatic') return said;
+  const dof = m.jnt_dofadr[first];
+  Object.assign(said, {
+    axis: column(m.jnt_axis, first, 3),
+    viscous: m.dof_damping[dof],
+    coulomb: m.dof_frictionloss[dof],
+    armature: m.dof_armature[dof],
+    stiffness: m.jnt_stiffness[first],
+  });
+  if (m.jnt_limited[first]) [said.lower, said.upper] = column(m.jnt_range, first, 2);
+  const numbers = m.neq > 0 ? m.eq_data.length / m.neq : 0;
+  for (let e = 0; e < m.neq; ++e)
+    if (m.eq_type[e] === mujoco.mjtEq.mjEQ_JOINT.value && m.eq_obj1id[e] === first && m.eq_obj2id[e] >= 0)
+      said.mimic = {
+        joint: mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_JOINT.value, m.eq_obj2id[e]),
+        offset: m.eq_data[e * numbers],
+        multiplier: m.eq_data[e * numbers + 1],
+      };
+  return said;
+}
+
+function shownLink(m, body) {
+  if (body === kWorld)
+    return {name: 'world', parent: -1, mass: 0, com: [0, 0, 0], inertia: kIdentity.R.map(row => row.map(() => 0))};
+  const R = turn(column(m.body_iquat, body, 4)), moments = column(m.body_inertia, body, 3);
+  return {
+    name: mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_BODY.value, body),
+    parent: m.body_parentid[body],
+    joint: shownJoint(m, body),
+    mass: m.body_mass[body],
+    com: column(m.body_ipos, body, 3),
+    inertia: product(R.map(row => row.map((x, k) => x * moments[k])), transposed(R)),
+  };
+}
+
+/** What its compiler makes of the bytes of a file. */
+function reader(scene) {
+  const file = '/' + (scene.file.split('/').pop() || 'robot.urdf');
+  let m;
+  try {
+    mujoco.FS.writeFile(file, readFileSync(scene.file));
+    m = mujoco.MjModel.loadFromXML(file);
+  } catch (error) {
+    throw new Refused(String(error.message ?? error).split('\n').join(' '));
+  }
+  if (!m) throw new Refused('it gives no reason');
+  const data = new mujoco.MjData(m);
+  const at = s => {
+    s.q.forEach((x, k) => data.qpos[m.jnt_qposadr[k]] = x);
+    data.qvel.fill(0);
+    mujoco.mj_kinematics(m, data);
+    mujoco.mj_comPos(m, data);
+    (mujoco.mj_makeM ?? mujoco.mj_crb)(m, data);  // the first since 3.3, where the second fills another M
+    mujoco.mj_comVel(m, data);
+  };
+  const filled = (size, fill) => {
+    const buffer = new mujoco.DoubleBuffer(size);
+    fill(buffer);
+    const out = Array.from(buffer.GetView());
+    buffer.delete();
+    return out;
+  };
+  // in the order of the bodies, which may not be that of the joints
+  const dofs = Array.from({length: m.nbody}, (_, body) => body)
+                   .filter(body => m.body_jntnum[body] > 0)
+                   .map(body => m.jnt_dofadr[m.body_jntadr[body]]);
+  return {
+    shows: {
+      gravity: Array.from(m.opt.gravity),
+      links: Array.from({length: m.nbody}, (_, body) => shownLink(m, body)),
+      // mju_eig3 stops with a cosine of 1 - 1e-12
+      principal_axes: Math.sqrt(2e-12),
+    },
+    M: s => {
+      at(s);
+      const full = filled(m.nv * m.nv, out => mujoco.mj_fullM(m, out, Array.from(data.qM)));
+      return dofs.map(i => dofs.map(j => full[i * m.nv + j]));
+    },
+    g: s => {
+      at(s);
+      const g = filled(m.nv, out => mujoco.mj_rne(m, data, 0, out));
+      return dofs.map(i => g[i]);
+    },
+  };
+}
+
 let known = {};
 const say = message => process.stdout.write(JSON.stringify(message) + '\n');
 for await (const line of createInterface({input: process.stdin})) {
@@ -126,8 +244,9 @@ for await (const line of createInterface({input: process.stdin})) {
   if (asked.scene) {
     const said = {protocol: 1, name: 'mujoco_npm', version: mujoco.mj_versionString()};
     try {
-      known = engine(asked.scene);
-      say({...said, quantities: Object.keys(known)});
+      const {shows, ...functions} = asked.scene.file ? reader(asked.scene) : engine(asked.scene);
+      known = functions;
+      say({...said, ...(shows ? {shows} : {}), quantities: Object.keys(known)});
     } catch (reason) {
       if (!(reason instanceof Refused)) throw reason;
       say({...said, refuses: reason.message});

@@ -15,7 +15,7 @@ IFS=: read -ra folders <<<"$PATH"
 for ((i = ${#folders[@]} - 1; i >= 0; --i)); do
   find "${folders[i]}/" -maxdepth 1 ! -type d -exec ln -sft "$tools" {} + 2>/dev/null || true
 done
-rm -f "$tools"/{apt-get,sudo,gnuplot,ccache}
+rm -f "$tools"/{apt-get,sudo,gnuplot,ccache,node,npm}
 PATH=$tools
 # the project is configured afresh here, whatever build this test is part of
 unset CXXFLAGS LDFLAGS CMAKE_GENERATOR DESTDIR
@@ -107,6 +107,22 @@ check 'options of test go to ctest, and running no test is a failure' test "$sta
 call bench exit 4
 check 'bench runs the benchmarks with the arguments that follow' \
   prints "$work/elsewhere|exit|4"
+
+# --- MuJoCo of today, by npm ---
+call readers
+check 'readers goes to the program without npm' prints "$work/elsewhere|readers"
+check 'and what is missing is said' says 'no node or no npm (Debian: nodejs npm)'
+fake node </dev/null
+fake npm <<<'echo "npm error: no network" >&2; exit 1'
+call readers
+check 'a package that cannot be had is left out' prints "$work/elsewhere|readers"
+check 'with what npm says' says 'npm does not give mujoco-js@0.0.7: npm error: no network'
+fake npm <<<'echo something >mujoco-js-0.0.7.tgz'
+call readers
+check 'a package that is not the pinned one is not used' test ! -e "$project/build/engines"
+check 'and that is said' says 'is not what is pinned here'
+check 'nothing of it is left' test -z "$(compgen -G "$project/build/mujoco-js*")"
+rm "$tools"/{node,npm}
 
 # --- failures of the build ---
 cp "$project/main.cpp" "$work/main.cpp"

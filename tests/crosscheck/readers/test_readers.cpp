@@ -126,6 +126,19 @@ Reader readerOf(const std::string& seen, const RobotChange& change = {}) {
   return reader;
 }
 
+/// The same, which says M and g alone.
+Reader silentReaderOf(const std::string& seen) {
+  Reader reader = readerOf(seen);
+  const auto read = reader.read;
+  reader.read = [read](const std::string& t, const std::filesystem::path& file) {
+    Reading reading = read(t, file);
+    reading.robot = FileParts(scene::readUrdfAsWritten(t, file)).robot();
+    reading.shows = false;
+    return reading;
+  };
+  return reader;
+}
+
 std::vector<Misreading> findingsOf(const std::string& file, const Reader& reader) {
   return examineReaders(file, "arm.urdf", {reader}, 5, 1).readers.at(0).findings;
 }
@@ -134,7 +147,7 @@ struct Plant {
   const char* name;
   std::function<void(Arm&)> change;
   const char *link, *quantity, *rule;
-  bool named_place = true;  ///< the link that is named is in the rule
+  const char* by_answers = nullptr;  ///< what M and g alone say; "": nothing; "?": it is not asked
 };
 std::ostream& operator<<(std::ostream& out, const Plant& plant) {
   return out << plant.name;
@@ -191,6 +204,15 @@ const Plant kPlants[] = {
      "arm", "inertia", "products of inertia have the other sign (arm, tool)"},
     {"com turned", [](Arm& a) { a.tool.com = turn(a.tool.rpy) * a.tool.com; }, "arm", "inertia",
      "the centre of mass is turned by the rpy of <inertial> (tool)"},
+    {"com turned back", [](Arm& a) { a.tool.com = turn(a.tool.rpy).transpose() * a.tool.com; },
+     "arm", "inertia", "the centre of mass is turned back by the rpy of <inertial> (tool)"},
+    {"com at the origin", [](Arm& a) { a.arm.com.setZero(); }, "arm", "inertia",
+     "the centre of mass is taken at the link's origin (arm)"},
+    {"inertial rpy applied twice",
+     [](Arm& a) { a.arm.rpy = rpyOf(turn(a.arm.rpy) * turn(a.arm.rpy)); }, "arm", "inertia",
+     "the rpy of <inertial> is applied twice (arm)"},
+    {"a point mass", [](Arm& a) { a.finger.I.setZero(); }, "finger", "inertia",
+     "the inertia is dropped, the mass kept (finger)"},
     {"com in the parent",
      [](Arm& a) { a.finger.com = turn(a.finger_rpy).transpose() * (a.finger.com - a.finger_xyz); },
      "finger", "inertia", "the centre of mass is taken in the parent link's frame (finger)"},
@@ -204,14 +226,19 @@ const Plant kPlants[] = {
      [](Arm& a) {
        a.sensor = Inertial{1, {0, 0, 0}, {0, 0, 0}, Matrix3d::Identity()};
      },
-     "arm", "inertia", "a link without <inertial> gets 1 kg and 1 kg m^2 (sensor)"},
+     "arm", "inertia", "a massless link gets 1 kg and 1 kg m^2 (sensor)"},
+    {"default mass alone",
+     [](Arm& a) {
+       a.sensor = Inertial{1, {0, 0, 0}, {0, 0, 0}, Matrix3d::Zero()};
+     },
+     "arm", "inertia", "a massless link gets 1 kg (sensor)"},
     {"inertia from geometry",  // 0.1 x 0.2 x 0.3 m of water: 6 kg
      [](Arm& a) {
        a.sensor =
            Inertial{6, {0.01, 0.02, 0.03}, {0.1, 0.2, 0.3}, inertia(0.065, 0.05, 0.025, 0, 0, 0)};
      },
      "arm", "inertia",
-     "a link without <inertial> gets that of its collision shapes, of 1000 kg/m^3 (sensor)"},
+     "a massless link gets that of its collision shapes, of 1000 kg/m^3 (sensor)"},
     {"child not rotated",
      [](Arm& a) {
        // the finger hangs on the tool where it was
@@ -220,6 +247,17 @@ const Plant kPlants[] = {
        a.tool_rpy.setZero();
      },
      "arm", "inertia", "a fixed child is merged without its rotation (tool)"},
+    {"child rotated back",
+     [](Arm& a) {
+       const Matrix3d R = turn(a.tool_rpy);
+       a.finger_xyz = R * R * a.finger_xyz;  // in place, seen from the tool that is turned back
+       a.finger_rpy = rpyOf(R * R * turn(a.finger_rpy));
+       a.tool_rpy = rpyOf(R.transpose());
+     },
+     "arm", "inertia", "a fixed child is merged with its rotation transposed (tool)"},
+    {"child's centre of mass not rotated",
+     [](Arm& a) { a.tool.com = turn(a.tool_rpy).transpose() * a.tool.com; }, "arm", "inertia",
+     "a fixed child's centre of mass is merged without its rotation (tool)"},
     {"child's inertia not rotated",
      [](Arm& a) { a.tool.rpy = rpyOf(turn(a.tool_rpy).transpose() * turn(a.tool.rpy)); }, "arm",
      "inertia", "a fixed child's inertia is merged without its rotation (tool)"},
@@ -236,7 +274,8 @@ const Plant kPlants[] = {
        a.tool_rpy.setZero(), a.tool_xyz.setZero();
      },
      "arm", "inertia",
-     "a fixed child is merged without its rotation (tool), and a fixed child is merged without its shift (tool)"},
+     "a fixed child is merged without its rotation (tool), and a fixed child is merged without its shift (tool)",
+     "a fixed child is merged without its rotation, and a fixed child is merged without its shift (tool)"},
     {"child dropped", [](Arm& a) { a.tool.mass = 0, a.tool.I.setZero(); }, "arm", "inertia",
      "a fixed child is dropped (tool)"},
     {"parallel axis missing", [](Arm& a) { addLevers(a, -1); }, "arm", "inertia",
@@ -257,6 +296,12 @@ const Plant kPlants[] = {
      "arm", "axis", "the axis is x, whatever the file says"},
     {"joint rpy dropped", [](Arm& a) { a.arm_rpy.setZero(); }, "arm", "origin",
      "the rpy of the joint's origin is dropped"},
+    {"joint rpy transposed", [](Arm& a) { a.arm_rpy = rpyOf(turn(a.arm_rpy).transpose()); }, "arm",
+     "origin", "the rpy of the joint's origin is transposed"},
+    {"joint xyz dropped", [](Arm& a) { a.arm_xyz.setZero(); }, "arm", "origin",
+     "the xyz of the joint's origin is dropped", ""},
+    {"joint xyz turned", [](Arm& a) { a.arm_xyz = turn(a.arm_rpy) * a.arm_xyz; }, "arm", "origin",
+     "the xyz of the joint's origin is turned by its rpy", ""},
     {"joint rpy in the reverse order",
      [](Arm& a) {
        a.arm_rpy = rpyOf((Eigen::AngleAxisd(a.arm_rpy[0], Vector3d::UnitX()) *
@@ -269,10 +314,10 @@ const Plant kPlants[] = {
      "prismatic is read as revolute"},
     {"limits in degrees",
      [](Arm& a) { a.lower *= 57.295779513082320877, a.upper *= 57.295779513082320877; }, "arm",
-     "limits", "they are kept in degrees"},
-    {"damping ignored", [](Arm& a) { a.damping = 0; }, "arm", "damping", "it is ignored"},
+     "limits", "they are kept in degrees", ""},
+    {"damping ignored", [](Arm& a) { a.damping = 0; }, "arm", "damping", "it is ignored", ""},
     {"a joint that is not there", [](Arm& a) { a.finger_kind = "fixed"; }, "finger", "tree",
-     "the joint is not there, or does not move"},
+     "the joint is not there, or does not move", "?"},
 };
 
 }  // namespace
@@ -289,6 +334,75 @@ BOOST_DATA_TEST_CASE(a_planted_mistake_is_named_first_with_its_link, data::make(
   BOOST_TEST(findings[0].where.line == (std::string(plant.link) == "arm" ? 3 : 6));
 }
 
+// Of a robot that says M and g alone the same is found, as far as these can tell.
+BOOST_DATA_TEST_CASE(a_planted_mistake_is_found_from_M_and_g_alone, data::make(kPlants), plant) {
+  Arm changed;
+  plant.change(changed);
+  const std::vector<Misreading> findings = findingsOf(text(Arm()), silentReaderOf(text(changed)));
+  const std::string expected = plant.by_answers ? plant.by_answers : plant.rule;
+  if (expected == "?") return;
+  BOOST_REQUIRE(findings.empty() == expected.empty());
+  if (findings.empty()) return;
+  BOOST_TEST(findings[0].link == plant.link);
+  BOOST_TEST(findings[0].rule == expected);
+}
+
+// Two mistakes at two links, from the tip inward; and what no rule explains is told in numbers.
+BOOST_AUTO_TEST_CASE(M_and_g_alone_tell_link_by_link) {
+  Arm changed;
+  changed.arm.rpy.setZero();
+  changed.finger.com = {0, 0, 0};
+  std::vector<Misreading> found = findingsOf(text(Arm()), silentReaderOf(text(changed)));
+  BOOST_REQUIRE(found.size() == 2u);
+  BOOST_TEST(found[0].rule == "the centre of mass is taken at the link's origin (finger)");
+  BOOST_TEST(found[1].rule == "the rpy of <inertial> is dropped (arm)");
+
+  changed = Arm();
+  changed.finger.mass = 0.4;
+  found = findingsOf(text(Arm()), silentReaderOf(text(changed)));
+  BOOST_REQUIRE(found.size() == 1u);
+  BOOST_TEST(found[0].link == "finger");
+  BOOST_TEST(found[0].rule == "");
+  BOOST_TEST(found[0].theirs.find("m +0.1,") != std::string::npos, found[0].theirs);
+  Reader reader = silentReaderOf(text(Arm()));
+  const auto read = reader.read;
+  reader.read = [read](const std::string& t, const std::filesystem::path& file) {
+    Reading reading = read(t, file);
+    reading.answer = [robot = reading.robot](const std::vector<double>& q) {
+      MassAndGravity out = massAndGravity(robot, q);
+      out.g *= -1;
+      return out;
+    };
+    return reading;
+  };
+  found = findingsOf(text(Arm()), reader);
+  BOOST_REQUIRE(found.size() == 1u);
+  BOOST_TEST(found[0].quantity == "gravity");
+  BOOST_TEST(found[0].rule == "it has the other sign");
+}
+
+// Those that ask for another file: an inertia that no body has, shapes beside an inertia, a mass
+// of 0.
+BOOST_AUTO_TEST_CASE(mistakes_about_unusual_files_are_named) {
+  Arm file, seen;
+  const auto first = [&] {
+    const std::vector<Misreading> found = findingsOf(text(file), readerOf(text(seen)));
+    BOOST_REQUIRE(!found.empty());
+    return found[0].rule;
+  };
+  file.finger.I = seen.finger.I = Vector3d(0.001, 0.001, 0.004).asDiagonal();
+  seen.finger.I = 0.002 * Matrix3d::Identity();
+  BOOST_TEST(first() == "the moments of inertia are balanced: all are their mean (finger)");
+  file = seen = Arm();
+  file.sensor = Inertial{0.1, {0, 0, 0}, {0, 0, 0}, Matrix3d::Identity()};
+  seen.sensor =
+      Inertial{6, {0.01, 0.02, 0.03}, {0.1, 0.2, 0.3}, inertia(0.065, 0.05, 0.025, 0, 0, 0)};
+  BOOST_TEST(first() == "the inertia is that of the collision shapes, of 1000 kg/m^3 (sensor)");
+  file.sensor = Inertial{0, {0, 0, 0}, {0, 0, 0}, Matrix3d::Zero()};
+  seen.sensor = Inertial{1, {0, 0, 0}, {0, 0, 0}, Matrix3d::Identity()};
+  BOOST_TEST(first() == "a massless link gets 1 kg and 1 kg m^2 (sensor)");
+}
+
 // What no text says: kept by the reader alone.
 BOOST_AUTO_TEST_CASE(defaults_of_the_reader_are_named) {
   const std::string file = text(Arm());
@@ -299,7 +413,12 @@ BOOST_AUTO_TEST_CASE(defaults_of_the_reader_are_named) {
   };
   BOOST_TEST(first([](Robot& r) { r.bodies[0].armature = 0.01; }) ==
              "arm: armature: a default of the reader's, 0.01");
-  BOOST_TEST(first([](Robot& r) { r.gravity = {0, -9.81, 0}; }) == ": gravity: ");
+  BOOST_TEST(first([](Robot& r) {
+               r.gravity = {0, -9.81, 0};
+             }) == ": gravity: it points elsewhere");
+  BOOST_TEST(first([](Robot& r) { r.gravity.setZero(); }) == ": gravity: there is none");
+  BOOST_TEST(first([](Robot& r) { r.gravity *= -1; }) == ": gravity: it has the other sign");
+  BOOST_TEST(first([](Robot& r) { r.gravity *= 10 / 9.81; }) == ": gravity: it has another size");
   BOOST_TEST(first([](Robot& r) { r.bodies[0].axis *= 2; }) ==
              "arm: axis: the axis is not normalised");
   BOOST_TEST(first([](Robot& r) { r.bodies[0].lower.reset(), r.bodies[0].upper.reset(); }) ==
@@ -387,14 +506,25 @@ BOOST_AUTO_TEST_CASE(M_and_g_by_jacobians_are_those_of_the_sweeps) {
   BOOST_TEST(compared > 10);
 }
 
+/// MuJoCo of today has another robot where anything is turned: test_mujoco_of_today.py.
+constexpr const char* kOfToday = "mujoco_npm";
+
+/// sdformat leaves out links without inertia, the root with all that hangs on it.
+std::string withHeavyBase(std::string file) {
+  const std::string base = "<link name=\"base\"/>";
+  return file.replace(file.find(base), base.size(),
+                      "<link name=\"base\">" + text(Arm().finger) + "</link>");
+}
+
 // The real ones: on a file without traps they have its robot; with one, what they are known to do.
 BOOST_AUTO_TEST_CASE(engines_have_the_robot_of_a_plain_file) {
   Arm arm;
   arm.sensor =
       Inertial{0.5, {0.01, 0, 0}, {0.1, 0.2, 0.3}, inertia(0.001, 0.0011, 0.0012, 0, 0, 0)};
   for (const Reader& reader : engineReaders()) {
-    if (!reader.present) continue;
-    const ReadersResult result = examineReaders(text(arm), "arm.urdf", {reader}, 5, 1);
+    if (!reader.present || reader.name == kOfToday) continue;
+    const ReadersResult result =
+        examineReaders(withHeavyBase(text(arm)), "arm.urdf", {reader}, 5, 1);
     BOOST_TEST(result.readers[0].refusal == "");
     BOOST_TEST_CONTEXT(readersText(result, true)) BOOST_TEST(result.agrees());
   }
@@ -404,33 +534,33 @@ BOOST_AUTO_TEST_CASE(engines_do_what_they_are_known_to_do_with_a_link_without_in
   const std::map<std::string, std::string> known = {
       {"mujoco", words(Mistake::kGeometryWithoutInertial)}, {"dart", words(Mistake::kDefaultMass)}};
   for (const Reader& reader : engineReaders()) {
-    if (!reader.present) continue;
-    const ReadersResult result = examineReaders(text(Arm()), "arm.urdf", {reader}, 5, 1);
+    if (!reader.present || reader.name == kOfToday) continue;
+    const ReadersResult result =
+        examineReaders(withHeavyBase(text(Arm())), "arm.urdf", {reader}, 5, 1);
+    const ReaderResult& one = result.readers[0];
     BOOST_TEST_CONTEXT(readersText(result, true)) {
-      BOOST_REQUIRE(!result.readers[0].findings.empty());
-      BOOST_TEST(result.readers[0].findings[0].rule == known.at(reader.name) + " (sensor)");
-      BOOST_TEST(result.readers[0].remedy != "");  // it was tried
+      BOOST_TEST(one.has_read);
+      const auto expected = known.find(reader.name);
+      BOOST_REQUIRE(one.findings.empty() == (expected == known.end()));
+      if (expected == known.end()) continue;
+      BOOST_TEST(one.findings[0].rule == expected->second + " (sensor)");
+      BOOST_TEST(one.remedy != "");  // it was tried
     }
   }
 }
 
 BOOST_AUTO_TEST_CASE(the_command_has_its_exit_status_table_and_json) {
   const Program program;
-  Arm good;
-  good.sensor = good.finger;
-  program.write("good.urdf", text(good));
   program.write("trap.urdf", text(Arm()));
-  BOOST_TEST(program.run("readers good.urdf --all").status == 0);
   const fixtures::Outcome outcome =
       program.run("readers trap.urdf --json r.json --plain plain.urdf --mend mended.urdf");
   BOOST_TEST_CONTEXT(outcome.out) {
     BOOST_TEST(outcome.status == 1);
-    BOOST_TEST(
-        outcome.out.find("trap.urdf:3: link \"arm\": inertia: a link without <inertial> gets") !=
-        std::string::npos);
+    BOOST_TEST(outcome.out.find("trap.urdf:3: link \"arm\": inertia: a massless link gets") !=
+               std::string::npos);
   }
   BOOST_TEST(program.exists("r.json"));
-  BOOST_TEST(program.run("readers plain.urdf").status == 0);
+  BOOST_TEST(program.run("readers plain.urdf --all").status == 0);
   BOOST_TEST(program.run("same trap.urdf plain.urdf").status == 0);
   fixtures::refuses(program, "readers none.urdf", "none.urdf: cannot be read");
   program.write("x.toml", "title = \"x\"\n");

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/readers/readers_page.hpp"
+
+#include <algorithm>
+
+#include "crosscheck/report/page_words.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+/// "agree", "disagree" or "none" of the style sheet.
+const char* classOf(const ReaderResult& reader) {
+  if (!reader.findings.empty()) return "disagree";
+  return reader.has_read ? "agree" : "none";
+}
+
+std::string wordOf(const ReaderResult& reader) {
+  if (!reader.present) return "absent";
+  if (!reader.failure.empty() && !reader.has_read) return "fails";
+  if (!reader.has_read) return "does not read it";
+  return reader.findings.empty() ? "has the robot of the file" : "has another robot";
+}
+
+void putHeadline(std::string* page, const ReadersResult& result) {
+  long read = 0, wrong = 0;
+  for (const ReaderResult& reader : result.readers) {
+    read += reader.has_read ? 1 : 0;
+    wrong += reader.findings.empty() ? 0 : 1;
+  }
+  const char* const css = wrong > 0 ? "disagree" : read > 0 ? "agree" : "none";
+  const std::string headline =
+      wrong > 0  ? fmt::format("{} another robot",
+                              wrong == 1 ? "1 reader has" : fmt::format("{} readers have", wrong))
+       : read > 0 ? (read == 1 ? "The reader has" : fmt::format("All {} readers have", read)) +
+                       std::string(" the robot of the file")
+                 : "No reader reads the file";
+  put(page,
+      "<main>\n<header id=\"top\">\n<p class=\"eyebrow\"><strong>dynwitness</strong> readers of "
+      "{}</p>\n<div class=\"verdict {}\">{}\n<h1><span>{}</span> <span class=\"detail\">{}, {} by "
+      "joints of their own; {} read the file</span></h1></div>\n",
+      esc(result.file), css, icon(css), esc(headline), plural(result.links, "link"),
+      result.bodies.size() == 1 ? "1 moved" : fmt::format("{} moved", result.bodies.size()),
+      plural(read, "reader"));
+  put(page,
+      "<p>Each engine was given the file's own bytes, with no option set. What it has read is "
+      "compared with what the file says, once links that are fixed to each other are one; a "
+      "mistake is named when it gives exactly what was read, and a remedy when it was "
+      "tried.</p>\n</header>\n");
+}
+
+void putTable(std::string* page, const ReadersResult& result) {
+  std::vector<const ReaderResult*> columns;
+  for (const ReaderResult& reader : result.readers)
+    if (reader.present) columns.push_back(&reader);
+  put(page, "<h2 id=\"table\">Link by link</h2>\n");
+  openScroll(page, "What each reader has of each link");
+  put(page, "<table>\n<thead><tr><th scope=\"col\">link</th>");
+  for (const ReaderResult* reader : columns)
+    put(page, "<th scope=\"col\">{}<span class=\"sub\">{}</span></th>", esc(reader->name),
+        esc(reader->version));
+  put(page, "</tr></thead>\n<tbody>\n");
+  for (const std::string& link : result.rows()) {
+    put(page, "<tr><th scope=\"row\">{}</th>",
+        link.empty() ? "<span class=\"soft\">the whole robot</span>" : esc(link));
+    for (const ReaderResult* reader : columns) {
+      const std::string cell = cellOf(*reader, link);
+      const bool differs =
+          std::any_of(reader->findings.begin(), reader->findings.end(),
+                      [&](const Misreading& finding) { return finding.link == link; });
+      put(page, "<td>{}</td>",
+          differs             ? badge("disagree", cell)
+          : !reader->has_read ? badge("none", cell)
+                              : badge("agree", cell));
+    }
+    put(page, "</tr>\n");
+  }
+  put(page, "</tbody></table></div>\n");
+}
+
+void putFinding(std::string* page, const ReaderResult& reader, const Misreading& finding) {
+  put(page,
+      "<article class=\"entry disagree\">\n<h3><span class=\"id\">{}</span><span>{}</span>{}"
+      "</h3>\n<dl>\n",
+      finding.link.empty() ? "the whole robot" : "link " + esc(finding.link),
+      finding.rule.empty() ? "another, by none of the mistakes that are tried" : esc(finding.rule),
+      badge("disagree", finding.quantity));
+  if (const std::string effect = effectText(finding); !effect.empty())
+    put(page, "<dt>Effect</dt><dd>{}</dd>\n", esc(effect));
+  if (!finding.ours.empty())
+    put(page, "<dt>{}</dt><dd>{}</dd>\n",
+        finding.where.line > 0 ? fmt::format("The file, line {}", finding.where.line) : "The file",
+        esc(finding.ours));
+  if (!finding.theirs.empty())
+    put(page, "<dt>{}</dt><dd>{}</dd>\n", esc(reader.name), esc(finding.theirs));
+  for (const std::string& record : finding.records)
+    put(page, "<dt>On record</dt><dd>{}</dd>\n", esc(record));
+  put(page, "</dl>\n</article>\n");
+}
+
+void putReader(std::string* page, const ReaderResult& reader) {
+  put(page, "<h3>{} {}</h3>\n", esc(title(reader)), badge(classOf(reader), wordOf(reader)));
+  if (!reader.absence.empty()) put(page, "<p>{}</p>\n", esc(reader.absence));
+  if (!reader.refusal.empty()) put(page, "<p>In its words: {}</p>\n", esc(reader.refusal));
+  if (!reader.told.empty()) {
+    put(page, "<ul class=\"reasons\">\n");
+    for (const std::string& told : reader.told) put(page, "<li>{}</li>\n", esc(told));
+    put(page, "</ul>\n");
+  }
+  for (const Misreading& finding : reader.findings) putFinding(page, reader, finding);
+  if (!reader.remedy.empty())
+    put(page, "<p><strong>Remedy:</strong> <code>{}</code></p>\n", esc(reader.remedy));
+}
+
+}  // namespace
+
+std::string readersPage(const ReadersResult& result, const Environment& environment) {
+  std::string page =
+      pageHead("Readers of " + result.file, environment.version, "", "table", "Skip to the table");
+  putHeadline(&page, result);
+  if (!result.impossible.empty()) {
+    put(&page, "<h2>Inertias that no body has</h2>\n<ul class=\"reasons\">\n");
+    for (const std::string& text : result.impossible) put(&page, "<li>{}</li>\n", esc(text));
+    put(&page, "</ul>\n<p><code>--mend OUT.urdf</code> writes the nearest possible ones.</p>\n");
+  }
+  putTable(&page, result);
+  put(&page, "<h2>Reader by reader</h2>\n");
+  for (const ReaderResult& reader : result.readers) putReader(&page, reader);
+  put(&page,
+      "</main>\n<footer>\n<h2>Read it again</h2>\n<pre tabindex=\"0\"><code>dynwitness readers {} "
+      "--states {} --seed {}</code></pre>\n<dl class=\"meta\">\n<dt>dynwitness</dt><dd>{}{}</dd>\n"
+      "<dt>Date</dt><dd>{}</dd>\n</dl>\n</footer>\n</body>\n</html>\n",
+      esc(result.file), result.states, result.seed, esc(environment.version),
+      environment.commit.empty() ? "" : ", commit " + esc(environment.commit),
+      esc(environment.date));
+  return page;
+}
+
+}  // namespace dynwitness::crosscheck
