@@ -32,6 +32,8 @@ inline constexpr const char* kImpulseDescription =
     "A blow on a link, on joints or against a wall: velocities, momentum, energy";
 inline constexpr const char* kMuseumDescription =
     "Mistakes of real tools, planted again: does `check` name each of them?";
+inline constexpr const char* kParametersDescription =
+    "Which inertial parameters the motion of a scene knows, and what their errors do";
 inline constexpr const char* kReadersDescription =
     "What each engine, with its own defaults, makes of a URDF file";
 inline constexpr const char* kRotorsDescription =

@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
                 {"audit", {}, "audit", kAuditDescription},
                 {"simulate", addSimulate},
                 {"rotors", {}, "studies", kRotorsDescription},
-                {"parameters", addParameters},
+                {"parameters", {}, "studies", kParametersDescription},
                 {"readers", {}, "readers", kReadersDescription},
                 {"same", {}, "readers", kSameDescription},
                 {"write", addWrite},

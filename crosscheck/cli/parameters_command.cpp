@@ -10,7 +10,7 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/parameters/parameters.hpp"
-#include "crosscheck/report/parameters_report.hpp"
+#include "crosscheck/parameters/parameters_report.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/scene.hpp"
 
@@ -41,9 +41,7 @@ int run(const Arguments& arguments) {
 Run addParameters(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   crosscheck::ParametersOptions& options = arguments->options;
-  CLI::App* command = app.add_subcommand(
-      "parameters",
-      "Which inertial parameters the motion of a scene knows, and what their errors do");
+  CLI::App* command = app.add_subcommand("parameters", kParametersDescription);
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--states", options.states, "Seeded states to stack Y over")
       ->check(whole(1, 10000))

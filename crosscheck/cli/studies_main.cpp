@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dynwitness-studies: geometry, action, impulse, impedance, rotors, a program of their own (front.hpp).
+// dynwitness-studies: parameters and the studies of one scene, in a program of their own (front.hpp).
 #include "crosscheck/cli/front.hpp"
 
 int main(int argc, char** argv) {
   using namespace dynwitness::cli;
   return front(argc, argv,
-               {{"geometry", addGeometry},
+               {{"parameters", addParameters},
+                {"geometry", addGeometry},
                 {"action", addAction},
                 {"impulse", addImpulse},
                 {"impedance", addImpedance},

@@ -2,7 +2,7 @@
 #include "crosscheck/conductor/exact_checks.hpp"
 
 #include "crosscheck/exact/inquiry.hpp"
-#include "crosscheck/parameters/regressor_checks.hpp"
+#include "crosscheck/exact/regressor_checks.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {

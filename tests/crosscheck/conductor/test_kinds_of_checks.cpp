@@ -20,7 +20,7 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/laws/identities.hpp"
 #include "crosscheck/motion/drift.hpp"
-#include "crosscheck/parameters/regressor_checks.hpp"
+#include "crosscheck/exact/regressor_checks.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
 #include "crosscheck/verdicts/compare.hpp"

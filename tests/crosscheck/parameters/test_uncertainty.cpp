@@ -14,7 +14,7 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/parameters/parameters.hpp"
 #include "crosscheck/parameters/placement_errors.hpp"
-#include "crosscheck/report/parameters_report.hpp"
+#include "crosscheck/parameters/parameters_report.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 
 namespace data = boost::unit_test::data;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "crosscheck/report/parameters_report.hpp"
+#include "crosscheck/parameters/parameters_report.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/parameters/regressor_checks.hpp"
+#include "crosscheck/exact/regressor_checks.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 #include "recursive/composite_body.hpp"
 #include "recursive/newton_euler.hpp"

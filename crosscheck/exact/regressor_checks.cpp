@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "crosscheck/parameters/regressor_checks.hpp"
+#include "crosscheck/exact/regressor_checks.hpp"
 
 #include <memory>
 
