@@ -282,7 +282,7 @@ class Said {
 
  private:
   std::optional<Setting> setting(const char* key) const {
-    if (const char* text = own_.xml().Attribute(key)) return Setting{text, own_.where()};
+    if (says(key)) return Setting{own_.optionalAttribute(key), own_.where()};
     const auto found = otherwise_.find(key);
     if (found == otherwise_.end()) return {};
     return found->second;

@@ -290,7 +290,8 @@ Joint TomlReader::readJoint(const toml::table& table, const std::string& link) c
   const toml::node* name_node = table.get("name");
   joint.name = name_node ? string(*name_node, "link \"" + link + "\": joint name") : link;
   const std::string what = "joint \"" + joint.name + '"';
-  if (joint.name.empty()) throw InputError(where(*name_node), what + ": empty name");
+  if (joint.name.empty())
+    throw InputError(name_node ? where(*name_node) : where(table), what + ": empty name");
   joint.kind = readJointKind(table, what);
   checkJointKeys(table, what, joint.kind);
   joint.placement = readPlacement(table, what);

@@ -40,6 +40,8 @@ std::string_view takeDigits(std::string_view* text) {
 
 /// Whether TOML reads this spelling as the number it is (".5", "1.", "007" and 2^64 it does not).
 bool isTomlNumber(const Rational& value, std::string_view text) {
+  constexpr std::size_t kMostCharacters = 100;  // toml++ looks 127 ahead to tell what a value is
+  if (text.size() > kMostCharacters) return false;
   if (!text.empty() && text.front() == '-') text.remove_prefix(1);
   const std::string_view whole = takeDigits(&text);
   if (whole.empty() || (whole.size() > 1 && whole.front() == '0')) return false;

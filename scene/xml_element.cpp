@@ -35,6 +35,27 @@ void eachTag(const std::string& text, const Visit& visit) {
   }
 }
 
+/// Whether a text is UTF-8 (RFC 3629): what is written from it, TOML and JSON, has to be.
+bool isUtf8(const std::string& text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  for (std::size_t i = 0; i < text.size();) {
+    const int lead = byte(i);
+    const int more = lead < 0x80 ? 0 : lead < 0xC2 ? -1 : lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3;
+    if (more < 0 || lead > 0xF4 || i + static_cast<std::size_t>(more) >= text.size()) return false;
+    for (int k = 1; k <= more; ++k)
+      if ((byte(i + static_cast<std::size_t>(k)) & 0xC0) != 0x80) return false;
+    // too long for what they spell, halves of pairs, beyond the last
+    if (more > 1) {
+      const int second = byte(i + 1);
+      if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
+          (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F))
+        return false;
+    }
+    i += 1 + static_cast<std::size_t>(more);
+  }
+  return true;
+}
+
 void requireShallow(const std::string& text, const std::string& file, int most) {
   int depth = 0;
   eachTag(text, [&](std::size_t, char kind) {
@@ -154,13 +175,13 @@ std::vector<Element> Element::children() const {
 
 std::string Element::optionalAttribute(const char* key) const {
   const char* text = xml_->Attribute(key);
+  if (text && !isUtf8(text)) fail(std::string(key) + " is not UTF-8, allowed: text in UTF-8");
   return text ? text : "";
 }
 
 std::string Element::attribute(const char* key) const {
-  const char* text = xml_->Attribute(key);
-  if (!text) fail("has no " + std::string(key));
-  return text;
+  if (!xml_->Attribute(key)) fail("has no " + std::string(key));
+  return optionalAttribute(key);
 }
 
 Number Element::numberInside() const {
