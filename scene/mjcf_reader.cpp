@@ -3,8 +3,8 @@
 //
 // What stands in the file as a decimal stays one: positions, masses, moments, angles about one axis
 // or in the order roll, pitch, yaw. What has to be computed (another orientation's roll, pitch and
-// yaw; the inertia of shapes; an anchor in turned axes) is formed in long double and printed with 18
-// digits, of which a double keeps 16.
+// yaw; the inertia of shapes; an anchor in turned axes) is formed in long double and printed with
+// 18 digits, of which a double keeps 16.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -854,7 +854,7 @@ std::optional<MassProperties> MjcfReader::inertiaOfGeoms(const Node& node, const
   return m;
 }
 
-/** Inertia is <inertial>, or made of shapes: where there is none (auto), or whatever it says (true).
+/** Inertia is <inertial>, or made of shapes: where there is none (auto), or in any case (true).
     @param is_known  false: it is made of meshes, of a body that rests in the world */
 MassProperties MjcfReader::readInertia(const Node& node, const Class& defaults, bool rests,
                                        bool* is_known) {

@@ -2,9 +2,9 @@
 // Writes scenes as MJCF.
 //
 // A link is a body. The body's frame is the joint's at q = 0, so that positions and turns are the
-// scene's own (euler in the order of roll, pitch, yaw); a Denavit-Hartenberg link's is its own, with
-// the joint at its place in it. Massless links that the reader made of several joints in a body
-// become that body again.
+// scene's own (euler in the order of roll, pitch, yaw); a Denavit-Hartenberg link's is its own,
+// with the joint at its place in it. Massless links that the reader made of several joints in a
+// body become that body again.
 #include <algorithm>
 #include <array>
 
