@@ -136,8 +136,14 @@ void MjcfWriter::prepare() {
   }
   const auto hold = [this](int i) { is_held_[static_cast<std::size_t>(i)] = true; };
   for (const Wrench& w : mechanism_.wrenches) hold(w.link);
-  for (const Closure& c : mechanism_.closures) hold(c.a.link), hold(c.b.link);
-  for (const Spring& s : mechanism_.springs) hold(s.a.link), hold(s.b.link);
+  for (const Closure& c : mechanism_.closures) {
+    hold(c.a.link);
+    hold(c.b.link);
+  }
+  for (const Spring& spring : mechanism_.springs) {
+    hold(spring.a.link);
+    hold(spring.b.link);
+  }
   for (const AccelerationConstraint& c : mechanism_.acceleration_constraints) hold(c.link);
 }
 
