@@ -3,8 +3,8 @@
 //
 // What stands in the file as a decimal stays one: positions, masses, moments, angles about one axis
 // or in the order roll, pitch, yaw. What has to be computed (another orientation's roll, pitch and
-// yaw; the inertia of shapes; an anchor in turned axes) is formed in long double and printed with 18
-// digits, of which a double keeps 16.
+// yaw; the inertia of shapes; an anchor in turned axes) is formed in long double and printed with
+// 18 digits, of which a double keeps 16.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -390,12 +390,13 @@ class MjcfReader {
   Carrier readBody(const Node& node, const Carrier& parent);
   Carrier readJoints(const Node& node, const Carrier& parent, const Class* defaults,
                      const std::string& name, const MassProperties& inertia, bool is_known);
-  Joint readJoint(const Said& said, JointKind kind);
-  MassProperties readInertia(const Node& node, const Class& defaults, bool rests, bool* is_known);
+  Joint readJoint(const Said& said, JointKind kind) const;
+  MassProperties readInertia(const Node& node, const Class& defaults, bool rests,
+                             bool* is_known) const;
   MassProperties readInertial(const Element& element) const;
   std::optional<MassProperties> inertiaOfGeoms(const Node& node, const Class& defaults, bool rests,
-                                               bool* is_known);
-  std::optional<Solid> solidOf(const Said& said, bool rests, bool* is_known);
+                                               bool* is_known) const;
+  std::optional<Solid> solidOf(const Said& said, bool rests, bool* is_known) const;
   void bound(MassProperties* m, const SourceLocation& where) const;
   void setTotalMass();
   void readEquality(const Node& node);
@@ -739,7 +740,7 @@ VolumeAndMoments volumeAndMoments(const Shape& shape) {
           {across / volume, across / volume, (cylinder / 2 + ball * 2 / 5) * r * r / volume}};
 }
 
-std::optional<Solid> MjcfReader::solidOf(const Said& said, bool rests, bool* is_known) {
+std::optional<Solid> MjcfReader::solidOf(const Said& said, bool rests, bool* is_known) const {
   const std::string type = said.word(
       "type", "sphere",
       {"plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"});
@@ -805,7 +806,7 @@ std::optional<Solid> MjcfReader::solidOf(const Said& said, bool rests, bool* is_
 }
 
 std::optional<MassProperties> MjcfReader::inertiaOfGeoms(const Node& node, const Class& defaults,
-                                                         bool rests, bool* is_known) {
+                                                         bool rests, bool* is_known) const {
   std::vector<Solid> solids;
   for (const Node& child : node.children) {
     if (child.element.kind() != "geom") continue;
@@ -854,10 +855,10 @@ std::optional<MassProperties> MjcfReader::inertiaOfGeoms(const Node& node, const
   return m;
 }
 
-/** Inertia is <inertial>, or made of shapes: where there is none (auto), or whatever it says (true).
+/** Inertia is <inertial>, or made of shapes: where there is none (auto), or in any case (true).
     @param is_known  false: it is made of meshes, of a body that rests in the world */
 MassProperties MjcfReader::readInertia(const Node& node, const Class& defaults, bool rests,
-                                       bool* is_known) {
+                                       bool* is_known) const {
   std::optional<Element> inertial;
   for (const Node& child : node.children) {
     if (child.element.kind() != "inertial") continue;
@@ -945,7 +946,7 @@ void MjcfReader::takeNames(const Node& body) {
   }
 }
 
-Joint MjcfReader::readJoint(const Said& said, JointKind kind) {
+Joint MjcfReader::readJoint(const Said& said, JointKind kind) const {
   Joint joint;
   joint.kind = kind;
   const auto nothing = [&](const char* key) {

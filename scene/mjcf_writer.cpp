@@ -2,9 +2,9 @@
 // Writes scenes as MJCF.
 //
 // A link is a body. The body's frame is the joint's at q = 0, so that positions and turns are the
-// scene's own (euler in the order of roll, pitch, yaw); a Denavit-Hartenberg link's is its own, with
-// the joint at its place in it. Massless links that the reader made of several joints in a body
-// become that body again.
+// scene's own (euler in the order of roll, pitch, yaw); a Denavit-Hartenberg link's is its own,
+// with the joint at its place in it. Massless links that the reader made of several joints in a
+// body become that body again.
 #include <algorithm>
 #include <array>
 
@@ -136,8 +136,14 @@ void MjcfWriter::prepare() {
   }
   const auto hold = [this](int i) { is_held_[static_cast<std::size_t>(i)] = true; };
   for (const Wrench& w : mechanism_.wrenches) hold(w.link);
-  for (const Closure& c : mechanism_.closures) hold(c.a.link), hold(c.b.link);
-  for (const Spring& s : mechanism_.springs) hold(s.a.link), hold(s.b.link);
+  for (const Closure& c : mechanism_.closures) {
+    hold(c.a.link);
+    hold(c.b.link);
+  }
+  for (const Spring& spring : mechanism_.springs) {
+    hold(spring.a.link);
+    hold(spring.b.link);
+  }
   for (const AccelerationConstraint& c : mechanism_.acceleration_constraints) hold(c.link);
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Writes scenes as URDF, for programs that read nothing else.
 //
-// Every frame of the scene is a frame of the file. A Denavit-Hartenberg link, whose frame is not the
-// frame of its joint, hangs on a massless one that is.
+// Every frame of the scene is a frame of the file. A Denavit-Hartenberg link, whose frame is not
+// the frame of its joint, hangs on a massless one that is.
 #include <tinyxml.h>
 
 #include <fmt/format.h>
