@@ -81,8 +81,8 @@ class Engine : public Witness {
   std::vector<Quantity> knows_;
 };
 
-const std::vector<Quantity> kAll = {Quantity::kM,        Quantity::kc,   Quantity::kg,
-                                    Quantity::kTau,      Quantity::kQdd, Quantity::kKinetic,
+const std::vector<Quantity> kAll = {Quantity::kM,         Quantity::kc,        Quantity::kg,
+                                    Quantity::kTau,       Quantity::kQdd,      Quantity::kKinetic,
                                     Quantity::kPotential, Quantity::kReactions};
 
 Examination examined(const scene::Scene& scene, const Edit& edit, const Formula& formula = {},
@@ -254,8 +254,7 @@ BOOST_DATA_TEST_CASE(a_right_engine_is_never_blamed,
   BOOST_TEST(!e.isWrong(), said(e));
   BOOST_TEST(e.findings.empty());
   for (const QuantityFound& q : e.quantities)
-    if (q.name != "momentum")
-      BOOST_TEST((q.verdict == QuantityFound::Verdict::kRight), said(e));
+    if (q.name != "momentum") BOOST_TEST((q.verdict == QuantityFound::Verdict::kRight), said(e));
 }
 
 BOOST_DATA_TEST_CASE(a_right_engine_is_never_blamed_on_random_trees, data::xrange(12), index) {
