@@ -327,6 +327,30 @@ BOOST_AUTO_TEST_CASE(a_pair_of_mistakes_is_named) {
   }
 }
 
+// Forward dynamics that forgets M qdd would solve nothing: whoever leaves it out of tau has it there.
+BOOST_AUTO_TEST_CASE(accelerations_ignored_in_tau_are_not_ignored_where_qdd_is_solved_for) {
+  const Formula ignored = ofTau(
+      [](const auto&, const auto& c, const auto& rest) -> Eigen::MatrixXd { return c + rest; });
+  const scene::Scene scene = scene::findScene("puma_560");
+  const Examination alone = examined(scene, {}, ignored);
+  BOOST_TEST_REQUIRE(alone.isExplained(), said(alone));
+  BOOST_TEST(alone.findings.front().spared.empty(), said(alone));
+  const Examination both = examined(
+      scene,
+      [](Mechanism& m) {
+        for (Number& x : m.gravity) x = times(x, -1);
+      },
+      ignored);
+  BOOST_TEST_CONTEXT(said(both)) {
+    BOOST_TEST_REQUIRE(both.isExplained());
+    std::vector<std::string> rules;
+    for (const Explanation& part : both.findings.front().parts) rules.push_back(part.rule);
+    std::sort(rules.begin(), rules.end());
+    BOOST_TEST(rules == (std::vector<std::string>{"gravity_sign", "qdd_ignored"}),
+               boost::test_tools::per_element());
+  }
+}
+
 // Nobody takes the third power of a cosine for a moment: nothing on record explains that.
 BOOST_AUTO_TEST_CASE(what_nothing_explains_is_cut_down) {
   const Examination e =
