@@ -112,10 +112,10 @@ struct Examination {
 /// The scene as programs are asked about it: every joint of its tree with a rate of its own.
 scene::Scene withoutFollowers(scene::Scene scene);
 
-/** Compares the links that the witness believes in, where it tells them, with the scene's; asks it at
-    no more than ten chosen states (or at those given), judges each answer
-    against the certified truth by what a sweep of its kind may lose, and compares it with what each
-    mistake on record would have made of it.
+/** Compares the links that the witness believes in, where it tells them, with the scene's; asks it
+    at no more than ten chosen states (or at those given), judges each answer against the certified
+    truth by what a sweep of its kind may lose, and compares it with what each mistake on record
+    would have made of it.
 
     @param scene  a tree, no joint of which follows another
     @throws scene::InputError  the witness refuses the scene */

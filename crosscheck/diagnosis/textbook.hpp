@@ -158,8 +158,8 @@ class Textbook {
   explicit Textbook(const Belief& belief);
 
   /// M, c, g, tau, kinetic, potential, momentum, reactions: shaped like the quantity.
-  /// @param solved_for_qdd  of tau: as it stands in the equations that forward dynamics solves, from
-  ///                        which M qdd is not left out whoever leaves it out of tau
+  /// @param solved_for_qdd  of tau: as it stands in the equations that forward dynamics solves,
+  ///                        from which M qdd is not left out whoever leaves it out of tau
   Eigen::MatrixXd operator()(Quantity quantity, const scene::State<double>& state,
                              bool solved_for_qdd = false) const;
   /// M qdd by one sweep, where M as it is answered has no more to it.

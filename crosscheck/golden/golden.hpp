@@ -27,7 +27,8 @@ struct GoldenOptions {
   int states = 8;  ///< of a group, at most
 };
 
-/// A quantity at a state, entry by entry, reactions in a row a joint; `digits` column by column, as Eigen keeps them.
+/// A quantity at a state, entry by entry, reactions in a row a joint; `digits` column by column, as
+/// Eigen keeps them.
 struct GoldenAnswer {
   Quantity quantity = Quantity::kM;
   Eigen::MatrixXd value;            ///< the doubles nearest to the truth

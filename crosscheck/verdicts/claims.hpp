@@ -37,8 +37,8 @@ struct ModelFound {
 
     Limits are for numbers that were kept in other axes or about another point than the scene's: of
     parts i with masses m_i, levers l_i (of the centre of mass from the origins of link and joint,
-    and of the part from the link), inertias I_i of norm |I_i|, seen through s_i turns, a turn losing
-    14 u of a vector (engine_bound.hpp: an orientation from two 9 u, a quarter turn 5 u):
+    and of the part from the link), inertias I_i of norm |I_i|, seen through s_i turns, a turn
+    losing 14 u of a vector (engine_bound.hpp: an orientation from two 9 u, a quarter turn 5 u):
 
         mass      (k + 1) u sum m_i             k roundings to sum k parts, one when it is told
         com       (10 + 14 s + k) u sum m_i l_i / sum m_i      one R r (6 u), products and quotient

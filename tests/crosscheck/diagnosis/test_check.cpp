@@ -81,8 +81,8 @@ class Engine : public Witness {
   std::vector<Quantity> knows_;
 };
 
-const std::vector<Quantity> kAll = {Quantity::kM,        Quantity::kc,   Quantity::kg,
-                                    Quantity::kTau,      Quantity::kQdd, Quantity::kKinetic,
+const std::vector<Quantity> kAll = {Quantity::kM,         Quantity::kc,        Quantity::kg,
+                                    Quantity::kTau,       Quantity::kQdd,      Quantity::kKinetic,
                                     Quantity::kPotential, Quantity::kReactions};
 
 Examination examined(const scene::Scene& scene, const Edit& edit, const Formula& formula = {},
@@ -254,8 +254,7 @@ BOOST_DATA_TEST_CASE(a_right_engine_is_never_blamed,
   BOOST_TEST(!e.isWrong(), said(e));
   BOOST_TEST(e.findings.empty());
   for (const QuantityFound& q : e.quantities)
-    if (q.name != "momentum")
-      BOOST_TEST((q.verdict == QuantityFound::Verdict::kRight), said(e));
+    if (q.name != "momentum") BOOST_TEST((q.verdict == QuantityFound::Verdict::kRight), said(e));
 }
 
 BOOST_DATA_TEST_CASE(a_right_engine_is_never_blamed_on_random_trees, data::xrange(12), index) {
@@ -324,6 +323,30 @@ BOOST_AUTO_TEST_CASE(a_pair_of_mistakes_is_named) {
     for (const Explanation& part : e.findings.front().parts) rules.push_back(part.rule);
     std::sort(rules.begin(), rules.end());
     BOOST_TEST(rules == (std::vector<std::string>{"gravity_sign", "rotor_missing"}),
+               boost::test_tools::per_element());
+  }
+}
+
+// Forward dynamics that forgets M qdd would solve nothing: whoever leaves it out of tau has it there.
+BOOST_AUTO_TEST_CASE(accelerations_ignored_in_tau_are_not_ignored_where_qdd_is_solved_for) {
+  const Formula ignored = ofTau(
+      [](const auto&, const auto& c, const auto& rest) -> Eigen::MatrixXd { return c + rest; });
+  const scene::Scene scene = scene::findScene("puma_560");
+  const Examination alone = examined(scene, {}, ignored);
+  BOOST_TEST_REQUIRE(alone.isExplained(), said(alone));
+  BOOST_TEST(alone.findings.front().spared.empty(), said(alone));
+  const Examination both = examined(
+      scene,
+      [](Mechanism& m) {
+        for (Number& x : m.gravity) x = times(x, -1);
+      },
+      ignored);
+  BOOST_TEST_CONTEXT(said(both)) {
+    BOOST_TEST_REQUIRE(both.isExplained());
+    std::vector<std::string> rules;
+    for (const Explanation& part : both.findings.front().parts) rules.push_back(part.rule);
+    std::sort(rules.begin(), rules.end());
+    BOOST_TEST(rules == (std::vector<std::string>{"gravity_sign", "qdd_ignored"}),
                boost::test_tools::per_element());
   }
 }
