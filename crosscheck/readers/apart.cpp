@@ -201,6 +201,7 @@ std::string readHere(const Reader& reader, const std::string& text,
   } catch (const std::exception& error) {
     if (reader.is_program) throw;  // what it says in words is no exception
     reading.refusal = error.what();
+    answers.clear();
   }
   return packed(reading, answers);
 }

@@ -85,7 +85,7 @@ class Comparison {
 
   /// With the effect of having `changed` in place of our body.
   void addWithEffect(Misreading finding, std::size_t b, const ReadBody& changed) {
-    if (allHaveOnePosition(ours_) && hasOnePosition(changed)) {
+    if (allHaveOnePosition(ours_) && hasOnePosition(changed) && !isTooLargeToAsk(ours_)) {
       Robot robot = ours_;
       robot.bodies[b] = changed;
       finding.has_effect = true;
@@ -317,7 +317,9 @@ void judge(const FileParts& parts, const ReadApart& read, int states, std::uint6
       result->told.push_back(
           "its own M and g were not compared: a joint has several degrees of freedom");
     else if (isTooLargeToAsk(robot))
-      result->told.push_back("its own M and g were not compared: too many joints");
+      result->told.push_back(
+          "its own M and g were not compared: too many joints, and neither is "
+          "what findings do to M and g");
     return;
   }
   if (read.answers.empty()) {

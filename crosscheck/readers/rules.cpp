@@ -28,7 +28,7 @@ constexpr Mistake kMistakes[] = {Mistake::kInertialTurnDropped, Mistake::kInerti
                                  Mistake::kDefaultMassAlone,    Mistake::kGeometryWithoutInertial,
                                  Mistake::kNotRotated,          Mistake::kTensorNotRotated,
                                  Mistake::kComNotRotated,       Mistake::kRotatedBack,
-                                 Mistake::kNotShifted,          Mistake::kMergedInReverse,
+                                 Mistake::kNotShifted,          Mistake::kShiftInPrincipalAxes,
                                  Mistake::kMassDropped,         Mistake::kComInParent,
                                  Mistake::kParallelAxisMissing, Mistake::kParallelAxisDoubled,
                                  Mistake::kParallelAxisNegated};
@@ -129,8 +129,8 @@ const char* words(Mistake mistake) {
       return "a fixed child is merged with its rotation transposed";
     case Mistake::kNotShifted:
       return "a fixed child is merged without its shift";
-    case Mistake::kMergedInReverse:
-      return "a fixed child's placement and principal axes are composed in reverse";
+    case Mistake::kShiftInPrincipalAxes:
+      return "a fixed child is merged without its rotation, and its shift is turned by its principal axes";
     case Mistake::kMassDropped:
       return "a fixed child is dropped";
     case Mistake::kParallelAxisMissing:
@@ -313,7 +313,7 @@ struct FileParts::Draft {
   double about_com = 0;  ///< multiples of m c^2 that are added to the inertia
   double parallel_axes = 1;
   bool from_solids = false, com_not_rotated = false, balanced = false, dropped = false,
-       in_reverse = false;
+       shift_in_axes = false;
 
   /// A mistake about a link's own <inertial>. @return false: it is none
   bool slipInertial(Mistake mistake, const Piece& piece);
@@ -418,8 +418,8 @@ void FileParts::Draft::slipMerging(Mistake mistake, const Piece& piece) {
     case Mistake::kNotShifted:
       X.translation().setZero();
       return;
-    case Mistake::kMergedInReverse:
-      in_reverse = true;
+    case Mistake::kShiftInPrincipalAxes:
+      shift_in_axes = true;
       return;
     case Mistake::kMassDropped:
       dropped = true;
@@ -477,10 +477,8 @@ MassMoments FileParts::Draft::summedUp(const Piece& piece) {
     const Vector3d moments = I.selfadjointView<Eigen::Lower>().eigenvalues();
     if (moments[0] + moments[1] < moments[2]) I = moments.mean() * Matrix3d::Identity();
   }
-  if (in_reverse) {
-    const Matrix3d Q = principalAxes(I), turned = Q * X.linear() * Q.transpose();
-    MassMoments out =
-        MassMoments::of(mass, com + Q * X.translation(), turned * I * turned.transpose());
+  if (shift_in_axes) {
+    MassMoments out = MassMoments::of(mass, com + principalAxes(I) * X.translation(), I);
     out.reach2 += mass * (X.translation().squaredNorm() + com.squaredNorm());
     return out;
   }
@@ -603,7 +601,7 @@ NamedMistakes explanation(const FileParts& file, std::size_t body, const MassMom
   // a centre of mass that was turned by principal axes has what these lose
   const auto fits = [&](const MassMoments& read, Mistake mistake) {
     MassMoments there = seen;
-    if (mistake == Mistake::kMergedInReverse &&
+    if (mistake == Mistake::kShiftInPrincipalAxes &&
         (read.first - seen.first).norm() <=
             unturned * (count + 1.0) * std::sqrt(std::abs(read.mass) * read.reach2)) {
       there.first = read.first;
@@ -632,7 +630,7 @@ NamedMistakes explanation(const FileParts& file, std::size_t body, const MassMom
   for (const Mistake first : kMistakes)
     for (const Mistake second : kMistakes) {
       if (first >= second) continue;
-      const Mistake loosest = first == Mistake::kMergedInReverse ? first : second;
+      const Mistake loosest = first == Mistake::kShiftInPrincipalAxes ? first : second;
       if (fits(file.read(body, {{first, ""}, {second, ""}}), loosest))
         return {everywhere(first) + ", and " + everywhere(second), {first, second}};
       for (std::size_t place = 0; place < links.size() && second < Mistake::kParallelAxisMissing;
@@ -738,7 +736,7 @@ std::string publicRecord(const std::string& reader, Mistake mistake) {
        "https://github.com/google-deepmind/mujoco/issues/3559"},
       {"mujoco", Mistake::kTensorNotRotated, kFused},
       {"mujoco", Mistake::kNotRotated, kFused},
-      {"mujoco", Mistake::kMergedInReverse, kFused},
+      {"mujoco", Mistake::kShiftInPrincipalAxes, kFused},
       {"mujoco", Mistake::kNotShifted, kFused},
       {"mujoco", Mistake::kComNotRotated, kFused},
       {"mujoco", Mistake::kParallelAxisMissing, kFused},

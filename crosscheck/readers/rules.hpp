@@ -35,14 +35,14 @@ enum class Mistake {
   kDefaultMassAlone,         ///< 1 kg at the link's origin
   kGeometryWithoutInertial,  ///< that of its collision shapes, of water
   // of a link that is fixed to another, X its placement
-  kNotRotated,        ///< X without its turn
-  kTensorNotRotated,  ///< the inertia's axes without it
-  kComNotRotated,     ///< the centre of mass without it
-  kRotatedBack,       ///< X with its turn transposed
-  kNotShifted,        ///< X without its shift
-  kMergedInReverse,   ///< its principal axes Q, then X: c + Q p for R c + p, and Q R for R Q
-  kMassDropped,       ///< nothing of it
-  kComInParent,       ///< of any link: c seen from its parent's
+  kNotRotated,            ///< X without its turn
+  kTensorNotRotated,      ///< the inertia's axes without it
+  kComNotRotated,         ///< the centre of mass without it
+  kRotatedBack,           ///< X with its turn transposed
+  kNotShifted,            ///< X without its shift
+  kShiftInPrincipalAxes,  ///< not rotated, and the shift p turned by its principal axes Q: c + Q p
+  kMassDropped,           ///< nothing of it
+  kComInParent,           ///< of any link: c seen from its parent's
   kParallelAxisMissing,
   kParallelAxisDoubled,
   kParallelAxisNegated,

@@ -275,7 +275,7 @@ const Plant kPlants[] = {
      },
      "arm", "inertia",
      "a fixed child is merged without its rotation (tool), and a fixed child is merged without its shift (tool)",
-     "a fixed child is merged without its rotation, and a fixed child is merged without its shift (tool)"},
+     "a fixed child is merged without its rotation, and a fixed child is merged without its shift"},
     {"child dropped", [](Arm& a) { a.tool.mass = 0, a.tool.I.setZero(); }, "arm", "inertia",
      "a fixed child is dropped (tool)"},
     {"parallel axis missing", [](Arm& a) { addLevers(a, -1); }, "arm", "inertia",
