@@ -20,17 +20,14 @@ struct Arguments {
   std::string scene, page, format = "text";
 };
 
-bool looksLikeXml(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // byte order mark
-  return first != std::string::npos && text[first] == '<';
-}
-
 /// The text of the URDF that a file is; empty: it is none.
 std::string urdfText(const std::filesystem::path& file) {
   std::error_code error;
   if (file.empty() || !std::filesystem::is_regular_file(file, error)) return {};
   const std::string text = scene::readTextFile(file, "a TOML or URDF file");
-  return looksLikeXml(text) ? text : std::string();
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // byte order mark
+  const bool is_xml = first != std::string::npos && text[first] == '<';
+  return is_xml && text.find("<robot") != std::string::npos ? text : std::string();
 }
 
 /// The scene; a URDF that no motion can be computed of is shown as it is written, and why.

@@ -46,27 +46,28 @@ class Still {
     const Vector2d p = point(a), q = point(b);
     if ((p - q).norm() < 0.005) return;  // what two decimals do not show
     put((depth(a) + depth(b)) / 2,
-        fmt::format(R"(<path class="{}" d="M{:.2f} {:.2f}L{:.2f} {:.2f}"/>)", type, p.x(), p.y(),
-                    q.x(), q.y()));
+        fmt::format(R"svg(<path class="{}" d="M{:.2f} {:.2f}L{:.2f} {:.2f}"/>)svg", type, p.x(),
+                    p.y(), q.x(), q.y()));
   }
   void spot(const Vector3d& x, double radius, const char* type) {
     const Vector2d p = point(x);
-    put(depth(x), fmt::format(R"(<circle class="{}" cx="{:.2f}" cy="{:.2f}" r="{}"/>)", type, p.x(),
-                              p.y(), radius));
+    put(depth(x), fmt::format(R"svg(<circle class="{}" cx="{:.2f}" cy="{:.2f}" r="{}"/>)svg", type,
+                              p.x(), p.y(), radius));
   }
   void text(const Vector3d& x, const std::string& words, const char* type) {
     const Vector2d p = point(x);
-    put(kInFront, fmt::format(R"(<text class="{}" x="{:.2f}" y="{:.2f}">{}</text>)", type,
+    put(kInFront, fmt::format(R"svg(<text class="{}" x="{:.2f}" y="{:.2f}">{}</text>)svg", type,
                               p.x() + 5, p.y() - 5, escapeMarkup(words)));
   }
   /// The unit circle under x = center + u a + v b.
   void ring(const Vector3d& center, const Vector3d& a, const Vector3d& b, const char* type,
             double depth) {
     const Vector2d p = point(center), u = direction(a), v = direction(b);
-    put(depth, fmt::format(
-                   R"(<circle class="{}" r="1" transform="matrix({:.6g} {:.6g} {:.6g} {:.6g} )"
-                   R"({:.6g} {:.6g})"/>)",
-                   type, u.x(), u.y(), v.x(), v.y(), p.x(), p.y()));
+    put(depth,
+        fmt::format(
+            R"svg(<circle class="{}" r="1" transform="matrix({:.6g} {:.6g} {:.6g} {:.6g} )svg"
+            R"svg({:.6g} {:.6g})"/>)svg",
+            type, u.x(), u.y(), v.x(), v.y(), p.x(), p.y()));
   }
   /// The outline is the unit circle under L, where L L' = sum of P P' over the projected half axes.
   void ellipsoid(const Vector3d& center, const Matrix3d& halves, const std::string& type,
@@ -82,8 +83,8 @@ class Still {
     const double a = std::sqrt(xx), b = xy / a, d = std::sqrt(std::max(yy - b * b, 0.01));
     const Vector2d p = point(center);
     put(depth(center),
-        fmt::format(R"(<g class="{}"><title>{}</title><circle class="outline" r="1" )"
-                    R"(transform="matrix({:.6g} {:.6g} 0 {:.6g} {:.6g} {:.6g})"/></g>)",
+        fmt::format(R"svg(<g class="{}"><title>{}</title><circle class="outline" r="1" )svg"
+                    R"svg(transform="matrix({:.6g} {:.6g} 0 {:.6g} {:.6g} {:.6g})"/></g>)svg",
                     type, escapeMarkup(title), a, b, d, p.x(), p.y()));
     const std::string section = type + " section";
     for (int k = 0; k < 3; ++k)
@@ -143,31 +144,45 @@ std::string legend(const View& view) {
     const char *svg, *words;
   };
   std::vector<Entry> entries = {
-      {R"(<path class="link" d="M2 8H26"/>)", "link"},
-      {R"(<path class="joint" d="M2 8H26"/><circle class="joint tip" cx="26" cy="8" r="2.5"/>)",
+      {R"svg(<path class="link" d="M2 8H26"/>)svg", "link"},
+      {R"svg(<path class="joint" d="M2 8H26"/><circle class="joint tip" cx="26" cy="8" r="2.5"/>)svg",
        "axis of a joint that turns, with its q"},
-      {R"(<path class="joint slides" d="M2 8H26"/>)", "of one that slides"},
-      {R"(<circle class="com" cx="14" cy="8" r="3.5"/>)", "centre of mass"},
-      {R"(<g class="body"><circle class="outline" r="1" transform="matrix(12 0 0 6 14 8)"/></g>)",
+      {R"svg(<path class="joint slides" d="M2 8H26"/>)svg", "of one that slides"},
+      {R"svg(<circle class="com" cx="14" cy="8" r="3.5"/>)svg", "centre of mass"},
+      {R"svg(<g class="body"><circle class="outline" r="1" transform="matrix(12 0 0 6 14 8)"/></g>)svg",
        "inertia as written: the ellipsoid of uniform density with this mass and inertia"},
-      {R"(<path class="axis x" d="M2 8H26"/>)", "x"},
-      {R"(<path class="axis y" d="M2 8H26"/>)", "y"},
-      {R"(<path class="axis z" d="M2 8H26"/>)", "z"}};
+      {R"svg(<path class="axis x" d="M2 8H26"/>)svg", "x"},
+      {R"svg(<path class="axis y" d="M2 8H26"/>)svg", "y"},
+      {R"svg(<path class="axis z" d="M2 8H26"/>)svg", "z"}};
   if (std::any_of(view.bodies.begin(), view.bodies.end(),
                   [](const ViewBody& body) { return !body.who.empty(); }))
     entries.push_back(
-        {R"(<g class="body read"><circle class="outline" r="1" transform="matrix(12 0 0 6 14 8)"/></g>)",
+        {R"svg(<g class="body read"><circle class="outline" r="1" transform="matrix(12 0 0 6 14 8)"/></g>)svg",
          "inertia as an engine reads it"});
   if (!view.closures.empty())
-    entries.push_back({R"(<path class="gap" d="M2 8H26"/>)", "what a closure holds together"});
+    entries.push_back(
+        {R"svg(<path class="gap" d="M2 8H26"/>)svg", "what a closure holds together"});
   if (!view.springs.empty())
-    entries.push_back({R"(<path class="spring" d="M2 8H26"/>)", "spring or damper"});
+    entries.push_back({R"svg(<path class="spring" d="M2 8H26"/>)svg", "spring or damper"});
   std::string html = "<p class=\"legend\">";
   for (const Entry& entry : entries)
     html += fmt::format(
         "<span><svg class=\"drawn\" width=\"28\" height=\"16\" viewBox=\"0 0 28 16\" "
         "aria-hidden=\"true\">{}</svg> {}</span>\n",
         entry.svg, entry.words);
+  return html + "</p>\n";
+}
+
+/// Room for the script's chart, and which line is which.
+std::string energyChart(const ViewMotion& motion) {
+  std::string html =
+      "<svg id=\"energy\" class=\"energy\" role=\"img\" aria-label=\"Energy against "
+      "time\"></svg>\n<p class=\"legend small\">";
+  for (std::size_t k = 0; k < motion.energies.size(); ++k)
+    html += fmt::format(
+        "<span><svg class=\"energy\" width=\"28\" height=\"16\" viewBox=\"0 0 28 16\" "
+        "aria-hidden=\"true\"><path class=\"line{}\" d=\"M2 8H26\"/></svg> {}</span>\n",
+        k, escapeMarkup(motion.energies[k].name));
   return html + "</p>\n";
 }
 
@@ -258,8 +273,7 @@ std::string viewPage(const View& view, const std::string& version, const std::st
         "<h3>Motion</h3>\n<button type=\"button\" id=\"play\">Play</button>\n"
         "<input type=\"range\" id=\"time\" min=\"0\" max=\"1\" step=\"1\" value=\"0\" "
         "aria-label=\"time\">\n<p id=\"now\" class=\"small\"></p>\n";
-  if (view.motion && !view.motion->energies.empty())
-    page += "<svg id=\"energy\" role=\"img\" aria-label=\"Energy against time\"></svg>\n";
+  if (view.motion && !view.motion->energies.empty()) page += energyChart(*view.motion);
   page +=
       "<h3>Joints</h3>\n<div id=\"poses\"></div>\n<div id=\"sliders\"></div>\n</section>\n</div>\n" +
       facts + "</main>\n";
