@@ -343,10 +343,11 @@ function start(scene) {
                        button('Reset view', 'reset view', reset));
 
   // what is shown
-  const has_read = scene.bodies.some(body => body.who);
+  const has = test => scene.bodies.some(test);
   const parts = [['links', 'links'], ['joints', 'joint axes'], ['names', 'q'], ['words', 'joint names'],
                  ['frames', 'frames'], ['letters', 'x y z'], ['centres', 'centres of mass'],
-                 ['ellipsoids', 'inertia'], ...(has_read ? [['read', 'as engines read it']] : [])];
+                 ...(has(body => body.half) ? [['ellipsoids', 'inertia']] : []),
+                 ...(has(body => body.who) ? [['read', 'as engines read it']] : [])];
   for (const [part, words] of parts) {
     const box = make('input', {type: 'checkbox'});
     box.checked = show[part];

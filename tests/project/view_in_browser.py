@@ -75,8 +75,17 @@ USE = r"""
 })()
 """
 
-# Fingers, by the browser's own input.
-TOUCH = [[(150, 200)], [(190, 230)]], [[(150, 200), (200, 200)], [(120, 200), (230, 200)]]
+# Fingers, by the browser's own input: from here to there, from the middle of the picture.
+TOUCH = [[(-20, 0)], [(20, 30)]], [[(-20, 0), (30, 0)], [(-50, 0), (60, 0)]]
+MIDDLE = """
+(() => {
+  const picture = document.getElementById('picture');
+  picture.scrollIntoView({block: 'center', behavior: 'instant'});
+  const box = picture.getBoundingClientRect();
+  return [box.left + box.width / 2, box.top + box.height / 2];
+})()
+"""
+DRAWN = "(window.dynwitness.drawNow(), document.getElementById('picture').innerHTML)"
 
 # Without scripts: what was drawn beforehand.
 STILL = r"""
@@ -108,6 +117,7 @@ def look(browser, page, view, light, width, scripts, screenshots):
     browser.call("Emulation.setDeviceMetricsOverride", session, width=width, height=900, deviceScaleFactor=1,
                  mobile=view == "narrow")
     browser.call("Emulation.setEmulatedMedia", session, features=[{"name": "prefers-color-scheme", "value": light}])
+    browser.call("Emulation.setTouchEmulationEnabled", session, enabled=view == "narrow")
     browser.call("Emulation.setScriptExecutionDisabled", session, value=not scripts)
     browser.call("Page.navigate", session, url=page.as_uri())
     browser.wait_for("Page.loadEventFired")
@@ -127,12 +137,13 @@ def look(browser, page, view, light, width, scripts, screenshots):
         (screenshots / f"{page.stem}_{view}.png").write_bytes(base64.b64decode(shot["data"]))
     wrong += ask(USE if scripts else STILL)
     if view == "narrow":
+        left, top = ask(MIDDLE)
         for begin, end in TOUCH:
-            before = ask("(window.dynwitness.drawNow(), document.getElementById('picture').innerHTML)")
+            before = ask(DRAWN)
             for kind, points in (("touchStart", begin), ("touchMove", end), ("touchEnd", [])):
                 browser.call("Input.dispatchTouchEvent", session, type=kind,
-                             touchPoints=[{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(points)])
-            if ask("(window.dynwitness.drawNow(), document.getElementById('picture').innerHTML)") == before:
+                             touchPoints=[{"x": left + x, "y": top + y, "id": k} for k, (x, y) in enumerate(points)])
+            if ask(DRAWN) == before:
                 wrong.append(f"{len(begin)} fingers do nothing")
     wrong += complaints(browser.events)
     browser.call("Target.closeTarget", targetId=target)
