@@ -61,6 +61,7 @@ Run addAction(CLI::App& app);
 Run addImpulse(CLI::App& app);
 Run addImpedance(CLI::App& app);
 Run addScenes(CLI::App& app);
+Run addShow(CLI::App& app);
 Run addVersion(CLI::App& app);
 Run addWrite(CLI::App& app);
 

@@ -24,6 +24,7 @@
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/report.hpp"
+#include "crosscheck/report/show.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/gnuplot.hpp"
 #include "crosscheck/system/processes.hpp"
@@ -202,6 +203,17 @@ void tellPlan(const std::vector<scene::Scene>& scenes, std::size_t witnesses,
                   processes, processes == 1 ? "" : "es", duration(seconds / processes)));
 }
 
+/// Pictures that move, a page a scene; those of many links would be slow.
+std::vector<std::string> viewsOf(const std::vector<scene::Scene>& scenes) {
+  constexpr std::size_t kMostLinks = 500;
+  std::vector<std::string> pages;
+  for (const scene::Scene& scene : scenes)
+    pages.push_back(scene.mechanism.links.size() <= kMostLinks
+                        ? showPage({scene}, viewOf(scene), DYNWITNESS_VERSION)
+                        : "");
+  return pages;
+}
+
 int run(const Arguments& arguments) {
   tellMissingKernels();
   if (arguments.random > 0) return runRandom(arguments);
@@ -258,7 +270,8 @@ int run(const Arguments& arguments) {
                            : Chart());  // not drawn
     progress.stage("report");
     const Environment environment = thisEnvironment(libraries, gnuplot());
-    writeReport(result, environment, arguments.report, charts, bench ? &*bench : nullptr);
+    writeReport(result, environment, arguments.report, charts, bench ? &*bench : nullptr,
+                viewsOf(scenes));
     if (!arguments.json.empty())
       writeWholeFile(arguments.json,
                      reportJson(result, environment, bench ? benchJson(*bench) : std::string()));

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
                 {"impulse", {}, "studies", kImpulseDescription},
                 {"impedance", {}, "studies", kImpedanceDescription},
                 {"growth", {}, "growth", kGrowthDescription},
+                {"show", addShow},
                 {"scenes", addScenes},
                 {"version", addVersion}});
 }

@@ -15,6 +15,7 @@
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/motion_tables.hpp"
+#include "crosscheck/report/show.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/mimic.hpp"
 #include "scene/work.hpp"
@@ -25,7 +26,7 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, csv, json, stabilisation, formulation = "index1", method;
+  std::string scene, csv, json, view, stabilisation, formulation = "index1", method;
   double step_error = 0;  ///< 0: not given
   bool compare = false;
   SimulateOptions options;
@@ -188,8 +189,25 @@ std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanis
   return csv;
 }
 
+/// The scene's picture, with its motion and energy to be played.
+std::string viewOfMotion(const scene::Scene& scene, const Simulation& simulation) {
+  View view = viewOf(scene);
+  ViewMotion motion;
+  motion.energies = {{"total", {}}, {"kinetic", {}}, {"potential", {}}};
+  for (const Simulation::Point& point : simulation.points) {
+    motion.times.push_back(point.time);
+    motion.q.push_back(point.q);
+    motion.energies[0].joules.push_back(point.kinetic + point.potential);
+    motion.energies[1].joules.push_back(point.kinetic);
+    motion.energies[2].joules.push_back(point.potential);
+  }
+  view.motion = std::move(motion);
+  return showPage({scene}, view, DYNWITNESS_VERSION);
+}
+
 int run(const Arguments& arguments) {
-  for (const std::string& file : {arguments.csv, arguments.json}) requireWritableFile(file);
+  for (const std::string& file : {arguments.csv, arguments.json, arguments.view})
+    requireWritableFile(file);
   const scene::Scene scene = admitted(arguments.scene, Command::kSimulate);
   requireMotion(scene);
   const std::vector<MotionTable> tables = motionTables(scene);
@@ -258,6 +276,7 @@ int run(const Arguments& arguments) {
   }
   if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csvOf(result, scene.mechanism));
   if (!arguments.json.empty()) writeWholeFile(arguments.json, all.dump(2) + "\n");
+  if (!arguments.view.empty()) writeWholeFile(arguments.view, viewOfMotion(scene, result));
   return agree ? 0 : 1;
 }
 
@@ -314,10 +333,16 @@ Run addSimulate(CLI::App& app) {
       "All formulations in one table: cost, drift, energy, errors of q, qd and multipliers");
   command->add_option("--json", arguments->json,
                       "File: ranks, drift, cost and published motions; with --compare its table");
-  command->add_option("--outputs", arguments->options.outputs, "Rows of the CSV file")
+  command
+      ->add_option("--outputs", arguments->options.outputs,
+                   "Rows of the CSV file, and states of --view")
       ->check(whole(1, 1000000))
       ->capture_default_str();
   command->add_option("--csv", arguments->csv, "File: time, q, qd, multipliers, drift");
+  command
+      ->add_option("--view", arguments->view,
+                   "File: a picture that plays the motion, energy beside it, as HTML")
+      ->excludes("--compare");
   return [arguments] { return run(*arguments); };
 }
 

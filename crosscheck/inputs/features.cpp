@@ -366,7 +366,7 @@ std::vector<std::string> sentences(const scene::Scene& scene, Command command, K
 std::string modelledBy(Feature feature) {
   std::vector<std::string> names;
   for (const Command command : kAllCommands)
-    if (treatment(command, feature).kind == Kind::kModelled)
+    if (command != Command::kShow && treatment(command, feature).kind == Kind::kModelled)
       names.push_back(std::string("dynwitness ") + name(command));
   return names.empty() ? "" : "; modelled by " + list(names);
 }
@@ -415,6 +415,8 @@ const char* name(Command command) {
       return "impulse";
     case Command::kImpedance:
       return "impedance";
+    case Command::kShow:
+      return "show";
   }
   return "";
 }

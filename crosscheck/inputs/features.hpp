@@ -33,6 +33,7 @@ enum class Command {
   kAction,
   kImpulse,
   kImpedance,
+  kShow,
 };
 inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
                                            Command::kCheck,
@@ -53,7 +54,8 @@ inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
                                            Command::kGeometry,
                                            Command::kAction,
                                            Command::kImpulse,
-                                           Command::kImpedance};
+                                           Command::kImpedance,
+                                           Command::kShow};
 /// "drift", "evaluate (tau, reactions)"
 const char* name(Command command);
 

@@ -30,13 +30,15 @@ constexpr double kRounding =
 
 Simulation::Point pointAt(ClosedMotion& motion, const State& y, double time, double start_balance) {
   Simulation::Point point;
-  const double error = std::abs(motion.balance(y, time) - start_balance);
+  const double balance = motion.balance(y, time), work = y.back();
   point.time = time;
   point.q.assign(y.begin(), y.begin() + motion.positions());
   point.qd.assign(y.begin() + motion.positions(), y.end() - 1);
   point.phi = motion.phi();
   point.phi_rate = motion.phiRateSize();
-  point.energy_error = error;
+  point.energy_error = std::abs(balance - start_balance);
+  point.kinetic = motion.kinetic();
+  point.potential = balance + work - point.kinetic;
   return point;
 }
 

@@ -50,6 +50,7 @@ struct Simulation {
     std::vector<double> q, qd;
     double phi, phi_rate;          ///< largest |phi|, |J qd| at this time
     double energy_error;           ///< |E - E0 - work of loads, dampers and drives| [J]
+    double kinetic, potential;     ///< [J], springs included
     std::vector<double> lambda;    ///< of all equations; of implicit methods what they solved for
     std::vector<bool> determined;  ///< by multiplier: mechanics of rigid bodies says what it is
   };

@@ -7,5 +7,7 @@ namespace dynwitness::crosscheck {
 extern const char* const kStyleCss;       ///< style.css
 extern const char* const kStyleGnuplot;   ///< style.gp
 extern const char* const kHowToReadHtml;  ///< how_to_read.html, a section of the page
+extern const char* const kViewCss;        ///< view.css
+extern const char* const kViewJs;         ///< view.js
 
 }  // namespace dynwitness::crosscheck

@@ -14,6 +14,7 @@ namespace dynwitness::crosscheck {
 struct SceneFiles {
   std::string anchor;  ///< unique in the page
   std::string tree;    ///< svg; empty: the tree is too large to draw
+  std::string view;    ///< the picture that moves, a page of its own; empty: left out
   std::string drift_csv, drift_worst_csv, drift_script;  ///< empty: no drift was computed
   std::string drift_light, drift_dark;                   ///< svg; empty: left out, see below
   std::string no_plot_reason;                            ///< why there is data and no picture

@@ -27,16 +27,20 @@ std::string math(const std::string& formula) {
 void putTree(std::string* page, const SceneResult& scene, const SceneFiles& files) {
   const std::string svg = treeSvg(scene, SvgUse::kInPage);
   put(page, "<h3>Mechanism</h3>\n");
+  const std::string view =
+      files.view.empty() ? ""
+                         : fmt::format(" <a href=\"{}\">In space, to be moved</a>", files.view);
   if (svg.empty() || files.tree.empty()) {
-    put(page, "<p class=\"soft\">{}: too many for a picture.</p>\n", esc(treeSentence(scene)));
+    put(page, "<p class=\"soft\">{}: too many for a picture.{}</p>\n", esc(treeSentence(scene)),
+        view);
     return;
   }
   put(page, "<figure>\n");
   openScroll(page, "Picture of the mechanism");
   *page += svg;
   put(page,
-      "</div>\n<figcaption>{}. <a href=\"{}\">Picture as a file</a></figcaption>\n</figure>\n",
-      esc(treeSentence(scene)), files.tree);
+      "</div>\n<figcaption>{}. <a href=\"{}\">Picture as a file</a>{}</figcaption>\n</figure>\n",
+      esc(treeSentence(scene)), files.tree, view);
 }
 
 void putEquations(std::string* page, const SceneResult& scene) {

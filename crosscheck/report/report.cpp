@@ -109,10 +109,13 @@ void inThreads(const std::vector<std::function<void()>>& tasks) {
 
 void writeReport(const CrosscheckResult& result, const Environment& environment,
                  const std::filesystem::path& folder, const std::vector<Chart>& charts,
-                 const BenchResult* bench) {
+                 const BenchResult* bench, const std::vector<std::string>& views) {
   if (!charts.empty() && charts.size() != result.scenes.size())
     throw std::invalid_argument(fmt::format("writeReport: charts: expected none or {}, got {}",
                                             result.scenes.size(), charts.size()));
+  if (!views.empty() && views.size() != result.scenes.size())
+    throw std::invalid_argument(fmt::format("writeReport: views: expected none or {}, got {}",
+                                            result.scenes.size(), views.size()));
   requireWritable(folder);
   UnfinishedFolder out(folder);
   out.write("scenes/style.gp", kStyleGnuplot);
@@ -126,6 +129,10 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
     if (const std::string svg = treeSvg(scene, SvgUse::kFile); !svg.empty()) {
       files[i].tree = scene_folder + "/tree.svg";
       out.write(files[i].tree, svg);
+    }
+    if (!views.empty() && !views[i].empty()) {
+      files[i].view = scene_folder + "/view.html";
+      out.write(files[i].view, views[i]);
     }
     if (scene.drift)
       drawings.push_back([&, i, scene_folder] { writeDrift(scene, scene_folder, out, &files[i]); });

@@ -7,6 +7,7 @@
 //     contents.txt                     which files of the folder are the report's
 //     scenes/style.gp                  the looks of the charts
 //     scenes/SCENE/tree.svg            the mechanism
+//     scenes/SCENE/view.html           its picture, which moves
 //     scenes/SCENE/drift.csv, drift_worst.csv, drift.gp, drift.svg, drift_dark.svg
 //     scenes/SCENE/speed.csv, speed.gp, speed.svg, speed_dark.svg
 //     bench/bench.csv, bench.gp, bench.svg, bench_dark.svg
@@ -29,11 +30,12 @@ namespace dynwitness::crosscheck {
     @param charts  speed against accuracy, none or one a scene. Times differ from run to run, so
       they are apart from the result, and only in scenes/SCENE/speed*
     @param bench   what a run of the benchmarks measured, for the section "Speed"; none: no section
+    @param views   pages of pictures (showPage), none or one a scene; an empty one is left out
     @throws scene::InputError   as requireWritable(), before any work
     @throws std::runtime_error  writing failed (disk full, ...); the folder is as it was before */
 void writeReport(const CrosscheckResult& result, const Environment& environment,
                  const std::filesystem::path& folder, const std::vector<Chart>& charts = {},
-                 const BenchResult* bench = nullptr);
+                 const BenchResult* bench = nullptr, const std::vector<std::string>& views = {});
 
 /** Writes bench.csv, bench.gp and, where gnuplot can, the pictures, and says where they are
     relative to `folder`.

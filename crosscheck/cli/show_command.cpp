@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness show: which q is which joint, what the links weigh, what is modelled; and the picture.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/report/show.hpp"
+#include "crosscheck/system/files.hpp"
+#include "scene/text_file.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+using crosscheck::Shown;
+
+struct Arguments {
+  std::string scene, page, format = "text";
+};
+
+/// The text of the URDF that a file is; empty: it is none.
+std::string urdfText(const std::filesystem::path& file) {
+  std::error_code error;
+  if (file.empty() || !std::filesystem::is_regular_file(file, error)) return {};
+  const std::string text = scene::readTextFile(file, "a TOML or URDF file");
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // byte order mark
+  const bool is_xml = first != std::string::npos && text[first] == '<';
+  return is_xml && text.find("<robot") != std::string::npos ? text : std::string();
+}
+
+/// The scene; a URDF that no motion can be computed of is shown as it is written, and why.
+Shown read(const std::string& name) {
+  Shown shown;
+  try {
+    shown.scene = readScene(name);
+  } catch (const scene::InputError& error) {
+    const std::string text = urdfText(name);
+    if (text.empty()) throw;
+    scene::Urdf urdf = scene::readUrdfAsWritten(text, name);
+    shown = {std::move(urdf.scene), std::move(urdf.parts), {}};
+    shown.warnings = scene::impossibleInertias(shown.scene);
+    if (shown.warnings.empty()) shown.warnings.emplace_back(error.what());
+    return shown;
+  }
+  if (const std::string text = urdfText(shown.scene.file); !text.empty())
+    shown.parts = scene::readUrdfAsWritten(text, shown.scene.file).parts;
+  return shown;
+}
+
+int run(const Arguments& arguments) {
+  crosscheck::requireWritableFile(arguments.page);
+  const Shown shown = read(arguments.scene);
+  admit(shown.scene, {crosscheck::Command::kShow});
+  for (const std::string& warning : shown.warnings)
+    tell(fmt::format("{}: {}\n", shown.scene.name, warning));
+  fmt::print("{}", arguments.format == "json" ? crosscheck::showJson(shown, DYNWITNESS_VERSION)
+                                              : crosscheck::showText(shown));
+  if (!arguments.page.empty())
+    crosscheck::writeWholeFile(
+        arguments.page, crosscheck::showPage(shown, crosscheck::viewOf(shown.scene, shown.parts),
+                                             DYNWITNESS_VERSION));
+  return 0;
+}
+
+}  // namespace
+
+Run addShow(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "show",
+      "Which q is which joint, what the links weigh, what is modelled; a picture that moves");
+  command->add_option("scene", arguments->scene, "Scene")->required();
+  command->add_option("-o,--output", arguments->page,
+                      "Write the picture: one HTML file that needs no network");
+  command->add_option("--format", arguments->format, "What is printed: text or json")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  dynwitness show puma_560\n"
+      "  dynwitness show my_arm.urdf -o my_arm.html\n"
+      "A URDF that other commands refuse (inertias of no body, massless tips) is shown as it is\n"
+      "written, with the reason.");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli

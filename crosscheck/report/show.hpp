@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What `dynwitness show` says of a scene, for people and for programs: which q is which joint, what
+// the links weigh, and what is modelled.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crosscheck/report/view.hpp"
+#include "scene/scene.hpp"
+#include "scene/urdf.hpp"
+
+namespace dynwitness::crosscheck {
+
+struct Shown {
+  scene::Scene scene;
+  std::vector<scene::UrdfPart> parts = {};  ///< of a URDF, one a link: its limits; or none
+  std::vector<std::string> warnings = {};   ///< why other commands refuse the scene
+};
+
+/// Aligned tables: joints in the order of q, links, what else is modelled and what is not.
+std::string showText(const Shown& shown);
+/// Follows show.schema.json.
+std::string showJson(const Shown& shown, const std::string& version);
+/// The picture with the same tables.
+std::string showPage(const Shown& shown, const View& view, const std::string& version);
+
+}  // namespace dynwitness::crosscheck
