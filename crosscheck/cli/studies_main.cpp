@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dynwitness-studies: parameters and the studies of one scene, in a program of their own (front.hpp).
+// dynwitness-studies: parameters and the studies of one scene, a program of their own (front.hpp).
 #include "crosscheck/cli/front.hpp"
 
 int main(int argc, char** argv) {

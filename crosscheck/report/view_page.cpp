@@ -258,8 +258,7 @@ std::string viewPage(const View& view, const std::string& version, const std::st
       title, -kWidth / 2, -kHeight / 2, kWidth, kHeight, viewSvg(view));
   page += "<figcaption>\n";
   if (!view.closures.empty())
-    page +=
-        "<p id=\"gap\">Closures are lines between what they hold together.</p>\n";
+    page += "<p id=\"gap\">Closures are lines between what they hold together.</p>\n";
   page +=
       "<p id=\"keys\" class=\"keys\">Orbit: drag, or arrow keys. Zoom: wheel, two fingers, + and -. "
       "Pan: Shift with either. 0: as at first.</p>\n" +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files that are nearly right, thousands of them: each is refused in words or read, and what is read
-// is written and read again as the same scene. Under the sanitizers, too (label ground_floor).
+// Files that are nearly right, thousands of them: each is refused in words or read, and what is
+// read is written and read again as the same scene. Under the sanitizers, too (ground_floor).
 //
 // DYNWITNESS_MUTATIONS=FIRST-LAST asks for those numbers instead of the usual ones: a failure names
 // its own, and a night may be asked for.
