@@ -327,7 +327,7 @@ BOOST_AUTO_TEST_CASE(a_pair_of_mistakes_is_named) {
   }
 }
 
-// Forward dynamics that forgets M qdd would solve nothing: whoever leaves it out of tau has it there.
+// Forward dynamics without M qdd would solve nothing: whoever leaves it out of tau has it there.
 BOOST_AUTO_TEST_CASE(accelerations_ignored_in_tau_are_not_ignored_where_qdd_is_solved_for) {
   const Formula ignored = ofTau(
       [](const auto&, const auto& c, const auto& rest) -> Eigen::MatrixXd { return c + rest; });
