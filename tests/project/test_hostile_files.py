@@ -271,7 +271,8 @@ def unwritable():
                   ('impulse', 'chain_100', '--impulse', '1,0,0', '--json'), ('impedance', 'chain_100', '--json'),
                   ('same', 'chain_100', 'chain_100', '--json'), ('readers', 'none.urdf', '--json'),
                   ('readers', 'none.urdf', '--mend'), ('readers', 'none.urdf', '--html'), ('readers', 'none.urdf', '--plain'),
-                  ('drift', 'chain_100', '--csv'), ('drift', 'chain_100', '--plot'), ('simulate', 'chain_100', '--json')]:
+                  ('drift', 'chain_100', '--csv'), ('drift', 'chain_100', '--plot'), ('simulate', 'chain_100', '--json'),
+                  ('simulate', 'chain_100', '--view'), ('show', 'chain_100', '-o')]:
         refuses('file/below', *words, 'file/below', seconds=5)
         refuses('/proc/none', *words, '/proc/none', seconds=5)
 
