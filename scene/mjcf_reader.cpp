@@ -270,7 +270,7 @@ class Said {
     return out;
   }
   std::string word(const char* key, const std::string& otherwise, Names allowed) const {
-    const std::string found = text(key, otherwise);
+    std::string found = text(key, otherwise);
     if (isOneOf(found, allowed)) return found;
     std::string list;
     for (const char* name : allowed) list += (list.empty() ? "" : ", ") + std::string(name);
