@@ -270,7 +270,7 @@ class Said {
     return out;
   }
   std::string word(const char* key, const std::string& otherwise, Names allowed) const {
-    const std::string found = text(key, otherwise);
+    std::string found = text(key, otherwise);
     if (isOneOf(found, allowed)) return found;
     std::string list;
     for (const char* name : allowed) list += (list.empty() ? "" : ", ") + std::string(name);
@@ -407,7 +407,7 @@ class MjcfReader {
 
   Number angle(const Number& n) const { return in_degrees_ ? ofDegrees(n) : angleOf(n); }
   Turn turn(const Said& said) const;
-  Turn eulerTurn(const std::vector<Number>& angles, const SourceLocation& where) const;
+  Turn eulerTurn(const std::vector<Number>& given, const SourceLocation& where) const;
   const Class& classOf(const Said& said, const Class& otherwise) const;
   std::string unusedName(std::set<std::string>* taken, const std::string& base) const;
 
@@ -1025,7 +1025,7 @@ MjcfReader::Carrier MjcfReader::readBody(const Node& node, const Carrier& parent
   const bool rests = parent.rests && !has_joint;
   bool is_known = true;
   const MassProperties inertia = readInertia(node, *defaults, rests, &is_known);
-  const Carrier carrier = readJoints(node, parent, defaults, name, inertia, is_known);
+  Carrier carrier = readJoints(node, parent, defaults, name, inertia, is_known);
   if (said.flag("mocap", false)) {
     if (!rests)
       said.fail("mocap", "is true, and it moves, allowed: a body that rests in the world");

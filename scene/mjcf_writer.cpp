@@ -30,9 +30,8 @@ using written::Vector3;
 constexpr int kMostBodies = 497;
 
 bool isMassless(const MassProperties& m, const Numbers& number) {
-  for (const Number* n : {&m.mass, &m.xx, &m.yy, &m.zz, &m.xy, &m.xz, &m.yz})
-    if (number(*n) != 0) return false;
-  return true;
+  const auto all = {&m.mass, &m.xx, &m.yy, &m.zz, &m.xy, &m.xz, &m.yz};
+  return std::all_of(all.begin(), all.end(), [&](const Number* n) { return number(*n) == 0; });
 }
 
 /// A unit quaternion (w, x, y, z) of a rotation, from its largest component.
