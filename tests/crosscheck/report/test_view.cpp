@@ -74,7 +74,6 @@ std::vector<Case> cases() {
 }
 
 /// What frames in a row may round, each a few products and sums of lengths up to the largest.
-/// Measured worst, over all cases: a tenth of it.
 double limitOf(const Case& one) {
   return 32 * std::numeric_limits<double>::epsilon() * one.size *
          static_cast<double>(1 + one.R.size());
