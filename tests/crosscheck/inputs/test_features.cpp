@@ -223,32 +223,34 @@ Call callOf(Command command) {
   return {};
 }
 
-/// A right engine that knows every feature: `evaluate`. tau belongs to trees alone.
-const std::string kEngine =
-    "import subprocess, sys\n"
-    "sys.path.insert(0, '" DYNWITNESS_DATA_DIR
-    "/engines')\n"
-    "import dynwitness_engine\n"
-    "def engine(scene):\n"
-    "    open('asked', 'w').write(scene['toml'])\n"
-    "    def ask(quantity, **parts):\n"
-    "        names = ['%s%d' % (name, i + 1) for name in parts for i in range(len(parts[name]))]\n"
-    "        row = [repr(x) for part in parts.values() for x in part]\n"
-    "        said = subprocess.run(['" DYNWITNESS_PROGRAM
-    "', 'evaluate', 'asked', '--states', '-',\n"
-    "                               '--quantity', quantity], input=','.join(names) + '\\n' + "
-    "','.join(row) + '\\n',\n"
-    "                              capture_output=True, text=True, check=True).stdout\n"
-    "        return [float(x) for x in said.splitlines()[1].split(',')]\n"
-    "    says = {'c': lambda q, qd: ask('c', q=q, qd=qd), 'g': lambda q: ask('g', q=q),\n"
-    "            'tau': lambda q, qd, qdd: ask('tau', q=q, qd=qd, qdd=qdd)}\n"
-    "    try:\n"
-    "        zeros = [0.0] * scene['dof']\n"
-    "        says['tau']([1.0] * scene['positions'], zeros, zeros)\n"
-    "    except subprocess.CalledProcessError:\n"
-    "        del says['tau']\n"
-    "    return says\n"
-    "dynwitness_engine.testify(engine)\n";
+/// A right engine that knows every feature: `evaluate`, once for all states of a batch. tau belongs
+/// to trees alone.
+const char* const kEngine = R"(import json, subprocess, sys
+PARTS = {'c': ['q', 'qd'], 'g': ['q'], 'tau': ['q', 'qd', 'qdd']}
+def ask(quantity, states):
+    names = ['%s%d' % (part, i + 1) for part in PARTS[quantity] for i in range(len(states[0][part]))]
+    rows = [[repr(x) for part in PARTS[quantity] for x in state[part]] for state in states]
+    said = subprocess.run([')" DYNWITNESS_PROGRAM
+                            R"(', 'evaluate', 'asked', '--states', '-', '--quantity', quantity],
+                          input='\n'.join(','.join(row) for row in [names] + rows) + '\n',
+                          capture_output=True, text=True, check=True).stdout
+    return [[float(x) for x in line.split(',')] for line in said.splitlines()[1:]]
+for line in sys.stdin:
+    asked = json.loads(line)
+    if 'scene' in asked:
+        scene, known = asked['scene'], ['c', 'g', 'tau']
+        open('asked', 'w').write(scene['toml'])
+        zeros = [0.0] * scene['dof']
+        try:
+            ask('tau', [{'q': [1.0] * scene['positions'], 'qd': zeros, 'qdd': zeros}])
+        except subprocess.CalledProcessError:
+            known.remove('tau')
+        print(json.dumps({'protocol': 1, 'quantities': known}), flush=True)
+        continue
+    said = {quantity: ask(quantity, asked['states']) for quantity in asked['quantities']}
+    answers = [{quantity: said[quantity][k] for quantity in said} for k in range(len(asked['states']))]
+    print(json.dumps({'batch': asked['batch'], 'answers': answers}), flush=True)
+)";
 
 /// Another one, in a cell that hides the program.
 const std::string kSubmission = "import stranger\nstranger.main([])\n";
