@@ -233,6 +233,16 @@ std::string viewSvg(const View& view) {
     still.line(places.link[static_cast<std::size_t>(pair.link_a)] * pair.a.translation(),
                places.link[static_cast<std::size_t>(pair.link_b)] * pair.b.translation(), type);
   };
+  const auto drawArm = [&](int link, const Isometry3d& end) {
+    const auto i = static_cast<std::size_t>(link);
+    if (view.links[i].parent >= 0)
+      still.line(places.link[i].translation(), places.link[i] * end.translation(), "link");
+  };
+  for (const auto* pairs : {&view.closures, &view.springs})
+    for (const ViewPair& pair : *pairs) {
+      drawArm(pair.link_a, pair.a);
+      drawArm(pair.link_b, pair.b);
+    }
   for (const ViewPair& pair : view.closures)
     drawPair(pair, pair.kind == "distance" ? "rod" : "gap");
   for (const ViewPair& pair : view.springs) drawPair(pair, "spring");
@@ -258,8 +268,7 @@ std::string viewPage(const View& view, const std::string& version, const std::st
       title, -kWidth / 2, -kHeight / 2, kWidth, kHeight, viewSvg(view));
   page += "<figcaption>\n";
   if (!view.closures.empty())
-    page +=
-        "<p id=\"gap\">Closures are lines between what they hold together.</p>\n";
+    page += "<p id=\"gap\">Closures are lines between what they hold together.</p>\n";
   page +=
       "<p id=\"keys\" class=\"keys\">Orbit: drag, or arrow keys. Zoom: wheel, two fingers, + and -. "
       "Pan: Shift with either. 0: as at first.</p>\n" +

@@ -56,7 +56,7 @@ USE = r"""
   if (sliders.length !== own) wrong.push(`${sliders.length} sliders for ${own} positions`);
   sliders.slice(0, 12).forEach(slider => {
     // w of a quaternion whose others are 0 turns nothing, whatever it is
-    if (!slider.previousElementSibling.textContent.endsWith('.w')) changes(`slider of ${slider.previousElementSibling.textContent}`, () => {
+    if (!slider.parentElement.querySelector('label').textContent.endsWith('.w')) changes(`slider of ${slider.parentElement.querySelector('label').textContent}`, () => {
       slider.value = 0.37 * slider.max + 0.63 * slider.min;
       slider.dispatchEvent(new Event('input'));
     });
