@@ -213,6 +213,12 @@ function draw(scene, placed, view, show) {
       drawing.spot(com[i], 3.5, body.who ? 'com read' : 'com',
                    `centre of mass of ${scene.links[body.link].name}${body.who ? `, as ${body.who} reads it` : ''}`);
     });
+  if (show.links)
+    for (const pair of [...scene.closures, ...scene.springs])
+      for (const end of [pair.a, pair.b]) {
+        const f = placed.link[end.link];
+        if (scene.links[end.link].parent >= 0) drawing.line(originOf(f), pointOf(f, originOf(end.frame)), 'link');
+      }
   for (const closure of scene.closures)
     drawing.line(pointOf(placed.link[closure.a.link], originOf(closure.a.frame)),
                  pointOf(placed.link[closure.b.link], originOf(closure.b.frame)),
@@ -376,7 +382,7 @@ function start(scene) {
     const limits = slot.limited ? make('small', {}, `${+slot.lower.toPrecision(4)} to ${+slot.upper.toPrecision(4)} ${slot.unit}`)
       : '';
     byId('sliders').append(make('div', {class: 'slider'},
-      make('label', {for: `slot${k}`}, make('b', {}, slot.name), ` ${slot.label}`), input, output, limits));
+      make('label', {for: `slot${k}`}, make('b', {}, slot.name), ` ${slot.label}`), output, input, limits));
     rows.push([slot, input, output, k]);
     input.addEventListener('input', () => {
       stop();

@@ -233,6 +233,16 @@ std::string viewSvg(const View& view) {
     still.line(places.link[static_cast<std::size_t>(pair.link_a)] * pair.a.translation(),
                places.link[static_cast<std::size_t>(pair.link_b)] * pair.b.translation(), type);
   };
+  const auto drawArm = [&](int link, const Isometry3d& end) {
+    const auto i = static_cast<std::size_t>(link);
+    if (view.links[i].parent >= 0)
+      still.line(places.link[i].translation(), places.link[i] * end.translation(), "link");
+  };
+  for (const auto* pairs : {&view.closures, &view.springs})
+    for (const ViewPair& pair : *pairs) {
+      drawArm(pair.link_a, pair.a);
+      drawArm(pair.link_b, pair.b);
+    }
   for (const ViewPair& pair : view.closures)
     drawPair(pair, pair.kind == "distance" ? "rod" : "gap");
   for (const ViewPair& pair : view.springs) drawPair(pair, "spring");
