@@ -228,7 +228,8 @@ Call callOf(Command command) {
 const char* const kEngine = R"(import json, subprocess, sys
 PARTS = {'c': ['q', 'qd'], 'g': ['q'], 'tau': ['q', 'qd', 'qdd']}
 def ask(quantity, states):
-    names = ['%s%d' % (part, i + 1) for part in PARTS[quantity] for i in range(len(states[0][part]))]
+    width = {part: range(len(states[0][part])) for part in PARTS[quantity]}
+    names = ['%s%d' % (part, i + 1) for part in PARTS[quantity] for i in width[part]]
     rows = [[repr(x) for part in PARTS[quantity] for x in state[part]] for state in states]
     said = subprocess.run([')" DYNWITNESS_PROGRAM
                             R"(', 'evaluate', 'asked', '--states', '-', '--quantity', quantity],
@@ -248,7 +249,8 @@ for line in sys.stdin:
         print(json.dumps({'protocol': 1, 'quantities': known}), flush=True)
         continue
     said = {quantity: ask(quantity, asked['states']) for quantity in asked['quantities']}
-    answers = [{quantity: said[quantity][k] for quantity in said} for k in range(len(asked['states']))]
+    count = range(len(asked['states']))
+    answers = [{quantity: said[quantity][k] for quantity in said} for k in count]
     print(json.dumps({'batch': asked['batch'], 'answers': answers}), flush=True)
 )";
 
