@@ -11,6 +11,7 @@
 #include "recursive/newton_euler.hpp"
 #include "recursive/reactions.hpp"
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a type and a word stand where no parenthesis may
 /// @param PREFIX  extern: compiled elsewhere; empty: compiled here
 #define DYNWITNESS_SWEEPS(PREFIX, T)                                                             \
   PREFIX template void inverseDynamics<T>(const Model<T>&, const std::vector<JointPosition<T>>&, \
@@ -32,3 +33,4 @@
 #define DYNWITNESS_MODELS(PREFIX, T, NUMBERS)                                              \
   PREFIX template Model<T> buildModel<NUMBERS, T>(const scene::Mechanism&, const NUMBERS&, \
                                                   FixedJoints)
+// NOLINTEND(bugprone-macro-parentheses)
