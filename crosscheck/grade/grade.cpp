@@ -70,7 +70,10 @@ std::vector<fs::path> hiddenBy(const GradeOptions& options, const Rubric& rubric
     hidden.push_back(fs::absolute(path));
   std::error_code none;
   const fs::path self = fs::read_symlink("/proc/self/exe", none);
-  for (const char* name : {"", "-audit", "-growth"}) hidden.push_back(self.string() + name);
+  hidden.push_back(self);
+  for (const auto& beside : fs::directory_iterator(self.parent_path(), none))  // our other programs
+    if (beside.path().filename().string().rfind("dynwitness", 0) == 0)
+      hidden.push_back(beside.path());
   // kernels of scenes, wherever they are kept
   for (const auto& [variable, below] :
        {std::pair("DYNWITNESS_CACHE", ""), std::pair("XDG_CACHE_HOME", "dynwitness"),
