@@ -11,8 +11,7 @@
 #include "recursive/newton_euler.hpp"
 #include "recursive/reactions.hpp"
 
-// NOLINTBEGIN(bugprone-macro-parentheses): a type and a word stand where no parenthesis may
-/// @param PREFIX  extern: compiled elsewhere; empty: compiled here
+// NOLINTBEGIN(bugprone-macro-parentheses) PREFIX extern: compiled elsewhere; empty: here
 #define DYNWITNESS_SWEEPS(PREFIX, T)                                                             \
   PREFIX template void inverseDynamics<T>(const Model<T>&, const std::vector<JointPosition<T>>&, \
                                           const std::vector<T>&, const std::vector<T>&,          \

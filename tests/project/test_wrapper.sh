@@ -35,6 +35,7 @@ file(GLOB sources CONFIGURE_DEPENDS *.cpp)
 add_executable(dynwitness_cli ${sources})
 set_target_properties(dynwitness_cli PROPERTIES OUTPUT_NAME dynwitness)
 add_executable(dynwitness_benchmarks main.cpp)
+add_custom_target(dynwitness_readers_program)
 enable_testing()
 add_test(NAME passes COMMAND dynwitness_cli exit 0)
 END
