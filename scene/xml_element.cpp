@@ -175,7 +175,8 @@ std::vector<Element> Element::children() const {
 
 std::string Element::optionalAttribute(const char* key) const {
   const char* text = xml_->Attribute(key);
-  if (text != nullptr && !isUtf8(text)) fail(std::string(key) + " is not UTF-8, allowed: text in UTF-8");
+  if (text != nullptr && !isUtf8(text))
+    fail(std::string(key) + " is not UTF-8, allowed: text in UTF-8");
   return text ? text : "";
 }
 
