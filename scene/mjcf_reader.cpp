@@ -28,6 +28,7 @@
 #include "scene/numbers.hpp"
 #include "scene/rational_geometry.hpp"
 #include "scene/text_file.hpp"
+#include "scene/turn.hpp"
 #include "scene/work.hpp"
 #include "scene/xml_element.hpp"
 
@@ -104,13 +105,7 @@ Number ofDegrees(const Number& degrees) {
 
 Matrix3 turnAbout(int axis, const Number& angle) {
   static const Mechanism none;
-  const CosSin<Real> a = RealNumbers<Real>(none).angle(angle);  // quarter turns exactly
-  const int y = (axis + 1) % 3, z = (axis + 2) % 3;
-  Matrix3 R = Matrix3::Identity();
-  R(y, y) = R(z, z) = a.c;
-  R(z, y) = a.s;
-  R(y, z) = -a.s;
-  return R;
+  return turnAbout(axis, RealNumbers<Real>(none).angle(angle));  // quarter turns exactly
 }
 
 /** R = 1 + 2 (w [v]x + [v]x^2) / (q'q), for a quaternion q = (w, v) of any length but 0. */

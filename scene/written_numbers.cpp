@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/written_numbers.hpp"
+#include "scene/turn.hpp"
 
 #include <tinyxml.h>
 
@@ -28,18 +29,9 @@ Vector3 vector(const Vector& v, const Numbers& number) {
   return {number(v[0]), number(v[1]), number(v[2])};
 }
 
-Matrix3 turn(const CosSin<Real>& a, int axis) {
-  const int y = (axis + 1) % 3, z = (axis + 2) % 3;
-  Matrix3 R = Matrix3::Identity();
-  R(y, y) = R(z, z) = a.c;
-  R(z, y) = a.s;
-  R(y, z) = -a.s;
-  return R;
-}
-
 Matrix3 turn(const Vector& rpy, const Numbers& number) {
-  return turn(number.angle(rpy[2]), 2) * turn(number.angle(rpy[1]), 1) *
-         turn(number.angle(rpy[0]), 0);
+  return turnAbout(2, number.angle(rpy[2])) * turnAbout(1, number.angle(rpy[1])) *
+         turnAbout(0, number.angle(rpy[0]));
 }
 
 Vector3 rollPitchYaw(const Matrix3& R) {
@@ -58,7 +50,7 @@ Frame frameOf(const std::vector<Step>& steps, const Numbers& number) {
       out.size += d.lpNorm<1>();
     } else {
       const int axis = static_cast<int>(step.kind) - static_cast<int>(Step::Kind::kRotateX);
-      out.R = out.R * turn(number.angle(step.angle), axis);
+      out.R = out.R * turnAbout(axis, number.angle(step.angle));
     }
   }
   out.p = out.p.unaryExpr([&](const Real& x) { return settled(x, out.size); }).eval();

@@ -33,7 +33,6 @@ std::string escaped(const std::string& name);
 Vector3 vector(const Vector& v, const Numbers& number);
 /// R = Rz(yaw) Ry(pitch) Rx(roll)
 Matrix3 turn(const Vector& rpy, const Numbers& number);
-Matrix3 turn(const CosSin<Real>& a, int axis);
 
 /** Roll, pitch and yaw of R = Rz(yaw) Ry(pitch) Rx(roll). Roll is read off Rz(-yaw) R, so the three
     give R again also where the pitch is a right angle and yaw alone is undetermined. */

@@ -20,6 +20,7 @@
 #include <cmath>
 #include <map>
 
+#include "crosscheck/readers/one_line.hpp"
 #include "crosscheck/witnesses/hushed.hpp"
 #endif
 
@@ -31,18 +32,6 @@ namespace {
 using dart::dynamics::BodyNode;
 using dart::dynamics::SkeletonPtr;
 namespace joints = dart::dynamics;
-
-/// One line, without the codes that colour it.
-std::string inOneLine(const std::string& text) {
-  std::string out;
-  bool in_code = false;
-  for (const char c : text) {
-    if (c == '\x1b') in_code = true;
-    if (!in_code) out += c == '\n' ? ' ' : c;
-    if (c == 'm') in_code = false;
-  }
-  return out;
-}
 
 /// @return false: a joint that does not move
 bool readJoint(const joints::Joint& joint, ReadBody* out) {

@@ -14,6 +14,7 @@
 #include "crosscheck/report/text.hpp"
 #include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
+#include "scene/turn.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -33,17 +34,8 @@ Vector3d vectorOf(const scene::Vector& v, const Numbers& number) {
   return {number(v[0]), number(v[1]), number(v[2])};
 }
 
-Matrix3d turnOf(const scene::CosSin<double>& angle, int axis) {
-  const int j = (axis + 1) % 3, k = (axis + 2) % 3;
-  Matrix3d R = Matrix3d::Identity();
-  R(j, j) = R(k, k) = angle.c;
-  R(k, j) = angle.s;
-  R(j, k) = -angle.s;
-  return R;
-}
-
 Matrix3d turnOf(double angle, int axis) {
-  return turnOf(scene::CosSin<double>{std::cos(angle), std::sin(angle)}, axis);
+  return scene::turnAbout(axis, scene::CosSin<double>{std::cos(angle), std::sin(angle)});
 }
 
 Isometry3d frameOf(const std::vector<scene::Step>& steps, const Numbers& number) {
@@ -53,9 +45,10 @@ Isometry3d frameOf(const std::vector<scene::Step>& steps, const Numbers& number)
     if (step.kind == Kind::kTranslate)
       frame.translate(vectorOf(step.translation, number));
     else
-      frame.rotate(turnOf(number.angle(step.angle), step.kind == Kind::kRotateX   ? 0
-                                                    : step.kind == Kind::kRotateY ? 1
-                                                                                  : 2));
+      frame.rotate(scene::turnAbout(step.kind == Kind::kRotateX   ? 0
+                                    : step.kind == Kind::kRotateY ? 1
+                                                                  : 2,
+                                    number.angle(step.angle)));
   return frame;
 }
 
@@ -63,7 +56,7 @@ Isometry3d frameOf(const std::vector<scene::Step>& steps, const Numbers& number)
 Isometry3d axesOf(const scene::Vector& axis, const Numbers& number) {
   const scene::AxisTurn<double> turn = number.axisTurn(axis);
   Isometry3d axes = Isometry3d::Identity();
-  axes.rotate(turnOf(turn.alpha, 2) * turnOf(turn.beta, 1));
+  axes.rotate(scene::turnAbout(2, turn.alpha) * scene::turnAbout(1, turn.beta));
   return axes;
 }
 
@@ -72,8 +65,9 @@ ViewBody bodyOf(int link, const scene::MassProperties& m, const Numbers& number)
   body.link = link;
   body.mass = number(m.mass);
   body.com = vectorOf(m.com, number);
-  const Matrix3d R = turnOf(number.angle(m.rpy[2]), 2) * turnOf(number.angle(m.rpy[1]), 1) *
-                     turnOf(number.angle(m.rpy[0]), 0);
+  const Matrix3d R = scene::turnAbout(2, number.angle(m.rpy[2])) *
+                     scene::turnAbout(1, number.angle(m.rpy[1])) *
+                     scene::turnAbout(0, number.angle(m.rpy[0]));
   Matrix3d I;
   const double xy = number(m.xy), xz = number(m.xz), yz = number(m.yz);
   I << number(m.xx), xy, xz, xy, number(m.yy), yz, xz, yz, number(m.zz);

@@ -7,6 +7,7 @@
 
 #include <sdf/sdf.hh>
 
+#include "crosscheck/readers/one_line.hpp"
 #include "crosscheck/readers/programs/shown.hpp"
 #include "data/engines/dynwitness_engine.hpp"
 
@@ -27,16 +28,10 @@ Eigen::Isometry3d frame(const ignition::math::Pose3d& pose) {
   return X;
 }
 
-/// Its first words, without the colours and the places in its sources.
-std::string inOneLine(const std::string& text) {
+/// One line of 300 characters at the most.
+std::string firstWords(const std::string& text) {
   constexpr std::size_t kMost = 300;
-  std::string out;
-  bool in_code = false;
-  for (const char c : text) {
-    if (c == '\x1b') in_code = true;
-    if (!in_code) out += c == '\n' ? ' ' : c;
-    if (c == 'm') in_code = false;
-  }
+  std::string out = dynwitness::inOneLine(text);
   const std::size_t end = out.find_last_not_of(' ');
   out.resize(end == std::string::npos ? 0 : end + 1);
   return out.size() > kMost ? out.substr(0, kMost) + "..." : out;
@@ -147,7 +142,7 @@ int main() {
     const sdf::Errors errors =
         root.LoadSdfString(dynwitness::programs::textOf(scene["file"].text()));
     std::cerr.rdbuf(before);
-    const std::string warned = inOneLine(warnings.str());
+    const std::string warned = firstWords(warnings.str());
     const sdf::Model* model = root.Model();
     if (!errors.empty() || !model) {
       std::string why = errors.empty() ? "no model comes of it" : errors.front().Message();
