@@ -7,7 +7,7 @@
 
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/verdicts/claims.hpp"
-#include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/coupled.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -39,10 +39,11 @@ scene::State<double> Hearing::drawn(int index) const {
 /// What it says besides quantities, with what it says wrongly as remarks: those come first, since a
 /// model that differs explains what follows from it.
 std::vector<CheckResult> Hearing::claimsOf(OutsideClaims& claims, const std::string& witness,
+                                           const PreparedScene& scene,
                                            const std::vector<scene::State<double>>& states) {
   std::vector<CheckResult> checks;
   try {
-    checks = judgeClaims(claims, witness, scene_, states);
+    checks = judgeClaims(claims, witness, scene, states);
   } catch (const std::runtime_error& failure) {
     remarks_.emplace_back(witness, failure.what());  // and so will every quantity say
     return {};
@@ -76,9 +77,13 @@ std::vector<CheckResult> Hearing::dismissRefused() {
       continue;
     }
     Witness* const witness = (*seat.witness).get();
-    if (auto* outside = dynamic_cast<OutsideWitness*>(witness)) {
+    // where joints follow others, a program knows the tree alone, and is heard about that
+    const auto* const over = dynamic_cast<const OverTree*>(witness);
+    Witness* const asked = over ? &over->ofTree() : witness;
+    if (auto* outside = dynamic_cast<OutsideWitness*>(asked)) {
       std::vector<scene::State<double>> states;
-      for (int k = 0; k < options_.states; ++k) states.push_back(drawn(k));
+      for (int k = 0; k < options_.states; ++k)
+        states.push_back(over ? over->onTree(drawn(k)) : drawn(k));
       if (const std::string failure = outside->askedAhead(states); !failure.empty()) {
         refusals.push_back(refusal(CheckKind::kWitness, seat.name, "testifies", failure));
         CheckResult& check = refusals.back();
@@ -88,8 +93,9 @@ std::vector<CheckResult> Hearing::dismissRefused() {
         remarks_.emplace_back(seat.name, failure);
         continue;
       }
-      if (auto* claims = dynamic_cast<OutsideClaims*>(witness))
-        for (CheckResult& check : claimsOf(*claims, seat.name, states))
+      if (auto* claims = dynamic_cast<OutsideClaims*>(asked))
+        for (CheckResult& check :
+             claimsOf(*claims, seat.name, over ? scene_.tree() : scene_, states))
           refusals.push_back(std::move(check));
       for (const std::string& remark : outside->remarks()) remarks_.emplace_back(seat.name, remark);
     }

@@ -67,6 +67,7 @@ class Hearing {
   };
   scene::State<double> drawn(int index) const;
   std::vector<CheckResult> claimsOf(OutsideClaims& claims, const std::string& witness,
+                                    const PreparedScene& scene,
                                     const std::vector<scene::State<double>>& states);
 
   PreparedScene scene_;

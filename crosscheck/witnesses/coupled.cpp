@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
@@ -13,15 +15,31 @@ namespace {
     enter as RunningError, with what the witness says of their error and with what the rounding of
     the tree's state (positions, rates and accelerations of followers) does to them, which our sweep
     of the tree tells. */
-class OverTree : public Witness {
+class Summed : public OverTree {
  public:
-  OverTree(std::unique_ptr<Witness> of_tree, const PreparedScene& scene)
+  Summed(std::unique_ptr<Witness> of_tree, const PreparedScene& scene)
       : of_tree_(std::move(of_tree)),
         mechanism_(scene.mechanism()),
         in_double_(mechanism_, scene::RealNumbers<double>(mechanism_)),
         with_bounds_(mechanism_, RunningErrorNumbers(mechanism_)),
         tree_(scene.tree()) {}
 
+  Witness& ofTree() const override { return *of_tree_; }
+  scene::State<double> onTree(const scene::State<double>& state) const override {
+    return in_double_.onTree(state);
+  }
+  std::vector<std::pair<Quantity, std::string>> leftOut() const override {
+    std::vector<std::pair<Quantity, std::string>> out;
+    if (const auto* partial = dynamic_cast<const PartialWitness*>(of_tree_.get()))
+      for (auto& [quantity, reason] : partial->leftOut())
+        if (quantity != Quantity::kQdd) out.emplace_back(quantity, std::move(reason));
+    if (!answers(Quantity::kQdd))
+      out.emplace_back(Quantity::kQdd,
+                       fmt::format("where joints follow others qdd is solved from M and tau of the "
+                                   "tree, and {} does not answer both",
+                                   name()));
+    return out;
+  }
   const std::string& name() const override { return of_tree_->name(); }
   bool answers(Quantity quantity) const override {
     if (quantity != Quantity::kQdd) return of_tree_->answers(quantity);
@@ -89,7 +107,7 @@ WitnessKind overTree(WitnessKind kind) {
     if (!scene.mechanism().hasMimics()) return make(scene);
     MadeWitness of_tree = make(scene.tree());
     if (of_tree.isRefused()) return of_tree;
-    return std::make_unique<OverTree>(std::move(of_tree).value(), scene);
+    return std::make_unique<Summed>(std::move(of_tree).value(), scene);
   };
   return kind;
 }

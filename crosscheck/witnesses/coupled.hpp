@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "crosscheck/witnesses/bounded_answer.hpp"
+#include "crosscheck/witnesses/optional_engine.hpp"
 #include "recursive/factorization.hpp"
 #include "scene/mimic.hpp"
 
@@ -36,9 +37,9 @@ class Coupling {
     }
   }
 
-  /// The tree's state; its tau is none.
+  /// The tree's state; its tau, which is a question to nobody there, is 0.
   scene::State<T> onTree(const scene::State<T>& state) const {
-    return {state.x, expanded(state.qd), expanded(state.qdd), {}};
+    return {state.x, expanded(state.qd), expanded(state.qdd), std::vector<T>(rates_.size(), T(0))};
   }
 
   /// @param ask  ask(quantity, state of the tree): the tree's answer; of M and tau for qdd
@@ -88,6 +89,13 @@ class Coupling {
 
   int dof_;
   std::vector<Rate> rates_;  ///< by rate of the tree
+};
+
+/// A witness that is asked about the tree with all joints let go; what it said is put together here.
+class OverTree : public PartialWitness {
+ public:
+  virtual Witness& ofTree() const = 0;
+  virtual scene::State<double> onTree(const scene::State<double>& state) const = 0;
 };
 
 /// The kind for mechanisms where joints follow others as well: its witness is asked about the tree,

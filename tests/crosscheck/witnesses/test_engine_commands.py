@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What commands make of a program of the user's: right ones answer the same in batches and one by one, and what
 a hostile one does is never a failure of ours (status 3). Usage: test_engine_commands.py DYNWITNESS"""
+import json
 import os
 import subprocess
 import sys
@@ -83,6 +84,34 @@ for name, (text, expected) in hostile.items():
             assert "engine_1" in said + out, (name, command, said)
 status, out, said = run("check", "simple_pendulum", "--engine", script("mute", answering("'not today'")))
 assert "FAILED: nothing that it says could be judged: M: at state 0: engine_1 has no M: not today" in out, out
+
+# where joints follow others a program is heard about the tree: its model and its Jacobian too, and what it does not
+# answer is told
+def heard_of_gripper(name, *changes):
+    with open(os.path.join(ENGINES, "open_chain.py")) as file:
+        text = file.read()
+    for old, new in changes:
+        assert text.count(old) == 1, (name, old)
+        text = text.replace(old, new)
+    report = os.path.join(FOLDER.name, name)
+    status, out, said = run("crosscheck", "gripper", "--states", "2", "--no-drift", "--no-charts", "--witness",
+                            "newton_euler,composite_body", "--report", report, "--engine",
+                            "PYTHONPATH=" + ENGINES + " " + script(name, text))
+    with open(os.path.join(report, "report.json")) as file:
+        checks = json.load(file)["scenes"][0]["checks"]
+    return status, out, {check["quantity"]: check["verdict"] for check in checks
+                         if check["quantity"] in ("model", "jacobian") or "does not know" in check.get("reason", "")}
+
+
+status, out, heard = heard_of_gripper("right")
+assert status == 0 and heard == {"model": "agree", "jacobian": "agree", "momentum": "not answerable"}, (heard, out)
+status, out, heard = heard_of_gripper("heavier", ("return [{key: link[key] for",
+                                                  "links[3]['com'][0] += 1e-9\n        return [{key: link[key] for"))
+assert status == 1 and heard["model"] == "disagree" and heard["jacobian"] == "agree", (heard, out)
+status, out, heard = heard_of_gripper("mirrored", ("column = cross(z, arm)", "column = cross(arm, z)"))
+assert status == 1 and heard["model"] == "agree" and heard["jacobian"] == "disagree", (heard, out)
+status, out, heard = heard_of_gripper("no_M", ('{"M": M, "c"', '{"c"'))
+assert status == 0 and heard["M"] == "not answerable" and "qdd is solved from M and tau" in out, (heard, out)
 
 # a chart has the program's time and error, or why not
 status, out, said = run("chart", "double_pendulum", "--states", "40", "--witness", "newton_euler", "--engine",
