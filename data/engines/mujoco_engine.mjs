@@ -29,6 +29,31 @@ const product = (A, B) => A.map(row => times(transposed(B), row));
 const plus = (a, b) => a.map((x, k) => x + b[k]);
 const kIdentity = {R: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], p: [0, 0, 0]};
 const after = (X, Y) => ({R: product(X.R, Y.R), p: plus(X.p, times(X.R, Y.p))});
+const inverse = X => ({R: transposed(X.R), p: times(transposed(X.R), X.p).map(x => -x)});
+const column = (x, k, n) => Array.from(x.slice(n * k, n * k + n));
+/** What fill(buffers...) leaves in buffers of these sizes. */
+function filled(sizes, fill) {
+  const buffers = sizes.map(size => new mujoco.DoubleBuffer(size));
+  fill(...buffers);
+  const out = buffers.map(buffer => Array.from(buffer.GetView()));
+  buffers.forEach(buffer => buffer.delete());
+  return out;
+}
+const rowsOf = (x, n) => Array.from({length: n > 0 ? x.length / n : 0}, (_, i) => x.slice(i * n, (i + 1) * n));
+
+/** Rotation matrix of (w, x, y, z). */
+function turn([w, x, y, z]) {
+  const n = Math.hypot(w, x, y, z);
+  [w, x, y, z] = [w / n, x / n, y / n, z / n];
+  return [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+          [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+          [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]];
+}
+/** A body's inertia about its centre of mass, in its axes: it keeps principal ones. */
+function inertiaOf(m, body) {
+  const R = turn(column(m.body_iquat, body, 4)), moments = column(m.body_inertia, body, 3);
+  return product(R.map(row => row.map((x, k) => x * moments[k])), transposed(R));
+}
 
 /** MJCF of the scene, and where each body is that a link is welded into. */
 function mjcf(scene, gravity) {
@@ -94,14 +119,12 @@ function engine(scene) {
     return Array.from(which.data.qfrc_bias);
   };
   const root = scene.links[0];
+  const bodyOf = k => k > 0 ? mujoco.mj_name2id(heavy.model, mujoco.mjtObj.mjOBJ_BODY.value, `b${k}`) : 0;
   return {
     M: s => {
       bias(heavy, s);
-      const dense = new mujoco.DoubleBuffer(n * n);
-      mujoco.mj_fullM(heavy.model, dense, Array.from(heavy.data.qM));
-      const rows = Array.from(dense.GetView());
-      dense.delete();
-      return Array.from({length: n}, (_, i) => rows.slice(i * n, (i + 1) * n));
+      const [M] = filled([n * n], out => mujoco.mj_fullM(heavy.model, out, Array.from(heavy.data.qM)));
+      return rowsOf(M, n);
     },
     c: s => bias(weightless, s),
     g: s => plus(bias(heavy, s, true), springs(s)),
@@ -121,22 +144,30 @@ function engine(scene) {
           root.mass * root.com.reduce((sum, x, k) => sum + x * scene.gravity[k], 0);
     },
     kinetic: s => (bias(heavy, s), heavy.data.energy[1]),
+    jacobian: (s, frame) => {
+      bias(heavy, s);
+      const body = bodyOf(frame.link), inner = scene.links[frame.link].joint?.after ?? kIdentity;
+      const R = rowsOf(column(heavy.data.xmat, body, 9), 3);
+      const point = plus(column(heavy.data.xpos, body, 3), times(R, after(inner, {R, p: frame.at}).p));
+      const [v, w] = filled([3 * n, 3 * n], (v, w) => mujoco.mj_jac(heavy.model, heavy.data, v, w, point, body));
+      return [...rowsOf(v, n), ...rowsOf(w, n)];
+    },
+    // its bodies, seen from the links' own frames
+    model: scene.links.slice(1).map((link, k) => {
+      const body = bodyOf(k + 1), out = inverse(link.joint.after), m = heavy.model;
+      return {
+        link: link.name,
+        mass: m.body_mass[body],
+        com: after(out, {R: out.R, p: column(m.body_ipos, body, 3)}).p,
+        inertia: product(product(out.R, inertiaOf(m, body)), transposed(out.R)),
+      };
+    }),
   };
 }
 
 // ---- as a reader
 
 const kWorld = 0;
-const column = (x, k, n) => Array.from(x.slice(n * k, n * k + n));
-
-/** Rotation matrix of (w, x, y, z). */
-function turn([w, x, y, z]) {
-  const n = Math.hypot(w, x, y, z);
-  [w, x, y, z] = [w / n, x / n, y / n, z / n];
-  return [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-          [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-          [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]];
-}
 
 /** A body's joint: its frame is the body's, at the joint's anchor. */
 function shownJoint(m, body) {
@@ -175,14 +206,13 @@ function shownJoint(m, body) {
 function shownLink(m, body) {
   if (body === kWorld)
     return {name: 'world', parent: -1, mass: 0, com: [0, 0, 0], inertia: kIdentity.R.map(row => row.map(() => 0))};
-  const R = turn(column(m.body_iquat, body, 4)), moments = column(m.body_inertia, body, 3);
   return {
     name: mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_BODY.value, body),
     parent: m.body_parentid[body],
     joint: shownJoint(m, body),
     mass: m.body_mass[body],
     com: column(m.body_ipos, body, 3),
-    inertia: product(R.map(row => row.map((x, k) => x * moments[k])), transposed(R)),
+    inertia: inertiaOf(m, body),
   };
 }
 
@@ -206,13 +236,6 @@ function reader(scene) {
     (mujoco.mj_makeM ?? mujoco.mj_crb)(m, data);  // the first since 3.3, where the second fills another M
     mujoco.mj_comVel(m, data);
   };
-  const filled = (size, fill) => {
-    const buffer = new mujoco.DoubleBuffer(size);
-    fill(buffer);
-    const out = Array.from(buffer.GetView());
-    buffer.delete();
-    return out;
-  };
   // in the order of the bodies, which may not be that of the joints
   const dofs = Array.from({length: m.nbody}, (_, body) => body)
                    .filter(body => m.body_jntnum[body] > 0)
@@ -226,12 +249,12 @@ function reader(scene) {
     },
     M: s => {
       at(s);
-      const full = filled(m.nv * m.nv, out => mujoco.mj_fullM(m, out, Array.from(data.qM)));
+      const [full] = filled([m.nv * m.nv], out => mujoco.mj_fullM(m, out, Array.from(data.qM)));
       return dofs.map(i => dofs.map(j => full[i * m.nv + j]));
     },
     g: s => {
       at(s);
-      const g = filled(m.nv, out => mujoco.mj_rne(m, data, 0, out));
+      const [g] = filled([m.nv], out => mujoco.mj_rne(m, data, 0, out));
       return dofs.map(i => g[i]);
     },
   };
@@ -244,9 +267,9 @@ for await (const line of createInterface({input: process.stdin})) {
   if (asked.scene) {
     const said = {protocol: 1, name: 'mujoco_npm', version: mujoco.mj_versionString()};
     try {
-      const {shows, ...functions} = asked.scene.file ? reader(asked.scene) : engine(asked.scene);
+      const {shows, model, ...functions} = asked.scene.file ? reader(asked.scene) : engine(asked.scene);
       known = functions;
-      say({...said, ...(shows ? {shows} : {}), quantities: Object.keys(known)});
+      say({...said, ...(shows ? {shows} : {}), ...(model ? {model} : {}), quantities: Object.keys(known).filter(name => asked.asks?.includes(name) ?? true)});
     } catch (reason) {
       if (!(reason instanceof Refused)) throw reason;
       say({...said, refuses: reason.message});
@@ -254,7 +277,7 @@ for await (const line of createInterface({input: process.stdin})) {
     continue;
   }
   const answers = asked.states.map(state => Object.fromEntries(asked.quantities.map(quantity => {
-    const value = known[quantity](state);
+    const value = known[quantity](state, asked.frame);
     return [quantity, [value].flat(2).every(Number.isFinite) ? value : 'not finite'];
   })));
   say({batch: asked.batch, answers});
