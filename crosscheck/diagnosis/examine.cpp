@@ -224,7 +224,7 @@ void examineClaims(OutsideClaims& claims, const scene::Scene& scene,
     for (const std::string& sentence : model.merged) out.remarks.push_back("its model " + sentence);
   }
   QuantityFound jacobian;
-  jacobian.name = "jacobian";
+  jacobian.name = kJacobian;
   jacobian.reason = "the engine does not know it";
   if (claims.knowsJacobian()) {
     const FramePoint point = farthestPoint(scene.mechanism);

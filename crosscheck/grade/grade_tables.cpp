@@ -31,7 +31,7 @@ std::vector<std::string> titles(const Grades& grades) {
   std::vector<std::string> out;
   for (const RubricTask& task : grades.rubric.tasks)
     for (const auto& [quantity, marks] : task.marks)
-      out.push_back(title(grades, task.scene.name, name(quantity)));
+      out.push_back(title(grades, task.scene.name, quantity));
   return out;
 }
 

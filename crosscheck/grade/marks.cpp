@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/diagnosis/examine.hpp"
+#include "crosscheck/witnesses/outside_claims.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -47,6 +48,11 @@ void judgeWrong(const Json& check, const Json& found, const Rubric& rubric, Mark
     std::vector<std::string> rates;
     for (const Json& rate : found.at("rates")) rates.push_back("'" + rate.get<std::string>() + "'");
     mark.feedback += fmt::format("; joints {}", fmt::join(rates, ", "));
+  }
+  if (mark.quantity == kJacobian) {  // mistakes on record are of dynamics
+    if (const std::string reading = textOr(check, "jacobian_reading"); !reading.empty())
+      mark.feedback += "; explained exactly by: it is that " + reading;
+    return;
   }
   const Json* why = explanationOf(check);
   if (why == nullptr || !speaksOf(*why, mark.quantity)) {
@@ -150,7 +156,7 @@ Grade graded(const std::string& record, const Rubric& rubric) {
     if (problem.empty()) problem = textOr(check, "failure");
     if (!problem.empty()) ++failed;
     for (const auto& [quantity, marks] : task.marks) {
-      Mark mark{task.scene.name, crosscheck::name(quantity), Kind::kNotRun, 0, marks, problem};
+      Mark mark{task.scene.name, quantity, Kind::kNotRun, 0, marks, problem};
       if (problem.empty()) judge(check, rubric, mark);
       out.marks.push_back(std::move(mark));
     }

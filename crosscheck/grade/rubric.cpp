@@ -13,6 +13,7 @@
 #include "crosscheck/diagnosis/examine.hpp"
 #include "crosscheck/diagnosis/hypotheses.hpp"
 #include "crosscheck/diagnosis/textbook.hpp"
+#include "crosscheck/witnesses/outside_claims.hpp"
 #include "scene/text_file.hpp"
 #include "scene/toml_file.hpp"
 
@@ -189,14 +190,13 @@ class RubricReader : scene::TomlFile {
       const toml::node& node = required(*table, "task", "marks", "a table, such as M = 3");
       const toml::table& marks = asTable(node, "marks");
       std::vector<std::string_view> names;
-      for (const Quantity quantity : kAllQuantities)
-        if (quantity != Quantity::kReactions) names.emplace_back(crosscheck::name(quantity));
+      for (const Quantity quantity : kAllQuantities) names.emplace_back(crosscheck::name(quantity));
+      names.emplace_back(kJacobian);
       checkKeys(marks, "marks", names);
-      for (const Quantity quantity : kAllQuantities)
-        if (const toml::node* one = marks.get(crosscheck::name(quantity)))
-          task.marks.emplace_back(
-              quantity, number(*one, std::string("marks: ") + crosscheck::name(quantity), 0,
-                               std::numeric_limits<double>::infinity()));
+      for (const std::string_view what : names)
+        if (const toml::node* one = marks.get(what))
+          task.marks.emplace_back(what, number(*one, fmt::format("marks: {}", what), 0,
+                                               std::numeric_limits<double>::infinity()));
       if (task.marks.empty())
         throw InputError(where(node), "marks: is empty, allowed: at least one of " +
                                           fmt::format("{}", fmt::join(names, ", ")));
@@ -310,7 +310,8 @@ disk = 0.1            # GB
 gravity_sign = 0.8
 float_precision = 0.9
 
-# A scene and its marks, of M, c, g, tau, qdd, kinetic, potential, momentum; as many as you like.
+# A scene and its marks, of M, c, g, tau, qdd, kinetic, potential, momentum, reactions,
+# jacobian; as many as you like.
 [[task]]
 scene = "double_pendulum"
 [task.marks]

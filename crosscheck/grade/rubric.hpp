@@ -18,7 +18,8 @@ namespace dynwitness::crosscheck {
 /// One scene, and what its quantities are worth.
 struct RubricTask {
   scene::Scene scene;
-  std::vector<std::pair<Quantity, double>> marks;
+  /// By what `check` judges: names of quantities, and "jacobian".
+  std::vector<std::pair<std::string, double>> marks;
 };
 
 struct Rubric {

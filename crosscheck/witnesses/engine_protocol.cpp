@@ -122,7 +122,6 @@ Json sceneJson(const scene::Scene& scene) {
 constexpr Quantity kAskable[] = {Quantity::kM,         Quantity::kc,        Quantity::kg,
                                  Quantity::kTau,       Quantity::kQdd,      Quantity::kKinetic,
                                  Quantity::kPotential, Quantity::kMomentum, Quantity::kReactions};
-constexpr const char* kJacobian = "jacobian";  ///< of a frame that is named beside it
 constexpr const char* kModel = "model";        ///< which the handshake holds
 
 std::vector<std::string> askable() {

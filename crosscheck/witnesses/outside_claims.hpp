@@ -13,6 +13,9 @@
 
 namespace dynwitness::crosscheck {
 
+/// The word for the Jacobian of a frame: in the protocol, in what `check` says, in rubrics.
+inline constexpr const char* kJacobian = "jacobian";
+
 /// What a program believes a link of the scene to be: in the axes of the scene's link frame, com
 /// from its origin, inertia about com.
 struct BelievedLink {

@@ -429,6 +429,33 @@ BOOST_AUTO_TEST_CASE(what_the_grader_cannot_read_is_not_graded_and_is_status_1) 
   BOOST_TEST(contains(course.lines().at("secret.py"), "secret.py,,10,,,,,NOT GRADED"));
 }
 
+BOOST_AUTO_TEST_CASE(reactions_and_jacobians_have_marks) {
+  const std::string engines = DYNWITNESS_DATA_DIR "/engines/";
+  const Course course(
+      "command = \"/usr/bin/python3 {file}\"\nfiles = [\"" + engines +
+      "dynwitness_engine.py\"]\npartial = 0.5\n"
+      "[[task]]\nscene = \"puma_560\"\n[task.marks]\nreactions = 4\njacobian = 3\n");
+  const std::string right = files::read(engines + "open_chain.py");
+  const auto with = [&](const std::string& old, const std::string& changed) {
+    std::string text = right;
+    BOOST_TEST_REQUIRE(contains(text, old));
+    return text.replace(text.find(old), old.size(), changed);
+  };
+  course.handIn("right.py", right);
+  course.handIn("origin.py", with("point = add(p, times(R, frame[\"at\"]))", "point = p"));
+  course.handIn("without.py", with("\"reactions\": reactions, ", ""));
+  const Outcome outcome = course.grade();
+  BOOST_TEST_REQUIRE(outcome.status == 0, outcome.out);
+  const auto lines = course.lines();
+  BOOST_TEST(lines.at("right.py").rfind("right.py,7,7,4,3,right,", 0) == 0u, lines.at("right.py"));
+  BOOST_TEST(lines.at("origin.py").rfind("origin.py,4,7,4,0,wrong,", 0) == 0u,
+             lines.at("origin.py"));
+  BOOST_TEST(contains(lines.at("origin.py"), "of the link's origin in place of the point"),
+             lines.at("origin.py"));
+  BOOST_TEST(lines.at("without.py").rfind("without.py,3,7,0,3,not answered,", 0) == 0u,
+             lines.at("without.py"));
+}
+
 BOOST_AUTO_TEST_CASE(the_example_is_a_rubric_that_works) {
   const Course course(exampleRubric());
   course.handIn("arm.py", files::read(DYNWITNESS_DATA_DIR "/engines/double_pendulum.py"));
