@@ -16,6 +16,7 @@
 #include "crosscheck/diagnosis/smallest.hpp"
 #include "crosscheck/diagnosis/textbook.hpp"
 #include "crosscheck/verdicts/tally.hpp"
+#include "crosscheck/witnesses/column_names.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "scene/mimic.hpp"
 #include "scene/work.hpp"
@@ -34,8 +35,10 @@ bool isByRates(Quantity quantity) {
 }
 
 /// What the exhibits of one quantity come to.
+/// @param entries  names of its entries where they have any: "elbow.fx"
 QuantityFound found(const std::string& name, Quantity quantity, bool by_rates,
-                    const std::vector<Exhibit>& exhibits) {
+                    const std::vector<Exhibit>& exhibits,
+                    const std::vector<std::string>& entries = {}) {
   QuantityFound out;
   out.name = name;
   bool wrong = false;
@@ -64,7 +67,8 @@ QuantityFound found(const std::string& name, Quantity quantity, bool by_rates,
         out.ratio = ratio;
         out.seen = error / ulp;
         out.limit = bound / ulp;
-        out.entry = entryName(name, i, j, e.error);
+        out.entry = entries.empty() ? entryName(name, i, j, e.error)
+                                    : entries.at(static_cast<std::size_t>(i));
         out.state = e.index;
       }
   }
@@ -386,7 +390,10 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
     for (int k = 0; k < out.states; ++k)
       if (is_given || isAskedAt(quantity, k))
         exhibits.push_back(bench.ask(quantity, chosen[static_cast<std::size_t>(k)], k));
-    out.quantities.push_back(found(name(quantity), quantity, isByRates(quantity), exhibits));
+    std::vector<std::string> entries;
+    if (quantity == Quantity::kReactions) entries = columnNames(quantity, scene.mechanism);
+    out.quantities.push_back(
+        found(name(quantity), quantity, isByRates(quantity), exhibits, entries));
   }
   if (auto* claims = dynamic_cast<OutsideClaims*>(witness.get())) try {
       examineClaims(*claims, scene, chosen, factor, out);

@@ -83,6 +83,17 @@ forced = write("forced.csv", columns("q", "qd", "tau"), generic)
 status, said = check_json("--states", forced, "--answers", evaluated("puma_560", forced, "qdd", "qdd.csv"))
 assert status == 0 and {x["quantity"] for x in said["quantities"] if x["verdict"] == "right"} == {"qdd"}, said
 
+# reactions, by joint and component
+reactions = evaluated("puma_560", states, "reactions", "reactions.csv")
+status, said = check_json("--states", states, "--answers", reactions)
+assert status == 0 and {x["quantity"] for x in said["quantities"] if x["verdict"] == "right"} == {"reactions"}, said
+header, rows = table("reactions.csv")
+bent = header.index("joint_3.mx")
+rows[3][bent] *= 1 + 1e-9
+status, said = check_json("--states", states, "--answers", write("bent.csv", header, rows))
+wrong = [x for x in said["quantities"] if x["verdict"] == "wrong"]
+assert status == 1 and len(wrong) == 1 and wrong[0]["entry"] == "joint_3.mx" and wrong[0]["state"] == 3, said
+
 # a mistake is named, and which term it is in
 with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "data", "scenes",
                        "puma_560.toml")) as file:
