@@ -193,12 +193,21 @@ class States {
  public:
   States(const Arguments& arguments, const scene::Scene& scene, Constrained& constrained) {
     if (!arguments.states.empty()) reader_.emplace(arguments.states, scene.mechanism);
-    has_state_ = reader_ ? reader_->next(&state_) : true;
     if (!reader_) state_ = constrained->start();
   }
-  /// The state that the next() below goes on from; nullptr: there is none left.
-  scene::State<double>* current() { return has_state_ ? &state_ : nullptr; }
-  void next() { has_state_ = reader_ && reader_->next(&state_); }
+  /// The state that the next() below goes on from, read when it is first asked for; nullptr: there
+  /// is none left.
+  scene::State<double>* current() {
+    if (reader_ && !is_read_) has_state_ = reader_->next(&state_);
+    is_read_ = true;
+    return has_state_ ? &state_ : nullptr;
+  }
+  void next() {
+    is_read_ = false;
+    if (!reader_) has_state_ = false;
+  }
+  /// Somebody who writes the states may be waiting for answers.
+  bool mayWait() const { return reader_ && reader_->mayWait(); }
   GivenColumns given() const {
     if (!reader_) return {true, false, true};
     return {reader_->gives("qd"), reader_->gives("qdd"), reader_->gives("tau")};
@@ -208,7 +217,7 @@ class States {
  private:
   std::optional<StatesReader> reader_;
   scene::State<double> state_;
-  bool has_state_ = false;
+  bool is_read_ = false, has_state_ = true;
 };
 
 struct Column {
@@ -290,8 +299,10 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
       }
       rows += '\n';
     }
-    if (rows.size() > kPiece) {
+    const bool is_awaited = states.mayWait();
+    if (rows.size() > kPiece || is_awaited) {
       file.write(rows);
+      if (is_awaited) file.flush();
       rows.clear();
     }
     const auto now = std::chrono::steady_clock::now();

@@ -61,6 +61,10 @@ class Lines {
 
   const SourceLocation& where() const { return where_; }  ///< of the last line
   double fraction() const { return size_ > 0 ? std::min(1.0, bytes_ / size_) : -1; }
+  /// No whole line is at hand, and it is no regular file that has one.
+  bool mayWait() const {
+    return size_ < 0 && !at_end_ && buffer_.find('\n', searched_) == std::string::npos;
+  }
   void setLongest(std::size_t bytes) { longest_ = bytes; }
 
   bool next(std::string_view* line) {
@@ -252,6 +256,10 @@ std::vector<double> StatesReader::others() const {
   std::vector<double> out;
   for (const int place : parts_->other_places) out.push_back(parts_->number(place));
   return out;
+}
+
+bool StatesReader::mayWait() const {
+  return parts_->lines.mayWait();
 }
 
 double StatesReader::fraction() const {

@@ -44,6 +44,8 @@ class StatesReader {
   /// numbers in the last row.
   const std::vector<std::string>& otherNames() const;
   std::vector<double> others() const;
+  /// Whether next() may have to wait for whoever writes the next row: into a pipe, or a terminal.
+  bool mayWait() const;
   /// How much of the file is read, from 0 to 1; negative when nobody knows how long it is.
   double fraction() const;
 

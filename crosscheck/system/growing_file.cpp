@@ -30,12 +30,14 @@ void GrowingFile::write(std::string_view piece) {
   if (std::fwrite(piece.data(), 1, piece.size(), stream_) != piece.size()) fail(errno);
 }
 
-void GrowingFile::finish() {
+void GrowingFile::flush() {
   errno = 0;
-  if (unfinished_.empty()) {
-    if (std::fflush(stream_) != 0) fail(errno);
-    return;
-  }
+  if (unfinished_.empty() && std::fflush(stream_) != 0) fail(errno);
+}
+
+void GrowingFile::finish() {
+  if (unfinished_.empty()) return flush();
+  errno = 0;
   const bool whole = std::fclose(stream_) == 0;  // a full disk may show only here
   stream_ = nullptr;
   if (!whole) fail(errno);

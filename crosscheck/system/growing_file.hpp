@@ -20,6 +20,8 @@ class GrowingFile {
 
   /// @throws std::runtime_error  the system's reason, such as a full disk
   void write(std::string_view piece);
+  /// Standard output has what was written.
+  void flush();
   /// Puts the file into place. @throws std::runtime_error  as write() does
   void finish();
 

@@ -180,3 +180,28 @@ BOOST_AUTO_TEST_CASE(evaluate_simulate_and_crosscheck_tell_them) {
 }
 
 BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(pipes)
+
+// Who asks one question after the other would wait for ever for an answer that stays in a buffer,
+// or that is given when the next question is read.
+BOOST_AUTO_TEST_CASE(a_row_is_answered_before_the_next_is_asked) {
+  const Program program;
+  program.write("exchange.sh",
+                "coproc P { exec \"$1\" evaluate simple_pendulum --quantity g --states -; }\n"
+                "printf 'q1\\n0\\n' >&${P[1]}\n"
+                "read -t 30 -r header <&${P[0]} && read -t 30 -r first <&${P[0]} || exit 1\n"
+                "printf '0.5\\n0' >&${P[1]}\n"  // and the beginning of another
+                "read -t 30 -r second <&${P[0]} || exit 1\n"
+                "printf '.5\\n' >&${P[1]}\n"
+                "read -t 30 -r third <&${P[0]} || exit 1\n"
+                "echo \"$header $first $second $third\"\n");
+  const Outcome outcome = program.run(
+      "--version", ">/dev/null; timeout 100 bash exchange.sh " DYNWITNESS_PROGRAM " 2>/dev/null");
+  BOOST_TEST_REQUIRE(outcome.status == 0, outcome.out);
+  BOOST_TEST(outcome.out.rfind("g1 0 4.70", 0) == 0u, outcome.out);  // 9.81 sin(1/2)
+  const std::size_t last = outcome.out.rfind(' ');
+  BOOST_TEST(outcome.out.substr(5, last - 5) + "\n" == outcome.out.substr(last + 1));
+}
+
+BOOST_AUTO_TEST_SUITE_END()
