@@ -30,6 +30,8 @@ inline constexpr const char* kImpedanceDescription =
     "Stiffness, damping, compliance and inertia of a link's point, seen from the joints";
 inline constexpr const char* kImpulseDescription =
     "A blow on a link, on joints or against a wall: velocities, momentum, energy";
+inline constexpr const char* kLinearizeDescription =
+    "Motion near a state: A, B, modes, stability, and what joint forces reach";
 inline constexpr const char* kMuseumDescription =
     "Mistakes of real tools, planted again: does `check` name each of them?";
 inline constexpr const char* kParametersDescription =
@@ -59,6 +61,7 @@ Run addSame(CLI::App& app);
 Run addGeometry(CLI::App& app);
 Run addAction(CLI::App& app);
 Run addImpulse(CLI::App& app);
+Run addLinearize(CLI::App& app);
 Run addImpedance(CLI::App& app);
 Run addScenes(CLI::App& app);
 Run addShow(CLI::App& app);

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
                 {"action", {}, "studies", kActionDescription},
                 {"impulse", {}, "studies", kImpulseDescription},
                 {"impedance", {}, "studies", kImpedanceDescription},
+                {"linearize", {}, "studies", kLinearizeDescription},
                 {"growth", {}, "growth", kGrowthDescription},
                 {"show", addShow},
                 {"scenes", addScenes},

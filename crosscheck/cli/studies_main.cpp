@@ -10,5 +10,6 @@ int main(int argc, char** argv) {
                 {"action", addAction},
                 {"impulse", addImpulse},
                 {"impedance", addImpedance},
+                {"linearize", addLinearize},
                 {"rotors", addRotors}});
 }

@@ -106,6 +106,7 @@ struct Rules {
         {Command::kGeometry, followers, own_rates},
         {Command::kAction, followers, own_rates},
         {Command::kImpedance, followers, own_rates},
+        {Command::kLinearize, followers, own_rates},
         {Command::kImpulse,
          followers,
          {Kind::kRefused, "impulses through joints that share a rate are not told apart"}},
@@ -269,6 +270,20 @@ struct Rules {
         {Command::kImpedance,
          prescribed,
          {Kind::kRefused, "the point does not move as its free joints say, allowed: free joints"}},
+
+        {Command::kLinearize,
+         closures + point_springs,
+         {Kind::kRefused,
+          "what is near a state of a closed mechanism has fewer coordinates, allowed: a tree of "
+          "links"}},
+        {Command::kLinearize,
+         prescribed,
+         {Kind::kRefused,
+          "prescribed motion is no state that may be another, allowed: free joints"}},
+        {Command::kLinearize,
+         {Feature::kCoulombFriction},
+         {Kind::kRefused,
+          "dry friction has no derivative where a joint rests, allowed: viscous friction"}},
     };
   }
 };
@@ -415,6 +430,8 @@ const char* name(Command command) {
       return "impulse";
     case Command::kImpedance:
       return "impedance";
+    case Command::kLinearize:
+      return "linearize";
     case Command::kShow:
       return "show";
   }

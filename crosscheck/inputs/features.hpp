@@ -33,6 +33,7 @@ enum class Command {
   kAction,
   kImpulse,
   kImpedance,
+  kLinearize,
   kShow,
 };
 inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
@@ -55,6 +56,7 @@ inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
                                            Command::kAction,
                                            Command::kImpulse,
                                            Command::kImpedance,
+                                           Command::kLinearize,
                                            Command::kShow};
 /// "drift", "evaluate (tau, reactions)"
 const char* name(Command command);

@@ -10,15 +10,11 @@
 #include <Eigen/Core>
 
 #include "crosscheck/exact/exact.hpp"
+#include "crosscheck/scalars/bounded.hpp"
 #include "crosscheck/verdicts/result.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
-
-/// A matrix with the running error bound of each entry.
-struct Bounded {
-  Eigen::MatrixXd value, bound;
-};
 
 /// The kinetic metric at one position, with running error bounds.
 struct MetricAt {

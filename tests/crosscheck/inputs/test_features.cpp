@@ -217,6 +217,8 @@ Call callOf(Command command) {
       return {"impulse scene --impulse 1,2,3", ""};
     case Command::kImpedance:
       return {"impedance scene --stretch 0.1,0,0.2", ""};
+    case Command::kLinearize:
+      return {"linearize scene", ""};
     case Command::kShow:
       return {"show scene", ""};
   }

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness linearize: A, B, modes, stability and what forces reach, near a state.
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/findings.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/studies/linearization.hpp"
+#include "crosscheck/system/files.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+using namespace crosscheck;
+
+constexpr int kMostShown = 4;  // joints whose A and B are printed
+
+struct Arguments {
+  std::string scene, json;
+  LinearizationOptions options;
+};
+
+void print(const char* name, const char* what, const Eigen::MatrixXd& m) {
+  fmt::print("{:<12} {}\n", name, what);
+  for (Eigen::Index i = 0; i < m.rows(); ++i) {
+    fmt::print("  ");
+    for (Eigen::Index j = 0; j < m.cols(); ++j) fmt::print(" {:>12.6g}", m(i, j));
+    fmt::print("\n");
+  }
+}
+
+/// One line stands for a pair of conjugates.
+bool isSecondOfPair(const EnclosedModes& all, const EnclosedMode& mode) {
+  return all.are_simple && !mode.is_real && mode.value.imag() < 0;
+}
+
+/// "3.13 Hz, damping 0.1", "time constant 0.5 s", "doubles in 0.2 s"
+std::string wordsOf(const EnclosedMode& mode) {
+  constexpr double kTurn = 2 * 3.14159265358979323846;
+  const double re = mode.value.real(), im = std::abs(mode.value.imag());
+  std::string out;
+  if (im > mode.radius_im) {
+    out = fmt::format("{:.6g} Hz", im / kTurn);
+    if (std::abs(re) > mode.radius_re)
+      out += fmt::format(", damping ratio {:.4g}", -re / std::abs(mode.value));
+    return out;
+  }
+  if (std::abs(re) <= mode.radius_re) return "neither grows nor fades";
+  return re < 0 ? fmt::format("fades, time constant {:.6g} s", -1 / re)
+                : fmt::format("grows, doubles in {:.6g} s", std::log(2) / re);
+}
+
+/// The joints that move in it, of positions alone; the largest 1.
+std::string shapeOf(const EnclosedMode& mode, const std::vector<std::string>& names) {
+  constexpr double kLeast = 0.005;  // of the largest
+  const auto n = static_cast<Eigen::Index>(names.size());
+  if (mode.right.size() == 0) return "";
+  const Eigen::VectorXcd q = mode.right.head(n);
+  Eigen::Index largest = 0;
+  const double most = q.cwiseAbs().maxCoeff(&largest);
+  if (!(most > 0)) return "";
+  std::string out;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::complex<double> part = q(i) / q(largest);
+    if (std::abs(part) < kLeast) continue;
+    out += out.empty() ? "" : ", ";
+    out += std::abs(part.imag()) < kLeast
+               ? fmt::format("{} {:.3g}", names[static_cast<std::size_t>(i)], part.real())
+               : fmt::format("{} {:.3g}{:+.3g}i", names[static_cast<std::size_t>(i)], part.real(),
+                             part.imag());
+  }
+  return out;
+}
+
+void printModes(const Linearization& at, const std::vector<std::string>& names) {
+  if (!at.modes.failure.empty()) {
+    fmt::print("modes        none enclosed: {}\n", at.modes.failure);
+    return;
+  }
+  fmt::print("modes        eigenvalues of A [1/s], enclosed{}\n",
+             at.modes.are_simple ? "" : "; some are multiple, or too near to tell");
+  for (const EnclosedMode& mode : at.modes.modes) {
+    if (isSecondOfPair(at.modes, mode)) continue;
+    const double im = mode.value.imag();
+    const bool is_pair = at.modes.are_simple && !mode.is_real;
+    fmt::print("   {:>13.9g}{} {}   {}\n", mode.value.real(),
+               im == 0 ? std::string(16, ' ')
+                       : fmt::format(" {} {:<12.9g}i",
+                                     is_pair  ? "+-"
+                                     : im < 0 ? "- "
+                                              : "+ ",
+                                     std::abs(im)),
+               boundText(std::max(mode.radius_re, mode.radius_im)), wordsOf(mode));
+    if (const std::string shape = shapeOf(mode, names); !shape.empty())
+      fmt::print("                 moves {}\n", shape);
+    if (mode.reached.size() > 0 && !(mode.reached.maxCoeff() > 0))
+      fmt::print("                 not seen to be reached by the actuated joints\n");
+  }
+}
+
+int run(const Arguments& arguments) {
+  requireWritableFile(arguments.json);
+  const scene::Scene scene = admitted(arguments.scene, Command::kLinearize);
+  const LinearizationOptions& options = arguments.options;
+  if (options.seeks_equilibrium && !options.qd.empty())
+    throw scene::InputError({}, "--rates with --equilibrium, allowed: one of them");
+  std::optional<Progress> progress(std::in_place, 2, 1.0);
+  progress->stage("linearization of " + scene.name);
+  const Linearization at = linearize(scene, options);
+  for (const auto& [what, m] : {std::pair{"A", &at.A}, {"B", &at.B}}) {
+    requireFinite(what, m->value);
+    requireFinite(what, m->bound);
+  }
+  progress->stage("exact checks");
+  const std::vector<CheckResult> checks = checkLinearizationExactly(scene, {});
+  progress.reset();
+
+  const std::vector<std::string> names = scene.mechanism.rateLabels();
+  const int n = scene.mechanism.dof();
+  fmt::print(
+      "{}: d/dt (dq, dqd) = A (dq, dqd) + B dtau{}\n", scene.name,
+      at.newton_steps > 0 ? fmt::format(", equilibrium found in {} steps", at.newton_steps) : "");
+  fmt::print("q            {:.10g}\n", fmt::join(at.q, ", "));
+  const bool moves = std::any_of(at.qd.begin(), at.qd.end(), [](double v) { return v != 0; });
+  if (moves) fmt::print("qd           {:.10g}\n", fmt::join(at.qd, ", "));
+  fmt::print("tau          {:.10g}\n",
+             fmt::join(at.tau.value.data(), at.tau.value.data() + at.tau.value.size(), ", "));
+  if ((at.qdd.value.cwiseAbs().array() > at.qdd.bound.array()).any())
+    fmt::print("qdd          {:.10g}   it does not stay there: modes are those of the moment\n",
+               fmt::join(at.qdd.value.data(), at.qdd.value.data() + at.qdd.value.size(), ", "));
+  if (n <= kMostShown) {
+    print("dqdd/dq", "", at.A.value.bottomLeftCorner(n, n));
+    print("dqdd/dqd", "", at.A.value.bottomRightCorner(n, n));
+    print("dqdd/dtau", "", at.B.value.bottomRows(n));
+  }
+  printModes(at, names);
+  fmt::print("stability    {}\n", name(at.stability));
+  std::vector<std::string> actuated;
+  for (const int rate : at.actuated) actuated.push_back(names[static_cast<std::size_t>(rate)]);
+  const int size = static_cast<int>(at.A.value.rows());
+  fmt::print("control      forces of {} reach {} of {} dimensions{}\n", fmt::join(actuated, ", "),
+             at.reached, size,
+             at.reached == size ? ": controllable" : " at least; more is not proven");
+  const int status = printFindings(checks);
+  if (!arguments.json.empty()) {
+    Json json{{"q", at.q},
+              {"qd", at.qd},
+              {"tau", toJson(at.tau)},
+              {"qdd", toJson(at.qdd)},
+              {"A", toJson(at.A)},
+              {"B", toJson(at.B)},
+              {"actuated", actuated},
+              {"reached_dimension", at.reached},
+              {"stability", name(at.stability)},
+              {"modes", Json::array()}};
+    for (const EnclosedMode& mode : at.modes.modes) {
+      Json one{{"re", mode.value.real()},
+               {"im", mode.value.imag()},
+               {"radius_re", mode.radius_re},
+               {"radius_im", mode.radius_im},
+               {"is_simple", at.modes.are_simple}};
+      if (mode.right.size() > 0) {
+        one["vector_re"] = std::vector<double>();
+        one["vector_im"] = std::vector<double>();
+        for (const std::complex<double>& x : mode.right) {
+          one["vector_re"].push_back(x.real());
+          one["vector_im"].push_back(x.imag());
+        }
+        one["reached_at_least"] =
+            std::vector<double>(mode.reached.data(), mode.reached.data() + mode.reached.size());
+      }
+      json["modes"].push_back(std::move(one));
+    }
+    if (!at.modes.failure.empty()) json["no_modes"] = at.modes.failure;
+    writeWholeFile(arguments.json, findingsJson("linearize", scene, json, checks));
+  }
+  return status;
+}
+
+}  // namespace
+
+Run addLinearize(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  LinearizationOptions& options = arguments->options;
+  CLI::App* command = app.add_subcommand("linearize", kLinearizeDescription);
+  command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
+  command->add_option("--state", options.q, "Position q (default: the scene's start)")
+      ->check(finite())
+      ->delimiter(',');
+  command->add_option("--rates", options.qd, "Rates qd (default: at rest)")
+      ->check(finite())
+      ->delimiter(',');
+  command->add_flag("--equilibrium", options.seeks_equilibrium,
+                    "Go from there to where it is at rest without joint forces");
+  command->add_flag("--free", options.has_no_forces,
+                    "No joint forces (default: those that make qdd 0)");
+  command
+      ->add_option("--actuated", options.actuated, "Joints whose forces are at hand (default: all)")
+      ->delimiter(',');
+  command->add_option("--json", arguments->json, "Write the result to this file");
+  command->footer(
+      "Examples:\n"
+      "  dynwitness linearize acrobot --state 3.141592653589793,0 --actuated elbow\n"
+      "  dynwitness linearize double_pendulum --equilibrium --state 0.3,-0.2\n"
+      "Entries and eigenvalues are enclosed in balls; the derivatives' laws are checked over a "
+      "prime field\n"
+      "for every state. Exit status 1: one fails.");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli

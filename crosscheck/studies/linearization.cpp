@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/studies/linearization.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <Eigen/QR>
+
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/scalars/ball.hpp"
+#include "crosscheck/studies/linearization_model.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using Balls = recursive::MatrixX<Ball>;
+
+Bounded rounded(const Balls& m) {
+  Bounded out{Eigen::MatrixXd(m.rows(), m.cols()), Eigen::MatrixXd(m.rows(), m.cols())};
+  for (Eigen::Index i = 0; i < m.rows(); ++i)
+    for (Eigen::Index j = 0; j < m.cols(); ++j) {
+      out.value(i, j) = m(i, j).mid();
+      out.bound(i, j) = (m(i, j) - Ball(out.value(i, j))).atMost();
+    }
+  return out;
+}
+Bounded rounded(const std::vector<Ball>& v) {
+  Balls column(static_cast<Eigen::Index>(v.size()), 1);
+  for (std::size_t i = 0; i < v.size(); ++i) column(static_cast<Eigen::Index>(i), 0) = v[i];
+  return rounded(column);
+}
+
+scene::State<Ball> stateAt(const scene::Mechanism& mechanism, const std::vector<double>& q,
+                           const std::vector<double>& qd) {
+  scene::State<double> state;
+  for (const double x : q) state.x.push_back(scene::jointPosition(x));
+  state.qd = qd;
+  state.qdd.assign(qd.size(), 0.0);
+  state.tau = state.qdd;
+  return ballState(state, mechanism);
+}
+
+/// q moved by rates' worth of dq.
+std::vector<double> moved(const recursive::Model<double>& model, std::vector<double> q,
+                          const Eigen::VectorXd& dq) {
+  std::vector<scene::JointPosition<double>> x;
+  for (const double value : q) x.push_back(scene::jointPosition(value));
+  std::vector<double> slots(q.size(), 0.0);
+  recursive::positionRates(model, x, std::vector<double>(dq.data(), dq.data() + dq.size()), slots);
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] += slots[i];
+  return q;
+}
+
+/** Newton's steps from a guess, of least length where dg/dq is singular, halved while they do not
+    bring g down. What is left must be what rounding q to double leaves: half an ulp of q through
+    dg/dq, twice that because the last step is rounded as well. */
+class Equilibrium {
+ public:
+  Equilibrium(const scene::Scene& scene, LinearizationModel<Ball>& model)
+      : scene_(scene),
+        balls_(model),
+        model_(
+            recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism))) {}
+
+  int steps() const { return steps_; }
+  std::vector<double> from(std::vector<double> q) {
+    constexpr int kMost = 100, kHalvings = 30;
+    weigh(q);
+    for (; steps_ < kMost; ++steps_) {
+      if ((g_.cwiseAbs().array() <= left(q).array()).all()) return q;
+      const Eigen::VectorXd step = -Eigen::MatrixXd(K_).completeOrthogonalDecomposition().solve(g_);
+      const double before = g_.norm();
+      std::vector<double> next;
+      double share = 1;
+      for (int halved = 0; halved < kHalvings; ++halved, share /= 2) {
+        next = moved(model_, q, share * step);
+        weigh(next);
+        if (g_.norm() < before) break;
+      }
+      if (!(g_.norm() < before)) break;
+      q = next;
+    }
+    weigh(q);
+    if ((g_.cwiseAbs().array() <= left(q).array()).all()) return q;
+    throw scene::InputError(
+        {scene_.file.string(), 0},
+        fmt::format("no equilibrium found from this guess: after {} steps of Newton's the joints "
+                    "still feel {:.3g} N m (N) at q = {:.6g}; allowed: another --state",
+                    steps_, g_.cwiseAbs().maxCoeff(), fmt::join(q, ",")));
+  }
+
+ private:
+  void weigh(const std::vector<double>& q) {
+    const scene::State<Ball> state =
+        stateAt(scene_.mechanism, q, std::vector<double>(balls_.n(), 0.0));
+    g_ = rounded(balls_.inverse(state)).value;
+    K_ = rounded(balls_.ofInverse(state, MovedPart::kPosition)).value;
+  }
+  Eigen::VectorXd left(const std::vector<double>& q) const {
+    double largest = 1;
+    for (const double x : q) largest = std::max(largest, std::abs(x));
+    const double ulp = std::numeric_limits<double>::epsilon() * largest;
+    return K_.cwiseAbs().rowwise().sum() * ulp;
+  }
+
+  const scene::Scene& scene_;
+  LinearizationModel<Ball>& balls_;
+  recursive::Model<double> model_;
+  Eigen::VectorXd g_;
+  Eigen::MatrixXd K_;
+  int steps_ = 0;
+};
+
+std::vector<double> values(const scene::Scene& scene, const std::vector<double>& given,
+                           const std::vector<scene::Number>& otherwise, const char* what) {
+  if (given.empty()) {
+    const scene::RealNumbers<double> number(scene.mechanism);
+    std::vector<double> out;
+    for (const scene::Number& x : otherwise) out.push_back(number(x));
+    return out;
+  }
+  if (given.size() != otherwise.size())
+    throw scene::InputError(
+        {}, fmt::format("{}: {} values, allowed: {}", what, given.size(), otherwise.size()));
+  return given;
+}
+
+/// Where rates are no derivatives of coordinates, dq turns with the body as it moves.
+void requireSmooth(const scene::Scene& scene, const std::vector<double>& qd) {
+  int rate = 0;
+  for (const scene::Link& link : scene.mechanism.links) {
+    const scene::Joint& joint = link.joint;
+    const int first = rate;
+    rate += joint.ownRates();
+    const auto isMoving = [&](int k) { return qd[static_cast<std::size_t>(k)] != 0; };
+    for (int k = first; k < rate; ++k) {
+      if (isMoving(k) && !scene::ratesArePositionDerivatives(joint.kind))
+        throw scene::InputError(
+            {scene.file.string(), 0},
+            fmt::format("joint '{}' is {} and moves, allowed: its rates 0 where motion is "
+                        "linearized (they are no derivatives of coordinates)",
+                        joint.name, scene::name(joint.kind)));
+    }
+  }
+}
+
+std::vector<int> actuatedRates(const scene::Scene& scene, const std::vector<std::string>& names) {
+  std::vector<int> out;
+  std::vector<std::string> known;
+  std::vector<char> found(names.size(), 0);
+  int rate = 0;
+  for (const scene::Link& link : scene.mechanism.links) {
+    const auto named = std::find(names.begin(), names.end(), link.joint.name);
+    const bool is_meant = names.empty() || named != names.end();
+    if (named != names.end()) found[static_cast<std::size_t>(named - names.begin())] = 1;
+    if (link.joint.ownRates() > 0) known.push_back(link.joint.name);
+    for (int k = 0; k < link.joint.ownRates(); ++k, ++rate)
+      if (is_meant) out.push_back(rate);
+  }
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (!found[k])
+      throw scene::InputError({scene.file.string(), 0},
+                              fmt::format("--actuated: no joint '{}' that moves, allowed: {}",
+                                          names[k], fmt::join(known, ", ")));
+  return out;
+}
+
+Stability stabilityOf(const EnclosedModes& modes) {
+  bool all_left = !modes.modes.empty();
+  for (const EnclosedMode& mode : modes.modes) {
+    if (mode.value.real() - mode.radius_re > 0) return Stability::kUnstable;
+    all_left = all_left && mode.value.real() + mode.radius_re < 0;
+  }
+  return all_left ? Stability::kStable : Stability::kUndecided;
+}
+
+}  // namespace
+
+const char* name(Stability stability) {
+  switch (stability) {
+    case Stability::kStable:
+      return "asymptotically stable";
+    case Stability::kUnstable:
+      return "unstable";
+    case Stability::kUndecided:
+      return "not decided by linear terms";
+  }
+  return "";
+}
+
+Linearization linearize(const scene::Scene& scene, const LinearizationOptions& options) {
+  const scene::Mechanism& mechanism = scene.mechanism;
+  requireTreated(scene, Command::kLinearize);
+  requireMotion(scene);
+  const auto n = static_cast<Eigen::Index>(mechanism.dof());
+  Linearization out;
+  out.q = values(scene, options.q, scene.start_q, "--state");
+  out.qd = options.qd.empty() ? std::vector<double>(scene.start_qd.size(), 0.0)
+                              : values(scene, options.qd, scene.start_qd, "--rates");
+  out.actuated = actuatedRates(scene, options.actuated);
+
+  LinearizationModel<Ball> model(mechanism, BallNumbers(mechanism));
+  if (options.seeks_equilibrium) {
+    out.qd.assign(out.qd.size(), 0.0);
+    Equilibrium equilibrium(scene, model);
+    out.q = equilibrium.from(out.q);
+    out.newton_steps = equilibrium.steps();
+  }
+  requireSmooth(scene, out.qd);
+  scene::State<Ball> state = stateAt(mechanism, out.q, out.qd);
+  if (!options.has_no_forces) state.tau = model.inverse(state);
+  out.tau = rounded(state.tau);
+  out.qdd = rounded(model.forward(state));
+
+  Balls A = Balls::Constant(2 * n, 2 * n, Ball(0));
+  for (Eigen::Index i = 0; i < n; ++i) A(i, n + i) = Ball(1);
+  A.bottomLeftCorner(n, n) = model.ofForward(state, MovedPart::kPosition);
+  A.bottomRightCorner(n, n) = model.ofForward(state, MovedPart::kRate);
+  const Balls by_force = model.ofForward(state, MovedPart::kForce);
+  Balls B = Balls::Constant(2 * n, static_cast<Eigen::Index>(out.actuated.size()), Ball(0));
+  for (Eigen::Index j = 0; j < B.cols(); ++j)
+    B.block(n, j, n, 1) = by_force.col(out.actuated[static_cast<std::size_t>(j)]);
+  out.A = rounded(A);
+  out.B = rounded(B);
+  out.modes = enclosedModes(out.A, out.B);
+  out.stability = stabilityOf(out.modes);
+  out.reached = reachableDimension(out.A, out.B);
+  return out;
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Linearized motion: its laws over the field in the bundled trees, and modes by hand.
+#include "crosscheck/studies/linearization.hpp"
+
+#include <cmath>
+#include <complex>
+#include <fstream>
+#include <string>
+
+#include <boost/test/data/monomorphic.hpp>
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/studies/linearization_laws.hpp"
+#include "crosscheck/verdicts/within_bounds.hpp"
+#include "tests/fixtures/files.hpp"
+
+namespace data = boost::unit_test::data;
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+
+namespace {
+
+std::vector<std::string> trees() {
+  std::vector<std::string> names;
+  for (const auto& file : scene::bundledScenes())
+    if (refusals(scene::readScene(file), Command::kLinearize).empty())
+      names.push_back(file.stem().string());
+  return names;
+}
+
+/// A scene of this text.
+scene::Scene sceneOf(const std::string& text) {
+  const files::TemporaryFolder folder;
+  const auto file = folder.path / "scene.toml";
+  std::ofstream(file) << text;
+  return scene::readScene(file);
+}
+
+/// Whether one of the enclosures holds the number.
+bool holds(const Linearization& at, std::complex<double> value) {
+  for (const EnclosedMode& mode : at.modes.modes)
+    if (std::abs(mode.value.real() - value.real()) <= mode.radius_re + 1e-15 * std::abs(value) &&
+        std::abs(mode.value.imag() - value.imag()) <= mode.radius_im + 1e-15 * std::abs(value))
+      return true;
+  return false;
+}
+
+const char* const kPoint = "mass = 1\ncom = [0, 0, -1]\n";
+std::string pendulum(const std::string& name, const std::string& parent, const std::string& at,
+                     const std::string& more = "") {
+  return "[[link]]\nname = \"" + name + "_link\"\nparent = \"" + parent + "\"\n" + kPoint +
+         "[link.joint]\nname = \"" + name +
+         "\"\nkind = \"revolute\"\naxis = [0, 1, 0]\nxyz = " + at + "\n" + more;
+}
+const std::string kWorld = "gravity = [0, 0, -9]\n[[link]]\nname = \"base\"\n";
+
+}  // namespace
+
+BOOST_DATA_TEST_CASE(the_laws_hold_in_every_bundled_tree, data::make(trees()), name) {
+  int decided = 0;
+  for (const CheckResult& check : checkLinearizationExactly(scene::findScene(name), {})) {
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << ": " << check.reason);
+    decided += check.verdict == Verdict::kAgree ? 1 : 0;
+  }
+  BOOST_TEST(decided >= 5);
+}
+
+// By hand: l = 1 m, g = 9 m/s^2, a damper of 2 d: lambda^2 + 2 d lambda +- 9 = 0
+BOOST_AUTO_TEST_CASE(a_pendulum_hangs_and_stands) {
+  const scene::Scene scene =
+      sceneOf(kWorld + pendulum("hinge", "base", "[0, 0, 0]", "friction = { viscous = 0.5 }\n"));
+  const Linearization hangs = linearize(scene, {});
+  BOOST_TEST_REQUIRE(hangs.modes.are_simple);
+  const double w = std::sqrt(9 - 0.0625);
+  BOOST_TEST(holds(hangs, {-0.25, w}));
+  BOOST_TEST(holds(hangs, {-0.25, -w}));
+  BOOST_TEST(!holds(hangs, {-0.25, w * (1 + 1e-12)}));
+  BOOST_TEST((hangs.stability == Stability::kStable));
+  BOOST_TEST(hangs.reached == 2);
+
+  LinearizationOptions up;
+  up.q = {M_PI};
+  const Linearization stands = linearize(scene, up);
+  const double root = std::sqrt(9 + 0.0625);
+  BOOST_TEST(holds(stands, {-0.25 + root, 0}));
+  BOOST_TEST(holds(stands, {-0.25 - root, 0}));
+  for (const EnclosedMode& mode : stands.modes.modes) BOOST_TEST(mode.is_real);
+  BOOST_TEST((stands.stability == Stability::kUnstable));
+  // at pi as double has it, pi - 1.2e-16, which 9 N m hold there
+  BOOST_TEST(std::abs(stands.tau.value(0, 0)) < 1.2e-15);
+}
+
+// By hand (every textbook): equal masses and lengths, w^2 = (2 -+ sqrt 2) g / l, the second angle
+// against the first -1 +- sqrt 2 (relative angles).
+BOOST_AUTO_TEST_CASE(a_double_pendulum_swings_in_two_modes) {
+  const scene::Scene scene = sceneOf(kWorld + pendulum("one", "base", "[0, 0, 0]") +
+                                     pendulum("two", "one_link", "[0, 0, -1]"));
+  LinearizationOptions options;
+  options.q = {0.4, -0.3};
+  options.seeks_equilibrium = true;
+  const Linearization at = linearize(scene, options);
+  BOOST_TEST(at.newton_steps > 0);
+  for (const double q : at.q) BOOST_TEST(std::abs(q) < 1e-15);
+  int seen = 0;
+  for (const EnclosedMode& mode : at.modes.modes)
+    for (const double sign : {-1.0, 1.0}) {
+      const double w = std::sqrt((2 + sign * std::sqrt(2)) * 9);
+      if (std::abs(mode.value.imag() - w) > 1e-9) continue;
+      ++seen;
+      BOOST_TEST(std::abs(mode.value - std::complex<double>(0, w)) <=
+                 mode.radius_re + mode.radius_im + 1e-14);
+      const std::complex<double> ratio = mode.right(1) / mode.right(0);
+      BOOST_TEST(std::abs(ratio - (-1 - sign * std::sqrt(2))) < 1e-12);
+    }
+  BOOST_TEST(seen == 2);
+  // one actuator is enough, wherever it is
+  for (const char* joint : {"one", "two"}) {
+    options.actuated = {joint};
+    BOOST_TEST(linearize(scene, options).reached == 4, joint);
+  }
+}
+
+// Two equal pendulums on one base: the force of one leaves the other alone, and the eigenvalues are
+// double. Of unlike ones, the other's modes are not reached.
+BOOST_AUTO_TEST_CASE(what_forces_do_not_reach_is_told) {
+  LinearizationOptions options;
+  options.actuated = {"one"};
+  const std::string one = kWorld + pendulum("one", "base", "[0, 0, 0]");
+  const Linearization equal =
+      linearize(sceneOf(one + pendulum("two", "base", "[1, 0, 0]")), options);
+  BOOST_TEST(!equal.modes.are_simple);
+  BOOST_TEST(equal.modes.failure == "");
+  BOOST_TEST(holds(equal, {0, 3}));
+  BOOST_TEST(equal.reached == 2);
+  const Linearization unlike =
+      linearize(sceneOf(one + pendulum("two", "base", "[1, 0, 0]", "stiffness = 7\n")), options);
+  BOOST_TEST_REQUIRE(unlike.modes.are_simple);
+  BOOST_TEST(unlike.reached == 2);
+  int reached = 0;
+  for (const EnclosedMode& mode : unlike.modes.modes) {
+    const bool is_first = std::abs(std::abs(mode.value.imag()) - 3) < 1e-9;
+    BOOST_TEST((mode.reached.maxCoeff() > 0) == is_first);
+    reached += is_first ? 1 : 0;
+    if (!is_first) BOOST_TEST(std::abs(std::abs(mode.value.imag()) - 4) < 1e-9);  // sqrt(9 + 7)
+  }
+  BOOST_TEST(reached == 2);
+}
+
+// A free body at rest: twelve roots at 0, and all of it is reached.
+BOOST_AUTO_TEST_CASE(a_free_body_has_no_modes_of_its_own) {
+  const scene::Scene scene = sceneOf(
+      "[[link]]\nname = \"base\"\n[[link]]\nname = \"body\"\nparent = \"base\"\nmass = 2\n"
+      "com = [0.1, 0, 0.2]\ninertia = { xx = 0.4, yy = 0.5, zz = 0.6 }\n"
+      "[link.joint]\nname = \"flight\"\nkind = \"floating\"\n[start]\nq = [0,0,0,1,0,0,0]\n");
+  const Linearization at = linearize(scene, {});
+  BOOST_TEST(at.A.value.bottomRows(6).isZero(1e-14));
+  BOOST_TEST(at.reached == 12);
+  BOOST_TEST((at.stability == Stability::kUndecided));
+  LinearizationOptions moving;
+  moving.qd = {1, 0, 0, 0, 0, 0};
+  BOOST_CHECK_THROW(linearize(scene, moving), scene::InputError);
+}
+
+BOOST_AUTO_TEST_CASE(no_equilibrium_is_told) {
+  const scene::Scene falls =
+      sceneOf(kWorld +
+              "[[link]]\nname = \"weight\"\nparent = \"base\"\nmass = 1\n[link.joint]\n"
+              "name = \"fall\"\nkind = \"prismatic\"\naxis = [0, 0, 1]\n");
+  LinearizationOptions options;
+  options.seeks_equilibrium = true;
+  BOOST_CHECK_THROW(linearize(falls, options), scene::InputError);
+  options.actuated = {"rise"};
+  options.seeks_equilibrium = false;
+  BOOST_CHECK_THROW(linearize(falls, options), scene::InputError);
+}
+
+// Gravity has its share in dqdd/dq alone; and derivatives are what differences tend to.
+BOOST_AUTO_TEST_CASE(differences_tend_to_derivatives) {
+  const scene::Scene scene = scene::findScene("puma_560");
+  scene::Scene weightless = scene;
+  weightless.mechanism.has_gravity = false;
+  LinearizationOptions options;
+  options.q = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
+  const Linearization with = linearize(scene, options), without = linearize(weightless, options);
+  BOOST_TEST((with.A.value - without.A.value).bottomLeftCorner(6, 6).norm() > 1);
+  BOOST_TEST((with.A.value - without.A.value).bottomRightCorner(6, 6).isZero(1e-14));
+  // against differences of the truth's own qdd: h^2 off, so halving h makes a quarter of it
+  double off[2];
+  for (int k = 0; k < 2; ++k) {
+    const double h = 1e-3 / (1 << k);
+    off[k] = 0;
+    for (int j = 0; j < 6; ++j) {
+      LinearizationOptions moved[2] = {options, options};
+      Eigen::VectorXd qdd[2];
+      for (int side = 0; side < 2; ++side) {
+        moved[side].q[static_cast<std::size_t>(j)] += side == 0 ? -h : h;
+        moved[side].has_no_forces = true;
+        qdd[side] = linearize(scene, moved[side]).qdd.value;
+      }
+      LinearizationOptions here = options;
+      here.has_no_forces = true;
+      const Eigen::VectorXd column = linearize(scene, here).A.value.col(j).tail(6);
+      off[k] = std::max(off[k], ((qdd[1] - qdd[0]) / (2 * h) - column).cwiseAbs().maxCoeff());
+    }
+  }
+  BOOST_TEST(off[1] < off[0] / 3.9);
+  BOOST_TEST(off[0] < 1);
+}
