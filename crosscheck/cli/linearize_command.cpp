@@ -43,6 +43,7 @@ bool isSecondOfPair(const EnclosedModes& all, const EnclosedMode& mode) {
 
 /// "3.13 Hz, damping 0.1", "time constant 0.5 s", "doubles in 0.2 s"
 std::string wordsOf(const EnclosedMode& mode) {
+  if (!std::isfinite(mode.radius_re)) return "";
   constexpr double kTurn = 2 * 3.14159265358979323846;
   const double re = mode.value.real(), im = std::abs(mode.value.imag());
   std::string out;
@@ -52,7 +53,8 @@ std::string wordsOf(const EnclosedMode& mode) {
       out += fmt::format(", damping ratio {:.4g}", -re / std::abs(mode.value));
     return out;
   }
-  if (std::abs(re) <= mode.radius_re) return "neither grows nor fades";
+  if (std::abs(re) <= mode.radius_re)
+    return mode.radius_re == 0 ? "neither grows nor fades" : "0 within its radius";
   return re < 0 ? fmt::format("fades, time constant {:.6g} s", -1 / re)
                 : fmt::format("grows, doubles in {:.6g} s", std::log(2) / re);
 }
@@ -80,17 +82,21 @@ std::string shapeOf(const EnclosedMode& mode, const std::vector<std::string>& na
 }
 
 void printModes(const Linearization& at, const std::vector<std::string>& names) {
-  if (!at.modes.failure.empty()) {
-    fmt::print("modes        none enclosed: {}\n", at.modes.failure);
-    return;
-  }
-  fmt::print("modes        eigenvalues of A [1/s], enclosed{}\n",
-             at.modes.are_simple ? "" : "; some are multiple, or too near to tell");
+  if (!at.modes.failure.empty())
+    fmt::print("modes        eigenvalues of A [1/s], where no radius stands approximations: {}\n",
+               at.modes.failure);
+  else
+    fmt::print("modes        eigenvalues of A [1/s], enclosed{}\n",
+               at.modes.are_simple ? "" : "; some are multiple, or too near to tell");
   for (const EnclosedMode& mode : at.modes.modes) {
     if (isSecondOfPair(at.modes, mode)) continue;
     const double im = mode.value.imag();
     const bool is_pair = at.modes.are_simple && !mode.is_real;
-    fmt::print("   {:>13.9g}{} {}   {}\n", mode.value.real(),
+    // of an approximation: below its digits that are shown
+    const double least =
+        std::isfinite(mode.radius_re) ? mode.radius_re : 1e-9 * std::abs(mode.value);
+    const bool may_be_0 = std::abs(mode.value.real()) <= least;
+    fmt::print("   {:>13.9g}{} {}   {}\n", may_be_0 ? 0 : mode.value.real(),
                im == 0 ? std::string(16, ' ')
                        : fmt::format(" {} {:<12.9g}i",
                                      is_pair  ? "+-"
@@ -103,6 +109,11 @@ void printModes(const Linearization& at, const std::vector<std::string>& names) 
     if (mode.reached.size() > 0 && !(mode.reached.maxCoeff() > 0))
       fmt::print("                 not seen to be reached by the actuated joints\n");
   }
+}
+
+using cli::toJson;
+Json toJson(double radius) {
+  return std::isfinite(radius) ? Json(radius) : Json("inf");
 }
 
 int run(const Arguments& arguments) {
@@ -130,8 +141,10 @@ int run(const Arguments& arguments) {
   fmt::print("q            {:.10g}\n", fmt::join(at.q, ", "));
   const bool moves = std::any_of(at.qd.begin(), at.qd.end(), [](double v) { return v != 0; });
   if (moves) fmt::print("qd           {:.10g}\n", fmt::join(at.qd, ", "));
-  fmt::print("tau          {:.10g}\n",
-             fmt::join(at.tau.value.data(), at.tau.value.data() + at.tau.value.size(), ", "));
+  std::vector<double> tau;  // what may be 0 is written so
+  for (Eigen::Index i = 0; i < n; ++i)
+    tau.push_back(std::abs(at.tau.value(i)) <= at.tau.bound(i) ? 0 : at.tau.value(i));
+  fmt::print("tau          {:.10g}\n", fmt::join(tau, ", "));
   if ((at.qdd.value.cwiseAbs().array() > at.qdd.bound.array()).any())
     fmt::print("qdd          {:.10g}   it does not stay there: modes are those of the moment\n",
                fmt::join(at.qdd.value.data(), at.qdd.value.data() + at.qdd.value.size(), ", "));
@@ -163,8 +176,8 @@ int run(const Arguments& arguments) {
     for (const EnclosedMode& mode : at.modes.modes) {
       Json one{{"re", mode.value.real()},
                {"im", mode.value.imag()},
-               {"radius_re", mode.radius_re},
-               {"radius_im", mode.radius_im},
+               {"radius_re", toJson(mode.radius_re)},
+               {"radius_im", toJson(mode.radius_im)},
                {"is_simple", at.modes.are_simple}};
       if (mode.right.size() > 0) {
         one["vector_re"] = std::vector<double>();
@@ -178,7 +191,7 @@ int run(const Arguments& arguments) {
       }
       json["modes"].push_back(std::move(one));
     }
-    if (!at.modes.failure.empty()) json["no_modes"] = at.modes.failure;
+    if (!at.modes.failure.empty()) json["why_not_enclosed"] = at.modes.failure;
     writeWholeFile(arguments.json, findingsJson("linearize", scene, json, checks));
   }
   return status;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <acb_mat.h>
 #include <arb.h>
@@ -85,11 +86,12 @@ std::complex<double> middle(const acb_t x) {
   return {middle(acb_realref(x)), middle(acb_imagref(x))};
 }
 
-EnclosedMode modeOf(const acb_t value) {
+EnclosedMode modeOf(const acb_t value, bool is_enclosed) {
   EnclosedMode out;
   out.value = middle(value);
-  out.radius_re = radius(acb_realref(value));
-  out.radius_im = radius(acb_imagref(value));
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  out.radius_re = is_enclosed ? radius(acb_realref(value)) : kNone;
+  out.radius_im = is_enclosed ? radius(acb_imagref(value)) : kNone;
   return out;
 }
 
@@ -119,48 +121,187 @@ double reach(ComplexMatrix& L, Eigen::Index k, ComplexMatrix& B, Eigen::Index co
   return out > 0 ? out / std::sqrt(l * b) : 0;
 }
 
-}  // namespace
+/// Eigenvalues of every matrix within the bounds, and their vectors.
+class Decomposition {
+ public:
+  explicit Decomposition(const Bounded& of)
+      : n(of.value.rows()), values(n), left(n, n), right(n, n), near_values_(n) {
+    if (!of.value.allFinite() || !of.bound.allFinite()) {
+      failure = "the matrix is not finite";
+      return;
+    }
+    ComplexMatrix a(n, n), near_right(n, n);
+    set(a, of);
+    acb_mat_approx_eig_qr(near_values_.get(), nullptr, near_right.get(), a.get(), nullptr, 0,
+                          kBits);
+    are_simple = acb_mat_eig_simple(values.get(), left.get(), right.get(), a.get(),
+                                    near_values_.get(), near_right.get(), kBits) != 0;
+    if (are_simple) return;
+    acb_mat_eig_multiple(values.get(), a.get(), near_values_.get(), near_right.get(), kBits);
+    for (Eigen::Index k = 0; k < n; ++k)
+      if (!acb_is_finite(values[k]))
+        failure = "some are too near to each other, or entries known too loosely";
+    if (failure.empty()) return;
+    for (Eigen::Index k = 0; k < n; ++k) acb_set(values[k], near_values_[k]);
+  }
 
-EnclosedModes enclosedModes(const Bounded& A, const Bounded& B) {
-  EnclosedModes out;
+  const Eigen::Index n;
+  ComplexVector values;
+  ComplexMatrix left, right;  ///< by row, by column; where they are simple
+  bool are_simple = false;
+  std::string failure;  ///< values are approximations
+
+ private:
+  ComplexVector near_values_;
+};
+
+/// Of a real matrix, and alone in its enclosure: where that meets the axis, it is its own
+/// conjugate.
+void makeReal(acb_ptr value) {
+  if (arb_contains_zero(acb_imagref(value))) arb_zero(acb_imagref(value));
+}
+
+/// Puts a mode of A in.
+void add(EnclosedModes& out, const acb_t value, Eigen::VectorXcd right, Eigen::VectorXd reached) {
+  EnclosedMode mode = modeOf(value, out.failure.empty());
+  if (out.are_simple) {
+    mode.is_real = arb_is_zero(acb_imagref(value)) != 0;
+    mode.right = std::move(right);
+    mode.reached = std::move(reached);
+  }
+  out.modes.push_back(std::move(mode));
+}
+
+/// Indices that reach each other through entries that are not exactly 0: the eigenvalues of the
+/// matrix are those of these blocks.
+std::vector<std::vector<Eigen::Index>> blocksOf(const Bounded& A) {
   const Eigen::Index n = A.value.rows();
-  if (!A.value.allFinite() || !A.bound.allFinite()) {
-    out.failure = "the matrix is not finite";
-    return out;
+  Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> reaches =
+      A.value.array() != 0 || A.bound.array() != 0;
+  for (Eigen::Index k = 0; k < n; ++k)
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (reaches(i, k))
+        for (Eigen::Index j = 0; j < n; ++j) reaches(i, j) = reaches(i, j) || reaches(k, j);
+  std::vector<std::vector<Eigen::Index>> out;
+  std::vector<char> is_in(static_cast<std::size_t>(n), 0);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (is_in[static_cast<std::size_t>(i)]) continue;
+    out.push_back({});
+    for (Eigen::Index j = i; j < n; ++j)
+      if (j == i || (reaches(i, j) && reaches(j, i))) {
+        out.back().push_back(j);
+        is_in[static_cast<std::size_t>(j)] = 1;
+      }
   }
-  ComplexMatrix a(n, n), b(n, B.value.cols()), L(n, n), R(n, n), near_R(n, n);
-  ComplexVector E(n), near_E(n);
-  set(a, A);
-  set(b, B);
-  acb_mat_approx_eig_qr(near_E.get(), nullptr, near_R.get(), a.get(), nullptr, 0, kBits);
-  out.are_simple = acb_mat_eig_simple(E.get(), L.get(), R.get(), a.get(), near_E.get(),
-                                      near_R.get(), kBits) != 0;
-  if (!out.are_simple) acb_mat_eig_multiple(E.get(), a.get(), near_E.get(), near_R.get(), kBits);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    if (!acb_is_finite(E[k])) {
-      out.failure = "its eigenvalues are too near to each other, or its entries known too loosely";
-      out.modes.clear();
-      return out;
-    }
-    EnclosedMode mode = modeOf(E[k]);
-    if (out.are_simple) {
-      // the conjugate of an eigenvalue is one too: alone in an enclosure that meets the axis, it is
-      // its own
-      mode.is_real = arb_contains_zero(acb_imagref(E[k])) != 0;
-      if (mode.is_real) mode.value.imag(0), mode.radius_im = 0;
-      mode.right = shapeOf(R, k, n);
-      mode.reached = Eigen::VectorXd(B.value.cols());
-      for (Eigen::Index j = 0; j < B.value.cols(); ++j) mode.reached(j) = reach(L, k, b, j, n);
-    }
-    out.modes.push_back(std::move(mode));
-  }
+  return out;
+}
+Bounded blockOf(const Bounded& A, const std::vector<Eigen::Index>& at) {
+  return {A.value(at, at), A.bound(at, at)};
+}
+
+void sort(EnclosedModes& out) {
   std::sort(out.modes.begin(), out.modes.end(), [](const EnclosedMode& x, const EnclosedMode& y) {
     if (x.value.real() != y.value.real()) return x.value.real() > y.value.real();
     if (std::abs(x.value.imag()) != std::abs(y.value.imag()))
       return std::abs(x.value.imag()) < std::abs(y.value.imag());
     return x.value.imag() > y.value.imag();
   });
+}
+
+Eigen::VectorXd reachOf(Decomposition& d, Eigen::Index k, ComplexMatrix& b, Eigen::Index columns) {
+  Eigen::VectorXd out(columns);
+  for (Eigen::Index j = 0; j < columns; ++j) out(j) = reach(d.left, k, b, j, d.n);
   return out;
+}
+
+EnclosedModes wholeModes(const Bounded& A, const Bounded& B) {
+  Decomposition d(A);
+  EnclosedModes out{{}, d.are_simple, d.failure};
+  ComplexMatrix b(d.n, B.value.cols());
+  set(b, B);
+  for (Eigen::Index k = 0; k < d.n; ++k) {
+    if (d.are_simple) makeReal(d.values[k]);
+    add(out, d.values[k], shapeOf(d.right, k, d.n), reachOf(d, k, b, B.value.cols()));
+  }
+  sort(out);
+  return out;
+}
+
+EnclosedModes wholeOscillations(const Bounded& K, const Bounded& B) {
+  Decomposition d(K);
+  EnclosedModes out{{}, d.are_simple, d.failure};
+  ComplexMatrix b(d.n, B.value.cols());
+  set(b, B);
+  Complex root;
+  for (Eigen::Index k = 0; k < d.n; ++k) {
+    acb_ptr mu = d.values[k];
+    if (d.are_simple) makeReal(mu);
+    if (arb_is_negative(acb_realref(mu))) {  // beside the cut of the square root
+      acb_neg(root.get(), mu);
+      acb_sqrt(root.get(), root.get(), kBits);
+      acb_mul_onei(root.get(), root.get());
+    } else {
+      acb_sqrt(root.get(), mu, kBits);
+    }
+    if (acb_contains_zero(mu)) {  // any root of anything within
+      arb_t most;
+      arb_init(most);
+      acb_abs(most, mu, kBits);
+      arb_sqrt(most, most, kBits);
+      mag_t bound;
+      mag_init(bound);
+      arb_get_mag(bound, most);
+      acb_zero(root.get());
+      arb_add_error_mag(acb_realref(root.get()), bound);
+      if (!acb_is_exact(mu)) arb_add_error_mag(acb_imagref(root.get()), bound);
+      mag_clear(bound);
+      arb_clear(most);
+    }
+    const Eigen::VectorXcd v = shapeOf(d.right, k, d.n);
+    const Eigen::VectorXd reached = reachOf(d, k, b, B.value.cols());
+    for (int side = 0; side < 2; ++side) {
+      const std::complex<double> lambda = middle(root.get());
+      Eigen::VectorXcd whole(2 * d.n);
+      whole << v, lambda * v;
+      Eigen::Index largest = 0;
+      whole.cwiseAbs().maxCoeff(&largest);
+      add(out, root.get(), whole / whole(largest), reached);
+      acb_neg(root.get(), root.get());
+    }
+  }
+  sort(out);
+  return out;
+}
+
+/// As a whole where that is enclosed with its vectors, else block by block without.
+template <typename Whole>
+EnclosedModes byBlocks(const Bounded& A, const Bounded& B, const Whole& whole) {
+  EnclosedModes out = whole(A, B);
+  const std::vector<std::vector<Eigen::Index>> blocks = blocksOf(A);
+  if (out.are_simple || blocks.size() < 2) return out;
+  out = {};
+  for (const std::vector<Eigen::Index>& at : blocks) {
+    const Eigen::MatrixXd none(static_cast<Eigen::Index>(at.size()), 0);
+    EnclosedModes part = whole(blockOf(A, at), {none, none});
+    if (out.failure.empty()) out.failure = part.failure;
+    for (EnclosedMode& mode : part.modes) {
+      mode.right.resize(0);
+      mode.reached.resize(0);
+      out.modes.push_back(std::move(mode));
+    }
+  }
+  sort(out);
+  return out;
+}
+
+}  // namespace
+
+EnclosedModes enclosedModes(const Bounded& A, const Bounded& B) {
+  return byBlocks(A, B, wholeModes);
+}
+
+EnclosedModes enclosedOscillations(const Bounded& K, const Bounded& B) {
+  return byBlocks(K, B, wholeOscillations);
 }
 
 int reachableDimension(const Bounded& A, const Bounded& B) {

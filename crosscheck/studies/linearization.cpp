@@ -18,6 +18,8 @@ namespace {
 
 using Balls = recursive::MatrixX<Ball>;
 
+constexpr long kMostBits = 4096;
+
 Bounded rounded(const Balls& m) {
   Bounded out{Eigen::MatrixXd(m.rows(), m.cols()), Eigen::MatrixXd(m.rows(), m.cols())};
   for (Eigen::Index i = 0; i < m.rows(); ++i)
@@ -169,12 +171,42 @@ std::vector<int> actuatedRates(const scene::Scene& scene, const std::vector<std:
 }
 
 Stability stabilityOf(const EnclosedModes& modes) {
-  bool all_left = !modes.modes.empty();
+  bool all_left = !modes.modes.empty() && modes.failure.empty();
   for (const EnclosedMode& mode : modes.modes) {
     if (mode.value.real() - mode.radius_re > 0) return Stability::kUnstable;
     all_left = all_left && mode.value.real() + mode.radius_re < 0;
   }
   return all_left ? Stability::kStable : Stability::kUndecided;
+}
+
+/// What the equations of motion are near the state, at the precision of the moment.
+void differentiate(const scene::Scene& scene, const LinearizationOptions& options,
+                   Linearization& out) {
+  const scene::Mechanism& mechanism = scene.mechanism;
+  const auto n = static_cast<Eigen::Index>(mechanism.dof());
+  LinearizationModel<Ball> model(mechanism, BallNumbers(mechanism));
+  scene::State<Ball> state = stateAt(mechanism, out.q, out.qd);
+  if (!options.has_no_forces) state.tau = model.inverse(state);
+  out.tau = rounded(state.tau);
+  out.qdd = rounded(model.forward(state));
+  Balls A = Balls::Constant(2 * n, 2 * n, Ball(0));
+  for (Eigen::Index i = 0; i < n; ++i) A(i, n + i) = Ball(1);
+  A.bottomLeftCorner(n, n) = model.ofForward(state, MovedPart::kPosition);
+  A.bottomRightCorner(n, n) = model.ofForward(state, MovedPart::kRate);
+  const Balls by_force = model.ofForward(state, MovedPart::kForce);
+  Balls B = Balls::Constant(2 * n, static_cast<Eigen::Index>(out.actuated.size()), Ball(0));
+  for (Eigen::Index j = 0; j < B.cols(); ++j)
+    B.block(n, j, n, 1) = by_force.col(out.actuated[static_cast<std::size_t>(j)]);
+  out.A = rounded(A);
+  out.B = rounded(B);
+}
+
+/// Off by no more than what rounding to double takes from the largest entry.
+bool isSharp(const Bounded& m) {
+  if (!m.value.allFinite() || !m.bound.allFinite()) return false;
+  if (m.value.size() == 0) return true;
+  return m.bound.maxCoeff() <=
+         std::numeric_limits<double>::epsilon() * m.value.cwiseAbs().maxCoeff();
 }
 
 }  // namespace
@@ -202,30 +234,28 @@ Linearization linearize(const scene::Scene& scene, const LinearizationOptions& o
                               : values(scene, options.qd, scene.start_qd, "--rates");
   out.actuated = actuatedRates(scene, options.actuated);
 
-  LinearizationModel<Ball> model(mechanism, BallNumbers(mechanism));
   if (options.seeks_equilibrium) {
     out.qd.assign(out.qd.size(), 0.0);
+    LinearizationModel<Ball> model(mechanism, BallNumbers(mechanism));
     Equilibrium equilibrium(scene, model);
     out.q = equilibrium.from(out.q);
     out.newton_steps = equilibrium.steps();
   }
   requireSmooth(scene, out.qd);
-  scene::State<Ball> state = stateAt(mechanism, out.q, out.qd);
-  if (!options.has_no_forces) state.tau = model.inverse(state);
-  out.tau = rounded(state.tau);
-  out.qdd = rounded(model.forward(state));
-
-  Balls A = Balls::Constant(2 * n, 2 * n, Ball(0));
-  for (Eigen::Index i = 0; i < n; ++i) A(i, n + i) = Ball(1);
-  A.bottomLeftCorner(n, n) = model.ofForward(state, MovedPart::kPosition);
-  A.bottomRightCorner(n, n) = model.ofForward(state, MovedPart::kRate);
-  const Balls by_force = model.ofForward(state, MovedPart::kForce);
-  Balls B = Balls::Constant(2 * n, static_cast<Eigen::Index>(out.actuated.size()), Ball(0));
-  for (Eigen::Index j = 0; j < B.cols(); ++j)
-    B.block(n, j, n, 1) = by_force.col(out.actuated[static_cast<std::size_t>(j)]);
-  out.A = rounded(A);
-  out.B = rounded(B);
-  out.modes = enclosedModes(out.A, out.B);
+  // long chains lose bits link by link
+  for (long bits = 128; bits <= kMostBits; bits *= 2) {
+    const BallPrecision precision(bits);
+    differentiate(scene, options, out);
+    if (isSharp(out.A) && isSharp(out.B)) break;
+  }
+  const auto isZero = [](const Eigen::MatrixXd& m) { return (m.array() == 0).all(); };
+  const auto lower = [n](const Bounded& m, Eigen::Index columns) {
+    return Bounded{m.value.bottomLeftCorner(n, columns), m.bound.bottomLeftCorner(n, columns)};
+  };
+  if (isZero(out.A.value.bottomRightCorner(n, n)) && isZero(out.A.bound.bottomRightCorner(n, n)))
+    out.modes = enclosedOscillations(lower(out.A, n), lower(out.B, out.B.value.cols()));
+  else
+    out.modes = enclosedModes(out.A, out.B);
   out.stability = stabilityOf(out.modes);
   out.reached = reachableDimension(out.A, out.B);
   return out;

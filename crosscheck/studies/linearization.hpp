@@ -40,7 +40,7 @@ struct Linearization {
   int newton_steps = 0;
 };
 
-/** Entries of A and B in balls of 128 bits, rounded to double with what that leaves open; modes
+/** Entries of A and B in balls of as many bits as that takes, rounded to double with what that leaves open; modes
     enclosed for everything within (enclosed_modes.hpp). Stability is that of the linearized motion,
     and decided where every enclosure is left of the axis, or one is right of it.
     @throws scene::InputError  what Command::kLinearize refuses; sizes and names that do not fit;

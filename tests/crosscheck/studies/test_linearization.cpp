@@ -133,6 +133,8 @@ BOOST_AUTO_TEST_CASE(what_forces_do_not_reach_is_told) {
   BOOST_TEST(!equal.modes.are_simple);
   BOOST_TEST(equal.modes.failure == "");
   BOOST_TEST(holds(equal, {0, 3}));
+  for (const EnclosedMode& mode : equal.modes.modes)
+    BOOST_TEST(mode.radius_re + mode.radius_im < 1e-14);
   BOOST_TEST(equal.reached == 2);
   const Linearization unlike =
       linearize(sceneOf(one + pendulum("two", "base", "[1, 0, 0]", "stiffness = 7\n")), options);
@@ -161,6 +163,33 @@ BOOST_AUTO_TEST_CASE(a_free_body_has_no_modes_of_its_own) {
   LinearizationOptions moving;
   moving.qd = {1, 0, 0, 0, 0, 0};
   BOOST_CHECK_THROW(linearize(scene, moving), scene::InputError);
+}
+
+// By hand: a slide of m = 2 on k = 8 with d = 12 is 2 x + 12 v + 8: -3 +- sqrt(5); a second one
+// without a spring has 0 and -d / m; the general matrix and its blocks.
+BOOST_AUTO_TEST_CASE(damped_modes_and_blocks) {
+  const auto slide = [](const std::string& name, const std::string& more) {
+    return "[[link]]\nname = \"" + name +
+           "_link\"\nparent = \"base\"\nmass = 2\n[link.joint]\nname = \"" + name +
+           "\"\nkind = \"prismatic\"\naxis = [1, 0, 0]\n" + more;
+  };
+  const std::string damped = "stiffness = 8\nfriction = { viscous = 12 }\n";
+  const Linearization two =
+      linearize(sceneOf(kWorld + slide("a", damped) + slide("b", damped)), {});
+  BOOST_TEST(!two.modes.are_simple);
+  BOOST_TEST(two.modes.failure == "");
+  BOOST_TEST((two.stability == Stability::kStable));
+  int seen = 0;
+  for (const EnclosedMode& mode : two.modes.modes)
+    for (const double root : {-3 + std::sqrt(5.0), -3 - std::sqrt(5.0)})
+      if (std::abs(mode.value - root) <= mode.radius_re + mode.radius_im + 1e-15) ++seen;
+  BOOST_TEST(seen == 4);
+  const Linearization loose = linearize(
+      sceneOf(kWorld + slide("a", damped) + slide("b", "friction = { viscous = 12 }\n")), {});
+  BOOST_TEST_REQUIRE(loose.modes.are_simple);
+  for (const double root : {-3 + std::sqrt(5.0), -3 - std::sqrt(5.0), 0.0, -6.0})
+    BOOST_TEST(holds(loose, root), root);
+  BOOST_TEST((loose.stability == Stability::kUndecided));
 }
 
 BOOST_AUTO_TEST_CASE(no_equilibrium_is_told) {
