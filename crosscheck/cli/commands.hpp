@@ -42,6 +42,9 @@ inline constexpr const char* kRotorsDescription =
     "How much the gyroscopic coupling of rotors is, which d = n^2 J leaves out";
 inline constexpr const char* kSameDescription = "Whether two descriptions are the same robot";
 
+inline constexpr const char* kSweepDescription =
+    "The sweeps link by link, as on paper: out, in, and the same line of Lagrange's";
+
 Run addCrosscheck(CLI::App& app);
 Run addCheck(CLI::App& app);
 Run addGolden(CLI::App& app);
@@ -62,6 +65,7 @@ Run addGeometry(CLI::App& app);
 Run addAction(CLI::App& app);
 Run addImpulse(CLI::App& app);
 Run addLinearize(CLI::App& app);
+Run addSweep(CLI::App& app);
 Run addImpedance(CLI::App& app);
 Run addScenes(CLI::App& app);
 Run addShow(CLI::App& app);

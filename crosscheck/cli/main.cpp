@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
                 {"impulse", {}, "studies", kImpulseDescription},
                 {"impedance", {}, "studies", kImpedanceDescription},
                 {"linearize", {}, "studies", kLinearizeDescription},
+                {"sweep", {}, "studies", kSweepDescription},
                 {"growth", {}, "growth", kGrowthDescription},
                 {"show", addShow},
                 {"scenes", addScenes},

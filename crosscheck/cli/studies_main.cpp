@@ -11,5 +11,6 @@ int main(int argc, char** argv) {
                 {"impulse", addImpulse},
                 {"impedance", addImpedance},
                 {"linearize", addLinearize},
+                {"sweep", addSweep},
                 {"rotors", addRotors}});
 }

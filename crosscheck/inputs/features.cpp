@@ -107,6 +107,7 @@ struct Rules {
         {Command::kAction, followers, own_rates},
         {Command::kImpedance, followers, own_rates},
         {Command::kLinearize, followers, own_rates},
+        {Command::kSweep, followers, own_rates},
         {Command::kImpulse,
          followers,
          {Kind::kRefused, "impulses through joints that share a rate are not told apart"}},
@@ -280,6 +281,7 @@ struct Rules {
          prescribed,
          {Kind::kRefused,
           "prescribed motion is no state that may be another, allowed: free joints"}},
+        {Command::kSweep, closures + point_springs + prescribed, of_the_tree},
         {Command::kLinearize,
          {Feature::kCoulombFriction},
          {Kind::kRefused,
@@ -432,6 +434,8 @@ const char* name(Command command) {
       return "impedance";
     case Command::kLinearize:
       return "linearize";
+    case Command::kSweep:
+      return "sweep";
     case Command::kShow:
       return "show";
   }

@@ -34,6 +34,7 @@ enum class Command {
   kImpulse,
   kImpedance,
   kLinearize,
+  kSweep,
   kShow,
 };
 inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
@@ -57,6 +58,7 @@ inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
                                            Command::kImpulse,
                                            Command::kImpedance,
                                            Command::kLinearize,
+                                           Command::kSweep,
                                            Command::kShow};
 /// "drift", "evaluate (tau, reactions)"
 const char* name(Command command);

@@ -219,6 +219,8 @@ Call callOf(Command command) {
       return {"impedance scene --stretch 0.1,0,0.2", ""};
     case Command::kLinearize:
       return {"linearize scene", ""};
+    case Command::kSweep:
+      return {"sweep scene --accelerations 0.7", ""};
     case Command::kShow:
       return {"show scene", ""};
   }
