@@ -220,7 +220,7 @@ Call callOf(Command command) {
     case Command::kLinearize:
       return {"linearize scene", ""};
     case Command::kSweep:
-      return {"sweep scene --accelerations 0.7", ""};
+      return {"sweep scene", ""};
     case Command::kShow:
       return {"show scene", ""};
   }

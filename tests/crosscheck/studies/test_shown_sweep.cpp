@@ -2,6 +2,7 @@
 // What `sweep` shows: a pendulum by hand, and in all bundled trees what must hold of its numbers.
 #include "crosscheck/studies/shown_sweep.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -54,7 +55,8 @@ BOOST_DATA_TEST_CASE(what_is_shown_fits_together,
   EngineBound bound(scene.mechanism);
   const Eigen::MatrixXd limit = bound(Quantity::kTau, sweep.state);
   for (const ShownLink& link : sweep.links) {
-    const double size = link.M_A.cwiseAbs().maxCoeff(), P = link.P.cwiseAbs().maxCoeff();
+    const double size = link.M_A.cwiseAbs().maxCoeff(),
+                 P = std::max(1.0, link.P.cwiseAbs().maxCoeff());
     // a few products of six terms each; those of D^-1 lose its condition
     const double condition = link.D.size() == 0 ? 1 : link.D.norm() * link.D.inverse().norm();
     const double lost = 100 * std::numeric_limits<double>::epsilon() * condition;
