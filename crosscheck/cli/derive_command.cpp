@@ -137,10 +137,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addDerive(CLI::App& app) {
+Run addDerive(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "derive", "Derive the equations of motion of a scene from its kinetic and potential energy");
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--format", arguments->format, "How to write it")
       ->capture_default_str()

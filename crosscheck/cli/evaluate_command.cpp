@@ -374,10 +374,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addEvaluate(CLI::App& app) {
+Run addEvaluate(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("evaluate", "Quantities of a scene at the states of a CSV file");
   command->footer(
       "dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
       "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
