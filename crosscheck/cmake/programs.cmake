@@ -53,7 +53,7 @@ function(dynwitness_program TARGET WORDS program)  # SOURCE...: WORDS names the 
   target_compile_options(${TARGET} PRIVATE -Wall -Wextra -O1)
   target_compile_definitions(${TARGET} PRIVATE DYNWITNESS_VERSION="${PROJECT_VERSION}")
   target_link_libraries(${TARGET} PRIVATE dynwitness::commands fmt::fmt)
-  dynwitness_use_precompiled(outside_of_commands ${TARGET})
+  dynwitness_use_precompiled(outside_cool ${TARGET})
 endfunction()
 
 # dynwitness_cli, and dynwitness_<program>_program for each of the others
