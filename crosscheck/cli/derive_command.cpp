@@ -42,7 +42,7 @@ std::string operationsTable(const scene::Scene& scene) {
     std::string head = fmt::format("{:<10}", ""), row = fmt::format("{:<10}", name(formula));
     for (const Road& road : all) {
       const symbolic::Program::Operations o = road.program.bodyOperations();
-      head += fmt::format("{:>16}", road.name);
+      head += fmt::format("{:>16}", name(road.kind));
       row += fmt::format("{:>16}", fmt::format("{}{}/{}/{}", &road == &*smallest ? "* " : "",
                                                o.multiplications, o.additions, o.divisions));
     }
