@@ -115,16 +115,12 @@ Matrix3 turnOf(Real w, const Vector3& v) {
   return Matrix3::Identity() + 2 / (w * w + v.squaredNorm()) * (w * cross + cross * cross);
 }
 
-/// Roll, pitch and yaw of R = Rz(yaw) Ry(pitch) Rx(roll); roll is read off Rz(-yaw) R, which is
-/// defined where the pitch is a right angle, too.
+/// As expressions.
 Vector rollPitchYaw(const Matrix3& R, const SourceLocation& where) {
   const auto atan = [](Real y, Real x) {  // of what rounding leaves of zero: zero
     return std::atan2(std::abs(y) < 1e-18L ? 0 : y, std::abs(x) < 1e-18L ? 0 : x);
   };
-  const Real yaw = atan(R(1, 0), R(0, 0)), c = std::cos(yaw), s = std::sin(yaw);
-  const Real pitch = atan(-R(2, 0), c * R(0, 0) + s * R(1, 0));
-  const Real roll = atan(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1));
-  Vector rpy = printed(Vector3(roll, pitch, yaw), 1, where);
+  Vector rpy = printed(scene::rollPitchYaw(R, atan), 1, where);
   for (Number& angle : rpy) angle = angleOf(angle);
   return rpy;
 }

@@ -35,10 +35,8 @@ Matrix3 turn(const Vector& rpy, const Numbers& number) {
 }
 
 Vector3 rollPitchYaw(const Matrix3& R) {
-  const Real yaw = atan2(R(1, 0), R(0, 0)), c = cos(yaw), s = sin(yaw);
-  const Real pitch = atan2(Real(-R(2, 0)), Real(c * R(0, 0) + s * R(1, 0)));
-  const Real roll = atan2(Real(s * R(0, 2) - c * R(1, 2)), Real(c * R(1, 1) - s * R(0, 1)));
-  return Vector3(roll, pitch, yaw).unaryExpr([](const Real& x) { return settled(x, Real(1)); });
+  return scene::rollPitchYaw(R, [](const Real& y, const Real& x) -> Real { return atan2(y, x); })
+      .unaryExpr([](const Real& x) { return settled(x, Real(1)); });
 }
 
 Frame frameOf(const std::vector<Step>& steps, const Numbers& number) {

@@ -34,8 +34,7 @@ Vector3 vector(const Vector& v, const Numbers& number);
 /// R = Rz(yaw) Ry(pitch) Rx(roll)
 Matrix3 turn(const Vector& rpy, const Numbers& number);
 
-/** Roll, pitch and yaw of R = Rz(yaw) Ry(pitch) Rx(roll). Roll is read off Rz(-yaw) R, so the three
-    give R again also where the pitch is a right angle and yaw alone is undetermined. */
+/// Roll, pitch and yaw of R = Rz(yaw) Ry(pitch) Rx(roll) (turn.hpp), settled.
 Vector3 rollPitchYaw(const Matrix3& R);
 
 /// A frame on another one: moved by xyz, then turned by rpy.

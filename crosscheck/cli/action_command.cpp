@@ -105,9 +105,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addAction(CLI::App& app) {
+Run addAction(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("action", kActionDescription);
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command->add_option("--duration", arguments->options.duration, "Time between the end points [s]")
       ->check(positive())

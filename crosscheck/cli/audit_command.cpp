@@ -126,9 +126,8 @@ int run(Arguments arguments) {
 
 }  // namespace
 
-Run addAudit(CLI::App& app) {
+Run addAudit(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("audit", kAuditDescription);
   command
       ->add_option("--equation", arguments->ids, "These entries only, e.g. 15, eq15 or eq15,eq16")
       ->delimiter(',');

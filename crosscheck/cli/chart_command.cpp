@@ -105,10 +105,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addChart(CLI::App& app) {
+Run addChart(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "chart", "Measure speed against accuracy of all methods that compute the same quantity");
   command->add_option("scene", arguments->scene, "Scene")->required();
   std::vector<std::string> allowed;
   for (const Quantity quantity : chartedQuantities()) allowed.push_back(name(quantity));

@@ -68,9 +68,8 @@ int run(Arguments arguments) {
 
 }  // namespace
 
-Run addCheck(CLI::App& app) {
+Run addCheck(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("check", kCheckDescription);
   command->add_option("scene", arguments->scene, "Scene")->required();
   CLI::Option* const engine =
       addEngineOptions(*command, arguments->engines, arguments->limits)->expected(1);

@@ -288,10 +288,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addCrosscheck(CLI::App& app) {
+Run addCrosscheck(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "crosscheck", "Let all witnesses testify about scenes, and write a report");
   command->footer(
       "Exit status: 0 what can be compared was, and agrees; 1 a disagreement, or more than a "
       "tenth of the\n"

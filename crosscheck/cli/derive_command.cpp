@@ -42,7 +42,7 @@ std::string operationsTable(const scene::Scene& scene) {
     std::string head = fmt::format("{:<10}", ""), row = fmt::format("{:<10}", name(formula));
     for (const Road& road : all) {
       const symbolic::Program::Operations o = road.program.bodyOperations();
-      head += fmt::format("{:>16}", road.name);
+      head += fmt::format("{:>16}", name(road.kind));
       row += fmt::format("{:>16}", fmt::format("{}{}/{}/{}", &road == &*smallest ? "* " : "",
                                                o.multiplications, o.additions, o.divisions));
     }
@@ -137,10 +137,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addDerive(CLI::App& app) {
+Run addDerive(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "derive", "Derive the equations of motion of a scene from its kinetic and potential energy");
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--format", arguments->format, "How to write it")
       ->capture_default_str()

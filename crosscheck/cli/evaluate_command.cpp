@@ -37,15 +37,18 @@ struct Arguments {
 };
 
 /// nu1, nu2, ...; J11, J12, ... row by row (J1_1 where a number has two digits).
-std::vector<std::string> columnNames(const std::string& name, Eigen::Index rows,
+std::vector<std::string> columnNames(ConstrainedQuantity quantity, Eigen::Index rows,
                                      Eigen::Index columns) {
+  const bool is_matrix = quantity == ConstrainedQuantity::kN ||
+                         quantity == ConstrainedQuantity::kTaskInertia ||
+                         quantity == ConstrainedQuantity::kJbar;
   std::vector<std::string> names;
   for (Eigen::Index i = 1; i <= rows; ++i)
     for (Eigen::Index j = 1; j <= columns; ++j)
       names.push_back(
-          columns == 1 && name != "N" && name != "Lambda" && name != "Jbar"
-              ? fmt::format("{}{}", name, i)
-              : fmt::format("{}{}{}{}", name, i, rows > 9 || columns > 9 ? "_" : "", j));
+          columns == 1 && !is_matrix
+              ? fmt::format("{}{}", name(quantity), i)
+              : fmt::format("{}{}{}{}", name(quantity), i, rows > 9 || columns > 9 ? "_" : "", j));
   return names;
 }
 
@@ -222,9 +225,10 @@ class States {
 
 struct Column {
   Quantity quantity;
-  std::unique_ptr<Witness> witness;  ///< none: asked of the constrained quantities by name
+  std::unique_ptr<Witness> witness;  ///< none: asked of the constrained quantities
   std::string name;
   bool is_engines = false;  ///< the witness is a program of the user's
+  ConstrainedQuantity constrained = ConstrainedQuantity::kQdd;  ///< without a witness
 };
 
 /// That program failed, or has no value at a state.
@@ -238,7 +242,7 @@ Eigen::MatrixXd valueOf(Column& column, Constrained& constrained, const scene::S
   Eigen::MatrixXd value;
   try {
     value = column.witness ? column.witness->value(column.quantity, state)
-                           : constrained->answer(column.name, state);
+                           : constrained->answer(column.constrained, state);
   } catch (const std::runtime_error& error) {
     if (!column.is_engines) throw;
     throw EngineFailed(fmt::format("{} at state {}: {}", column.name, row, error.what()));
@@ -274,7 +278,7 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
       next.push_back(*states.current());
       open.see(next.back());
       if (!finds_qdd) continue;
-      const Eigen::MatrixXd qdd = constrained->answer("qdd", next.back());
+      const Eigen::MatrixXd qdd = constrained->answer(ConstrainedQuantity::kQdd, next.back());
       next.back().qdd.assign(qdd.data(), qdd.data() + qdd.size());
     }
     if (at_once == 1) return;
@@ -334,15 +338,15 @@ int run(const Arguments& arguments) {
     engine = engineKinds(arguments.engines, arguments.limits, scene).front();
   std::vector<Column> columns;
   for (const std::string& text : arguments.quantities) {
-    const auto& special = ConstrainedQuantities::names();
-    const bool is_special = std::find(special.begin(), special.end(), text) != special.end();
-    if (is_special && (text != "qdd" || ConstrainedQuantities::isConstrained(scene.mechanism))) {
+    const std::optional<ConstrainedQuantity> special = constrainedQuantityNamed(text);
+    if (special && (special != ConstrainedQuantity::kQdd ||
+                    ConstrainedQuantities::isConstrained(scene.mechanism))) {
       if (!arguments.witness.empty() || engine)
         throw scene::InputError(
             {},
             fmt::format("--witness or --engine with {} of a constrained scene, allowed: without",
                         text));
-      columns.push_back({Quantity::kQdd, nullptr, text});
+      columns.push_back({Quantity::kQdd, nullptr, text, false, *special});
       continue;
     }
     const Quantity quantity = quantityNamed(text);
@@ -365,10 +369,10 @@ int run(const Arguments& arguments) {
     if (column.witness) {
       names = columnNames(column.quantity, scene.mechanism);
     } else {
-      const Eigen::MatrixXd shape = states.current() == nullptr
-                                        ? Eigen::MatrixXd()
-                                        : constrained->answer(column.name, *states.current());
-      names = columnNames(column.name, shape.rows(), shape.cols());
+      const Eigen::MatrixXd shape =
+          states.current() == nullptr ? Eigen::MatrixXd()
+                                      : constrained->answer(column.constrained, *states.current());
+      names = columnNames(column.constrained, shape.rows(), shape.cols());
     }
     for (const std::string& name : names) header += (header.empty() ? "" : ",") + name;
   }
@@ -385,10 +389,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addEvaluate(CLI::App& app) {
+Run addEvaluate(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("evaluate", "Quantities of a scene at the states of a CSV file");
   command->footer(
       "dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
       "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"

@@ -57,7 +57,7 @@ int become(const Command& command, char** argv) {
   std::error_code ignored;
   std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
   if (self.empty()) self = argv[0];
-  const std::filesystem::path program = self.parent_path() / ("dynwitness-" + command.program);
+  const std::filesystem::path program = self.parent_path() / command.program;
   execv(program.c_str(), argv);
   tell(fmt::format("dynwitness: {} is in a program of its own, {}: {}; ./dynwitness {} builds it\n",
                    command.name, program.string(), std::strerror(errno), command.name));
@@ -69,6 +69,8 @@ int become(const Command& command, char** argv) {
 int front(int argc, char** argv, const std::vector<Command>& commands) {
   occupyStandardFiles();
   if (const int status = orFailure([] { return requireStack(), 0; }); status != 0) return status;
+  for (const Command& command : commands)
+    if (!command.add && argc > 1 && command.name == argv[1]) return become(command, argv);
   crosscheck::leaveNothingBehind();
   CLI::App app("Independent computations of a mechanism's dynamics testify against each other.",
                "dynwitness");
@@ -84,13 +86,8 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
       "2 bad usage or bad input; 3 a failure of dynwitness itself.");
   std::vector<Run> runs;
   for (const Command& command : commands) {
-    if (command.add) {
-      runs.push_back(command.add(app));
-      continue;
-    }
-    if (argc > 1 && command.name == argv[1]) return become(command, argv);
-    app.add_subcommand(command.name, command.description);
-    runs.emplace_back();
+    CLI::App* word = app.add_subcommand(command.name, command.description);
+    runs.push_back(command.add ? command.add(word) : Run());
   }
   try {
     app.parse(argc, argv);

@@ -2,7 +2,6 @@
 // What every program of dynwitness does between main() and a command.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,13 +9,11 @@
 
 namespace dynwitness::cli {
 
-/// A word of the command line. What a first crosscheck does not need is in programs of its own,
-/// dynwitness-PROGRAM beside this one, which the wrapper builds when they are first needed.
+/// A word of the command line (commands.txt). What a first crosscheck does not need is in programs of
+/// its own beside this one, which the wrapper builds when they are first needed.
 struct Command {
-  std::string name;
-  std::function<Run(CLI::App&)> add;  ///< empty: in another program
-  std::string program = {};
-  std::string description = {};  ///< of one in another program
+  std::string name, program, description;
+  Run (*add)(CLI::App* command);  ///< null: in another program
 };
 
 /// Parses, runs the command, tells failures. Returns the exit status (commands.hpp).

@@ -134,9 +134,8 @@ int run(Arguments arguments) {
 
 }  // namespace
 
-Run addGeometry(CLI::App& app) {
+Run addGeometry(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("geometry", kGeometryDescription);
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command
       ->add_option("--state", arguments->q, "Position q, e.g. 0.1,0.2 (default: the scene's start)")

@@ -170,9 +170,8 @@ int run(Arguments arguments) {
 
 }  // namespace
 
-Run addGolden(CLI::App& app) {
+Run addGolden(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("golden", kGoldenDescription);
   command->add_option("scene", arguments->scenes, "Scenes");
   command->add_flag("--all", arguments->all,
                     "All bundled scenes; those that cannot be told are named");

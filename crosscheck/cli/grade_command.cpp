@@ -59,9 +59,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addGrade(CLI::App& app) {
+Run addGrade(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("grade", kGradeDescription);
   command->add_option("folder", arguments->folder, "Folder: one submission a file or sub-folder");
   command->add_option("--rubric", arguments->rubric,
                       "TOML file: how submissions are started, scenes, marks");

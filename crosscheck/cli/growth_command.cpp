@@ -89,9 +89,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addGrowth(CLI::App& app) {
+Run addGrowth(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("growth", kGrowthDescription);
   command
       ->add_option("--family", arguments->options.families,
                    "Chains, binary trees; both with a comma")

@@ -92,9 +92,8 @@ int run(Arguments arguments) {
 
 }  // namespace
 
-Run addImpedance(CLI::App& app) {
+Run addImpedance(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("impedance", kImpedanceDescription);
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command->add_option("--link", arguments->options.link, "Link (default: the last)");
   command->add_option("--at", arguments->at, "Point of the link, its frame [m]")

@@ -124,9 +124,8 @@ int run(Arguments arguments) {
 
 }  // namespace
 
-Run addImpulse(CLI::App& app) {
+Run addImpulse(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("impulse", kImpulseDescription);
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--link", arguments->options.link, "Link that is struck (default: the last)");
   command->add_option("--at", arguments->at, "Point of the link, its frame [m], e.g. 0,0,0.1")

@@ -199,10 +199,9 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addLinearize(CLI::App& app) {
+Run addLinearize(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   LinearizationOptions& options = arguments->options;
-  CLI::App* command = app.add_subcommand("linearize", kLinearizeDescription);
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
   command->add_option("--state", options.q, "Position q (default: the scene's start)")
       ->check(finite())

@@ -50,9 +50,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addMuseum(CLI::App& app) {
+Run addMuseum(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("museum", kMuseumDescription);
   command->add_option("exhibit", arguments->exhibits,
                       "Exhibits by name, each shown in full, with its link and what the check "
                       "says; without: all, as a table");

@@ -38,10 +38,9 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addParameters(CLI::App& app) {
+Run addParameters(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   crosscheck::ParametersOptions& options = arguments->options;
-  CLI::App* command = app.add_subcommand("parameters", kParametersDescription);
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--states", options.states, "Seeded states to stack Y over")
       ->check(whole(1, 10000))

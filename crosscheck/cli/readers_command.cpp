@@ -69,9 +69,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addReaders(CLI::App& app) {
+Run addReaders(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("readers", kReadersDescription);
   command->add_option("file", arguments->file, "URDF file")->required();
   command->add_flag("--all", arguments->all, "All links in the table, not only what differs");
   command->add_option("--states", arguments->states, "Seeded states for M and g")

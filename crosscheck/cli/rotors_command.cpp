@@ -70,9 +70,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addRotors(CLI::App& app) {
+Run addRotors(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("rotors", kRotorsDescription);
   command->add_option("scene", arguments->scene, "Scene with rotors")->required();
   command->add_option("--states", arguments->states, "Random states")
       ->check(whole(1, 1000000))

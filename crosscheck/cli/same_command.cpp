@@ -31,9 +31,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addSame(CLI::App& app) {
+Run addSame(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("same", kSameDescription);
   command->add_option("a", arguments->a, "Scene, TOML, URDF or MJCF file")->required();
   command->add_option("b", arguments->b, "The other one")->required();
   command->add_option("--states", arguments->states, "Seeded states for what a difference does")

@@ -66,11 +66,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addShow(CLI::App& app) {
+Run addShow(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "show",
-      "Which q is which joint, what the links weigh, what is modelled; a picture that moves");
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("-o,--output", arguments->page,
                       "Write the picture: one HTML file that needs no network");

@@ -282,11 +282,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addSimulate(CLI::App& app) {
+Run addSimulate(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "simulate",
-      "Move a scene with its closures, springs and loads; drift, cost, published motions");
   command->footer(
       "dynwitness simulate car_axis --duration 3\n"
       "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"

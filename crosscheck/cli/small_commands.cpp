@@ -25,9 +25,8 @@ namespace dynwitness::cli {
 
 using namespace crosscheck;
 
-Run addScenes(CLI::App& app) {
+Run addScenes(CLI::App* command) {
   auto features = std::make_shared<bool>(false);
-  CLI::App* command = app.add_subcommand("scenes", "List the bundled scenes");
   command->add_flag("--features", *features,
                     "What each command makes of each part of a scene, in markdown");
   return [features] {
@@ -47,8 +46,7 @@ Run addScenes(CLI::App& app) {
   };
 }
 
-Run addVersion(CLI::App& app) {
-  app.add_subcommand("version", "Versions of dynwitness, its witnesses and its libraries");
+Run addVersion(CLI::App*) {
   return [] {
     const Environment environment = thisEnvironment();
     fmt::print("dynwitness {}{}\n", environment.version,
@@ -157,10 +155,8 @@ int runDrift(const DriftArguments& arguments) {
 
 }  // namespace
 
-Run addDrift(CLI::App& app) {
+Run addDrift(CLI::App* command) {
   auto arguments = std::make_shared<DriftArguments>();
-  CLI::App* command =
-      app.add_subcommand("drift", "Simulate a scene and follow its energy, step size by step size");
   command->add_option("scene", arguments->scene, "Scene")->required();
   std::string methods;
   for (const auto& [method, order] : driftMethods())

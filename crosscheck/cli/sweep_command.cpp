@@ -231,9 +231,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addSweep(CLI::App& app) {
+Run addSweep(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("sweep", kSweepDescription);
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option("--state", arguments->q, "Position q (default: the scene's start)")
       ->check(finite())

@@ -46,9 +46,8 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Run addWrite(CLI::App& app) {
+Run addWrite(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("write", "A scene in another format: TOML, URDF or MJCF");
   command->add_option("scene", arguments->scene, "Scene, TOML, URDF or MJCF file")->required();
   command->add_option("--format", arguments->format, "toml, urdf or mjcf")
       ->required()

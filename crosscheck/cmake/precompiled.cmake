@@ -37,9 +37,7 @@ set(mathematics <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
                 <boost/math/constants/constants.hpp> <boost/multiprecision/cpp_int.hpp>)
 set(libraries Boost::headers Eigen3::Eigen fmt::fmt)
 dynwitness_precompile(outside LINK ${libraries} HEADERS ${standard} ${mathematics} <fmt/format.h>)
-dynwitness_precompile(outside_cool COOL LINK ${libraries} nlohmann_json::nlohmann_json
-                      HEADERS ${standard} ${mathematics} <fmt/format.h> <nlohmann/json.hpp>)
-dynwitness_precompile(outside_of_commands COOL
+dynwitness_precompile(outside_cool COOL
                       LINK ${libraries} nlohmann_json::nlohmann_json CLI11::CLI11
                       HEADERS ${standard} ${mathematics} <fmt/format.h> <nlohmann/json.hpp>
                               <CLI/CLI.hpp>)

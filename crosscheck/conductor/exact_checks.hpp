@@ -13,7 +13,7 @@ namespace dynwitness::crosscheck {
 /** Runs the comparisons of witnesses and the identities of identities.hpp over the field.
 
     A point is a prime, a state, and a value for whatever of the scene's numbers has no place in a
-    field (IndeterminateNumbers); it is a pure function of (scene name, seed, index). A point at
+    field (FieldNumbers); it is a pure function of (scene name, seed, index). A point at
     which a check divides by zero is drawn again, for that check. errorProbability() in formula_sizes.hpp
     says what the chance is a chance of, and why no formula that differs is exempt from it.
 

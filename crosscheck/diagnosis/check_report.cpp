@@ -55,13 +55,13 @@ std::string modelText(const ModelExamined& model) {
 /// Whether quantities of states are wrong, and not the links or the Jacobian alone.
 bool hasWrongQuantity(const Examination& e) {
   return std::any_of(e.quantities.begin(), e.quantities.end(), [](const QuantityFound& q) {
-    return q.verdict == Judged::kWrong && q.name != "jacobian";
+    return q.verdict == Judged::kWrong && !q.is_jacobian;
   });
 }
 
 std::string jacobianText(const Examination& e) {
   const auto found = std::find_if(e.quantities.begin(), e.quantities.end(),
-                                  [](const QuantityFound& q) { return q.name == "jacobian"; });
+                                  [](const QuantityFound& q) { return q.is_jacobian; });
   if (found == e.quantities.end() || found->verdict != Judged::kWrong) return "";
   return fmt::format("  jacobian of {}: {}\n", e.frame,
                      e.jacobian_reading.empty()
@@ -172,9 +172,8 @@ std::string sentenceOf(const CheckFinding& finding) {
 }
 
 std::string checkText(const Examination& e) {
-  std::string out =
-      fmt::format("{} by {} {}, limits of {} precision, {} states\n", e.scene, e.engine, e.version,
-                  e.scalar == "float" ? "single" : "double", e.states);
+  std::string out = fmt::format("{} by {} {}, limits of {} precision, {} states\n", e.scene,
+                                e.engine, e.version, e.single ? "single" : "double", e.states);
   for (const std::string& remark : e.remarks) out += "  " + remark + "\n";
   if (!e.failure.empty()) return out + "FAILED: " + e.failure + "\n";
   out += modelText(e.model);
@@ -238,10 +237,14 @@ std::string checkJson(const Examination& e, const std::string& version) {
     if (!f.unasked.empty()) one["unexplained"] = f.unasked;
     findings.push_back(one);
   }
-  Json out = {{"dynwitness", version}, {"scene", e.scene},
-              {"engine", e.engine},    {"engine_version", e.version},
-              {"scalar", e.scalar},    {"seed", e.seed},
-              {"states", e.states},    {"verdict", e.isWrong() ? "wrong" : "right"}};
+  Json out = {{"dynwitness", version},
+              {"scene", e.scene},
+              {"engine", e.engine},
+              {"engine_version", e.version},
+              {"scalar", e.single ? "float" : "double"},
+              {"seed", e.seed},
+              {"states", e.states},
+              {"verdict", e.isWrong() ? "wrong" : "right"}};
   if (!e.failure.empty()) out["failure"] = e.failure;
   out["remarks"] = e.remarks;
   if (e.model.is_told) out["model"] = modelJson(e.model);

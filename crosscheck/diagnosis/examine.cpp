@@ -251,6 +251,7 @@ void examineClaims(OutsideClaims& claims, const scene::Scene& scene,
     jacobian = found(jacobian.name, Quantity::kM, false, exhibits);
     if (jacobian.verdict == Judged::kWrong) out.jacobian_reading = readingOf(exhibits, ours);
   }
+  jacobian.is_jacobian = true;
   out.quantities.push_back(jacobian);
 }
 
@@ -351,7 +352,7 @@ Examination examine(const scene::Scene& scene, const WitnessKind& kind,
   out.scene = scene.name;
   out.engine = kind.info.name;
   out.version = kind.info.version;
-  out.scalar = options.single ? "float" : "double";
+  out.single = options.single;
   out.seed = options.seed;
   out.rate_labels = scene.mechanism.rateLabels();
   for (const scene::Link& link : scene.mechanism.links) {

@@ -26,7 +26,8 @@ struct CheckOptions {
 /// What was found out about one quantity.
 struct QuantityFound {
   enum class Verdict { kRight, kWrong, kCannotSay };
-  std::string name;  ///< "M", ...; "jacobian", which is no quantity of a witness
+  std::string name;          ///< "M", ...; "jacobian"
+  bool is_jacobian = false;  ///< of a frame: no quantity of a witness
   Verdict verdict = Verdict::kCannotSay;
   std::string reason;            ///< why nothing can be said
   int states = 0;                ///< at which it was judged
@@ -90,7 +91,8 @@ struct ModelExamined {
 };
 
 struct Examination {
-  std::string scene, engine, version, scalar;
+  std::string scene, engine, version;
+  bool single = false;  ///< judged as one that computes in single precision
   std::uint64_t seed = 0;
   int states = 0;
   std::string failure;  ///< it failed as a whole: why

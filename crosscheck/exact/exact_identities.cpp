@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The identities over the prime field: apart from exact.cpp, because both are long to compile.
+// The identities over the prime field.
 #include "crosscheck/exact/inquiry.hpp"
-#include "crosscheck/laws/identities.hpp"
+#include "crosscheck/laws/compiled_identities.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
 
 namespace dynwitness::crosscheck {
@@ -10,7 +10,8 @@ Inquiry identityInquiry(const scene::Mechanism& mechanism) {
   Inquiry inquiry;
   inquiry.checks = inWords(Identities::words(mechanism));
   inquiry.ask = [&](const FieldNumbers& number, const scene::State<PrimeField>& state) {
-    return Identities::sides(mechanism, SweptMechanism<PrimeField>(mechanism, number).at(state));
+    SweptMechanism<PrimeField> swept(mechanism, number);
+    return Identities::sides(mechanism, swept.at(state));
   };
   return inquiry;
 }

@@ -14,6 +14,7 @@
 
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "scene/numbers.hpp"
+#include "scene/units.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -129,9 +130,7 @@ struct Labels {
       int part = 0;
       for (const scene::SlotKind slot : slots) {
         positions.push_back(joint.name + (slots.size() == 1 ? "" : fmt::format(".{}", ++part)));
-        position_units.emplace_back(slot == scene::SlotKind::kAngle    ? "rad"
-                                    : slot == scene::SlotKind::kLength ? "m"
-                                                                       : "1");
+        position_units.emplace_back(scene::unitOf(slot));
       }
     }
   }

@@ -8,7 +8,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -19,6 +21,8 @@
 
 #include "crosscheck/growth/ours.hpp"
 #include "crosscheck/inputs/states.hpp"
+#include "crosscheck/system/leaving.hpp"
+#include "crosscheck/system/pipe.hpp"
 #include "crosscheck/verdicts/truth.hpp"
 #include "scene/families.hpp"
 
@@ -155,12 +159,22 @@ void measure(const Make& make, const scene::State<double>& state, const MatrixOf
 /// Runs work(told) in a copy of this process. @return "", or why it did not come to its end
 template <typename Work>
 std::string apart(const Work& work, int patience, Numbers* out) {
-  int ends[2];
-  if (pipe(ends) != 0) throw std::runtime_error("no pipe");
-  const pid_t child = fork();
+  Pipe answers;
+  if (!answers.isOpen()) throw std::runtime_error("no pipe");
+  pid_t child;
+  EndsWithUs ends_with_us;
+  {
+    const SignalsHeld held;
+    const pid_t self = getpid();
+    child = fork();
+    if (child == 0)
+      endWithParent(self);
+    else if (child > 0)
+      ends_with_us = EndsWithUs(child, SIGTERM);
+  }
   if (child < 0) throw std::runtime_error("no process");
   if (child == 0) {
-    close(ends[0]);
+    answers.closeEnd(0);
     const rlimit memory = {kMostMemory, kMostMemory};
     setrlimit(RLIMIT_AS, &memory);
     const rlimit no_core = {0, 0};
@@ -172,7 +186,7 @@ std::string apart(const Work& work, int patience, Numbers* out) {
     int status = 0;
     try {
       work([&](const Numbers& numbers) {
-        if (write(ends[1], &numbers, sizeof numbers) != sizeof numbers)
+        if (write(answers.ends[1], &numbers, sizeof numbers) != sizeof numbers)
           throw std::runtime_error("no pipe");
       });
     } catch (const std::bad_alloc&) {
@@ -182,19 +196,16 @@ std::string apart(const Work& work, int patience, Numbers* out) {
     }
     _exit(status);
   }
-  close(ends[1]);
+  answers.closeEnd(1);
   int stages = 0;
   const auto next = [&](Numbers* numbers) {  // a few doubles: they come in one piece or not at all
     ssize_t count;
-    while ((count = read(ends[0], numbers, sizeof *numbers)) < 0 && errno == EINTR) {
+    while ((count = read(answers.ends[0], numbers, sizeof *numbers)) < 0 && errno == EINTR) {
     }
     return count == sizeof *numbers;
   };
   for (Numbers numbers; next(&numbers); ++stages) *out = numbers;
-  close(ends[0]);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  const int status = reap(child);
   constexpr const char* kStages[] = {"building", "inverse dynamics", "forward dynamics", "the end"};
   const std::string at = kStages[std::min(stages, 3)];
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)

@@ -254,7 +254,7 @@ void requireProgram(const scene::Mechanism& mechanism) {
         "kernels compute with + - * / alone, and have no sign for Coulomb friction");
 }
 
-/// Calls use(name, make) for each road, where make() writes its program.
+/// Calls use(kind, make) for each road, where make() writes its program.
 template <typename Use>
 void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& use) {
   requireProgram(mechanism);
@@ -267,13 +267,13 @@ void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& 
   };
   if (isLean(model)) {
     const LeanModel lean = leanModel(model);
-    use("lean sweep", [&] { return LeanSearch(lean, formula, state).run(); });
-    use("traced on base", [&] {
+    use(RoadKind::kLeanSweep, [&] { return LeanSearch(lean, formula, state).run(); });
+    use(RoadKind::kTracedOnBase, [&] {
       LeanModel base = lean;
       regroup(base);
       return traced(recursiveModel(base));
     });
-    use("Lagrange", [&] {
+    use(RoadKind::kLagrange, [&] {
       symbolic::Options options;
       options.fold_parameters = true;
       symbolic::Equations equations = symbolic::derive(mechanism, options);
@@ -281,7 +281,7 @@ void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& 
       return factored(equations.graph, outputs);
     });
   }
-  use("traced sweep", [&] { return traced(model); });
+  use(RoadKind::kTracedSweep, [&] { return traced(model); });
 }
 
 }  // namespace
@@ -304,14 +304,28 @@ const char* name(Formula formula) {
   return "?";
 }
 
+const char* name(RoadKind kind) {
+  switch (kind) {
+    case RoadKind::kLeanSweep:
+      return "lean sweep";
+    case RoadKind::kTracedOnBase:
+      return "traced on base";
+    case RoadKind::kLagrange:
+      return "Lagrange";
+    case RoadKind::kTracedSweep:
+      return "traced sweep";
+  }
+  return "?";
+}
+
 int Road::operations() const {
   return kernel::operations(program);
 }
 
 std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula) {
   std::vector<Road> all;
-  forEachRoad(mechanism, formula, [&](const char* road, const auto& make) {
-    all.push_back({road, make()});
+  forEachRoad(mechanism, formula, [&](RoadKind kind, const auto& make) {
+    all.push_back({kind, make()});
   });
   return all;
 }
@@ -340,9 +354,10 @@ SmallestRoads::Found SmallestRoads::found(const scene::Mechanism& mechanism, For
                       general, kMostOperations));
   }
   std::vector<Road> all;
-  forEachRoad(mechanism, formula, [&](const std::string& road, const auto& make) {
-    if (road == "Lagrange" && mechanism.links.size() > kLargestSearched) return;
-    if (road.rfind("traced", 0) != 0 || all.empty()) all.push_back({road, make()});
+  forEachRoad(mechanism, formula, [&](RoadKind kind, const auto& make) {
+    const bool is_traced = kind == RoadKind::kTracedOnBase || kind == RoadKind::kTracedSweep;
+    if (kind == RoadKind::kLagrange && mechanism.links.size() > kLargestSearched) return;
+    if (!is_traced || all.empty()) all.push_back({kind, make()});
   });
   const Road& best = *std::min_element(all.begin(), all.end(), [](const Road& a, const Road& b) {
     return a.operations() < b.operations();

@@ -30,9 +30,13 @@ inline constexpr Formula kAllFormulas[] = {
 /// "ID", "M", "c", "g", "M + c + g", "FD"
 const char* name(Formula formula);
 
+enum class RoadKind { kLeanSweep, kTracedOnBase, kLagrange, kTracedSweep };
+/// "lean sweep", "traced on base", "Lagrange", "traced sweep"
+const char* name(RoadKind kind);
+
 /// One way to a formula.
 struct Road {
-  std::string name;
+  RoadKind kind;
   symbolic::Program program;
 
   /// Multiplications, additions and divisions on the state together.
@@ -92,7 +96,7 @@ class SmallestRoads {
 
  private:
   struct Found {
-    Road road;
+    Road road = {};
     std::string not_used;  ///< why no road is worth having; empty: one is
   };
   static Found found(const scene::Mechanism& mechanism, Formula formula);

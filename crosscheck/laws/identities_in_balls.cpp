@@ -5,10 +5,13 @@
 #include <limits>
 #include <map>
 
-#include "crosscheck/laws/identities.hpp"
+#include "crosscheck/laws/compiled_identities.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
+
+DYNWITNESS_IDENTITIES(, Ball);
+
 namespace {
 
 constexpr long kFirstBits = 128, kMostBits = 2048;

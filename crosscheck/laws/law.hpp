@@ -68,11 +68,8 @@ struct Laws {
 
   /// @param at  what the laws are asked about: a mechanism at a state
   template <typename Subject>
-  static auto sides(const scene::Mechanism& mechanism, Subject&& at) {
-    std::vector<TwoSides<typename std::decay_t<Subject>::Scalar>> out;
-    (append<SomeLaw>(mechanism, at, out), ...);
-    return out;
-  }
+  static std::vector<TwoSides<typename std::decay_t<Subject>::Scalar>> sides(
+      const scene::Mechanism& mechanism, Subject&& at);
 
  private:
   template <typename One, typename Subject, typename T>
@@ -86,6 +83,16 @@ struct Laws {
     }
   }
 };
+
+// not in the struct: what is inline is compiled in every file, extern or not
+template <typename... SomeLaw>
+template <typename Subject>
+std::vector<TwoSides<typename std::decay_t<Subject>::Scalar>> Laws<SomeLaw...>::sides(
+    const scene::Mechanism& mechanism, Subject&& at) {
+  std::vector<TwoSides<typename std::decay_t<Subject>::Scalar>> out;
+  (append<SomeLaw>(mechanism, at, out), ...);
+  return out;
+}
 
 /// A result that is computed when it is first asked for. Where computing throws, nothing is kept.
 template <typename Value>

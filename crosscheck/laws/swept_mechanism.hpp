@@ -45,27 +45,10 @@ class SweptMechanism {
   /// @param lumped, kept  its models, without and with a link for every fixed joint
   template <typename Numbers>
   SweptMechanism(const scene::Mechanism& mechanism, const Numbers& numbers,
-                 recursive::Model<T> lumped, recursive::Model<T> kept)
-      : model_(std::move(lumped)),
-        kept_(std::move(kept)),
-        free_(mechanism.hasMimics()
-                  ? recursive::buildModel(scene::withoutMimics(mechanism), numbers)
-                  : model_),
-        moving_(recursive::buildModel(mechanism, DualNumbers<Numbers>(numbers),
-                                      recursive::FixedJoints::kKept)),
-        ws_(model_),
-        ws_free_(free_),
-        ws_kept_(kept_),
-        ws_moving_(moving_),
-        parameters_(scene::inertialParameters(mechanism)),
-        pi_(recursive::inertialValues(mechanism, parameters_, numbers)) {}
+                 recursive::Model<T> lumped, recursive::Model<T> kept);
 
   /// To this state (its tau is not used).
-  SweptMechanism& at(scene::State<T> state) {
-    state_ = std::move(state);
-    known_ = {};
-    return *this;
-  }
+  SweptMechanism& at(scene::State<T> state);
 
   const scene::State<T>& state() const { return state_; }
   int n() const { return model_.dof(); }
@@ -73,207 +56,66 @@ class SweptMechanism {
   MatrixX qdd() const { return column(state_.qdd); }
   std::vector<T> zeros() const { return std::vector<T>(n(), T(0)); }
   /// All 0 but entry k.
-  std::vector<T> unit(int k) const {
-    std::vector<T> out = zeros();
-    out[k] = T(1);
-    return out;
-  }
-  static MatrixX column(const std::vector<T>& v) {
-    return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(v.data(), v.size());
-  }
+  std::vector<T> unit(int k) const;
+  static MatrixX column(const std::vector<T>& v);
   static MatrixX one(const T& x) { return MatrixX::Constant(1, 1, x); }
 
   // ---- the mechanism's own sweeps ---------------------------------------------------------------
 
   const recursive::Model<T>& model() const { return model_; }
   /// By Newton-Euler, at this position.
-  MatrixX inverse(const std::vector<T>& qd, const std::vector<T>& qdd, recursive::Terms terms) {
-    std::vector<T> tau = zeros();
-    recursive::inverseDynamics(model_, state_.x, qd, qdd, ws_, tau, terms);
-    return column(tau);
-  }
+  MatrixX inverse(const std::vector<T>& qd, const std::vector<T>& qdd, recursive::Terms terms);
   /// Of the state, all terms.
-  const MatrixX& tau() {
-    return known_.tau([&] { return inverse(state_.qd, state_.qdd, recursive::Terms::all()); });
-  }
+  const MatrixX& tau();
   /// By articulated bodies, at this position and these rates.
-  MatrixX forward(const MatrixX& tau) {
-    std::vector<T> qdd = zeros();
-    const std::vector<T> forces(tau.data(), tau.data() + tau.size());
-    recursive::forwardDynamics(model_, state_.x, state_.qd, forces, ws_, qdd);
-    return column(qdd);
-  }
+  MatrixX forward(const MatrixX& tau);
   /// By composite bodies.
-  const MatrixX& M() {
-    return known_.M([&] {
-      MatrixX M(n(), n());
-      recursive::massMatrix(model_, state_.x, ws_, M);
-      return M;
-    });
-  }
-  const MatrixX& C() {
-    return known_.C([&] { return recursive::coriolisMatrix(model_, state_.x, state_.qd, ws_); });
-  }
+  const MatrixX& M();
+  const MatrixX& C();
   T kineticEnergy() { return recursive::kineticEnergy(model_, state_.x, state_.qd, ws_); }
-  T frictionPower() const { return recursive::frictionPower(model_, state_.qd); }
+  T frictionPower() const;
   /// From parent to link, one a link of the model.
-  const std::vector<recursive::Transform<T>>& transforms() {
-    return known_.transforms([&] {
-      inverse(zeros(), zeros(), recursive::Terms::none());
-      return std::vector<recursive::Transform<T>>(ws_.X_up.begin(), ws_.X_up.end());
-    });
-  }
+  const std::vector<recursive::Transform<T>>& transforms();
   /// Y pi
-  MatrixX regressed() {
-    MatrixX Y(n(), parameters_.size());
-    recursive::regressor(model_, parameters_, state_.x, state_.qd, state_.qdd, ws_, Y);
-    return Y * column(pi_);
-  }
+  MatrixX regressed();
   /// Links of the model whose joints move.
-  std::vector<int> movingLinks() const {
-    std::vector<int> moving;
-    for (std::size_t i = 0; i < model_.links.size(); ++i)
-      if (model_.links[i].dof >= 0) moving.push_back(static_cast<int>(i));
-    return moving;
-  }
+  std::vector<int> movingLinks() const;
 
   // ---- rates along the motion, by dual numbers --------------------------------------------------
 
-  T energyRate() {
-    const auto x = movingAt(state_.qd);
-    const Moving energy = recursive::kineticEnergy(moving_, x, movingRates(), ws_moving_) +
-                          recursive::potentialEnergy(moving_, x, ws_moving_);
-    return energy.derivative;
-  }
-  MatrixX massMatrixRate() {
-    recursive::MatrixX<Moving> M(n(), n());
-    recursive::massMatrix(moving_, movingAt(state_.qd), ws_moving_, M);
-    return M.unaryExpr([](const Moving& m) { return m.derivative; });
-  }
+  T energyRate();
+  MatrixX massMatrixRate();
   /// dV/dq_i: the rate of V when joint i alone moves with unit velocity.
-  const MatrixX& potentialGradient() {
-    return known_.gradient([&] {
-      MatrixX gradient(n(), 1);
-      for (int i = 0; i < n(); ++i)
-        gradient(i, 0) =
-            recursive::potentialEnergy(moving_, movingAt(unit(i)), ws_moving_).derivative;
-      return gradient;
-    });
-  }
+  const MatrixX& potentialGradient();
   /// Of all links, about the world's origin.
-  MatrixX momentumRate() {
-    const recursive::Force<Moving> momentum =
-        recursive::momentum(moving_, movingAt(state_.qd), movingRates(), ws_moving_);
-    MatrixX rate(6, 1);
-    for (int k = 0; k < 6; ++k) rate(k, 0) = momentum.vector()(k).derivative;
-    return rate;
-  }
+  MatrixX momentumRate();
 
   // ---- with fixed joints kept -------------------------------------------------------------------
 
   const recursive::Model<T>& withFixedJoints() const { return kept_; }
-  const MatrixX& tauWithFixedJoints() {
-    return known_.tau_kept([&] {
-      std::vector<T> tau(kept_.dof(), T(0));
-      recursive::inverseDynamics(kept_, state_.x, state_.qd, state_.qdd, ws_kept_, tau,
-                                 recursive::Terms::all());
-      return column(tau);
-    });
-  }
+  const MatrixX& tauWithFixedJoints();
   /// As that sweep left the links.
-  const recursive::Workspace<T>& sweptWithFixedJoints() {
-    tauWithFixedJoints();
-    return ws_kept_;
-  }
+  const recursive::Workspace<T>& sweptWithFixedJoints();
   /// Through the joint of each link of the scene; there is none at its root.
-  const std::vector<recursive::Force<T>>& reactions() {
-    return known_.reactions([&] {
-      tauWithFixedJoints();
-      std::vector<T> six(6 * (kept_.joints.size() - 1), T(0));
-      recursive::jointReactions(kept_, ws_kept_, six);
-      std::vector<recursive::Force<T>> out = {recursive::Force<T>::zero()};
-      for (std::size_t i = 0; i < six.size(); i += 6)
-        out.push_back({{six[i], six[i + 1], six[i + 2]}, {six[i + 3], six[i + 4], six[i + 5]}});
-      return out;
-    });
-  }
+  const std::vector<recursive::Force<T>>& reactions();
 
   // ---- with joints that follow others let go ----------------------------------------------------
 
   const recursive::Model<T>& letGo() const { return free_; }
   /// The same rates with one for every joint.
-  std::vector<T> letGo(const std::vector<T>& rates) const {
-    std::vector<T> out(free_.dof(), T(0));
-    for (std::size_t i = 0; i < free_.links.size(); ++i) {
-      const recursive::LinkModel<T>& link = model_.links[i];
-      for (int k = 0; k < recursive::axisCount(link.kind); ++k)
-        out[free_.links[i].dof + k] =
-            link.follows ? T(link.ratio * rates[link.dof]) : rates[link.dof + k];
-    }
-    return out;
-  }
+  std::vector<T> letGo(const std::vector<T>& rates) const;
   /// As forward dynamics left the links, under joint forces as large as qdd: any will do. Friction
   /// apart.
-  recursive::Workspace<T>& sweptFree() {
-    known_.qdd_free([&] {
-      std::vector<T> qdd(free_.dof(), T(0));
-      recursive::forwardDynamics(free_, state_.x, letGo(state_.qd), letGo(state_.qdd), ws_free_,
-                                 qdd, {true, true, true, false});
-      return qdd;
-    });
-    return ws_free_;
-  }
+  recursive::Workspace<T>& sweptFree();
   /// All moving joints, passed one by one, each with a rate of its own.
-  const std::vector<PassedJoint<T>>& passedJoints() {
-    return known_.passed([&] {
-      std::vector<PassedJoint<T>> out;
-      for (const int i : movingLinks()) {
-        const recursive::LinkModel<T>& link = free_.links[i];
-        PassedJoint<T> joint;
-        joint.dof = link.dof;
-        joint.axes = recursive::axisCount(link.kind);
-        // the articulated inertias do not depend on velocities and forces
-        joint.M = sweptFree().M_A[i].matrix();
-        joint.Z.resize(6, joint.axes);
-        for (int k = 0; k < joint.axes; ++k) joint.Z.col(k) = recursive::jointAxis(link, k);
-        joint.M_Z = joint.M * joint.Z;
-        joint.d = MatrixX::Identity(joint.axes, joint.axes) * link.rotor;
-        const MatrixX inverse_D =
-            inverseOf(MatrixX(joint.d + MatrixX(joint.Z.transpose() * joint.M_Z)));
-        joint.leak = joint.d * inverse_D;
-        joint.weight = inverse_D * joint.leak;
-        joint.P = recursive::forceProjection(joint.M, joint.Z, joint.d);
-        joint.P_M = recursive::inertiaProjection(joint.M, joint.Z, joint.d);
-        out.push_back(std::move(joint));
-      }
-      return out;
-    });
-  }
+  const std::vector<PassedJoint<T>>& passedJoints();
 
  private:
   /// Positions that move as they do at these rates.
-  std::vector<scene::JointPosition<Moving>> movingAt(const std::vector<T>& qd) const {
-    std::vector<T> rates(state_.x.size(), T(0));
-    recursive::positionRates(model_, state_.x, qd, rates);
-    std::vector<scene::JointPosition<Moving>> out;
-    for (std::size_t i = 0; i < state_.x.size(); ++i) out.push_back(moving(state_.x[i], rates[i]));
-    return out;
-  }
-  std::vector<Moving> movingRates() const {
-    std::vector<Moving> out;
-    for (int i = 0; i < n(); ++i) out.push_back({state_.qd[i], state_.qdd[i]});
-    return out;
-  }
+  std::vector<scene::JointPosition<Moving>> movingAt(const std::vector<T>& qd) const;
+  std::vector<Moving> movingRates() const;
   /// Of a symmetric matrix.
-  static MatrixX inverseOf(MatrixX D) {
-    recursive::factorize(D);
-    MatrixX columns = MatrixX::Identity(D.rows(), D.cols());
-    for (Eigen::Index j = 0; j < D.cols(); ++j) {
-      Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>> column = columns.col(j);
-      recursive::solve(D, column);
-    }
-    return columns;
-  }
+  static MatrixX inverseOf(MatrixX D);
 
   /// Of the state.
   struct Known {
@@ -295,5 +137,249 @@ class SweptMechanism {
   scene::State<T> state_;
   Known known_;
 };
+
+// not in the class: what is inline is compiled in every file, extern or not
+
+template <typename T>
+template <typename Numbers>
+SweptMechanism<T>::SweptMechanism(const scene::Mechanism& mechanism, const Numbers& numbers,
+                                  recursive::Model<T> lumped, recursive::Model<T> kept)
+    : model_(std::move(lumped)),
+      kept_(std::move(kept)),
+      free_(mechanism.hasMimics() ? recursive::buildModel(scene::withoutMimics(mechanism), numbers)
+                                  : model_),
+      moving_(recursive::buildModel(mechanism, DualNumbers<Numbers>(numbers),
+                                    recursive::FixedJoints::kKept)),
+      ws_(model_),
+      ws_free_(free_),
+      ws_kept_(kept_),
+      ws_moving_(moving_),
+      parameters_(scene::inertialParameters(mechanism)),
+      pi_(recursive::inertialValues(mechanism, parameters_, numbers)) {}
+
+template <typename T>
+SweptMechanism<T>& SweptMechanism<T>::at(scene::State<T> state) {
+  state_ = std::move(state);
+  known_ = {};
+  return *this;
+}
+
+template <typename T>
+std::vector<T> SweptMechanism<T>::unit(int k) const {
+  std::vector<T> out = zeros();
+  out[k] = T(1);
+  return out;
+}
+
+template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::column(const std::vector<T>& v) {
+  return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(v.data(), v.size());
+}
+
+template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::inverse(const std::vector<T>& qd,
+                                                 const std::vector<T>& qdd,
+                                                 recursive::Terms terms) {
+  std::vector<T> tau = zeros();
+  recursive::inverseDynamics(model_, state_.x, qd, qdd, ws_, tau, terms);
+  return column(tau);
+}
+
+template <typename T>
+const recursive::MatrixX<T>& SweptMechanism<T>::tau() {
+  return known_.tau([&] { return inverse(state_.qd, state_.qdd, recursive::Terms::all()); });
+}
+
+template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::forward(const MatrixX& tau) {
+  std::vector<T> qdd = zeros();
+  const std::vector<T> forces(tau.data(), tau.data() + tau.size());
+  recursive::forwardDynamics(model_, state_.x, state_.qd, forces, ws_, qdd);
+  return column(qdd);
+}
+
+template <typename T>
+const recursive::MatrixX<T>& SweptMechanism<T>::M() {
+  return known_.M([&] {
+    MatrixX M(n(), n());
+    recursive::massMatrix(model_, state_.x, ws_, M);
+    return M;
+  });
+}
+
+template <typename T>
+const recursive::MatrixX<T>& SweptMechanism<T>::C() {
+  return known_.C([&] { return recursive::coriolisMatrix(model_, state_.x, state_.qd, ws_); });
+}
+
+template <typename T>
+T SweptMechanism<T>::frictionPower() const {
+  return recursive::frictionPower(model_, state_.qd);
+}
+
+template <typename T>
+const std::vector<recursive::Transform<T>>& SweptMechanism<T>::transforms() {
+  return known_.transforms([&] {
+    inverse(zeros(), zeros(), recursive::Terms::none());
+    return std::vector<recursive::Transform<T>>(ws_.X_up.begin(), ws_.X_up.end());
+  });
+}
+
+template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::regressed() {
+  MatrixX Y(n(), parameters_.size());
+  recursive::regressor(model_, parameters_, state_.x, state_.qd, state_.qdd, ws_, Y);
+  return Y * column(pi_);
+}
+
+template <typename T>
+std::vector<int> SweptMechanism<T>::movingLinks() const {
+  std::vector<int> moving;
+  for (std::size_t i = 0; i < model_.links.size(); ++i)
+    if (model_.links[i].dof >= 0) moving.push_back(static_cast<int>(i));
+  return moving;
+}
+
+template <typename T>
+T SweptMechanism<T>::energyRate() {
+  const auto x = movingAt(state_.qd);
+  const Moving energy = recursive::kineticEnergy(moving_, x, movingRates(), ws_moving_) +
+                        recursive::potentialEnergy(moving_, x, ws_moving_);
+  return energy.derivative;
+}
+
+template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::massMatrixRate() {
+  recursive::MatrixX<Moving> M(n(), n());
+  recursive::massMatrix(moving_, movingAt(state_.qd), ws_moving_, M);
+  return M.unaryExpr([](const Moving& m) { return m.derivative; });
+}
+
+template <typename T>
+const recursive::MatrixX<T>& SweptMechanism<T>::potentialGradient() {
+  return known_.gradient([&] {
+    MatrixX gradient(n(), 1);
+    for (int i = 0; i < n(); ++i)
+      gradient(i, 0) =
+          recursive::potentialEnergy(moving_, movingAt(unit(i)), ws_moving_).derivative;
+    return gradient;
+  });
+}
+
+template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::momentumRate() {
+  const recursive::Force<Moving> momentum =
+      recursive::momentum(moving_, movingAt(state_.qd), movingRates(), ws_moving_);
+  MatrixX rate(6, 1);
+  for (int k = 0; k < 6; ++k) rate(k, 0) = momentum.vector()(k).derivative;
+  return rate;
+}
+
+template <typename T>
+const recursive::MatrixX<T>& SweptMechanism<T>::tauWithFixedJoints() {
+  return known_.tau_kept([&] {
+    std::vector<T> tau(kept_.dof(), T(0));
+    recursive::inverseDynamics(kept_, state_.x, state_.qd, state_.qdd, ws_kept_, tau,
+                               recursive::Terms::all());
+    return column(tau);
+  });
+}
+
+template <typename T>
+const recursive::Workspace<T>& SweptMechanism<T>::sweptWithFixedJoints() {
+  tauWithFixedJoints();
+  return ws_kept_;
+}
+
+template <typename T>
+const std::vector<recursive::Force<T>>& SweptMechanism<T>::reactions() {
+  return known_.reactions([&] {
+    tauWithFixedJoints();
+    std::vector<T> six(6 * (kept_.joints.size() - 1), T(0));
+    recursive::jointReactions(kept_, ws_kept_, six);
+    std::vector<recursive::Force<T>> out = {recursive::Force<T>::zero()};
+    for (std::size_t i = 0; i < six.size(); i += 6)
+      out.push_back({{six[i], six[i + 1], six[i + 2]}, {six[i + 3], six[i + 4], six[i + 5]}});
+    return out;
+  });
+}
+
+template <typename T>
+std::vector<T> SweptMechanism<T>::letGo(const std::vector<T>& rates) const {
+  std::vector<T> out(free_.dof(), T(0));
+  for (std::size_t i = 0; i < free_.links.size(); ++i) {
+    const recursive::LinkModel<T>& link = model_.links[i];
+    for (int k = 0; k < recursive::axisCount(link.kind); ++k)
+      out[free_.links[i].dof + k] =
+          link.follows ? T(link.ratio * rates[link.dof]) : rates[link.dof + k];
+  }
+  return out;
+}
+
+template <typename T>
+recursive::Workspace<T>& SweptMechanism<T>::sweptFree() {
+  known_.qdd_free([&] {
+    std::vector<T> qdd(free_.dof(), T(0));
+    recursive::forwardDynamics(free_, state_.x, letGo(state_.qd), letGo(state_.qdd), ws_free_, qdd,
+                               {true, true, true, false});
+    return qdd;
+  });
+  return ws_free_;
+}
+
+template <typename T>
+const std::vector<PassedJoint<T>>& SweptMechanism<T>::passedJoints() {
+  return known_.passed([&] {
+    std::vector<PassedJoint<T>> out;
+    for (const int i : movingLinks()) {
+      const recursive::LinkModel<T>& link = free_.links[i];
+      PassedJoint<T> joint;
+      joint.dof = link.dof;
+      joint.axes = recursive::axisCount(link.kind);
+      // the articulated inertias do not depend on velocities and forces
+      joint.M = sweptFree().M_A[i].matrix();
+      joint.Z.resize(6, joint.axes);
+      for (int k = 0; k < joint.axes; ++k) joint.Z.col(k) = recursive::jointAxis(link, k);
+      joint.M_Z = joint.M * joint.Z;
+      joint.d = MatrixX::Identity(joint.axes, joint.axes) * link.rotor;
+      const MatrixX inverse_D =
+          inverseOf(MatrixX(joint.d + MatrixX(joint.Z.transpose() * joint.M_Z)));
+      joint.leak = joint.d * inverse_D;
+      joint.weight = inverse_D * joint.leak;
+      joint.P = recursive::forceProjection(joint.M, joint.Z, joint.d);
+      joint.P_M = recursive::inertiaProjection(joint.M, joint.Z, joint.d);
+      out.push_back(std::move(joint));
+    }
+    return out;
+  });
+}
+
+template <typename T>
+std::vector<scene::JointPosition<Dual<T>>> SweptMechanism<T>::movingAt(
+    const std::vector<T>& qd) const {
+  std::vector<T> rates(state_.x.size(), T(0));
+  recursive::positionRates(model_, state_.x, qd, rates);
+  std::vector<scene::JointPosition<Moving>> out;
+  for (std::size_t i = 0; i < state_.x.size(); ++i) out.push_back(moving(state_.x[i], rates[i]));
+  return out;
+}
+
+template <typename T>
+std::vector<Dual<T>> SweptMechanism<T>::movingRates() const {
+  std::vector<Moving> out;
+  for (int i = 0; i < n(); ++i) out.push_back({state_.qd[i], state_.qdd[i]});
+  return out;
+}
+
+template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::inverseOf(MatrixX D) {
+  recursive::factorize(D);
+  MatrixX columns = MatrixX::Identity(D.rows(), D.cols());
+  for (Eigen::Index j = 0; j < D.cols(); ++j) {
+    Eigen::Ref<Eigen::Matrix<T, Eigen::Dynamic, 1>> column = columns.col(j);
+    recursive::solve(D, column);
+  }
+  return columns;
+}
 
 }  // namespace dynwitness::crosscheck

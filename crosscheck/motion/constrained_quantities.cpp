@@ -168,31 +168,60 @@ ConstrainedMotion ConstrainedQuantities::motion(const scene::State<double>& stat
   return out;
 }
 
-const std::vector<std::string>& ConstrainedQuantities::names() {
-  static const std::vector<std::string> kNames = {
-      "qdd", "lambda", "nu", "tau_drive", "N", "Lambda", "J", "Jbar", "task_torque", "null_torque"};
-  return kNames;
+const char* name(ConstrainedQuantity quantity) {
+  switch (quantity) {
+    case ConstrainedQuantity::kQdd:
+      return "qdd";
+    case ConstrainedQuantity::kLambda:
+      return "lambda";
+    case ConstrainedQuantity::kNu:
+      return "nu";
+    case ConstrainedQuantity::kTauDrive:
+      return "tau_drive";
+    case ConstrainedQuantity::kN:
+      return "N";
+    case ConstrainedQuantity::kTaskInertia:
+      return "Lambda";
+    case ConstrainedQuantity::kJ:
+      return "J";
+    case ConstrainedQuantity::kJbar:
+      return "Jbar";
+    case ConstrainedQuantity::kTaskTorque:
+      return "task_torque";
+    case ConstrainedQuantity::kNullTorque:
+      return "null_torque";
+  }
+  return "?";
 }
 
-Eigen::MatrixXd ConstrainedQuantities::answer(const std::string& name,
+std::optional<ConstrainedQuantity> constrainedQuantityNamed(const std::string& text) {
+  for (int k = 0; k <= static_cast<int>(ConstrainedQuantity::kNullTorque); ++k)
+    if (const auto quantity = static_cast<ConstrainedQuantity>(k); text == name(quantity))
+      return quantity;
+  return std::nullopt;
+}
+
+Eigen::MatrixXd ConstrainedQuantities::answer(ConstrainedQuantity quantity,
                                               const scene::State<double>& state) const {
+  using Asked = ConstrainedQuantity;
+  const std::string asked = name(quantity);
   Parts& p = *parts_;
   const auto require = [&](bool holds, const char* what) {
     if (!holds)
       throw scene::InputError({p.scene.file.string(), 0},
-                              name + ": the scene has no " + what + ", expected one");
+                              asked + ": the scene has no " + what + ", expected one");
   };
-  if (name == "qdd") return motion(state, usualRoad()).qdd;
-  if (name == "lambda") {
+  if (quantity == Asked::kQdd) return motion(state, usualRoad()).qdd;
+  if (quantity == Asked::kLambda) {
     require(p.closures.rows() > 0, "closures");
     return motion(state, usualRoad()).lambda;
   }
   const auto held = p.held(state);
-  if (name == "nu") {
+  if (quantity == Asked::kNu) {
     require(!held.empty(), "acceleration_constraint");
     return motion(state, usualRoad()).nu;
   }
-  if (name == "tau_drive") {
+  if (quantity == Asked::kTauDrive) {
     require(p.scene.mechanism.isDriven(), "driven joint");
     return motion(state, usualRoad()).tau;
   }
@@ -200,7 +229,7 @@ Eigen::MatrixXd ConstrainedQuantities::answer(const std::string& name,
   if (p.scene.mechanism.hasMimics())
     throw scene::InputError(
         {p.scene.file.string(), 0},
-        name +
+        asked +
             ": joints follow others (mimic), which the sweeps of tasks do not know, "
             "allowed: qdd, lambda, nu, tau_drive");
   auto tasks = held;
@@ -211,14 +240,14 @@ Eigen::MatrixXd ConstrainedQuantities::answer(const std::string& name,
   recursive::constrainedForwardDynamics(p.model, state.x, state.qd, tau, tasks, p.ws, cws, qdd);
   Matrix J(m, n), Jbar(n, m);
   recursive::taskJacobian(p.model, tasks, p.ws, J);
-  if (name == "J") return J;
-  if (name == "N") return cws.N;
+  if (quantity == Asked::kJ) return J;
+  if (quantity == Asked::kN) return cws.N;
   if (cws.of_N.rank() < m)
-    throw scene::InputError({p.scene.file.string(), 0}, name + ": the constraints are " +
+    throw scene::InputError({p.scene.file.string(), 0}, asked + ": the constraints are " +
                                                             std::to_string(m) + " of rank " +
                                                             std::to_string(cws.of_N.rank()) +
                                                             " here, allowed: independent ones");
-  if (name == "Lambda") {
+  if (quantity == Asked::kTaskInertia) {
     Matrix inverse = Matrix::Identity(m, m);
     for (int k = 0; k < m; ++k) {
       Vector column = inverse.col(k);
@@ -228,8 +257,8 @@ Eigen::MatrixXd ConstrainedQuantities::answer(const std::string& name,
     return inverse;
   }
   recursive::dynamicallyConsistentInverse(p.model, p.ws, cws, Jbar);
-  if (name == "Jbar") return Jbar;
-  if (name == "null_torque") {
+  if (quantity == Asked::kJbar) return Jbar;
+  if (quantity == Asked::kNullTorque) {
     recursive::nullSpaceTorque(J, Jbar, tau);
     return vectorOf(tau);
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,26 @@ struct ConstrainedMotion {
   int rank = 0, rows = 0;  ///< of all equations together
 };
 
+/** Beside motion and forces, of the acceleration constraints as tasks: N (their accelerations by
+    unit forces, without compliance), Lambda = N^-1 (task inertia), J, Jbar (dynamically consistent
+    inverse), task_torque (of the controller, the state's tau its posture), null_torque
+    ((1 - J' Jbar') tau). */
+enum class ConstrainedQuantity {
+  kQdd,
+  kLambda,
+  kNu,
+  kTauDrive,  ///< forces of driven joints
+  kN,
+  kTaskInertia,
+  kJ,
+  kJbar,
+  kTaskTorque,
+  kNullTorque
+};
+/// "qdd", "lambda", "nu", "tau_drive", "N", "Lambda", "J", "Jbar", "task_torque", "null_torque"
+const char* name(ConstrainedQuantity quantity);
+std::optional<ConstrainedQuantity> constrainedQuantityNamed(const std::string& name);
+
 class ConstrainedQuantities {
  public:
   explicit ConstrainedQuantities(const scene::Scene& scene);
@@ -42,14 +63,9 @@ class ConstrainedQuantities {
   /// Which road motion() can go.
   ConstrainedRoad usualRoad() const;
 
-  /** The names that answer() knows: qdd, lambda, nu, tau_drive (forces of driven joints); of the
-      acceleration constraints as tasks: N (their accelerations by unit forces, without compliance),
-      Lambda = N^-1 (task inertia), J, Jbar (dynamically consistent inverse), task_torque (of the
-      controller, the state's tau its posture), null_torque ((1 - J' Jbar') tau). */
-  static const std::vector<std::string>& names();
   /// Row by row. @throws scene::InputError  the scene has not what is asked about, or redundant
   /// tasks
-  Eigen::MatrixXd answer(const std::string& name, const scene::State<double>& state) const;
+  Eigen::MatrixXd answer(ConstrainedQuantity quantity, const scene::State<double>& state) const;
 
   /// The state of the scene's start at t = 0, driven joints with their accelerations.
   scene::State<double> start() const;

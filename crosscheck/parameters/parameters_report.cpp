@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/report/text.hpp"
+#include "scene/units.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -33,11 +34,8 @@ std::vector<std::string> forceUnits(const scene::Mechanism& mechanism) {
   for (const int i : mechanism.movingLinks()) {
     const scene::JointKind kind = mechanism.links[i].joint.kind;
     if (mechanism.links[i].joint.mimic) continue;
-    for (const std::string& rate : scene::rateNames(kind)) {
-      const bool slides = kind == scene::JointKind::kPrismatic || rate == "slide" ||
-                          rate[0] == 'v' || (kind == scene::JointKind::kPlanar && rate != "turn");
-      units.emplace_back(slides ? "N" : "N m");
-    }
+    for (std::size_t k = 0; k < scene::rateNames(kind).size(); ++k)
+      units.emplace_back(scene::slides(kind, k) ? "N" : "N m");
   }
   return units;
 }

@@ -12,6 +12,7 @@
 #include "crosscheck/report/text.hpp"
 #include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
+#include "scene/units.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -128,9 +129,7 @@ Facts::Facts(const Shown& of)
     const bool follows = follower != followers.end() && follower->link == static_cast<int>(i);
     joint.position_names = namesOf(kind);
     for (const SlotKind one : scene::positionSlots(kind)) {
-      joint.position_units.emplace_back(one == SlotKind::kAngle    ? "rad"
-                                        : one == SlotKind::kLength ? "m"
-                                                                   : "1");
+      joint.position_units.emplace_back(scene::unitOf(one));
       joint.start_q.push_back(value(shown.scene.start_q[slot++]));
       if (!follows) joint.q.push_back(++q);
       q_of_slot.push_back(q);
@@ -148,13 +147,8 @@ Facts::Facts(const Shown& of)
         joint.start_qd.push_back(value(shown.scene.start_qd[static_cast<std::size_t>(qd) - 1]));
       }
     }
-    const auto unitOf = [&](std::size_t k) {
-      const bool is_free = !scene::ratesArePositionDerivatives(kind);
-      if (is_free) return kind == JointKind::kFloating && k < 3 ? "m/s" : "rad/s";
-      return joint.position_units[k] == "m" ? "m/s" : "rad/s";
-    };
     for (std::size_t k = 0; k < joint.rate_names.size(); ++k)
-      joint.rate_units.emplace_back(unitOf(k));
+      joint.rate_units.emplace_back(scene::slides(kind, k) ? "m/s" : "rad/s");
     joints.push_back(std::move(joint));
     const bool moving = link.parent >= 0 &&
                         (kind != JointKind::kFixed || moves[static_cast<std::size_t>(link.parent)]);

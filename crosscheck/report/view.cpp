@@ -361,8 +361,9 @@ View viewOf(const scene::Scene& scene, const std::vector<scene::UrdfPart>& parts
   for (const scene::Closure& closure : scene.mechanism.closures) {
     view.closures.push_back(
         pairOf(closure.name, scene::name(closure.kind), closure.a, closure.b, number));
-    if (closure.kind == scene::ClosureKind::kDistance)
-      view.closures.back().length = number(closure.length);
+    if (closure.kind != scene::ClosureKind::kDistance) continue;
+    view.closures.back().is_rod = true;
+    view.closures.back().length = number(closure.length);
   }
   for (const scene::Spring& spring : scene.mechanism.springs)
     view.springs.push_back(pairOf(spring.name, "spring", spring.a, spring.b, number));

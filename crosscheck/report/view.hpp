@@ -64,6 +64,7 @@ struct ViewSlot {
 /// Two frames that something holds or pulls together: a closure, or a spring.
 struct ViewPair {
   std::string name, kind;
+  bool is_rod = false;  ///< a distance is held
   int link_a = 0, link_b = 0;
   Eigen::Isometry3d a = Eigen::Isometry3d::Identity(), b = Eigen::Isometry3d::Identity();
   double length = 0;  ///< of a distance [m]

@@ -243,8 +243,7 @@ std::string viewSvg(const View& view) {
       drawArm(pair.link_a, pair.a);
       drawArm(pair.link_b, pair.b);
     }
-  for (const ViewPair& pair : view.closures)
-    drawPair(pair, pair.kind == "distance" ? "rod" : "gap");
+  for (const ViewPair& pair : view.closures) drawPair(pair, pair.is_rod ? "rod" : "gap");
   for (const ViewPair& pair : view.springs) drawPair(pair, "spring");
   return still.svg();
 }

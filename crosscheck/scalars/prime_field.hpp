@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -12,6 +13,9 @@
 
 #include "crosscheck/scalars/eigen_scalar.hpp"
 #include "crosscheck/scalars/indeterminates.hpp"
+#include "scene/mechanism.hpp"
+#include "scene/numbers.hpp"
+#include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -127,7 +131,47 @@ class FieldSource {
   std::uint64_t seed_, index_;
 };
 
-using FieldNumbers = IndeterminateNumbers<FieldSource>;
+/** Gives a scene's numbers to the field (the "Numbers" concept of scene/numbers.hpp).
+
+    Rationals stay what they are. What has no rational value becomes an indeterminate, the same one
+    wherever the same number occurs: pi; the point (cos, sin) of the circle of a fixed angle that is
+    no quarter turn, where a x and -x + k pi/2 share one indeterminate point; and cos and sin of the
+    turns that take z to a slanted axis, where they are irrational. A formula that uses no more of
+    them than c^2 + s^2 = 1 cannot tell the difference, and what holds for the indeterminates holds
+    for the scene's numbers. */
+class FieldNumbers {
+ public:
+  using Scalar = PrimeField;
+  using Point = scene::CosSin<PrimeField>;
+
+  FieldNumbers(const scene::Mechanism& mechanism, FieldSource source,
+               Parameters parameters = Parameters::kAsWritten);
+
+  PrimeField operator()(const scene::Number& number) const;
+  Point angle(const scene::Number& radians) const;
+  scene::AxisTurn<PrimeField> axisTurn(const scene::Vector& axis) const;
+
+ private:
+  bool isKnown(const scene::Number& number) const;
+  scene::Exact exactly(const scene::Number& number) const;
+  Point pointOf(const scene::Number& radians) const;
+
+  scene::ParameterValues values_;
+  FieldSource source_;
+  Parameters parameters_;
+  mutable std::map<std::string, Point> points_;  ///< angles that were asked for, by their text
+};
+
+/** A state of indeterminates: joint positions as points of the circle beside an element for q
+    (which is all that a component of a quaternion has), and elements for velocities, accelerations
+    and forces.
+
+    The q of a joint that follows another is  multiplier q_leader + offset;  its point is one of its
+    own. No formula knows the offset but through that point (and q), and whatever the point, some
+    offset leads to it: what holds for every point holds for every offset. */
+scene::State<PrimeField> indeterminateState(const scene::Mechanism& mechanism,
+                                            const FieldSource& source,
+                                            Parameters parameters = Parameters::kAsWritten);
 
 /** A prime for the point (name, seed, index), each of those with p = 3 mod 4 between 2^62 and 2^63
     equally likely. */

@@ -77,7 +77,7 @@ scene::AxisTurn<Traced> TracedNumbers::axisTurn(const scene::Vector& axis) const
   };
   scene::Rational rho, length;
   const bool rho_rational =
-      rational && detail::rationalRoot(size[0] * size[0] + size[1] * size[1], &rho);
+      rational && rationalRoot(size[0] * size[0] + size[1] * size[1], &rho);
   scene::AxisTurn<Traced> turn{{Traced(1), Traced(0)}, {Traced(0), Traced(1)}};
   if (rho_rational && rho == 0) {
     turn.beta = {Traced(size[2] < 0 ? -1 : 1), Traced(0)};
@@ -91,7 +91,7 @@ scene::AxisTurn<Traced> TracedNumbers::axisTurn(const scene::Vector& axis) const
     if (size[0] == 0) turn.alpha = {Traced(0), Traced(size[1] < 0 ? -1 : 1)};
     if (size[1] == 0) turn.alpha = {Traced(size[0] < 0 ? -1 : 1), Traced(0)};
   }
-  if (rho_rational && detail::rationalRoot(rho * rho + size[2] * size[2], &length)) {
+  if (rho_rational && rationalRoot(rho * rho + size[2] * size[2], &length)) {
     turn.beta = {constant(size[2] / length), constant(rho / length)};
   } else if (size[2] != 0) {
     turn.beta = {symbol(Atom::Kind::kCosBeta, "cos(beta)"),

@@ -26,6 +26,7 @@
 
 #include "crosscheck/system/children.hpp"
 #include "crosscheck/system/leaving.hpp"
+#include "crosscheck/system/pipe.hpp"
 #include "crosscheck/system/processes.hpp"
 
 namespace dynwitness::crosscheck {
@@ -133,26 +134,6 @@ void endWith(int parents_pipe) {
   if (poll(&file, 1, 0) > 0) _exit(1);  // it has gone already
 }
 
-struct Ends {
-  int read = -1, write = -1;
-  Ends() {
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) fail("pipe", errno);
-    read = ends[0], write = ends[1];
-  }
-  ~Ends() { closeRead(), closeWrite(); }
-  Ends(const Ends&) = delete;
-  Ends& operator=(const Ends&) = delete;
-  void closeRead() { closed(read); }
-  void closeWrite() { closed(write); }
-
- private:
-  static void closed(int& file) {
-    if (file >= 0) close(file);
-    file = -1;
-  }
-};
-
 /// Whether this process has a namespace of processes below it, and nobody else's.
 bool is_first_in_cell = false;
 
@@ -190,16 +171,17 @@ std::string inCell(const Cell& cell, bool hides,
   else
     draft.emplace(fs::temp_directory_path(), "dynwitness-cell");
   const fs::path folder = (draft ? draft->path() : kTemporary) / kName;
-  Ends answer, alive;
+  Pipe answer, alive;
+  if (!answer.isOpen() || !alive.isOpen()) fail("pipe", errno);
   pid_t copy;
   EndsWithUs ends_with_us;
   {
     const SignalsHeld held;
     copy = fork();
     if (copy == 0) {
-      alive.closeWrite();
-      answer.closeRead();
-      endWith(alive.read);
+      alive.closeEnd(1);
+      answer.closeEnd(0);
+      endWith(alive.ends[0]);
     } else if (copy > 0) {
       ends_with_us = EndsWithUs(copy, hides ? SIGKILL : SIGTERM);
     }
@@ -208,17 +190,17 @@ std::string inCell(const Cell& cell, bool hides,
   if (copy == 0) {
     const std::string text = outcome(cell, hides, folder, work);
     for (std::size_t at = 0; at < text.size();) {
-      const ssize_t written = write(answer.write, text.data() + at, text.size() - at);
+      const ssize_t written = write(answer.ends[1], text.data() + at, text.size() - at);
       if (written < 0 && errno != EINTR) _exit(1);
       if (written > 0) at += static_cast<std::size_t>(written);
     }
     _exit(0);
   }
-  answer.closeWrite();
-  alive.closeRead();
+  answer.closeEnd(1);
+  alive.closeEnd(0);
   std::string text;
   char buffer[1 << 16];
-  for (ssize_t got; (got = read(answer.read, buffer, sizeof buffer)) != 0;) {
+  for (ssize_t got; (got = read(answer.ends[0], buffer, sizeof buffer)) != 0;) {
     if (got < 0 && errno != EINTR) fail("read", errno);
     if (got > 0) text.append(buffer, static_cast<std::size_t>(got));
   }

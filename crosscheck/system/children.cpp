@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/system/leaving.hpp"
+#include "crosscheck/system/pipe.hpp"
 #include "crosscheck/system/processes.hpp"
 
 extern char** environ;
@@ -36,20 +37,6 @@ using Clock = std::chrono::steady_clock;
 struct News {
   enum Kind { kCannotStart, kEnded } kind;
   int value;  ///< errno; status as of waitpid()
-};
-
-struct Pipe {
-  int ends[2] = {-1, -1};
-  Pipe() {
-    if (pipe2(ends, O_CLOEXEC) != 0) ends[0] = ends[1] = -1;
-  }
-  void closeEnd(int i) {
-    if (ends[i] >= 0) close(ends[i]);
-    ends[i] = -1;
-  }
-  ~Pipe() { closeEnd(0), closeEnd(1); }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
 };
 
 void everySignalDefault() {
@@ -325,7 +312,7 @@ Ending Child::wait() {
 
 std::string triedInCopy(const std::function<std::string()>& trial, double seconds) {
   Pipe answer;
-  if (answer.ends[0] < 0) return std::string("pipe: ") + std::strerror(errno);
+  if (!answer.isOpen()) return std::string("pipe: ") + std::strerror(errno);
   pid_t copy;
   EndsWithUs ends_with_us;
   {
@@ -492,7 +479,7 @@ Conversation::Conversation(const std::string& command, const Limits& limits)
   Running& r = *running_;
   r.limits = limits;
   for (const Pipe* pipe : {&r.input, &r.output, &r.error, &r.news})
-    if (pipe->ends[0] < 0) throw std::runtime_error(std::string("pipe: ") + std::strerror(EMFILE));
+    if (!pipe->isOpen()) throw std::runtime_error(std::string("pipe: ") + std::strerror(EMFILE));
   const Start start({"/bin/sh", "-c", command}, {});
   {
     const SignalsHeld held;

@@ -12,7 +12,6 @@
 #include <new>
 #include <stdexcept>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sched.h>
@@ -21,6 +20,7 @@
 #include <unistd.h>
 
 #include "crosscheck/system/leaving.hpp"
+#include "crosscheck/system/pipe.hpp"
 #include "scene/error.hpp"
 
 namespace dynwitness::crosscheck {
@@ -112,9 +112,8 @@ struct Copies {
 
 /// @param body  what the copy does; it is given where to write
 void start(Copies& copies, const std::function<void(int file)>& body) {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0)
-    throw std::runtime_error(fmt::format("pipe: {}", std::strerror(errno)));
+  Pipe answers;
+  if (!answers.isOpen()) throw std::runtime_error(fmt::format("pipe: {}", std::strerror(errno)));
   pid_t process;
   EndsWithUs ends_with_us;
   {
@@ -127,14 +126,13 @@ void start(Copies& copies, const std::function<void(int file)>& body) {
       ends_with_us = EndsWithUs(process, SIGTERM);
   }
   if (process == 0) {
-    close(ends[0]);
+    answers.closeEnd(0);
     for (const Copy& earlier : copies.all)
       if (earlier.file >= 0) close(earlier.file);
-    body(ends[1]);
+    body(answers.ends[1]);
     _exit(0);  // without the destructors and buffers of the original
   }
-  close(ends[1]);
-  copies.all.push_back({process, ends[0], -1, {}, std::move(ends_with_us)});
+  copies.all.push_back({process, answers.take(0), -1, {}, std::move(ends_with_us)});
   if (process < 0) throw std::runtime_error(fmt::format("fork: {}", std::strerror(errno)));
 }
 

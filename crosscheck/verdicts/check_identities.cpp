@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/inputs/states.hpp"
-#include "crosscheck/laws/identities.hpp"
+#include "crosscheck/laws/compiled_identities.hpp"
 #include "crosscheck/laws/identities_in_balls.hpp"
 #include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"

@@ -11,12 +11,10 @@ class AdjointError;
 class AdjointErrorNumbers;
 class Ball;
 class BallNumbers;
-class FieldSource;
+class FieldNumbers;
 class PrimeField;
 class RunningError;
 class RunningErrorNumbers;
-template <typename Source>
-class IndeterminateNumbers;
 
 }  // namespace dynwitness::crosscheck
 
@@ -29,8 +27,7 @@ DYNWITNESS_MODELS(extern, crosscheck::RunningError, crosscheck::RunningErrorNumb
 DYNWITNESS_SWEEPS(extern, crosscheck::AdjointError);
 DYNWITNESS_MODELS(extern, crosscheck::AdjointError, crosscheck::AdjointErrorNumbers);
 DYNWITNESS_SWEEPS(extern, crosscheck::PrimeField);
-DYNWITNESS_MODELS(extern, crosscheck::PrimeField,
-                  crosscheck::IndeterminateNumbers<crosscheck::FieldSource>);
+DYNWITNESS_MODELS(extern, crosscheck::PrimeField, crosscheck::FieldNumbers);
 DYNWITNESS_SWEEPS(extern, crosscheck::Ball);
 DYNWITNESS_MODELS(extern, crosscheck::Ball, crosscheck::BallNumbers);
 

@@ -8,7 +8,7 @@ wrapper=$(dirname -- "$(readlink -f -- "$0")")/../../dynwitness
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 tools=$work/tools project=$work/project
-mkdir -p "$tools" "$project" "$work/elsewhere"
+mkdir -p "$tools" "$project/crosscheck/cli" "$work/elsewhere"
 
 # everything that is on the PATH, less what the tests decide about
 IFS=: read -ra folders <<<"$PATH"
@@ -27,6 +27,11 @@ fake() {  # NAME, commands on standard input
 fake gnuplot </dev/null
 
 cp "$wrapper" "$project/dynwitness"
+cat >"$project/crosscheck/cli/commands.txt" <<'END'
+# a comment
+exit     dynwitness          Some words
+readers  dynwitness-readers  Some words; others
+END
 cat >"$project/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
 project(stub LANGUAGES CXX)
@@ -35,17 +40,22 @@ file(GLOB sources CONFIGURE_DEPENDS *.cpp)
 add_executable(dynwitness_cli ${sources})
 set_target_properties(dynwitness_cli PROPERTIES OUTPUT_NAME dynwitness)
 add_executable(dynwitness_benchmarks main.cpp)
-add_custom_target(dynwitness_readers_program)
+add_executable(dynwitness_readers_program EXCLUDE_FROM_ALL main.cpp)
+set_target_properties(dynwitness_readers_program PROPERTIES OUTPUT_NAME dynwitness-readers)
+target_compile_definitions(dynwitness_readers_program PRIVATE BEFORE_IT="readers: ")
 enable_testing()
 add_test(NAME passes COMMAND dynwitness_cli exit 0)
 END
-# prints where it runs and what it was told; "exit N" exits with N, another first word with 2
+# prints where it runs and what it was told, and who it is; "exit N" exits with N, another first word with 2
 cat >"$project/main.cpp" <<'END'
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 int main(int argc, char** argv) {
+#ifdef BEFORE_IT
+  std::printf(BEFORE_IT);
+#endif
   std::printf("%s", std::filesystem::current_path().c_str());
   for (int i = 1; i < argc; ++i) std::printf("|%s", argv[i]);
   std::printf("\n");
@@ -99,6 +109,19 @@ check 'the wrapper works through a symbolic link' exits 5
 call
 check 'a call without arguments goes to the program' prints "$work/elsewhere"
 
+# --- commands in programs of their own ---
+rm "$project/build/bin/dynwitness"
+call readers file
+check 'a command goes to the program that has it' prints "readers: $work/elsewhere|readers|file"
+check 'no other program is built for it' test ! -e "$project/build/bin/dynwitness"
+call '#' a
+check 'a comment of the list is no command' prints "$work/elsewhere|#|a"
+mv "$project/crosscheck/cli/commands.txt" "$work/commands.txt"
+call exit 0
+check 'without the list the wrapper fails' exits 3
+check 'and says what it misses' says 'crosscheck/cli/commands.txt cannot be read'
+mv "$work/commands.txt" "$project/crosscheck/cli/commands.txt"
+
 # --- test and bench ---
 call test
 check 'test runs ctest' grep -q '100% tests passed' "$work/out"
@@ -111,12 +134,12 @@ check 'bench runs the benchmarks with the arguments that follow' \
 
 # --- MuJoCo of today, by npm ---
 call readers
-check 'readers goes to the program without npm' prints "$work/elsewhere|readers"
+check 'readers goes to the program without npm' prints "readers: $work/elsewhere|readers"
 check 'and what is missing is said' says 'no node or no npm (Debian: nodejs npm)'
 fake node </dev/null
 fake npm <<<'echo "npm error: no network" >&2; exit 1'
 call readers
-check 'a package that cannot be had is left out' prints "$work/elsewhere|readers"
+check 'a package that cannot be had is left out' prints "readers: $work/elsewhere|readers"
 check 'with what npm says' says 'npm does not give mujoco-js@0.0.7: npm error: no network'
 fake npm <<<'echo something >mujoco-js-0.0.7.tgz'
 call readers
@@ -130,7 +153,7 @@ cp "$project/main.cpp" "$work/main.cpp"
 echo 'this is no C++' >>"$project/main.cpp"
 call exit 0
 check 'a build that fails gives exit status 3' exits 3
-check 'the compiler is quoted' says 'main.cpp:11'
+check 'the compiler is quoted' says 'main.cpp:14'
 check 'the log is named' says "$project/build/build.log"
 check 'the old program does not run instead' prints ''
 cp "$work/main.cpp" "$project/main.cpp"

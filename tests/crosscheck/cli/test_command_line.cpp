@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -138,6 +139,38 @@ BOOST_AUTO_TEST_CASE(a_file_may_lie_in_the_folder_of_the_report) {
 
 BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(results)
+
+// The list is what main programs are made of, and what the wrapper reads.
+BOOST_AUTO_TEST_CASE(every_command_is_in_the_program_that_the_list_names_and_in_the_first_help) {
+  const fs::path folder = fs::path(DYNWITNESS_SOURCE_DIR) / "crosscheck/cli";
+  std::ifstream list(folder / "commands.txt");
+  const Program program;
+  const std::string help = program.run("--help").out;
+  std::size_t listed = 0, shown_at = 0;
+  for (std::string line; std::getline(list, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::istringstream words(line);
+    std::string name, of, what;
+    words >> name >> of >> std::ws;
+    std::getline(words, what);
+    ++listed;
+    const auto shown = help.find("  " + name + " ", shown_at);
+    BOOST_TEST(shown != std::string::npos, name << " is not in its place in\n" << help);
+    if (shown != std::string::npos) shown_at = shown;
+    const fs::path direct = fs::path(DYNWITNESS_PROGRAM).parent_path() / of;
+    const Outcome outcome =
+        program.run(name + " --help && '" + direct.string() + "' " + name + " --help");
+    BOOST_TEST(outcome.status == 0, outcome.out);
+    const auto first = outcome.out.find(what), second = outcome.out.find(what, first + 1);
+    BOOST_TEST((first != std::string::npos && second != std::string::npos),
+               name << ": its help does not say '" << what << "':\n"
+                    << outcome.out);
+  }
+  std::size_t commands = 3;  // of small_commands.cpp
+  for (const auto& file : fs::directory_iterator(folder))
+    commands += std::regex_match(file.path().filename().string(), std::regex("\\w+_command.cpp"));
+  BOOST_TEST(listed == commands);
+}
 
 // The pendulum of the bundled scene has m = l = 1, g = 9.81: by hand, M = m l^2, g = m g l sin q.
 BOOST_AUTO_TEST_CASE(evaluate_writes_one_row_a_state_in_full_precision) {

@@ -19,7 +19,7 @@
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/exact/regressor_checks.hpp"
 #include "crosscheck/inputs/states.hpp"
-#include "crosscheck/laws/identities.hpp"
+#include "crosscheck/laws/compiled_identities.hpp"
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"

@@ -84,7 +84,7 @@ void everyRoadIsTheSameFunction(const scene::Scene& scene) {
       for (std::uint64_t index : {0, 1}) {
         Point point(scene, index);
         BOOST_TEST((point.program(road.program) == point.sweeps(formula)),
-                   scene.name << ": " << name(formula) << " by " << road.name);
+                   scene.name << ": " << name(formula) << " by " << name(road.kind));
       }
     }
   }

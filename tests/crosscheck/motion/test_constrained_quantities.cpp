@@ -85,19 +85,21 @@ BOOST_AUTO_TEST_CASE(tasks_have_a_consistent_inverse) {
   const ConstrainedQuantities quantities(scene::findScene("two_handed"));
   scene::State<double> state = quantities.start();
   state.tau = {1, -2, 3, 0.5, -1};
-  const Eigen::MatrixXd J = quantities.answer("J", state), Jbar = quantities.answer("Jbar", state),
-                        N = quantities.answer("N", state),
-                        Lambda = quantities.answer("Lambda", state);
+  const Eigen::MatrixXd J = quantities.answer(ConstrainedQuantity::kJ, state),
+                        Jbar = quantities.answer(ConstrainedQuantity::kJbar, state),
+                        N = quantities.answer(ConstrainedQuantity::kN, state),
+                        Lambda = quantities.answer(ConstrainedQuantity::kTaskInertia, state);
   const Eigen::Index m = J.rows();
   BOOST_TEST(largest(J * Jbar - Eigen::MatrixXd::Identity(m, m)) < 1e-12);
   BOOST_TEST(largest(Lambda * N - Eigen::MatrixXd::Identity(m, m)) < 1e-12);
-  const Eigen::VectorXd null = quantities.answer("null_torque", state);
+  const Eigen::VectorXd null = quantities.answer(ConstrainedQuantity::kNullTorque, state);
   BOOST_TEST(largest(Jbar.transpose() * null) < 1e-12);
   BOOST_TEST(largest(null) > 0.1);
   // the controller's torques differ by the posture's share alone
-  const Eigen::VectorXd with = quantities.answer("task_torque", state);
+  const Eigen::VectorXd with = quantities.answer(ConstrainedQuantity::kTaskTorque, state);
   state.tau.assign(5, 0.0);
-  BOOST_TEST(largest(with - quantities.answer("task_torque", state) - null) < 1e-12);
+  BOOST_TEST(largest(with - quantities.answer(ConstrainedQuantity::kTaskTorque, state) - null) <
+             1e-12);
 }
 
 BOOST_AUTO_TEST_CASE(the_program_answers_and_refuses) {
