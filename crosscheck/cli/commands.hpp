@@ -35,7 +35,7 @@ inline constexpr const char* kMuseumDescription =
 inline constexpr const char* kParametersDescription =
     "Which inertial parameters the motion of a scene knows, and what their errors do";
 inline constexpr const char* kReadersDescription =
-    "What each engine, with its own defaults, makes of a URDF file";
+    "What each engine, with its own defaults, makes of a URDF or MJCF file";
 inline constexpr const char* kRotorsDescription =
     "How much the gyroscopic coupling of rotors is, which d = n^2 J leaves out";
 inline constexpr const char* kSameDescription = "Whether two descriptions are the same robot";

@@ -13,6 +13,7 @@
 #include "crosscheck/readers/readers_page.hpp"
 #include "crosscheck/system/environment.hpp"
 #include "crosscheck/system/files.hpp"
+#include "scene/mjcf.hpp"
 #include "scene/text_file.hpp"
 
 namespace dynwitness::cli {
@@ -37,7 +38,11 @@ crosscheck::ReaderLimits limitsOf(const Arguments& arguments) {
 int run(const Arguments& arguments) {
   for (const std::string& file : {arguments.json, arguments.html, arguments.mend, arguments.plain})
     crosscheck::requireWritableFile(file);
-  const std::string text = scene::readTextFile(arguments.file, "a URDF file");
+  const std::string text = scene::readTextFile(arguments.file, "a URDF or MJCF file");
+  if (scene::isMjcf(text) && !(arguments.mend.empty() && arguments.plain.empty()))
+    throw scene::InputError({arguments.file},
+                            fmt::format("{} writes a URDF, and this is MJCF, allowed: a URDF file",
+                                        arguments.mend.empty() ? "--plain" : "--mend"));
   const crosscheck::ReadersResult result = crosscheck::examineReaders(
       text, arguments.file, crosscheck::engineReaders(arguments.engines, arguments.limits),
       arguments.states, arguments.seed, limitsOf(arguments));
@@ -72,7 +77,7 @@ int run(const Arguments& arguments) {
 Run addReaders(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("readers", kReadersDescription);
-  command->add_option("file", arguments->file, "URDF file")->required();
+  command->add_option("file", arguments->file, "URDF or MJCF file")->required();
   command->add_flag("--all", arguments->all, "All links in the table, not only what differs");
   command->add_option("--states", arguments->states, "Seeded states for M and g")
       ->check(whole(1, 10000))
@@ -91,12 +96,13 @@ Run addReaders(CLI::App& app) {
   command->footer(
       "Examples:\n"
       "  dynwitness readers my_arm.urdf\n"
+      "  dynwitness readers my_arm.xml\n"
       "  dynwitness readers my_arm.urdf --all --json readers.json --html readers.html\n"
       "  dynwitness readers my_arm.urdf --engine \"python3 my_reader.py\"\n"
       "  dynwitness readers my_arm.urdf --mend mended.urdf\n"
       "Exit status: 0 every engine that reads the file has its robot; 1 one has another robot, "
       "crashes or\n"
-      "hangs; 2 no URDF, or no engine reads it.");
+      "hangs; 2 no URDF or MJCF, or no engine reads it.");
   return [arguments] { return run(*arguments); };
 }
 

@@ -62,6 +62,7 @@ bool readJoint(const joints::Joint& joint, ReadBody* out) {
   out->damping = dof.getDampingCoefficient();
   out->friction = dof.getCoulombFriction();
   out->stiffness = dof.getSpringStiffness();
+  out->rest = dof.getRestPosition();
   if (joint.getActuatorType() == joints::Joint::MIMIC && joint.getMimicJoint()) {
     out->leader = joint.getMimicJoint()->getName();
     out->multiplier = joint.getMimicMultiplier();

@@ -122,6 +122,11 @@ std::string readersPage(const ReadersResult& result, const Environment& environm
     for (const std::string& text : result.impossible) put(&page, "<li>{}</li>\n", esc(text));
     put(&page, "</ul>\n<p><code>--mend OUT.urdf</code> writes the nearest possible ones.</p>\n");
   }
+  if (!result.not_compared.empty()) {
+    put(&page, "<h2>Not compared</h2>\n<ul class=\"reasons\">\n");
+    for (const std::string& text : result.not_compared) put(&page, "<li>{}</li>\n", esc(text));
+    put(&page, "</ul>\n");
+  }
   putTable(&page, result);
   put(&page, "<h2>Reader by reader</h2>\n");
   for (const ReaderResult& reader : result.readers) putReader(&page, reader);
