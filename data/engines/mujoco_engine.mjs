@@ -206,6 +206,19 @@ function shownLinks(m, apart) {
   return links;
 }
 
+/** The name of the first element: "mujoco", "robot". */
+function outermost(text) {
+  let at = text.indexOf('<');
+  for (; at >= 0; at = text.indexOf('<', at)) {
+    const end = text.startsWith('<!--', at) ? '-->' : text.startsWith('<?', at) ? '?>' : text.startsWith('<!', at) ? '>' : '';
+    if (!end) break;
+    const after = text.indexOf(end, at);
+    if (after < 0) return '';
+    at = after + end.length;
+  }
+  return /^[^\s/>]*/.exec(text.slice(at + 1, at + 100))[0];
+}
+
 const isFile = path => statSync(path, {throwIfNoEntry: false})?.isFile() ?? false;
 
 /** Puts an MJCF file where MuJoCo finds it, with the files that it names. */
@@ -234,7 +247,7 @@ function bring(file) {
 /** What its compiler makes of the bytes of a file. */
 function reader(scene) {
   const bytes = readFileSync(scene.file);
-  const apart = /^\uFEFF?(?:\s|<\?[^]*?\?>|<!--[^]*?-->|<!DOCTYPE[^>]*>)*<mujoco\b/.test(bytes.toString('utf8'));
+  const apart = outermost(bytes.toString('utf8')) === 'mujoco';
   const file = apart ? scene.file : '/' + (scene.file.split('/').pop() || 'robot.urdf');
   let m;
   try {

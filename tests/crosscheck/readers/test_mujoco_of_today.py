@@ -56,6 +56,9 @@ CASES = {
         '<body pos="0.1 0 0.3"><joint axis="1 1 0" pos="0 0.1 0"/><geom type="capsule" size="0.1 0.2" pos="0.1 0 0"/></body>'
         '</body></worldbody></mujoco>', None, 0, None),
     "plain": (robot(""), None, 0, None),
+    # what stands before the first element may be long
+    "comments": ('<?xml version="1.0"?>\n' + 60 * "<!-- <mujoco> -->\n" + robot(""), None, 0, None),
+    "comments_mjcf": (60 * "<!-- <robot> -->\n" + mjcf(""), None, 0, None),
     "child_as_it_stands": (fused('xyz="0 0 0"'), None, 0, None),
 }
 
@@ -64,7 +67,7 @@ def main():
     wrong = 0
     for name, (text, rule, off, record) in CASES.items():
         with tempfile.TemporaryDirectory() as folder:
-            suffix = "xml" if text.startswith("<mujoco") else "urdf"
+            suffix = "xml" if "</mujoco>" in text else "urdf"
             file, out = Path(folder) / f"{name}.{suffix}", Path(folder) / "readers.json"
             file.write_text(text)
             status = subprocess.run([sys.argv[1], "readers", str(file), "--json", str(out)],
