@@ -35,8 +35,35 @@ crosscheck::ReaderLimits limitsOf(const Arguments& arguments) {
   return limits;
 }
 
+/// The page, and the picture beside it.
+void writePage(const Arguments& arguments, const std::string& text, const std::string& picture,
+               const crosscheck::ReadersResult& result) {
+  std::string drawn;
+  try {
+    drawn = crosscheck::readersPicture(text, arguments.file, result, DYNWITNESS_VERSION);
+  } catch (const scene::InputError& error) {
+    tell(fmt::format("dynwitness: no picture: {}\n", error.what()));
+  }
+  if (!drawn.empty()) crosscheck::writeWholeFile(picture, drawn);
+  crosscheck::writeWholeFile(
+      arguments.html, crosscheck::readersPage(
+                          result, crosscheck::thisEnvironment(),
+                          drawn.empty() ? "" : std::filesystem::path(picture).filename().string()));
+  fmt::print("page: {}\n", arguments.html);
+  if (drawn.empty()) return;
+  constexpr std::size_t kLarge = 700000;
+  fmt::print("picture: {}{}\n", picture,
+             drawn.size() > kLarge
+                 ? fmt::format(" ({:.1f} MB)", static_cast<double>(drawn.size()) / 1e6)
+                 : "");
+}
+
 int run(const Arguments& arguments) {
-  for (const std::string& file : {arguments.json, arguments.html, arguments.mend, arguments.plain})
+  std::string picture;  // readers.html: readers.view.html
+  if (!arguments.html.empty())
+    picture = std::filesystem::path(arguments.html).replace_extension(".view.html").string();
+  for (const std::string& file :
+       {arguments.json, arguments.html, picture, arguments.mend, arguments.plain})
     crosscheck::requireWritableFile(file);
   const std::string text = scene::readTextFile(arguments.file, "a URDF or MJCF file");
   if (scene::isMjcf(text) && !(arguments.mend.empty() && arguments.plain.empty()))
@@ -60,11 +87,7 @@ int run(const Arguments& arguments) {
         arguments.plain, crosscheck::plainUrdf(scene::readUrdfAsWritten(text, arguments.file)));
   if (!arguments.json.empty())
     crosscheck::writeWholeFile(arguments.json, crosscheck::readersJson(result, DYNWITNESS_VERSION));
-  if (!arguments.html.empty()) {
-    crosscheck::writeWholeFile(arguments.html,
-                               crosscheck::readersPage(result, crosscheck::thisEnvironment()));
-    fmt::print("page: {}\n", arguments.html);
-  }
+  if (!arguments.html.empty()) writePage(arguments, text, picture, result);
   if (!result.anyRead() && result.agrees()) {
     tell(fmt::format("dynwitness: {}: no engine reads the file\n", arguments.file));
     return 2;
@@ -87,7 +110,8 @@ Run addReaders(CLI::App& app) {
       ->capture_default_str();
   addEngineOptions(*command, arguments->engines, arguments->limits);
   command->add_option("--json", arguments->json, "Write the result to this file");
-  command->add_option("--html", arguments->html, "Write the result as a page, one file");
+  command->add_option("--html", arguments->html,
+                      "Write the result as a page, one file; and a picture beside it, .view.html");
   command->add_option("--mend", arguments->mend,
                       "Write the file with impossible inertias replaced by the nearest possible "
                       "ones, each change a comment");

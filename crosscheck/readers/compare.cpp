@@ -129,6 +129,7 @@ class Comparison {
       const NamedMistakes why = explanation(file_, b, seen.moments, seen_.unturned);
       Misreading finding{body.link,           "inertia",           why.words,
                          shown(body.moments), shown(seen.moments), where};
+      finding.read = seen.moments;
       for (const Mistake mistake : why.mistakes) {
         const std::string record = publicRecord(reader_, mistake);
         std::vector<std::string>& records = finding.records;
@@ -494,7 +495,11 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
 
 std::string plainUrdf(const scene::Urdf& urdf) {
   const Robot robot = FileParts(urdf).robot();
-  const auto exactly = [](double x) { return scene::Number(scene::Rational(x)); };
+  // the shortest decimal that is read as the same double: its exact one has 50 digits, of which
+  // reading makes fractions of integers
+  const auto exactly = [](double x) {
+    return x == 0 ? scene::Number(0) : scene::Expression::parse(fmt::format("{}", x));
+  };
   const auto vector = [&](const Vector3d& v) {
     return scene::Vector{exactly(v[0]), exactly(v[1]), exactly(v[2])};
   };

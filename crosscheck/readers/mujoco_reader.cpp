@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // MuJoCo as a reader of robot descriptions, URDF and MJCF: the user's bytes, and no compiler option
-// set. (As a witness of the crosscheck it is told to fuse, balance and infer nothing: witnesses/mujoco.cpp.)
+// set. (As a witness of the crosscheck it is told to fuse, balance and infer nothing:
+// witnesses/mujoco.cpp.)
 #include "crosscheck/readers/reader.hpp"
 
 #ifdef DYNWITNESS_HAS_MUJOCO
