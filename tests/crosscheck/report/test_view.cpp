@@ -233,8 +233,8 @@ BOOST_AUTO_TEST_CASE(a_picture_of_a_thousand_links_is_small) {
       contains(page, "200 of 1000 rows; all of them: <code>dynwitness show chain_1000</code>"));
 }
 
-// 7 digits a number in the page of many links; in a row of n frames each may be off by that, relative
-// to the largest length, and turns what follows.
+// 7 digits a number in the page of many links; in a row of n frames each may be off by that,
+// relative to the largest length, and turns what follows.
 BOOST_AUTO_TEST_CASE(a_picture_of_many_links_has_the_digits_of_a_screen) {
   if (std::system("command -v node > /dev/null 2>&1") != 0) return;
   Case one;
