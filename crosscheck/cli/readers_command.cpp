@@ -13,6 +13,7 @@
 #include "crosscheck/readers/readers_page.hpp"
 #include "crosscheck/system/environment.hpp"
 #include "crosscheck/system/files.hpp"
+#include "scene/mjcf.hpp"
 #include "scene/text_file.hpp"
 
 namespace dynwitness::cli {
@@ -34,10 +35,41 @@ crosscheck::ReaderLimits limitsOf(const Arguments& arguments) {
   return limits;
 }
 
+/// The page, and the picture beside it.
+void writePage(const Arguments& arguments, const std::string& text, const std::string& picture,
+               const crosscheck::ReadersResult& result) {
+  std::string drawn;
+  try {
+    drawn = crosscheck::readersPicture(text, arguments.file, result, DYNWITNESS_VERSION);
+  } catch (const scene::InputError& error) {
+    tell(fmt::format("dynwitness: no picture: {}\n", error.what()));
+  }
+  if (!drawn.empty()) crosscheck::writeWholeFile(picture, drawn);
+  crosscheck::writeWholeFile(
+      arguments.html, crosscheck::readersPage(
+                          result, crosscheck::thisEnvironment(),
+                          drawn.empty() ? "" : std::filesystem::path(picture).filename().string()));
+  fmt::print("page: {}\n", arguments.html);
+  if (drawn.empty()) return;
+  constexpr std::size_t kLarge = 700000;
+  fmt::print("picture: {}{}\n", picture,
+             drawn.size() > kLarge
+                 ? fmt::format(" ({:.1f} MB)", static_cast<double>(drawn.size()) / 1e6)
+                 : "");
+}
+
 int run(const Arguments& arguments) {
-  for (const std::string& file : {arguments.json, arguments.html, arguments.mend, arguments.plain})
+  std::string picture;  // readers.html: readers.view.html
+  if (!arguments.html.empty())
+    picture = std::filesystem::path(arguments.html).replace_extension(".view.html").string();
+  for (const std::string& file :
+       {arguments.json, arguments.html, picture, arguments.mend, arguments.plain})
     crosscheck::requireWritableFile(file);
-  const std::string text = scene::readTextFile(arguments.file, "a URDF file");
+  const std::string text = scene::readTextFile(arguments.file, "a URDF or MJCF file");
+  if (scene::isMjcf(text) && !(arguments.mend.empty() && arguments.plain.empty()))
+    throw scene::InputError({arguments.file},
+                            fmt::format("{} writes a URDF, and this is MJCF, allowed: a URDF file",
+                                        arguments.mend.empty() ? "--plain" : "--mend"));
   const crosscheck::ReadersResult result = crosscheck::examineReaders(
       text, arguments.file, crosscheck::engineReaders(arguments.engines, arguments.limits),
       arguments.states, arguments.seed, limitsOf(arguments));
@@ -55,11 +87,7 @@ int run(const Arguments& arguments) {
         arguments.plain, crosscheck::plainUrdf(scene::readUrdfAsWritten(text, arguments.file)));
   if (!arguments.json.empty())
     crosscheck::writeWholeFile(arguments.json, crosscheck::readersJson(result, DYNWITNESS_VERSION));
-  if (!arguments.html.empty()) {
-    crosscheck::writeWholeFile(arguments.html,
-                               crosscheck::readersPage(result, crosscheck::thisEnvironment()));
-    fmt::print("page: {}\n", arguments.html);
-  }
+  if (!arguments.html.empty()) writePage(arguments, text, picture, result);
   if (!result.anyRead() && result.agrees()) {
     tell(fmt::format("dynwitness: {}: no engine reads the file\n", arguments.file));
     return 2;
@@ -71,7 +99,7 @@ int run(const Arguments& arguments) {
 
 Run addReaders(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("file", arguments->file, "URDF file")->required();
+  command->add_option("file", arguments->file, "URDF or MJCF file")->required();
   command->add_flag("--all", arguments->all, "All links in the table, not only what differs");
   command->add_option("--states", arguments->states, "Seeded states for M and g")
       ->check(whole(1, 10000))
@@ -81,7 +109,8 @@ Run addReaders(CLI::App* command) {
       ->capture_default_str();
   addEngineOptions(*command, arguments->engines, arguments->limits);
   command->add_option("--json", arguments->json, "Write the result to this file");
-  command->add_option("--html", arguments->html, "Write the result as a page, one file");
+  command->add_option("--html", arguments->html,
+                      "Write the result as a page, one file; and a picture beside it, .view.html");
   command->add_option("--mend", arguments->mend,
                       "Write the file with impossible inertias replaced by the nearest possible "
                       "ones, each change a comment");
@@ -90,12 +119,13 @@ Run addReaders(CLI::App* command) {
   command->footer(
       "Examples:\n"
       "  dynwitness readers my_arm.urdf\n"
+      "  dynwitness readers my_arm.xml\n"
       "  dynwitness readers my_arm.urdf --all --json readers.json --html readers.html\n"
       "  dynwitness readers my_arm.urdf --engine \"python3 my_reader.py\"\n"
       "  dynwitness readers my_arm.urdf --mend mended.urdf\n"
       "Exit status: 0 every engine that reads the file has its robot; 1 one has another robot, "
       "crashes or\n"
-      "hangs; 2 no URDF, or no engine reads it.");
+      "hangs; 2 no URDF or MJCF, or no engine reads it.");
   return [arguments] { return run(*arguments); };
 }
 

@@ -82,6 +82,7 @@ class Search {
                  shown(reading.moments), file_.where(b)},
                 from};
     guess.robot.bodies[b].moments = reading.moments;
+    guess.finding.read = reading.moments;
     const std::string record = publicRecord(reader_, reading.mistake);
     if (!record.empty()) guess.finding.records.push_back(record);
     return guess;

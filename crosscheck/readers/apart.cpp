@@ -54,7 +54,7 @@ json bodyJson(const ReadBody& b) {
           b.links,
           optional(b.lower),
           optional(b.upper),
-          {b.damping, b.friction, b.armature, b.stiffness},
+          {b.damping, b.friction, b.armature, b.stiffness, b.rest},
           b.leader,
           {b.multiplier, b.offset}};
 }
@@ -81,6 +81,7 @@ ReadBody bodyOf(const json& j) {
   b.friction = passive.at(1).get<double>();
   b.armature = passive.at(2).get<double>();
   b.stiffness = passive.at(3).get<double>();
+  b.rest = passive.at(4).get<double>();
   b.leader = next().get<std::string>();
   const json& mimic = next();
   b.multiplier = mimic.at(0).get<double>();

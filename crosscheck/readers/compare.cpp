@@ -9,6 +9,7 @@
 #include <boost/math/constants/constants.hpp>
 
 #include "crosscheck/readers/answers.hpp"
+#include "scene/mjcf.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::crosscheck {
@@ -128,6 +129,7 @@ class Comparison {
       const NamedMistakes why = explanation(file_, b, seen.moments, seen_.unturned);
       Misreading finding{body.link,           "inertia",           why.words,
                          shown(body.moments), shown(seen.moments), where};
+      finding.read = seen.moments;
       for (const Mistake mistake : why.mistakes) {
         const std::string record = publicRecord(reader_, mistake);
         std::vector<std::string>& records = finding.records;
@@ -189,6 +191,10 @@ class Comparison {
     number("friction", body.friction, seen.friction);
     number("armature", body.armature, seen.armature);
     number("stiffness", body.stiffness, seen.stiffness);
+    // a difference of two positions, which may cancel
+    const double turns = std::max({1.0, std::abs(body.rest), std::abs(seen.rest)});
+    if (body.stiffness != 0 && std::abs(body.rest - seen.rest) > roundingOf(0) * turns)
+      number("spring rest", body.rest, seen.rest);
     const std::string limits = limit(body.lower) + " to " + limit(body.upper),
                       their_limits = limit(seen.lower) + " to " + limit(seen.upper);
     // a range of nothing is what URDF says by leaving the numbers out
@@ -256,7 +262,7 @@ std::vector<ReadApart> readAll(const std::vector<const Reader*>& readers, const 
   }
   const bool has_shapes =
       text.find("<visual") != std::string::npos || text.find("<collision") != std::string::npos;
-  if (others.empty() || !has_shapes) return all;
+  if (others.empty() || !has_shapes || scene::isMjcf(text)) return all;
   const std::string without_shapes = scene::urdfWithoutShapes(text);
   const std::vector<ReadApart> again =
       readApart(others, without_shapes, file, states, seed, limits);
@@ -336,13 +342,49 @@ void judge(const FileParts& parts, const ReadApart& read, int states, std::uint6
   result->findings = explainAnswers(parts, positions, read.answers, result->name, states, seed);
 }
 
-/// The file as --plain writes it, and what it has.
+/** What MJCF leaves open is taken as our reader has it: a body or joint without a name is told by
+    its place in the file, and a free one stands in the world, where its own place is its start. */
+void alignMjcf(const Robot& ours, Reading* reading) {
+  std::vector<ReadBody>& theirs = reading->robot.bodies;
+  for (std::size_t k = 0; k < std::min(ours.bodies.size(), theirs.size()); ++k) {
+    if (theirs[k].link.empty()) theirs[k].link = ours.bodies[k].link;
+    if (theirs[k].joint.empty()) theirs[k].joint = ours.bodies[k].joint;
+    if (theirs[k].kind == scene::JointKind::kFloating && theirs[k].parent < 0)
+      theirs[k].placement.setIdentity();
+  }
+  reading->not_kept.emplace_back("limits");  // by ours
+}
+
+/// What is in an MJCF file and not in the comparison.
+std::vector<std::string> notCompared(const scene::Scene& scene) {
+  std::vector<std::string> out = scene.not_modelled;
+  const scene::Mechanism& mechanism = scene.mechanism;
+  if (!mechanism.closures.empty())
+    out.push_back(fmt::format("{} closures not compared", mechanism.closures.size()));
+  if (std::any_of(mechanism.links.begin(), mechanism.links.end(), [](const scene::Link& link) {
+        return link.joint.kind == scene::JointKind::kFloating;
+      }))
+    out.emplace_back("where free bodies start not compared");
+  return out;
+}
+
+/// A robot that leaves readers little to do, and how it is written.
 struct Plain {
-  Plain(const scene::Urdf& urdf, const std::filesystem::path& file)
-      : text(plainUrdf(urdf)), parts(scene::readUrdfAsWritten(text, file)) {}
   std::string text;
   FileParts parts;
+  const char* how;
 };
+Plain plainOf(const scene::Urdf& urdf, bool is_mjcf, const std::filesystem::path& file) {
+  std::vector<std::string> lost;
+  std::string text = is_mjcf ? scene::writeSceneMjcf(urdf.scene, &lost) : plainUrdf(urdf);
+  FileParts parts = readParts(text, file);
+  return {std::move(text), std::move(parts),
+          is_mjcf
+              ? "dynwitness write FILE --format mjcf -o OUT.xml: bodies, joints and inertias, and "
+                "nothing else; tried: it then has the robot of the file"
+              : "--plain OUT.urdf: fixed links merged, inertias in link axes; tried: it then "
+                "has the robot of the file"};
+}
 
 }  // namespace
 
@@ -372,9 +414,13 @@ bool ReadersResult::agrees() const {
 ReadersResult examineReaders(const std::string& text, const std::filesystem::path& file,
                              const std::vector<Reader>& readers, int states, std::uint64_t seed,
                              const ReaderLimits& limits) {
-  const scene::Urdf urdf = scene::readUrdfAsWritten(text, file);
-  const FileParts parts(urdf);
+  const bool is_mjcf = scene::isMjcf(text);
+  const scene::Urdf urdf = is_mjcf ? scene::Urdf{scene::readSceneMjcf(text, file), {}}
+                                   : scene::readUrdfAsWritten(text, file);
+  const FileParts parts = is_mjcf ? FileParts(urdf.scene.mechanism) : FileParts(urdf);
   ReadersResult result;
+  result.format = is_mjcf ? "mjcf" : "urdf";
+  if (is_mjcf) result.not_compared = notCompared(urdf.scene);
   result.file = file.string();
   result.links = static_cast<int>(urdf.scene.mechanism.links.size());
   result.states = states;
@@ -385,9 +431,19 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
     throw scene::InputError({file.string()}, "no joint moves, expected at least one that does");
 
   std::vector<const Reader*> asked;
+  const auto isAsked = [&](const Reader& reader) {
+    return reader.present && (reader.reads_mjcf || !is_mjcf);
+  };
   for (const Reader& reader : readers)
-    if (reader.present) asked.push_back(&reader);
-  const std::vector<ReadApart> read = readAll(asked, text, file, states, seed, limits);
+    if (isAsked(reader)) asked.push_back(&reader);
+  const auto readEach = [&](const std::vector<const Reader*>& who, const std::string& what,
+                            const Robot& ours) {
+    std::vector<ReadApart> all = readAll(who, what, file, states, seed, limits);
+    for (ReadApart& one : all)
+      if (is_mjcf) alignMjcf(ours, &one.reading);
+    return all;
+  };
+  const std::vector<ReadApart> read = readEach(asked, text, parts.robot());
   std::vector<const Reader*> wrong;
   std::size_t k = 0;
   for (const Reader& reader : readers) {
@@ -396,7 +452,8 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
     one.version = reader.version;
     one.present = reader.present;
     one.absence = reader.absence;
-    if (reader.present) {
+    if (reader.present && !isAsked(reader)) one.refusal = "it does not read MJCF";
+    if (isAsked(reader)) {
       const ReadApart& its = read[k++];
       if (!its.reading.name.empty()) one.name = its.reading.name;
       if (!its.reading.version.empty()) one.version = its.reading.version;
@@ -415,8 +472,13 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
   if (wrong.empty()) return result;
 
   // the remedy is tried
-  const Plain plain(urdf, file);
-  const std::vector<ReadApart> again = readAll(wrong, plain.text, file, states, seed, limits);
+  std::optional<Plain> plain;
+  try {
+    plain = plainOf(urdf, is_mjcf, file);
+  } catch (const scene::InputError&) {  // its format has no word for something: nothing was tried
+    return result;
+  }
+  const std::vector<ReadApart> again = readEach(wrong, plain->text, plain->parts.robot());
   k = 0;
   for (std::size_t i = 0; i < readers.size(); ++i) {
     ReaderResult& one = result.readers[i];
@@ -425,18 +487,19 @@ ReadersResult examineReaders(const std::string& text, const std::filesystem::pat
     ReaderResult mended;
     mended.name = one.name;
     if (!its.failure.empty() || !hasRead(its)) continue;
-    judge(plain.parts, its, states, seed, &mended);
-    if (mended.findings.empty() && mended.refusal.empty())
-      one.remedy =
-          "--plain OUT.urdf: fixed links merged, inertias in link axes; tried: it then "
-          "has the robot of the file";
+    judge(plain->parts, its, states, seed, &mended);
+    if (mended.findings.empty() && mended.refusal.empty()) one.remedy = plain->how;
   }
   return result;
 }
 
 std::string plainUrdf(const scene::Urdf& urdf) {
   const Robot robot = FileParts(urdf).robot();
-  const auto exactly = [](double x) { return scene::Number(scene::Rational(x)); };
+  // the shortest decimal that is read as the same double: its exact one has 50 digits, of which
+  // reading makes fractions of integers
+  const auto exactly = [](double x) {
+    return x == 0 ? scene::Number(0) : scene::Expression::parse(fmt::format("{}", x));
+  };
   const auto vector = [&](const Vector3d& v) {
     return scene::Vector{exactly(v[0]), exactly(v[1]), exactly(v[2])};
   };

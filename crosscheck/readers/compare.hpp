@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct Misreading {
   bool has_effect = false;
   Effect effect = {};
   std::vector<std::string> records = {};  ///< where this is on public record
+  std::optional<MassMoments> read = {};   ///< what was read of a body's mass
 };
 
 struct ReaderResult {
@@ -46,11 +48,13 @@ struct ReaderResult {
 };
 
 struct ReadersResult {
-  std::string file;
+  std::string file, format;  ///< "urdf", "mjcf"
   int links = 0, states = 0;
   std::uint64_t seed = 0;
   std::vector<std::string> bodies;      ///< names of the moving links
   std::vector<std::string> impossible;  ///< inertias that no body has
+  /// What is in an MJCF file and not in the comparison.
+  std::vector<std::string> not_compared;
   std::vector<ReaderResult> readers;
 
   bool anyRead() const;
@@ -67,11 +71,12 @@ std::string cellOf(const ReaderResult& reader, const std::string& link);
 /// "M 12 % on its diagonal, g 3 N m at the worst state"; empty: there is none to say.
 std::string effectText(const Misreading& finding);
 
-/** Reads a URDF by every reader and compares: the tree, joints (kinds, places, axes, limits,
-    damping, friction, armature, springs, followers), mass, centre of mass and inertia of each moving
+/** Reads a URDF or MJCF by every reader and compares: the tree, joints (kinds, places, axes,
+    limits, damping, friction, armature, springs, followers), mass, centre of mass and inertia of each moving
     body after lumping fixed joints, gravity; then each reader's own M and g with those of what it
     shows, at seeded states. Of one that shows nothing, what it has read is found from its M and g
-    (answers.hpp). Each reads in a copy of this process. */
+    (answers.hpp). Each reads in a copy of this process.
+    @throws InputError  our own reader refuses the file, or nothing moves in it */
 ReadersResult examineReaders(const std::string& text, const std::filesystem::path& file,
                              const std::vector<Reader>& readers, int states, std::uint64_t seed,
                              const ReaderLimits& limits = {});

@@ -17,7 +17,10 @@
 #include <dart/dynamics/WeldJoint.hpp>
 #include <dart/utils/urdf/DartLoader.hpp>
 
+#include <malloc.h>
+
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "crosscheck/readers/one_line.hpp"
@@ -62,6 +65,7 @@ bool readJoint(const joints::Joint& joint, ReadBody* out) {
   out->damping = dof.getDampingCoefficient();
   out->friction = dof.getCoulombFriction();
   out->stiffness = dof.getSpringStiffness();
+  out->rest = dof.getRestPosition();
   if (joint.getActuatorType() == joints::Joint::MIMIC && joint.getMimicJoint()) {
     out->leader = joint.getMimicJoint()->getName();
     out->multiplier = joint.getMimicMultiplier();
@@ -111,6 +115,10 @@ Robot robotOf(const SkeletonPtr& skeleton, std::vector<std::size_t>* dofs, bool*
 }
 
 Reading read(const std::string& text, const std::filesystem::path& file) {
+  // it makes and drops a matrix of n x n with every body that it adds: the heap keeps their pages
+  constexpr int kBytes = 1 << 25;  // the most that may be asked for
+  mallopt(M_MMAP_THRESHOLD, kBytes);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   Reading reading;
   SkeletonPtr skeleton;
   std::string heard;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MuJoCo as a reader of robot descriptions: the user's bytes, and no compiler option set. (As a
-// witness of the crosscheck it is told to fuse, balance and infer nothing: witnesses/mujoco.cpp.)
+// MuJoCo as a reader of robot descriptions, URDF and MJCF: the user's bytes, and no compiler option
+// set. (As a witness of the crosscheck it is told to fuse, balance and infer nothing:
+// witnesses/mujoco.cpp.)
 #include "crosscheck/readers/reader.hpp"
 
 #ifdef DYNWITNESS_HAS_MUJOCO
@@ -11,6 +12,8 @@
 #include <stdexcept>
 
 #include "crosscheck/witnesses/mujoco_model.hpp"
+#include "scene/mjcf.hpp"
+#include "scene/text_file.hpp"
 #endif
 
 namespace dynwitness::crosscheck {
@@ -22,9 +25,25 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-std::shared_ptr<mjModel> compiled(const std::string& text, std::string* refusal) {
+/// Whether a text is that of a file: MJCF names others, which lie beside it.
+bool isTextOf(const std::string& text, const std::filesystem::path& file) {
   try {
-    return mujocoModelOf(text, "robot.urdf", refusal);
+    return scene::readTextFile(file, "an MJCF file") == text;
+  } catch (const std::exception&) {  // there is none of this name
+    return false;
+  }
+}
+
+std::shared_ptr<mjModel> compiled(const std::string& text, const std::filesystem::path& file,
+                                  bool is_mjcf, std::string* refusal) {
+  try {
+    if (!is_mjcf || !isTextOf(text, file))
+      return mujocoModelOf(text, is_mjcf ? "robot.xml" : "robot.urdf", refusal);
+    char said[1000] = "";
+    std::shared_ptr<mjModel> model(mj_loadXML(file.c_str(), nullptr, said, sizeof said),
+                                   MujocoDeleter());
+    if (!model) *refusal = said;
+    return model;
   } catch (const std::exception& thrown) {
     *refusal = thrown.what();
     return nullptr;
@@ -49,23 +68,32 @@ std::string nameOf(const mjModel& m, mjtObj kind, int id) {
   return name ? name : "";
 }
 
-scene::JointKind kindOf(const mjModel& m, int body) {
+scene::JointKind kindOf(const mjModel& m, int joint) {
+  switch (m.jnt_type[joint]) {
+    case mjJNT_FREE:
+      return scene::JointKind::kFloating;
+    case mjJNT_BALL:
+      return scene::JointKind::kSpherical;
+    case mjJNT_SLIDE:
+      return scene::JointKind::kPrismatic;
+    default:
+      return scene::JointKind::kRevolute;
+  }
+}
+/// Of a URDF, whose one joint is several for MuJoCo.
+scene::JointKind kindOfAll(const mjModel& m, int body) {
   const int first = m.body_jntadr[body], count = m.body_jntnum[body];
-  const auto type = [&](int k) { return m.jnt_type[first + k]; };
-  if (type(0) == mjJNT_FREE || (count == 4 && type(3) == mjJNT_BALL))
-    return scene::JointKind::kFloating;
-  if (count == 3) return scene::JointKind::kPlanar;
-  if (type(0) == mjJNT_BALL) return scene::JointKind::kSpherical;
-  return type(0) == mjJNT_SLIDE ? scene::JointKind::kPrismatic : scene::JointKind::kRevolute;
+  if (count == 4 && m.jnt_type[first + 3] == mjJNT_BALL) return scene::JointKind::kFloating;
+  return count == 3 ? scene::JointKind::kPlanar : kindOf(m, first);
 }
 
-ReadBody readJoint(const mjModel& m, int body) {
-  const int joint = m.body_jntadr[body], dof = m.jnt_dofadr[joint];
+/// A joint but for its place and link.
+ReadBody readJoint(const mjModel& m, int joint, scene::JointKind kind) {
+  const int dof = m.jnt_dofadr[joint], slot = m.jnt_qposadr[joint];
   ReadBody out;
-  out.link = nameOf(m, mjOBJ_BODY, body);
   out.joint = nameOf(m, mjOBJ_JOINT, joint);
-  out.kind = kindOf(m, body);
-  if (out.kind != scene::JointKind::kRevolute && out.kind != scene::JointKind::kPrismatic) {
+  out.kind = kind;
+  if (!hasOnePosition(out)) {
     out.axis = Vector3d::Zero();  // several; the axes are not compared
     return out;
   }
@@ -78,8 +106,11 @@ ReadBody readJoint(const mjModel& m, int body) {
   out.friction = m.dof_frictionloss[dof];
   out.armature = m.dof_armature[dof];
   out.stiffness = m.jnt_stiffness[joint];
+  out.rest = m.qpos_spring[slot] - m.qpos0[slot];
   for (int e = 0; e < m.neq; ++e) {
-    if (m.eq_type[e] != mjEQ_JOINT || m.eq_obj1id[e] != joint || m.eq_obj2id[e] < 0) continue;
+    if (m.eq_type[e] != mjEQ_JOINT || m.eq_obj1id[e] != joint || m.eq_obj2id[e] < 0 ||
+        !m.eq_active[e])
+      continue;
     out.leader = nameOf(m, mjOBJ_JOINT, m.eq_obj2id[e]);
     out.offset = m.eq_data[mjNEQDATA * e];
     out.multiplier = m.eq_data[mjNEQDATA * e + 1];
@@ -87,9 +118,13 @@ ReadBody readJoint(const mjModel& m, int body) {
   return out;
 }
 
-Robot robotOf(const mjModel& m, std::vector<int>* dofs) {
+/** Its bodies, those lumped that are fixed to others.
+    @param apart  several joints of a body are a row of bodies, of which the last has the mass and
+                  the name, as our reader of MJCF has them; otherwise they are one joint of a URDF
+    @param dofs   by body: that of its joint */
+Robot robotOf(const mjModel& m, bool apart, std::vector<int>* dofs) {
   Robot robot;
-  robot.gravity = vector(m.opt.gravity);
+  if (!(m.opt.disableflags & mjDSBL_GRAVITY)) robot.gravity = vector(m.opt.gravity);
   robot.unturned = std::sqrt(2 * kMujocoTurnStop);
   // what a body without joints is fixed to, and where it is seen from there
   std::vector<int> carrier(static_cast<std::size_t>(m.nbody), -1);
@@ -98,20 +133,24 @@ Robot robotOf(const mjModel& m, std::vector<int>* dofs) {
     const auto parent = static_cast<std::size_t>(m.body_parentid[b]),
                i = static_cast<std::size_t>(b);
     Eigen::Isometry3d X = from[parent] * frame(m.body_pos + 3 * b, m.body_quat + 4 * b);
-    if (m.body_jntnum[b] == 0) {
-      carrier[i] = carrier[parent];
-      from[i] = X;
-    } else {
-      ReadBody body = readJoint(m, b);
-      body.parent = carrier[parent];
-      // an anchor beside the body's origin is where the joint's frame is
-      const Vector3d anchor = vector(m.jnt_pos + 3 * m.body_jntadr[b]);
-      body.placement = X * Eigen::Translation3d(anchor);
-      from[i] = Eigen::Isometry3d(Eigen::Translation3d(-anchor));
+    const int first = m.body_jntadr[b], count = m.body_jntnum[b], rows = apart ? count : count > 0;
+    carrier[i] = carrier[parent];
+    Vector3d anchor = Vector3d::Zero();  // in the body's frame; a slide may have any
+    for (int k = 0; k < rows; ++k) {
+      const int joint = first + k;
+      ReadBody body = readJoint(m, joint, apart ? kindOf(m, joint) : kindOfAll(m, b));
+      if (k + 1 == rows) body.link = nameOf(m, mjOBJ_BODY, b);
+      body.parent = carrier[i];
+      const Vector3d before = anchor;
+      if (m.jnt_type[joint] == mjJNT_HINGE || m.jnt_type[joint] == mjJNT_BALL)
+        anchor = vector(m.jnt_pos + 3 * joint);
+      body.placement = X * Eigen::Translation3d(anchor - before);
+      X.setIdentity();
       carrier[i] = static_cast<int>(robot.bodies.size());
-      dofs->push_back(m.jnt_dofadr[m.body_jntadr[b]]);
+      dofs->push_back(m.jnt_dofadr[joint]);
       robot.bodies.push_back(body);
     }
+    from[i] = rows > 0 ? Eigen::Isometry3d(Eigen::Translation3d(-anchor)) : X;
     if (carrier[i] < 0) continue;
     const Matrix3d R = turn(m.body_iquat + 4 * b);
     const Matrix3d I = R * vector(m.body_inertia + 3 * b).asDiagonal() * R.transpose();
@@ -122,13 +161,14 @@ Robot robotOf(const mjModel& m, std::vector<int>* dofs) {
   return robot;
 }
 
-Reading read(const std::string& text, const std::filesystem::path&) {
+Reading read(const std::string& text, const std::filesystem::path& file) {
   installMujocoHandlers();
   Reading reading;
-  const std::shared_ptr<mjModel> model = compiled(text, &reading.refusal);
+  const bool is_mjcf = scene::isMjcf(text);
+  const std::shared_ptr<mjModel> model = compiled(text, file, is_mjcf, &reading.refusal);
   if (!model) return reading;
   std::vector<int> dofs;
-  reading.robot = robotOf(*model, &dofs);
+  reading.robot = robotOf(*model, is_mjcf, &dofs);
   const std::shared_ptr<mjData> data(mj_makeData(model.get()), MujocoDeleter());
   reading.answer = [model, data, dofs](const std::vector<double>& q) {
     mjModel* m = model.get();
@@ -136,7 +176,8 @@ Reading read(const std::string& text, const std::filesystem::path&) {
     for (int j = 0, k = 0; j < m->njnt; ++j) {
       if (m->jnt_type[j] != mjJNT_HINGE && m->jnt_type[j] != mjJNT_SLIDE)
         throw std::logic_error("mujoco_reader: a joint of several degrees of freedom");
-      d->qpos[m->jnt_qposadr[j]] = q[static_cast<std::size_t>(k++)];
+      const int slot = m->jnt_qposadr[j];
+      d->qpos[slot] = m->qpos0[slot] + q[static_cast<std::size_t>(k++)];
     }
     mju_zero(d->qvel, m->nv);
     mj_kinematics(m, d);
@@ -162,7 +203,9 @@ Reading read(const std::string& text, const std::filesystem::path&) {
 }  // namespace
 
 Reader mujocoReader() {
-  return {"mujoco", mj_versionString(), true, read};
+  Reader reader{"mujoco", mj_versionString(), true, read};
+  reader.reads_mjcf = true;
+  return reader;
 }
 #else
 Reader mujocoReader() {

@@ -119,6 +119,7 @@ ReadBody jointOf(const std::string& where, const Json& joint) {
   out.friction = numberOr(joint, "coulomb", 0);
   out.armature = numberOr(joint, "armature", 0);
   out.stiffness = numberOr(joint, "stiffness", 0);
+  out.rest = numberOr(joint, "rest", 0);
   if (const Json& mimic = member(joint, "mimic"); mimic.is_object()) {
     out.leader = textOr(mimic, "joint", "");
     out.multiplier = numberOr(mimic, "multiplier", 1);
@@ -342,7 +343,7 @@ struct Lent {
     std::error_code ignored;
     std::string written;
     try {
-      written = scene::readTextFile(file, "a URDF file");
+      written = scene::readTextFile(file, "a URDF or MJCF file");
     } catch (const std::exception&) {
       // there is none of this name
     }
@@ -383,7 +384,9 @@ Reader builtReader(const std::string& name, const std::string& program, const st
   const fs::path file = built(program);
   if (file.empty()) return absent(name, "absent from this build (Debian: " + package + ")");
   limits.seconds = std::max(limits.seconds, kBusy);
-  return programReader(name, shellWord(file.string()), limits);
+  Reader reader = programReader(name, shellWord(file.string()), limits);
+  reader.reads_mjcf = false;
+  return reader;
 }
 
 bool isOnPath(const std::string& command) {
@@ -424,8 +427,9 @@ Reader mujocoByNpm(const Limits& limits) {
 Reader programReader(const std::string& name, const std::string& command, const Limits& limits) {
   Reader reader{name, "", true, {}};
   reader.is_program = true;
+  reader.reads_mjcf = true;  // or refuses it in its own words
   reader.read = [command, limits](const std::string& text, const fs::path& file) {
-    const FileParts parts(scene::readUrdfAsWritten(text, file));
+    const FileParts parts = readParts(text, file);
     const auto lent = std::make_shared<Lent>(text, file);
     const auto talk = std::make_shared<Talk>(command, limits);
     Reading reading = talk->greet(parts.robot(), lent->path);

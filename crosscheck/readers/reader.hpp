@@ -36,6 +36,7 @@ struct Reader {
   std::function<Reading(const std::string& text, const std::filesystem::path& file)> read;
   std::string absence = {};  ///< where it is not present: what is missing
   bool is_program = false;   ///< started as a program, with limits of its own
+  bool reads_mjcf = false;   ///< and not URDF alone
 };
 
 /// What a reader may use for a file, its answers included.

@@ -2,8 +2,11 @@
 #include "crosscheck/readers/readers_page.hpp"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "crosscheck/report/page_words.hpp"
+#include "crosscheck/report/view.hpp"
+#include "scene/mjcf.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -21,7 +24,16 @@ std::string wordOf(const ReaderResult& reader) {
   return reader.findings.empty() ? "has the robot of the file" : "has another robot";
 }
 
-void putHeadline(std::string* page, const ReadersResult& result) {
+/// A file's name in a link, where some characters end the path.
+std::string linkTo(const std::string& file) {
+  std::string out;
+  for (const char c : file)
+    out += c == '%' || c == '#' || c == '?' ? fmt::format("%{:02X}", static_cast<int>(c))
+                                            : std::string(1, c);
+  return out;
+}
+
+void putHeadline(std::string* page, const ReadersResult& result, const std::string& picture) {
   long read = 0, wrong = 0;
   for (const ReaderResult& reader : result.readers) {
     read += reader.has_read ? 1 : 0;
@@ -45,7 +57,22 @@ void putHeadline(std::string* page, const ReadersResult& result) {
       "<p>Each engine was given the file's own bytes, with no option set. What it has read is "
       "compared with what the file says, once links that are fixed to each other are one; a "
       "mistake is named when it gives exactly what was read, and a remedy when it was "
-      "tried.</p>\n</header>\n");
+      "tried.</p>\n");
+  if (!picture.empty())
+    put(page,
+        "<p><a href=\"{}\">In space, to be moved</a>: inertia as written, and as engines have read "
+        "it.</p>\n",
+        esc(linkTo(picture)));
+  put(page, "</header>\n");
+}
+
+// what a page shows of large files
+constexpr std::size_t kMostRows = 200, kMostFindings = 100;
+
+void putMore(std::string* page, std::size_t all, std::size_t most, const char* what) {
+  if (all > most)
+    put(page, "<p class=\"soft\">{} of {} {}; all of them: <code>--all --json FILE</code></p>\n",
+        most, all, what);
 }
 
 void putTable(std::string* page, const ReadersResult& result) {
@@ -59,7 +86,9 @@ void putTable(std::string* page, const ReadersResult& result) {
     put(page, "<th scope=\"col\">{}<span class=\"sub\">{}</span></th>", esc(reader->name),
         esc(reader->version));
   put(page, "</tr></thead>\n<tbody>\n");
-  for (const std::string& link : result.rows()) {
+  const std::vector<std::string> rows = result.rows();
+  for (std::size_t i = 0; i < std::min(rows.size(), kMostRows); ++i) {
+    const std::string& link = rows[i];
     put(page, "<tr><th scope=\"row\">{}</th>",
         link.empty() ? "<span class=\"soft\">the whole robot</span>" : esc(link));
     for (const ReaderResult* reader : columns) {
@@ -75,6 +104,7 @@ void putTable(std::string* page, const ReadersResult& result) {
     put(page, "</tr>\n");
   }
   put(page, "</tbody></table></div>\n");
+  putMore(page, rows.size(), kMostRows, "links");
 }
 
 void putFinding(std::string* page, const ReaderResult& reader, const Misreading& finding) {
@@ -106,21 +136,29 @@ void putReader(std::string* page, const ReaderResult& reader) {
     for (const std::string& told : reader.told) put(page, "<li>{}</li>\n", esc(told));
     put(page, "</ul>\n");
   }
-  for (const Misreading& finding : reader.findings) putFinding(page, reader, finding);
+  for (std::size_t i = 0; i < std::min(reader.findings.size(), kMostFindings); ++i)
+    putFinding(page, reader, reader.findings[i]);
+  putMore(page, reader.findings.size(), kMostFindings, "findings");
   if (!reader.remedy.empty())
     put(page, "<p><strong>Remedy:</strong> <code>{}</code></p>\n", esc(reader.remedy));
 }
 
 }  // namespace
 
-std::string readersPage(const ReadersResult& result, const Environment& environment) {
+std::string readersPage(const ReadersResult& result, const Environment& environment,
+                        const std::string& picture) {
   std::string page =
       pageHead("Readers of " + result.file, environment.version, "", "table", "Skip to the table");
-  putHeadline(&page, result);
+  putHeadline(&page, result, picture);
   if (!result.impossible.empty()) {
     put(&page, "<h2>Inertias that no body has</h2>\n<ul class=\"reasons\">\n");
     for (const std::string& text : result.impossible) put(&page, "<li>{}</li>\n", esc(text));
     put(&page, "</ul>\n<p><code>--mend OUT.urdf</code> writes the nearest possible ones.</p>\n");
+  }
+  if (!result.not_compared.empty()) {
+    put(&page, "<h2>Not compared</h2>\n<ul class=\"reasons\">\n");
+    for (const std::string& text : result.not_compared) put(&page, "<li>{}</li>\n", esc(text));
+    put(&page, "</ul>\n");
   }
   putTable(&page, result);
   put(&page, "<h2>Reader by reader</h2>\n");
@@ -133,6 +171,44 @@ std::string readersPage(const ReadersResult& result, const Environment& environm
       environment.commit.empty() ? "" : ", commit " + esc(environment.commit),
       esc(environment.date));
   return page;
+}
+
+std::string readersPicture(const std::string& text, const std::filesystem::path& file,
+                           const ReadersResult& result, const std::string& version) {
+  const bool is_mjcf = scene::isMjcf(text);
+  const scene::Urdf urdf = is_mjcf ? scene::Urdf{scene::readSceneMjcf(text, file), {}}
+                                   : scene::readUrdfAsWritten(text, file);
+  const FileParts parts = is_mjcf ? FileParts(urdf.scene.mechanism) : FileParts(urdf);
+  View view = viewOf(urdf.scene, urdf.parts);
+  std::unordered_map<std::string, int> links;
+  for (const scene::Link& link : urdf.scene.mechanism.links)
+    links.emplace(link.name, static_cast<int>(links.size()));
+  view.bodies.clear();
+  const auto add = [&](const std::string& link, const std::string& who, const MassMoments& m) {
+    if (const auto at = links.find(link); at != links.end())
+      view.bodies.push_back({at->second, who, m.mass, m.com(), m.aboutCom()});
+  };
+  for (const ReadBody& body : parts.robot().bodies) add(body.link, "", body.moments);
+  std::string list;
+  std::size_t listed = 0;
+  for (const ReaderResult& reader : result.readers)
+    for (const Misreading& finding : reader.findings) {
+      if (!finding.read) continue;
+      add(finding.link, title(reader), *finding.read);
+      if (++listed > kMostRows) continue;
+      put(&list, "<li>{} has {}: {}</li>\n", esc(title(reader)), esc(finding.link),
+          finding.rule.empty() ? "another inertia" : esc(finding.rule));
+    }
+  std::string more;
+  putMore(&more, listed, kMostRows, "readings");
+  const std::string summary = fmt::format(
+      "<p class=\"soft\"><code>{}</code> as written, grey, and where an engine has read another mass, "
+      "centre of mass or inertia, that in red. Links that are fixed to each other are one body; what "
+      "rests in the world has no part in it.</p>\n",
+      esc(result.file));
+  return viewPage(view, version, summary,
+                  list.empty() ? "<p>No engine has read another inertia.</p>\n"
+                               : "<h2>Read otherwise</h2>\n<ul>\n" + list + "</ul>\n" + more);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -9,8 +9,14 @@
 
 namespace dynwitness::crosscheck {
 
-/// One HTML page: who has another robot, a table (a row a link, a column a reader), the findings,
-/// and what is told besides. One file, no scripts and no network.
-std::string readersPage(const ReadersResult& result, const Environment& environment);
+/// @param picture  a file beside it (readersPicture); empty: there is none
+std::string readersPage(const ReadersResult& result, const Environment& environment,
+                        const std::string& picture = "");
+
+/** The file's robot, as one page: each moving body's inertia, with all that is fixed to it, as
+    written; and as engines have read it, where that is another.
+    @throws InputError  what moves cannot be drawn */
+std::string readersPicture(const std::string& text, const std::filesystem::path& file,
+                           const ReadersResult& result, const std::string& version);
 
 }  // namespace dynwitness::crosscheck

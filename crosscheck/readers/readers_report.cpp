@@ -43,6 +43,8 @@ std::vector<std::string> ReadersResult::rows() const {
 std::string readersText(const ReadersResult& result, bool all) {
   std::string out = fmt::format("{}: {} links, {} of them moved by joints of their own\n",
                                 result.file, result.links, result.bodies.size());
+  for (const std::string& text : result.not_compared)
+    out += fmt::format("{}: {}\n", result.file, text);
   for (const std::string& text : result.impossible) out += text + "\n";
   if (!result.impossible.empty())
     out += fmt::format("{}: {} inertias that no body has (--mend OUT.urdf writes the nearest)\n",
@@ -107,10 +109,16 @@ std::string readersText(const ReadersResult& result, bool all) {
 
 std::string readersJson(const ReadersResult& result, const std::string& version) {
   using nlohmann::json;
-  json out = {{"dynwitness", version},         {"file", result.file},
-              {"links", result.links},         {"states", result.states},
-              {"seed", result.seed},           {"agrees", result.agrees()},
-              {"moving_links", result.bodies}, {"impossible_inertias", result.impossible}};
+  json out = {{"dynwitness", version},
+              {"file", result.file},
+              {"format", result.format},
+              {"links", result.links},
+              {"states", result.states},
+              {"seed", result.seed},
+              {"agrees", result.agrees()},
+              {"moving_links", result.bodies},
+              {"impossible_inertias", result.impossible},
+              {"not_compared", result.not_compared}};
   out["readers"] = json::array();
   for (const ReaderResult& reader : result.readers) {
     json one = {{"name", reader.name},       {"version", reader.version},

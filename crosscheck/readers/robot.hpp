@@ -41,6 +41,7 @@ struct ReadBody {
   int links = 1;                       ///< how many make it
   std::optional<double> lower, upper;  ///< none: unlimited
   double damping = 0, friction = 0, armature = 0, stiffness = 0;
+  double rest = 0;     ///< where its spring is at rest [rad], [m]; without a spring it says nothing
   std::string leader;  ///< the joint that this one follows; empty: none
   double multiplier = 1, offset = 0;
 };

@@ -7,6 +7,7 @@
 #include <boost/math/constants/constants.hpp>
 
 #include "scene/mimic.hpp"
+#include "scene/mjcf.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -159,6 +160,11 @@ const char* words(FrameMistake mistake) {
   return "";
 }
 
+FileParts readParts(const std::string& text, const std::filesystem::path& file) {
+  return scene::isMjcf(text) ? FileParts(scene::readSceneMjcf(text, file).mechanism)
+                             : FileParts(scene::readUrdfAsWritten(text, file));
+}
+
 FileParts::FileParts(const scene::Urdf& urdf) {
   build(urdf.scene.mechanism, &urdf.parts);
 }
@@ -197,6 +203,7 @@ ReadBody jointOf(const scene::Link& link, const scene::UrdfPart* part, const Num
   const double gear = number(joint.gear_ratio);
   body.armature = gear * gear * number(joint.rotor_inertia);
   body.stiffness = number(joint.stiffness);
+  body.rest = number(joint.rest);
   if (joint.mimic) {
     body.leader = joint.mimic->joint;
     body.multiplier = number(joint.mimic->multiplier);

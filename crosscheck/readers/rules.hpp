@@ -3,6 +3,7 @@
 // tried until one gives exactly what a reader has.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -124,6 +125,10 @@ class FileParts {
   std::vector<Eigen::Vector3d> axes_;
   std::vector<scene::SourceLocation> where_;
 };
+
+/// A URDF as it is written, or MJCF, by our own readers.
+/// @throws InputError  as they do
+FileParts readParts(const std::string& text, const std::filesystem::path& file);
 
 /// Whether two readings of a body are the same but for rounding and what the reader's principal
 /// axes lose; depth: joints from the world.

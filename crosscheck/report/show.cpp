@@ -55,7 +55,9 @@ std::string textOf(const Table& table) {
   return text;
 }
 
-std::string htmlOf(const Table& table) {
+/// @param name  of the scene, whose text has the rows that a page leaves out
+std::string htmlOf(const Table& table, const std::string& name) {
+  constexpr std::size_t kMostRows = 200;
   std::string html = fmt::format(
       "<h2>{0}</h2>\n<div class=\"scroll\" role=\"region\" aria-label=\"{0}\" tabindex=\"0\">\n"
       "<table>\n<thead><tr>",
@@ -65,13 +67,19 @@ std::string htmlOf(const Table& table) {
     html +=
         fmt::format("<th scope=\"col\"{}>{}</th>", type(k), escapeMarkup(table.columns[k].name));
   html += "</tr></thead>\n<tbody>\n";
-  for (const auto& row : table.rows) {
+  for (std::size_t i = 0; i < std::min(table.rows.size(), kMostRows); ++i) {
+    const std::vector<std::string>& row = table.rows[i];
     html += fmt::format("<tr><th scope=\"row\"{}>{}</th>", type(0), escapeMarkup(row[0]));
     for (std::size_t k = 1; k < row.size(); ++k)
       html += fmt::format("<td{}>{}</td>", type(k), escapeMarkup(row[k]));
     html += "</tr>\n";
   }
-  return html + "</tbody>\n</table>\n</div>\n";
+  html += "</tbody>\n</table>\n</div>\n";
+  if (table.rows.size() > kMostRows)
+    html += fmt::format(
+        "<p class=\"small\">{} of {} rows; all of them: <code>dynwitness show {}</code></p>\n",
+        kMostRows, table.rows.size(), escapeMarkup(name));
+  return html;
 }
 
 std::string number(double x) {
@@ -416,8 +424,9 @@ std::string showPage(const Shown& shown, const View& view, const std::string& ve
     return html + "</ul>\n";
   };
   std::string body = list("Other commands refuse it", shown.warnings);
-  if (const Table joints = jointTable(facts); !joints.rows.empty()) body += htmlOf(joints);
-  body += list("", notes(facts)) + htmlOf(linkTable(facts));
+  if (const Table joints = jointTable(facts); !joints.rows.empty())
+    body += htmlOf(joints, scene.name);
+  body += list("", notes(facts)) + htmlOf(linkTable(facts), scene.name);
   body += list("Modelled besides", modelled(facts));
   std::vector<std::string> left_out = scene.not_modelled;
   left_out.emplace_back(kNever);

@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <map>
+#include <unordered_map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
@@ -290,31 +294,81 @@ Isometry3d motionOf(const ViewLink& link, const double* q) {
 Json toJson(const Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
-Json toJson(const Isometry3d& frame) {
-  Json rows = Json::array();
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 4; ++j) rows.push_back(frame.matrix()(i, j));
-  return rows;
-}
+/// Rows of a page's data: their columns are named once, and what is null in a row is not there.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> columns) : columns_(std::move(columns)) {}
+  void add(const std::map<std::string, Json>& values) {
+    Json row = Json::array();
+    for (const std::string& column : columns_) {
+      const auto at = values.find(column);
+      row.push_back(at == values.end() ? Json() : at->second);
+    }
+    while (row.back().is_null()) row.erase(row.size() - 1);
+    rows_.push_back(std::move(row));
+  }
+  Json json() { return {{"columns", columns_}, {"rows", std::move(rows_)}}; }
+
+ private:
+  std::vector<std::string> columns_;
+  Json rows_ = Json::array();
+};
+
+/// The numbers of a page, and its frames.
+class Sheet {
+ public:
+  explicit Sheet(const View& view)
+      : in_full_(view.links.size() <= kMostLinksInFull),
+        zero_(1e-10 * std::min(1.0, view.radius)) {}
+
+  double number(double x) const {
+    if (in_full_) return x;
+    return std::abs(x) < zero_ ? 0 : std::strtod(fmt::format("{:.7g}", x).c_str(), nullptr);
+  }
+  Json numbers(const Vector3d& v) const { return {number(v.x()), number(v.y()), number(v.z())}; }
+  /// Its number among all: of 12 numbers, its three rows; of 7 or 4, a quaternion w, x, y, z and
+  /// the origin, where it is not 0.
+  std::size_t frame(const Isometry3d& frame) {
+    Json rows = Json::array();
+    if (in_full_) {
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 4; ++j) rows.push_back(frame.matrix()(i, j));
+    } else {
+      const Eigen::Quaterniond turn(frame.linear());
+      for (const double x : {turn.w(), turn.x(), turn.y(), turn.z()}) rows.push_back(number(x));
+      const Vector3d p = frame.translation();
+      if (!p.isZero(0))
+        for (const double x : p) rows.push_back(number(x));
+    }
+    const auto [at, is_new] = index_.emplace(rows.dump(), index_.size());
+    if (is_new) frames_.push_back(std::move(rows));
+    return at->second;
+  }
+  Json& frames() { return frames_; }
+
+ private:
+  bool in_full_;
+  double zero_;  // [m], and of turns
+  Json frames_ = Json::array();
+  std::unordered_map<std::string, std::size_t> index_;
+};
+
 bool isIdentity(const Isometry3d& frame) {
   return frame.matrix() == Isometry3d::Identity().matrix();
 }
 
-const char* unitOf(SlotKind kind) {
-  return kind == SlotKind::kAngle ? "rad" : kind == SlotKind::kLength ? "m" : "1";
-}
-
-Json toJson(const ViewPair& pair) {
+Json toJson(const ViewPair& pair, Sheet* sheet) {
   Json json{{"name", pair.name},
             {"kind", pair.kind},
-            {"a", {{"link", pair.link_a}, {"frame", toJson(pair.a)}}},
-            {"b", {{"link", pair.link_b}, {"frame", toJson(pair.b)}}}};
+            {"a", {{"link", pair.link_a}, {"frame", sheet->frame(pair.a)}}},
+            {"b", {{"link", pair.link_b}, {"frame", sheet->frame(pair.b)}}}};
   if (pair.length != 0) json["length"] = pair.length;
   return json;
 }
 
-Json toJson(const ViewBody& body) {
-  Json json{{"link", body.link}, {"who", oneLine(body.who)}, {"mass", body.mass}};
+void addBody(const ViewBody& body, Sheet* sheet, Table* bodies) {
+  std::map<std::string, Json> row{{"link", body.link}, {"mass", sheet->number(body.mass)}};
+  if (!body.who.empty()) row["who"] = oneLine(body.who);
   Isometry3d frame = Isometry3d::Identity();
   frame.translation() = body.com;
   bool possible = true;
@@ -323,11 +377,11 @@ Json toJson(const ViewBody& body) {
     Matrix3d axes;
     possible = ellipsoidOf(body, &halves, &axes);
     frame.linear() = axes;
-    json["half"] = toJson(halves);
+    row["half"] = sheet->numbers(halves);
   }
-  json["frame"] = toJson(frame);
-  json["possible"] = possible;
-  return json;
+  row["frame"] = sheet->frame(frame);
+  if (!possible) row["impossible"] = true;
+  bodies->add(row);
 }
 
 }  // namespace
@@ -395,46 +449,52 @@ std::string viewJson(const View& view) {
             {"elevation", view.elevation}, {"center", toJson(view.center)},
             {"radius", view.radius},       {"glyph", view.glyph}};
   json["ground"] = Json::array({0, 0, 0});
-  Json& links = json["links"] = Json::array();
+  Sheet sheet(view);
+  Table links({"name", "parent", "joint", "kind", "label", "slot", "slots", "before", "after",
+               "pitch", "follows"});
   for (const ViewLink& link : view.links) {
-    Json one{{"name", link.name},
-             {"parent", link.parent},
-             {"joint", link.joint},
-             {"kind", scene::name(link.kind)},
-             {"label", link.label},
-             {"slot", link.slot},
-             {"slots", scene::positionSlots(link.kind).size()}};
-    if (!isIdentity(link.before)) one["before"] = toJson(link.before);
-    if (!isIdentity(link.after)) one["after"] = toJson(link.after);
-    if (link.kind == JointKind::kHelical) one["pitch"] = link.pitch;
+    std::map<std::string, Json> row{{"name", link.name},
+                                    {"parent", link.parent},
+                                    {"joint", link.joint},
+                                    {"kind", scene::name(link.kind)},
+                                    {"label", link.label},
+                                    {"slot", link.slot},
+                                    {"slots", scene::positionSlots(link.kind).size()}};
+    if (!isIdentity(link.before)) row["before"] = sheet.frame(link.before);
+    if (!isIdentity(link.after)) row["after"] = sheet.frame(link.after);
+    if (link.kind == JointKind::kHelical) row["pitch"] = link.pitch;
     if (link.leader_slot >= 0)
-      one["follows"] = {
+      row["follows"] = {
           {"slot", link.leader_slot}, {"multiplier", link.multiplier}, {"offset", link.offset}};
-    links.push_back(std::move(one));
+    links.add(row);
   }
-  Json& slots = json["slots"] = Json::array();
+  json["links"] = links.json();
+  Table slots({"name", "label", "kind", "lower", "upper", "start", "rest", "limited", "follows",
+               "quaternion"});
   for (const ViewSlot& slot : view.slots) {
-    Json one{{"name", slot.name},
-             {"label", slot.label},
-             {"kind", slot.kind == SlotKind::kAngle    ? "angle"
-                      : slot.kind == SlotKind::kLength ? "length"
-                                                       : "quaternion"},
-             {"unit", unitOf(slot.kind)},
-             {"start", slot.start},
-             {"rest", slot.rest},
-             {"lower", slot.lower},
-             {"upper", slot.upper},
-             {"limited", slot.is_limited}};
-    if (slot.name.empty()) one["follows"] = true;
-    if (slot.quaternion >= 0) one["quaternion"] = slot.quaternion;
-    slots.push_back(std::move(one));
+    std::map<std::string, Json> row{{"name", slot.name},
+                                    {"label", slot.label},
+                                    {"kind", slot.kind == SlotKind::kAngle    ? "angle"
+                                             : slot.kind == SlotKind::kLength ? "length"
+                                                                              : "quaternion"},
+                                    {"lower", sheet.number(slot.lower)},
+                                    {"upper", sheet.number(slot.upper)}};
+    if (slot.start != 0) row["start"] = slot.start;
+    if (slot.rest != 0) row["rest"] = slot.rest;
+    if (slot.is_limited) row["limited"] = true;
+    if (slot.name.empty()) row["follows"] = true;
+    if (slot.quaternion >= 0) row["quaternion"] = slot.quaternion;
+    slots.add(row);
   }
-  Json& bodies = json["bodies"] = Json::array();
-  for (const ViewBody& body : view.bodies) bodies.push_back(toJson(body));
+  json["slots"] = slots.json();
+  Table bodies({"link", "mass", "frame", "half", "who", "impossible"});
+  for (const ViewBody& body : view.bodies) addBody(body, &sheet, &bodies);
+  json["bodies"] = bodies.json();
   Json& closures = json["closures"] = Json::array();
-  for (const ViewPair& pair : view.closures) closures.push_back(toJson(pair));
+  for (const ViewPair& pair : view.closures) closures.push_back(toJson(pair, &sheet));
   Json& springs = json["springs"] = Json::array();
-  for (const ViewPair& pair : view.springs) springs.push_back(toJson(pair));
+  for (const ViewPair& pair : view.springs) springs.push_back(toJson(pair, &sheet));
+  json["frames"] = std::move(sheet.frames());
   if (view.motion) {
     Json energy = Json::array();
     for (const ViewMotion::Energy& line : view.motion->energies)

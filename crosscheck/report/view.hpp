@@ -81,6 +81,10 @@ struct ViewMotion {
   std::vector<Energy> energies;        ///< none or more curves
 };
 
+/// Beyond this many links names lie on each other, and numbers and drawing are as fine as a screen
+/// shows: 7 digits, and what lies in front of what by kinds of lines.
+inline constexpr std::size_t kMostLinksInFull = 60;
+
 struct View {
   std::string name, title;
   std::vector<ViewLink> links;
@@ -107,7 +111,8 @@ struct ViewPlaces {
 /// @param q  one a slot; those of followers are not read
 ViewPlaces placesOf(const View& view, const std::vector<double>& q);
 
-/// What the page's script reads: no '<' in it, so that it may stand in a <script>.
+/// What the page's script reads: no '<' in it, so that it may stand in a <script>. Links, slots
+/// and bodies are tables; each frame is there once, and called by its number.
 std::string viewJson(const View& view);
 
 /// The content of the page's <svg> without scripts: the start, in a box of 640 x 480 about 0.

@@ -42,6 +42,21 @@ function quaternion(w, x, y, z) {
           s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y), 0];
 }
 
+/// The page's data as the rest of this script has it: rows of tables with the names of their columns, frames for
+/// their numbers, and what was left out.
+function unpacked(data) {
+  const rows = ({columns, rows}) => rows.map(row => Object.fromEntries(
+    columns.map((column, k) => [column, row[k]]).filter(([, value]) => value !== undefined && value !== null)));
+  const frames = data.frames.map(x => x.length === 12 ? x
+    : compose(shift(...(x.length === 7 ? x.slice(4) : [0, 0, 0])), quaternion(...x.slice(0, 4))));
+  const placed = thing => ({...thing, frame: frames[thing.frame]});
+  const pairs = all => all.map(pair => ({...pair, a: placed(pair.a), b: placed(pair.b)}));
+  const units = {angle: 'rad', length: 'm', quaternion: '1'};
+  return {...data, closures: pairs(data.closures), springs: pairs(data.springs), bodies: rows(data.bodies).map(placed),
+          links: rows(data.links).map(link => ({...link, before: frames[link.before], after: frames[link.after]})),
+          slots: rows(data.slots).map(slot => ({start: 0, rest: 0, unit: units[slot.kind], ...slot}))};
+}
+
 /// What a joint does at its positions; those with one axis move about and along z.
 const motions = {
   fixed: () => identity,
@@ -173,12 +188,12 @@ function draw(scene, placed, view, show) {
   frame(identity, 1.6 * size);
   if (show.ellipsoids)
     scene.bodies.forEach((body, i) => {
-      if (!body.half || (body.who && !show.read)) return;
+      if (!body.half || show.hidden.has(body.who)) return;
       const f = placed.link[body.link];
       const halves = [0, 1, 2].map(k => turned(f, axisOf(body.frame, k)).map(x => x * body.half[k]));
-      drawing.ellipsoid(com[i], halves, `body${body.who ? ' read' : ''}${body.possible ? '' : ' impossible'}`,
+      drawing.ellipsoid(com[i], halves, `body${body.who ? ' read' : ''}${body.impossible ? ' impossible' : ''}`,
                         `${scene.links[body.link].name}: ${body.mass} kg${body.who ? `, as ${body.who} reads it` : ''}${
-                          body.possible ? '' : '; an inertia that no body has'}`);
+                          body.impossible ? '; an inertia that no body has' : ''}`);
     });
   scene.links.forEach((link, i) => {
     const here = originOf(placed.before[i]), moved = originOf(placed.moved[i]), end = originOf(placed.link[i]);
@@ -208,7 +223,7 @@ function draw(scene, placed, view, show) {
   });
   if (show.centres)
     scene.bodies.forEach((body, i) => {
-      if (body.mass === 0 || (body.who && !show.read)) return;
+      if (body.mass === 0 || show.hidden.has(body.who)) return;
       if (!body.who) drawing.line(originOf(placed.link[body.link]), com[i], 'lever');
       drawing.spot(com[i], 3.5, body.who ? 'com read' : 'com',
                    `centre of mass of ${scene.links[body.link].name}${body.who ? `, as ${body.who} reads it` : ''}`);
@@ -239,7 +254,7 @@ function start(scene) {
   const camera = {...first};
   const many = scene.links.length > 60;
   const show = {links: true, joints: true, names: !many, words: false, frames: false, letters: !many,
-                centres: true, ellipsoids: true, read: true};
+                centres: true, ellipsoids: true, hidden: new Set()};  // engines whose reading is not shown
   page.classList.add('alive');
   svg.setAttribute('role', 'application');
   svg.setAttribute('tabindex', '0');
@@ -352,17 +367,19 @@ function start(scene) {
   const has = test => scene.bodies.some(test);
   const parts = [['links', 'links'], ['joints', 'joint axes'], ['names', 'q'], ['words', 'joint names'],
                  ['frames', 'frames'], ['letters', 'x y z'], ['centres', 'centres of mass'],
-                 ...(has(body => body.half) ? [['ellipsoids', 'inertia']] : []),
-                 ...(has(body => body.who) ? [['read', 'as engines read it']] : [])];
-  for (const [part, words] of parts) {
+                 ...(has(body => body.half) ? [['ellipsoids', 'inertia']] : [])];
+  const addBox = (words, checked, act) => {
     const box = make('input', {type: 'checkbox'});
-    box.checked = show[part];
+    box.checked = checked;
     box.addEventListener('change', () => {
-      show[part] = box.checked;
+      act(box.checked);
       ask();
     });
     byId('parts').append(make('label', {}, box, ` ${words}`));
-  }
+  };
+  for (const [part, words] of parts) addBox(words, show[part], on => { show[part] = on; });
+  for (const who of new Set(scene.bodies.map(body => body.who)))
+    if (who) addBox(`as ${who} reads it`, true, on => { on ? show.hidden.delete(who) : show.hidden.add(who); });
 
   // joints
   const rows = [];
@@ -468,5 +485,5 @@ function start(scene) {
   window.dynwitness = {scene, q, camera, show, place: () => place(scene, q), pose, drawNow};
 }
 
-if (typeof module !== 'undefined') module.exports = {place, centres, gapOf};
-if (typeof document !== 'undefined') start(JSON.parse(document.getElementById('scene').textContent));
+if (typeof module !== 'undefined') module.exports = {unpacked, place, centres, gapOf};
+if (typeof document !== 'undefined') start(unpacked(JSON.parse(document.getElementById('scene').textContent)));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -25,7 +26,7 @@ constexpr double kWidth = 640, kHeight = 480;  // [px]
 /// Orthographic, as the script's first view.
 class Still {
  public:
-  explicit Still(const View& view) : view_(view) {
+  explicit Still(const View& view) : view_(view), in_full_(view.links.size() <= kMostLinksInFull) {
     const Vector3d side = view.up.cross(view.ahead);
     const double c = std::cos(view.azimuth), s = std::sin(view.azimuth);
     const double C = std::cos(view.elevation), S = std::sin(view.elevation);
@@ -45,6 +46,11 @@ class Still {
   void line(const Vector3d& a, const Vector3d& b, const char* type) {
     const Vector2d p = point(a), q = point(b);
     if ((p - q).norm() < 0.005) return;  // what two decimals do not show
+    if (!in_full_) {
+      lines_[type] +=
+          fmt::format("M{} {}L{} {}", tenths(p.x()), tenths(p.y()), tenths(q.x()), tenths(q.y()));
+      return;
+    }
     put((depth(a) + depth(b)) / 2,
         fmt::format(R"svg(<path class="{}" d="M{:.2f} {:.2f}L{:.2f} {:.2f}"/>)svg", type, p.x(),
                     p.y(), q.x(), q.y()));
@@ -82,6 +88,21 @@ class Still {
     }
     const double a = std::sqrt(xx), b = xy / a, d = std::sqrt(std::max(yy - b * b, 0.01));
     const Vector2d p = point(center);
+    if (!in_full_) {
+      // half axes and direction of L L': two half turns of an arc
+      const double middle = (xx + yy) / 2, off = std::hypot((xx - yy) / 2, xy);
+      const double large = std::sqrt(middle + off),
+                   small = std::sqrt(std::max(middle - off, kLeast)),
+                   angle = std::atan2(2 * xy, xx - yy) / 2, c = std::cos(angle),
+                   s = std::sin(angle);
+      const std::string arc = fmt::format("a{} {} {:.0f} 1 0 ", tenths(large), tenths(small),
+                                          angle * 180 / static_cast<double>(EIGEN_PI));
+      outlines_[type] +=
+          fmt::format("M{} {}{}{} {}{}{} {}", tenths(p.x() - large * c), tenths(p.y() - large * s),
+                      arc, tenths(2 * large * c), tenths(2 * large * s), arc,
+                      tenths(-2 * large * c), tenths(-2 * large * s));
+      return;
+    }
     put(depth(center),
         fmt::format(R"svg(<g class="{}"><title>{}</title><circle class="outline" r="1" )svg"
                     R"svg(transform="matrix({:.6g} {:.6g} 0 {:.6g} {:.6g} {:.6g})"/></g>)svg",
@@ -96,20 +117,29 @@ class Still {
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::string text;
     for (const auto& [depth, item] : items_) text += item + "\n";
+    for (const auto& [type, path] : outlines_)
+      text += fmt::format("<g class=\"{}\"><path class=\"outline\" d=\"{}\"/></g>\n", type, path);
+    for (const auto& [type, path] : lines_)
+      text += fmt::format("<path class=\"{}\" d=\"{}\"/>\n", type, path);
     return text;
   }
 
   static constexpr double kInFront = 1e300, kBehind = -1e300;
 
  private:
+  static std::string tenths(double x) { return fmt::format("{:g}", std::round(10 * x) / 10); }
+
   const View& view_;
+  bool in_full_;
+  std::map<std::string, std::string> lines_, outlines_;  ///< of many links: one path a kind
   Vector3d right_, toward_, above_;
   double scale_ = 1;
   std::vector<std::pair<double, std::string>> items_;
 };
 
+/// @param in_full  with its name, its tip and which way it turns
 void drawJoint(const ViewLink& link, const Isometry3d& before, const Isometry3d& moved, double size,
-               bool named, Still* still) {
+               bool in_full, Still* still) {
   const Vector3d at = moved.translation(), z = before.linear().col(2) * size;
   switch (link.kind) {
     case JointKind::kFixed:
@@ -117,27 +147,26 @@ void drawJoint(const ViewLink& link, const Isometry3d& before, const Isometry3d&
     case JointKind::kSpherical:
     case JointKind::kFloating:
       still->spot(at, 6, "joint round");
-      if (named) still->text(at, link.label, "name");
+      if (in_full) still->text(at, link.label, "name");
       return;
     case JointKind::kUniversal:
       for (const Vector3d& axis :
            {Vector3d(before.linear().col(0)), Vector3d(moved.linear().col(1))})
         still->line(at - axis * size, at + axis * size, "joint");
-      if (named) still->text(at, link.label, "name");
+      if (in_full) still->text(at, link.label, "name");
       return;
     default:
       break;
   }
   const bool slides = link.kind == JointKind::kPrismatic;
   still->line(at - z, at + z, slides ? "joint slides" : "joint");
+  if (!in_full) return;
   if (!slides)
     still->ring(at + 0.6 * z, before.linear().col(0) * 0.4 * size,
                 before.linear().col(1) * 0.4 * size, "joint", still->depth(at + 0.6 * z));
   still->spot(at + z, 2.5, "joint tip");
-  if (named) still->text(at + z, link.label, "name");
+  still->text(at + z, link.label, "name");
 }
-
-constexpr std::size_t kMostNamed = 60;  ///< beyond this names lie on each other, in the script too
 
 std::string legend(const View& view) {
   struct Entry {
@@ -201,6 +230,7 @@ std::string viewSvg(const View& view) {
     still.line(Vector3d::Zero(), tip, fmt::format("axis {}", kNames[k]).c_str());
     still.text(tip, kNames[k], fmt::format("letter {}", kNames[k]).c_str());
   }
+  const bool in_full = view.links.size() <= kMostLinksInFull;
   for (const ViewBody& body : view.bodies) {
     if (body.mass == 0) continue;
     const Isometry3d& frame = places.link[static_cast<std::size_t>(body.link)];
@@ -216,10 +246,10 @@ std::string viewSvg(const View& view) {
           fmt::format("{}: {:.6g} kg{}", link, body.mass,
                       body.who.empty() ? "" : ", as " + body.who + " reads it"));
     }
+    if (!in_full) continue;
     if (body.who.empty()) still.line(frame.translation(), com, "lever");
     still.spot(com, 3.5, body.who.empty() ? "com" : "com read");
   }
-  const bool named = view.links.size() <= kMostNamed;
   for (std::size_t i = 0; i < view.links.size(); ++i) {
     const ViewLink& link = view.links[i];
     if (link.parent < 0) continue;
@@ -227,7 +257,7 @@ std::string viewSvg(const View& view) {
     still.line(places.link[static_cast<std::size_t>(link.parent)].translation(), before, "link");
     still.line(before, moved, "slide");
     still.line(moved, places.link[i].translation(), "link");
-    drawJoint(link, places.before[i], places.moved[i], view.glyph, named, &still);
+    drawJoint(link, places.before[i], places.moved[i], view.glyph, in_full, &still);
   }
   const auto drawPair = [&](const ViewPair& pair, const char* type) {
     still.line(places.link[static_cast<std::size_t>(pair.link_a)] * pair.a.translation(),

@@ -10,10 +10,11 @@
 // The scene is given as MJCF, each joint at its body's origin. Rotors are `armature`, springs
 // `stiffness` and `springref`, viscous friction `damping`; contacts and constraints are off.
 //
-// As a reader (dynwitness readers FILE --engine "...") it is told a file: that is given to MuJoCo as
-// it stands, with no option set, and what its compiler made of it is shown. Package mujoco-js 0.0.7
+// As a reader (dynwitness readers FILE --engine "...") it is told a file, URDF or MJCF: that is given
+// to MuJoCo as it stands, with no option set, and what its compiler made of it is shown. Package mujoco-js 0.0.7
 // (MuJoCo 3.3.8) serves as well here.
-import {readFileSync} from 'node:fs';
+import {readFileSync, statSync} from 'node:fs';
+import {dirname, resolve} from 'node:path';
 import {createInterface} from 'node:readline';
 import {pathToFileURL} from 'node:url';
 
@@ -169,59 +170,119 @@ function engine(scene) {
 
 const kWorld = 0;
 
-/** A body's joint: its frame is the body's, at the joint's anchor. */
-function shownJoint(m, body) {
-  const X = {R: turn(column(m.body_quat, body, 4)), p: column(m.body_pos, body, 3)};
-  const first = m.body_jntadr[body], count = m.body_jntnum[body];
-  if (count === 0) return {name: '', kind: 'fixed', before: X};
-  const kinds = ['floating', 'spherical', 'prismatic', 'revolute'];
-  const anchor = column(m.jnt_pos, first, 3);
-  const said = {
-    name: mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_JOINT.value, first),
-    kind: count === 1 ? kinds[m.jnt_type[first]] : count === 3 ? 'planar' : 'floating',
-    before: {R: X.R, p: plus(X.p, times(X.R, anchor))},
-    after: {R: kIdentity.R, p: anchor.map(x => -x)},
-  };
-  if (said.kind !== 'revolute' && said.kind !== 'prismatic') return said;
-  const dof = m.jnt_dofadr[first];
+const kKinds = ['floating', 'spherical', 'prismatic', 'revolute'];  // by MuJoCo's numbers
+// of what has no name it would read the start of its memory
+const nameOf = (m, type, id) => m.names[m[type === 'mjOBJ_BODY' ? 'name_bodyadr' : 'name_jntadr'][id]] === 0 ? '' :
+    mujoco.mj_id2name(m, mujoco.mjtObj[type].value, id);
+
+/** A joint, but for its place. */
+function shownJoint(m, joint, kind) {
+  const said = {name: nameOf(m, 'mjOBJ_JOINT', joint), kind};
+  if (kind !== 'revolute' && kind !== 'prismatic') return said;
+  const dof = m.jnt_dofadr[joint], slot = m.jnt_qposadr[joint];
   Object.assign(said, {
-    axis: column(m.jnt_axis, first, 3),
+    axis: column(m.jnt_axis, joint, 3),
     viscous: m.dof_damping[dof],
     coulomb: m.dof_frictionloss[dof],
     armature: m.dof_armature[dof],
-    stiffness: m.jnt_stiffness[first],
+    stiffness: m.jnt_stiffness[joint],
+    rest: m.qpos_spring[slot] - m.qpos0[slot],
   });
-  if (m.jnt_limited[first]) [said.lower, said.upper] = column(m.jnt_range, first, 2);
+  if (m.jnt_limited[joint]) [said.lower, said.upper] = column(m.jnt_range, joint, 2);
   const numbers = m.neq > 0 ? m.eq_data.length / m.neq : 0;
   for (let e = 0; e < m.neq; ++e)
-    if (m.eq_type[e] === mujoco.mjtEq.mjEQ_JOINT.value && m.eq_obj1id[e] === first && m.eq_obj2id[e] >= 0)
+    if (m.eq_type[e] === mujoco.mjtEq.mjEQ_JOINT.value && m.eq_obj1id[e] === joint && m.eq_obj2id[e] >= 0 &&
+        (m.eq_active0 ?? m.eq_active)[e])
       said.mimic = {
-        joint: mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_JOINT.value, m.eq_obj2id[e]),
+        joint: nameOf(m, 'mjOBJ_JOINT', m.eq_obj2id[e]),
         offset: m.eq_data[e * numbers],
         multiplier: m.eq_data[e * numbers + 1],
       };
   return said;
 }
 
-function shownLink(m, body) {
-  if (body === kWorld)
-    return {name: 'world', parent: -1, mass: 0, com: [0, 0, 0], inertia: kIdentity.R.map(row => row.map(() => 0))};
-  return {
-    name: mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_BODY.value, body),
-    parent: m.body_parentid[body],
-    joint: shownJoint(m, body),
-    mass: m.body_mass[body],
-    com: column(m.body_ipos, body, 3),
-    inertia: inertiaOf(m, body),
+/** Bodies, parents first. A joint's frame is the body's, at the joint's anchor.
+    @param apart  several joints of a body are a row of links, of which the last has the name and the mass (MJCF);
+                  otherwise they are one joint of a URDF */
+function shownLinks(m, apart) {
+  const nothing = {mass: 0, com: [0, 0, 0], inertia: kIdentity.R.map(row => row.map(() => 0))};
+  const links = [{name: 'world', parent: -1, ...nothing}], placeOf = [0];
+  for (let body = kWorld + 1; body < m.nbody; ++body) {
+    let before = {R: turn(column(m.body_quat, body, 4)), p: column(m.body_pos, body, 3)};
+    let parent = placeOf[m.body_parentid[body]], anchor = [0, 0, 0], joint = {name: '', kind: 'fixed', before};
+    const first = m.body_jntadr[body], count = m.body_jntnum[body], rows = apart ? count : Math.min(count, 1);
+    for (let k = 0; k < rows; ++k) {
+      const kind = kKinds[m.jnt_type[first + k]], was = anchor;
+      if (kind === 'revolute' || kind === 'spherical') anchor = column(m.jnt_pos, first + k, 3);  // a slide may have any
+      before = after(before, {R: kIdentity.R, p: anchor.map((x, i) => x - was[i])});
+      const all = apart || count === 1 ? kind : count === 3 ? 'planar' : 'floating';
+      joint = {...shownJoint(m, first + k, all), before};
+      if (k + 1 === rows) break;
+      links.push({name: '', parent, joint, ...nothing});
+      parent = links.length - 1;
+      before = kIdentity;
+    }
+    if (rows > 0) joint.after = {R: kIdentity.R, p: anchor.map(x => -x)};
+    placeOf.push(links.length);
+    links.push({
+      name: nameOf(m, 'mjOBJ_BODY', body),
+      parent,
+      joint,
+      mass: m.body_mass[body],
+      com: column(m.body_ipos, body, 3),
+      inertia: inertiaOf(m, body),
+    });
+  }
+  return links;
+}
+
+/** The name of the first element: "mujoco", "robot". */
+function outermost(text) {
+  let at = text.indexOf('<');
+  for (; at >= 0; at = text.indexOf('<', at)) {
+    const end = text.startsWith('<!--', at) ? '-->' : text.startsWith('<?', at) ? '?>' : text.startsWith('<!', at) ? '>' : '';
+    if (!end) break;
+    const after = text.indexOf(end, at);
+    if (after < 0) return '';
+    at = after + end.length;
+  }
+  return /^[^\s/>]*/.exec(text.slice(at + 1, at + 100))[0];
+}
+
+const isFile = path => statSync(path, {throwIfNoEntry: false})?.isFile() ?? false;
+
+/** Puts an MJCF file where MuJoCo finds it, with the files that it names. */
+function bring(file) {
+  const folders = new Set([dirname(file)]), names = new Set(), brought = new Set();
+  const put = path => {
+    if (brought.has(path) || !isFile(path)) return;
+    brought.add(path);
+    const bytes = readFileSync(path);
+    mujoco.FS.mkdirTree(dirname(path));
+    mujoco.FS.writeFile(path, bytes);
+    if (path !== file && !path.endsWith('.xml')) return;
+    const text = bytes.toString('utf8');
+    for (const [, folder] of text.matchAll(/\b(?:meshdir|texturedir|assetdir)\s*=\s*["']([^"']*)["']/g))
+      folders.add(resolve(dirname(file), folder));
+    for (const [, name] of text.matchAll(/\bfile\w*\s*=\s*["']([^"']+)["']/g)) {
+      names.add(name);
+      put(resolve(dirname(file), name));  // another part of the model, which may name more
+    }
   };
+  put(file);
+  for (const folder of folders)
+    for (const name of names) put(resolve(folder, name));
 }
 
 /** What its compiler makes of the bytes of a file. */
 function reader(scene) {
-  const file = '/' + (scene.file.split('/').pop() || 'robot.urdf');
+  const bytes = readFileSync(scene.file);
+  const apart = outermost(bytes.toString('utf8')) === 'mujoco';
+  const file = apart ? scene.file : '/' + (scene.file.split('/').pop() || 'robot.urdf');
   let m;
   try {
-    mujoco.FS.writeFile(file, readFileSync(scene.file));
+    if (apart) bring(file);
+    else mujoco.FS.writeFile(file, bytes);
     m = mujoco.MjModel.loadFromXML(file);
   } catch (error) {
     throw new Refused(String(error.message ?? error).split('\n').join(' '));
@@ -229,7 +290,7 @@ function reader(scene) {
   if (!m) throw new Refused('it gives no reason');
   const data = new mujoco.MjData(m);
   const at = s => {
-    s.q.forEach((x, k) => data.qpos[m.jnt_qposadr[k]] = x);
+    s.q.forEach((x, k) => data.qpos[m.jnt_qposadr[k]] = m.qpos0[m.jnt_qposadr[k]] + x);
     data.qvel.fill(0);
     mujoco.mj_kinematics(m, data);
     mujoco.mj_comPos(m, data);
@@ -238,12 +299,12 @@ function reader(scene) {
   };
   // in the order of the bodies, which may not be that of the joints
   const dofs = Array.from({length: m.nbody}, (_, body) => body)
-                   .filter(body => m.body_jntnum[body] > 0)
-                   .map(body => m.jnt_dofadr[m.body_jntadr[body]]);
+                   .flatMap(body => Array.from({length: m.body_jntnum[body]}, (_, k) => m.body_jntadr[body] + k))
+                   .map(joint => m.jnt_dofadr[joint]);
   return {
     shows: {
-      gravity: Array.from(m.opt.gravity),
-      links: Array.from({length: m.nbody}, (_, body) => shownLink(m, body)),
+      gravity: m.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY.value ? [0, 0, 0] : Array.from(m.opt.gravity),
+      links: shownLinks(m, apart),
       // mju_eig3 stops with a cosine of 1 - 1e-12
       principal_axes: Math.sqrt(2e-12),
     },
@@ -269,7 +330,8 @@ for await (const line of createInterface({input: process.stdin})) {
     try {
       const {shows, model, ...functions} = asked.scene.file ? reader(asked.scene) : engine(asked.scene);
       known = functions;
-      say({...said, ...(shows ? {shows} : {}), ...(model ? {model} : {}), quantities: Object.keys(known).filter(name => asked.asks?.includes(name) ?? true)});
+      const quantities = Object.keys(known).filter(name => asked.asks?.includes(name) ?? true);
+      say({...said, ...(shows ? {shows} : {}), ...(model ? {model} : {}), quantities});
     } catch (reason) {
       if (!(reason instanceof Refused)) throw reason;
       say({...said, refuses: reason.message});

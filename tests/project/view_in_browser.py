@@ -5,7 +5,7 @@
     view_in_browser.py PROGRAM FOLDER [--screenshots FOLDER] [SCENE...]
 
 Writes a picture of each scene into FOLDER by `PROGRAM show SCENE -o`, and of a motion by `PROGRAM simulate SCENE --view`, and opens them from the
-disk: light and dark, on a narrow screen, and without scripts. Exit status 1: an error was logged, nothing was drawn, keys,
+disk, with that of what engines read of a file: light and dark, on a narrow screen, and without scripts. Exit status 1: an error was logged, nothing was drawn, keys,
 wheel, fingers, sliders or boxes do nothing, a slider leaves the numbers, something was asked from the network, the page is wider
 than the screen or the file larger than 700 kB. 77: there is no Chromium.
 """
@@ -20,6 +20,7 @@ from report_in_browser import LOOK, SKIP, Browser, complaints, find_chromium
 
 LARGEST = 700_000  # bytes
 SCENES = ["simple_pendulum", "puma_560", "humanoid_floating", "andrews_squeezer"]
+TRAP = Path(__file__).resolve().parents[1] / "crosscheck/readers/trap.urdf"
 MOTION = ["double_pendulum", "--duration", "1", "--outputs", "50"]
 
 # What does nothing, as a list of sentences. Runs in the page, with scripts.
@@ -173,6 +174,9 @@ def main():
         pages.append(folder / "motion.html")
         subprocess.run([arguments.program, "simulate", *MOTION, "--view", pages[-1]], check=True,
                        stdout=subprocess.DEVNULL)
+        # the status is 1: engines have another robot
+        subprocess.run([arguments.program, "readers", TRAP, "--html", folder / "readers.html"], stdout=subprocess.DEVNULL)
+        pages.append(folder / "readers.view.html")
     wrong = []
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         browser = Browser(chromium, profile)

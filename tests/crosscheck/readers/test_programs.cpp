@@ -179,5 +179,11 @@ BOOST_AUTO_TEST_CASE(the_command_takes_a_program_and_writes_a_page) {
                    "test 7: hinge.urdf:2: link \"a\": inertia: the rpy of <inertial> "
                    "is dropped (a); M 46.5 % on its diagonal"),
              outcome.out);
-  BOOST_TEST(holds(program.read("page.html"), "the rpy of &lt;inertial&gt; is dropped (a)"));
+  const std::string page = program.read("page.html"), picture = program.read("page.view.html");
+  BOOST_TEST(holds(page, "the rpy of &lt;inertial&gt; is dropped (a)"));
+  BOOST_TEST(holds(page, "<a href=\"page.view.html\">"));
+  // as written, and as the program reads it: 1, 2, 1.5 about the turned axes, and dropped
+  BOOST_TEST(holds(picture, "class=\"body\"><title>a: 3 kg</title>"));
+  BOOST_TEST(holds(picture, "class=\"body read\"><title>a: 3 kg, as test 7 reads it</title>"));
+  BOOST_TEST(holds(picture, "test 7 has a: the rpy of &lt;inertial&gt; is dropped (a)"));
 }
