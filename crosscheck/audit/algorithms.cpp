@@ -28,15 +28,14 @@ VectorX<T> newtonEuler(const SixVectors<T>& six, const Vector6<T>& a_0) {
 
 Trials tipInertia() {
   return Trials("tip_inertia")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn});
         const Matrix6<T> M_A = Matrix6<T>::Zero();
         const Vector6<T> Z = Vector6<T>::Unit(5);
         at.equal("inertia about the last joint", T(Z.dot(M_A * Z) + robot.rotor[0]),
                  robot.massMatrix()(0, 0));
       }))
-      .corrected(exact([](auto& at) {
+      .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn});
         const SixVectors six(robot);
         at.equal("inertia about the last joint", six.D[0], robot.massMatrix()(0, 0));
@@ -45,8 +44,7 @@ Trials tipInertia() {
 
 Trials eq51() {
   return Trials("eq51")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto robot = anyRobot(at, kTurns);
         auto coasting = robot;  // no joint torques are known yet
         coasting.tau = robot.zeros();
@@ -60,8 +58,7 @@ Trials eq51() {
           a_p = a;
         }
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         auto robot = anyRobot(at, kMixed);
         const VectorX<T> truth = robot.forces(robot.qdd);
         {
@@ -86,15 +83,13 @@ Trials eq51() {
 
 Trials idOrder() {
   return Trials("id_order")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         auto robot = anyRobot(at, {kTurn, kTurn});
         const Vector6<T> with = SixVectors<T>(robot).biasForces()[0];
         robot.tau = robot.zeros();
         at.equal("F_1", with, SixVectors<T>(robot).biasForces()[0]);
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         auto robot = anyRobot(at, {kTurn, kTurn});
         const T tau_2 = robot.tau[1];
         const Vector6<T> with = SixVectors<T>(robot).biasForces()[0];
@@ -108,20 +103,17 @@ Trials idOrder() {
 
 Trials sixJoints() {
   return Trials("six_joints")
-      .printed(differs([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(differs([](Point& at) {
         auto robot = anyRobot(at, {kTurn, kTurn, kTurn, kTurn, kTurn, kTurn});
         robot.R[5] = Matrix3<T>::Identity();  // axes 5 and 6 in one line
         robot.r[5] = Vector3<T>::Zero();
         at.zero("det J", determinant<T>(robot.jacobian(5)));
       }))
-      .condition(differs([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .condition(differs([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kTurn, kTurn, kTurn, kTurn, kTurn});
         at.zero("det J", determinant<T>(robot.jacobian(5)));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         auto robot = anyRobot(at, {kTurn, kTurn, kTurn, kTurn, kTurn, kTurn});
         robot.R[5] = Matrix3<T>::Identity();
         robot.r[5] = Vector3<T>::Zero();
@@ -131,8 +123,7 @@ Trials sixJoints() {
 
 Trials eq52() {
   return Trials("eq52")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         auto robot = anyRobot(at, kTurns);
         robot.tau = Robot<T>::values(robot.forces(robot.qdd));
         const SixVectors<T> six(robot);
@@ -144,8 +135,7 @@ Trials eq52() {
           a = (six.X[i] * a + six.c[i] + six.Z[i] * robot.qdd[i]).eval();
         }
       }))
-      .condition(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .condition(exact([](Point& at) {
         auto robot = anyRobot(at, kTurns);
         robot.qd = robot.zeros();
         robot.tau = Robot<T>::values(robot.forces(robot.qdd));
@@ -159,8 +149,7 @@ Trials eq52() {
           a += six.Z[i] * robot.qdd[i];
         }
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         auto robot = anyRobot(at, kMixed);
         robot.tau = Robot<T>::values(robot.forces(robot.qdd));
         const SixVectors<T> six(robot);
@@ -177,15 +166,13 @@ Trials eq52() {
 
 Trials gravityStart() {
   return Trials("gravity_start")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto robot = anyRobot(at, kTurns);
         const SixVectors<T> six(robot);
         at.equal("tau", newtonEuler<T>(six, Vector6<T>(-six.gravityAtBase())),
                  robot.forces(robot.qdd));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, kTurns);
         const SixVectors<T> six(robot);
         at.equal("tau", newtonEuler<T>(six, six.gravityAtBase()), robot.forces(robot.qdd));
@@ -194,8 +181,7 @@ Trials gravityStart() {
 
 Trials inertiaSweepShared() {
   return Trials("inertia_sweep_shared")
-      .printed(differs([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(differs([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kTurn});
         auto heavy = robot;  // another rotor at the last joint, which does not accelerate
         heavy.qdd[1] = T(0);
@@ -203,13 +189,13 @@ Trials inertiaSweepShared() {
         light.rotor[1] = at.number();
         at.equal("tau_1", heavy.forces(heavy.qdd)(0), light.forces(light.qdd)(0));
       }))
-      .corrected(both(differs([](auto& at) {
+      .corrected(both(differs([](Point& at) {
                         const auto robot = anyRobot(at, {kTurn, kTurn});
                         auto other = robot;
                         other.rotor[1] = at.number();
                         at.equal("M_A,1", SixVectors(robot).M_A[0], SixVectors(other).M_A[0]);
                       }),
-                      exact([](auto& at) {
+                      exact([](Point& at) {
                         const auto robot = anyRobot(at, {kTurn, kTurn});
                         auto other = robot;
                         other.rotor[1] = at.number();

@@ -22,8 +22,7 @@ VectorX<T> scaled(const VectorX<T>& v, const T& s) {
 }
 
 /// qd' M qd / divisor against the sum of m v^2 / 2 over the points and d qd^2 / 2 over the rotors.
-template <typename At, typename T>
-void compareEnergy(At& at, const Robot<T>& robot, int divisor) {
+void compareEnergy(Point& at, const Robot<T>& robot, int divisor) {
   T energy = T(0);
   const auto paths = robot.paths(robot.qd, robot.zeros());
   for (int i = 0; i < robot.n(); ++i) {
@@ -40,8 +39,7 @@ void compareEnergy(At& at, const Robot<T>& robot, int divisor) {
 
 Trials linearTerms() {
   return Trials("linear_terms")
-      .printed(both(exact([](auto& at) {
-                      using T = ScalarOf<decltype(at)>;
+      .printed(both(exact([](Point& at) {
                       const auto robot = anyRobot(at, kMixed);
                       const auto& [qd, qdd, zero] = std::tuple(robot.qd, robot.qdd, robot.zeros());
                       const T s = at.number();
@@ -58,8 +56,7 @@ Trials linearTerms() {
                       at.equal("s g", robot.forces(zero, zero, Vector3<T>(robot.gravity * s)),
                                scaled<T>(g, s));
                     }),
-                    differs([](auto& at) {
-                      using T = ScalarOf<decltype(at)>;
+                    differs([](Point& at) {
                       const auto robot = anyRobot(at, kMixed);
                       const T s = at.number();
                       at.equal(
@@ -72,8 +69,7 @@ Trials linearTerms() {
 
 Trials parameterLinearity() {
   return Trials("parameter_linearity")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         auto robot = anyRobot(at, {kTurn, kTurn});
         const Vector3<T> s = at.vector();
         const VectorX<T> middle = robot.forces(robot.qdd);
@@ -84,8 +80,7 @@ Trials parameterLinearity() {
         };
         at.equal("mean", VectorX<T>(moved(s) + moved(-s)), scaled<T>(middle, T(2)));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto first = anyRobot(at, kMixed, Rotors::kNone);
         auto second = first, together = first;
         for (int i = 0; i < first.n(); ++i) {
@@ -105,8 +100,7 @@ Trials parameterLinearity() {
 }
 
 Trials eq61() {
-  return Trials("eq61").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq61").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, kMixed);
     const recursive::Model<T> model = robot.model();
     recursive::Workspace<T> ws(model);
@@ -123,8 +117,7 @@ Trials eq61() {
 }
 
 Trials eq62() {
-  return Trials("eq62").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq62").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, kMixed);
     const auto metric = metricOf(robot);
     VectorX<T> c(3);
@@ -139,8 +132,7 @@ Trials eq62() {
 
 Trials coriolisChoice() {
   return Trials("coriolis_choice")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kTurn});
         const auto metric = metricOf(robot);
         const auto& dM = metric.gradient();
@@ -152,8 +144,7 @@ Trials coriolisChoice() {
               S(i, j) += (dM[k](i, j) - T(2) * (dM[k](i, j) - dM[i](j, k) / T(2))) * robot.qd[k];
         at.zero("S + S'", MatrixX<T>(S + S.transpose()));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
         const auto metric = metricOf(robot);
         MatrixX<T> S = MatrixX<T>::Constant(3, 3, T(0));
@@ -167,8 +158,7 @@ Trials coriolisChoice() {
 }
 
 Trials staticGravity() {
-  return Trials("static_gravity").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("static_gravity").printed(exact([](Point& at) {
     auto robot = anyRobot(at, kMixed);
     robot.qd = robot.zeros();
     const recursive::Model<T> model = robot.model();
@@ -182,21 +172,18 @@ Trials staticGravity() {
 
 Trials coasting() {
   return Trials("coasting")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         auto robot = anyRobot(at, {kTurn, kTurn});
         robot.tau = Robot<T>::values(robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()));
         at.zero("qdd", Robot<T>::column(robot.accelerations()));
       }))
-      .condition(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .condition(exact([](Point& at) {
         auto robot = anyRobot(at, kMixed);
         robot.gravity = Vector3<T>::Zero();
         robot.tau = Robot<T>::values(robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()));
         at.zero("qdd", Robot<T>::column(robot.accelerations()));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         auto robot = anyRobot(at, kMixed);
         const recursive::Model<T> model = robot.model();
         recursive::Workspace<T> ws(model);
@@ -206,8 +193,7 @@ Trials coasting() {
 }
 
 Trials massColumn() {
-  return Trials("mass_column").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("mass_column").printed(exact([](Point& at) {
     auto robot = anyRobot(at, kMixed);
     robot.qd = robot.zeros();
     const MatrixX<T> M = compositeMassMatrix<T>(robot.model(), robot.x);
@@ -219,11 +205,11 @@ Trials massColumn() {
 
 Trials eq63() {
   return Trials("eq63")
-      .printed(exact([](auto& at) {
+      .printed(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kTurn});
         compareEnergy(at, robot, 1);
       }))
-      .corrected(exact([](auto& at) {
+      .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, kMixed);
         compareEnergy(at, robot, 2);
       }));
@@ -347,8 +333,7 @@ Trial explicitAgainstSweep(Form form, Composite is) {
 }
 
 Trials compositeBodies() {
-  return Trials("composite_bodies").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("composite_bodies").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn}, Rotors::kAll, {-1, 0, 0});
     const SixVectors<T> six(robot);
     std::vector<Matrix6<T>> I_C = six.M;

@@ -35,7 +35,7 @@ using Rows = std::vector<std::vector<std::string>>;
 
 /** How a statement of data/audit/chapter.toml is computed, found by its id.
 
-        Trials("eq1").printed(exact([](auto& at) { ... })).corrected(exact(...)) */
+        Trials("eq1").printed(exact([](Point& at) { ... })).corrected(exact(...)) */
 class Trials {
  public:
   explicit Trials(std::string id) : id(std::move(id)) {}

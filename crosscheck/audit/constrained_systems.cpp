@@ -37,8 +37,7 @@ struct Plane {
     return held;
   }
 };
-template <typename At>
-Plane<ScalarOf<At>> anyPlane(At& at) {
+Plane<T> anyPlane(Point& at) {
   const auto u = at.vector(), r = at.vector();
   return {u, r, at.number()};
 }
@@ -71,8 +70,7 @@ std::vector<T> tied(const Robot<T>& robot, const LinkConstraint<T>& one,
 }
 
 Trials constraintLevels() {
-  return Trials("constraint_levels").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("constraint_levels").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
     const auto plane = anyPlane(at);
     const Jet<T> phi = plane.phi(robot, robot.qdd);
@@ -86,8 +84,7 @@ Trials constraintLevels() {
 
 Trials daeIndex() {
   return Trials("dae_index")
-      .printed(both(exact([](auto& at) {
-                      using T = ScalarOf<decltype(at)>;
+      .printed(both(exact([](Point& at) {
                       const auto robot = anyRobot(at, {kTurn, kTurn});
                       const auto plane = anyPlane(at);
                       const T nu = at.number();
@@ -100,8 +97,7 @@ Trials daeIndex() {
                                T(with.derivative.derivative - without.derivative.derivative),
                                T(nu * J.dot(solveDense<T>(robot.massMatrix(), J))));
                     }),
-                    differs([](auto& at) {
-                      using T = ScalarOf<decltype(at)>;
+                    differs([](Point& at) {
                       const auto robot = anyRobot(at, {kTurn, kTurn});
                       const VectorX<T> J = anyPlane(at).gradient(robot);
                       at.zero("J M^-1 J'", T(J.dot(solveDense<T>(robot.massMatrix(), J))));
@@ -109,8 +105,7 @@ Trials daeIndex() {
 }
 
 Trials baumgarte() {
-  return Trials("baumgarte").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("baumgarte").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
     const auto plane = anyPlane(at);
     const T a = at.number(), k = at.number();
@@ -122,8 +117,7 @@ Trials baumgarte() {
 }
 
 Trials softConstraint() {
-  return Trials("soft_constraint").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("soft_constraint").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
     const auto held = anyConstraint<1>(at, 2);
     const T w = at.number();
@@ -143,8 +137,7 @@ Trials softConstraint() {
 }
 
 Trials localConstraint() {
-  return Trials("local_constraint").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("local_constraint").printed(exact([](Point& at) {
     auto robot = anyRobot(at, {kTurn, kTurn, kSlide}, Rotors::kAll, {-1, 0, 0});
     robot.gravity = Vector3<T>::Zero();
     // A_1' a_1 + A_2' a_2 = b: accelerations of two tips tied together

@@ -6,8 +6,7 @@ namespace dynwitness::audit {
 namespace {
 
 Trials eq53() {
-  return Trials("eq53").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq53").printed(exact([](Point& at) {
     const auto path = anyPath(at);
     const Vector3<T> u = at.vector(), r = at.vector();
     const Vector3<T> xdd = secondRate<T, 3, 1>(path.place(r));
@@ -23,8 +22,7 @@ Trials eq53() {
 
 Trials bCurvature() {
   return Trials("b_curvature")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         // a particle that moves freely on a sphere: n unit normal, v tangent, radius rho
         const Matrix3<T> R = at.rotation();
         const Vector3<T> n = R.col(0), v = R.col(1) * at.number();
@@ -33,8 +31,7 @@ Trials bCurvature() {
         const Vector3<T> tangential = xdd - n * n.dot(xdd);
         at.equal("b", b, T(tangential.dot(tangential)));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         // the great circle as a function of time, x = rho R (cos, sin, 0)
         const Matrix3<T> R = at.rotation();
         const T rho = at.number(), w = at.number();
@@ -53,14 +50,12 @@ Trials bCurvature() {
 
 Trials eq54() {
   return Trials("eq54")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const Vector6<T> A = at.vector6();  // m = 1, the only case of fitting shapes
         const T nu = at.number();
         at.equal("A", A, Vector6<T>(A * nu));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
         const auto held = anyConstraint<2>(at, 2);
         const Swept<T> swept(robot, {held});
@@ -73,15 +68,13 @@ Trials eq54() {
 
 Trials eq55() {
   return Trials("eq55")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kTurn});
         const auto held = anyConstraint<1>(at, 1);
         const SixVectors<T> six(robot);
         at.equal("E_0", MatrixX<T>(six.P(0) * six.P(1) * held.A), responseToBase(robot, held));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide});
         const auto held = anyConstraint<2>(at, 1);
         at.equal("E_0", carriedInward(SixVectors<T>(robot), held).E_0, responseToBase(robot, held));
@@ -90,8 +83,7 @@ Trials eq55() {
 
 Trials eq56() {
   return Trials("eq56")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         auto robot = anyRobot(at, {kTurn, kTurn});
         robot.gravity = Vector3<T>::Zero();
         const auto held = anyConstraint<6>(at, 1);
@@ -102,8 +94,7 @@ Trials eq56() {
         at.equal("beta_0", carriedInward<T>(six, held, a, false).beta_0,
                  constrainedAcceleration(robot, held, qdd));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
         robot.gravity = Vector3<T>::Zero();
         const auto held = anyConstraint<2>(at, 2);
@@ -113,8 +104,7 @@ Trials eq56() {
 }
 
 Trials eq57() {
-  return Trials("eq57").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq57").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
     const auto held = anyConstraint<2>(at, 2);
     const MatrixX<T> J = held.A.transpose() * robot.jacobian(2);
@@ -125,8 +115,7 @@ Trials eq57() {
 
 Trials balance() {
   return Trials("balance")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kTurn, kTurn});
         const auto held = anyConstraint<1>(at, 2);
         const SixVectors<T> six(robot);
@@ -135,8 +124,7 @@ Trials balance() {
         at.equal("N_0 nu", VectorX<T>(inward.N_0 * -denseConstrained(robot, {held}).nu),
                  VectorX<T>(held.b - inward.E_0.transpose() * Xdd_0 - inward.beta_0));
       }))
-      .condition(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .condition(exact([](Point& at) {
         auto robot = anyRobot(at, {kTurn, kTurn, kTurn});
         robot.gravity = Vector3<T>::Zero();
         const auto held = anyConstraint<1>(at, 2);
@@ -144,8 +132,7 @@ Trials balance() {
         at.equal("N_0 nu", VectorX<T>(inward.N_0 * -denseConstrained(robot, {held}).nu),
                  VectorX<T>(held.b - inward.beta_0));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
         const auto held = anyConstraint<2>(at, 2);
         const SixVectors<T> six(robot);
@@ -160,8 +147,7 @@ Trials balance() {
 
 Trials NDefinite() {
   return Trials("N_definite")
-      .printed(differs([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(differs([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kTurn, kTurn});
         auto held = anyConstraint<2>(at, 2);
         held.A.col(1) = held.A.col(0) * at.number();
@@ -175,8 +161,7 @@ Trials NDefinite() {
         y << at.number(-1, 1), at.number(-1, 1);
         at.positive("-y' N_0 y", -y.dot(VectorX<Ball>(inward.N_0.lazyProduct(y))));
       }))
-      .corrected(both(exact([](auto& at) {
-                        using T = ScalarOf<decltype(at)>;
+      .corrected(both(exact([](Point& at) {
                         const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
                         const auto held = anyConstraint<2>(at, 2);
                         VectorX<T> y(2);
@@ -190,8 +175,7 @@ Trials NDefinite() {
                           squares += e.dot(y) * e.dot(y) / D;
                         at.equal("sum of squares", T(-y.dot(VectorX<T>(inward.N_0 * y))), squares);
                       }),
-                      exact([](auto& at) {  // a stretched planar arm, held along itself
-                        using T = ScalarOf<decltype(at)>;
+                      exact([](Point& at) {  // a stretched planar arm, held along itself
                         auto robot = anyRobot(at, {kTurn, kTurn});
                         const T length = at.number();
                         for (int i = 0; i < 2; ++i) {
@@ -209,8 +193,7 @@ Trials NDefinite() {
 }
 
 Trials redundantQdd() {
-  return Trials("redundant_qdd").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("redundant_qdd").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kTurn});
     const auto once = anyConstraint<1>(at, 1);
     const Swept<T> swept(robot, {once});
@@ -226,11 +209,11 @@ Trials redundantQdd() {
 
 Trials eq58() {
   return Trials("eq58")
-      .printed(exact([](auto& at) {
+      .printed(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kTurn});
         compareOutward(at, robot, anyConstraint<1>(at, 1), Printed::kYes);
       }))
-      .corrected(exact([](auto& at) {
+      .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
         compareOutward(at, robot, anyConstraint<1>(at, 2), Printed::kNo);
       }));

@@ -11,9 +11,9 @@
 namespace dynwitness::audit {
 
 /// m constraints in any directions.
-template <int M, typename At>
-LinkConstraint<ScalarOf<At>> anyConstraint(At& at, int link) {
-  LinkConstraint<ScalarOf<At>> out;
+template <int M>
+LinkConstraint<T> anyConstraint(Point& at, int link) {
+  LinkConstraint<T> out;
   out.link = link;
   out.A = at.template matrix<6, M>();
   out.b = at.template matrix<M, 1>();
@@ -138,8 +138,8 @@ CarriedInward<T> carriedInward(const SixVectors<T>& six, const LinkConstraint<T>
 enum class Printed { kYes, kNo };
 
 /// (58), as printed with the accelerations that the dense solution gives, or corrected.
-template <typename At, typename T>
-void compareOutward(At& at, const Robot<T>& robot, const LinkConstraint<T>& held, Printed printed) {
+inline void compareOutward(Point& at, const Robot<T>& robot, const LinkConstraint<T>& held,
+                           Printed printed) {
   const Constrained<T> truth = denseConstrained<T>(robot, {held});
   const SixVectors<T> six(robot);
   const CarriedInward<T> inward = carriedInward(six, held);
@@ -163,7 +163,7 @@ inline Robot<Ball> realRobot(RealPoint& at, int n) {
   for (int i = 0; i < n; ++i) {
     robot.parent.push_back(i - 1);
     robot.kind.push_back(kTurn);
-    robot.R.push_back(Point<FieldSource>::rotationOf<Ball>(at.number(0.5, 1), at.vector()));
+    robot.R.push_back(Point::rotationOf<Ball>(at.number(0.5, 1), at.vector()));
     robot.r.push_back(at.vector());
     PointMasses<Ball> body;
     for (int k = 0; k < 3; ++k) {

@@ -18,9 +18,8 @@ struct ForceSystem {
   }
 };
 
-template <typename At>
-ForceSystem<ScalarOf<At>> anyForces(At& at) {
-  ForceSystem<ScalarOf<At>> system;
+ForceSystem<T> anyForces(Point& at) {
+  ForceSystem<T> system;
   for (int k = 0; k < 3; ++k) {
     system.places.push_back(at.vector());
     system.forces.push_back(at.vector());
@@ -50,8 +49,7 @@ struct TwoFrames {
   }
 };
 
-template <typename At>
-TwoFrames<ScalarOf<At>> anyFrames(At& at) {
+TwoFrames<T> anyFrames(Point& at) {
   const auto R_1 = at.rotation(), R_2 = at.rotation();
   const auto p_1 = at.vector(), p_2 = at.vector();
   return {R_1, R_2, p_1, p_2};
@@ -76,8 +74,7 @@ Matrix3<T> none() {
 // ---- forces ------------------------------------------------------------------------------------
 
 Trials eq1() {
-  return Trials("eq1").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq1").printed(exact([](Point& at) {
     const auto system = anyForces(at);
     const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
     const Force<T> F_1 = system.about(p_1), F_2 = system.about(p_2);
@@ -88,8 +85,7 @@ Trials eq1() {
 }
 
 Trials eq2() {
-  return Trials("eq2").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq2").printed(exact([](Point& at) {
     // forces on points of a moving body; each works at its own point's velocity
     const Path<T> path = anyPath(at);
     T power = T(0);
@@ -105,8 +101,7 @@ Trials eq2() {
 }
 
 Trials eq3() {
-  return Trials("eq3").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq3").printed(exact([](Point& at) {
     const auto system = anyForces(at);
     const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
     const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
@@ -115,8 +110,7 @@ Trials eq3() {
 }
 
 Trials eq4() {
-  return Trials("eq4").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq4").printed(exact([](Point& at) {
     const Vector3<T> r = at.vector(), x = at.vector();
     Matrix3<T> hat;
     hat << T(0), -r.z(), r.y(), r.z(), T(0), -r.x(), -r.y(), r.x(), T(0);
@@ -126,8 +120,7 @@ Trials eq4() {
 }
 
 Trials eq5() {
-  return Trials("eq5").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq5").printed(exact([](Point& at) {
     const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
     const Vector3<T> r_21 = p_1 - p_2;
     const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
@@ -139,16 +132,14 @@ Trials eq5() {
 
 Trials inverseReason() {
   return Trials("inverse_reason")
-      .printed(differs([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(differs([](Point& at) {
         const Matrix3<T> A = at.template matrix<3, 3>();
         at.equal("product",
                  blocks<T>(one<T>(), none<T>(), A, one<T>()) *
                      blocks<T>(one<T>(), none<T>(), -A, one<T>()),
                  Matrix6<T>::Identity());
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const Matrix3<T> A = at.template matrix<3, 3>();
         const Matrix6<T> N = blocks<T>(none<T>(), none<T>(), A, none<T>());
         at.zero("square", Matrix6<T>(N * N));
@@ -158,8 +149,7 @@ Trials inverseReason() {
 }
 
 Trials eq6() {
-  return Trials("eq6").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq6").printed(exact([](Point& at) {
     const auto system = anyForces(at);
     const auto frames = anyFrames(at);
     const Matrix3<T> R = frames.R_12();
@@ -172,8 +162,7 @@ Trials eq6() {
 }
 
 Trials eq7() {
-  return Trials("eq7").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq7").printed(exact([](Point& at) {
     const auto system = anyForces(at);
     const auto frames = anyFrames(at);
     const Matrix3<T> R_T = frames.R_12().transpose();
@@ -185,8 +174,7 @@ Trials eq7() {
 }
 
 Trials momentumTransformation() {
-  return Trials("momentum_transformation").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("momentum_transformation").printed(exact([](Point& at) {
     // momenta m v of points, as vectors at places, and the linear ones of their mass
     const Path<T> path = anyPath(at);
     const auto body = anyBody(at);
@@ -206,8 +194,7 @@ Trials momentumTransformation() {
 // ---- motions -----------------------------------------------------------------------------------
 
 Trials eq8() {
-  return Trials("eq8").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq8").printed(exact([](Point& at) {
     const Path<T> path = anyPath(at);
     const Vector3<Jet<T>> x_1 = path.place(at.vector()), x_2 = path.place(at.vector());
     const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1), w = path.omega();
@@ -218,8 +205,7 @@ Trials eq8() {
 }
 
 Trials eq9() {
-  return Trials("eq9").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq9").printed(exact([](Point& at) {
     const Path<T> path = anyPath(at);
     const Vector3<Jet<T>> x_i = path.place(at.vector()), x = path.place(at.vector());
     at.equal("velocity of another point", rate<T, 3, 1>(x),
@@ -227,9 +213,7 @@ Trials eq9() {
   }));
 }
 
-template <typename At>
-void velocityBlocks(At& at, bool turned) {
-  using T = ScalarOf<At>;
+void velocityBlocks(Point& at, bool turned) {
   const Path<T> path = anyPath(at);
   auto frames = anyFrames(at);
   if (!turned) frames.R_1 = frames.R_2 = one<T>();
@@ -242,8 +226,7 @@ void velocityBlocks(At& at, bool turned) {
 }
 
 Trials eq10() {
-  return Trials("eq10").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq10").printed(exact([](Point& at) {
     // a linear map of the velocities: the columns are found from six motions, and a seventh must
     // follow
     const auto frames = anyFrames(at);
@@ -260,15 +243,14 @@ Trials eq10() {
 }
 
 Trials eq11() {
-  return Trials("eq11").printed(exact([](auto& at) {
+  return Trials("eq11").printed(exact([](Point& at) {
     velocityBlocks(at, false);
     velocityBlocks(at, true);
   }));
 }
 
 Trials eq12() {
-  return Trials("eq12").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq12").printed(exact([](Point& at) {
     const Matrix3<T> R = at.rotation();
     const Vector3<T> r = at.vector();
     const Matrix6<T> T_V = blocks<T>(R, skew<T>(r) * R, none<T>(), R);
@@ -280,8 +262,7 @@ Trials eq12() {
 }
 
 Trials eq13() {
-  return Trials("eq13").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq13").printed(exact([](Point& at) {
     const Transform<T> X_21 = at.transform();
     const Transform<T> X_12 = X_21.inverse();
     at.equal("first", X_21.forceMatrix(), X_12.motionMatrix().transpose());
@@ -294,8 +275,7 @@ Trials eq13() {
 }
 
 Trials velocityOrder() {
-  return Trials("velocity_order").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("velocity_order").printed(exact([](Point& at) {
     const Transform<T> X = at.transform();
     const Motion<T> x = at.motion(), y = X * x;
     Vector6<T> w_v_x, w_v_y;
@@ -305,9 +285,7 @@ Trials velocityOrder() {
   }));
 }
 
-template <typename At>
-void accelerations(At& at, const Path<ScalarOf<At>>& path) {
-  using T = ScalarOf<At>;
+void accelerations(Point& at, const Path<T>& path) {
   const Vector3<Jet<T>> x_1 = path.place(at.vector()), x_2 = path.place(at.vector());
   const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1);
   at.equal("vd_1", secondRate<T, 3, 1>(x_1), secondRate<T, 3, 1>(x_2) + r_12.cross(path.alpha()));
@@ -315,10 +293,9 @@ void accelerations(At& at, const Path<ScalarOf<At>>& path) {
 
 Trials eq14() {
   return Trials("eq14")
-      .printed(exact([](auto& at) { accelerations(at, anyPath(at)); }))
-      .condition(exact([](auto& at) { accelerations(at, anyPath(at, Start::kNotTurning)); }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) { accelerations(at, anyPath(at)); }))
+      .condition(exact([](Point& at) { accelerations(at, anyPath(at, Start::kNotTurning)); }))
+      .corrected(exact([](Point& at) {
         const Path<T> path = anyPath(at);
         const Vector3<Jet<T>> x_1 = path.place(at.vector()), x_2 = path.place(at.vector());
         const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1);
@@ -332,8 +309,7 @@ Trials eq14() {
 }
 
 Trials notADerivative() {
-  return Trials("not_a_derivative").printed(differs([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("not_a_derivative").printed(differs([](Point& at) {
     // w_a: the angular velocity when coordinate a alone moves at rate 1. Were w dt = dx, d_1 w_2
     // would be d_1 d_2 x = d_2 w_1, in every choice of coordinates.
     const T w = at.number();
@@ -343,7 +319,7 @@ Trials notADerivative() {
       Vector3<Jet<T>> moved = still<T, 3, 1>(u);
       moved(a).value.derivative = T(1);
       moved(b).derivative.value += T(1);
-      return std::decay_t<decltype(at)>::template rotationOf<Jet<T>>(constantJet(w), moved);
+      return Point::rotationOf<Jet<T>>(constantJet(w), moved);
     };
     const auto d_b_of_w_a = [&](int a, int b) {
       const Matrix3<Jet<T>> R = R_along(a, b);

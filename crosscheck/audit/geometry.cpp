@@ -32,9 +32,8 @@ struct Springs {
     return out;
   }
 };
-template <typename At>
-Springs<ScalarOf<At>> anySprings(At& at) {
-  Springs<ScalarOf<At>> out;
+Springs<T> anySprings(Point& at) {
+  Springs<T> out;
   for (int i = 0; i < 6; ++i) {
     out.k.push_back(at.number());
     out.u.push_back(at.vector());
@@ -55,8 +54,7 @@ Matrix6<T> swapped() {
 }
 
 Trials eq73() {
-  return Trials("eq73").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq73").printed(exact([](Point& at) {
     const auto springs = anySprings(at);
     const Transform<T> X = at.transform();
     const Force<T> w = at.force();
@@ -68,24 +66,21 @@ Trials eq73() {
 
 Trials eq74() {
   return Trials("eq74")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto springs = anySprings(at);
         const Transform<T> X = at.transform();
         const Matrix6<T> S = X.motionMatrix();
         at.equal("C_f", springs.seenFrom(X).compliance(),
                  Matrix6<T>(S * springs.compliance() * X.inverse().motionMatrix()));
       }))
-      .condition(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .condition(exact([](Point& at) {
         const auto springs = anySprings(at);
         const Transform<T> X = at.transform();
         const Matrix6<T> S = X.motionMatrix(), swap = swapped<T>();
         at.equal("C_f", Matrix6<T>(springs.seenFrom(X).compliance() * swap),
                  Matrix6<T>(S * springs.compliance() * swap * X.inverse().motionMatrix()));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto springs = anySprings(at);
         const Transform<T> X = at.transform();
         const Matrix6<T> S = X.motionMatrix();
@@ -96,8 +91,7 @@ Trials eq74() {
 
 Trials similarity() {
   return Trials("similarity")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const Vector6<T> v = at.vector6(), y = at.vector6();
         const Matrix6<T> C = v * y.transpose();  // eigenvector v, eigenvalue y' v
         const Transform<T> X = at.transform();
@@ -105,8 +99,7 @@ Trials similarity() {
         at.equal("C_f v", Vector6<T>(C_f * v), Vector6<T>(v * y.dot(v)));
       }))
       .corrected(
-          both(exact([](auto& at) {
-                 using T = ScalarOf<decltype(at)>;
+          both(exact([](Point& at) {
                  const Vector6<T> v = at.vector6(), y = at.vector6();
                  const Transform<T> X = at.transform();
                  const Matrix6<T> S = X.motionMatrix();
@@ -122,8 +115,7 @@ Trials similarity() {
                  const Vector6<T> w_f = (X * w).vector();
                  at.equal("energy", T(w_f.dot(C * w_f)), T(w.vector().dot(C_i * w.vector())));
                }),
-               differs([](auto& at) {
-                 using T = ScalarOf<decltype(at)>;
+               differs([](Point& at) {
                  const auto springs = anySprings(at);
                  const Transform<T> X = at.transform();
                  at.equal("sum of the eigenvalues of C", springs.seenFrom(X).compliance().trace(),
@@ -133,8 +125,7 @@ Trials similarity() {
 
 Trials otherImpedances() {
   return Trials("other_impedances")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto springs = anySprings(at);
         const auto body = anyBody(at);
         const Transform<T> X = at.transform();
@@ -144,8 +135,7 @@ Trials otherImpedances() {
         at.equal("M_f", massMatrix6(body.seenFrom(X.R, Vector3<T>(X.R * -X.p))),
                  Matrix6<T>(S * massMatrix6(body) * S_back));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto springs = anySprings(at);
         const auto body = anyBody(at);
         const Transform<T> X = at.transform();
@@ -168,16 +158,14 @@ T riemann(const Robot<T>& robot) {
 }
 
 /// A planar arm of two turning joints about parallel axes, q_2 any angle.
-template <typename At>
-Robot<ScalarOf<At>> planarArm(At& at) {
-  using T = ScalarOf<At>;
+Robot<T> planarArm(Point& at) {
   Robot<T> robot = anyRobot(at, {kTurn, kTurn}, Rotors::kNone);
   for (int i = 0; i < 2; ++i) robot.R[i] = Matrix3<T>::Identity();
   return robot;
 }
 
 Trials christoffel() {
-  return Trials("christoffel").printed(exact([](auto& at) {
+  return Trials("christoffel").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
     const auto metric = metricOf(robot);
     for (const auto& [i, j, k] : {std::tuple(0, 1, 2), std::tuple(1, 0, 2), std::tuple(2, 0, 1),
@@ -188,8 +176,7 @@ Trials christoffel() {
 }
 
 Trials metricCompatible() {
-  return Trials("metric_compatible").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("metric_compatible").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
     const auto metric = metricOf(robot);
     const auto C = [&](int i, int j, int k) {
@@ -202,8 +189,7 @@ Trials metricCompatible() {
 }
 
 Trials geodesic() {
-  return Trials("geodesic").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("geodesic").printed(exact([](Point& at) {
     auto robot = anyRobot(at, {kTurn, kSlide});
     robot.gravity = Vector3<T>::Zero();
     robot.tau = robot.zeros();
@@ -224,8 +210,7 @@ Trials geodesic() {
 }
 
 Trials curvature() {
-  return Trials("curvature").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("curvature").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kTurn});
     const MatrixX<T> M_inverse = inverseDense<T>(robot.massMatrix());
     const auto x_11 = secondPartials(robot, 0, 0), x_12 = secondPartials(robot, 0, 1),
@@ -244,8 +229,7 @@ Trials curvature() {
 }
 
 Trials planarCurvature() {
-  return Trials("planar_curvature").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("planar_curvature").printed(exact([](Point& at) {
     Robot<T> robot = planarArm(at);
     robot.r[1] = Vector3<T>(at.number(), T(0), T(0));
     // the second link's centre of mass on its x axis: q2 = 0 is stretched

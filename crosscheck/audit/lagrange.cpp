@@ -69,15 +69,13 @@ Poly<Dual<T>> lift(const Poly<T>& p) {
   return Poly<Dual<T>>(c);
 }
 
-template <typename At>
-Poly<ScalarOf<At>> anyPoly(At& at, int degree) {
-  std::vector<ScalarOf<At>> c;
+Poly<T> anyPoly(Point& at, int degree) {
+  std::vector<T> c;
   for (int i = 0; i <= degree; ++i) c.push_back(at.number());
-  return Poly<ScalarOf<At>>(c);
+  return Poly<T>(c);
 }
 /// Any polynomial that vanishes at both instants.
-template <typename At, typename T>
-Poly<T> anyVariation(At& at, const T& t1, const T& t2) {
+Poly<T> anyVariation(Point& at, const T& t1, const T& t2) {
   const Poly<T> t = Poly<T>::time();
   return (t - Poly<T>(t1)) * (t - Poly<T>(t2)) * anyPoly(at, 1);
 }
@@ -95,8 +93,7 @@ struct Lagrangian {
            k(d) * q[0] * v[1] - k(e) * q[0] * q[1] * q[1];
   }
 };
-template <typename At>
-Lagrangian<ScalarOf<At>> anyLagrangian(At& at) {
+Lagrangian<T> anyLagrangian(Point& at) {
   const auto a = at.number(), b = at.number(), c = at.number(), d = at.number();
   return {a, b, c, d, at.number()};
 }
@@ -142,9 +139,7 @@ struct Varied {
   T t1, t2;
   std::vector<Poly<T>> q, r;
 };
-template <typename At>
-Varied<ScalarOf<At>> anyVaried(At& at) {
-  using T = ScalarOf<At>;
+Varied<T> anyVaried(Point& at) {
   const Lagrangian<T> L = anyLagrangian(at);
   const T t1 = at.number(), t2 = at.number();
   const Poly<T> q1 = anyPoly(at, 2), q2 = anyPoly(at, 2);
@@ -204,9 +199,8 @@ VectorX<T> robotEulerLagrange(const Robot<T>& robot, int sign) {
 }
 
 /// m v^2 / 2 - k q^2 / 2 and what W adds to it, against m qdd + k q - Q.
-template <typename At, typename Work, typename ForceOfRate>
-void compareWork(At& at, const Work& work, const ForceOfRate& force_of_rate) {
-  using T = ScalarOf<At>;
+template <typename Work, typename ForceOfRate>
+void compareWork(Point& at, const Work& work, const ForceOfRate& force_of_rate) {
   using DD = Dual<Dual<T>>;
   const T m = at.number(), k = at.number(), q = at.number(), qd = at.number(), qdd = at.number();
   const auto L = [&](const std::vector<DD>& x, const std::vector<DD>& v) {
@@ -219,9 +213,7 @@ void compareWork(At& at, const Work& work, const ForceOfRate& force_of_rate) {
 
 /// The first variation of a polynomial path that is made physical by a force F(t), at eps = 0 or
 /// with the other eps anywhere.
-template <typename At>
-void compareFirstVariation(At& at, bool all_zero) {
-  using T = ScalarOf<At>;
+void compareFirstVariation(Point& at, bool all_zero) {
   const auto v = anyVaried(at);
   std::vector<Poly<T>> F;  // L + F' q is stationary at q:  F = d/dt dL/dqd - dL/dq
   for (int i = 0; i < 2; ++i)
@@ -238,9 +230,7 @@ void compareFirstVariation(At& at, bool all_zero) {
 }
 
 /// A body that turns about a fixed point: moment in its own axes against d/dt dT/dw (+ w x dT/dw).
-template <typename At>
-void compareRotation(At& at, bool with_gyroscopic_term) {
-  using T = ScalarOf<At>;
+void compareRotation(Point& at, bool with_gyroscopic_term) {
   Path<T> path = anyPath(at);
   path.p = still<T, 3, 1>(Vector3<T>::Zero());
   const auto body = anyBody(at);
@@ -282,8 +272,7 @@ Trial saddle() {
 }
 
 Trial stationary() {
-  return exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return exact([](Point& at) {
     // a free fall: I(q + r) - I(q) has no part linear in r
     const T m = at.number(), g = at.number(), t1 = at.number(), t2 = at.number();
     const Poly<T> q(std::vector<T>{at.number(), at.number(), -g / T(2)});
@@ -326,7 +315,7 @@ Trials leastAction() {
 }
 
 Trials eq65() {
-  return Trials("eq65").printed(exact([](auto& at) {
+  return Trials("eq65").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide});
     at.equal("forces", robotEulerLagrange(robot, -1), robot.forces(robot.qdd));
   }));
@@ -334,8 +323,7 @@ Trials eq65() {
 
 Trials eq66() {
   return Trials("eq66")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const T b = at.number();
         compareWork(
             at,
@@ -345,8 +333,7 @@ Trials eq66() {
             },
             [&](const T& qd) { return -b * qd; });
       }))
-      .condition(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .condition(exact([](Point& at) {
         const T Q = at.number(), rate_of_Q = at.number();
         compareWork(
             at,
@@ -356,8 +343,7 @@ Trials eq66() {
             },
             [&](const T&) { return Q; });
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         // any polynomial path q; Q(t) is what it takes: m qdd + k q
         const T m = at.number(), k = at.number(), t1 = at.number(), t2 = at.number();
         const Poly<T> q = anyPoly(at, 3), r = anyVariation(at, t1, t2);
@@ -369,8 +355,7 @@ Trials eq66() {
 }
 
 Trials eq67() {
-  return Trials("eq67").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq67").printed(exact([](Point& at) {
     const T m = at.number(), t1 = at.number(), t2 = at.number();
     const Poly<T> q = anyPoly(at, 1), v = q.derivative();
     const T distance = q.at(t2) - q.at(t1);
@@ -381,8 +366,7 @@ Trials eq67() {
 
 Trials eq68() {
   return Trials("eq68")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto v = anyVaried(at);
         // eps' r is one number, added to every coordinate: d/deps_1 moves both along r_1
         const T slope = actionSlope<T>(v.L, v.q, {v.r[0], v.r[0]}, {T(0), T(0)}, 0, v.t1, v.t2) +
@@ -392,8 +376,7 @@ Trials eq68() {
                   partial(v.L, v.q, 0, true) * v.r[0].derivative())
                      .integral(v.t1, v.t2));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto v = anyVaried(at);
         at.equal("dPhi/deps_1", actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, 0, v.t1, v.t2),
                  (partial(v.L, v.q, 0, false) * v.r[0] +
@@ -404,13 +387,12 @@ Trials eq68() {
 
 Trials eq69() {
   return Trials("eq69")
-      .printed(exact([](auto& at) { compareFirstVariation(at, false); }))
-      .corrected(exact([](auto& at) { compareFirstVariation(at, true); }));
+      .printed(exact([](Point& at) { compareFirstVariation(at, false); }))
+      .corrected(exact([](Point& at) { compareFirstVariation(at, true); }));
 }
 
 Trials eq70() {
-  return Trials("eq70").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq70").printed(exact([](Point& at) {
     const auto v = anyVaried(at);
     T left = T(0);
     Poly<T> right;
@@ -425,8 +407,7 @@ Trials eq70() {
 }
 
 Trials eq71() {
-  return Trials("eq71").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq71").printed(exact([](Point& at) {
     const auto v = anyVaried(at);
     const Poly<T> r = anyPoly(at, 2);  // need not vanish at the ends here
     const Poly<T> p = partial(v.L, v.q, 0, true), f = partial(v.L, v.q, 0, false);
@@ -437,8 +418,7 @@ Trials eq71() {
 }
 
 Trials eq72() {
-  return Trials("eq72").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq72").printed(exact([](Point& at) {
     auto robot = anyRobot(at, {kTurn, kTurn});
     robot.tau = robot.zeros();
     robot.qdd = robot.accelerations();  // by virtual work
@@ -448,9 +428,8 @@ Trials eq72() {
 
 Trials invariance() {
   return Trials("invariance")
-      .printed(exact([](auto& at) { compareRotation(at, false); }))
-      .condition(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) { compareRotation(at, false); }))
+      .condition(exact([](Point& at) {
         const Lagrangian<T> L = anyLagrangian(at);
         const T a = at.number(), b = at.number(), c = at.number();
         const auto f = [&](const auto& x) {  // any quadratic change of coordinates
@@ -490,12 +469,11 @@ Trials invariance() {
                              part([](const Jet<T>& y) { return y.derivative.derivative; }));
         at.equal("E_x", eulerLagrange<T>(in_x, x, xd, xdd), VectorX<T>(slope.transpose() * E_q));
       }))
-      .corrected(exact([](auto& at) { compareRotation(at, true); }));
+      .corrected(exact([](Point& at) { compareRotation(at, true); }));
 }
 
 Trials cartesianLocal() {
-  return Trials("cartesian_local").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("cartesian_local").printed(exact([](Point& at) {
     auto robot = anyRobot(at, {kTurn, kTurn, kTurn});
     robot.R[2] = Matrix3<T>::Identity();
     robot.r[2] = Vector3<T>::Zero();

@@ -15,9 +15,8 @@ using recursive::forceProjection;
 using recursive::inertiaProjection;
 
 /// Any distal inertia (symmetric: a link alone or with more links beyond it), any axis, any Xdd_1.
-template <typename At>
-JointProblem<ScalarOf<At>> anyProblem(At& at, bool with_motor = false) {
-  JointProblem<ScalarOf<At>> problem;
+JointProblem<T> anyProblem(Point& at, bool with_motor = false) {
+  JointProblem<T> problem;
   problem.M_2 = at.template symmetric<6>();
   problem.Z = at.vector6();
   problem.Xdd_1 = at.vector6();
@@ -48,8 +47,7 @@ Vector6<T> axisZ() {
 // ---- inertia -----------------------------------------------------------------------------------
 
 Trials eq20() {
-  return Trials("eq20").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq20").printed(exact([](Point& at) {
     const Path<T> one = anyPath(at, Start::kStandstill);
     const Matrix3<T> R = at.rotation();
     const Vector3<T> r = at.vector();
@@ -63,8 +61,7 @@ Trials eq20() {
 }
 
 Trials eq21() {
-  return Trials("eq21").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq21").printed(exact([](Point& at) {
     // a bearing pushes on the shaft at points of its axis, in any direction
     const Vector3<T> p = at.vector(), z = at.vector();
     Force<T> F = Force<T>::zero();
@@ -79,7 +76,7 @@ Trials eq21() {
 }
 
 Trials eq22() {
-  return Trials("eq22").printed(exact([](auto& at) {
+  return Trials("eq22").printed(exact([](Point& at) {
     const auto problem = anyProblem(at);
     at.equal("both sides", -problem.Z.dot(problem.M_2 * problem.Xdd_1),
              axisInertia(problem) * solveJoint(problem).qdd);
@@ -87,7 +84,7 @@ Trials eq22() {
 }
 
 Trials eq23() {
-  return Trials("eq23").printed(exact([](auto& at) {
+  return Trials("eq23").printed(exact([](Point& at) {
     const auto problem = anyProblem(at);
     at.equal("qdd", solveJoint(problem).qdd,
              -(problem.Z.dot(problem.M_2 * problem.Xdd_1)) / axisInertia(problem));
@@ -95,8 +92,7 @@ Trials eq23() {
 }
 
 Trials eq24() {
-  return Trials("eq24").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq24").printed(exact([](Point& at) {
     const auto problem = anyProblem(at);
     const Matrix6<T> M_1 = at.template symmetric<6>();
     const Vector6<T> M_Z = problem.M_2 * problem.Z;
@@ -107,8 +103,7 @@ Trials eq24() {
 }
 
 Trials eq25() {
-  return Trials("eq25").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq25").printed(exact([](Point& at) {
     auto problem = anyProblem(at);
     const T s = at.number();
     const Vector6<T> x = problem.Xdd_1, y = at.vector6();
@@ -121,8 +116,7 @@ Trials eq25() {
 }
 
 Trials eq26() {
-  return Trials("eq26").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq26").printed(exact([](Point& at) {
     const auto problem = anyProblem(at);
     const Matrix6<T> M_1 = at.template symmetric<6>();
     const Vector6<T> M_Z = problem.M_2 * problem.Z;
@@ -134,8 +128,7 @@ Trials eq26() {
 }
 
 Trials eq27() {
-  return Trials("eq27").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq27").printed(exact([](Point& at) {
     const auto problem = anyProblem(at);
     at.equal(
         "force", solveJoint(problem).transmitted,
@@ -144,8 +137,7 @@ Trials eq27() {
 }
 
 Trials eq28() {
-  return Trials("eq28").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq28").printed(exact([](Point& at) {
     const Matrix6<T> P = forceProjection<T>(at.template symmetric<6>(), at.vector6(), T(0));
     at.equal("P P", P * P, P);
   }));
@@ -153,14 +145,12 @@ Trials eq28() {
 
 Trials projectionSkew() {
   return Trials("projection_skew")
-      .printed(both(differs([](auto& at) {
-                      using T = ScalarOf<decltype(at)>;
+      .printed(both(differs([](Point& at) {
                       const Matrix6<T> P =
                           forceProjection<T>(at.template symmetric<6>(), at.vector6(), T(0));
                       at.equal("P' and P", P.transpose(), P);
                     }),
-                    exact([](auto& at) {
-                      using T = ScalarOf<decltype(at)>;
+                    exact([](Point& at) {
                       // M (P' M^-1) M = M P' and M (M^-1 P) M = P M
                       const Matrix6<T> M = at.template symmetric<6>();
                       const Matrix6<T> P = forceProjection<T>(M, at.vector6(), T(0));
@@ -169,8 +159,7 @@ Trials projectionSkew() {
 }
 
 Trials eq29() {
-  return Trials("eq29").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq29").printed(exact([](Point& at) {
     const auto problem = anyProblem(at);
     const Matrix6<T> M_1 = at.template symmetric<6>();
     const Matrix6<T> M_A1 = M_1 + inertiaProjection<T>(problem.M_2, problem.Z, T(0));
@@ -179,8 +168,7 @@ Trials eq29() {
 }
 
 Trials eq30() {
-  return Trials("eq30").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq30").printed(exact([](Point& at) {
     const Matrix6<T> M = at.template symmetric<6>();
     const Vector6<T> Z = at.vector6();
     const Matrix6<T> P = forceProjection<T>(M, Z, T(0));
@@ -191,8 +179,7 @@ Trials eq30() {
 
 Trials heavier() {
   return Trials("heavier").printed(both(
-      exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      exact([](Point& at) {
         const Vector6<T> Z = at.vector6();
         at.zero("P M Z", Vector6<T>(inertiaProjection<T>(at.template symmetric<6>(), Z, T(0)) * Z));
       }),
@@ -208,8 +195,7 @@ Trials heavier() {
 }
 
 Trials eq31() {
-  return Trials("eq31").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq31").printed(exact([](Point& at) {
     const Matrix6<T> M = at.template symmetric<6>();
     Matrix6<T> P = Matrix6<T>::Identity();
     for (int i = 0; i < 6; ++i) P(i, 5) = i < 5 ? -M(i, 5) / M(5, 5) : T(0);
@@ -219,16 +205,14 @@ Trials eq31() {
 
 Trials eq32() {
   return Trials("eq32")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const Matrix6<T> M = at.template symmetric<6>();
         Matrix6<T> printed = M;
         printed.row(5).setConstant(T(0));
         printed.col(5).setConstant(T(0));
         at.equal("P M", inertiaProjection<T>(M, axisZ<T>(), T(0)), printed);
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto problem = [&] {
           auto p = anyProblem(at);
           p.Z = axisZ<T>();
@@ -264,8 +248,7 @@ Trials freeProjection() {
                                                     cost.additions == 15 && cost.divisions == 1,
                                                 cost.text()};
                               }),
-                      exact([](auto& at) {
-                        using T = ScalarOf<decltype(at)>;
+                      exact([](Point& at) {
                         const Matrix6<T> M = at.template symmetric<6>();
                         Matrix6<T> P_M = projectThroughZ<T>(M, T(0), false);
                         at.equal("what was counted", P_M,
@@ -296,8 +279,7 @@ Vector6<T> transmittedThrough(const Matrix6<T>& M, const MatrixX<T>& Z, const Ve
 }
 
 Trials multiDof() {
-  return Trials("multi_dof").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("multi_dof").printed(exact([](Point& at) {
     const Matrix6<T> M = at.template symmetric<6>();
     const MatrixX<T> Z = at.template matrix<6, 2>();
     const Vector6<T> Xdd_1 = at.vector6();
@@ -309,8 +291,7 @@ Trials multiDof() {
 }
 
 Trials sphericalJoint() {
-  return Trials("spherical_joint").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("spherical_joint").printed(exact([](Point& at) {
     MatrixX<T> Z = MatrixX<T>::Constant(6, 3, T(0));
     for (int i = 0; i < 3; ++i) Z(3 + i, i) = T(1);
     const auto body = anyBody(at);
@@ -335,8 +316,7 @@ Trials sphericalJoint() {
 }
 
 Trials gearRatio() {
-  return Trials("gear_ratio").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("gear_ratio").printed(exact([](Point& at) {
     // power that the shaft takes, through the derivative of its kinetic energy
     const T n = at.number(), J = at.number(), qd = at.number(), qdd = at.number();
     const Dual<T> speed = Dual<T>(n) * Dual<T>(qd, qdd);
@@ -345,9 +325,7 @@ Trials gearRatio() {
   }));
 }
 
-template <typename At>
-void rotorForce(At& at, int sign) {
-  using T = ScalarOf<At>;
+void rotorForce(Point& at, int sign) {
   // what qdd follows from (33) with (21) and (20), against the system with the motor's shaft
   auto problem = anyProblem(at, true);
   problem.Z = axisZ<T>();
@@ -359,13 +337,12 @@ void rotorForce(At& at, int sign) {
 
 Trials eq33() {
   return Trials("eq33")
-      .printed(exact([](auto& at) { rotorForce(at, -1); }))
-      .corrected(exact([](auto& at) { rotorForce(at, 1); }));
+      .printed(exact([](Point& at) { rotorForce(at, -1); }))
+      .corrected(exact([](Point& at) { rotorForce(at, 1); }));
 }
 
 Trials eq34() {
-  return Trials("eq34").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq34").printed(exact([](Point& at) {
     const auto problem = anyProblem(at, true);
     const T d = rotorInertia(problem);
     const Vector6<T> M_Z = problem.M_2 * problem.Z;
@@ -376,8 +353,7 @@ Trials eq34() {
 }
 
 Trials eq35() {
-  return Trials("eq35").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq35").printed(exact([](Point& at) {
     const auto problem = anyProblem(at, true);
     at.equal("force that passes", solveJoint(problem).transmitted,
              inertiaProjection<T>(problem.M_2, problem.Z, rotorInertia(problem)) * problem.Xdd_1);
@@ -386,22 +362,19 @@ Trials eq35() {
 
 Trials rotorProjection() {
   return Trials("rotor_projection")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const Matrix6<T> M = at.template symmetric<6>();
         const Matrix6<T> P = forceProjection<T>(M, at.vector6(), at.number());
         at.equal("(28)", P * P, P);
         at.equal("(30)", P * M, P * M * P.transpose());
       }))
-      .condition(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .condition(exact([](Point& at) {
         const Matrix6<T> M = at.template symmetric<6>();
         const Matrix6<T> P = forceProjection<T>(M, at.vector6(), T(0));
         at.equal("(28)", P * P, P);
         at.equal("(30)", P * M, P * M * P.transpose());
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const Matrix6<T> M = at.template symmetric<6>(), one = Matrix6<T>::Identity();
         const Vector6<T> Z = at.vector6(), M_Z = M * Z;
         const T d = at.number(), D = d + Z.dot(M_Z);
@@ -414,16 +387,14 @@ Trials rotorProjection() {
 
 Trials eq36() {
   return Trials("eq36")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const Matrix6<T> M = at.template symmetric<6>();
         const T d = at.number();
         Matrix6<T> P = Matrix6<T>::Identity();
         for (int i = 0; i < 6; ++i) P(i, 5) = i < 5 ? -M(i, 5) / (d + M(5, 5)) : T(0);
         at.equal("P", P, forceProjection<T>(M, axisZ<T>(), d));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const Matrix6<T> M = at.template symmetric<6>();
         const T d = at.number();
         Matrix6<T> P = Matrix6<T>::Identity();
@@ -452,8 +423,7 @@ Trials rotorCost() {
 }
 
 Trials rotorExplicit() {
-  return Trials("rotor_explicit").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("rotor_explicit").printed(exact([](Point& at) {
     auto problem = anyProblem(at, true);
     problem.Z = axisZ<T>();
     const Matrix6<T>& M = problem.M_2;
@@ -470,8 +440,7 @@ Trials rotorExplicit() {
 // ---- acceleration and force --------------------------------------------------------------------
 
 Trials eq37() {
-  return Trials("eq37").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq37").printed(exact([](Point& at) {
     const Path<T> one = anyPath(at, Start::kStandstill);
     const auto joint = anyJointMotion(at, Start::kStandstill);
     const Path<T> two = slid(one, Matrix3<T>(at.rotation()), Vector3<T>(at.vector()), joint);
@@ -486,20 +455,17 @@ Trials eq37() {
 
 Trials eq38() {
   return Trials("eq38")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto problem = anyProblem(at, true);
         const T qdd = problem.Z.dot(problem.M_2 * problem.Xdd_1) / axisInertia(problem);
         at.equal("Xdd_2", solveJoint(problem).Xdd_2, problem.Xdd_1 - problem.Z * qdd);
       }))
-      .condition(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .condition(exact([](Point& at) {
         const auto problem = anyProblem(at);
         const T qdd = problem.Z.dot(problem.M_2 * problem.Xdd_1) / axisInertia(problem);
         at.equal("Xdd_2", solveJoint(problem).Xdd_2, problem.Xdd_1 - problem.Z * qdd);
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto problem = anyProblem(at, true);
         const T D = rotorInertia(problem) + axisInertia(problem);
         const T qdd = problem.Z.dot(problem.M_2 * problem.Xdd_1) / D;
@@ -508,8 +474,7 @@ Trials eq38() {
 }
 
 Trials eq39() {
-  return Trials("eq39").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq39").printed(exact([](Point& at) {
     const auto problem = anyProblem(at, true);
     at.equal(
         "Xdd_2", solveJoint(problem).Xdd_2,
@@ -518,8 +483,7 @@ Trials eq39() {
 }
 
 Trials forceSteps() {
-  return Trials("force_steps").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("force_steps").printed(exact([](Point& at) {
     auto problem = anyProblem(at);
     problem.Xdd_1 = Vector6<T>::Zero();
     problem.applied = at.vector6();
@@ -531,8 +495,7 @@ Trials forceSteps() {
 }
 
 Trials eq40() {
-  return Trials("eq40").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq40").printed(exact([](Point& at) {
     auto problem = anyProblem(at);
     problem.Xdd_1 = Vector6<T>::Zero();
     problem.applied = at.vector6();
@@ -544,8 +507,7 @@ Trials eq40() {
 }
 
 Trials eq41() {
-  return Trials("eq41").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq41").printed(exact([](Point& at) {
     auto problem = anyProblem(at, true);
     problem.Xdd_1 = Vector6<T>::Zero();
     problem.applied = at.vector6();
@@ -555,8 +517,7 @@ Trials eq41() {
 }
 
 Trials naiveForce() {
-  return Trials("naive_force").printed(differs([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("naive_force").printed(differs([](Point& at) {
     auto problem = anyProblem(at);
     problem.Z = axisZ<T>();
     problem.Xdd_1 = Vector6<T>::Zero();

@@ -30,9 +30,7 @@ struct TwoLinks {
   Vector3<T> w() const { return i.omega(); }
 };
 
-template <typename At>
-TwoLinks<ScalarOf<At>> anyTwoLinks(At& at, Joint kind) {
-  using T = ScalarOf<At>;
+TwoLinks<T> anyTwoLinks(Point& at, Joint kind) {
   const Path<T> i = anyPath(at);
   const Matrix3<T> R = at.rotation();
   const Vector3<T> r = at.vector();
@@ -60,9 +58,7 @@ Vector6<T> axis(Joint kind, const Vector3<T>& z) {
 }
 
 /// (48) as printed, for either kind of joint.
-template <typename At>
-void printedAcceleration(At& at, Joint kind) {
-  using T = ScalarOf<At>;
+void printedAcceleration(Point& at, Joint kind) {
   const TwoLinks<T> links = anyTwoLinks(at, kind);
   const Vector3<T> w = links.w();
   const Vector6<T> A = joined<T>(w.cross(w.cross(links.r())), w.cross(links.z()) * links.joint.qd);
@@ -72,8 +68,7 @@ void printedAcceleration(At& at, Joint kind) {
 }
 
 Trials positionRecursion() {
-  return Trials("position_recursion").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("position_recursion").printed(exact([](Point& at) {
     // a revolute joint and a slide: our transforms, and 4 x 4 matrices multiplied
     recursive::LinkModel<T> link;
     std::vector<recursive::JointPosition<T>> x(2);
@@ -104,8 +99,7 @@ Trials positionRecursion() {
 }
 
 Trials eq42() {
-  return Trials("eq42").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq42").printed(exact([](Point& at) {
     const auto links = anyTwoLinks(at, Joint::kRevolute);
     at.equal("v", links.next.velocity().linear,
              Vector3<T>(links.i.velocity().linear + links.w().cross(links.r())));
@@ -113,16 +107,14 @@ Trials eq42() {
 }
 
 Trials eq43() {
-  return Trials("eq43").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq43").printed(exact([](Point& at) {
     const auto links = anyTwoLinks(at, Joint::kRevolute);
     at.equal("w", links.next.omega(), Vector3<T>(links.w() + links.z() * links.joint.qd));
   }));
 }
 
 Trials eq44() {
-  return Trials("eq44").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq44").printed(exact([](Point& at) {
     const auto links = anyTwoLinks(at, Joint::kRevolute);
     at.equal("Xd", links.next.velocity().vector(),
              shiftOfVelocity<T>(links.r()) * links.i.velocity().vector() +
@@ -131,8 +123,7 @@ Trials eq44() {
 }
 
 Trials prismaticVelocity() {
-  return Trials("prismatic_velocity").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("prismatic_velocity").printed(exact([](Point& at) {
     const auto links = anyTwoLinks(at, Joint::kPrismatic);
     at.equal("Xd", links.next.velocity().vector(),
              shiftOfVelocity<T>(links.r()) * links.i.velocity().vector() +
@@ -140,9 +131,7 @@ Trials prismaticVelocity() {
   }));
 }
 
-template <typename At>
-void outwardMatrix(At& at, bool world_axes, bool turned_blocks) {
-  using T = ScalarOf<At>;
+void outwardMatrix(Point& at, bool world_axes, bool turned_blocks) {
   // one rigid link, its velocity at both frames' origins
   const Path<T> path = anyPath(at);
   const Matrix3<T> R_i = world_axes ? Matrix3<T>(Matrix3<T>::Identity()) : at.rotation();
@@ -161,14 +150,13 @@ void outwardMatrix(At& at, bool world_axes, bool turned_blocks) {
 
 Trials eq45() {
   return Trials("eq45")
-      .printed(exact([](auto& at) { outwardMatrix(at, false, false); }))
-      .condition(exact([](auto& at) { outwardMatrix(at, true, false); }))
-      .corrected(exact([](auto& at) { outwardMatrix(at, false, true); }));
+      .printed(exact([](Point& at) { outwardMatrix(at, false, false); }))
+      .condition(exact([](Point& at) { outwardMatrix(at, true, false); }))
+      .corrected(exact([](Point& at) { outwardMatrix(at, false, true); }));
 }
 
 Trials eq46() {
-  return Trials("eq46").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq46").printed(exact([](Point& at) {
     const auto links = anyTwoLinks(at, Joint::kRevolute);
     const Vector3<T> r = links.r(), w = links.w();
     at.equal(
@@ -178,8 +166,7 @@ Trials eq46() {
 }
 
 Trials eq47() {
-  return Trials("eq47").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq47").printed(exact([](Point& at) {
     const auto links = anyTwoLinks(at, Joint::kRevolute);
     at.equal("wd", links.next.alpha(),
              Vector3<T>(links.i.alpha() + links.z() * links.joint.qdd +
@@ -188,14 +175,14 @@ Trials eq47() {
 }
 
 Trials eq48() {
-  return Trials("eq48").printed(exact([](auto& at) { printedAcceleration(at, Joint::kRevolute); }));
+  return Trials("eq48").printed(
+      exact([](Point& at) { printedAcceleration(at, Joint::kRevolute); }));
 }
 
 Trials prismaticAcceleration() {
   return Trials("prismatic_acceleration")
-      .printed(exact([](auto& at) { printedAcceleration(at, Joint::kPrismatic); }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) { printedAcceleration(at, Joint::kPrismatic); }))
+      .corrected(exact([](Point& at) {
         const auto links = anyTwoLinks(at, Joint::kPrismatic);
         const Vector3<T> w = links.w(), none = Vector3<T>::Zero();
         const T two_qd = links.joint.qd + links.joint.qd;
@@ -209,8 +196,7 @@ Trials prismaticAcceleration() {
 
 Trials spatialRecursion() {
   return Trials("spatial_recursion")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto links = anyTwoLinks(at, Joint::kRevolute);
         const auto spatial = [](const Path<T>& path) {
           const Motion<T> v = path.velocity(), a = path.acceleration();
@@ -222,8 +208,7 @@ Trials spatialRecursion() {
                      axis<T>(Joint::kRevolute, links.z()) * links.joint.qdd +
                      joined<T>(w.cross(w.cross(links.r())), w.cross(links.z()) * links.joint.qd));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         for (const Joint kind : {Joint::kRevolute, Joint::kPrismatic}) {
           const auto links = anyTwoLinks(at, kind);
           const auto spatial = [](const Path<T>& path) {
@@ -258,9 +243,7 @@ struct Child {
 
 enum class Loads { kNone, kAll };
 
-template <typename At>
-Child<ScalarOf<At>> anyChild(At& at, Loads loads) {
-  using T = ScalarOf<At>;
+Child<T> anyChild(Point& at, Loads loads) {
   const Vector6<T> none = Vector6<T>::Zero();
   Child<T> child{at.transform(), at.template symmetric<6>(),
                  at.vector6(),   none,
@@ -297,9 +280,7 @@ Vector6<T> neededForce(const Matrix6<T>& M, const Vector6<T>& F_b, const Vector6
   return force;
 }
 
-template <typename At>
-void articulated(At& at, int children) {
-  using T = ScalarOf<At>;
+void articulated(Point& at, int children) {
   const Matrix6<T> M = at.template symmetric<6>();
   const Vector6<T> Xdd = at.vector6(), none = Vector6<T>::Zero();
   std::vector<Child<T>> all;
@@ -313,18 +294,17 @@ void articulated(At& at, int children) {
 }
 
 Trials eq49() {
-  return Trials("eq49").printed(exact([](auto& at) { articulated(at, 1); }));
+  return Trials("eq49").printed(exact([](Point& at) { articulated(at, 1); }));
 }
 
 Trials branches() {
-  return Trials("branches").printed(exact([](auto& at) { articulated(at, 2); }));
+  return Trials("branches").printed(exact([](Point& at) { articulated(at, 2); }));
 }
 
 // (50) is read with F as (52) uses it: tau_i = Z' (F_i + M_Ai Xdd), so F is the force that link i
 // needs beyond M_A Xdd.
-template <typename At, typename Recursion>
-void inward(At& at, const Recursion& recursion) {
-  using T = ScalarOf<At>;
+template <typename Recursion>
+void inward(Point& at, const Recursion& recursion) {
   const Matrix6<T> M = at.template symmetric<6>();
   const Vector6<T> none = Vector6<T>::Zero();
   const Vector6<T> F_b = at.vector6(), F_e = at.vector6();
@@ -335,9 +315,8 @@ void inward(At& at, const Recursion& recursion) {
   recursion(at, child, F_next, F_b, F_e, needed);
 }
 
-const auto printedForce = [](auto& at, const auto& child, const auto& F_next, const auto& F_b,
+const auto printedForce = [](Point& at, const auto& child, const auto& F_next, const auto& F_b,
                              const auto& F_e, const auto& needed) {
-  using T = ScalarOf<decltype(at)>;
   const Vector6<T> passed = forceProjection<T>(child.M, child.Z, child.d) * F_next -
                             child.M * child.Z * (child.tau / child.D());
   at.equal("F_i", needed, child.T_F() * passed + F_b + F_e);
@@ -345,11 +324,10 @@ const auto printedForce = [](auto& at, const auto& child, const auto& F_next, co
 
 Trials eq50() {
   return Trials("eq50")
-      .printed(exact([](auto& at) { inward(at, printedForce); }))
-      .corrected(exact([](auto& at) {
-        inward(at, [](auto& at, const auto& child, const auto& F_next, const auto& F_b,
+      .printed(exact([](Point& at) { inward(at, printedForce); }))
+      .corrected(exact([](Point& at) {
+        inward(at, [](Point& at, const auto& child, const auto& F_next, const auto& F_b,
                       const auto& F_e, const auto& needed) {
-          using T = ScalarOf<decltype(at)>;
           const Vector6<T> passed = forceProjection<T>(child.M, child.Z, child.d) *
                                         Vector6<T>(F_next + child.M * child.A) +
                                     child.M * child.Z * (child.tau / child.D());
@@ -360,10 +338,9 @@ Trials eq50() {
 
 Trials forceSigns() {
   return Trials("force_signs")
-      .printed(exact([](auto& at) {
-        inward(at, [](auto& at, auto child, const auto&, const auto& F_b, const auto& F_e,
+      .printed(exact([](Point& at) {
+        inward(at, [](Point& at, auto child, const auto&, const auto& F_b, const auto& F_e,
                       const auto&) {
-          using T = ScalarOf<decltype(at)>;
           const Vector6<T> none = Vector6<T>::Zero();
           child.A = none;
           const Matrix6<T> any = Matrix6<T>::Zero();  // Xdd = 0: no own inertia needed
@@ -374,10 +351,9 @@ Trials forceSigns() {
           at.equal("F_i", Vector6<T>(-needed), child.T_F() * passed + F_b + F_e);
         });
       }))
-      .corrected(exact([](auto& at) {
-        inward(at, [](auto& at, auto child, const auto&, const auto& F_b, const auto& F_e,
+      .corrected(exact([](Point& at) {
+        inward(at, [](Point& at, auto child, const auto&, const auto& F_b, const auto& F_e,
                       const auto&) {
-          using T = ScalarOf<decltype(at)>;
           const Vector6<T> none = Vector6<T>::Zero();
           child.A = none;
           const Matrix6<T> any = Matrix6<T>::Zero();
@@ -391,8 +367,7 @@ Trials forceSigns() {
 }
 
 Trials torqueReaction() {
-  return Trials("torque_reaction").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("torque_reaction").printed(exact([](Point& at) {
     JointProblem<T> problem;
     problem.M_2 = at.template symmetric<6>();
     problem.Z = at.vector6();
@@ -406,8 +381,7 @@ Trials torqueReaction() {
 }
 
 Trials superposition() {
-  return Trials("superposition").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("superposition").printed(exact([](Point& at) {
     // the whole linear system, link i fixed: each load alone, and all together
     JointProblem<T> problem;
     problem.M_2 = at.template symmetric<6>();
@@ -461,8 +435,7 @@ long transformationsWithoutStore(int n) {
 }
 
 Trials rootChoice() {
-  return Trials("root_choice").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("root_choice").printed(exact([](Point& at) {
     // two free bodies on one joint, all in one frame; forces on both, a joint torque
     const Matrix6<T> M_1 = at.template symmetric<6>(), M_2 = at.template symmetric<6>();
     const Vector6<T> Z = at.vector6(), F_1 = at.vector6(), F_2 = at.vector6();
@@ -486,8 +459,7 @@ Trials rootChoice() {
 
 Trials sharedSubtree() {
   return Trials("shared_subtree")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const Matrix6<T> M_3 = at.template symmetric<6>();
         const Vector6<T> Xdd_1 = at.vector6();
         const Matrix6<T> P_M = inertiaProjection<T>(M_3, at.vector6(), T(0)) +
@@ -496,8 +468,7 @@ Trials sharedSubtree() {
         // qdd_b only for 0
         at.equal("force that passes", M_3 * Xdd_1, P_M * Xdd_1);
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         // Between links 1 and 3 the motion x is along both axes, x = Z_a a = Z_b b, and the joints
         // together do no work on it. Two axes: [Z_a, -Z_b] (a, b) = 0, any two rows.
         const Matrix6<T> M_3 = at.template symmetric<6>();

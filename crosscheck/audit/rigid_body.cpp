@@ -28,8 +28,7 @@ struct Moving {
   }
 };
 
-template <typename At>
-Moving<ScalarOf<At>> anyMoving(At& at, Start start = Start::kMoving) {
+Moving<T> anyMoving(Point& at, Start start = Start::kMoving) {
   const auto path = anyPath(at, start);
   return {path, anyBody(at)};
 }
@@ -66,16 +65,14 @@ VectorX<T> offDiagonal(const Matrix6<T>& M) {
 }
 
 Trials eq15() {
-  return Trials("eq15").printed(exact([](auto& at) {
+  return Trials("eq15").printed(exact([](Point& at) {
     const auto moving = anyMoving(at);
     at.equal("force", moving.force(),
              moving.M() * moving.path.acceleration().vector() + moving.printedBias());
   }));
 }
 
-template <typename At>
-void spatialBias(At& at, const Path<ScalarOf<At>>& path) {
-  using T = ScalarOf<At>;
+void spatialBias(Point& at, const Path<T>& path) {
   const Moving<T> moving{path, anyBody(at)};
   at.equal("force", moving.force(),
            moving.M() * moving.spatialAcceleration().vector() + moving.printedBias());
@@ -83,9 +80,8 @@ void spatialBias(At& at, const Path<ScalarOf<At>>& path) {
 
 Trials eq15Spatial() {
   return Trials("eq15_spatial")
-      .printed(exact([](auto& at) { spatialBias(at, anyPath(at)); }))
-      .condition(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) { spatialBias(at, anyPath(at)); }))
+      .condition(exact([](Point& at) {
         Path<T> path = anyPath(at);
         for (int i = 0; i < 3; ++i) {
           path.p(i).value.derivative = T(0);
@@ -93,8 +89,7 @@ Trials eq15Spatial() {
         }
         spatialBias(at, path);
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto moving = anyMoving(at);
         const PointMasses<T> seen = moving.inWorldAxes();
         const RigidInertia<T> M = seen.inertia();
@@ -108,8 +103,7 @@ Trials eq15Spatial() {
 }
 
 Trials linearInMass() {
-  return Trials("linear_in_mass").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("linear_in_mass").printed(exact([](Point& at) {
     // two bodies on one path, and one path walked twice as fast
     const auto one = anyMoving(at);
     const Moving<T> other{one.path, anyBody(at)};
@@ -130,8 +124,7 @@ Trials linearInMass() {
 
 Trials biasVanishes() {
   return Trials("bias_vanishes")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         // a top that spins about its own axis: the premise F_b = 0 is part of the comparison
         const Matrix3<T> I = diagonal3<T>(at.number(), at.number(), at.number());
         const Vector3<T> w(T(0), T(0), at.number()), h(T(0), T(0), at.number());
@@ -140,8 +133,7 @@ Trials biasVanishes() {
         at.zero("r_c", h);
       }))
       .corrected(both(
-          exact([](auto& at) {
-            using T = ScalarOf<decltype(at)>;
+          exact([](Point& at) {
             // I = any with the eigenvector w: k w w' + what annihilates w
             const Vector3<T> w = at.vector();
             const Matrix3<T> w_hat = skew<T>(w);
@@ -150,8 +142,7 @@ Trials biasVanishes() {
             const Vector3<T> h = w * at.number();
             at.zero("F_b", Force<T>{w.cross(w.cross(h)), w.cross(Vector3<T>(I * w))}.vector());
           }),
-          differs([](auto& at) {
-            using T = ScalarOf<decltype(at)>;
+          differs([](Point& at) {
             const Vector3<T> w = at.vector();
             const Matrix3<T> I = at.template symmetric<3>();
             at.zero("w x I w of any other w", Vector3<T>(w.cross(Vector3<T>(I * w))));
@@ -173,8 +164,7 @@ Trials centripetal() {
 }
 
 Trials eq16() {
-  return Trials("eq16").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq16").printed(exact([](Point& at) {
     const auto body = anyBody(at);
     const Vector3<T> r_c = body.center();
     const Matrix3<T> hat = skew<T>(r_c), I_c = body.inertiaAbout(r_c);
@@ -186,9 +176,7 @@ Trials eq16() {
   }));
 }
 
-template <typename At>
-void aboutCenter(At& at, Start start, bool with_bias) {
-  using T = ScalarOf<At>;
+void aboutCenter(Point& at, Start start, bool with_bias) {
   const auto moving = anyMoving(at, start);
   const Vector3<T> center = moving.body.center();
   const Path<T>& path = moving.path;
@@ -204,14 +192,13 @@ void aboutCenter(At& at, Start start, bool with_bias) {
 
 Trials eq17() {
   return Trials("eq17")
-      .printed(exact([](auto& at) { aboutCenter(at, Start::kMoving, false); }))
-      .condition(exact([](auto& at) { aboutCenter(at, Start::kNotTurning, false); }))
-      .corrected(exact([](auto& at) { aboutCenter(at, Start::kMoving, true); }));
+      .printed(exact([](Point& at) { aboutCenter(at, Start::kMoving, false); }))
+      .condition(exact([](Point& at) { aboutCenter(at, Start::kNotTurning, false); }))
+      .corrected(exact([](Point& at) { aboutCenter(at, Start::kMoving, true); }));
 }
 
 Trials eq18() {
-  return Trials("eq18").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("eq18").printed(exact([](Point& at) {
     // momentum of the point masses under any velocity
     const auto body = anyBody(at);
     const Motion<T> x = at.motion();
@@ -231,8 +218,7 @@ Trials eq18() {
 }
 
 Trials symmetricMass() {
-  return Trials("symmetric_mass").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("symmetric_mass").printed(exact([](Point& at) {
     const auto body = anyBody(at).seenFrom(at.rotation(), at.vector());
     const Matrix6<T> M = massMatrix6(body);
     at.equal("M", M, M.transpose());
@@ -244,8 +230,7 @@ Trials symmetricMass() {
 
 Trials diagonalMass() {
   return Trials("diagonal_mass")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         // a brick: masses at the corners of a box, seen from its middle along its edges
         PointMasses<T> brick;
         const T a = at.number(), b = at.number(), c = at.number(), m = at.number();
@@ -260,8 +245,7 @@ Trials diagonalMass() {
         at.equal("I_xx and I_yy", M(3, 3), M(4, 4));
         at.equal("I_yy and I_zz", M(4, 4), M(5, 5));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const Matrix3<T> I = diagonal3<T>(at.number(), at.number(), at.number());
         at.zero("principal axes",
                 offDiagonal<T>(massMatrix6<T>(at.number(), Vector3<T>::Zero(), I)));
@@ -294,8 +278,7 @@ Trials couplingForce() {
         for (int i = 0; i < 6; ++i)
           at.positive("squared component", acceleration(i) * acceleration(i));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const T m = at.number();
         const Matrix3<T> I = at.template symmetric<3>();
         const Matrix6<T> M_inverse = inverse6<T>(massMatrix6<T>(m, Vector3<T>::Zero(), I));
@@ -315,8 +298,7 @@ Trials couplingAcceleration() {
         const Matrix6<Ball> M = massMatrix6<Ball>(at.number(1, 2), h, I);
         for (int i = 0; i < 6; ++i) at.positive("squared entry of M e_1", M(i, 0) * M(i, 0));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const Matrix6<T> M = massMatrix6(anyBody(at));
         for (int i = 0; i < 3; ++i) {
           at.zero("other forces",
@@ -327,9 +309,7 @@ Trials couplingAcceleration() {
       }));
 }
 
-template <typename At>
-void rotated(At& at, bool same_origin) {
-  using T = ScalarOf<At>;
+void rotated(Point& at, bool same_origin) {
   const auto in_2 = anyBody(at);
   const Matrix3<T> R = at.rotation();
   const Vector3<T> r_12 = same_origin ? Vector3<T>(Vector3<T>::Zero()) : at.vector();
@@ -343,10 +323,9 @@ void rotated(At& at, bool same_origin) {
 
 Trials eq19() {
   return Trials("eq19")
-      .printed(exact([](auto& at) { rotated(at, false); }))
-      .condition(exact([](auto& at) { rotated(at, true); }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) { rotated(at, false); }))
+      .condition(exact([](Point& at) { rotated(at, true); }))
+      .corrected(exact([](Point& at) {
         const auto in_2 = anyBody(at);
         const Matrix3<T> R = at.rotation();
         const Vector3<T> r = at.vector(), h = R * in_2.firstMoment();
@@ -365,8 +344,7 @@ Trials eq19() {
 }
 
 Trials tenParameters() {
-  return Trials("ten_parameters").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("ten_parameters").printed(exact([](Point& at) {
     // any M of point masses is fixed by ten of its entries
     const Matrix6<T> M = massMatrix6(anyBody(at));
     const Vector3<T> h(M(5, 1), M(3, 2), M(4, 0));

@@ -214,10 +214,8 @@ struct Robot {
 enum class Rotors { kNone, kAll };
 
 /// Any robot with these joints, link i on link parent[i] (on the one before it, when left out).
-template <typename At>
-Robot<ScalarOf<At>> anyRobot(At& at, const std::vector<JointKind>& kinds,
-                             Rotors rotors = Rotors::kAll, const std::vector<int>& parents = {}) {
-  using T = ScalarOf<At>;
+inline Robot<T> anyRobot(Point& at, const std::vector<JointKind>& kinds,
+                         Rotors rotors = Rotors::kAll, const std::vector<int>& parents = {}) {
   Robot<T> robot;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     robot.parent.push_back(parents.empty() ? static_cast<int>(i) - 1 : parents[i]);

@@ -7,11 +7,10 @@ namespace dynwitness::audit {
 namespace {
 
 /// A robot whose base is a body of its own and moves.
-template <typename At>
-Robot<ScalarOf<At>> floatingRobot(At& at, const std::vector<JointKind>& kinds) {
-  Robot<ScalarOf<At>> robot = anyRobot(at, kinds);
+Robot<T> floatingRobot(Point& at, const std::vector<JointKind>& kinds) {
+  Robot<T> robot = anyRobot(at, kinds);
   robot.base_body = robot.body[0];
-  for (Vector3<ScalarOf<At>>& place : robot.base_body.r) place = at.vector();
+  for (Vector3<T>& place : robot.base_body.r) place = at.vector();
   robot.base_velocity = at.motion();
   return robot;
 }
@@ -80,8 +79,7 @@ Trial transposeFits(const MatrixX<double>& A_0) {
 
 Trials eq59() {
   return Trials("eq59")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto robot = floatingRobot(at, {kTurn});
         const auto held = anyConstraint<1>(at, 0);
         const MatrixX<T> none(6, 0);
@@ -90,8 +88,7 @@ Trials eq59() {
         const Vector6<T> load = base.F - base.six.fromBase(0).transpose() * (held.A * truth.nu);
         at.equal("M_A,0 Xdd_0", Vector6<T>(base.M_A * truth.a_0), Vector6<T>(-load));
       }))
-      .condition(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .condition(exact([](Point& at) {
         auto robot = floatingRobot(at, {kTurn});
         robot.gravity = Vector3<T>::Zero();
         const auto held = anyConstraint<1>(at, 0);
@@ -102,8 +99,7 @@ Trials eq59() {
         const BaseProblem<T> base(robot, held);
         at.equal("M_A,0 Xdd_0", Vector6<T>(base.M_A * truth.a_0), Vector6<T>(-base.F));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto robot = floatingRobot(at, {kTurn, kSlide});
         const auto held = anyConstraint<1>(at, 1);
         const Floating<T> truth = denseFloating<T>(robot, held, MatrixX<T>(6, 0), VectorX<T>(0));
@@ -125,8 +121,7 @@ Trials eq60() {
 }
 
 Trials baseOptimum() {
-  return Trials("base_optimum").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("base_optimum").printed(exact([](Point& at) {
     const auto robot = floatingRobot(at, {kTurn, kTurn});
     const auto held = anyConstraint<1>(at, 1);
     const MatrixX<T> A_0 = at.template matrix<6, 2>();
@@ -148,9 +143,7 @@ Trials baseOptimum() {
   }));
 }
 
-template <typename At>
-void compareTaskTorques(At& at, bool projected) {
-  using T = ScalarOf<At>;
+void compareTaskTorques(Point& at, bool projected) {
   auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
   robot.tau = robot.zeros();
   robot.gravity = Vector3<T>::Zero();
@@ -169,9 +162,7 @@ void compareTaskTorques(At& at, bool projected) {
 }
 
 /// Whether joint forces leave the task alone, and whether they move the robot.
-template <typename At>
-void compareNullMotion(At& at, const std::vector<JointKind>& kinds, bool moves) {
-  using T = ScalarOf<At>;
+void compareNullMotion(Point& at, const std::vector<JointKind>& kinds, bool moves) {
   auto robot = anyRobot(at, kinds);
   const auto held = anyConstraint<2>(at, static_cast<int>(kinds.size()) - 1);
   const Constrained<T> pushed = denseConstrained<T>(robot, {held});
@@ -206,47 +197,44 @@ MatrixX<T> one(Eigen::Index n) {
 
 Trials taskTorques() {
   return Trials("task_torques")
-      .printed(exact([](auto& at) { compareTaskTorques(at, true); }))
-      .corrected(exact([](auto& at) { compareTaskTorques(at, false); }));
+      .printed(exact([](Point& at) { compareTaskTorques(at, true); }))
+      .corrected(exact([](Point& at) { compareTaskTorques(at, false); }));
 }
 
 Trials nullTorque() {
-  return Trials("null_torque").printed(exact([](auto& at) {
+  return Trials("null_torque").printed(exact([](Point& at) {
     compareNullMotion(at, {kTurn, kSlide, kTurn}, false);
   }));
 }
 
 Trials nullMotion() {
   return Trials("null_motion")
-      .printed(differs([](auto& at) {
+      .printed(differs([](Point& at) {
         compareNullMotion(at, {kTurn, kTurn}, true);
       }))
-      .condition(differs([](auto& at) {
+      .condition(differs([](Point& at) {
         compareNullMotion(at, {kTurn, kSlide, kTurn}, true);
       }))
-      .corrected(exact([](auto& at) {
+      .corrected(exact([](Point& at) {
         compareNullMotion(at, {kTurn, kTurn}, true);
       }));
 }
 
 Trials E0Rank() {
   return Trials("E0_rank")
-      .printed(differs([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(differs([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide}, Rotors::kNone);
         auto held = anyConstraint<6>(at, 1);
         held.A = Matrix6<T>::Identity();
         at.zero("det E_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
       }))
-      .condition(differs([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .condition(differs([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide});
         auto held = anyConstraint<6>(at, 1);
         held.A = Matrix6<T>::Identity();
         at.zero("det E_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
         auto held = anyConstraint<6>(at, 2);
         held.A = Matrix6<T>::Identity();
@@ -259,21 +247,18 @@ Trials E0Rank() {
 
 Trials E0Overconstrained() {
   return Trials("E0_overconstrained")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kTurn});
         const auto held = anyConstraint<6>(at, 1);
         at.zero("det E_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
       }))
       .corrected(
-          both(differs([](auto& at) {
-                 using T = ScalarOf<decltype(at)>;
+          both(differs([](Point& at) {
                  const auto robot = anyRobot(at, {kTurn, kTurn});
                  const auto held = anyConstraint<6>(at, 1);
                  at.zero("det E_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).E_0));
                }),
-               exact([](auto& at) {
-                 using T = ScalarOf<decltype(at)>;
+               exact([](Point& at) {
                  const auto robot = anyRobot(at, {kTurn, kTurn});
                  const auto held = anyConstraint<3>(at, 1);
                  at.zero("det N_0", determinant<T>(carriedInward(SixVectors<T>(robot), held).N_0));
@@ -281,8 +266,7 @@ Trials E0Overconstrained() {
 }
 
 Trials E0Weighted() {
-  return Trials("E0_weighted").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("E0_weighted").printed(exact([](Point& at) {
     auto robot = anyRobot(at, {kTurn, kSlide});
     const auto held = anyConstraint<2>(at, 1);
     const SixVectors<T> six(robot);
@@ -300,8 +284,7 @@ Trials E0Weighted() {
 }
 
 Trials postureControl() {
-  return Trials("posture_control").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("posture_control").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
     const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
     const VectorX<T> wanted = at.template matrix<1, 1>();  // b - Jd qd
@@ -317,8 +300,7 @@ Trials postureControl() {
 }
 
 Trials branchMerge() {
-  return Trials("branch_merge").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("branch_merge").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kTurn, kSlide}, Rotors::kAll, {-1, 0, 0});
     const auto left = anyConstraint<1>(at, 1), right = anyConstraint<1>(at, 2);
     const Swept<T> swept(robot, {left, right});
@@ -333,8 +315,7 @@ Trials branchMerge() {
 }
 
 Trials consistentInverse() {
-  return Trials("consistent_inverse").printed(exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  return Trials("consistent_inverse").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
     const auto held = anyConstraint<2>(at, 2);
     const Task<T> task = taskOf(robot, held);
@@ -356,8 +337,7 @@ Trials consistentInverse() {
 
 Trials plainPseudoInverse() {
   return Trials("plain_pseudo_inverse")
-      .printed(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .printed(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
         const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
         const MatrixX<T> plus =
@@ -366,8 +346,7 @@ Trials plainPseudoInverse() {
                 MatrixX<T>(task.J * task.M_inverse *
                            (one<T>(3) - task.J.transpose() * plus.transpose())));
       }))
-      .corrected(exact([](auto& at) {
-        using T = ScalarOf<decltype(at)>;
+      .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
         const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
         // every right inverse is Jbar + (1 - Jbar J) Y; what it leaves is that of Y alone
@@ -385,8 +364,7 @@ Trials plainPseudoInverse() {
 
 Trials leastKineticEnergy() {
   return Trials("least_kinetic_energy")
-      .printed(both(exact([](auto& at) {
-                      using T = ScalarOf<decltype(at)>;
+      .printed(both(exact([](Point& at) {
                       const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
                       const Task<T> task = taskOf(robot, anyConstraint<1>(at, 2));
                       const VectorX<T> qd = task.Jbar * at.template matrix<1, 1>();

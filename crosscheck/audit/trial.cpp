@@ -33,8 +33,6 @@ std::string whatDiffers(const std::vector<Difference<PrimeField>>& differences) 
   return text;
 }
 
-}  // namespace
-
 Outcome runExact(const ExactStatement& statement, const std::string& name, std::uint64_t seed) {
   Outcome outcome;
   outcome.method = "prime field";
@@ -43,7 +41,7 @@ Outcome runExact(const ExactStatement& statement, const std::string& name, std::
   std::size_t entries = 0;
   {
     const crosscheck::FormulaSizes sizes;
-    Point<FieldSource> point{FieldSource(name, seed, 0)};
+    Point point(FieldSource(name, seed, 0));
     statement(point);
     for (const auto& difference : point.differences()) {
       entries += difference.entries.size();
@@ -58,7 +56,7 @@ Outcome runExact(const ExactStatement& statement, const std::string& name, std::
   int discarded = 0;
   for (std::uint64_t index = 0; outcome.points < needed; ++index) {
     const PrimeField::Modulus modulus(crosscheck::drawPrime(name, seed, index));
-    Point<FieldSource> point{FieldSource(name, seed, index)};
+    Point point(FieldSource(name, seed, index));
     try {
       statement(point);
     } catch (const crosscheck::DivisionByZero&) {
@@ -87,6 +85,20 @@ Outcome opposite(Outcome outcome) {
       outcome.zero ? "differs, as said: " + outcome.residual : "no difference: " + outcome.residual;
   if (outcome.zero) outcome.method = "counterexample";
   return outcome;
+}
+
+}  // namespace
+
+Trial exact(ExactStatement statement) {
+  return [statement = std::move(statement)](const std::string& name, std::uint64_t seed) {
+    return runExact(statement, name, seed);
+  };
+}
+
+Trial differs(ExactStatement statement) {
+  return [same = exact(std::move(statement))](const std::string& name, std::uint64_t seed) {
+    return opposite(same(name, seed));
+  };
 }
 
 Trial both(Trial first, Trial second) {

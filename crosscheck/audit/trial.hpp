@@ -32,6 +32,9 @@ using recursive::Transform;
 using recursive::Vector3;
 using recursive::Vector6;
 
+/// The scalar of exact statements; templates over other scalars (Jet<T>, Ball) have a T of their own.
+using T = PrimeField;
+
 template <typename T>
 using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
 template <typename T>
@@ -48,12 +51,9 @@ struct Difference {
 
     Numbers are drawn one after the other, so the same function draws the same point in every
     arithmetic. */
-template <typename Source>
 class Point {
  public:
-  using Scalar = typename Source::Scalar;
-  using T = Scalar;
-  explicit Point(Source source) : source_(std::move(source)) {}
+  explicit Point(FieldSource source) : source_(std::move(source)) {}
 
   T number() { return source_.element(std::to_string(++drawn_)); }
   Vector3<T> vector() {
@@ -137,18 +137,12 @@ class Point {
   }
 
  private:
-  Source source_;
+  FieldSource source_;
   int drawn_ = 0;
   std::vector<Difference<T>> differences_;
 };
 
-/// The scalar of the point that a statement's function was given.
-template <typename At>
-using ScalarOf = typename std::decay_t<At>::Scalar;
-
-using ExactStatement = std::function<void(Point<FieldSource>&)>;
-Outcome runExact(const ExactStatement& statement, const std::string& name, std::uint64_t seed);
-Outcome opposite(Outcome outcome);
+using ExactStatement = std::function<void(Point&)>;
 
 /** Decides an equation over a prime field: zero at as many random points as make the chance that
     different formulas pass at most 1e-30 (formula_sizes.hpp derives it), or a point where it is not zero.
@@ -156,20 +150,10 @@ Outcome opposite(Outcome outcome);
     @param statement  called as statement(at) with a Point: draws its indeterminates from it,
     computes both sides by roads of their own, and says at.equal("what", left, right) for each
     equation that the statement makes. What the statement assumes is how the point is drawn. */
-template <typename Statement>
-Trial exact(Statement statement) {
-  return [statement = ExactStatement(statement)](const std::string& name, std::uint64_t seed) {
-    return runExact(statement, name, seed);
-  };
-}
+Trial exact(ExactStatement statement);
 
 /// The opposite of exact(): the sides are said to differ, and one point where they do proves it.
-template <typename Statement>
-Trial differs(Statement statement) {
-  return [same = exact(statement)](const std::string& name, std::uint64_t seed) {
-    return opposite(same(name, seed));
-  };
-}
+Trial differs(ExactStatement statement);
 
 /// Both: the first that fails decides.
 Trial both(Trial first, Trial second);

@@ -84,9 +84,7 @@ enum class Start { kMoving, kNotTurning, kStandstill };
 
 /// Any motion, to second order in time: a rational rotation of a quaternion that is any function of
 /// time.
-template <typename At>
-Path<ScalarOf<At>> anyPath(At& at, Start start = Start::kMoving) {
-  using T = ScalarOf<At>;
+inline Path<T> anyPath(Point& at, Start start = Start::kMoving) {
   const auto draw = [&](bool moving) {
     const T x = at.number();
     const T xd = moving ? at.number() : T(0);
@@ -98,7 +96,7 @@ Path<ScalarOf<At>> anyPath(At& at, Start start = Start::kMoving) {
   };
   const Jet<T> w = draw(start == Start::kMoving);
   const Vector3<Jet<T>> u = drawVector(start == Start::kMoving);
-  return {At::template rotationOf<Jet<T>>(w, u), drawVector(start != Start::kStandstill)};
+  return {Point::rotationOf<Jet<T>>(w, u), drawVector(start != Start::kStandstill)};
 }
 
 /// A joint coordinate with its rates.
@@ -106,9 +104,7 @@ template <typename T>
 struct JointMotion {
   T q, qd, qdd;
 };
-template <typename At>
-JointMotion<ScalarOf<At>> anyJointMotion(At& at, Start start = Start::kMoving) {
-  using T = ScalarOf<At>;
+inline JointMotion<T> anyJointMotion(Point& at, Start start = Start::kMoving) {
   const T q = at.number(), qd = start == Start::kMoving ? at.number() : T(0);
   return {q, qd, at.number()};
 }
@@ -187,9 +183,8 @@ struct PointMasses {
   }
 };
 
-template <typename At>
-PointMasses<ScalarOf<At>> anyBody(At& at) {
-  PointMasses<ScalarOf<At>> body;
+inline PointMasses<T> anyBody(Point& at) {
+  PointMasses<T> body;
   for (int k = 0; k < 4; ++k) {
     body.m.push_back(at.number());
     body.r.push_back(at.vector());
