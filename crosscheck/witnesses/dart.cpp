@@ -407,6 +407,7 @@ class DartWitness : public Witness, public FileReader {
   std::string name_ = kName;
   JointFriction friction_;
   EngineBound bound_;
+  bool own_file_ = false;
   SkeletonPtr skeleton_;
   bool has_rotors_ = false;
   std::vector<BodyNode*> links_;  ///< one a scene link; null: the world

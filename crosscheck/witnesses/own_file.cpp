@@ -32,7 +32,7 @@ std::vector<std::string> readersOfOwnFile(const PreparedScene& scene,
     if (kind.info.convention("reads").rfind("URDF", 0) != 0) continue;
     const MadeWitness made = kind.make(scene.tree());
     if (made.isRefused()) continue;
-    const auto* reader = dynamic_cast<const FileReader*>(made->get());
+    const auto* reader = dynamic_cast<const FileReader*>((*made).get());
     if (reader != nullptr && reader->readsOwnFile()) names.push_back(kind.info.name);
   }
   return names;
