@@ -67,7 +67,6 @@ class Comparison {
     check_.quantity = quantity;
     check_.statement = std::move(statement);
     check_.left = kRereading;
-    check_.right = "scene";
   }
 
   void add(int state, int subject, const char* part, const char* unit, const Real& file,
@@ -424,7 +423,6 @@ CheckResult cannotBeCompared(const std::string& statement, const std::string& re
   check.quantity = kPlacements;
   check.statement = statement;
   check.left = kRereading;
-  check.right = "scene";
   check.states = 1;
   check.ratio = std::numeric_limits<double>::infinity();
   check.seed = seed;

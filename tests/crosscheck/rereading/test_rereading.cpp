@@ -247,7 +247,7 @@ const std::vector<Plant> kPlants = {
      "masses: link 'upper'"},
     {"a/b*c as a/(b*c)", kArm,
      [](auto& s) { link(s, "upper").inertia.mass = number("1 + a/(b*c)"); },
-     "masses: link 'upper': mass"},
+     "masses: link 'upper'"},
     {"a-b+c as a-(b+c)", kArm,
      [](auto& s) { s.mechanism.parameters[3].value = number("a - (b + c)"); },
      "placements: link 'upper': z"},
@@ -293,7 +293,7 @@ const std::vector<Plant> kPlants = {
      "masses: link 'upper'"},
     {"products of URDF with the other sign", kUrdf,
      [](auto& s) { link(s, "upper").inertia.xy = negative(link(s, "upper").inertia.xy); },
-     "masses: link 'upper': Ixy"},
+     "masses: link 'upper'"},
     {"the axis that URDF leaves out as z", kUrdf,
      [](auto& s) {
        link(s, "fore").joint.axis = {0, 0, 1};
