@@ -29,6 +29,7 @@
 #include "crosscheck/system/gnuplot.hpp"
 #include "crosscheck/system/processes.hpp"
 #include "crosscheck/system/shell.hpp"
+#include "crosscheck/verdicts/check_reading.hpp"
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
@@ -93,6 +94,47 @@ std::string reproduce(const Arguments& arguments) {
   return command;
 }
 
+/// On each card, whose words the witness computes from.
+void sayWhatIsRead(std::vector<WitnessInfo>& witnesses) {
+  for (WitnessInfo& witness : witnesses) {
+    if (!witness.convention("reads").empty() || witness.name == "table") continue;
+    const std::string line = "reads: the scene, as dynwitness has read it from the file";
+    witness.conventions = line + (witness.conventions.empty() ? "" : "\n" + witness.conventions);
+  }
+}
+
+/// What of the scenes was read a second time, and who read a file of the user's own.
+void printReading(const CrosscheckResult& result) {
+  int again = 0, off = 0;
+  std::map<std::string, int> not_read;   // scenes, by reason
+  std::map<std::string, int> of_others;  // by who read the file itself
+  for (const SceneResult& scene : result.scenes) {
+    bool is_again = false, is_off = false;
+    for (const CheckResult& check : scene.checks) {
+      if (check.law != kReading) continue;
+      if (check.asksNothing()) {
+        ++not_read[check.reason];
+        continue;
+      }
+      is_again = true;
+      is_off = is_off || check.verdict == Verdict::kDisagree;
+      if (const std::string who = whoReads(check); !who.empty()) ++of_others[who];
+    }
+    again += is_again ? 1 : 0;
+    off += is_off ? 1 : 0;
+  }
+  fmt::print(
+      "\nreading: the text of {} of {} scene{} was read, placed and weighed a second time, {}",
+      again, result.scenes.size(), result.scenes.size() == 1 ? "" : "s",
+      off > 0     ? fmt::format("{} DISAGREE", off)
+      : again > 0 ? "and agrees"
+                  : "so nobody but the readers of scenes vouches for it");
+  for (const auto& [who, scenes] : of_others)
+    fmt::print("\n  {} scene{}: {}", scenes, scenes == 1 ? "" : "s", who);
+  for (const auto& [reason, scenes] : not_read)
+    fmt::print("\n  {} scene{}: {}", scenes, scenes == 1 ? "" : "s", reason);
+}
+
 void printTable(const CrosscheckResult& result) {
   fmt::print("{}\n{}\n\n", result.headline(), result.controlLine());
   fmt::print("{:<30} {:>4} {:>6} {:>7}  {:<15} {}\n", "scene", "dof", "links", "checks", "verdict",
@@ -125,6 +167,7 @@ void printTable(const CrosscheckResult& result) {
     std::map<std::string, std::string> refused_by;  // names, by reason
     for (const CheckResult& check : scene.checks) {
       if (check.verdict == Verdict::kAgree) continue;
+      if (check.law == kReading && check.asksNothing()) continue;  // printReading() tells
       if (check.asksNothing()) {
         std::string& names = refused_by[check.reason];
         names += (names.empty() ? "" : ", ") + check.left;
@@ -137,6 +180,7 @@ void printTable(const CrosscheckResult& result) {
     for (const auto& [reason, names] : refused_by)
       fmt::print("\n{}: not answerable by {}: {}", scene.name, names, reason);
   }
+  printReading(result);
   for (const CrosscheckResult::KnownLoss& loss : result.knownLosses())
     fmt::print("\nknown loss of {}, {} scene{}; worst in {}\n  cause: {}\n  remedy: {}\n",
                loss.witness->name, loss.scenes, loss.scenes == 1 ? "" : "s", loss.worst->text,
@@ -253,6 +297,8 @@ int run(const Arguments& arguments) {
     libraries.push_back({kind.info.name, kind.info.version});
   }
   result.witnesses.push_back({"table", DYNWITNESS_VERSION, "published numbers in data/reference"});
+  result.witnesses.push_back(rereadingInfo(DYNWITNESS_VERSION));
+  sayWhatIsRead(result.witnesses);
   std::vector<Chart> charts;
   {
     const int count = static_cast<int>(scenes.size());

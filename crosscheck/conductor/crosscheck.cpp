@@ -18,9 +18,11 @@
 #include "crosscheck/system/processes.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
+#include "crosscheck/verdicts/check_reading.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/control.hpp"
 #include "crosscheck/verdicts/tables.hpp"
+#include "crosscheck/witnesses/own_file.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
@@ -87,8 +89,11 @@ SceneResult exactly(const PreparedScene& scene, const std::vector<WitnessKind>& 
   return result;
 }
 
-SceneResult byTables(const PreparedScene& scene, const std::vector<WitnessKind>& kinds) {
+/// Against what is no witness of dynamics: the scene's own file, and published numbers.
+SceneResult byTables(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
+                     const Options& options) {
   SceneResult result;
+  result.checks = checkReading(scene, options.seed, readersOfOwnFile(scene, kinds));
   for (const std::filesystem::path& table : bundledTables()) {
     if (!isAbout(table, scene.scene())) continue;
     append(result.checks, compareWithTable(table, scene, kinds));
@@ -114,7 +119,7 @@ SceneResult crosscheckPart(const PreparedScene& scene, const std::vector<Witness
     case Part::kExact:
       return exactly(scene, kinds, options, plan);
     case Part::kTables:
-      return byTables(scene, kinds);
+      return byTables(scene, kinds, options);
   }
   return {};
 }
@@ -170,6 +175,9 @@ SceneResult assembled(const PreparedScene& scene, std::vector<SceneResult> parts
   for (const std::vector<Finding>& more : {witnesses.findings, openStart(scene)})
     result.findings.insert(result.findings.end(), more.begin(), more.end());
   append(result.checks, std::move(tables.checks));
+  for (const std::vector<Finding>& more : {findReadingFaults(result.name, result.checks),
+                                           findTableDisputes(result.name, result.checks)})
+    result.findings.insert(result.findings.end(), more.begin(), more.end());
   result.controls = joinedControls({witnesses.controls, exact.controls, tables.controls});
   if (result.drift) {
     result.checks.push_back(checkDrift(scene, *result.drift));

@@ -44,11 +44,19 @@ std::string badge(Verdict verdict, const std::string& word) {
 
 std::string quantityWords(const std::string& quantity) {
   static const std::map<std::string, const char*> kWords = {
-      {"M", "M, mass matrix"},          {"c", "c, velocity products"},
-      {"g", "g, gravity and springs"},  {"tau", "tau, inverse dynamics"},
-      {"qdd", "qdd, forward dynamics"}, {"energy", "energy along simulated motion"},
-      {"kinetic", "kinetic energy"},    {"potential", "potential energy"},
-      {"momentum", "momentum"},         {"reactions", "reactions"},
+      {"M", "M, mass matrix"},
+      {"c", "c, velocity products"},
+      {"g", "g, gravity and springs"},
+      {"tau", "tau, inverse dynamics"},
+      {"qdd", "qdd, forward dynamics"},
+      {"energy", "energy along simulated motion"},
+      {"kinetic", "kinetic energy"},
+      {"potential", "potential energy"},
+      {"momentum", "momentum"},
+      {"reactions", "reactions"},
+      {"placements", "placements, read a second time"},
+      {"masses", "masses, read a second time"},
+      {"numbers", "other numbers, read a second time"},
   };
   const auto found = kWords.find(quantity);
   return found != kWords.end() ? found->second : quantity.empty() ? "other" : quantity;

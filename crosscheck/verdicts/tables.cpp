@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/motion/pendulum_period.hpp"
+#include "crosscheck/verdicts/check_reading.hpp"
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
 
@@ -420,6 +421,62 @@ class TableComparison {
 std::vector<CheckResult> compareWithTable(const fs::path& file, const PreparedScene& scene,
                                           const std::vector<WitnessKind>& kinds) {
   return TableComparison(file, scene).with(kinds);
+}
+
+namespace {
+
+/// What the reading of the scene's file is worth, as a clause.
+std::string wordsOnReading(const std::vector<CheckResult>& checks) {
+  int agree = 0;
+  for (const CheckResult& check : checks) {
+    if (check.law != kReading) continue;
+    if (check.verdict == Verdict::kDisagree)
+      return "the reading: the file, read a second time, says otherwise than the scene";
+    agree += check.verdict == Verdict::kAgree ? 1 : 0;
+  }
+  return agree > 0
+             ? "the table, or the figures in the scene's file, which were read twice and came "
+               "out the same"
+             : "the table, or the reading of the scene's file, which all witnesses share";
+}
+
+}  // namespace
+
+std::vector<Finding> findTableDisputes(const std::string& scene_name,
+                                       const std::vector<CheckResult>& checks) {
+  struct Dispute {
+    std::string title, quantity;
+    int witnesses = 0, against = 0;
+  };
+  std::vector<Dispute> disputes;
+  for (const CheckResult& check : checks) {
+    if (check.kind != CheckKind::kTable || check.verdict == Verdict::kNotAnswerable) continue;
+    auto at = std::find_if(disputes.begin(), disputes.end(), [&](const Dispute& known) {
+      return known.title == check.statement && known.quantity == check.quantity;
+    });
+    if (at == disputes.end()) at = disputes.insert(at, {check.statement, check.quantity});
+    ++at->witnesses;
+    at->against += check.verdict == Verdict::kDisagree ? 1 : 0;
+  }
+  std::vector<Finding> findings;
+  for (const Dispute& dispute : disputes) {
+    const bool among_themselves =
+        std::any_of(checks.begin(), checks.end(), [&](const CheckResult& check) {
+          return check.kind == CheckKind::kSame && check.quantity == dispute.quantity &&
+                 check.verdict == Verdict::kDisagree;
+        });
+    // of one witness nobody knows whether others would agree with it
+    if (dispute.witnesses < 2 || dispute.against < dispute.witnesses || among_themselves) continue;
+    Finding finding;
+    finding.scene = scene_name;
+    finding.quantity = dispute.quantity;
+    finding.witness = "table";
+    finding.text = fmt::format(
+        "{}: {}: {} witnesses agree with each other and stand against the table '{}'; wrong is {}",
+        scene_name, dispute.quantity, dispute.witnesses, dispute.title, wordsOnReading(checks));
+    findings.push_back(finding);
+  }
+  return findings;
 }
 
 }  // namespace dynwitness::crosscheck

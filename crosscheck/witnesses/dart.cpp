@@ -19,6 +19,7 @@
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/own_file.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -90,24 +91,26 @@ Vector3d rotationVector(const scene::JointPosition<double>* q) {
           static_cast<double>(scale * z)};
 }
 
-SkeletonPtr loaded(const scene::Scene& scene) {
+SkeletonPtr loaded(const std::string& urdf) {
   using dart::utils::DartLoader;
   // it warns of each link without mass, and says which names it gives to the joints put in here
   const Hushed hushed;
   // DART's defaults are a root that floats, and 1 kg for a link without <inertial>
   const dart::dynamics::Inertia none(0, Vector3d::Zero(), Eigen::Matrix3d::Zero());
   DartLoader loader(DartLoader::Options(nullptr, DartLoader::RootJointType::FIXED, none));
-  SkeletonPtr skeleton = loader.parseSkeletonString(scene::urdfForEngines(told(scene)), "");
+  SkeletonPtr skeleton = loader.parseSkeletonString(urdf, "");
   if (!skeleton) throw std::runtime_error("DART does not read the URDF: " + hushed.text());
   return skeleton;
 }
 
-class DartWitness : public Witness {
+class DartWitness : public Witness, public FileReader {
  public:
   explicit DartWitness(const PreparedScene& scene)
-      : friction_(scene.mechanism()),
-        bound_(scene, 1, Attitude::kRotationVector),
-        skeleton_(loaded(scene.scene())) {
+      : friction_(scene.mechanism()), bound_(scene, 1, Attitude::kRotationVector) {
+    const scene::Scene told_scene = told(scene.scene());
+    const std::string urdf = scene::urdfForEngines(told_scene);
+    own_file_ = isOwnFile(urdf, told_scene);
+    skeleton_ = loaded(urdf);
     const scene::Mechanism& mechanism = scene.mechanism();
     requirePlainRotors(mechanism);
     const RealNumbers<double> number(mechanism);
@@ -125,6 +128,7 @@ class DartWitness : public Witness {
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
+  bool readsOwnFile() const override { return own_file_; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), bound_(quantity, state)};
@@ -403,6 +407,7 @@ class DartWitness : public Witness {
   std::string name_ = kName;
   JointFriction friction_;
   EngineBound bound_;
+  bool own_file_ = false;
   SkeletonPtr skeleton_;
   bool has_rotors_ = false;
   std::vector<BodyNode*> links_;  ///< one a scene link; null: the world
@@ -412,7 +417,8 @@ class DartWitness : public Witness {
 };
 
 constexpr const char* kConventions =
-    "reads: the URDF itself, parsed by urdfdom into doubles and quaternions, geometry left out\n"
+    "reads: URDF, parsed by urdfdom into doubles and quaternions: the user's own file, without "
+    "geometry, where the scene is one, otherwise one written from the scene\n"
     "its defaults, not used: a root that floats, 1 kg for a link without <inertial>\n"
     "spatial vectors: angular part first, link axes, about the link's origin\n"
     "inertia: mass, centre of mass, the six moments about it\n"

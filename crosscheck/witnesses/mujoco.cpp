@@ -15,6 +15,7 @@
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/own_file.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -189,7 +190,7 @@ int idOf(const mjModel* model, mjtObj kind, const std::string& name) {
 
 // -------------------------------------------------------------------------------- witness
 
-class MujocoWitness : public Witness {
+class MujocoWitness : public Witness, public FileReader {
  public:
   MujocoWitness(const PreparedScene& prepared, Inertias inertias)
       : name_(nameOf(inertias)),
@@ -215,9 +216,11 @@ class MujocoWitness : public Witness {
                      : mjcf(mechanism, inertialsTold(bodies, inertias, with_placeholders));
     };
     const std::string first = file(false);  // what cannot be written is refused here
+    own_file_ = by_urdf && isOwnFile(first, told(scene, bodies, inertias, false));
     try {
       model_ = loaded(first);
     } catch (const std::runtime_error&) {
+      own_file_ = false;
       model_ = loaded(file(true));
       for (std::size_t i = 0; i < bodies.size(); ++i) was_read[i] = !isRefused(bodies[i]);
     }
@@ -242,6 +245,7 @@ class MujocoWitness : public Witness {
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
+  bool readsOwnFile() const override { return own_file_; }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), bound_(quantity, state)};
@@ -640,6 +644,7 @@ class MujocoWitness : public Witness {
   struct Sweeps {
     std::unique_ptr<Witness> inverse, forward;
   };
+  bool own_file_ = false;
   std::optional<Sweeps> written_, compiled_;  ///< of `mujoco` only
   MujocoOwned<mjModel> model_;
   MujocoOwned<mjData> data_;
@@ -655,7 +660,8 @@ class MujocoWitness : public Witness {
 /// The convention card.
 std::string conventions(Inertias inertias) {
   std::string card =
-      "reads: the URDF itself, parsed by MuJoCo; geometry left out, fixed joints kept "
+      "reads: URDF, parsed by MuJoCo: the user's own file, without geometry, where the scene is one and "
+      "MuJoCo takes it, otherwise one written from the scene; fixed joints kept "
       "(fusestatic=false), nothing bounded, balanced or inferred; MJCF where a joint is "
       "cylindrical, universal, planar, spherical or floating, inertias then in link axes or in "
       "the principal ones\n"

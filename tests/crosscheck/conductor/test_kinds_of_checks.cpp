@@ -23,6 +23,7 @@
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
+#include "crosscheck/verdicts/check_reading.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/digits.hpp"
 #include "crosscheck/verdicts/identity_tallies.hpp"
@@ -137,6 +138,14 @@ std::set<std::string> redByANegativeMass() {
          {&link.inertia.mass, &link.inertia.xx, &link.inertia.yy, &link.inertia.zz})
       *number = times(*number, "(-1)");
   return red(checkIdentities(scene, few(2)));
+}
+
+/// A scene that its file does not say.
+std::set<std::string> redByAnotherReading() {
+  scene::Scene scene = scene::findScene("puma_560");
+  for (scene::Link& link : scene.mechanism.links)
+    link.joint.placement.alpha = times(link.joint.placement.alpha, "(-1)");
+  return red(checkReading(scene, 1));
 }
 
 /// A motion in which gravity pulls upwards, with the energy of one in which it pulls down.
@@ -345,6 +354,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_check_that_a_report_holds_has_a_plant_that_tu
   std::set<std::string> red = redByAWitnessThatIsOff();
   add(red, redByAWrongPeriod());
   add(red, redByANegativeMass());
+  add(red, redByAnotherReading());
   add(red, redByAWrongMotion());
   add(red, redByASideThatIsOff());
   for (const char* name :
