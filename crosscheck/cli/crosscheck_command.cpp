@@ -116,6 +116,10 @@ void printReading(const CrosscheckResult& result) {
         ++not_read[check.reason];
         continue;
       }
+      if (check.verdict == Verdict::kNotAnswerable) {
+        ++not_read[check.reason];
+        continue;
+      }
       is_again = true;
       is_off = is_off || check.verdict == Verdict::kDisagree;
       if (const std::string who = whoReads(check); !who.empty()) ++of_others[who];

@@ -53,8 +53,7 @@ std::string wordsOf(const EnclosedMode& mode) {
       out += fmt::format(", damping ratio {:.4g}", -re / std::abs(mode.value));
     return out;
   }
-  if (std::abs(re) <= mode.radius_re)
-    return mode.radius_re == 0 ? "neither grows nor fades" : "0 within its radius";
+  if (std::abs(re) <= mode.radius_re) return mode.radius_re == 0 ? "drifts" : "0 within its radius";
   return re < 0 ? fmt::format("fades, time constant {:.6g} s", -1 / re)
                 : fmt::format("grows, doubles in {:.6g} s", std::log(2) / re);
 }
@@ -122,6 +121,9 @@ int run(const Arguments& arguments) {
   const LinearizationOptions& options = arguments.options;
   if (options.seeks_equilibrium && !options.qd.empty())
     throw scene::InputError({}, "--rates with --equilibrium, allowed: one of them");
+  if (options.seeks_equilibrium && options.has_no_forces)
+    throw scene::InputError({},
+                            "--free with --equilibrium, which seeks none, allowed: one of them");
   std::optional<Progress> progress(std::in_place, 2, 1.0);
   progress->stage("linearization of " + scene.name);
   const Linearization at = linearize(scene, options);
@@ -145,8 +147,8 @@ int run(const Arguments& arguments) {
   for (Eigen::Index i = 0; i < n; ++i)
     tau.push_back(std::abs(at.tau.value(i)) <= at.tau.bound(i) ? 0 : at.tau.value(i));
   fmt::print("tau          {:.10g}\n", fmt::join(tau, ", "));
-  if ((at.qdd.value.cwiseAbs().array() > at.qdd.bound.array()).any())
-    fmt::print("qdd          {:.10g}   it does not stay there: modes are those of the moment\n",
+  if (!at.rests)
+    fmt::print("qdd          {:.10g}   it does not stay there: A and its modes are of the moment\n",
                fmt::join(at.qdd.value.data(), at.qdd.value.data() + at.qdd.value.size(), ", "));
   if (n <= kMostShown) {
     print("dqdd/dq", "", at.A.value.bottomLeftCorner(n, n));
@@ -171,6 +173,7 @@ int run(const Arguments& arguments) {
               {"B", toJson(at.B)},
               {"actuated", actuated},
               {"reached_dimension", at.reached},
+              {"rests", at.rests},
               {"stability", name(at.stability)},
               {"modes", Json::array()}};
     for (const EnclosedMode& mode : at.modes.modes) {
@@ -178,6 +181,7 @@ int run(const Arguments& arguments) {
                {"im", mode.value.imag()},
                {"radius_re", toJson(mode.radius_re)},
                {"radius_im", toJson(mode.radius_im)},
+               {"is_real", mode.is_real},
                {"is_simple", at.modes.are_simple}};
       if (mode.right.size() > 0) {
         one["vector_re"] = std::vector<double>();

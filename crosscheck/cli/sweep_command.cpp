@@ -79,8 +79,11 @@ void printInward(const ShownSweep& sweep, const ShownLink& link) {
   for (std::size_t k = 0; k < link.rates.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const auto at = static_cast<Eigen::Index>(link.first_rate) + i;
-    fmt::print("    tau {} = Z'f {:.6g} + rotor {:.6g} + springs, friction {:.6g} = {:.10g}\n",
-               link.rates[k], link.Z_f(i), link.rotor(i) + 0.0, link.passive(i) + 0.0,
+    const std::string gyroscopic =
+        link.gyroscopic(i) == 0 ? ""
+                                : fmt::format(" + gyroscopic rotor {:.6g}", link.gyroscopic(i));
+    fmt::print("    tau {} = Z'f {:.6g} + rotor {:.6g}{} + springs, friction {:.6g} = {:.10g}\n",
+               link.rates[k], link.Z_f(i), link.rotor(i) + 0.0, gyroscopic, link.passive(i) + 0.0,
                sweep.tau(at));
     std::string terms;
     for (Eigen::Index j = 0; j < sweep.M.cols(); ++j)
@@ -88,12 +91,7 @@ void printInward(const ShownSweep& sweep, const ShownLink& link) {
         terms += fmt::format("{}{:.6g} qdd_{}", terms.empty() ? "" : " + ", sweep.M(at, j), j + 1);
     fmt::print("      Lagrange: {} + c {:.6g} + g {:.6g}{} = {:.10g}\n",
                terms.empty() ? "0" : terms, sweep.c(at), sweep.g(at),
-               sweep.lagrange(at) == sweep.M.row(at).dot(Eigen::Map<const Eigen::VectorXd>(
-                                         sweep.state.qdd.data(), sweep.M.cols())) +
-                                         sweep.c(at) + sweep.g(at)
-                   ? ""
-                   : " + friction - loads",
-               sweep.lagrange(at));
+               sweep.has_more ? " + friction - loads" : "", sweep.lagrange(at));
   }
 }
 
@@ -248,8 +246,8 @@ Run addSweep(CLI::App* command) {
   command->footer(
       "Example:\n"
       "  dynwitness sweep double_pendulum --state 0.3,0.4 --rates 1,2 --accelerations 0.5,-0.5\n"
-      "What is shown is what the sweeps themselves have computed; whether they are right is what "
-      "crosscheck\nasks.");
+      "v, a, f, M_C and M_A are what the sweeps themselves have computed, D, P and P M_A are made of "
+      "M_A;\nwhether they are right is what crosscheck asks.");
   return [arguments] { return run(*arguments); };
 }
 

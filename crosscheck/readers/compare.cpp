@@ -377,6 +377,8 @@ struct Plain {
 Plain plainOf(const scene::Urdf& urdf, bool is_mjcf, const std::filesystem::path& file) {
   std::vector<std::string> lost;
   std::string text = is_mjcf ? scene::writeSceneMjcf(urdf.scene, &lost) : plainUrdf(urdf);
+  if (!lost.empty())
+    throw scene::InputError({file.string(), 0}, "cannot be written whole: " + lost.front());
   FileParts parts = readParts(text, file);
   return {std::move(text), std::move(parts),
           is_mjcf

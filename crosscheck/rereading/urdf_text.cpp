@@ -111,21 +111,34 @@ Joint jointOf(const Xml* xml) {
   return out;
 }
 
-/// The first of these elements in a transmission, its joint or its actuator.
+/// The last of these elements in a transmission, its joints or its actuators.
 const Xml* inside(const Xml* transmission, const char* kind) {
-  if (const Xml* found = transmission->FirstChildElement(kind)) return found;
-  for (const char* part : {"joint", "actuator"})
-    for (const Xml* e = transmission->FirstChildElement(part); e != nullptr;
-         e = e->NextSiblingElement(part))
-      if (const Xml* found = e->FirstChildElement(kind)) return found;
-  return nullptr;
+  const Xml* last = nullptr;
+  for (const Xml* e = transmission->FirstChildElement(); e != nullptr;
+       e = e->NextSiblingElement()) {
+    const std::string name = e->Value();
+    if (name == kind) last = e;
+    if (name == "joint" || name == "actuator")
+      for (const Xml* found = e->FirstChildElement(kind); found != nullptr;
+           found = found->NextSiblingElement(kind))
+        last = found;
+  }
+  return last;
+}
+/// The last joint that a transmission names.
+const Xml* jointMovedBy(const Xml* transmission) {
+  const Xml* last = nullptr;
+  for (const Xml* e = transmission->FirstChildElement("joint"); e != nullptr;
+       e = e->NextSiblingElement("joint"))
+    last = e;
+  return last;
 }
 
 /// Rotors, as Drake writes them.
 void readTransmission(const Xml* xml, const std::unordered_map<std::string, Joint*>& joints) {
   const Xml* inertia = inside(xml, "drake:rotor_inertia");
   if (inertia == nullptr) return;
-  const auto found = joints.find(attribute(xml->FirstChildElement("joint"), "name"));
+  const auto found = joints.find(attribute(jointMovedBy(xml), "name"));
   if (found == joints.end()) throw std::runtime_error("a transmission of no joint");
   Joint& joint = *found->second;
   if (joint.kind != "revolute" && joint.kind != "prismatic") return;

@@ -107,18 +107,31 @@ Eigen::VectorXcd shapeOf(ComplexMatrix& R, Eigen::Index k, Eigen::Index n) {
 double reach(ComplexMatrix& L, Eigen::Index k, ComplexMatrix& B, Eigen::Index column,
              Eigen::Index n) {
   Complex sum;
-  double l = 0, b = 0;
+  mag_t l, b, one;
+  for (mag_ptr x : {l, b, one}) mag_init(x);
   for (Eigen::Index i = 0; i < n; ++i) {
     acb_addmul(sum.get(), L(k, i), B(i, column), kBits);
-    l += std::norm(middle(L(k, i)));
-    b += std::norm(middle(B(i, column)));
+    acb_get_mag(one, L(k, i));
+    mag_addmul(l, one, one);
+    acb_get_mag(one, B(i, column));
+    mag_addmul(b, one, one);
   }
-  arf_t least;
+  mag_mul(l, l, b);
+  mag_sqrt(l, l);  // rounded up
+  arf_t least, most;
   arf_init(least);
+  arf_init(most);
   acb_get_abs_lbound_arf(least, sum.get(), kBits);
-  const double out = arf_get_d(least, ARF_RND_DOWN);
+  arf_set_mag(most, l);
+  double out = 0;
+  if (arf_sgn(least) > 0) {
+    arf_div(least, least, most, kBits, ARF_RND_DOWN);
+    out = arf_get_d(least, ARF_RND_DOWN);
+  }
   arf_clear(least);
-  return out > 0 ? out / std::sqrt(l * b) : 0;
+  arf_clear(most);
+  for (mag_ptr x : {l, b, one}) mag_clear(x);
+  return out;
 }
 
 /// Eigenvalues of every matrix within the bounds, and their vectors.
@@ -142,7 +155,11 @@ class Decomposition {
       if (!acb_is_finite(values[k]))
         failure = "some are too near to each other, or entries known too loosely";
     if (failure.empty()) return;
-    for (Eigen::Index k = 0; k < n; ++k) acb_set(values[k], near_values_[k]);
+    for (Eigen::Index k = 0; k < n; ++k)
+      if (acb_is_finite(near_values_[k]))
+        acb_set(values[k], near_values_[k]);
+      else
+        acb_zero(values[k]);  // what is no number has no place in an order
   }
 
   const Eigen::Index n;
@@ -155,10 +172,15 @@ class Decomposition {
   ComplexVector near_values_;
 };
 
-/// Of a real matrix, and alone in its enclosure: where that meets the axis, it is its own
-/// conjugate.
-void makeReal(acb_ptr value) {
-  if (arb_contains_zero(acb_imagref(value))) arb_zero(acb_imagref(value));
+/// The conjugate of an eigenvalue is one too: where the conjugate of an enclosure meets no other
+/// enclosure, and they are simple, the eigenvalue is its own.
+void makeReal(ComplexVector& values, Eigen::Index k, Eigen::Index n) {
+  if (!arb_contains_zero(acb_imagref(values[k]))) return;
+  Complex mirrored;
+  acb_conj(mirrored.get(), values[k]);
+  for (Eigen::Index j = 0; j < n; ++j)
+    if (j != k && acb_overlaps(mirrored.get(), values[j])) return;
+  arb_zero(acb_imagref(values[k]));
 }
 
 /// Puts a mode of A in.
@@ -220,7 +242,7 @@ EnclosedModes wholeModes(const Bounded& A, const Bounded& B) {
   ComplexMatrix b(d.n, B.value.cols());
   set(b, B);
   for (Eigen::Index k = 0; k < d.n; ++k) {
-    if (d.are_simple) makeReal(d.values[k]);
+    if (d.are_simple) makeReal(d.values, k, d.n);
     add(out, d.values[k], shapeOf(d.right, k, d.n), reachOf(d, k, b, B.value.cols()));
   }
   sort(out);
@@ -229,13 +251,18 @@ EnclosedModes wholeModes(const Bounded& A, const Bounded& B) {
 
 EnclosedModes wholeOscillations(const Bounded& K, const Bounded& B) {
   Decomposition d(K);
+  // 0 itself is an eigenvalue: where they are simple, the one whose enclosure holds it
+  const std::vector<std::vector<Eigen::Index>> blocks = blocksOf(K);
+  const bool has_exact_zero = std::any_of(blocks.begin(), blocks.end(), [&](const auto& at) {
+    return at.size() == 1 && K.value(at[0], at[0]) == 0 && K.bound(at[0], at[0]) == 0;
+  });
   EnclosedModes out{{}, d.are_simple, d.failure};
   ComplexMatrix b(d.n, B.value.cols());
   set(b, B);
   Complex root;
   for (Eigen::Index k = 0; k < d.n; ++k) {
     acb_ptr mu = d.values[k];
-    if (d.are_simple) makeReal(mu);
+    if (d.are_simple) makeReal(d.values, k, d.n);
     if (arb_is_negative(acb_realref(mu))) {  // beside the cut of the square root
       acb_neg(root.get(), mu);
       acb_sqrt(root.get(), root.get(), kBits);
@@ -244,18 +271,14 @@ EnclosedModes wholeOscillations(const Bounded& K, const Bounded& B) {
       acb_sqrt(root.get(), mu, kBits);
     }
     if (acb_contains_zero(mu)) {  // any root of anything within
-      arb_t most;
-      arb_init(most);
-      acb_abs(most, mu, kBits);
-      arb_sqrt(most, most, kBits);
       mag_t bound;
       mag_init(bound);
-      arb_get_mag(bound, most);
+      if (!(has_exact_zero && d.are_simple)) acb_get_mag(bound, mu);
+      mag_sqrt(bound, bound);
       acb_zero(root.get());
       arb_add_error_mag(acb_realref(root.get()), bound);
-      if (!acb_is_exact(mu)) arb_add_error_mag(acb_imagref(root.get()), bound);
+      arb_add_error_mag(acb_imagref(root.get()), bound);
       mag_clear(bound);
-      arb_clear(most);
     }
     const Eigen::VectorXcd v = shapeOf(d.right, k, d.n);
     const Eigen::VectorXd reached = reachOf(d, k, b, B.value.cols());
@@ -304,17 +327,19 @@ EnclosedModes enclosedOscillations(const Bounded& K, const Bounded& B) {
   return byBlocks(K, B, wholeOscillations);
 }
 
-int reachableDimension(const Bounded& A, const Bounded& B) {
+namespace {
+
+/// Of [B, A B, ...], so many blocks.
+int reachableIn(const Bounded& A, const Bounded& B, Eigen::Index powers) {
   const Eigen::Index n = A.value.rows(), m = B.value.cols();
-  if (m == 0) return 0;
-  ComplexMatrix a(n, n), block(n, m), next(n, m), K(n, n * m);
+  ComplexMatrix a(n, n), block(n, m), next(n, m), K(n, powers * m);
   set(a, A);
   set(block, B);
   // in another unit of time, so that powers of A neither grow nor vanish: the rank stays
   const double size = A.value.norm();
   const slong shift = size > 0 ? -std::ilogb(size) : 0;
   acb_mat_scalar_mul_2exp_si(a.get(), a.get(), shift);
-  for (Eigen::Index power = 0; power < n; ++power) {
+  for (Eigen::Index power = 0; power < powers; ++power) {
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index j = 0; j < m; ++j) acb_set(K(i, power * m + j), block(i, j));
     acb_mat_mul(next.get(), a.get(), block.get(), kBits);
@@ -326,28 +351,41 @@ int reachableDimension(const Bounded& A, const Bounded& B) {
   arf_init(best);
   arf_init(here);
   Complex factor;
-  for (; rank < n; ++rank) {
+  for (; rank < std::min(n, powers * m); ++rank) {
     Eigen::Index row = -1, column = -1;
     arf_zero(best);
     for (Eigen::Index i = rank; i < n; ++i)
-      for (Eigen::Index j = rank; j < n * m; ++j) {
+      for (Eigen::Index j = rank; j < powers * m; ++j) {
         acb_get_abs_lbound_arf(here, K(i, j), kBits);
         if (arf_cmp(here, best) <= 0) continue;
         arf_set(best, here);
         row = i, column = j;
       }
     if (row < 0) break;
-    for (Eigen::Index j = 0; j < n * m; ++j) acb_swap(K(row, j), K(rank, j));
+    for (Eigen::Index j = 0; j < powers * m; ++j) acb_swap(K(row, j), K(rank, j));
     for (Eigen::Index i = 0; i < n; ++i) acb_swap(K(i, column), K(i, rank));
     for (Eigen::Index i = rank + 1; i < n; ++i) {
       acb_div(factor.get(), K(i, rank), K(rank, rank), kBits);
-      for (Eigen::Index j = rank; j < n * m; ++j)
+      for (Eigen::Index j = rank; j < powers * m; ++j)
         acb_submul(K(i, j), factor.get(), K(rank, j), kBits);
     }
   }
   arf_clear(best);
   arf_clear(here);
   return rank;
+}
+
+}  // namespace
+
+int reachableDimension(const Bounded& A, const Bounded& B) {
+  const Eigen::Index n = A.value.rows();
+  if (B.value.cols() == 0) return 0;
+  // forces of all joints reach all at once and with their first power
+  int rank = 0;
+  for (Eigen::Index powers = 2;; powers *= 2) {
+    rank = std::max(rank, reachableIn(A, B, std::min(powers, n)));
+    if (rank == n || powers >= n) return rank;
+  }
 }
 
 }  // namespace dynwitness::crosscheck

@@ -30,12 +30,13 @@ struct EnclosedModes {
 };
 
 /** All eigenvalues of every matrix within the bounds of A, in balls: an approximate decomposition,
-    then Krawczyk's operator for each pair (Arb's acb_mat_eig_simple), and where eigenvalues are
+    then certified as a whole (Arb's acb_mat_eig_simple), and where eigenvalues are
     multiple, or too near to each other for what the entries leave open, Rump's enclosures of
     clusters (acb_mat_eig_multiple), of each block by itself that zeros of A leave: coordinates that
     drive each other in a circle.
     @param B  rows as A, any number of columns
-    @see S. M. Rump, Computational error bounds for multiple or nearly multiple eigenvalues, Linear
+    @see J. van der Hoeven, B. Mourrain, Efficient certification of numeric solutions to
+         eigenproblems (2017); S. M. Rump, Computational error bounds for multiple or nearly multiple eigenvalues, Linear
          Algebra and its Applications 324 (2001) */
 EnclosedModes enclosedModes(const Bounded& A, const Bounded& B);
 

@@ -76,8 +76,7 @@ scene::AxisTurn<Traced> TracedNumbers::axisTurn(const scene::Vector& axis) const
     return atom(kind, scene::Number(0), axis, what + " of axis (" + text + ")");
   };
   scene::Rational rho, length;
-  const bool rho_rational =
-      rational && rationalRoot(size[0] * size[0] + size[1] * size[1], &rho);
+  const bool rho_rational = rational && rationalRoot(size[0] * size[0] + size[1] * size[1], &rho);
   scene::AxisTurn<Traced> turn{{Traced(1), Traced(0)}, {Traced(0), Traced(1)}};
   if (rho_rational && rho == 0) {
     turn.beta = {Traced(size[2] < 0 ? -1 : 1), Traced(0)};

@@ -155,10 +155,11 @@ std::vector<int> actuatedRates(const scene::Scene& scene, const std::vector<std:
   std::vector<char> found(names.size(), 0);
   int rate = 0;
   for (const scene::Link& link : scene.mechanism.links) {
-    const auto named = std::find(names.begin(), names.end(), link.joint.name);
-    const bool is_meant = names.empty() || named != names.end();
-    if (named != names.end()) found[static_cast<std::size_t>(named - names.begin())] = 1;
-    if (link.joint.ownRates() > 0) known.push_back(link.joint.name);
+    if (link.joint.ownRates() == 0) continue;
+    known.push_back(link.joint.name);
+    bool is_meant = names.empty();
+    for (std::size_t k = 0; k < names.size(); ++k)
+      if (names[k] == link.joint.name) is_meant = found[k] = true;
     for (int k = 0; k < link.joint.ownRates(); ++k, ++rate)
       if (is_meant) out.push_back(rate);
   }
@@ -256,7 +257,10 @@ Linearization linearize(const scene::Scene& scene, const LinearizationOptions& o
     out.modes = enclosedOscillations(lower(out.A, n), lower(out.B, out.B.value.cols()));
   else
     out.modes = enclosedModes(out.A, out.B);
-  out.stability = stabilityOf(out.modes);
+  out.rests = std::all_of(out.qd.begin(), out.qd.end(), [](double v) { return v == 0; }) &&
+              (options.seeks_equilibrium ||
+               (out.qdd.value.cwiseAbs().array() <= out.qdd.bound.array()).all());
+  if (out.rests) out.stability = stabilityOf(out.modes);
   out.reached = reachableDimension(out.A, out.B);
   return out;
 }

@@ -36,13 +36,14 @@ struct Linearization {
   std::vector<int> actuated;  ///< rates, by column of B
   EnclosedModes modes;
   Stability stability = Stability::kUndecided;
-  int reached = 0;  ///< dimension that the actuated joints' forces reach, at least, of 2n
+  int reached = 0;     ///< dimension that the actuated joints' forces reach, at least, of 2n
+  bool rests = false;  ///< it stays there: qd = 0, qdd = 0. Elsewhere A is that of the moment
   int newton_steps = 0;
 };
 
 /** Entries of A and B in balls of as many bits as that takes, rounded to double with what that leaves open; modes
-    enclosed for everything within (enclosed_modes.hpp). Stability is that of the linearized motion,
-    and decided where every enclosure is left of the axis, or one is right of it.
+    enclosed for everything within (enclosed_modes.hpp). Stability is that of the linearized motion
+    where it rests, and decided where every enclosure is left of the axis, or one is right of it.
     @throws scene::InputError  what Command::kLinearize refuses; sizes and names that do not fit;
       a quasi-velocity that is not 0; no equilibrium found */
 Linearization linearize(const scene::Scene& scene, const LinearizationOptions& options);

@@ -87,7 +87,7 @@ class Shown {
     const std::vector<std::string> rates = scene_.mechanism.rateLabels();
     out.Z = Eigen::MatrixXd(6, axes);
     out.first_rate = link.dof;
-    out.Z_f = out.rotor = out.passive = Eigen::VectorXd(axes);
+    out.Z_f = out.rotor = out.gyroscopic = out.passive = Eigen::VectorXd::Zero(axes);
     out.f = six(out_ws_.f[i]);
     for (int k = 0; k < axes; ++k) {
       const auto rate = static_cast<std::size_t>(link.dof + k);
@@ -101,11 +101,22 @@ class Shown {
     out.M_C = matrixOf(composite_ws_.I_C[i]);
     out.v = six(out_ws_.v[i]);
     out.a = six(out_ws_.a[i]);
-    // what it alone needs: what passes through its joint without what its children's do
+    // what it alone needs: what passes through its joint, without what its children's do
     out.own = out.f;
-    for (std::size_t k = i + 1; k < model_.links.size(); ++k)
-      if (model_.links[k].parent == static_cast<int>(i))
-        out.own -= six(out_ws_.X_up[k].inverseTimes(out_ws_.f[k]));
+    for (std::size_t k = i + 1; k < model_.links.size(); ++k) {
+      const recursive::LinkModel<double>& child = model_.links[k];
+      if (child.parent != static_cast<int>(i)) continue;
+      recursive::Force<double> f = out_ws_.f[k];
+      if (recursive::spinsOnALink(model_, child)) {
+        const auto rate = static_cast<std::size_t>(child.dof);
+        f = f + recursive::spinForce(child, state.qd[rate], state.qdd[rate],
+                                     out_ws_.X_up[k] * out_ws_.v[i]);
+      }
+      out.own -= six(out_ws_.X_up[k].inverseTimes(f));
+    }
+    if (axes > 0 && recursive::spinsOnALink(model_, link))
+      out.gyroscopic(0) = dot(out_ws_.X_up[i] * out_ws_.a[static_cast<std::size_t>(link.parent)],
+                              recursive::spinAxis(link));
     out.M_A = free_ws_.M_A[i].matrix();
     const Eigen::MatrixXd d = Eigen::MatrixXd::Identity(axes, axes) * link.rotor;
     out.D = d + out.Z.transpose() * out.M_A * out.Z;
@@ -136,6 +147,7 @@ ShownSweep shownSweep(const scene::Scene& scene, const scene::State<double>& sta
   ShownSweep out;
   out.state = state;
   out.rates = scene.mechanism.rateLabels();
+  out.has_more = scene.mechanism.hasFriction() || !scene.mechanism.wrenches.empty();
   Shown(scene).sweep(out);
 
   const PreparedScene prepared(scene);

@@ -30,10 +30,12 @@ struct ShownLink {
   Matrix6d M_C;                    ///< composite: of all that hangs on it, joints locked
 
   // Newton and Euler at the given qdd
-  Vector6d v, a;                        ///< a with a_0 = - gravity
-  Vector6d own;                         ///< M a + v x* M v - loads: what the link alone needs
-  Vector6d f;                           ///< through the joint
-  Eigen::VectorXd Z_f, rotor, passive;  ///< by axis: Z'f, d qdd, springs and friction; sum: tau
+  Vector6d v, a;  ///< a with a_0 = - gravity
+  Vector6d own;   ///< M a + v x* M v - loads: what the link alone needs
+  Vector6d f;     ///< through the joint
+  /// By axis: Z'f, d qdd, what a gyroscopic rotor on the parent feels of the parent's turning, springs
+  /// and friction; their sum is tau.
+  Eigen::VectorXd Z_f, rotor, gyroscopic, passive;
 
   // articulated bodies at the tau that comes of it
   Matrix6d M_A;          ///< articulated: of all that hangs on it, joints free
@@ -50,6 +52,7 @@ struct ShownSweep {
   std::vector<std::string> rates;
   Eigen::MatrixXd M;                    ///< by Lagrange's derivation, as below
   Eigen::VectorXd c, g, tau, lagrange;  ///< tau of the sweep; M qdd + c + g + friction - loads
+  bool has_more = false;                ///< friction or loads, beside M qdd + c + g
   Eigen::VectorXd qdd;                  ///< by articulated bodies, of tau: must be the given one
 };
 

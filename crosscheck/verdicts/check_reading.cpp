@@ -487,9 +487,9 @@ std::vector<CheckResult> checkReading(const PreparedScene& prepared, std::uint64
   std::ifstream stream(scene.file, std::ios::binary);
   std::ostringstream text;
   text << stream.rdbuf();
+  Description file;
   try {
-    const Description file = rereading::described(text.str(), scene.file);
-    return compareReading(scene, prepared.model<RunningError>(), file, seed, engines);
+    file = rereading::described(text.str(), scene.file);
   } catch (const rereading::NotReread& no_road) {
     return {notRead("the file", no_road.what())};
   } catch (const std::bad_alloc&) {
@@ -499,6 +499,7 @@ std::vector<CheckResult> checkReading(const PreparedScene& prepared, std::uint64
         placementsStatement(engines),
         fmt::format("the file cannot be read a second time: {}", failure.what()), seed)};
   }
+  return compareReading(scene, prepared.model<RunningError>(), file, seed, engines);
 }
 
 std::string whoReads(const CheckResult& check) {

@@ -427,14 +427,14 @@ namespace {
 
 /// What the reading of the scene's file is worth, as a clause.
 std::string wordsOnReading(const std::vector<CheckResult>& checks) {
-  int agree = 0;
+  int agree = 0, others = 0;
   for (const CheckResult& check : checks) {
     if (check.law != kReading) continue;
     if (check.verdict == Verdict::kDisagree)
       return "the reading: the file, read a second time, says otherwise than the scene";
-    agree += check.verdict == Verdict::kAgree ? 1 : 0;
+    ++(check.verdict == Verdict::kAgree ? agree : others);
   }
-  return agree > 0
+  return agree > 0 && others == 0
              ? "the table, or the figures in the scene's file, which were read twice and came "
                "out the same"
              : "the table, or the reading of the scene's file, which all witnesses share";

@@ -69,6 +69,7 @@ class Summed : public OverTree {
           for (const auto& x : state.x) rounded.x.push_back(x);
           for (const RunningError& x : tree.qd) rounded.qd.push_back(x.value());
           for (const RunningError& x : tree.qdd) rounded.qdd.push_back(x.value());
+          for (const RunningError& x : tree.tau) rounded.tau.push_back(x.value());
           const Answer said = of_tree_->answer(asked, rounded);
           const MatrixOf<RunningError> ours = NewtonEuler::answer(tree_, asked, tree);
           MatrixOf<RunningError> enclosed(said.value.rows(), said.value.cols());

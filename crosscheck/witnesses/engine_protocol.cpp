@@ -122,7 +122,7 @@ Json sceneJson(const scene::Scene& scene) {
 constexpr Quantity kAskable[] = {Quantity::kM,         Quantity::kc,        Quantity::kg,
                                  Quantity::kTau,       Quantity::kQdd,      Quantity::kKinetic,
                                  Quantity::kPotential, Quantity::kMomentum, Quantity::kReactions};
-constexpr const char* kModel = "model";        ///< which the handshake holds
+constexpr const char* kModel = "model";  ///< which the handshake holds
 
 std::vector<std::string> askable() {
   std::vector<std::string> out;

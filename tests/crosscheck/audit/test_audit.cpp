@@ -238,8 +238,7 @@ BOOST_AUTO_TEST_CASE(a_wrong_correction_is_noticed_in_every_entry_that_has_one) 
 
 BOOST_AUTO_TEST_CASE(a_flipped_sign_in_a_right_equation_is_noticed) {
   const auto shifted = [](int sign) {
-    return exact([sign](auto& at) {
-      using T = ScalarOf<decltype(at)>;
+    return exact([sign](Point& at) {
       const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), place = at.vector(), f = at.vector();
       const Vector3<T> r = (p_2 - p_1) * T(sign);
       at.equal("moment", (place - p_1).cross(f), (place - p_2).cross(f) + r.cross(f));
@@ -272,13 +271,12 @@ BOOST_AUTO_TEST_CASE(holds_follows_from_the_residuals_alone) {
 }
 
 BOOST_AUTO_TEST_CASE(a_trial_that_compares_nothing_is_refused) {
-  BOOST_CHECK_THROW(exact([](auto& at) { at.number(); })("nothing", 1), std::logic_error);
+  BOOST_CHECK_THROW(exact([](Point& at) { at.number(); })("nothing", 1), std::logic_error);
   BOOST_CHECK_THROW(certified([](RealPoint& at) { at.vector(); })("nothing", 1), std::logic_error);
 }
 
 BOOST_AUTO_TEST_CASE(a_formula_without_a_value_does_not_pass_as_zero) {
-  const Outcome outcome = exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  const Outcome outcome = exact([](Point& at) {
     const T x = at.number();
     at.zero("1 / (x - x)", T(1) / (x - x));
   })("no value", 1);
@@ -299,11 +297,11 @@ BOOST_AUTO_TEST_CASE(certified_signs_are_those_of_the_numbers) {
 }
 
 BOOST_AUTO_TEST_CASE(differs_and_both_say_what_they_say) {
-  const Trial square = exact([](auto& at) {
+  const Trial square = exact([](Point& at) {
     const auto x = at.number(), y = at.number();
     at.equal("(x + y)(x - y)", (x + y) * (x - y), x * x - y * y);
   });
-  const auto sum = [](auto& at) {
+  const auto sum = [](Point& at) {
     const auto x = at.number(), y = at.number();
     at.equal("(x + y)^2", (x + y) * (x + y), x * x + y * y);
   };
@@ -318,8 +316,7 @@ BOOST_AUTO_TEST_CASE(differs_and_both_say_what_they_say) {
 // ---- the truths, by still other roads ----------------------------------------------------------
 
 BOOST_AUTO_TEST_CASE(a_path_stays_a_rotation_and_its_rates_are_those_of_known_motions) {
-  const Outcome rotation = exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  const Outcome rotation = exact([](Point& at) {
     const Path<T> path = anyPath(at);
     const Matrix3<Jet<T>> product = path.R.transpose() * path.R;
     at.equal("R'R", now<T, 3, 3>(product), Matrix3<T>::Identity());
@@ -329,8 +326,7 @@ BOOST_AUTO_TEST_CASE(a_path_stays_a_rotation_and_its_rates_are_those_of_known_mo
   BOOST_TEST(rotation.zero, rotation.residual);
   // a frame that turns about z of the world: w = (0, 0, qd), wd = (0, 0, qdd); a place on it at
   // distance r has the accelerations -r qd^2 inward and r qdd along
-  const Outcome circle = exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  const Outcome circle = exact([](Point& at) {
     const Vector3<T> none = Vector3<T>::Zero();
     const Matrix3<T> one = Matrix3<T>::Identity();
     const Path<T> world{still<T, 3, 3>(one), still<T, 3, 1>(none)};
@@ -350,8 +346,7 @@ BOOST_AUTO_TEST_CASE(a_path_stays_a_rotation_and_its_rates_are_those_of_known_mo
 BOOST_AUTO_TEST_CASE(a_joint_problem_with_known_answer_is_solved) {
   // a point mass m at distance r of a z axis, a motor with inertia J behind a gear n, torque tau:
   // (m r^2 + I + n^2 J) qdd = tau
-  const Outcome outcome = exact([](auto& at) {
-    using T = ScalarOf<decltype(at)>;
+  const Outcome outcome = exact([](Point& at) {
     const T m = at.number(), r = at.number(), I = at.number();
     JointProblem<T> problem;
     problem.M_2 = massMatrix6<T>(m, Vector3<T>(m * r, T(0), T(0)),

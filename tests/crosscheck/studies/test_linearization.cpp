@@ -192,6 +192,29 @@ BOOST_AUTO_TEST_CASE(damped_modes_and_blocks) {
   BOOST_TEST((loose.stability == Stability::kUndecided));
 }
 
+// The cart's position is in no equation: a root that is 0 twice, exactly, beside enclosures that are
+// narrow. Where it does not rest, no verdict on stability.
+BOOST_AUTO_TEST_CASE(what_drifts_is_zero_exactly) {
+  const scene::Scene scene = scene::findScene("cart_pole");
+  const Linearization at = linearize(scene, {});
+  BOOST_TEST(at.modes.failure == "");
+  int zero = 0;
+  for (const EnclosedMode& mode : at.modes.modes) {
+    BOOST_TEST(mode.radius_re < 1e-12);
+    BOOST_TEST(mode.radius_im < 1e-12);
+    zero += mode.value == 0.0 && mode.radius_re == 0 && mode.radius_im == 0 ? 1 : 0;
+  }
+  BOOST_TEST(zero == 2);
+  LinearizationOptions falling;
+  falling.q = {0, 1};
+  falling.has_no_forces = true;
+  const Linearization falls = linearize(scene, falling);
+  BOOST_TEST(!falls.rests);
+  BOOST_TEST((falls.stability == Stability::kUndecided));
+  falling.actuated = {scene.mechanism.links[1].joint.name, scene.mechanism.links[1].joint.name};
+  BOOST_TEST(linearize(scene, falling).actuated.size() == 1u);  // said twice
+}
+
 BOOST_AUTO_TEST_CASE(no_equilibrium_is_told) {
   const scene::Scene falls =
       sceneOf(kWorld +
