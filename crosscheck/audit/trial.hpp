@@ -32,7 +32,7 @@ using recursive::Transform;
 using recursive::Vector3;
 using recursive::Vector6;
 
-/// The scalar of exact statements; templates over other scalars (Jet<T>, Ball) have a T of their own.
+/// The scalar of exact statements; templates over others (Jet<T>, Ball) have a T of their own.
 using T = PrimeField;
 
 template <typename T>

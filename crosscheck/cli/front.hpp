@@ -9,8 +9,8 @@
 
 namespace dynwitness::cli {
 
-/// A word of the command line (commands.txt). What a first crosscheck does not need is in programs of
-/// its own beside this one, which the wrapper builds when they are first needed.
+/// A word of the command line (commands.txt). What a first crosscheck does not need is in programs
+/// of its own beside this one, which the wrapper builds when they are first needed.
 struct Command {
   std::string name, program, description;
   Run (*add)(CLI::App* command);  ///< null: in another program

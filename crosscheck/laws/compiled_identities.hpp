@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The laws of identities.hpp on the scalars of the crosscheck: compiled once each (swept_in_*.cpp the
-// mechanism, identities_in_*.cpp both sides), and not again in every file that asks them.
+// The laws of identities.hpp on the scalars of the crosscheck: compiled once each (swept_in_*.cpp
+// the mechanism, identities_in_*.cpp both sides), and not again in every file that asks them.
 #pragma once
 
 #include "crosscheck/laws/identities.hpp"

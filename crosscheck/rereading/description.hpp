@@ -2,8 +2,8 @@
 // What a scene's file says, read a second time.
 //
 // Nothing here includes a file of this project outside of this folder, scene/ not either
-// (tests/project/test_independence.cpp): what is shared with the readers of scenes are the parsers of
-// TOML and XML, and the formats as they are documented.
+// (tests/project/test_independence.cpp): what is shared with the readers of scenes are the parsers
+// of TOML and XML, and the formats as they are documented.
 #pragma once
 
 #include <filesystem>

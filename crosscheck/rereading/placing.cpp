@@ -61,8 +61,8 @@ Frame moved(const Vector& v) {
   return out;
 }
 
-/** Standard Denavit-Hartenberg, as printed: [ct -st ca  st sa  a ct; st  ct ca -ct sa  a st; 0 sa ca
-    d]. */
+/** Standard Denavit-Hartenberg, as printed:
+    [ct -st ca  st sa  a ct; st  ct ca -ct sa  a st; 0 sa ca d]. */
 Frame denavitHartenberg(const Value& a, const Value& alpha, const Value& d, const Value& theta) {
   const Angle t(theta), l(alpha);
   Frame out;
@@ -73,7 +73,8 @@ Frame denavitHartenberg(const Value& a, const Value& alpha, const Value& d, cons
   return out;
 }
 
-/** Modified (Craig's), as printed: [ct -st 0 a; st ca  ct ca  -sa  -sa d; st sa  ct sa  ca  ca d]. */
+/** Modified (Craig's), as printed:
+    [ct -st 0 a; st ca  ct ca  -sa  -sa d; st sa  ct sa  ca  ca d]. */
 Frame modifiedDenavitHartenberg(const Value& a, const Value& alpha, const Value& d,
                                 const Value& theta) {
   const Angle t(theta), l(alpha);
@@ -134,7 +135,7 @@ Frame turnOf(const double* q) {
   return out;
 }
 
-/// Axes whose third is n, the others those of Rz(alpha) Ry(beta): (z x, z y, -r)/r and (-y, x, 0)/r.
+/// Axes whose third is n, the others those of Rz(alpha) Ry(beta): (z x, z y, -r)/r, (-y, x, 0)/r.
 Frame standingOn(const Direction& normal) {
   const auto& [x, y, z] = normal.n;
   const Real r = sqrt(x * x + y * y);

@@ -35,7 +35,7 @@ int positionCount(const std::string& kind);
 int positionCount(const Description& description);
 
 /// The frames of all links in the world.
-/// @param q  the positions of all joints in their order; what stands there for followers is not used
+/// @param q  the positions of all joints in their order; those of followers are not used
 std::vector<Frame> placed(const Description& description, const std::vector<double>& q);
 
 /** A body in a frame, as its pseudo-inertia matrix: the sum over its points of mass times x x', x

@@ -40,8 +40,8 @@ struct EnclosedModes {
          Algebra and its Applications 324 (2001) */
 EnclosedModes enclosedModes(const Bounded& A, const Bounded& B);
 
-/** Those of [0 1; K 0], K n x n, from the eigenvalues mu of K: lambda = +- sqrt(mu), with (v, lambda
-    v) on the right and (lambda w, w) on the left. What oscillates without loss lies on the axis
+/** Those of [0 1; K 0], K n x n, from the eigenvalues mu of K: lambda = +- sqrt(mu), with
+    (v, lambda v) on the right and (lambda w, w) on the left; `reached` is of w. What oscillates without loss lies on the axis
     exactly, and a root that is 0 twice, with one eigenvector, is a single one of K.
     @param B  the lower half of that of A, n rows */
 EnclosedModes enclosedOscillations(const Bounded& K, const Bounded& B);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which of a scene's numbers are kept, and which are put in at random: what exact checks decide about.
+// Which of a scene's numbers are kept, and which are put in at random: what exact checks decide on.
 #pragma once
 
 #include "scene/numbers.hpp"

@@ -41,8 +41,8 @@ struct Linearization {
   int newton_steps = 0;
 };
 
-/** Entries of A and B in balls of as many bits as that takes, rounded to double with what that leaves open; modes
-    enclosed for everything within (enclosed_modes.hpp). Stability is that of the linearized motion
+/** Entries of A and B in balls of as many bits as that takes, rounded to double with what that
+    leaves open; modes enclosed for everything within (enclosed_modes.hpp). Stability is that of the linearized motion
     where it rests, and decided where every enclosure is left of the axis, or one is right of it.
     @throws scene::InputError  what Command::kLinearize refuses; sizes and names that do not fit;
       a quasi-velocity that is not 0; no equilibrium found */

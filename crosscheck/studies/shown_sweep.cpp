@@ -97,6 +97,7 @@ class Shown {
       out.rotor(k) = link.rotor * state.qdd[rate];
       out.passive(k) = passive[rate];
     }
+    out.d = link.rotor;
     out.M = matrixOf(link.M);
     out.M_C = matrixOf(composite_ws_.I_C[i]);
     out.v = six(out_ws_.v[i]);

@@ -26,6 +26,7 @@ struct ShownLink {
   Eigen::Matrix3d R;               ///< axes of the parent's frame to these
   Eigen::Vector3d p;               ///< this frame's origin in the parent's
   Eigen::MatrixXd Z;               ///< 6 x axes
+  double d = 0;                    ///< n^2 J of the joint's rotor
   Matrix6d M;                      ///< the link's inertia
   Matrix6d M_C;                    ///< composite: of all that hangs on it, joints locked
 
@@ -33,8 +34,8 @@ struct ShownLink {
   Vector6d v, a;  ///< a with a_0 = - gravity
   Vector6d own;   ///< M a + v x* M v - loads: what the link alone needs
   Vector6d f;     ///< through the joint
-  /// By axis: Z'f, d qdd, what a gyroscopic rotor on the parent feels of the parent's turning, springs
-  /// and friction; their sum is tau.
+  /// By axis: Z'f, d qdd, what a gyroscopic rotor on the parent feels of the parent's turning,
+  /// springs and friction; their sum is tau.
   Eigen::VectorXd Z_f, rotor, gyroscopic, passive;
 
   // articulated bodies at the tau that comes of it

@@ -18,7 +18,7 @@ namespace dynwitness::crosscheck {
 inline constexpr const char *kReading = "reading", *kRereading = "rereading";
 WitnessInfo rereadingInfo(const std::string& version);
 
-/** Whether the scene is what its file says, by a second road from the file's text to where the links
+/** Whether the scene is what its file says, by a second road from the text to where the links
     are and what they weigh. Three checks of the law "reading":
 
         placements   frames of all links in the world, at q = 0 and at a seeded state, and of the

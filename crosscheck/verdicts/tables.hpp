@@ -30,7 +30,7 @@ std::vector<CheckResult> compareWithTable(const std::filesystem::path& table,
                                           const PreparedScene& scene,
                                           const std::vector<WitnessKind>& kinds);
 
-/** Quantities of a table against which all witnesses stand who agree with each other: then it is the
+/** Quantities of a table against which all witnesses stand who agree with each other: it is the
     table that is wrong, or the reading of the scene, which they share. One finding each, which says
     what the second reading (check_reading.hpp), if it is among the checks, has to say about it. */
 std::vector<Finding> findTableDisputes(const std::string& scene_name,

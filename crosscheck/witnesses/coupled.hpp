@@ -91,7 +91,7 @@ class Coupling {
   std::vector<Rate> rates_;  ///< by rate of the tree
 };
 
-/// A witness that is asked about the tree with all joints let go; what it said is put together here.
+/// A witness that is asked about the tree, all joints let go; what it said is put together here.
 class OverTree : public PartialWitness {
  public:
   virtual Witness& ofTree() const = 0;

@@ -271,6 +271,9 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/report/chart_drawing.cpp", {"1e-9"}},      // the same
       {"crosscheck/cli/crosscheck_command.cpp", {"1e-300"}},  // least --error-probability
       {"crosscheck/growth/growth.cpp", {"1e-9"}},             // seconds in a nanosecond
+      {"crosscheck/cli/linearize_command.cpp", {"1e-9"}},     // digits printed of approximations
+      {"crosscheck/cli/sweep_command.cpp", {"1e-14"}},        // what is printed as 0 beside others
+      {"crosscheck/report/view.cpp", {"1e-10"}},              // what is drawn at 0
       {"crosscheck/verdicts/options.hpp", {"1e-30"}},         // default of --error-probability
       {"crosscheck/exact/exact.hpp", {"1e-30"}},              // the same
       {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The second reading of scene files: it agrees with the first one on every file that there is, and a
-// fault planted into the first one, of each kind that readers are known for, turns it red without any
-// table or engine.
+// The second reading of scene files: it agrees with the first one on every file that there is, and
+// a fault planted into the first one, of each kind that readers are known for, turns it red without
+// any table or engine.
 #include "crosscheck/verdicts/check_reading.hpp"
 
 #include <ctime>

@@ -192,8 +192,8 @@ BOOST_AUTO_TEST_CASE(damped_modes_and_blocks) {
   BOOST_TEST((loose.stability == Stability::kUndecided));
 }
 
-// The cart's position is in no equation: a root that is 0 twice, exactly, beside enclosures that are
-// narrow. Where it does not rest, no verdict on stability.
+// The cart's position is in no equation: a root that is 0 twice, exactly, beside enclosures that
+// are narrow. Where it does not rest, no verdict on stability.
 BOOST_AUTO_TEST_CASE(what_drifts_is_zero_exactly) {
   const scene::Scene scene = scene::findScene("cart_pole");
   const Linearization at = linearize(scene, {});
