@@ -62,18 +62,19 @@ std::string boundText(double bound) {
   return std::isfinite(bound) ? fmt::format("+- {:.2g}", bound) : "+- unknown";
 }
 
+Json toJson(const Eigen::MatrixXd& m) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < m.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < m.cols(); ++j)
+      row.push_back(std::isfinite(m(i, j)) ? Json(m(i, j)) : Json("inf"));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
 Json toJson(const crosscheck::Bounded& m) {
-  const auto rows = [](const Eigen::MatrixXd& of) {
-    Json all = Json::array();
-    for (Eigen::Index i = 0; i < of.rows(); ++i) {
-      Json row = Json::array();
-      for (Eigen::Index j = 0; j < of.cols(); ++j)
-        row.push_back(std::isfinite(of(i, j)) ? Json(of(i, j)) : Json("inf"));
-      all.push_back(row);
-    }
-    return all;
-  };
-  return {{"value", rows(m.value)}, {"bound", rows(m.bound)}};
+  return {{"value", toJson(m.value)}, {"bound", toJson(m.bound)}};
 }
 
 }  // namespace dynwitness::cli

@@ -26,7 +26,9 @@ int printFindings(const std::vector<crosscheck::CheckResult>& checks);
 std::string findingsJson(const std::string& command, const scene::Scene& scene, const Json& result,
                          const std::vector<crosscheck::CheckResult>& checks);
 
-/// A matrix with its bounds, row by row; a bound that is none is the string "inf".
+/// A matrix, row by row; a number that is none is the string "inf".
+Json toJson(const Eigen::MatrixXd& m);
+/// A matrix with its bounds.
 Json toJson(const crosscheck::Bounded& m);
 
 /// @throws scene::InputError naming the numbers that are not finite

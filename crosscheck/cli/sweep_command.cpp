@@ -12,6 +12,7 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/shown_sweep.hpp"
 #include "crosscheck/system/files.hpp"
 
@@ -109,30 +110,7 @@ void printArticulated(const ShownLink& link) {
              link.asymmetry);
 }
 
-std::vector<double> given(const char* option, std::vector<double> values,
-                          const std::vector<double>& otherwise) {
-  if (values.empty()) return otherwise;
-  if (values.size() != otherwise.size())
-    throw scene::InputError(
-        {}, fmt::format("{}: {} values, allowed: {}", option, values.size(), otherwise.size()));
-  return values;
-}
-std::vector<double> numbers(const scene::Scene& scene, const std::vector<scene::Number>& from) {
-  const scene::RealNumbers<double> number(scene.mechanism);
-  std::vector<double> out;
-  for (const scene::Number& x : from) out.push_back(number(x));
-  return out;
-}
-
-Json toJson(const Eigen::MatrixXd& m) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < m.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < m.cols(); ++j) row.push_back(m(i, j));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
+using cli::toJson;
 Json toJson(const Eigen::VectorXd& v) {
   return std::vector<double>(v.data(), v.data() + v.size());
 }
@@ -181,10 +159,10 @@ int run(const Arguments& arguments) {
   const scene::Scene scene = admitted(arguments.scene, Command::kSweep);
   requireMotion(scene);
   scene::State<double> state;
-  for (const double x : given("--state", arguments.q, numbers(scene, scene.start_q)))
+  for (const double x : givenOr("--state", arguments.q, inDouble(scene, scene.start_q)))
     state.x.push_back(scene::jointPosition(x));
-  state.qd = given("--rates", arguments.qd, numbers(scene, scene.start_qd));
-  state.qdd = given("--accelerations", arguments.qdd, std::vector<double>(state.qd.size(), 0.0));
+  state.qd = givenOr("--rates", arguments.qd, inDouble(scene, scene.start_qd));
+  state.qdd = givenOr("--accelerations", arguments.qdd, std::vector<double>(state.qd.size(), 0.0));
   std::optional<Progress> progress(std::in_place, 1, 1.0);
   progress->stage("sweeps of " + scene.name + ", and its derivation");
   const ShownSweep sweep = shownSweep(scene, state);

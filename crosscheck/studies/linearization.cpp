@@ -11,6 +11,7 @@
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/scalars/ball.hpp"
+#include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/linearization_model.hpp"
 
 namespace dynwitness::crosscheck {
@@ -116,20 +117,6 @@ class Equilibrium {
   int steps_ = 0;
 };
 
-std::vector<double> values(const scene::Scene& scene, const std::vector<double>& given,
-                           const std::vector<scene::Number>& otherwise, const char* what) {
-  if (given.empty()) {
-    const scene::RealNumbers<double> number(scene.mechanism);
-    std::vector<double> out;
-    for (const scene::Number& x : otherwise) out.push_back(number(x));
-    return out;
-  }
-  if (given.size() != otherwise.size())
-    throw scene::InputError(
-        {}, fmt::format("{}: {} values, allowed: {}", what, given.size(), otherwise.size()));
-  return given;
-}
-
 /// Where rates are no derivatives of coordinates, dq turns with the body as it moves.
 void requireSmooth(const scene::Scene& scene, const std::vector<double>& qd) {
   int rate = 0;
@@ -230,9 +217,8 @@ Linearization linearize(const scene::Scene& scene, const LinearizationOptions& o
   requireMotion(scene);
   const auto n = static_cast<Eigen::Index>(mechanism.dof());
   Linearization out;
-  out.q = values(scene, options.q, scene.start_q, "--state");
-  out.qd = options.qd.empty() ? std::vector<double>(scene.start_qd.size(), 0.0)
-                              : values(scene, options.qd, scene.start_qd, "--rates");
+  out.q = givenOr("--state", options.q, inDouble(scene, scene.start_q));
+  out.qd = givenOr("--rates", options.qd, std::vector<double>(scene.start_qd.size(), 0.0));
   out.actuated = actuatedRates(scene, options.actuated);
 
   if (options.seeks_equilibrium) {

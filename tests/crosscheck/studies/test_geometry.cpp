@@ -9,11 +9,11 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/kinetic_metric.hpp"
 #include "recursive/build_model.hpp"
 #include "tests/fixtures/compiled_sweeps.hpp"
 #include "tests/fixtures/fixtures.hpp"
+#include "tests/fixtures/treated_scenes.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
@@ -26,14 +26,6 @@ constexpr int kSeeds = 5;
 using D = Dual<Q>;
 using DD = Dual<D>;
 using VectorQ = recursive::VectorX<Q>;
-
-std::vector<std::string> namesWithCoordinates() {
-  std::vector<std::string> names;
-  for (const auto& file : scene::bundledScenes())
-    if (refusals(scene::readScene(file), Command::kGeometry).empty())
-      names.push_back(file.stem().string());
-  return names;
-}
 
 /// Links in the x-y plane that turn about z; joint k at (offset, 0) of its parent, point masses.
 scene::Mechanism planarArm(const Q& offset, const std::vector<fixtures::V3<Q>>& first,
@@ -89,7 +81,7 @@ Q brioschi(const DD& E, const DD& F, const DD& G) {
 }  // namespace
 
 BOOST_DATA_TEST_CASE(the_laws_hold_in_every_scene_that_has_coordinates,
-                     data::make(namesWithCoordinates()), name) {
+                     data::make(fixtures::scenesTreatedBy(Command::kGeometry)), name) {
   const auto checks = checkGeometryExactly(scene::findScene(name), {});
   BOOST_TEST(checks.size() == 6u);
   int decided = 0;

@@ -10,27 +10,16 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/impedance_laws.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
+#include "tests/fixtures/treated_scenes.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
 using namespace dynwitness::crosscheck;
 
-namespace {
-
-std::vector<std::string> trees() {
-  std::vector<std::string> names;
-  for (const auto& file : scene::bundledScenes())
-    if (refusals(scene::readScene(file), Command::kImpedance).empty())
-      names.push_back(file.stem().string());
-  return names;
-}
-
-}  // namespace
-
-BOOST_DATA_TEST_CASE(the_laws_hold_in_every_bundled_tree, data::make(trees()), name) {
+BOOST_DATA_TEST_CASE(the_laws_hold_in_every_bundled_tree,
+                     data::make(fixtures::scenesTreatedBy(Command::kImpedance)), name) {
   const scene::Scene scene = scene::findScene(name);
   int decided = 0;
   for (const CheckResult& check : checkImpedanceExactly(scene, "", {})) {

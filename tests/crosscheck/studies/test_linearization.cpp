@@ -11,24 +11,16 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
-#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/linearization_laws.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
 #include "tests/fixtures/files.hpp"
+#include "tests/fixtures/treated_scenes.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
 using namespace dynwitness::crosscheck;
 
 namespace {
-
-std::vector<std::string> trees() {
-  std::vector<std::string> names;
-  for (const auto& file : scene::bundledScenes())
-    if (refusals(scene::readScene(file), Command::kLinearize).empty())
-      names.push_back(file.stem().string());
-  return names;
-}
 
 /// A scene of this text.
 scene::Scene sceneOf(const std::string& text) {
@@ -58,7 +50,8 @@ const std::string kWorld = "gravity = [0, 0, -9]\n[[link]]\nname = \"base\"\n";
 
 }  // namespace
 
-BOOST_DATA_TEST_CASE(the_laws_hold_in_every_bundled_tree, data::make(trees()), name) {
+BOOST_DATA_TEST_CASE(the_laws_hold_in_every_bundled_tree,
+                     data::make(fixtures::scenesTreatedBy(Command::kLinearize)), name) {
   int decided = 0;
   for (const CheckResult& check : checkLinearizationExactly(scene::findScene(name), {})) {
     BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << ": " << check.reason);
