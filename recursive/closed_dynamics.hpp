@@ -128,7 +128,7 @@ void startLoop(const Constraints<T>& constraints, const Workspace<T>& ws, LoopSu
     for (int k = 0; k < 6; ++k) {
       Motion<T> unit = Motion<T>::zero();
       (k < 3 ? unit.linear(k) : unit.angular(k - 3)) = T(1);
-      closureRates(closure.kind, unit, X_BA, [&](int row, const T& rate) { w(k, row) = rate; });
+      closureRates(closure, unit, X_BA, [&](int row, const T& rate) { w(k, row) = rate; });
     }
     for (int row = 0; row < rows; ++row, ++column) {
       const Force<T> in_A = {w.col(row).template head<3>(), w.col(row).template tail<3>()};

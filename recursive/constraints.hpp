@@ -20,15 +20,15 @@ struct Closure {
   int a, b;
   Transform<T> X_A, X_B;  ///< link frame to closure frame
   int row;                ///< of its first equation
-  T length;               ///< of a distance [m]
+  T length;               ///< of a distance; a disc's radius [m]
 };
 
 /// The closures of a mechanism, and what constraintEquations() writes on and returns.
 template <typename T>
 struct Constraints {
   std::vector<Closure<T>> closures;
-  VectorX<T> phi;    ///< residual, m [m, 1]
-  MatrixX<T> J;      ///< dphi/dq, m x n
+  VectorX<T> phi;    ///< residual, m [m, 1]; 0 of equations of rates (scene::isOfRates)
+  MatrixX<T> J;      ///< of J qd = 0, m x n: dphi/dq, or what an equation of rates asks
   VectorX<T> gamma;  ///< (dJ/dt) qd, m: d^2 phi/dt^2 = J qdd + gamma
 
   std::vector<Transform<T>> X_W;  ///< world to link
@@ -62,16 +62,61 @@ Constraints<T> buildConstraints(const scene::Mechanism& mechanism, const Numbers
 
 namespace detail {
 
-/** What a closure of this kind sees of a motion of B on A, given in A's axes: the rate of B's
-    origin r at distance p, and of the products of axes  x_A . z_B,  y_A . z_B,  x_A . y_B,
+/** Where a disc of radius r, about z at the place p seen from A, touches A's xy plane, with h = p_z
+    and c = z_z:
 
-        r' = v + w x p,     z_B' = w x z_B,   y_B' = w x y_B,    and of a distance p . r'     */
+        rho = -(n - c z) r^2 / h     from its centre
+        phi = (h - (1 - c^2) r^2 / h) / 2,     phi' = by_height h' + by_lean c'
+ */
+template <typename T>
+struct DiscContact {
+  DiscContact(const T& radius, const Transform<T>& X_BA)
+      : z(X_BA.R.row(2)), h(X_BA.p.z()), c(z.z()), square_over_h(radius * radius / h) {
+    rho = (Vector3<T>(T(0), T(0), T(1)) - z * c) * -square_over_h;
+    const T reach = (T(1) - c * c) * square_over_h;
+    phi = (h - reach) / T(2);
+    by_height = (T(1) + reach / h) / T(2);
+    by_lean = c * square_over_h;
+  }
+  /// d rho / dt, where the centre moves at p_rate and the disc turns at w.
+  Vector3<T> rhoRate(const Vector3<T>& p_rate, const Vector3<T>& w) const {
+    const Vector3<T> z_rate = w.cross(z);
+    return (z * z_rate.z() + z_rate * c) * square_over_h - rho * (p_rate.z() / h);
+  }
+  /// d by_height / dt h' + d by_lean / dt c'
+  T phiCurvature(const T& h_rate, const T& c_rate) const {
+    const T shrink = h_rate / h, reach_over_h = (T(1) - c * c) * square_over_h / h;
+    const T of_height = -(c * c_rate * square_over_h / h + reach_over_h * shrink);
+    const T of_lean = (c_rate - c * shrink) * square_over_h;
+    return of_height * h_rate + of_lean * c_rate;
+  }
+  Vector3<T> z;
+  T h, c, square_over_h;  ///< r^2 / h
+  Vector3<T> rho;
+  T phi, by_height, by_lean;
+};
+
+/** What a closure sees of a motion of B on A, given in A's axes: the rate of B's origin r at distance
+    p, and of the products of axes  x_A . z_B,  y_A . z_B,  x_A . y_B,
+
+        r' = v + w x p,     z_B' = w x z_B,   y_B' = w x y_B
+        of a distance  p . r',    of a skate  y_B . r',    of a disc  v + w x (p + rho)     */
 template <typename T, typename Row>
-void closureRates(scene::ClosureKind kind, const Motion<T>& x, const Transform<T>& X_BA,
+void closureRates(const Closure<T>& closure, const Motion<T>& x, const Transform<T>& X_BA,
                   Row&& row) {
+  const scene::ClosureKind kind = closure.kind;
   const Vector3<T> point = x.linear + x.angular.cross(X_BA.p);
   if (kind == scene::ClosureKind::kDistance) return row(0, X_BA.p.dot(point));
   if (kind == scene::ClosureKind::kPlane) return row(0, point.z());
+  if (kind == scene::ClosureKind::kSkate)
+    return row(0, Vector3<T>(X_BA.R.row(1)).dot(point));
+  if (kind == scene::ClosureKind::kRolling) {
+    const DiscContact<T> disc(closure.length, X_BA);
+    const Vector3<T> there = point + x.angular.cross(disc.rho);
+    row(0, there.x());
+    row(1, there.y());
+    return row(2, disc.by_height * point.z() + disc.by_lean * x.angular.cross(disc.z).z());
+  }
   row(0, point.x());
   row(1, point.y());
   if (kind == scene::ClosureKind::kPlanarPoint) return;
@@ -96,7 +141,8 @@ void closureRates(scene::ClosureKind kind, const Motion<T>& x, const Transform<T
         (3)  phi' = rates of V  (closureRates),   column k of J = rates of +-Z_k: + where joint k is
              inboard of B alone, - where it is inboard of A alone, nothing where of both
         (4)  gamma = rates of V'  and the centrifugal parts  w x r',  w x (w x z_B); of a distance
-             p . (w x r') + r' . r'
+             p . (w x r') + r' . r';  of a skate none, y_B' . r' + y_B . (w x r') = 0;  of a disc
+             w x (r' + rho')
     No differences, no division: the same source runs on any field.
 
     @param  x, qd   positions, one a slot, and velocity [rad/s, m/s], length n. phi = 0 is not
@@ -141,7 +187,18 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
       phi[0] = p.z();
       centrifugal[0] = r.z();
     }
-    detail::closureRates(closure.kind, V_rate, X_BA, [&](int k, const T& rate) {
+    if (closure.kind == scene::ClosureKind::kSkate) phi[0] = centrifugal[0] = T(0);
+    if (closure.kind == scene::ClosureKind::kRolling) {
+      const detail::DiscContact<T> disc(closure.length, X_BA);
+      const Vector3<T> u = w.cross(r_rate + disc.rhoRate(r_rate, w));
+      phi[0] = phi[1] = T(0);
+      phi[2] = disc.phi;
+      centrifugal[0] = u.x();
+      centrifugal[1] = u.y();
+      centrifugal[2] = disc.by_height * r.z() + disc.by_lean * z.z() +
+                       disc.phiCurvature(r_rate.z(), w.cross(z_B).z());
+    }
+    detail::closureRates(closure, V_rate, X_BA, [&](int k, const T& rate) {
       out.phi(closure.row + k) = phi[k];
       out.gamma(closure.row + k) = rate + centrifugal[k];  // (4)
     });
@@ -156,7 +213,7 @@ void constraintEquations(const Model<T>& model, const std::vector<JointPosition<
           Motion<T> Z = Motion<T>::zero();
           AnyJoints::addMotion(link, j, T(1), Z);
           const Motion<T> at_A = X_AW * out.X_W[i].inverseTimes(Z);
-          detail::closureRates(closure.kind, at_A, X_BA, [&](int k, const T& rate) {
+          detail::closureRates(closure, at_A, X_BA, [&](int k, const T& rate) {
             out.J(closure.row + k, link.dof + j) += side == 2 ? rate : -rate;  // (3)
           });
         }

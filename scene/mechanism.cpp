@@ -63,6 +63,10 @@ const char* name(ClosureKind kind) {
       return "hinge";
     case ClosureKind::kWeld:
       return "weld";
+    case ClosureKind::kSkate:
+      return "skate";
+    case ClosureKind::kRolling:
+      return "rolling";
   }
   throw std::logic_error("name: unknown closure kind");
 }
@@ -71,10 +75,12 @@ int equationCount(ClosureKind kind) {
   switch (kind) {
     case ClosureKind::kDistance:
     case ClosureKind::kPlane:
+    case ClosureKind::kSkate:
       return 1;
     case ClosureKind::kPlanarPoint:
       return 2;
     case ClosureKind::kPoint:
+    case ClosureKind::kRolling:
       return 3;
     case ClosureKind::kHinge:
       return 5;
@@ -82,6 +88,10 @@ int equationCount(ClosureKind kind) {
       return 6;
   }
   throw std::logic_error("equationCount: unknown closure kind");
+}
+
+bool isOfRates(ClosureKind kind, int row) {
+  return kind == ClosureKind::kSkate || (kind == ClosureKind::kRolling && row < 2);
 }
 
 std::vector<Step> Attachment::steps() const {
@@ -227,6 +237,11 @@ std::vector<Number> Mechanism::restPosition() const {
   }
   followLeaders(followers(*this), &q);
   return q;
+}
+
+bool Mechanism::hasClosuresOfRates() const {
+  return std::any_of(closures.begin(), closures.end(),
+                     [](const Closure& closure) { return isOfRates(closure.kind, 0); });
 }
 
 bool Mechanism::hasMimics() const {

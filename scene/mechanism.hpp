@@ -191,22 +191,38 @@ enum class ClosureKind {
   kPoint,        ///< b's origin stays at a's: x, y, z
   kHinge,        ///< a point, and b's z axis stays parallel to a's: a turn about z is left
   kWeld,         ///< a hinge, and b's y axis stays at right angles to a's x axis: nothing is left
+  kSkate,        ///< a blade at b's origin along its x axis, which does not slip sideways: y
+  kRolling,      ///< b is a disc about its z axis that rolls on a's xy plane: x, y, z
 };
 const char* name(ClosureKind kind);
-/// 1, 1, 2, 3, 5, 6
+/// 1, 1, 2, 3, 5, 6, 1, 3
 int equationCount(ClosureKind kind);
+/// Whether equation `row` of this kind is about rates alone, so that no position fails it
+/// (nonholonomic): of a skate, and the first two of a rolling disc.
+bool isOfRates(ClosureKind kind, int row);
 
 /** A loop closure: two frames of two links, held together. With d the origin of b seen from a, in
     a's axes, and x, y, z the axes of the frame named, its equations phi = 0 are, in this order,
 
         d_x, d_y;   d_z;   x_a . z_b, y_a . z_b;   x_a . y_b
 
-    as far as the kind goes; of a distance  (d . d - length^2) / 2, of a plane  d_z. */
+    as far as the kind goes; of a distance  (d . d - length^2) / 2, of a plane  d_z.
+
+    A skate asks  y_b . d' = 0, d' the rate of d in a's axes.
+
+    A rolling disc of radius r about z_b, its centre h = d_z > 0 above the plane, touches it at
+
+        rho = -(n - (n . z_b) z_b) r^2 / h        from its centre; n = z_a, and |rho| = r while it touches
+
+    The point of the disc that is there rests:  (d' + w x rho)_x,  (d' + w x rho)_y = 0, w being how
+    b turns on a; that it touches is  (h - (1 - (n . z_b)^2) r^2 / h) / 2 = 0, whose rate is
+    (d' + w x rho)_z there. So all three multipliers are the force on the disc in a's axes. Nothing is
+    divided by what vanishes before the disc lies flat, h = 0. */
 struct Closure {
   std::string name;
   ClosureKind kind = ClosureKind::kPoint;
   Attachment a, b;
-  Number length{0};  ///< kDistance [m]
+  Number length{0};  ///< of a distance; the radius of a rolling disc [m]
   SourceLocation where;
 };
 
@@ -260,6 +276,7 @@ struct Mechanism {
   bool hasMimics() const;
   /// True when the tree alone is the whole mechanism: no closures, no springs between points.
   bool isOpenTree() const { return closures.empty() && springs.empty(); }
+  bool hasClosuresOfRates() const;  ///< of rates alone (isOfRates)
   bool hasFriction() const;
   bool hasCoulombFriction() const;
   bool hasGyroscopicRotors() const;

@@ -443,14 +443,14 @@ Closure TomlReader::readClosure(const toml::table& table, std::size_t index) con
   const toml::node* name_node = table.get("name");
   closure.name = name_node ? string(*name_node, "closure: name") : std::to_string(index + 1);
   const std::string what = "closure \"" + closure.name + '"';
-  checkKeys(table, what, {"name", "kind", "a", "b", "length"});
-  const std::string allowed = "distance, plane, planar_point, point, hinge, weld";
+  checkKeys(table, what, {"name", "kind", "a", "b", "length", "radius"});
+  const std::string allowed = "distance, plane, planar_point, point, hinge, weld, skate, rolling";
   const toml::node& node = required(table, what, "kind", allowed);
   const std::string kind = string(node, what + ": kind");
   bool known = false;
   for (const ClosureKind k :
        {ClosureKind::kDistance, ClosureKind::kPlane, ClosureKind::kPlanarPoint, ClosureKind::kPoint,
-        ClosureKind::kHinge, ClosureKind::kWeld}) {
+        ClosureKind::kHinge, ClosureKind::kWeld, ClosureKind::kSkate, ClosureKind::kRolling}) {
     if (kind != dynwitness::scene::name(k)) continue;
     closure.kind = k;
     known = true;
@@ -460,12 +460,14 @@ Closure TomlReader::readClosure(const toml::table& table, std::size_t index) con
   }
   closure.a = readAttachment(table, what, "a", true);
   closure.b = readAttachment(table, what, "b", true);
-  if (closure.kind == ClosureKind::kDistance) {
-    closure.length =
-        number(required(table, what, "length", "a length above zero"), what + ": length");
-  } else if (const toml::node* length = table.get("length")) {
-    throw InputError(where(*length),
-                     what + ": a " + kind + " has no length, allowed: name, kind, a, b");
+  for (const auto& [key, of] : {std::pair{"length", ClosureKind::kDistance},
+                                std::pair{"radius", ClosureKind::kRolling}}) {
+    if (closure.kind == of)
+      closure.length =
+          number(required(table, what, key, "a length above zero"), what + ": " + key);
+    else if (const toml::node* length = table.get(key))
+      throw InputError(where(*length), what + ": a " + kind + " has no " + key +
+                                           ", allowed: of a " + dynwitness::scene::name(of));
   }
   return closure;
 }

@@ -143,9 +143,10 @@ class Validator {
       const std::string what = "closure \"" + closure.name + '"';
       requireEnds(what, closure.a.link, closure.b.link, closure.where);
       const double length = exactValue(closure.length, values_, closure.where).toDouble();
-      if (closure.kind == ClosureKind::kDistance && !(length > 0)) {
-        throw InputError(closure.where,
-                         what + fmt::format(": length is {}, allowed: above zero", length));
+      const bool is_disc = closure.kind == ClosureKind::kRolling;
+      if ((is_disc || closure.kind == ClosureKind::kDistance) && !(length > 0)) {
+        throw InputError(closure.where, what + fmt::format(": {} is {}, allowed: above zero",
+                                                           is_disc ? "radius" : "length", length));
       }
     }
     for (const Spring& spring : mechanism_.springs) requireSpring(spring);

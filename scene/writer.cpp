@@ -226,9 +226,10 @@ std::string writeSceneToml(const Scene& scene) {
     lines.raw("\n[[closure]]");
     lines.value("kind", quoted(name(mechanism.closures[i].kind)));
     writeEnds(mechanism.closures[i], i, mechanism, &lines);
-    if (mechanism.closures[i].kind == ClosureKind::kDistance) {
+    if (mechanism.closures[i].kind == ClosureKind::kDistance)
       lines.value("length", number(mechanism.closures[i].length));
-    }
+    if (mechanism.closures[i].kind == ClosureKind::kRolling)
+      lines.value("radius", number(mechanism.closures[i].length));
   }
   for (std::size_t i = 0; i < mechanism.springs.size(); ++i) {
     const Spring& spring = mechanism.springs[i];

@@ -32,20 +32,80 @@ Placed placeOf(const scene::Attachment& at, BodyTree& tree) {
   return frame;
 }
 
-/// phi of all closures, one after the other (scene::Closure has the equations).
-std::vector<Value> closureResiduals(BodyTree& tree) {
+/// What an equation says is zero: a function of the position, or one of rates, linear in them.
+struct Asked {
+  Value function;
+  bool of_rates = false;
+};
+
+/// Where b's origin is, seen from a and in a's axes, and b's axes there.
+Placed seenFrom(const Placed& a, const Placed& b) {
+  Graph* graph = b.p_AB[0].graph;
+  Placed seen(graph);
+  const Vector3 d = b.p_AB + constant(graph, -1) * a.p_AB;
+  for (std::size_t i = 0; i < 3; ++i) {
+    seen.p_AB[i] = dot(a.columns[i], d);
+    for (std::size_t k = 0; k < 3; ++k) seen.columns[k][i] = dot(a.columns[i], b.columns[k]);
+  }
+  return seen;
+}
+
+/// How the components of a place change along the motion.
+Placed rateOf(const Placed& place, Equations& e) {
+  std::vector<Node> components;
+  for (const Vector3& v : {place.p_AB, place.columns[0], place.columns[1], place.columns[2]})
+    for (const Value& x : v) components.push_back(x.node);
+  const std::vector<Node> rates = e.graph.directionalDerivative(components, motion(e));
+  Placed out(&e.graph);
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.p_AB[i].node = rates[i];
+    for (std::size_t k = 0; k < 3; ++k) out.columns[k][i].node = rates[3 + 3 * k + i];
+  }
+  return out;
+}
+
+/** A disc of this radius about z_b on a's xy plane. The point of it that touches, s in b's axes, is at
+    d + (x_b y_b z_b) s seen from a; s is fixed on the disc while the rate of that is taken. */
+std::vector<Asked> rolling(const Placed& b_in_a, const Value& radius, Equations& e) {
+  Graph* graph = &e.graph;
+  const Value one = constant(graph, 1), height = b_in_a.p_AB[2], lean = b_in_a.columns[2][2];
+  const Value reach = radius * radius / height;  // r^2 / h
+  Vector3 s;  // -(n - (n . z_b) z_b) r^2 / h: n has the components (x_b, y_b, z_b) . n in b's axes
+  for (std::size_t k = 0; k < 2; ++k) s[k] = -(b_in_a.columns[k][2] * reach);
+  const Placed rate = rateOf(b_in_a, e);
+  std::vector<Asked> asked;
+  for (std::size_t i = 0; i < 2; ++i)
+    asked.push_back(
+        {rate.p_AB[i] + s[0] * rate.columns[0][i] + s[1] * rate.columns[1][i], true});
+  asked.push_back(
+      {constant(graph, Rational(1, 2)) * (height - (one - lean * lean) * reach)});
+  return asked;
+}
+
+/// All closures, one after the other (scene::Closure has the equations).
+std::vector<Asked> closureResiduals(BodyTree& tree, Equations& e) {
   Graph* graph = tree.graph();
-  std::vector<Value> phi;
+  std::vector<Asked> asked;
   for (const scene::Closure& closure : tree.mechanism().closures) {
     const Placed a = placeOf(closure.a, tree), b = placeOf(closure.b, tree);
     const Vector3 d = b.p_AB + constant(graph, -1) * a.p_AB;
     if (closure.kind == scene::ClosureKind::kDistance) {
       const Value length = tree.number()(closure.length);
-      phi.push_back(constant(graph, Rational(1, 2)) * (dot(d, d) - length * length));
+      asked.push_back({constant(graph, Rational(1, 2)) * (dot(d, d) - length * length)});
       continue;
     }
     if (closure.kind == scene::ClosureKind::kPlane) {
-      phi.push_back(dot(a.columns[2], d));
+      asked.push_back({dot(a.columns[2], d)});
+      continue;
+    }
+    if (closure.kind == scene::ClosureKind::kSkate) {
+      const Placed b_in_a = seenFrom(a, b);
+      asked.push_back({dot(b_in_a.columns[1], rateOf(b_in_a, e).p_AB), true});
+      continue;
+    }
+    if (closure.kind == scene::ClosureKind::kRolling) {
+      for (const Asked& one : rolling(seenFrom(a, b), tree.number()(closure.length), e))
+        asked.push_back(one);
       continue;
     }
     const Value all[] = {dot(a.columns[0], d),
@@ -54,26 +114,34 @@ std::vector<Value> closureResiduals(BodyTree& tree) {
                          dot(a.columns[0], b.columns[2]),
                          dot(a.columns[1], b.columns[2]),
                          dot(a.columns[0], b.columns[1])};
-    phi.insert(phi.end(), all, all + scene::equationCount(closure.kind));
+    for (int k = 0; k < scene::equationCount(closure.kind); ++k) asked.push_back({all[k]});
   }
-  return phi;
+  return asked;
 }
 
-/// Functions of the position with their derivatives along the motion.
-ClosureEquations differentiated(const std::vector<Value>& functions, Equations& e) {
+/// What is asked with its derivatives along the motion.
+ClosureEquations differentiated(const std::vector<Asked>& asked, Equations& e) {
   Graph& graph = e.graph;
   ClosureEquations closures;
-  for (const Value& phi : functions) closures.phi.push_back(phi.node);
-  std::vector<Node> phi_rate;
-  for (const Node phi : closures.phi) {
-    closures.J.push_back(positionGradient(e, phi));
+  std::vector<Variable> rates;
+  for (int i = 0; i < e.dof(); ++i) rates.push_back({Input::kVelocity, i});
+  std::vector<Node> rate_of_each;
+  for (const Asked& one : asked) {
+    if (one.of_rates) {
+      closures.phi.push_back(Node{});
+      closures.J.push_back(graph.gradient(one.function.node, rates));
+      rate_of_each.push_back(one.function.node);
+      continue;
+    }
+    closures.phi.push_back(one.function.node);
+    closures.J.push_back(positionGradient(e, one.function.node));
     Node rate;
     for (int i = 0; i < e.dof(); ++i)
       rate =
           graph.add(rate, graph.multiply(closures.J.back()[i], graph.input(Input::kVelocity, i)));
-    phi_rate.push_back(rate);
+    rate_of_each.push_back(rate);
   }
-  closures.gamma = graph.directionalDerivative(phi_rate, motion(e));
+  closures.gamma = graph.directionalDerivative(rate_of_each, motion(e));
   return closures;
 }
 
@@ -82,17 +150,17 @@ ClosureEquations differentiated(const std::vector<Value>& functions, Equations& 
 ClosureEquations closureEquations(const scene::Mechanism& mechanism, const Options& options,
                                   Equations& e) {
   BodyTree tree(mechanism, options, &e.graph);
-  return differentiated(closureResiduals(tree), e);
+  return differentiated(closureResiduals(tree, e), e);
 }
 
 ClosureEquations frameEquations(const scene::Mechanism& mechanism, const Options& options,
                                 const std::vector<scene::Attachment>& frames, Equations& e) {
   BodyTree tree(mechanism, options, &e.graph);
-  std::vector<Value> components;
+  std::vector<Asked> components;
   for (const scene::Attachment& at : frames) {
     const Placed frame = placeOf(at, tree);
     for (const Vector3& v : {frame.p_AB, frame.columns[0], frame.columns[1], frame.columns[2]})
-      components.insert(components.end(), v.begin(), v.end());
+      for (const Value& x : v) components.push_back({x});
   }
   return differentiated(components, e);
 }

@@ -41,6 +41,8 @@ constexpr Words kWords[] = {
     {Feature::kPointClosure, "closure: point"},
     {Feature::kHingeClosure, "closure: hinge"},
     {Feature::kWeldClosure, "closure: weld"},
+    {Feature::kSkateClosure, "closure: skate"},
+    {Feature::kRollingClosure, "closure: rolling"},
     {Feature::kPointSpring, "spring between points"},
     {Feature::kPointDamper, "damper between points"},
     {Feature::kDrivenJoint, "driven joint"},
@@ -66,7 +68,8 @@ struct Rule {
 struct Rules {
   const Features closures = {Feature::kDistanceClosure,    Feature::kPlaneClosure,
                              Feature::kPlanarPointClosure, Feature::kPointClosure,
-                             Feature::kHingeClosure,       Feature::kWeldClosure};
+                             Feature::kHingeClosure,       Feature::kWeldClosure,
+                             Feature::kSkateClosure,       Feature::kRollingClosure};
   const Features point_springs = {Feature::kPointSpring, Feature::kPointDamper};
   const Features wrenches = {Feature::kLinkWrench, Feature::kWorldWrench};
   const Features friction = {Feature::kViscousFriction, Feature::kCoulombFriction};
@@ -323,6 +326,10 @@ Feature closureFeature(scene::ClosureKind kind) {
       return Feature::kHingeClosure;
     case scene::ClosureKind::kWeld:
       return Feature::kWeldClosure;
+    case scene::ClosureKind::kSkate:
+      return Feature::kSkateClosure;
+    case scene::ClosureKind::kRolling:
+      return Feature::kRollingClosure;
   }
   return Feature::kWeldClosure;
 }

@@ -75,6 +75,11 @@ FormulationComparison compareFormulations(const scene::Scene& scene,
     with.formulation = formulation;
     with.stabilisation = stabilisation;
     with.method = method;
+    if (needsPositions(formulation) && scene.mechanism.hasClosuresOfRates()) {
+      run.failure = "closures of rates alone (skate, rolling) have no phi = 0 to solve for";
+      out.runs.push_back(std::move(run));
+      continue;
+    }
     try {
       run.result = simulate(scene, with);
       measure(reference, &run);

@@ -14,6 +14,7 @@
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/closed_motion.hpp"
+#include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/implicit.hpp"
 #include "crosscheck/motion/method_named.hpp"
 
@@ -227,6 +228,12 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
         {},
         "stabilisation with index 2 or 3, allowed: none, for these keep what they "
         "solve for; index 1 alone is stabilised");
+  if (needsPositions(options.formulation) && scene.mechanism.hasClosuresOfRates())
+    throw scene::InputError(
+        {scene.file.string(), 0},
+        fmt::format("formulation {} solves for phi = 0, which closures of rates alone (skate, "
+                    "rolling) do not have, allowed: index1, index2",
+                    name(options.formulation)));
   if (method.implicit && !(options.step > 0 && std::isfinite(options.step) &&
                            options.duration / options.step <= kMostSteps))
     throw scene::InputError(

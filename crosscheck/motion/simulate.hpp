@@ -26,6 +26,10 @@ enum class Stabilisation { kNone, kBaumgarte, kProjection };
                 mu is as small as the error
     All but the first need an implicit method. */
 enum class Formulation { kIndex1, kIndex2, kIndex3, kGgl };
+/// Whether it solves for phi = 0, which equations of rates alone do not have.
+constexpr bool needsPositions(Formulation formulation) {
+  return formulation == Formulation::kIndex3 || formulation == Formulation::kGgl;
+}
 
 struct SimulateOptions {
   double duration = 10;            ///< [s]

@@ -320,6 +320,8 @@ std::vector<std::string> modelled(const Facts& facts) {
         ends(closure.a, closure.b));
     if (closure.kind == scene::ClosureKind::kDistance)
       line += fmt::format(", {} m apart", number(value(closure.length)));
+    if (closure.kind == scene::ClosureKind::kRolling)
+      line += fmt::format(", radius {} m", number(value(closure.length)));
     lines.push_back(line);
   }
   for (const scene::Spring& spring : m.springs)

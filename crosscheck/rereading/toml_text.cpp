@@ -267,7 +267,7 @@ class TomlText {
     out.kind = keys.text("kind");
     out.a = anchor(keys, "a");
     out.b = anchor(keys, "b");
-    put(keys, "length", &out.length);
+    put(keys, out.kind == "rolling" ? "radius" : "length", &out.length);
     out_.closures.push_back(out);
   }
   void readSpring(const toml::table& table) {

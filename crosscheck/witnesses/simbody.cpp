@@ -441,6 +441,11 @@ class SimbodyWitness : public Witness {
       case scene::ClosureKind::kWeld:
         Constraint::Weld(a, X_A, b, X_B);
         break;
+      case scene::ClosureKind::kSkate:  // material points of a and of b, at b's origin
+        Constraint::NoSlip1D(b, X_B.p(), UnitVec3(X_B.y()), a, b);
+        break;
+      case scene::ClosureKind::kRolling:
+        throw std::invalid_argument("simbody: it has no constraint for a disc that leans and rolls");
     }
   }
 

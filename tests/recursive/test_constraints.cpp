@@ -71,8 +71,9 @@ scene::Scene randomLoops(unsigned seed) {
   scene::Scene scene = randomTree(seed, 3);
   std::mt19937 random(seed);
   const std::vector<int> moving = scene.mechanism.movingLinks();
-  for (const ClosureKind kind : {ClosureKind::kDistance, ClosureKind::kPlanarPoint,
-                                 ClosureKind::kPoint, ClosureKind::kHinge, ClosureKind::kWeld}) {
+  for (const ClosureKind kind :
+       {ClosureKind::kDistance, ClosureKind::kPlanarPoint, ClosureKind::kPoint, ClosureKind::kHinge,
+        ClosureKind::kWeld, ClosureKind::kSkate, ClosureKind::kRolling}) {
     const int a = random() % 3 == 0 ? 0 : moving[random() % moving.size()];
     int b = a;
     while (b == a) b = moving[random() % moving.size()];
@@ -214,17 +215,18 @@ BOOST_DATA_TEST_CASE(random_closures_are_the_same_by_lagrange_and_by_the_sweeps,
 
 // phi = 0 does not hold at random points, and need not: the equations are J qdd = -gamma
 BOOST_DATA_TEST_CASE(accelerations_are_those_of_lagranges_equations_with_multipliers,
-                     data::xrange(6u), seed) {
+                     data::xrange(10u), seed) {
   scene::Scene scene = randomTree(seed, 4);
   std::mt19937 random(seed);
   int deepest = 0;
   for (const int link : scene.mechanism.movingLinks())
     if (depth(scene.mechanism, link) > depth(scene.mechanism, deepest)) deepest = link;
   const ClosureKind kinds[] = {ClosureKind::kDistance, ClosureKind::kPlanarPoint,
-                               ClosureKind::kPoint};
+                               ClosureKind::kPoint, ClosureKind::kSkate,
+                               ClosureKind::kRolling};
   // either side on the ground: as frame A it does not turn, as frame B everything turns under it
   const bool ground_is_a = seed % 2 == 0;
-  addClosure(&scene, kinds[seed % 3], ground_is_a ? 0 : deepest, ground_is_a ? deepest : 0, random);
+  addClosure(&scene, kinds[seed % 5], ground_is_a ? 0 : deepest, ground_is_a ? deepest : 0, random);
   const PrimeField::Modulus modulus(drawPrime("constraints", seed, 0));
   const FieldSource source("constraints", seed, 0);
   const FieldNumbers number(scene.mechanism, source, Parameters::kAsWritten);

@@ -59,8 +59,7 @@ const std::string kEnds = "a = { link = \"base\" }\nb = { link = \"upper\" }";
 const Bad kToml[] = {
     {"unknown kind of closure", closure("kind = \"glue\"", kEnds),
      "bad.toml:12: closure \"1\": kind is \"glue\", allowed: distance, plane, planar_point, "
-     "point, hinge, "
-     "weld"},
+     "point, hinge, weld, skate, rolling"},
     {"closure without a kind", closure("", kEnds), "bad.toml:11: closure \"1\": has no kind"},
     {"closure with one end", closure("kind = \"point\"", "a = { link = \"base\" }"),
      "bad.toml:11: closure \"1\": has no b, allowed: { link = \"name\""},
@@ -76,6 +75,12 @@ const Bad kToml[] = {
      "bad.toml:11: closure \"1\": length is 0, allowed: above zero"},
     {"length of a hinge", closure("kind = \"hinge\"\nlength = 1", kEnds),
      "bad.toml:13: closure \"1\": a hinge has no length"},
+    {"disc without radius", closure("kind = \"rolling\"", kEnds),
+     "bad.toml:11: closure \"1\": has no radius, allowed: a length above zero"},
+    {"disc of no radius", closure("kind = \"rolling\"\nradius = -1", kEnds),
+     "bad.toml:11: closure \"1\": radius is -1, allowed: above zero"},
+    {"length of a disc", closure("kind = \"rolling\"\nradius = 1\nlength = 1", kEnds),
+     "bad.toml:14: closure \"1\": a rolling has no length, allowed: of a distance"},
     {"spring that pushes", kUpper + "\n[[spring]]\n" + kEnds + "\nstiffness = -1\n",
      "bad.toml:11: spring \"1\": stiffness is -1, allowed: zero or more"},
     {"spring with axes",

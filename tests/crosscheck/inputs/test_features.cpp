@@ -149,6 +149,17 @@ Pair scenesOf(Feature feature) {
       return ofClosure("hinge");
     case Feature::kWeldClosure:
       return ofClosure("weld");
+    case Feature::kSkateClosure:  // across the blade is up
+      return ofTable(
+          "[[closure]]\nkind = \"skate\"\na = { link = \"base\" }\n"
+          "b = { link = \"tip\", xyz = [0.25, 0, 0], rpy = [\"pi/2\", 0, 0] }\n",
+          "");
+    case Feature::kRollingClosure:  // about y, its lowest point on the plane at q = 0
+      return ofTable(
+          "[[closure]]\nkind = \"rolling\"\nradius = 0.3\n"
+          "a = { link = \"base\", xyz = [0, 0, -0.3] }\n"
+          "b = { link = \"tip\", xyz = [0.25, 0, 0], rpy = [\"pi/2\", 0, 0] }\n",
+          "");
     case Feature::kPointSpring:
       return ofPoints("stiffness = 50\nrest = 0.5\n");
     case Feature::kPointDamper:
