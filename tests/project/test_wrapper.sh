@@ -34,7 +34,7 @@ readers  dynwitness-readers  Some words; others
 END
 cat >"$project/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
-project(stub LANGUAGES CXX)
+project(dynwitness VERSION 1.2.3 LANGUAGES CXX)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 file(GLOB sources CONFIGURE_DEPENDS *.cpp)
 add_executable(dynwitness_cli ${sources})
@@ -84,6 +84,27 @@ is_silent() { [[ ! -s $work/err ]]; }
 says() { grep -qF -- "$1" "$work/err"; }
 does_not_say() { ! says "$1"; }
 
+# --- help, before anything is built ---
+builds_nothing() { [[ ! -e $project/build ]]; }
+for words in --help -h help '' 'exit --help' 'bench --help' 'test --help' 'help readers'; do
+  # shellcheck disable=SC2086  # the words are several
+  call $words
+  check "'$words' is answered" exits 0
+  check "'$words' builds nothing" builds_nothing
+  check "'$words' is told on standard output" grep -q 'Usage: ./dynwitness' "$work/out"
+done
+call readers --help
+check 'help names what the command does' grep -qx 'readers: Some words; others' "$work/out"
+call --version
+check 'the version is that of the project' prints 'dynwitness 1.2.3'
+check 'and builds nothing' builds_nothing
+call reader
+check 'a word that is no command is refused' exits 2
+check 'with what is near' says '"reader" is no command, did you mean readers?; allowed: test bench exit readers'
+check 'and builds nothing' builds_nothing
+call --frobnicate
+check 'an option that is none is refused' exits 2
+
 # --- build and run ---
 call exit 0 'two words' ''
 check 'the first call builds and runs the program' exits 0
@@ -99,7 +120,7 @@ check 'a second call leaves the program as it is' \
   test "$before" = "$(stat -c %y "$project/build/bin/dynwitness")"
 
 call nonsense
-check 'a word that the wrapper does not know goes to the program' prints "$work/elsewhere|nonsense"
+check 'a word that is no command goes to the program that is there' prints "$work/elsewhere|nonsense"
 check 'and the program refuses it' exits 2
 
 ln -s "$project/dynwitness" "$work/link"
@@ -108,6 +129,17 @@ check 'the wrapper works through a symbolic link' exits 5
 
 call
 check 'a call without arguments goes to the program' prints "$work/elsewhere"
+call exit --help
+check 'help comes from the program that is there' prints "$work/elsewhere|exit|--help"
+
+# --- beside another build ---
+exec 8>"$project/build/.lock"
+flock 8
+call exit 6
+check 'a program that is there does not wait for another build' exits 6
+check 'and says so' says 'another build is under way: dynwitness runs as it stands'
+flock -u 8
+exec 8>&-
 
 # --- commands in programs of their own ---
 rm "$project/build/bin/dynwitness"
@@ -115,7 +147,8 @@ call readers file
 check 'a command goes to the program that has it' prints "readers: $work/elsewhere|readers|file"
 check 'no other program is built for it' test ! -e "$project/build/bin/dynwitness"
 call '#' a
-check 'a comment of the list is no command' prints "$work/elsewhere|#|a"
+check 'a comment of the list is no command' exits 2
+call exit 0
 mv "$project/crosscheck/cli/commands.txt" "$work/commands.txt"
 call exit 0
 check 'without the list the wrapper fails' exits 3
@@ -175,6 +208,14 @@ check 'with apt but neither root nor sudo the list is the answer' exits 2
 check 'the command to type is given' \
   says 'apt-get install --no-install-recommends gnuplot-nox'
 check 'apt-get does not run' does_not_say 'must not run'
+
+fake id <<<'echo 0'
+call --no-install exit 0
+check 'with --no-install the list is the answer' exits 2
+check 'and apt-get does not run' does_not_say 'must not run'
+DYNWITNESS_NO_INSTALL=1 call exit 0
+check 'the same by a variable' exits 2
+fake id <<<'echo 1000'
 
 fake sudo <<'END'
 echo "$*" >>"$0.calls"
