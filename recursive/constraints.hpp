@@ -108,8 +108,7 @@ void closureRates(const Closure<T>& closure, const Motion<T>& x, const Transform
   const Vector3<T> point = x.linear + x.angular.cross(X_BA.p);
   if (kind == scene::ClosureKind::kDistance) return row(0, X_BA.p.dot(point));
   if (kind == scene::ClosureKind::kPlane) return row(0, point.z());
-  if (kind == scene::ClosureKind::kSkate)
-    return row(0, Vector3<T>(X_BA.R.row(1)).dot(point));
+  if (kind == scene::ClosureKind::kSkate) return row(0, Vector3<T>(X_BA.R.row(1)).dot(point));
   if (kind == scene::ClosureKind::kRolling) {
     const DiscContact<T> disc(closure.length, X_BA);
     const Vector3<T> there = point + x.angular.cross(disc.rho);

@@ -460,11 +460,10 @@ Closure TomlReader::readClosure(const toml::table& table, std::size_t index) con
   }
   closure.a = readAttachment(table, what, "a", true);
   closure.b = readAttachment(table, what, "b", true);
-  for (const auto& [key, of] : {std::pair{"length", ClosureKind::kDistance},
-                                std::pair{"radius", ClosureKind::kRolling}}) {
+  for (const auto& [key, of] :
+       {std::pair{"length", ClosureKind::kDistance}, std::pair{"radius", ClosureKind::kRolling}}) {
     if (closure.kind == of)
-      closure.length =
-          number(required(table, what, key, "a length above zero"), what + ": " + key);
+      closure.length = number(required(table, what, key, "a length above zero"), what + ": " + key);
     else if (const toml::node* length = table.get(key))
       throw InputError(where(*length), what + ": a " + kind + " has no " + key +
                                            ", allowed: of a " + dynwitness::scene::name(of));

@@ -75,10 +75,8 @@ std::vector<Asked> rolling(const Placed& b_in_a, const Value& radius, Equations&
   const Placed rate = rateOf(b_in_a, e);
   std::vector<Asked> asked;
   for (std::size_t i = 0; i < 2; ++i)
-    asked.push_back(
-        {rate.p_AB[i] + s[0] * rate.columns[0][i] + s[1] * rate.columns[1][i], true});
-  asked.push_back(
-      {constant(graph, Rational(1, 2)) * (height - (one - lean * lean) * reach)});
+    asked.push_back({rate.p_AB[i] + s[0] * rate.columns[0][i] + s[1] * rate.columns[1][i], true});
+  asked.push_back({constant(graph, Rational(1, 2)) * (height - (one - lean * lean) * reach)});
   return asked;
 }
 

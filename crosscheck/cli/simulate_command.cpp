@@ -60,7 +60,7 @@ SimulateOptions completed(const Arguments& arguments, const std::vector<MotionTa
 
 /// "radau_iia_5, steps of 0.001 s" or "runge_kutta_dopri5, error of a step 1e-10"
 std::string describe(const SimulateOptions& options) {
-  const bool is_explicit = options.method.rfind("runge_kutta", 0) == 0;
+  const bool is_explicit = !isImplicit(options.method);
   return is_explicit ? fmt::format("{}, error of a step {:.3g}", options.method, options.step_error)
                      : fmt::format("{}, steps of {} s", options.method, options.step);
 }

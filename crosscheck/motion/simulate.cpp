@@ -208,6 +208,10 @@ std::vector<std::string> simulateMethods() {
   return names;
 }
 
+bool isImplicit(const std::string& method) {
+  return methodNamed(kMethods, method).implicit;
+}
+
 Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
   const Method& method = methodNamed(kMethods, options.method);
   requireTreated(scene, Command::kSimulate);

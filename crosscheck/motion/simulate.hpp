@@ -47,6 +47,9 @@ struct SimulateOptions {
 
 /// Adaptive explicit integrators of Boost.odeint, and Radau IIA (implicit.hpp).
 std::vector<std::string> simulateMethods();
+/// Whether a method of simulate() has the step that is asked for; the others choose theirs by an error.
+/// @throws scene::InputError  there is none of that name
+bool isImplicit(const std::string& method);
 
 struct Simulation {
   struct Point {

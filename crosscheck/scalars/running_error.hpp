@@ -21,7 +21,8 @@ namespace dynwitness::crosscheck {
     One rounding of a result r is at most u |r|, u = 2^-53 (or half the smallest subnormal). Errors
     of operands are carried first order and second order: a b has |a| eb + |b| ea + ea eb. The bound
     is itself computed in double, so each operation inflates it by (1 + 8 u), more than its own few
-    roundings can lose.
+    roundings can lose. What is exactly zero stays so, and adds nothing: structural zeros with a bound of
+    some subnormal numbers would make most of a sweep's work theirs.
 
     A sweep on this type therefore returns the numbers of the double sweep and their limits.
     @see N. Higham, Accuracy and Stability of Numerical Algorithms (2002), section 3.3 */
@@ -40,25 +41,29 @@ class RunningError {
   double bound() const { return bound_; }
 
   friend RunningError operator+(const RunningError& a, const RunningError& b) {
-    return rounded(a.value_ + b.value_, a.bound_ + b.bound_, a.isZero() || b.isZero(), a, b);
+    const double value = a.value_ + b.value_;
+    if (a.isZero() || b.isZero()) return {value, a.bound_ + b.bound_};
+    return rounded(value, a.bound_ + b.bound_, false, a, b);
   }
   friend RunningError operator-(const RunningError& a, const RunningError& b) {
-    return rounded(a.value_ - b.value_, a.bound_ + b.bound_, a.isZero() || b.isZero(), a, b);
+    const double value = a.value_ - b.value_;
+    if (a.isZero() || b.isZero()) return {value, a.bound_ + b.bound_};
+    return rounded(value, a.bound_ + b.bound_, false, a, b);
   }
   friend RunningError operator*(const RunningError& a, const RunningError& b) {
     const double value = a.value_ * b.value_;
-    return rounded(value,
-                   std::abs(a.value_) * b.bound_ + (std::abs(b.value_) + b.bound_) * a.bound_,
-                   a.isZero() || b.isZero() ||
-                       ((isPowerOfTwo(a.value_) || isPowerOfTwo(b.value_)) && std::isnormal(value)),
-                   a, b);
+    if ((a.isZero() || b.isZero()) && value == 0) return value;
+    return rounded(
+        value, std::abs(a.value_) * b.bound_ + (std::abs(b.value_) + b.bound_) * a.bound_,
+        (isPowerOfTwo(a.value_) || isPowerOfTwo(b.value_)) && std::isnormal(value), a, b);
   }
   friend RunningError operator/(const RunningError& a, const RunningError& b) {
     const double room = std::abs(b.value_) - b.bound_;  // at least this far from zero
     const double value = a.value_ / b.value_;
     if (!(room > 0)) return {value, std::numeric_limits<double>::infinity()};
+    if (a.isZero()) return value;
     return rounded(value, (a.bound_ + std::abs(value) * kInflate * b.bound_) / room,
-                   a.isZero() || (isPowerOfTwo(b.value_) && std::isnormal(value)), a, b);
+                   isPowerOfTwo(b.value_) && std::isnormal(value), a, b);
   }
   RunningError operator-() const { return {-value_, bound_}; }
   RunningError& operator+=(const RunningError& b) { return *this = *this + b; }

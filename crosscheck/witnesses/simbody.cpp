@@ -445,7 +445,8 @@ class SimbodyWitness : public Witness {
         Constraint::NoSlip1D(b, X_B.p(), UnitVec3(X_B.y()), a, b);
         break;
       case scene::ClosureKind::kRolling:
-        throw std::invalid_argument("simbody: it has no constraint for a disc that leans and rolls");
+        throw std::invalid_argument(
+            "simbody: it has no constraint for a disc that leans and rolls");
     }
   }
 

@@ -222,8 +222,7 @@ BOOST_DATA_TEST_CASE(accelerations_are_those_of_lagranges_equations_with_multipl
   for (const int link : scene.mechanism.movingLinks())
     if (depth(scene.mechanism, link) > depth(scene.mechanism, deepest)) deepest = link;
   const ClosureKind kinds[] = {ClosureKind::kDistance, ClosureKind::kPlanarPoint,
-                               ClosureKind::kPoint, ClosureKind::kSkate,
-                               ClosureKind::kRolling};
+                               ClosureKind::kPoint, ClosureKind::kSkate, ClosureKind::kRolling};
   // either side on the ground: as frame A it does not turn, as frame B everything turns under it
   const bool ground_is_a = seed % 2 == 0;
   addClosure(&scene, kinds[seed % 5], ground_is_a ? 0 : deepest, ground_is_a ? deepest : 0, random);

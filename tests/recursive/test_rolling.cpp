@@ -56,8 +56,7 @@ class Bicycle {
       x.push_back(scene::jointPosition(q));
     std::vector<Digits50> qd(kRates, zero);
     recursive::constraintEquations(model_, x, qd, ws_, closures_);
-    const std::vector<int> given = {kLean, kSteer, kRearWheel},
-                           others = {0, 1, 2, 4, 5, 8};
+    const std::vector<int> given = {kLean, kSteer, kRearWheel}, others = {0, 1, 2, 4, 5, 8};
     Vector rates(3);
     rates << off(2), off(3), speed / (Digits50(3) / Digits50(10));
     const Matrix J = closures_.J;
