@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,8 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/state_options.hpp"
+#include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/hamilton.hpp"
 #include "crosscheck/system/files.hpp"
 
@@ -22,6 +25,7 @@ using namespace crosscheck;
 
 struct Arguments {
   std::string scene, json;
+  std::optional<StateOption> q, qd;
   ActionOptions options;
 };
 
@@ -60,9 +64,11 @@ bool isSure(const Action& action) {
                      [](const CheckResult& check) { return check.verdict == Verdict::kAgree; });
 }
 
-int run(const Arguments& arguments) {
+int run(Arguments arguments) {
   requireWritableFile(arguments.json);
   const scene::Scene scene = admitted(arguments.scene, Command::kAction);
+  arguments.options.q = arguments.q->values(scene, inDouble(scene, scene.start_q));
+  arguments.options.qd = arguments.qd->values(scene, inDouble(scene, scene.start_qd));
   const Action action = [&] {
     const Progress progress("action of " + scene.name);
     return measureAction(scene, arguments.options);
@@ -111,13 +117,8 @@ Run addAction(CLI::App* command) {
   command->add_option("--duration", arguments->options.duration, "Time between the end points [s]")
       ->check(positive())
       ->capture_default_str();
-  command
-      ->add_option("--state", arguments->options.q, "Start q, e.g. 0.1,0.2 (default: the scene's)")
-      ->check(finite())
-      ->delimiter(',');
-  command->add_option("--velocity", arguments->options.qd, "Start qd (default: the scene's)")
-      ->check(finite())
-      ->delimiter(',');
+  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
+  arguments->qd.emplace(command, StateOption::Part::kQd, "the scene's start", "--velocity");
   command
       ->add_option("--damping", arguments->options.damping,
                    "Friction of every joint, force -damping qd [N m s/rad, N s/m]")

@@ -12,7 +12,9 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/state_options.hpp"
 #include "crosscheck/studies/geometry.hpp"
+#include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/hamilton.hpp"
 #include "crosscheck/system/files.hpp"
 
@@ -25,7 +27,7 @@ constexpr int kMostShown = 4;  // joints whose Christoffel symbols are printed
 
 struct Arguments {
   std::string scene, json;
-  std::vector<double> q;
+  std::optional<StateOption> given_q, given_qd;
   ActionOptions geodesic;
 };
 
@@ -39,13 +41,12 @@ Json toJson(const std::vector<Bounded>& all) {
 int run(Arguments arguments) {
   requireWritableFile(arguments.json);
   const scene::Scene scene = admitted(arguments.scene, Command::kGeometry);
-  const scene::RealNumbers<double> number(scene.mechanism);
-  if (arguments.q.empty())
-    for (const scene::Number& q : scene.start_q) arguments.q.push_back(number(q));
+  const std::vector<double> start_q = inDouble(scene, scene.start_q),
+                            start_qd = inDouble(scene, scene.start_qd);
+  const std::vector<double> q = givenOr("--q", arguments.given_q->values(scene, start_q), start_q);
   ActionOptions& options = arguments.geodesic;
-  options.q = arguments.q;
-  if (options.qd.empty())
-    for (const scene::Number& qd : scene.start_qd) options.qd.push_back(number(qd));
+  options.q = q;
+  options.qd = givenOr("--qd", arguments.given_qd->values(scene, start_qd), start_qd);
   const int n = scene.mechanism.dof();
   const bool rests =
       std::all_of(options.qd.begin(), options.qd.end(), [](double v) { return v == 0; });
@@ -54,7 +55,7 @@ int run(Arguments arguments) {
 
   std::optional<Progress> progress(std::in_place, 3, 1.0);
   progress->stage("metric of " + scene.name);
-  const MetricAt at = metricAt(scene, arguments.q);
+  const MetricAt at = metricAt(scene, q);
   progress->stage("geodesic");
   const Action geodesic = measureAction(scene, options);
   requireFinite("M", at.M.value);
@@ -67,7 +68,7 @@ int run(Arguments arguments) {
   progress.reset();
   for (const CheckResult& check : geodesic.checks) checks.push_back(check);
 
-  fmt::print("{}: {} joints, q = {}\n", scene.name, n, fmt::join(arguments.q, ", "));
+  fmt::print("{}: {} joints, q = {}\n", scene.name, n, fmt::join(q, ", "));
   const std::vector<std::string> names = scene.mechanism.rateLabels();
   fmt::print("metric       M [kg m^2, kg m, kg]\n");
   for (int i = 0; i < n; ++i) {
@@ -114,7 +115,7 @@ int run(Arguments arguments) {
                conjugate.time, boundText(conjugate.error));
   const int status = printFindings(checks);
   if (!arguments.json.empty()) {
-    Json json{{"q", arguments.q},
+    Json json{{"q", q},
               {"M", toJson(at.M)},
               {"christoffel_first", toJson(at.first)},
               {"christoffel_second", toJson(at.second)},
@@ -137,23 +138,17 @@ int run(Arguments arguments) {
 Run addGeometry(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
-  command
-      ->add_option("--state", arguments->q, "Position q, e.g. 0.1,0.2 (default: the scene's start)")
-      ->check(finite())
-      ->delimiter(',');
-  command
-      ->add_option("--velocity", arguments->geodesic.qd,
-                   "qd that the geodesic starts with (default: the scene's, or 1 each)")
-      ->check(finite())
-      ->delimiter(',');
+  arguments->given_q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
+  arguments->given_qd.emplace(command, StateOption::Part::kQd,
+                              "of the geodesic's start; the scene's, or 1 each", "--velocity");
   command->add_option("--duration", arguments->geodesic.duration, "Of the geodesic [s]")
       ->check(positive())
       ->capture_default_str();
   command->add_option("--json", arguments->json, "Write the result to this file");
   command->footer(
       "Examples:\n"
-      "  dynwitness geometry double_pendulum --state 0,1.2\n"
-      "  dynwitness geometry double_pendulum --state 0,0 --velocity 1,0 --duration 8\n"
+      "  dynwitness geometry double_pendulum --q 0,1.2\n"
+      "  dynwitness geometry double_pendulum --q 0,0 --qd 1,0 --duration 8\n"
       "  dynwitness geometry puma_560 --json geometry.json\n"
       "The laws are decided over a prime field, for every state of the scene. Exit status 1: one "
       "fails.");

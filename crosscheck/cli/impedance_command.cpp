@@ -11,6 +11,8 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/state_options.hpp"
+#include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/impedance.hpp"
 #include "crosscheck/system/files.hpp"
 
@@ -21,6 +23,7 @@ using namespace crosscheck;
 
 struct Arguments {
   std::string scene, json;
+  std::optional<StateOption> q;
   std::vector<double> at, stiffness, damping, stretch;
   ImpedanceOptions options;
 };
@@ -44,6 +47,7 @@ int run(Arguments arguments) {
   requireWritableFile(arguments.json);
   const scene::Scene scene = admitted(arguments.scene, Command::kImpedance);
   ImpedanceOptions& options = arguments.options;
+  options.q = arguments.q->values(scene, inDouble(scene, scene.start_q));
   put("--at", arguments.at, &options.at);
   put("--stiffness", arguments.stiffness, &options.stiffness);
   put("--damping", arguments.damping, &options.damping);
@@ -118,13 +122,11 @@ Run addImpedance(CLI::App* command) {
                    "Of the joints [rad/(N m), m/N] (default: 1 each)")
       ->check(finite())
       ->delimiter(',');
-  command->add_option("--state", arguments->options.q, "Position q (default: the scene's start)")
-      ->check(finite())
-      ->delimiter(',');
+  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
   command->add_option("--json", arguments->json, "Write the result to this file");
   command->footer(
       "Examples:\n"
-      "  dynwitness impedance puma_560 --state 0.1,0.2,0.3,0.4,0.5,0.6 --stiffness "
+      "  dynwitness impedance puma_560 --q 0.1,0.2,0.3,0.4,0.5,0.6 --stiffness "
       "500,500,100,0,0,0\n"
       "  dynwitness impedance double_pendulum --at 0,0,-0.4 --stiffness 100,0,100,0,0,0 --stretch "
       "0.1,0,0\n"

@@ -10,8 +10,10 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/state_options.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
+#include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/impulse.hpp"
 #include "crosscheck/system/files.hpp"
 
@@ -22,6 +24,7 @@ using namespace crosscheck;
 
 struct Arguments {
   std::string scene, json;
+  std::optional<StateOption> q, qd;
   std::vector<double> at, force, moment, direction;
   ImpulseOptions options;
 };
@@ -46,6 +49,8 @@ int run(Arguments arguments) {
   requireWritableFile(arguments.json);
   const scene::Scene scene = admitted(arguments.scene, Command::kImpulse);
   ImpulseOptions& options = arguments.options;
+  options.q = arguments.q->values(scene, inDouble(scene, scene.start_q));
+  options.qd = arguments.qd->values(scene, inDouble(scene, scene.start_qd));
   put("--at", arguments.at, &options.at);
   put("--impulse", arguments.force, &options.force);
   put("--moment", arguments.moment, &options.moment);
@@ -150,18 +155,15 @@ Run addImpulse(CLI::App* command) {
                    "Of the impact: 0 plastic, 1 elastic")
       ->check(between(0, 1))
       ->capture_default_str();
-  command->add_option("--state", arguments->options.q, "Position q (default: the scene's start)")
-      ->check(finite())
-      ->delimiter(',');
-  command->add_option("--velocity", arguments->options.qd, "qd before (default: the scene's start)")
-      ->check(finite())
-      ->delimiter(',');
+  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
+  arguments->qd.emplace(command, StateOption::Part::kQd, "before the blow; the scene's start",
+                        "--velocity");
   command->add_option("--json", arguments->json, "Write the result to this file");
   command->footer(
       "Examples:\n"
       "  dynwitness impulse double_pendulum --at 0,0,-0.4 --impulse 1,0,0\n"
-      "  dynwitness impulse puma_560 --velocity 1,0.5,0,0,0,0 --wall 0,0,1 --restitution 0.5\n"
-      "  dynwitness impulse andrews_squeezer --velocity 1,0,0,0,0,0,0    closures that bind at "
+      "  dynwitness impulse puma_560 --qd 1,0.5,0,0,0,0 --wall 0,0,1 --restitution 0.5\n"
+      "  dynwitness impulse andrews_squeezer --qd 1,0,0,0,0,0,0    closures that bind at "
       "once\n"
       "The laws are checked at this state within rounding, and over a prime field for every state "
       "and\n"

@@ -12,6 +12,8 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/state_options.hpp"
+#include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/linearization.hpp"
 #include "crosscheck/system/files.hpp"
 
@@ -24,6 +26,7 @@ constexpr int kMostShown = 4;  // joints whose A and B are printed
 
 struct Arguments {
   std::string scene, json;
+  std::optional<StateOption> q, qd;
   LinearizationOptions options;
 };
 
@@ -115,12 +118,14 @@ Json toJson(double radius) {
   return std::isfinite(radius) ? Json(radius) : Json("inf");
 }
 
-int run(const Arguments& arguments) {
+int run(Arguments arguments) {
   requireWritableFile(arguments.json);
   const scene::Scene scene = admitted(arguments.scene, Command::kLinearize);
-  const LinearizationOptions& options = arguments.options;
+  LinearizationOptions& options = arguments.options;
+  options.q = arguments.q->values(scene, inDouble(scene, scene.start_q));
+  options.qd = arguments.qd->values(scene, std::vector<double>(scene.start_qd.size(), 0.0));
   if (options.seeks_equilibrium && !options.qd.empty())
-    throw scene::InputError({}, "--rates with --equilibrium, allowed: one of them");
+    throw scene::InputError({}, "--qd with --equilibrium, allowed: one of them");
   if (options.seeks_equilibrium && options.has_no_forces)
     throw scene::InputError({},
                             "--free with --equilibrium, which seeks none, allowed: one of them");
@@ -207,12 +212,8 @@ Run addLinearize(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   LinearizationOptions& options = arguments->options;
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
-  command->add_option("--state", options.q, "Position q (default: the scene's start)")
-      ->check(finite())
-      ->delimiter(',');
-  command->add_option("--rates", options.qd, "Rates qd (default: at rest)")
-      ->check(finite())
-      ->delimiter(',');
+  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
+  arguments->qd.emplace(command, StateOption::Part::kQd, "at rest", "--rates");
   command->add_flag("--equilibrium", options.seeks_equilibrium,
                     "Go from there to where it is at rest without joint forces");
   command->add_flag("--free", options.has_no_forces,
@@ -223,8 +224,8 @@ Run addLinearize(CLI::App* command) {
   command->add_option("--json", arguments->json, "Write the result to this file");
   command->footer(
       "Examples:\n"
-      "  dynwitness linearize acrobot --state 3.141592653589793,0 --actuated elbow\n"
-      "  dynwitness linearize double_pendulum --equilibrium --state 0.3,-0.2\n"
+      "  dynwitness linearize acrobot --q pi,0 --actuated elbow\n"
+      "  dynwitness linearize double_pendulum --equilibrium --q 0.3,-0.2\n"
       "Entries and eigenvalues are enclosed in balls; the derivatives' laws are checked over a "
       "prime field\n"
       "for every state. Exit status 1: one fails.");

@@ -12,6 +12,7 @@
 #include "crosscheck/cli/findings.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/state_options.hpp"
 #include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/shown_sweep.hpp"
 #include "crosscheck/system/files.hpp"
@@ -23,7 +24,7 @@ using namespace crosscheck;
 
 struct Arguments {
   std::string scene, json, link;
-  std::vector<double> q, qd, qdd;
+  std::optional<StateOption> q, qd, qdd;
 };
 
 /// Six digits; what is below the digits of the numbers beside it is 0.
@@ -159,10 +160,12 @@ int run(const Arguments& arguments) {
   const scene::Scene scene = admitted(arguments.scene, Command::kSweep);
   requireMotion(scene);
   scene::State<double> state;
-  for (const double x : givenOr("--state", arguments.q, inDouble(scene, scene.start_q)))
+  const std::vector<double> start_q = inDouble(scene, scene.start_q),
+                            start_qd = inDouble(scene, scene.start_qd), rest(start_qd.size(), 0.0);
+  for (const double x : givenOr("--q", arguments.q->values(scene, start_q), start_q))
     state.x.push_back(scene::jointPosition(x));
-  state.qd = givenOr("--rates", arguments.qd, inDouble(scene, scene.start_qd));
-  state.qdd = givenOr("--accelerations", arguments.qdd, std::vector<double>(state.qd.size(), 0.0));
+  state.qd = givenOr("--qd", arguments.qd->values(scene, start_qd), start_qd);
+  state.qdd = givenOr("--qdd", arguments.qdd->values(scene, rest), rest);
   std::optional<Progress> progress(std::in_place, 1, 1.0);
   progress->stage("sweeps of " + scene.name + ", and its derivation");
   const ShownSweep sweep = shownSweep(scene, state);
@@ -206,20 +209,14 @@ int run(const Arguments& arguments) {
 Run addSweep(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene")->required();
-  command->add_option("--state", arguments->q, "Position q (default: the scene's start)")
-      ->check(finite())
-      ->delimiter(',');
-  command->add_option("--rates", arguments->qd, "Rates qd (default: the scene's start)")
-      ->check(finite())
-      ->delimiter(',');
-  command->add_option("--accelerations", arguments->qdd, "qdd (default: 0)")
-      ->check(finite())
-      ->delimiter(',');
+  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
+  arguments->qd.emplace(command, StateOption::Part::kQd, "the scene's start", "--rates");
+  arguments->qdd.emplace(command, StateOption::Part::kQdd, "0", "--accelerations");
   command->add_option("--link", arguments->link, "This link, or joint, alone");
   command->add_option("--json", arguments->json, "Write all of it to this file");
   command->footer(
       "Example:\n"
-      "  dynwitness sweep double_pendulum --state 0.3,0.4 --rates 1,2 --accelerations 0.5,-0.5\n"
+      "  dynwitness sweep double_pendulum --q 0.3,0.4 --qd 1,2 --qdd 0.5,-0.5\n"
       "v, a, f, M_C and M_A are what the sweeps themselves have computed, D, P and P M_A are made of "
       "M_A;\nwhether they are right is what crosscheck asks.");
   return [arguments] { return run(*arguments); };

@@ -91,7 +91,7 @@ class Equilibrium {
     throw scene::InputError(
         {scene_.file.string(), 0},
         fmt::format("no equilibrium found from this guess: after {} steps of Newton's the joints "
-                    "still feel {:.3g} N m (N) at q = {:.6g}; allowed: another --state",
+                    "still feel {:.3g} N m (N) at q = {:.6g}; allowed: another --q",
                     steps_, g_.cwiseAbs().maxCoeff(), fmt::join(q, ",")));
   }
 
@@ -217,7 +217,7 @@ Linearization linearize(const scene::Scene& scene, const LinearizationOptions& o
   requireMotion(scene);
   const auto n = static_cast<Eigen::Index>(mechanism.dof());
   Linearization out;
-  out.q = givenOr("--state", options.q, inDouble(scene, scene.start_q));
+  out.q = givenOr("--q", options.q, inDouble(scene, scene.start_q));
   out.qd = givenOr("--rates", options.qd, std::vector<double>(scene.start_qd.size(), 0.0));
   out.actuated = actuatedRates(scene, options.actuated);
 

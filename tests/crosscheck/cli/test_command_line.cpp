@@ -39,7 +39,7 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   refuses(program, "simulate bricard --method rk5", "runge_kutta_dopri5");
   refuses(program, "simulate four_bars_0", "four_bars_N with N from 1 to 200");
   refuses(program, "geometry heavy_top", "spherical");
-  refuses(program, "geometry acrobot --state 1", "q: 1 values, allowed: 2");
+  refuses(program, "geometry acrobot --q 1", "--q: 1 values, allowed: 2");
   refuses(program, "action bricard", "a tree of links");
   refuses(program, "action acrobot --duration 0", "allowed: positive");
   refuses(program, "impulse acrobot --link nobody", "has no link 'nobody'");
@@ -436,15 +436,35 @@ BOOST_AUTO_TEST_CASE(audit_prints_an_equation_and_refuses_one_that_is_not_there)
   refuses(program, "audit --json no/such/folder/a.json", "a.json");
 }
 
+BOOST_AUTO_TEST_CASE(a_state_is_given_by_place_by_name_and_in_the_scenes_parameters) {
+  const Program program;
+  const auto jsonOf = [&program](const std::string& words) {
+    const Outcome outcome = program.run("sweep double_pendulum --json s.json " + words);
+    BOOST_TEST(outcome.status == 0, words << ": " << outcome.out);
+    return program.read("s.json");
+  };
+  const std::string by_place = jsonOf("--q 0.5,0.25 --qd 0,2");
+  BOOST_TEST(jsonOf("--q q1=0.5,q2=1/4 --qd qd1=0,qd2=2") == by_place);
+  BOOST_TEST(jsonOf("--q shoulder=0.5,elbow=0.25 --qd shoulder=0,elbow=2") == by_place);
+  BOOST_TEST(jsonOf("--q 0.5,0.3 --qd 0,2") != by_place);
+  BOOST_TEST(program.run("sweep double_pendulum --state 0.5,0.25").out.find("--state is --q now") !=
+             std::string::npos);
+  refuses(program, "sweep double_pendulum --q 1", "--q: 1 values, allowed: 2");
+  refuses(program, "sweep double_pendulum --q 1,q2=3",
+          "some numbers have names and some have none");
+  refuses(program, "sweep double_pendulum --q wrist=1", "allowed: q1 to q2, shoulder, elbow");
+  refuses(program, "sweep double_pendulum --q 1,nan", "--q: read 'nan', allowed: a finite number");
+  refuses(program, "linearize double_pendulum --qd 1,1 --equilibrium", "--qd with --equilibrium");
+}
+
 // Each looks at one scene, says what its checks found and writes the same as JSON.
 BOOST_AUTO_TEST_CASE(geometry_action_impulse_and_impedance_say_what_they_checked) {
   const Program program;
-  for (const char* words :
-       {"geometry double_pendulum --state 0,1.2", "geometry scara --duration 0.5",
-        "action simple_pendulum --duration 2", "action acrobot --damping 0.1",
-        "impulse puma_560 --velocity 1,0.5,0,0,0,0 --wall 0,0,1 --restitution 0.5",
-        "impulse andrews_squeezer --velocity 1,0,0,0,0,0,0",
-        "impedance puma_560 --stiffness 500,500,100,0,0,0 --stretch 0.1,0,0"}) {
+  for (const char* words : {"geometry double_pendulum --q 0,1.2", "geometry scara --duration 0.5",
+                            "action simple_pendulum --duration 2", "action acrobot --damping 0.1",
+                            "impulse puma_560 --qd 1,0.5,0,0,0,0 --wall 0,0,1 --restitution 0.5",
+                            "impulse andrews_squeezer --qd 1,0,0,0,0,0,0",
+                            "impedance puma_560 --stiffness 500,500,100,0,0,0 --stretch 0.1,0,0"}) {
     const Outcome outcome = program.run(std::string(words) + " --json out.json");
     BOOST_TEST_CONTEXT(words << "\n" << outcome.out) {
       BOOST_TEST(outcome.status == 0);

@@ -108,8 +108,8 @@ BOOST_AUTO_TEST_CASE(nothing_prints_nan_or_infinity_and_calls_it_success) {
             ? "1e308,1e308,1e308"
         : option.name == "--stiffness" || option.name == "--damping"
             ? (option.command == "action" ? "1e308" : "1e308,1e308,1e308,1e308,1e308,1e308")
-        : option.name == "--state" || option.name == "--velocity" || option.name == "--joints" ||
-                option.name == "--joint-compliance"
+        : option.name == "--q" || option.name == "--qd" || option.name == "--qdd" ||
+                option.name == "--joints" || option.name == "--joint-compliance"
             ? "1e308,1e308"
             : "1e308";
     const std::string words =

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The state that a command is asked at: --q, --qd, --qdd, --tau, the same in every command.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "scene/scene.hpp"
+
+namespace dynwitness::cli {
+
+/** One of these options. Its numbers are expressions in the scene's parameters and pi, all of them in
+    the order of `dynwitness show`, or some by name:
+
+        --q 0.3,pi/2          --q elbow=0.3           --q q4=1,q5=0
+
+    by that of the joint ("joint.turn" where it has several rates) or by place. Those that are not named
+    are what they would be without the option. */
+class StateOption {
+ public:
+  enum class Part { kQ, kQd, kQdd, kTau };
+
+  /// @param otherwise  what stands there without the option, for --help
+  /// @param old  how it was called until 0.1.0: still taken, with a notice
+  StateOption(CLI::App* command, Part part, const std::string& otherwise,
+              const std::string& old = "");
+
+  bool isGiven() const { return !words_->empty(); }
+  /** What is given: one number a position slot (of q) or degree of freedom; nothing where nothing is.
+      @param otherwise  so many numbers
+      @throws scene::InputError  other counts, names and numbers */
+  std::vector<double> values(const scene::Scene& scene, const std::vector<double>& otherwise) const;
+
+ private:
+  std::vector<std::string> namesIn(const scene::Mechanism& mechanism) const;
+
+  Part part_;
+  std::shared_ptr<std::vector<std::string>> words_;
+};
+
+}  // namespace dynwitness::cli
