@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,7 +29,7 @@ using namespace crosscheck;
 struct Arguments {
   std::string scene, csv, json, view, stabilisation, formulation = "index1", method;
   double step_error = 0;  ///< 0: not given
-  bool compare = false;
+  bool compare = false, runs_once = false;
   SimulateOptions options;
 };
 
@@ -170,20 +171,23 @@ int compareAll(const scene::Scene& scene, SimulateOptions options,
   return 0;
 }
 
-/// One row an output: time, q, qd, multipliers, and how far constraints and energy are off.
+/// One row an output: time, q, qd, qdd, multipliers, energies, and how far constraints and energy are
+/// off.
 std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism) {
   const Simulation::Point& first = simulation.points.front();
   const std::vector<int> given = scene::givenSlots(mechanism);  // what a states file may say
   std::string csv = "time_s";
   for (std::size_t i = 1; i <= given.size(); ++i) csv += fmt::format(",q{}", i);
   for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",qd{}", i);
+  for (std::size_t i = 1; i <= first.qdd.size(); ++i) csv += fmt::format(",qdd{}", i);
   for (std::size_t i = 1; i <= first.lambda.size(); ++i) csv += fmt::format(",lambda{}", i);
-  csv += ",phi,phi_rate,energy_error_J\n";
+  csv += ",kinetic_J,potential_J,phi,phi_rate,energy_error_J\n";
   for (const Simulation::Point& point : simulation.points) {
     csv += fmt::format("{:.17g}", point.time);
     for (const int slot : given) csv += fmt::format(",{:.17g}", point.q[slot]);
-    for (const auto* values : {&point.qd, &point.lambda})
+    for (const auto* values : {&point.qd, &point.qdd, &point.lambda})
       for (const double v : *values) csv += fmt::format(",{:.17g}", v);
+    csv += fmt::format(",{:.17g},{:.17g}", point.kinetic, point.potential);
     csv += fmt::format(",{:.3g},{:.3g},{:.3g}\n", point.phi, point.phi_rate, point.energy_error);
   }
   return csv;
@@ -217,10 +221,17 @@ int run(const Arguments& arguments) {
                scene.name, gap.text());
   if (arguments.compare) return compareAll(scene, options, tables, arguments.json);
   Simulation result;
+  std::optional<MotionGap> off;  // of the run itself
+  std::string no_rerun;
   {
-    Runs runs(1, options.duration);
+    Runs runs(arguments.runs_once ? 1 : 2, options.duration);
     options.progress = [&](double time) { runs.at(time); };
     result = simulate(scene, options);
+    try {
+      if (!arguments.runs_once) off = gapBetween(simulate(scene, finer(options)), result);
+    } catch (const std::runtime_error& error) {  // smaller steps than it can take
+      no_rerun = error.what();
+    }
   }
   for (const double error :
        {result.worst_phi, result.worst_phi_rate, result.worst_energy, result.most_kinetic})
@@ -259,6 +270,15 @@ int run(const Arguments& arguments) {
   }
   fmt::print("energy       |E - E0 - work| {:.2g} J, largest kinetic energy {:.4g} J\n",
              result.worst_energy, result.most_kinetic);
+  const std::string half =
+      isImplicit(options.method) ? "half the step" : "half the error of a step";
+  if (off) {
+    fmt::print("accuracy     a run with {} is up to {:.2g} (rad, m) and {:.2g} (rad/s, m/s) away\n",
+               half, off->q, off->qd);
+    all["rerun"] = {{"with", half}, {"q", off->q}, {"qd", off->qd}};
+  } else if (!no_rerun.empty()) {
+    fmt::print("accuracy     not known, a run with {} fails: {}\n", half, no_rerun);
+  }
   fmt::print("cost         {} steps and {} rejected, {} evaluations, {:.3g} s\n", result.steps,
              result.rejected, result.evaluations, result.cpu_s);
   bool agree = true;
@@ -335,7 +355,12 @@ Run addSimulate(CLI::App* command) {
                    "Rows of the CSV file, and states of --view")
       ->check(whole(1, 1000000))
       ->capture_default_str();
-  command->add_option("--csv", arguments->csv, "File: time, q, qd, multipliers, drift");
+  command->add_option("--csv", arguments->csv,
+                      "File: time, q, qd, qdd, multipliers, energies, drift");
+  command
+      ->add_flag("--once", arguments->runs_once,
+                 "No second run at half the error (or step), which says how far off this one is")
+      ->excludes("--compare");
   command
       ->add_option("--view", arguments->view,
                    "File: a picture that plays the motion, energy beside it, as HTML")

@@ -20,21 +20,18 @@ const char* name(Stabilisation stabilisation) {
 namespace {
 
 void measure(const Simulation& reference, FormulationRun* run) {
-  const auto worse = [](double* worst, double a, double b) {
-    const double error = std::abs(a - b);
-    if (!(error <= *worst)) *worst = error;  // NaN counts as the worst
-  };
-  double lambda = 0;
-  for (std::size_t k = 0; k < reference.points.size(); ++k) {
+  const MotionGap gap = gapBetween(run->result, reference);
+  run->q_error = gap.q;
+  run->qd_error = gap.qd;
+  double worst = 0;
+  for (std::size_t k = 1; k < reference.points.size(); ++k) {
     const Simulation::Point &right = reference.points[k], &ours = run->result.points[k];
-    for (std::size_t i = 0; i < right.q.size(); ++i) worse(&run->q_error, ours.q[i], right.q[i]);
-    for (std::size_t i = 0; i < right.qd.size(); ++i)
-      worse(&run->qd_error, ours.qd[i], right.qd[i]);
-    for (std::size_t i = 0; k > 0 && i < right.lambda.size(); ++i)
-      if (right.determined[i]) {
-        worse(&lambda, ours.lambda[i], right.lambda[i]);
-        run->lambda_error = lambda;
-      }
+    for (std::size_t i = 0; i < right.lambda.size(); ++i) {
+      if (!right.determined[i]) continue;
+      const double error = std::abs(ours.lambda[i] - right.lambda[i]);
+      if (!(error <= worst)) worst = error;  // NaN counts as the worst
+      run->lambda_error = worst;
+    }
   }
 }
 

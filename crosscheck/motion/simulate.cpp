@@ -86,6 +86,7 @@ class Watch {
     if (keep) {
       const auto solution = motion_.accelerationsOfAll(y, time);
       const Eigen::VectorXd& l = lambda ? *lambda : solution.lambda;
+      point.qdd.assign(solution.qdd.data(), solution.qdd.data() + solution.qdd.size());
       point.lambda.assign(l.data(), l.data() + l.size());
       point.determined = solution.determined;
       out_->points.push_back(std::move(point));
@@ -270,6 +271,25 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
   motion.evaluations = 0;
   method.integrate(motion, y, options, &out);
   out.evaluations = motion.evaluations;
+  return out;
+}
+
+MotionGap gapBetween(const Simulation& a, const Simulation& b) {
+  const auto worse = [](double* worst, const std::vector<double>& x, const std::vector<double>& y) {
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (const double apart = std::abs(x[i] - y[i]); !(apart <= *worst)) *worst = apart;
+  };
+  MotionGap gap;
+  for (std::size_t k = 0; k < std::min(a.points.size(), b.points.size()); ++k) {
+    worse(&gap.q, a.points[k].q, b.points[k].q);
+    worse(&gap.qd, a.points[k].qd, b.points[k].qd);
+  }
+  return gap;
+}
+
+SimulateOptions finer(const SimulateOptions& options) {
+  SimulateOptions out = options;
+  (isImplicit(options.method) ? out.step : out.step_error) /= 2;
   return out;
 }
 

@@ -54,7 +54,7 @@ bool isImplicit(const std::string& method);
 struct Simulation {
   struct Point {
     double time;
-    std::vector<double> q, qd;
+    std::vector<double> q, qd, qdd;
     double phi, phi_rate;          ///< largest |phi|, |J qd| at this time
     double energy_error;           ///< |E - E0 - work of loads, dampers and drives| [J]
     double kinetic, potential;     ///< [J], springs included
@@ -76,6 +76,15 @@ struct Simulation {
             correction brings onto the constraints
     @throws std::runtime_error the integrator cannot go on (its step fell below 1e-12 s) */
 Simulation simulate(const scene::Scene& scene, const SimulateOptions& options);
+
+/// Largest differences of two simulations of a scene at the outputs that both have.
+struct MotionGap {
+  double q = 0, qd = 0;  ///< [rad, m, 1], [rad/s, m/s]; NaN where one is
+};
+MotionGap gapBetween(const Simulation& a, const Simulation& b);
+
+/// The options of a run that is asked for half the error of a step, or steps of half the length.
+SimulateOptions finer(const SimulateOptions& options);
 
 /// Accelerations and multipliers at a state of the closed mechanism, without other joint forces.
 struct ConstrainedState {
