@@ -79,9 +79,24 @@ Scene fourBars(int windows) {
   return readSceneToml(text + closures + "\n[start]\nq = [" + q + "]\nqd = [" + qd + "]\n", name);
 }
 
+namespace {
+
+/// Beside an installed program: bin/ and share/dynwitness/ have one parent. Empty: there is none.
+fs::path installedData() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path data = program.parent_path().parent_path() / "share" / "dynwitness";
+  return !error && fs::is_directory(data / "scenes", error) ? data : fs::path();
+}
+
+}  // namespace
+
 fs::path dataFolder() {
   const char* set = std::getenv("DYNWITNESS_DATA");
-  if (!set || !*set) return DYNWITNESS_DATA_DIR;
+  if (!set || !*set) {
+    static const fs::path installed = installedData();
+    return installed.empty() ? fs::path(DYNWITNESS_DATA_DIR) : installed;
+  }
   std::error_code error;
   if (!fs::is_directory(set, error))
     throw InputError(
