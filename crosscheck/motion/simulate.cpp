@@ -280,9 +280,12 @@ MotionGap gapBetween(const Simulation& a, const Simulation& b) {
       if (const double apart = std::abs(x[i] - y[i]); !(apart <= *worst)) *worst = apart;
   };
   MotionGap gap;
-  for (std::size_t k = 0; k < std::min(a.points.size(), b.points.size()); ++k) {
-    worse(&gap.q, a.points[k].q, b.points[k].q);
-    worse(&gap.qd, a.points[k].qd, b.points[k].qd);
+  auto other = b.points.begin();
+  for (const Simulation::Point& point : a.points) {
+    while (other != b.points.end() && other->time < point.time) ++other;
+    if (other == b.points.end() || other->time != point.time) continue;
+    worse(&gap.q, point.q, other->q);
+    worse(&gap.qd, point.qd, other->qd);
   }
   return gap;
 }
@@ -290,6 +293,7 @@ MotionGap gapBetween(const Simulation& a, const Simulation& b) {
 SimulateOptions finer(const SimulateOptions& options) {
   SimulateOptions out = options;
   (isImplicit(options.method) ? out.step : out.step_error) /= 2;
+  out.outputs *= 2;  // steps end at outputs, and may be no longer than that asks
   return out;
 }
 

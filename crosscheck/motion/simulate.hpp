@@ -83,7 +83,8 @@ struct MotionGap {
 };
 MotionGap gapBetween(const Simulation& a, const Simulation& b);
 
-/// The options of a run that is asked for half the error of a step, or steps of half the length.
+/// The options of a run that is asked for half the error of a step, or steps of half the length, and
+/// for twice as many outputs: all its steps are shorter.
 SimulateOptions finer(const SimulateOptions& options);
 
 /// Accelerations and multipliers at a state of the closed mechanism, without other joint forces.

@@ -53,7 +53,7 @@ std::string dispute(const scene::Scene& scene, const std::string& text) {
 }  // namespace
 
 BOOST_DATA_TEST_CASE(what_one_reader_reads_the_other_reads_alike, data::xrange(2), format) {
-  unsigned long first = 0, last = 3000;
+  unsigned long first = 0, last = 20000;
   if (const char* asked = std::getenv("DYNWITNESS_MUTATIONS"))
     BOOST_REQUIRE(std::sscanf(asked, "%lu-%lu", &first, &last) == 2);
   const fixtures::FileReader& reader = fixtures::fileReaders()[static_cast<std::size_t>(format)];
