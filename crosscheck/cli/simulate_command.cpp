@@ -270,8 +270,9 @@ int run(const Arguments& arguments) {
   }
   fmt::print("energy       |E - E0 - work| {:.2g} J, largest kinetic energy {:.4g} J\n",
              result.worst_energy, result.most_kinetic);
-  const std::string half = isImplicit(options.method) ? "steps of half the length"
-                                                      : "half the error a step, twice the outputs,";
+  const std::string half = isImplicit(options.method)
+                               ? "steps of half the length"
+                               : "half the error a step and twice the outputs";
   if (off) {
     fmt::print("accuracy     a run with {} is up to {:.2g} (rad, m) and {:.2g} (rad/s, m/s) away\n",
                half, off->q, off->qd);
