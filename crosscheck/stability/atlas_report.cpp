@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/stability/atlas_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crosscheck/report/text.hpp"
+#include "scene/error.hpp"
+
+namespace dynwitness::crosscheck::stability {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+Json numberOrNull(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+double numberOf(const Json& json) {
+  return json.is_null() ? kNone : json.get<double>();
+}
+Json textOrNull(const std::string& text) {
+  return text.empty() ? Json(nullptr) : Json(text);
+}
+std::string textOf(const Json& json) {
+  return json.is_null() ? std::string() : json.get<std::string>();
+}
+
+const char* roadWords(Road road) {
+  switch (road) {
+    case Road::kMassMatrix:
+      return "M formed";
+    case Road::kSweep:
+      return "swept";
+    case Road::kAny:
+      break;
+  }
+  return "all";
+}
+
+std::string theoryName(const Theory& theory, const Arithmetic& numbers) {
+  return theory.road == Road::kAny
+             ? fmt::format("theory, {}", numbers.name)
+             : fmt::format("theory, {}, {}", roadWords(theory.road), numbers.name);
+}
+
+/// Colour, dash and marker of a method: no two have the same marker in the same panel.
+std::string lookOf(const std::string& method) {
+  static const std::map<std::string, const char*> known = {
+      {"lagrange", "lt 1 pt 7"},
+      {"newton_euler", "lt 2 pt 5"},
+      {"composite_body", "lt 2 pt 5"},
+      {"articulated_body", "lt 3 pt 9"},
+      {"fast", "lt 4 pt 11"},
+      {"recursive_lagrange", "lt 5 pt 13"},
+      {"kernel", "lt 6 pt 6"},
+      {"kernel_lanes", "lt 16 pt 1"},
+      {"newton_euler float", "lt 2 dt 3 pt 4"},
+      {"composite_body float", "lt 2 dt 3 pt 4"},
+      {"articulated_body float", "lt 3 dt 3 pt 8"},
+      {"simbody", "lt 11"},
+      {"mujoco_principal", "lt 12"},
+      {"dart", "lt 13"},
+      {"kdl", "lt 14"},
+      {"mujoco", "lt 15"}};
+  const auto at = known.find(method);
+  return at == known.end() ? "lt 16" : at->second;
+}
+
+Json courseJson(const Course& course) {
+  Json points = Json::array();
+  for (const Point& point : course.points)
+    points.push_back({{"severity", point.severity},
+                      {"digits", numberOrNull(point.digits)},
+                      {"stop", textOrNull(point.stop)},
+                      {"warned", point.warned}});
+  return {{"method", course.method},
+          {"numbers", course.numbers},
+          {"is_ours", course.is_ours},
+          {"left_out", textOrNull(course.left_out)},
+          {"breaks_at", numberOrNull(course.breaks_at)},
+          {"has_theory", course.has_theory},
+          {"predicted", numberOrNull(course.predicted)},
+          {"ratio", course.breaks() ? numberOrNull(course.ratio()) : Json(nullptr)},
+          {"verdict", course.verdict()},
+          {"silent", course.silent()},
+          {"points", points}};
+}
+
+Course courseOf(const Json& json) {
+  Course course;
+  course.method = json.at("method");
+  course.numbers = json.at("numbers");
+  course.is_ours = json.at("is_ours");
+  course.left_out = textOf(json.at("left_out"));
+  course.breaks_at = numberOf(json.at("breaks_at"));
+  course.has_theory = json.at("has_theory");
+  course.predicted = numberOf(json.at("predicted"));
+  for (const Json& point : json.at("points"))
+    course.points.push_back({point.at("severity"), numberOf(point.at("digits")),
+                             textOf(point.at("stop")), point.at("warned")});
+  return course;
+}
+
+std::string severityWords(double severity, const std::string& unit) {
+  if (!std::isfinite(severity)) return "-";
+  return fmt::format("{:.3g}{}{}", severity, unit.empty() ? "" : " ", unit);
+}
+
+/// "silent", "warns", "stops"; "-" where nothing breaks.
+std::string toldWords(const Course& course) {
+  if (!course.breaks()) return "-";
+  const int silent = course.silent();
+  if (silent > 0) return fmt::format("silent at {}", silent);
+  const bool stops = std::all_of(course.points.begin(), course.points.end(),
+                                 [](const Point& p) { return !p.isBroken() || !p.stop.empty(); });
+  return stops ? "stops" : "warns";
+}
+
+}  // namespace
+
+const Family& familyNamed(const std::string& name) {
+  std::string known;
+  for (const Family& family : families()) {
+    if (family.name == name) return family;
+    known += (known.empty() ? "" : ", ") + family.name;
+  }
+  throw scene::InputError({}, fmt::format("no family '{}'; there are {}", name, known));
+}
+
+int silentOf(const std::vector<Turned>& atlas, bool ours) {
+  int silent = 0;
+  for (const Turned& turned : atlas)
+    for (const Course& course : turned.courses)
+      if (course.is_ours == ours && course.numbers == inDouble().name) silent += course.silent();
+  return silent;
+}
+
+std::string tableOf(const Turned& turned) {
+  const Family& family = familyNamed(turned.family);
+  std::string text = fmt::format(
+      "{}: {}\n  s: {}, {:.3g} to {:.3g}{}{}; asked: {}\n  {:<24} {:>12} {:>12} {:>7}  {:<24} {}\n",
+      family.name, family.title, family.dial, family.from, family.to,
+      family.unit.empty() ? "" : " ", family.unit, crosscheck::name(family.quantity), "method",
+      "breaks at", "predicted", "ratio", "", "it says");
+  for (const Course& course : turned.courses) {
+    if (!course.left_out.empty()) {
+      text += fmt::format("  {:<24} not asked: {}\n", course.method, oneLine(course.left_out));
+      continue;
+    }
+    const double ratio = course.breaks() ? course.ratio() : kNone;
+    text += fmt::format("  {:<24} {:>12} {:>12} {:>7}  {:<24} {}\n", course.method,
+                        severityWords(course.breaks_at, ""), severityWords(course.predicted, ""),
+                        std::isfinite(ratio) ? fmt::format("{:.2g}", ratio) : "-", course.verdict(),
+                        toldWords(course));
+  }
+  return text;
+}
+
+std::string csvOf(const Turned& turned) {
+  const Family& family = familyNamed(turned.family);
+  std::string text = fmt::format(
+      "# {}: {}\n# severity: {}{}\n# digits of {}: -log10(largest |answer - truth| / largest "
+      "|truth|), the truth certified by ball arithmetic; worst of {} mechanisms\n"
+      "severity,method,digits,stopped,warned\n",
+      family.name, oneLine(family.title), oneLine(family.dial),
+      family.unit.empty() ? "" : " [" + family.unit + "]", crosscheck::name(family.quantity),
+      kVariants);
+  for (const Course& course : turned.courses)
+    for (const Point& point : course.points)
+      text += fmt::format("{:.6g},{},{},{},{}\n", point.severity, course.method,
+                          point.stop.empty() ? fmt::format("{:.2f}", point.digits) : "",
+                          point.stop.empty() ? 0 : 1, point.warned ? 1 : 0);
+  constexpr int kSamples = 120;
+  constexpr double kMostDigits = 17;
+  for (const Theory& theory : family.theories)
+    for (const Arithmetic* numbers : {&inDouble(), &inFloat()})
+      for (int k = 0; k <= kSamples; ++k) {
+        const double s =
+            family.from * std::pow(family.to / family.from, static_cast<double>(k) / kSamples);
+        text += fmt::format("{:.6g},\"{}\",{:.2f},0,0\n", s, theoryName(theory, *numbers),
+                            std::clamp(-std::log10(theory.error(s, *numbers)), 0.0, kMostDigits));
+      }
+  return text;
+}
+
+std::string scriptOf(const Turned& turned, const std::string& style) {
+  const Family& family = familyNamed(turned.family);
+  const std::string file = family.name + ".csv";
+  const auto rows = [&](const std::string& method, const char* condition, const char* y) {
+    return fmt::format("'{}' using (strcol(2) eq {} && {} ? $1 : NaN):{}", file,
+                       gnuplotString(method), condition, y);
+  };
+  const auto panel = [&](bool ours) {
+    std::string plot;
+    const auto add = [&](const std::string& part) {
+      plot += (plot.empty() ? "plot " : ", \\\n     ") + part;
+    };
+    for (const Theory& theory : family.theories)
+      for (const Arithmetic* numbers : {&inDouble(), &inFloat()}) {
+        if (!ours && numbers == &inFloat()) continue;  // engines compute in double
+        const std::string name = theoryName(theory, *numbers);
+        add(fmt::format("{} with lines lt 20 dt {} title {}", rows(name, "1", "3"),
+                        numbers == &inFloat() ? "(2,4)" : "(8,4)", gnuplotString(name)));
+      }
+    for (const Course& course : turned.courses) {
+      if (course.is_ours != ours || course.points.empty()) continue;
+      const std::string look = lookOf(course.method);
+      add(fmt::format("{} with linespoints {} title {}",
+                      rows(course.method, "strlen(strcol(3)) > 0", "3"), look,
+                      gnuplotString(course.method)));
+      const bool stops = std::any_of(course.points.begin(), course.points.end(),
+                                     [](const Point& point) { return !point.stop.empty(); });
+      if (stops)
+        add(fmt::format("{} with points {} pt 2 ps 0.6 notitle",
+                        rows(course.method, "strcol(4) eq '1'", "(stopped)"), look));
+    }
+    return plot.empty() ? std::string("plot NaN notitle") : plot;
+  };
+  const std::string unit = family.unit.empty() ? "" : " [" + family.unit + "]";
+  const bool is_wide = family.to / family.from > std::pow(10.0, 4);
+  return fmt::format(
+             "# {0}. Draw again with:  gnuplot {1}.gp\n"
+             "do for [dark = 0:1] {{\nload '{2}'\n"
+             "set terminal svg size 1000,560 noenhanced\n"
+             "set output dark ? '{1}_dark.svg' : '{1}.svg'\nset multiplot\n"
+             "stopped = -1\nset datafile missing NaN\n"
+             "set label 1 {3} at screen 0.5, screen 0.965 center textcolor rgb ink font ',15'\n"
+             "set logscale x\nset xrange [{4:g}:{5:g}]\nset format x '{6}'\n"
+             "set yrange [-1.8:17.5]\nset ytics ('stops' stopped, 0, {7}, 6, 9, 12, 15)\n"
+             "set arrow 1 from graph 0, first {7} to graph 1, first {7} nohead lc rgb soft lw 0.8\n"
+             "set xlabel {8}\nset key outside below Left reverse maxcols 3 font ',11'\n"
+             "set tmargin at screen 0.87\nset bmargin at screen 0.40\n",
+             oneLine(family.title), family.name, style, gnuplotString(family.title), family.from,
+             family.to, is_wide ? "10^{%L}" : "%g", kFewestDigits,
+             gnuplotString("s: " + family.dial + unit)) +
+         (is_wide ? "set terminal svg size 1000,560 enhanced\n" : "") +
+         fmt::format(
+             "set lmargin at screen 0.06\nset rmargin at screen 0.485\n"
+             "set title 'Ours: digits of {0}' textcolor rgb soft\n",
+             crosscheck::name(family.quantity)) +
+         panel(true) +
+         "\nunset label 1\nset lmargin at screen 0.56\nset rmargin at screen 0.985\n"
+         "set title 'Outside engines' textcolor rgb soft\n" +
+         panel(false) + "\nunset multiplot\nunset output\nreset\n}\n";
+}
+
+std::string familyJson(const Turned& turned, const std::string& made_by) {
+  Json courses = Json::array();
+  for (const Course& course : turned.courses) courses.push_back(courseJson(course));
+  return Json({{"made_by", made_by}, {"family", turned.family}, {"methods", courses}}).dump(1) +
+         "\n";
+}
+
+std::optional<Turned> familyFromJson(const std::string& text, const std::string& made_by) {
+  try {
+    const Json json = Json::parse(text);
+    if (json.at("made_by") != made_by) return std::nullopt;
+    Turned turned{json.at("family"), {}};
+    for (const Json& course : json.at("methods")) turned.courses.push_back(courseOf(course));
+    return turned;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::string atlasJson(const std::vector<Turned>& atlas, const std::string& version) {
+  Json all = Json::array();
+  for (const Turned& turned : atlas) {
+    const Family& family = familyNamed(turned.family);
+    Json theories = Json::array(), courses = Json::array();
+    for (const Theory& theory : family.theories)
+      theories.push_back(
+          {{"methods", roadWords(theory.road)},
+           {"formula", theory.formula},
+           {"breaks_double", numberOrNull(predictedBreak(family, theory, inDouble()))},
+           {"breaks_float", numberOrNull(predictedBreak(family, theory, inFloat()))}});
+    for (const Course& course : turned.courses) courses.push_back(courseJson(course));
+    all.push_back({{"family", family.name},
+                   {"title", family.title},
+                   {"dial", family.dial},
+                   {"unit", family.unit},
+                   {"from", family.from},
+                   {"to", family.to},
+                   {"quantity", crosscheck::name(family.quantity)},
+                   {"mechanism", family.mechanism},
+                   {"survivor", family.survivor},
+                   {"theories", theories},
+                   {"methods", courses}});
+  }
+  return Json({{"dynwitness", version},
+               {"fewest_digits", kFewestDigits},
+               {"silent_ours", silentOf(atlas, true)},
+               {"silent_others", silentOf(atlas, false)},
+               {"families", all}})
+             .dump(1) +
+         "\n";
+}
+
+}  // namespace dynwitness::crosscheck::stability
