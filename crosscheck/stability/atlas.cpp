@@ -24,7 +24,6 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostDigits = 17;   // of a double in decimals
 constexpr long kDistanceBits = 256;  // an answer and a truth that both carry more than 53
-constexpr double kNarrow = 1.1;      // between held and broken, where bisection ends
 constexpr int kStepOfCompiled = 4;   // of severities, for methods that compile
 constexpr const char* kTold = "digits: ";
 
@@ -224,17 +223,21 @@ const Theory* theoryFor(const Family& family, Road road) {
   return nullptr;
 }
 
-double predictedBreak(const Family& family, const Theory& theory, const Arithmetic& numbers) {
-  const auto isBroken = [&](double s) { return theory.error(s, numbers) > wrongFrom(); };
+double firstBroken(const Family& family, const std::function<double(double)>& error) {
+  const auto isBroken = [&](double s) { return error(s) > wrongFrom(); };
   if (!isBroken(family.to)) return kNone;
-  double low = std::log10(family.from), high = std::log10(family.to);
   if (isBroken(family.from)) return family.from;
+  double low = std::log10(family.from), high = std::log10(family.to);
   constexpr int kHalvings = 60;  // more than a double can tell apart
   for (int k = 0; k < kHalvings; ++k) {
     const double middle = (low + high) / 2;
     (isBroken(std::pow(10.0, middle)) ? high : low) = middle;
   }
   return std::pow(10.0, high);
+}
+
+double predictedBreak(const Family& family, const Theory& theory, const Arithmetic& numbers) {
+  return firstBroken(family, [&](double s) { return theory.error(s, numbers); });
 }
 
 bool Course::isAsPredicted() const {
@@ -259,53 +262,102 @@ std::string Course::end() const {
 }
 
 int Course::silent() const {
+  if (is_step) return 0;
   return static_cast<int>(std::count_if(points.begin(), points.end(),
                                         [](const Point& point) { return point.isSilent(); }));
 }
 
+namespace {
+
+/// Asks along the dial, and between what held and what did not.
+template <typename Ask>
+void followDial(const Family& family, const std::vector<double>& severities, int every,
+                const Ask& ask, Course& course) {
+  double held = kNone;
+  for (std::size_t k = 0; k < severities.size(); ++k) {
+    const bool is_end = k + 1 == severities.size();
+    if (k % static_cast<std::size_t>(every) != 0 && !is_end) continue;
+    const Point point = ask(severities[k]);
+    if (course.points.empty() && !point.stop.empty()) {
+      course.left_out = point.stop;
+      return;
+    }
+    course.points.push_back(point);
+    if (course.breaks()) continue;
+    (point.isBroken() ? course.breaks_at : held) = point.severity;
+  }
+  while (
+      course.breaks() && held == held &&
+      (family.is_whole ? course.breaks_at - held > 1 : course.breaks_at / held > family.narrow)) {
+    const Point point = ask(std::sqrt(held) * std::sqrt(course.breaks_at));
+    if (point.severity <= held || point.severity >= course.breaks_at) break;
+    (point.isBroken() ? course.breaks_at : held) = point.severity;
+    course.points.push_back(point);
+  }
+  std::sort(course.points.begin(), course.points.end(),
+            [](const Point& a, const Point& b) { return a.severity < b.severity; });
+}
+
+Course courseOf(const std::string& method, const Arithmetic& numbers, bool is_ours) {
+  Course course;
+  course.method = method;
+  course.numbers = numbers.name;
+  course.is_ours = is_ours;
+  course.breaks_at = course.predicted = kNone;
+  return course;
+}
+
+/// Steps are taken here: they neither crash nor hang.
+Course courseInTime(const Family& family, const MotionMethod& method,
+                    const std::vector<double>& severities) {
+  Course course = courseOf(method.name, inDouble(), true);
+  course.has_theory = course.is_step = true;
+  course.predicted = firstBroken(family, method.theory);
+  const auto ask = [&](double severity) {
+    Point point;
+    point.severity = severity;
+    const double error = method.measured(severity);
+    if (std::isfinite(error)) {
+      point.digits = std::clamp(-std::log10(error), 0.0, kMostDigits);
+    } else {
+      point.digits = kNone;
+      point.stop = "not a number";
+    }
+    return point;
+  };
+  followDial(family, severities, 1, ask, course);
+  return course;
+}
+
+}  // namespace
+
 Turned turn(const Family& family, const std::vector<Method>& methods, const Settings& settings) {
   Turned out{family.name, {}};
-  Dial dial(family);
   const std::vector<double> severities = severitiesOf(family, settings.severities);
+  if (!family.motion_methods.empty()) {
+    scene::Work work("methods", static_cast<double>(family.motion_methods.size()), 1);
+    for (const MotionMethod& method : family.motion_methods) {
+      out.courses.push_back(courseInTime(family, method, severities));
+      work.done();
+    }
+    return out;
+  }
+  Dial dial(family);
   scene::Work work("methods", static_cast<double>(methods.size()), 1);
   for (const Method& method : methods) {
-    Course course;
-    course.method = method.name;
-    course.numbers = method.numbers->name;
-    course.is_ours = method.is_ours;
-    course.breaks_at = course.predicted = kNone;
+    Course course = courseOf(method.name, *method.numbers, method.is_ours);
     const Theory* const theory =
         theoryFor(family, family.quantity == Quantity::kQdd ? method.road : Road::kAny);
     course.has_theory = theory != nullptr;
     if (theory) course.predicted = predictedBreak(family, *theory, *method.numbers);
-    Turning turning(family, method, dial, settings);
-    if (family.is_large && method.is_derived)
+    if (family.is_large && method.is_derived) {
       course.left_out = "derives or compiles equations, which grow with the mechanism";
-    double held = kNone;
-    for (std::size_t k = 0; k < severities.size() && course.left_out.empty(); ++k) {
-      const bool is_end = k + 1 == severities.size();
-      if (method.is_compiled && k % kStepOfCompiled != 0 && !is_end) continue;
-      const Point point = turning.ask(severities[k]);
-      if (course.points.empty() && !point.stop.empty()) {
-        course.left_out = point.stop;
-        break;
-      }
-      course.points.push_back(point);
-      if (course.breaks()) continue;
-      if (point.isBroken())
-        course.breaks_at = point.severity;
-      else
-        held = point.severity;
+    } else {
+      Turning turning(family, method, dial, settings);
+      followDial(
+          family, severities, method.is_compiled ? kStepOfCompiled : 1,
+          [&](double severity) { return turning.ask(severity); }, course);
     }
-    while (course.breaks() && held == held &&
-           (family.is_whole ? course.breaks_at - held > 1 : course.breaks_at / held > kNarrow)) {
-      const Point point = turning.ask(std::sqrt(held) * std::sqrt(course.breaks_at));
-      if (point.severity <= held || point.severity >= course.breaks_at) break;
-      (point.isBroken() ? course.breaks_at : held) = point.severity;
-      course.points.push_back(point);
-    }
-    std::sort(course.points.begin(), course.points.end(),
-              [](const Point& a, const Point& b) { return a.severity < b.severity; });
     out.courses.push_back(std::move(course));
     work.done();
   }

@@ -51,6 +51,7 @@ struct Point {
 struct Course {
   std::string method, numbers;
   bool is_ours = false;
+  bool is_step = false;       ///< of fixed length: it has nothing to tell by
   std::string left_out;       ///< why it was not asked, or did not answer where all is harmless
   std::vector<Point> points;  ///< by severity
   double breaks_at = 0;       ///< smallest severity seen to break it; not-a-number: none
@@ -80,10 +81,13 @@ struct Settings {
 };
 
 /** All methods at all severities of a family, each in a copy of this process; between the last
-    severity that it held and the first that it did not, bisection until they are within 10 %.
+    severity that it held and the first that it did not, bisection until they are within
+    family.narrow.
     @throws std::runtime_error  no truth can be certified */
 Turned turn(const Family& family, const std::vector<Method>& methods, const Settings& settings);
 
+/// Severity from which an error leaves fewer than kFewestDigits; not-a-number: none up to family.to.
+double firstBroken(const Family& family, const std::function<double(double)>& error);
 /// Severity at which a theory expects fewer than kFewestDigits; not-a-number: none up to family.to.
 double predictedBreak(const Family& family, const Theory& theory, const Arithmetic& numbers);
 

@@ -98,6 +98,8 @@ void putFamily(std::string* page, const Turned& turned) {
         : theory.road == Road::kSweep    ? " of sweeps"
                                          : "",
         esc(theory.formula));
+  for (const MotionMethod& method : family.motion_methods)
+    put(page, "<p><strong>Theory of {}.</strong> {}.</p>\n", esc(method.name), esc(method.formula));
   put(page,
       "<figure>\n<div class=\"charts scroll\" tabindex=\"0\" role=\"group\" aria-label=\"{0}: "
       "digits against severity\"><picture><source media=\"screen and (prefers-color-scheme: "

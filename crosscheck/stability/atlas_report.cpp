@@ -18,6 +18,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// What is asked.
+std::string askedOf(const Family& family) {
+  return family.motion_methods.empty() ? crosscheck::name(family.quantity) : "eigenvalue";
+}
+
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Json numberOrNull(double x) {
@@ -65,6 +70,11 @@ std::string lookOf(const std::string& method) {
       {"newton_euler float", "lt 2 dt 3 pt 4"},
       {"composite_body float", "lt 2 dt 3 pt 4"},
       {"articulated_body float", "lt 3 dt 3 pt 8"},
+      {"explicit_euler", "lt 1 pt 7"},
+      {"runge_kutta4", "lt 2 pt 5"},
+      {"semi_implicit_euler", "lt 3 pt 9"},
+      {"verlet", "lt 4 pt 11"},
+      {"implicit_midpoint", "lt 5 pt 13"},
       {"simbody", "lt 11"},
       {"mujoco_principal", "lt 12"},
       {"dart", "lt 13"},
@@ -84,6 +94,7 @@ Json courseJson(const Course& course) {
   return {{"method", course.method},
           {"numbers", course.numbers},
           {"is_ours", course.is_ours},
+          {"is_step", course.is_step},
           {"left_out", textOrNull(course.left_out)},
           {"breaks_at", numberOrNull(course.breaks_at)},
           {"has_theory", course.has_theory},
@@ -99,6 +110,7 @@ Course courseOf(const Json& json) {
   course.method = json.at("method");
   course.numbers = json.at("numbers");
   course.is_ours = json.at("is_ours");
+  course.is_step = json.at("is_step");
   course.left_out = textOf(json.at("left_out"));
   course.breaks_at = numberOf(json.at("breaks_at"));
   course.has_theory = json.at("has_theory");
@@ -148,8 +160,8 @@ std::string tableOf(const Turned& turned) {
   std::string text = fmt::format(
       "{}: {}\n  s: {}, {:.3g} to {:.3g}{}{}; asked: {}\n  {:<24} {:>12} {:>12} {:>7}  {:<24} {}\n",
       family.name, family.title, family.dial, family.from, family.to,
-      family.unit.empty() ? "" : " ", family.unit, crosscheck::name(family.quantity), "method",
-      "breaks at", "predicted", "ratio", "", "it says");
+      family.unit.empty() ? "" : " ", family.unit, askedOf(family), "method", "breaks at",
+      "predicted", "ratio", "", "it says");
   for (const Course& course : turned.courses) {
     if (!course.left_out.empty()) {
       text += fmt::format("  {:<24} not asked: {}\n", course.method, oneLine(course.left_out));
@@ -171,8 +183,7 @@ std::string csvOf(const Turned& turned) {
       "|truth|), the truth certified by ball arithmetic; worst of {} mechanisms\n"
       "severity,method,digits,stopped,warned\n",
       family.name, oneLine(family.title), oneLine(family.dial),
-      family.unit.empty() ? "" : " [" + family.unit + "]", crosscheck::name(family.quantity),
-      kVariants);
+      family.unit.empty() ? "" : " [" + family.unit + "]", askedOf(family), kVariants);
   for (const Course& course : turned.courses)
     for (const Point& point : course.points)
       text += fmt::format("{:.6g},{},{},{},{}\n", point.severity, course.method,
@@ -188,6 +199,13 @@ std::string csvOf(const Turned& turned) {
         text += fmt::format("{:.6g},\"{}\",{:.2f},0,0\n", s, theoryName(theory, *numbers),
                             std::clamp(-std::log10(theory.error(s, *numbers)), 0.0, kMostDigits));
       }
+  for (const MotionMethod& method : family.motion_methods)
+    for (int k = 0; k <= kSamples; ++k) {
+      const double s =
+          family.from * std::pow(family.to / family.from, static_cast<double>(k) / kSamples);
+      text += fmt::format("{:.6g},\"theory, {}\",{:.2f},0,0\n", s, method.name,
+                          std::clamp(-std::log10(method.theory(s)), 0.0, kMostDigits));
+    }
   return text;
 }
 
@@ -210,6 +228,9 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
         add(fmt::format("{} with lines lt 20 dt {} title {}", rows(name, "1", "3"),
                         numbers == &inFloat() ? "(2,4)" : "(8,4)", gnuplotString(name)));
       }
+    for (const MotionMethod& method : family.motion_methods)
+      if (ours)
+        add(fmt::format("{} with lines lt 20 notitle", rows("theory, " + method.name, "1", "3")));
     for (const Course& course : turned.courses) {
       if (course.is_ours != ours || course.points.empty()) continue;
       const std::string look = lookOf(course.method);
@@ -243,13 +264,19 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
              gnuplotString("s: " + family.dial + unit)) +
          (is_wide ? "set terminal svg size 1000,560 enhanced\n" : "") +
          fmt::format(
-             "set lmargin at screen 0.06\nset rmargin at screen 0.485\n"
-             "set title 'Ours: digits of {0}' textcolor rgb soft\n",
-             crosscheck::name(family.quantity)) +
+             "set lmargin at screen 0.06\nset rmargin at screen {}\n"
+             "set title '{}' textcolor rgb soft\n",
+             family.motion_methods.empty() ? 0.485 : 0.985,
+             family.motion_methods.empty()
+                 ? fmt::format("Ours: digits of {}", crosscheck::name(family.quantity))
+                 : "Digits of the largest eigenvalue of a step or period, which should be 1 in size") +
          panel(true) +
-         "\nunset label 1\nset lmargin at screen 0.56\nset rmargin at screen 0.985\n"
-         "set title 'Outside engines' textcolor rgb soft\n" +
-         panel(false) + "\nunset multiplot\nunset output\nreset\n}\n";
+         (!family.motion_methods.empty()
+              ? std::string()
+              : "\nunset label 1\nset lmargin at screen 0.56\nset rmargin at screen 0.985\n"
+                "set title 'Outside engines' textcolor rgb soft\n" +
+                    panel(false)) +
+         "\nunset multiplot\nunset output\nreset\n}\n";
 }
 
 std::string familyJson(const Turned& turned, const std::string& made_by) {
@@ -282,6 +309,11 @@ std::string atlasJson(const std::vector<Turned>& atlas, const std::string& versi
            {"formula", theory.formula},
            {"breaks_double", numberOrNull(predictedBreak(family, theory, inDouble()))},
            {"breaks_float", numberOrNull(predictedBreak(family, theory, inFloat()))}});
+    for (const MotionMethod& method : family.motion_methods)
+      theories.push_back({{"methods", method.name},
+                          {"formula", method.formula},
+                          {"breaks_double", numberOrNull(firstBroken(family, method.theory))},
+                          {"breaks_float", nullptr}});
     for (const Course& course : turned.courses) courses.push_back(courseJson(course));
     all.push_back({{"family", family.name},
                    {"title", family.title},
@@ -289,7 +321,7 @@ std::string atlasJson(const std::vector<Turned>& atlas, const std::string& versi
                    {"unit", family.unit},
                    {"from", family.from},
                    {"to", family.to},
-                   {"quantity", crosscheck::name(family.quantity)},
+                   {"quantity", askedOf(family)},
                    {"mechanism", family.mechanism},
                    {"survivor", family.survivor},
                    {"theories", theories},

@@ -46,6 +46,13 @@ struct Theory {
   std::function<double(double severity, const Arithmetic&)> error;
 };
 
+/// One that steps through time, with what it should keep, and its own theory.
+struct MotionMethod {
+  std::string name, formula;
+  std::function<double(double severity)> theory;    ///< error as theory has it
+  std::function<double(double severity)> measured;  ///< error of the steps that were taken
+};
+
 struct Family {
   std::string name;       ///< [a-z_]: files are called so
   std::string title;      ///< "A light cart under a heavy pole"
@@ -59,8 +66,11 @@ struct Family {
   /// @param s  the severity as an exact decimal; the mechanism's numbers are decimals in it
   std::function<Case(const std::string& s, int variant)> make;
   std::vector<Theory> theories;  ///< the first that is about a method's road counts; none: none
-  std::string mechanism;         ///< a paragraph: why digits are lost
-  std::string survivor;          ///< which method survives, and why
+  /// Of a family over time: these are asked, in place of `make`, `quantity` and `theories`.
+  std::vector<MotionMethod> motion_methods;
+  double narrow = 1.1;    ///< between held and broken, where bisection ends
+  std::string mechanism;  ///< a paragraph: why digits are lost
+  std::string survivor;   ///< which method survives, and why
 };
 
 /// In the order of the atlas.
@@ -74,5 +84,6 @@ std::vector<Family> familiesOfMasses();
 std::vector<Family> familiesOfShapes();
 std::vector<Family> familiesOfPoses();
 std::vector<Family> familiesOfMotions();
+std::vector<Family> familiesInTime();
 
 }  // namespace dynwitness::crosscheck::stability

@@ -95,6 +95,7 @@ BOOST_AUTO_TEST_CASE(families_have_names_that_files_can_have_and_explain_themsel
 // caseOf() validates; that there is a truth is what no family can do without.
 BOOST_DATA_TEST_CASE(both_ends_of_every_dial_are_possible_and_certified, data::make(families()),
                      family) {
+  if (!family.motion_methods.empty()) return;  // it has no truth but 1
   for (const double severity : {family.from, family.to})
     for (int variant = 0; variant < kVariants; ++variant) {
       const Case given = family.make(decimalOf(severity, family.is_whole), variant);
