@@ -7,13 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/stability/family.hpp"
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "crosscheck/witnesses/witness.hpp"
-
-namespace dynwitness::crosscheck {
-class Ball;
-}  // namespace dynwitness::crosscheck
 
 namespace dynwitness::crosscheck::stability {
 

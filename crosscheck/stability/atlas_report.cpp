@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
 #include "scene/error.hpp"
 
@@ -56,32 +57,50 @@ std::string theoryName(const Theory& theory, const Arithmetic& numbers) {
              : fmt::format("theory, {}, {}", roadWords(theory.road), numbers.name);
 }
 
-/// Colour, dash and marker of a method: no two have the same marker in the same panel.
-std::string lookOf(const std::string& method) {
-  static const std::map<std::string, const char*> known = {
-      {"lagrange", "lt 1 pt 7"},
-      {"newton_euler", "lt 2 pt 5"},
-      {"composite_body", "lt 2 pt 5"},
-      {"articulated_body", "lt 3 pt 9"},
-      {"fast", "lt 4 pt 11"},
-      {"recursive_lagrange", "lt 5 pt 13"},
-      {"kernel", "lt 6 pt 6"},
-      {"kernel_lanes", "lt 16 pt 1"},
-      {"newton_euler float", "lt 2 dt 3 pt 4"},
-      {"composite_body float", "lt 2 dt 3 pt 4"},
-      {"articulated_body float", "lt 3 dt 3 pt 8"},
-      {"explicit_euler", "lt 1 pt 7"},
-      {"runge_kutta4", "lt 2 pt 5"},
-      {"semi_implicit_euler", "lt 3 pt 9"},
-      {"verlet", "lt 4 pt 11"},
-      {"implicit_midpoint", "lt 5 pt 13"},
-      {"simbody", "lt 11"},
-      {"mujoco_principal", "lt 12"},
-      {"dart", "lt 13"},
-      {"kdl", "lt 14"},
-      {"mujoco", "lt 15"}};
+struct Look {
+  int line = 16;          ///< linetype of style.gp: its colour
+  const char* rest = "";  ///< dash and marker, where they are others
+};
+
+/// Of a method: no two have the same colour and marker in one panel.
+Look lookOf(const std::string& method) {
+  static const std::map<std::string, Look> known = {{"lagrange", {1}},
+                                                    {"newton_euler", {2}},
+                                                    {"composite_body", {2}},
+                                                    {"articulated_body", {3}},
+                                                    {"fast", {4}},
+                                                    {"recursive_lagrange", {5}},
+                                                    {"kernel", {6}},
+                                                    {"kernel_lanes", {16, "pt 1"}},
+                                                    {"newton_euler float", {2, "dt 3 pt 4"}},
+                                                    {"composite_body float", {2, "dt 3 pt 4"}},
+                                                    {"articulated_body float", {3, "dt 3 pt 8"}},
+                                                    {"explicit_euler", {1}},
+                                                    {"runge_kutta4", {2}},
+                                                    {"semi_implicit_euler", {3}},
+                                                    {"verlet", {4}},
+                                                    {"implicit_midpoint", {5}}};
   const auto at = known.find(method);
-  return at == known.end() ? "lt 16" : at->second;
+  if (at != known.end()) return at->second;
+  return {lineTypeOfEngine(method).value_or(16)};
+}
+
+/// Ticks at powers of ten, few enough to be read.
+std::string powersOfTen(double from, double to) {
+  static const char* const kRaised[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  const int first = static_cast<int>(std::ceil(std::log10(from))),
+            last = static_cast<int>(std::floor(std::log10(to)));
+  constexpr int kMostTicks = 8;
+  int step = 1;
+  for (const int wider : {2, 5, 10, 20, 50})
+    if ((last - first) / step > kMostTicks) step = wider;
+  std::string ticks;
+  for (int power = first; power <= last; power += step) {
+    std::string raised = power < 0 ? "⁻" : "";
+    for (const char digit : std::to_string(std::abs(power))) raised += kRaised[digit - '0'];
+    ticks += fmt::format("{}'10{}' 1e{}", ticks.empty() ? "" : ", ", raised, power);
+  }
+  return ticks;
 }
 
 Json courseJson(const Course& course) {
@@ -128,7 +147,7 @@ std::string severityWords(double severity, const std::string& unit) {
 
 /// "silent", "warns", "stops"; "-" where nothing breaks.
 std::string toldWords(const Course& course) {
-  if (!course.breaks()) return "-";
+  if (!course.breaks() || course.is_step) return "-";
   const int silent = course.silent();
   if (silent > 0) return fmt::format("silent at {}", silent);
   const bool stops = std::all_of(course.points.begin(), course.points.end(),
@@ -233,20 +252,20 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
         add(fmt::format("{} with lines lt 20 notitle", rows("theory, " + method.name, "1", "3")));
     for (const Course& course : turned.courses) {
       if (course.is_ours != ours || course.points.empty()) continue;
-      const std::string look = lookOf(course.method);
-      add(fmt::format("{} with linespoints {} title {}",
-                      rows(course.method, "strlen(strcol(3)) > 0", "3"), look,
+      const Look look = lookOf(course.method);
+      add(fmt::format("{} with linespoints lt {} {} title {}",
+                      rows(course.method, "strlen(strcol(3)) > 0", "3"), look.line, look.rest,
                       gnuplotString(course.method)));
       const bool stops = std::any_of(course.points.begin(), course.points.end(),
                                      [](const Point& point) { return !point.stop.empty(); });
       if (stops)
-        add(fmt::format("{} with points {} pt 2 ps 0.6 notitle",
-                        rows(course.method, "strcol(4) eq '1'", "(stopped)"), look));
+        add(fmt::format("{} with points lt {} pt 2 ps 0.6 notitle",
+                        rows(course.method, "strcol(4) eq '1'", "(stopped)"), look.line));
     }
     return plot.empty() ? std::string("plot NaN notitle") : plot;
   };
   const std::string unit = family.unit.empty() ? "" : " [" + family.unit + "]";
-  const bool is_wide = family.to / family.from > std::pow(10.0, 4);
+  const bool is_wide = family.to / family.from > std::pow(10.0, 3);
   return fmt::format(
              "# {0}. Draw again with:  gnuplot {1}.gp\n"
              "do for [dark = 0:1] {{\nload '{2}'\n"
@@ -254,15 +273,16 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
              "set output dark ? '{1}_dark.svg' : '{1}.svg'\nset multiplot\n"
              "stopped = -1\nset datafile missing NaN\n"
              "set label 1 {3} at screen 0.5, screen 0.965 center textcolor rgb ink font ',15'\n"
-             "set logscale x\nset xrange [{4:g}:{5:g}]\nset format x '{6}'\n"
+             "set logscale x\nset xrange [{4:g}:{5:g}]\n{6}\n"
              "set yrange [-1.8:17.5]\nset ytics ('stops' stopped, 0, {7}, 6, 9, 12, 15)\n"
              "set arrow 1 from graph 0, first {7} to graph 1, first {7} nohead lc rgb soft lw 0.8\n"
              "set xlabel {8}\nset key outside below Left reverse maxcols 3 font ',11'\n"
              "set tmargin at screen 0.87\nset bmargin at screen 0.40\n",
              oneLine(family.title), family.name, style, gnuplotString(family.title), family.from,
-             family.to, is_wide ? "10^{%L}" : "%g", kFewestDigits,
-             gnuplotString("s: " + family.dial + unit)) +
-         (is_wide ? "set terminal svg size 1000,560 enhanced\n" : "") +
+             family.to,
+             is_wide ? "set xtics (" + powersOfTen(family.from, family.to) + ")"
+                     : "set format x '%g'",
+             kFewestDigits, gnuplotString("s: " + family.dial + unit)) +
          fmt::format(
              "set lmargin at screen 0.06\nset rmargin at screen {}\n"
              "set title '{}' textcolor rgb soft\n",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iterator>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -35,7 +36,8 @@ Case caseOf(const std::string& family, const std::vector<LinkWords>& links, cons
             const std::vector<double>& q, std::vector<double> qd, std::vector<double> tau) {
   Case out;
   scene::Scene& scene = out.scene;
-  scene.name = scene.title = scene.file = family;
+  scene.name = scene.title = family;
+  scene.file = family;
   scene.source = "figures chosen here";
   scene::Mechanism& m = scene.mechanism;
   m.has_gravity = true;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Masses: light beside heavy, long rows, rotors.
+#include <algorithm>
 #include <cmath>
 #include <string>
 

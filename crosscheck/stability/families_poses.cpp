@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Poses: singular angles, quaternions of any length, axes that meet, many turns.
+#include <algorithm>
 #include <cmath>
 #include <string>
 

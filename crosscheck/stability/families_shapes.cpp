@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shapes: thin, flat, far off, tiny and huge.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
