@@ -81,6 +81,9 @@ int run(const Arguments& arguments) {
   for (const std::string& name : arguments.families)
     chosen.push_back(&stability::familyNamed(name));
   requireWritable(arguments.output);
+  // what is complete stands beside the atlas until the whole of it does
+  const fs::path kept = fs::path(arguments.output).string() + ".unfinished";
+  requireWritableFolder(kept);
 
   std::vector<stability::Method> methods;
   std::string asked;
@@ -94,8 +97,6 @@ int run(const Arguments& arguments) {
   const Environment environment = thisEnvironment();
   const std::string made_by = fmt::format("dynwitness {} {}, {} severities:{}", environment.version,
                                           environment.commit, settings.severities, asked);
-  // what is complete stands beside the atlas until the whole of it does
-  const fs::path kept = fs::path(arguments.output).string() + ".unfinished";
   std::vector<stability::Turned> atlas;
   {
     Progress progress(static_cast<int>(chosen.size()), 0, false);
