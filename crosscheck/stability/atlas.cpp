@@ -156,8 +156,7 @@ class Turning {
         [&] {
           double fewest = kMostDigits;
           for (std::size_t k = 0; k < question.cases.size(); ++k)
-            fewest = std::min(fewest, digitsOf(method_.value(question.cases[k], family_.quantity),
-                                               question.truths[k]));
+            fewest = std::min(fewest, digitsIn(question, k));
           return fmt::format("{}{:.6f}", kTold, fewest);
         },
         settings_.patience);
@@ -172,17 +171,26 @@ class Turning {
   }
 
  private:
+  double digitsIn(const Question& question, std::size_t variant) const {
+    return digitsOf(method_.value(question.cases[variant], family_.quantity),
+                    question.truths[variant]);
+  }
+  bool isTold(const Case& given) const {
+    try {
+      return method_.warns(given, family_.quantity);
+    } catch (const std::exception&) {
+      return true;  // who throws has told
+    }
+  }
+  /// Whether each wrong answer was told to be one.
   bool warns(const Question& question) const {
     constexpr const char* kWarned = "warned";
     return triedInCopy(
                [&]() -> std::string {
-                 try {
-                   for (const Case& given : question.cases)
-                     if (method_.warns(given, family_.quantity)) return kWarned;
-                 } catch (const std::exception&) {
-                   return kWarned;  // who throws has told
-                 }
-                 return "";
+                 for (std::size_t k = 0; k < question.cases.size(); ++k)
+                   if (digitsIn(question, k) < kFewestDigits && !isTold(question.cases[k]))
+                     return "";
+                 return kWarned;
                },
                settings_.patience) == kWarned;
   }
