@@ -69,7 +69,7 @@ std::shared_ptr<Witness> sweepsOf(const scene::Scene& scene) {
 Acceleration springAcceleration() {
   LinkWords mass;
   mass.joint = scene::JointKind::kPrismatic, mass.mass = "1";
-  Case given = caseOf("stiff_spring", {mass}, kNoGravity, {0}, {}, {});
+  Case given = caseOf("stiff_spring", {mass}, noGravity(), {0}, {}, {});
   given.scene.mechanism.links[1].joint.stiffness = scene::Number(1);
   const auto witness = sweepsOf(given.scene);
   const auto state = std::make_shared<scene::State<double>>(given.state);
@@ -82,10 +82,9 @@ Acceleration springAcceleration() {
 
 MotionMethod onSpring(const std::string& name, const Stepper& step, const std::string& formula,
                       const std::function<double(double)>& radius) {
-  return {name, formula, [radius](double z) { return std::abs(radius(z) - 1); },
-          [step, a = springAcceleration()](double z) {
-            return std::abs(spectralRadius(step, a, z, 1) - 1);
-          }};
+  return {
+      name, formula, [radius](double z) { return std::abs(radius(z) - 1); },
+      [step](double z) { return std::abs(spectralRadius(step, springAcceleration(), z, 1) - 1); }};
 }
 
 /// |eigenvalue| of a map of determinant 1 and this trace.
@@ -137,7 +136,7 @@ Acceleration kapitzaAcceleration(double omega) {
   LinkWords pivot, pole;
   pivot.joint = scene::JointKind::kPrismatic, pivot.mass = "1";
   pole.parent = 1, pole.axis = {"0", "1", "0"}, pole.mass = "1", pole.com = {"0", "0", "1"};
-  const Case given = caseOf("kapitza", {pivot, pole}, kGravity, {0, 0}, {}, {});
+  const Case given = caseOf("kapitza", {pivot, pole}, gravityDown(), {0, 0}, {}, {});
   const auto witness = sweepsOf(given.scene);
   const auto state = std::make_shared<scene::State<double>>(given.state);
   return [witness, state, omega](double t, double q, double qd) {

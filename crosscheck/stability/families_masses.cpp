@@ -36,7 +36,7 @@ Case spatialChain(const std::string& family, double ratio, int variant) {
     qd.push_back(k % 2 == 0 ? 0.7 : -0.4);
     tau.push_back((1 + 0.2 * k) * std::min(1.0, std::pow(ratio, k / (kLinks - 1.0))));
   }
-  return caseOf(family, links, kGravity, q, qd, tau);
+  return caseOf(family, links, gravityDown(), q, qd, tau);
 }
 
 Family heavyTip() {
@@ -50,7 +50,7 @@ Family heavyTip() {
     arm.mass = "1", arm.com = {"0.35", "0", "0"}, arm.moments = {"0.01", "0.05", "0.05"};
     tip.parent = 1, tip.xyz = {kLength[v], "0", "0"}, tip.mass = s, tip.com = {kLever[v], "0", "0"};
     tip.moments = {"1", "1", "1"};
-    return caseOf("heavy_tip", {arm, tip}, kNoGravity, {0.3, 0}, {}, {1, 0.5});
+    return caseOf("heavy_tip", {arm, tip}, noGravity(), {0.3, 0}, {}, {1, 0.5});
   };
   // what the first joint moves: I1 + l^2 J / c^2 in the limit
   const auto moved = [] { return 0.35 * 0.35 + 0.05 + 0.7 * 0.7 / (0.5 * 0.5); };
@@ -86,7 +86,7 @@ Family lightCart() {
     cart.mass = "1/(" + s + ")", cart.moments = {"1", "1", "1"};
     pole.parent = 1, pole.axis = {"0", "1", "0"}, pole.mass = "1",
     pole.com = {"0", "0", kLength[v]};
-    return caseOf("light_cart", {cart, pole}, kGravity, {0.2, 0}, {}, {1, 0});
+    return caseOf("light_cart", {cart, pole}, gravityDown(), {0.2, 0}, {}, {1, 0});
   };
   f.theories = {{Road::kAny,
                  "(m + 1/s) - (m l)^2 / (m l^2) cancels 1 kg down to 1/s kg: error u s, of some "
@@ -178,7 +178,7 @@ Family gears() {
     lower.parent = 1, lower.xyz = {kLength[v], "0", "0"}, lower.mass = "1";
     lower.com = {kLever[v], "0.1", "0"}, lower.moments = {"0.01", "0.04", "0.04"};
     lower.rotor = "1e-4";
-    return caseOf("gears", {upper, lower}, kSideways, {0.3, 0.4}, {0.2, -0.5}, {1, 0.5});
+    return caseOf("gears", {upper, lower}, gravitySideways(), {0.3, 0.4}, {0.2, -0.5}, {1, 0.5});
   };
   f.theories = {
       {Road::kAny, "n^2 J leaves the numbers of the arithmetic: n = sqrt(largest / J)",

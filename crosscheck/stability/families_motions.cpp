@@ -22,7 +22,7 @@ Family spinningBall() {
     ball.joint = scene::JointKind::kSpherical, ball.mass = "1";
     ball.moments = {kMoment[v], kMoment[v], kMoment[v]};
     const double w = std::stod(s);
-    return caseOf("spinning_ball", {ball}, kNoGravity, {0.5, 0.1, -0.7, 0.5},
+    return caseOf("spinning_ball", {ball}, noGravity(), {0.5, 0.1, -0.7, 0.5},
                   {0.48 * w, 0.6 * w, 0.64 * w}, {1, 0.5, -0.3});
   };
   f.theories = {
@@ -52,7 +52,8 @@ Family fastSpin() {
     lower.parent = 1, lower.xyz = {kLength[v], "0", "0"}, lower.mass = "1";
     lower.com = {"0.4", "0.1", "0"}, lower.moments = {"0.01", "0.04", "0.04"};
     const double w = std::stod(s);
-    return caseOf("fast_spin", {upper, lower}, kSideways, {0.3, 0.9}, {w, -0.5 * w}, {1, 0.5});
+    return caseOf("fast_spin", {upper, lower}, gravitySideways(), {0.3, 0.9}, {w, -0.5 * w},
+                  {1, 0.5});
   };
   f.theories = {
       {Road::kAny, "w^2 leaves the numbers of the arithmetic: w = sqrt(largest)",

@@ -24,7 +24,7 @@ Family gimbal() {
     pitch.parent = 1, pitch.axis = {"0", "1", "0"};
     body.parent = 2, body.axis = {"1", "0", "0"}, body.mass = "1";
     body.moments = {kMoment[v], kMoment[v], kMoment[v]};
-    return caseOf("gimbal", {yaw, pitch, body}, kNoGravity, {0.3, kHalfPi - 1 / std::stod(s), 0.4},
+    return caseOf("gimbal", {yaw, pitch, body}, noGravity(), {0.3, kHalfPi - 1 / std::stod(s), 0.4},
                   {}, {1, 0.5, -0.3});
   };
   f.theories = {{Road::kMassMatrix,
@@ -53,7 +53,7 @@ Family ballJoint() {
     // Rz(q1) Ry(q2) Rx(q3) by half angles
     const double a = 0.15, b = (kHalfPi - 1 / std::stod(s)) / 2, c = 0.2;
     using std::cos, std::sin;
-    return caseOf("ball_joint", {body}, kNoGravity,
+    return caseOf("ball_joint", {body}, noGravity(),
                   {cos(a) * cos(b) * cos(c) + sin(a) * sin(b) * sin(c),
                    cos(a) * cos(b) * sin(c) - sin(a) * sin(b) * cos(c),
                    cos(a) * sin(b) * cos(c) + sin(a) * cos(b) * sin(c),
@@ -70,8 +70,9 @@ Case quaternionCase(const std::string& family, double length, int v) {
   LinkWords body;
   body.joint = scene::JointKind::kSpherical, body.mass = "1", body.com = {"0.1", "0.2", "-0.5"};
   body.moments = {kMoment[v], "0.4", "0.5"};
-  return caseOf(family, {body}, kGravity, {0.5 * length, 0.1 * length, -0.7 * length, 0.5 * length},
-                {0.3, -0.5, 0.4}, {1, 0.5, -0.3});
+  return caseOf(family, {body}, gravityDown(),
+                {0.5 * length, 0.1 * length, -0.7 * length, 0.5 * length}, {0.3, -0.5, 0.4},
+                {1, 0.5, -0.3});
 }
 
 Family longQuaternion() {
@@ -123,7 +124,7 @@ Family nearAxes() {
     LinkWords between, body;
     body.parent = 1, body.xyz = {"1/(" + s + ")", "0", "0"}, body.mass = "1";
     body.com = {"0.3", kAcross[v], "0"}, body.moments = {"0.1", "0.1", "0.1"};
-    return caseOf("near_axes", {between, body}, kSideways, {0.3, 0}, {0.2, -0.4}, {1, 0.5});
+    return caseOf("near_axes", {between, body}, gravitySideways(), {0.3, 0}, {0.2, -0.4}, {1, 0.5});
   };
   // about the second axis the body has J = 0.1 + 0.25, and across the distance its articulated mass
   // is 1 - 0.09 / J
@@ -156,7 +157,7 @@ Family manyTurns() {
     lower.parent = 1, lower.xyz = {"0.7", "0", "0"}, lower.mass = "1";
     lower.com = {"0.4", "0.1", "0"}, lower.moments = {"0.01", kMoment[v], kMoment[v]};
     const double angle = std::stod(s) * (1 + 0.37 * v);
-    return caseOf("many_turns", {upper, lower}, kSideways, {angle, -angle / 3}, {0.2, -0.5},
+    return caseOf("many_turns", {upper, lower}, gravitySideways(), {angle, -angle / 3}, {0.2, -0.5},
                   {1, 0.5});
   };
   f.theories = {

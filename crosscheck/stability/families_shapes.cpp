@@ -22,7 +22,7 @@ Family farCentre() {
     body.joint = scene::JointKind::kFloating, body.mass = "1";
     body.com = {"0.36*" + s, "0.48*" + s, "0.8*" + s};
     body.moments = {kMoment[v], "1", "1.03"};
-    return caseOf("far_centre", {body}, kNoGravity, {0.1, -0.2, 0.3, 0.5, 0.1, -0.7, 0.5}, {},
+    return caseOf("far_centre", {body}, noGravity(), {0.1, -0.2, 0.3, 0.5, 0.1, -0.7, 0.5}, {},
                   {0.3, -0.2, 0.5, 0.1, 0.7, -0.4});
   };
   f.theories = {{Road::kAny,
@@ -58,7 +58,7 @@ Family thinRod() {
     rod.axis = {"0", n.y, n.z}, rod.mass = "1";
     rod.moments = {"1", std::string("1+") + less + n.yy, std::string("1+") + less + n.zz};
     rod.products = {"0", "0", less + n.yz};
-    return caseOf("thin_rod", {rod}, kNoGravity, {0.4}, {}, {1});
+    return caseOf("thin_rod", {rod}, noGravity(), {0.4}, {}, {1});
   };
   f.theories = {{Road::kAny,
                  "n' I n with I = 1 - (1 - 1/s) n n' cancels 1 down to 1/s: error u s n_y^2 n_z^2 "
@@ -87,7 +87,7 @@ Family flatPlate() {
     plate.parent = 1, plate.xyz = {"0.4", "0", "0.1"}, plate.axis = {"1", "2", "2"};
     plate.mass = "1", plate.com = {"0.1", "0.2", "0.05"};
     plate.moments = {kMoment[v], "0.4", std::string(kMoment[v]) + "+0.4-0.2/(" + s + ")"};
-    return caseOf("flat_plate", {carrier, plate}, kGravity, {0.3, 0.7}, {0.5, -0.8}, {1, 0.5});
+    return caseOf("flat_plate", {carrier, plate}, gravityDown(), {0.3, 0.7}, {0.5, -0.8}, {1, 0.5});
   };
   f.mechanism =
       "A body without thickness has xx + yy = zz. No equation of motion divides by what is left of "
@@ -107,7 +107,7 @@ Case scaledArm(const std::string& family, const std::string& scale, int v) {
   lower.parent = 1, lower.xyz = {by(kLength[v]), "0", by("0.1")}, lower.axis = {"1", "2", "2"};
   lower.mass = "1", lower.com = {by("0.2"), by("0.3"), "0"};
   lower.moments = upper.moments;
-  return caseOf(family, {upper, lower}, kGravity, {0.3, 0.9}, {0, 0}, {});
+  return caseOf(family, {upper, lower}, gravityDown(), {0.3, 0.9}, {0, 0}, {});
 }
 
 Family tinyLengths() {
@@ -165,7 +165,7 @@ Family counterweight() {
     weight.parent = 1, weight.joint = scene::JointKind::kFixed,
     weight.mass = "1.1*" + std::string(kArm[v]);
     weight.com = {"-(1-1/(" + s + "))", "0", "0"}, weight.moments = {"0.1", "0.1", "0.1"};
-    return caseOf("counterweight", {lever, weight}, kSideways, {0.3}, {}, {});
+    return caseOf("counterweight", {lever, weight}, gravitySideways(), {0.3}, {}, {});
   };
   f.theories = {{Road::kAny,
                  "m1 c1 - m2 c2 cancels down to 1/s of either: error u s, of four rounded figures "

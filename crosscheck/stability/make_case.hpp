@@ -42,7 +42,14 @@ inline double rounded(int roundings, const Arithmetic& numbers) {
   return numbers.unit * std::sqrt(roundings / 3.0);
 }
 
-inline const Words kNoGravity = {"0", "0", "0"}, kGravity = {"0", "0", "-9.81"},
-                   kSideways = {"0", "-9.81", "0"};
+inline Words noGravity() {
+  return {"0", "0", "0"};
+}
+inline Words gravityDown() {
+  return {"0", "0", "-9.81"};
+}
+inline Words gravitySideways() {
+  return {"0", "-9.81", "0"};
+}
 
 }  // namespace dynwitness::crosscheck::stability
