@@ -57,12 +57,16 @@ Family heavyTip() {
   f.theories = {
       {Road::kMassMatrix,
        "M00 - M01^2 / M11 cancels s (l + c)^2 down to I1 + l^2 J / c^2: error u s (l + c)^2 / (I1 "
-       "+ l^2 J / c^2), of some four roundings",
-       [moved](double s, const Arithmetic& a) { return rounded(4, a) * s * 1.2 * 1.2 / moved(); }},
+       "+ l^2 J / c^2), of three roundings in each entry, M01's twice, a product and a quotient: "
+       "(3 + 4 3 + 3 + 2) / 3 under the root",
+       [moved](double s, const Arithmetic& a) { return rounded(20, a) * s * 1.2 * 1.2 / moved(); }},
       {Road::kSweep,
        "the tip's articulated mass s - (s c)^2 / (s c^2 + J) cancels s down to J / c^2: error u s "
-       "l^2 / (I1 + l^2 J / c^2), of some three roundings",
-       [moved](double s, const Arithmetic& a) { return rounded(3, a) * s * 0.7 * 0.7 / moved(); }}};
+       "l^2 / (I1 + l^2 J / c^2), of s c twice, three roundings in s c^2 + J, a product and a "
+       "quotient, and three on the way by l: (4 + 3 + 2 + 3) / 3 under the root",
+       [moved](double s, const Arithmetic& a) {
+         return rounded(12, a) * s * 0.7 * 0.7 / moved();
+       }}};
   f.mechanism =
       "In the straight arm the tip swings about its own centre of mass when the first joint moves: "
       "its mass s, though felt by every intermediate number, drops out, and what is left is J / c^2. "
@@ -181,13 +185,19 @@ Family gears() {
     return caseOf("gears", {upper, lower}, gravitySideways(), {0.3, 0.4}, {0.2, -0.5}, {1, 0.5});
   };
   f.theories = {
-      {Road::kAny, "n^2 J leaves the numbers of the arithmetic: n = sqrt(largest / J)",
-       [](double n, const Arithmetic& a) { return n > std::sqrt(a.largest) * 100 ? 1 : a.unit; }}};
+      {Road::kMassMatrix,
+       "n^2 leaves the numbers of the arithmetic: n = sqrt(largest); later by the root "
+       "of 1 / J who multiplies by J first",
+       [](double n, const Arithmetic& a) { return n > std::sqrt(a.largest) ? 1 : a.unit; }},
+      {Road::kSweep,
+       "a sweep divides by D = n^2 J, and 1 / infinite is 0, the joint's acceleration: "
+       "nothing breaks",
+       [](double, const Arithmetic& a) { return a.unit; }}};
   f.mechanism =
       "The rotor's inertia n^2 J stands alone on the diagonal of M. The heavier it is, the more its "
       "joint stands still, and the other joint moves as if it did: nothing cancels until the square "
       "is no number any more.";
-  f.survivor = "All, as far as their numbers go.";
+  f.survivor = "All, as far as their numbers go; sweeps beyond.";
   return f;
 }
 

@@ -23,7 +23,7 @@ Family spinningBall() {
     ball.moments = {kMoment[v], kMoment[v], kMoment[v]};
     const double w = std::stod(s);
     return caseOf("spinning_ball", {ball}, noGravity(), {0.5, 0.1, -0.7, 0.5},
-                  {0.48 * w, 0.6 * w, 0.64 * w}, {1, 0.5, -0.3});
+                  {0.4812357 * w, 0.6034191 * w, 0.6359173 * w}, {1, 0.5, -0.3});
   };
   f.theories = {
       {Road::kAny,

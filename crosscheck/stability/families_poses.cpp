@@ -27,10 +27,17 @@ Family gimbal() {
     return caseOf("gimbal", {yaw, pitch, body}, noGravity(), {0.3, kHalfPi - 1 / std::stod(s), 0.4},
                   {}, {1, 0.5, -0.3});
   };
-  f.theories = {{Road::kMassMatrix,
-                 "M00 - M02^2 / M22 = I (1 - sin^2 q2) cancels down to I / s^2: error u s^2, of "
-                 "some three roundings",
-                 [](double s, const Arithmetic& a) { return rounded(3, a) * s * s; }}};
+  f.theories = {
+      {Road::kMassMatrix,
+       "M00 - M02^2 / M22 = I (1 - sin^2 q2) cancels down to I / s^2: error u s^2, of some "
+       "three roundings",
+       [](double s, const Arithmetic& a) { return rounded(3, a) * s * s; }},
+      {Road::kSweep,
+       "D = I cos^2 q2 is a product: nothing is lost but in an angle that is rounded to the "
+       "arithmetic, which moves the pose by u: error 2 u s",
+       [](double s, const Arithmetic& a) {
+         return a.rounds_state ? 2 * rounded(1, a) * s : a.unit;
+       }}};
   f.mechanism =
       "Where the first and the third axis meet, three angles can turn the body about two axes "
       "only: M is singular there, though the body is not (Lagrange's coordinates are only local). "
@@ -106,10 +113,8 @@ Family shortQuaternion() {
     return quaternionCase("short_quaternion", 1 / std::stod(s), v);
   };
   f.theories = {
-      {Road::kAny,
-       "q'q = 1/s^2 sinks among the numbers that have fewer digits: error (smallest / 2) "
-       "s^2",
-       [](double s, const Arithmetic& a) { return std::max(a.unit, a.smallest / 2 * s * s); }}};
+      {Road::kAny, "1 / (q'q) = s^2 leaves the numbers of the arithmetic: s = sqrt(largest)",
+       [](double s, const Arithmetic& a) { return s > std::sqrt(a.largest) ? 1 : a.unit; }}};
   return f;
 }
 
@@ -156,7 +161,7 @@ Family manyTurns() {
     upper.mass = "1", upper.com = {"0.3", "0", "0"}, upper.moments = {"0.01", "0.05", "0.05"};
     lower.parent = 1, lower.xyz = {"0.7", "0", "0"}, lower.mass = "1";
     lower.com = {"0.4", "0.1", "0"}, lower.moments = {"0.01", kMoment[v], kMoment[v]};
-    const double angle = std::stod(s) * (1 + 0.37 * v);
+    const double angle = std::stod(s) * (1.0471975511965976 + 0.37 * v);  // of many digits
     return caseOf("many_turns", {upper, lower}, gravitySideways(), {angle, -angle / 3}, {0.2, -0.5},
                   {1, 0.5});
   };

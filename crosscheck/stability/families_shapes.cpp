@@ -61,9 +61,12 @@ Family thinRod() {
     return caseOf("thin_rod", {rod}, noGravity(), {0.4}, {}, {1});
   };
   f.theories = {{Road::kAny,
-                 "n' I n with I = 1 - (1 - 1/s) n n' cancels 1 down to 1/s: error u s n_y^2 n_z^2 "
-                 "(4 + ..)^(1/2), of the roundings of three stored entries",
-                 [](double s, const Arithmetic& a) { return rounded(4, a) * s * 0.92; }}};
+                 "n' I n = I_yy n_y^2 + 2 I_yz n_y n_z + I_zz n_z^2, with I = 1 - (1 - 1/s) n n', "
+                 "cancels 1 down to 1/s: the roundings of the three stored entries alone leave u s "
+                 "(2 6^(1/2) n_y^2 n_z^2) / 3^(1/2), n = (0, 0.6, 0.8)",
+                 [](double s, const Arithmetic& a) {
+                   return rounded(1, a) * s * std::sqrt(6.0) * 0.36 * 0.64;
+                 }}};
   f.mechanism =
       "The smallest moment of inertia is not an entry of the inertia matrix but a difference of "
       "entries. Stored in inclined axes, each rounded, the matrix has forgotten it when 1/s is of "
@@ -117,11 +120,17 @@ Family tinyLengths() {
   f.dial = "1 m over the length of the arm";
   f.from = 1, f.to = 1e165;
   f.make = [](const std::string& s, int v) { return scaledArm("tiny_lengths", "/" + s, v); };
-  f.theories = {{Road::kAny,
+  f.theories = {{Road::kMassMatrix,
                  "moments of inertia of 0.05 kg l^2 sink among the numbers that have fewer digits: "
                  "error (smallest / 2) / (0.05 l^2)",
                  [](double s, const Arithmetic& a) {
-                   return std::max(a.unit, a.smallest / 2 * s / 0.05 * s);
+                   return std::max(a.unit, a.smallest * s / 2 * s / 0.05);
+                 }},
+                {Road::kSweep,
+                 "1 / D of the last joint, D = 0.13 kg l^2, leaves the numbers of the arithmetic: "
+                 "1 / l = sqrt(0.13 largest)",
+                 [](double s, const Arithmetic& a) {
+                   return s > std::sqrt(0.13) * std::sqrt(a.largest) ? 1 : a.unit;
                  }}};
   f.mechanism =
       "qdd of an arm without drives is g / l times numbers of the order of 1: units cannot matter, "
