@@ -74,6 +74,8 @@ void putGlance(std::string* page, const std::vector<Turned>& atlas) {
     std::string theory;
     for (const Theory& t : family.theories)
       theory += (theory.empty() ? "" : " / ") + severityText(predictedBreak(family, t, inDouble()));
+    for (const MotionMethod& method : family.motion_methods)
+      theory += (theory.empty() ? "" : " / ") + severityText(firstBroken(family, method.theory));
     put(page,
         "<tr{}><th scope=\"row\"><a href=\"#{}\">{}</a></th><td>{}{}</td><td "
         "class=\"n\">{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}</td><td "
@@ -103,7 +105,7 @@ void putFamily(std::string* page, const Turned& turned) {
   put(page,
       "<figure>\n<div class=\"charts scroll\" tabindex=\"0\" role=\"group\" aria-label=\"{0}: "
       "digits against severity\"><picture><source media=\"screen and (prefers-color-scheme: "
-      "dark)\" srcset=\"{1}_dark.svg\"><img src=\"{1}.svg\" width=\"1000\" height=\"560\" "
+      "dark)\" srcset=\"{1}_dark.svg\"><img src=\"{1}.svg\" width=\"1000\" height=\"540\" "
       "alt=\"{0}: decimal digits kept against severity, a line a method, theory dashed; the "
       "numbers are in the table below\"></picture></div>\n<figcaption>A cross below: the method "
       "stops. <a href=\"{1}.csv\">Data</a>, <a href=\"{1}.gp\">script</a>.</figcaption>\n"

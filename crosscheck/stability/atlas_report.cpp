@@ -51,10 +51,11 @@ const char* roadWords(Road road) {
   return "all";
 }
 
+/// Without a comma, which gnuplot takes for the end of a column in quotes as well.
 std::string theoryName(const Theory& theory, const Arithmetic& numbers) {
   return theory.road == Road::kAny
-             ? fmt::format("theory, {}", numbers.name)
-             : fmt::format("theory, {}, {}", roadWords(theory.road), numbers.name);
+             ? fmt::format("theory: {}", numbers.name)
+             : fmt::format("theory: {} {}", roadWords(theory.road), numbers.name);
 }
 
 struct Look {
@@ -215,14 +216,14 @@ std::string csvOf(const Turned& turned) {
       for (int k = 0; k <= kSamples; ++k) {
         const double s =
             family.from * std::pow(family.to / family.from, static_cast<double>(k) / kSamples);
-        text += fmt::format("{:.6g},\"{}\",{:.2f},0,0\n", s, theoryName(theory, *numbers),
+        text += fmt::format("{:.6g},{},{:.2f},0,0\n", s, theoryName(theory, *numbers),
                             std::clamp(-std::log10(theory.error(s, *numbers)), 0.0, kMostDigits));
       }
   for (const MotionMethod& method : family.motion_methods)
     for (int k = 0; k <= kSamples; ++k) {
       const double s =
           family.from * std::pow(family.to / family.from, static_cast<double>(k) / kSamples);
-      text += fmt::format("{:.6g},\"theory, {}\",{:.2f},0,0\n", s, method.name,
+      text += fmt::format("{:.6g},theory: {},{:.2f},0,0\n", s, method.name,
                           std::clamp(-std::log10(method.theory(s)), 0.0, kMostDigits));
     }
   return text;
@@ -249,7 +250,8 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
       }
     for (const MotionMethod& method : family.motion_methods)
       if (ours)
-        add(fmt::format("{} with lines lt 20 notitle", rows("theory, " + method.name, "1", "3")));
+        add(fmt::format("{} with lines lt 20 {}", rows("theory: " + method.name, "1", "3"),
+                        &method == &family.motion_methods.front() ? "title 'theory'" : "notitle"));
     for (const Course& course : turned.courses) {
       if (course.is_ours != ours || course.points.empty()) continue;
       const Look look = lookOf(course.method);
@@ -269,15 +271,15 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
   return fmt::format(
              "# {0}. Draw again with:  gnuplot {1}.gp\n"
              "do for [dark = 0:1] {{\nload '{2}'\n"
-             "set terminal svg size 1000,560 noenhanced\n"
+             "set terminal svg size 1000,540 noenhanced\n"
              "set output dark ? '{1}_dark.svg' : '{1}.svg'\nset multiplot\n"
              "stopped = -1\nset datafile missing NaN\n"
              "set label 1 {3} at screen 0.5, screen 0.965 center textcolor rgb ink font ',15'\n"
              "set logscale x\nset xrange [{4:g}:{5:g}]\n{6}\n"
              "set yrange [-1.8:17.5]\nset ytics ('stops' stopped, 0, {7}, 6, 9, 12, 15)\n"
              "set arrow 1 from graph 0, first {7} to graph 1, first {7} nohead lc rgb soft lw 0.8\n"
-             "set xlabel {8}\nset key outside below Left reverse maxcols 3 font ',11'\n"
-             "set tmargin at screen 0.87\nset bmargin at screen 0.40\n",
+             "set xlabel {8}\nset key font ',11'\n"
+             "set tmargin at screen 0.87\nset bmargin at screen 0.36\n",
              oneLine(family.title), family.name, style, gnuplotString(family.title), family.from,
              family.to,
              is_wide ? "set xtics (" + powersOfTen(family.from, family.to) + ")"
@@ -285,15 +287,17 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
              kFewestDigits, gnuplotString("s: " + family.dial + unit)) +
          fmt::format(
              "set lmargin at screen 0.06\nset rmargin at screen {}\n"
+             "set key at screen {}, screen 0.125 center center vertical Left reverse maxrows 5\n"
              "set title '{}' textcolor rgb soft\n",
              family.motion_methods.empty() ? 0.485 : 0.985,
+             family.motion_methods.empty() ? 0.26 : 0.5,
              family.motion_methods.empty()
                  ? fmt::format("Ours: digits of {}", crosscheck::name(family.quantity))
                  : "Digits of the largest eigenvalue of a step or period, which should be 1 in size") +
          panel(true) +
          (!family.motion_methods.empty()
               ? std::string()
-              : "\nunset label 1\nset lmargin at screen 0.56\nset rmargin at screen 0.985\n"
+              : "\nunset label 1\nset key at screen 0.77, screen 0.125\nset lmargin at screen 0.56\nset rmargin at screen 0.985\n"
                 "set title 'Outside engines' textcolor rgb soft\n" +
                     panel(false)) +
          "\nunset multiplot\nunset output\nreset\n}\n";
