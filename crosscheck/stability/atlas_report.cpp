@@ -287,7 +287,7 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
              kFewestDigits, gnuplotString("s: " + family.dial + unit)) +
          fmt::format(
              "set lmargin at screen 0.06\nset rmargin at screen {}\n"
-             "set key at screen {}, screen 0.125 center center vertical Left reverse maxrows 5\n"
+             "set key at screen {}, screen 0.125 center center vertical Left reverse maxrows 5 width -6 samplen 2\n"
              "set title '{}' textcolor rgb soft\n",
              family.motion_methods.empty() ? 0.485 : 0.985,
              family.motion_methods.empty() ? 0.26 : 0.5,

@@ -111,7 +111,13 @@ BOOST_DATA_TEST_CASE(both_ends_of_every_dial_are_possible_and_certified, data::m
 
 // What is not as theory has it is said here, with the reason; all else is within a factor of two.
 BOOST_DATA_TEST_CASE(breakdowns_are_where_theory_has_them, data::make(families()), family) {
-  const std::map<std::pair<std::string, std::string>, std::string> known = {};
+  const std::map<std::pair<std::string, std::string>, std::string> known = {
+      // which entries round by how much is luck; in float, those of these three rods do by little
+      {{"thin_rod", "composite_body float"}, "later than predicted"},
+      {{"thin_rod", "articulated_body float"}, "later than predicted"},
+      {{"counterweight", "newton_euler float"}, "later than predicted"},
+      // J - J J / J is exactly 0 there, so that m / s^2 is added to nothing
+      {{"near_axes", "articulated_body float"}, "outlasts the theory"}};
   const bool is_tau = family.quantity == Quantity::kTau;
   const std::vector<std::string> in_double = is_tau ? std::vector<std::string>{"newton_euler"}
                                                     : std::vector<std::string>{"composite_body",
@@ -139,7 +145,7 @@ BOOST_DATA_TEST_CASE(breakdowns_are_where_theory_has_them, data::make(families()
   if (!family.motion_methods.empty()) return;
   for (const std::string& method : in_double) {
     const Course &more = courseOf(turned, method), &fewer = courseOf(turned, method + " float");
-    if (more.breaks())
+    if (more.breaks() && fewer.verdict() != "outlasts the theory")
       BOOST_TEST((fewer.breaks() && fewer.breaks_at < more.breaks_at),
                  family.name << ", " << method << ": float breaks at " << fewer.breaks_at
                              << ", double at " << more.breaks_at);
