@@ -83,7 +83,7 @@ struct Settings {
     @throws std::runtime_error  no truth can be certified */
 Turned turn(const Family& family, const std::vector<Method>& methods, const Settings& settings);
 
-/// Severity from which an error leaves fewer than kFewestDigits; not-a-number: none up to family.to.
+/// Severity from which an error leaves fewer than kFewestDigits; not-a-number: none up to the last.
 double firstBroken(const Family& family, const std::function<double(double)>& error);
 /// Severity at which a theory expects fewer than kFewestDigits; not-a-number: none up to family.to.
 double predictedBreak(const Family& family, const Theory& theory, const Arithmetic& numbers);
