@@ -261,7 +261,7 @@ def only_what_is_asked():
 def unwritable():
     write('file', '')
     for words in [('crosscheck', 'chain_100', '--report'), ('audit', '--report'), ('chart', 'chain_100', '-o'),
-                  ('growth', '-o')]:
+                  ('growth', '-o'), ('stability', '-o')]:
         refuses('file', *words, 'file', seconds=5)
         refuses('file', *words, 'file/below', seconds=5)
         refuses('/proc/none', *words, '/proc/none', seconds=5)

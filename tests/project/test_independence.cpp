@@ -108,10 +108,11 @@ const std::vector<Rule> kRules = {
     {"audit",
      {"scene", "symbolic", "recursive", "system", "inputs", "scalars", "studies", "report"}},
     {"growth", {"scene", "recursive", "system", "inputs", "witnesses", "verdicts", "report"}},
+    {"stability", {"scene", "system", "scalars", "witnesses", "verdicts", "chart", "report"}},
     {"grade", {"scene", "system", "witnesses", "diagnosis", "report"}},
     {"cli", {"scene",     "symbolic", "system",     "inputs",  "kernel",    "witnesses", "motion",
              "verdicts",  "exact",    "parameters", "readers", "diagnosis", "golden",    "studies",
-             "conductor", "chart",    "report",     "audit",   "growth",    "grade"}},
+             "conductor", "chart",    "report",     "audit",   "growth",    "stability", "grade"}},
 };
 
 std::string textOf(const fs::path& file) {

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A family of mechanisms with one dial: from harmless to where methods break, and why they do.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "crosscheck/witnesses/witness.hpp"
+#include "scene/scene.hpp"
+#include "scene/state.hpp"
+
+namespace dynwitness::crosscheck::stability {
+
+/// Fewer decimal digits than this, and a method is said to have broken.
+inline constexpr int kFewestDigits = 3;
+/// How many mechanisms, alike but for their numbers, stand at one severity: a rounding that happens
+/// to be exact in one of them is not in all. The worst counts.
+inline constexpr int kVariants = 3;
+
+/// What a theory needs to know of the numbers that a method computes with.
+struct Arithmetic {
+  const char* name;
+  double unit;        ///< unit roundoff
+  double largest;     ///< largest number
+  double smallest;    ///< smallest number above zero
+  bool rounds_state;  ///< whether the state, told in double, is rounded first
+};
+const Arithmetic& inDouble();
+const Arithmetic& inFloat();
+
+/// A mechanism and what it is asked.
+struct Case {
+  scene::Scene scene;
+  scene::State<double> state;
+};
+
+/// By which road a method comes to qdd; a theory may be about one of them.
+enum class Road { kAny, kMassMatrix, kSweep };
+
+struct Theory {
+  Road road = Road::kAny;
+  std::string formula;  ///< plain text: the error, and the reason
+  /// Expected |answer - truth| / largest |truth|, of rounding errors that are each uniform up to
+  /// the unit roundoff.
+  std::function<double(double severity, const Arithmetic&)> error;
+};
+
+/// One that steps through time, with what it should keep, and its own theory.
+struct MotionMethod {
+  std::string name, formula;
+  std::function<double(double severity)> theory;    ///< error as theory has it
+  std::function<double(double severity)> measured;  ///< error of the steps that were taken
+};
+
+struct Family {
+  std::string name;       ///< [a-z_]: files are called so
+  std::string title;      ///< "A light cart under a heavy pole"
+  std::string dial;       ///< what the severity s is: "mass of the pole over that of the cart"
+  std::string unit;       ///< of s; "": a number
+  double from, to;        ///< of s
+  bool is_whole = false;  ///< s is a whole number
+  /// Too large for what derives or compiles an equation a mechanism.
+  bool is_large = false;
+  Quantity quantity = Quantity::kQdd;
+  /// @param s  the severity as an exact decimal; the mechanism's numbers are decimals in it
+  std::function<Case(const std::string& s, int variant)> make;
+  std::vector<Theory> theories;  ///< the first that is about a method's road counts; none: none
+  /// Of a family over time: these are asked, in place of `make`, `quantity` and `theories`.
+  std::vector<MotionMethod> motion_methods;
+  double narrow = 1.1;    ///< between held and broken, where bisection ends
+  std::string mechanism;  ///< a paragraph: why digits are lost
+  std::string survivor;   ///< which method survives, and why
+};
+
+/// In the order of the atlas.
+const std::vector<Family>& families();
+
+/// The severity as the exact decimal that scenes are made with: three digits, or a whole number.
+std::string decimalOf(double severity, bool is_whole);
+
+// one file a kind
+std::vector<Family> familiesOfMasses();
+std::vector<Family> familiesOfShapes();
+std::vector<Family> familiesOfPoses();
+std::vector<Family> familiesOfMotions();
+std::vector<Family> familiesInTime();
+
+}  // namespace dynwitness::crosscheck::stability
