@@ -94,7 +94,7 @@ BOOST_DATA_TEST_CASE(states_are_closed_and_differ, data::make(kScenes), name) {
     BOOST_TEST_REQUIRE(at.failure == "");
     std::vector<double> q;
     for (const auto& x : at.state.state.x) q.push_back(x.q);
-    BOOST_TEST(q != before);
+    BOOST_TEST((q != before));
     before = q;
     BOOST_TEST(std::any_of(at.state.state.qd.begin(), at.state.state.qd.end(),
                            [](double qd) { return std::abs(qd) > 0.01; }));
