@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/QR>
 
@@ -55,6 +56,9 @@ struct ClosedStates::Parts {
     motion.choose(y, time);
     motion.project(&y, time);
     refine(y);
+    const std::vector<int> chosen = motion.chosen();
+    motion.choose(y, time);
+    arrived = motion.chosen() == chosen;  // if not, it went into a singular pose
     return y;
   }
 
@@ -78,6 +82,11 @@ struct ClosedStates::Parts {
       all[static_cast<std::size_t>(motion.freeRates()[static_cast<std::size_t>(i)])] = d(i);
     return all;
   }
+  /// What is 0 but for rounding beside its likes: nothing that rounds to it closes a closure.
+  static void snap(State::iterator from, State::iterator to, double size) {
+    for (; from != to; ++from)
+      if (std::abs(*from) <= std::numeric_limits<double>::epsilon() * size) *from = 0;
+  }
   /// Until rounding to double changes nothing any more; twice is usual.
   void refine(State& y) {
     constexpr int kMostSteps = 5;
@@ -90,6 +99,8 @@ struct ClosedStates::Parts {
         y[i] = static_cast<double>(y[i] + rates[static_cast<std::size_t>(i)]);
       if (y == before) break;
     }
+    const auto rate_begin = y.begin() + motion.positions(), rate_end = rate_begin + motion.dof();
+    snap(y.begin(), rate_begin, 1);  // of angles, and of lengths in m
     for (int step = 0; step < kMostSteps; ++step) {
       equations(y);
       recursive::VectorX<Long> rate = recursive::VectorX<Long>::Zero(closures.rows());
@@ -103,6 +114,10 @@ struct ClosedStates::Parts {
       }
       if (y == before) break;
     }
+    double fastest = 0;
+    for (auto rate = rate_begin; rate != rate_end; ++rate)
+      fastest = std::max(fastest, std::abs(*rate));
+    snap(rate_begin, rate_end, fastest);
   }
 
   PreparedScene prepared;
@@ -114,6 +129,7 @@ struct ClosedStates::Parts {
   recursive::Constraints<Long> closures;
   std::vector<scene::JointPosition<Long>> x;
   std::vector<Long> qd;
+  bool arrived = false;  ///< of the last closed()
 };
 
 ClosedStates::ClosedStates(const PreparedScene& scene) : parts_(std::make_unique<Parts>(scene)) {}
@@ -146,7 +162,7 @@ ClosedState ClosedStates::draw(std::uint64_t seed, int index) {
                     y.begin() + p.motion.positions() + p.motion.dof());
     const bool is_number =
         std::all_of(y.begin(), y.end(), [](double v) { return std::isfinite(v); });
-    if (!is_number || p.gaps.at(state).is_open) continue;
+    if (!is_number || !p.arrived || p.gaps.at(state).is_open) continue;
     for (std::size_t i = 0; i < motions.size(); ++i)
       if (motions[i])
         state.qdd[i] =

@@ -104,10 +104,13 @@ class Pairs {
 
   void addTo(std::vector<CheckResult>& checks) const {
     for (const Pair& pair : pairs_) {
+      if (!pair.is_asked && pair.a > 0) continue;  // said once
       checks.push_back(pair.tally.result());
       if (pair.is_asked) continue;
       CheckResult& untold = checks.back();
       untold.kind = CheckKind::kRefusal;
+      untold.left = std::exchange(untold.right, "");
+      untold.statement = fmt::format("{} tells {}", untold.left, words(quantity_));
       untold.verdict = Verdict::kNotAnswerable;
       untold.reason = "an engine's multipliers are in units of its own; J' lambda is compared";
     }

@@ -70,7 +70,10 @@ BOOST_DATA_TEST_CASE(all_roads_of_a_whole_mechanism_agree, data::make(kScenes), 
 BOOST_DATA_TEST_CASE(a_wrong_road_of_a_whole_mechanism_is_found,
                      data::make(kScenes) * data::make(fixtures::kMechanismFaults), name, fault) {
   const PreparedScene scene(scene::findScene(name));
-  if (!fixtures::has(scene.mechanism(), fault)) {
+  // gamma = 0: a parallelogram's coupler does not turn, and the foot that stands is the root
+  const bool has_no_gamma = name == "loop_on_arm" || name == "humanoid_right_foot";
+  if (!fixtures::has(scene.mechanism(), fault) ||
+      (fault == MechanismFault::kLostGamma && has_no_gamma)) {
     BOOST_TEST(true);
     return;
   }
@@ -117,7 +120,7 @@ BOOST_AUTO_TEST_CASE(redundant_closures_are_told_and_their_multipliers_not_compa
 BOOST_AUTO_TEST_CASE(one_road_alone_proves_nothing_and_says_so) {
   const PreparedScene scene(scene::findScene("bead_on_hoop"));
   std::vector<NamedRoad> roads = mechanismRoads(scene);
-  roads.resize(1);
+  roads.erase(roads.begin() + 1, roads.end());
   const std::vector<CheckResult> checks = compareRoads(scene, roads, few(1));
   BOOST_TEST_REQUIRE(checks.size() == 1u);
   BOOST_TEST((checks[0].verdict == Verdict::kNotAnswerable));
