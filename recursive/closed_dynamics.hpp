@@ -187,6 +187,14 @@ void passAxis(const Model<T>& model, int i, int k, int d, const Workspace<T>& ws
   sum.E[i] -= ws.U[d].vector() * (e.transpose() * inverse_D);
 }
 
+/// The same of an axis whose acceleration is given: it moves the loop as told, and gives way to
+/// nothing:   left -= Z'E qdd.
+template <typename T>
+void passGivenAxis(const Model<T>& model, int i, int k, const T& qdd, LoopSums<T>& sum) {
+  for (Eigen::Index j = 0; j < sum.left.size(); ++j)
+    sum.left(j) -= AnyJoints::force(model.links[i], k, sum.unit(i, j)) * qdd;
+}
+
 /// Hands a loop on to link i's parent; the world's acceleration is known.
 template <typename T>
 void handOn(const Model<T>& model, int i, const Motion<T>& carried, const Workspace<T>& ws,
@@ -243,19 +251,28 @@ void solveLoop(const Constraints<T>& constraints, const Workspace<T>& ws, LoopSu
     singular, all is done at the world, by rank: qdd is right, and determined says which multipliers
     are.
 
+    Driven joints are no unknowns, as in hybridDynamics(): theirs is what they are told, and loops
+    that pass them are moved by it.
+
     @param constraints  constraintEquations() has run for this state
-    @param tau  joint forces, those of springs between points included Allocates. @see R.
-      Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 8, for the dense road */
+    @param tau  joint forces, those of springs between points included
+    @param driven  by degree of freedom: not 0 where `given` has the acceleration; empty: none is
+    Allocates. @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 8, for the dense
+      road */
 template <typename T>
-ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model,
-                                            const std::vector<JointPosition<T>>& x,
-                                            const std::vector<T>& qd, const std::vector<T>& tau,
-                                            const Constraints<T>& constraints, Workspace<T>& ws,
-                                            bool at_base = false) {
+ClosedMotionResult<T> closedForwardDynamics(
+    const Model<T>& model, const std::vector<JointPosition<T>>& x, const std::vector<T>& qd,
+    const std::vector<T>& tau, const Constraints<T>& constraints, Workspace<T>& ws,
+    bool at_base = false, const std::vector<char>& driven = {}, const std::vector<T>& given = {}) {
   requirePositions(model, "closedForwardDynamics", x.size());
   requireSize(model, "closedForwardDynamics", "qd", qd.size());
   requireSize(model, "closedForwardDynamics", "tau", tau.size());
   requireOwnRates(model, "closedForwardDynamics");
+  if (!driven.empty()) {
+    requireSize(model, "closedForwardDynamics", "driven", driven.size());
+    requireSize(model, "closedForwardDynamics", "given", given.size());
+  }
+  const auto isDriven = [&driven](int d) { return !driven.empty() && driven[d]; };
   const int n = static_cast<int>(model.links.size());
   ClosedMotionResult<T> out;
   out.qdd.assign(model.dof(), T(0));
@@ -279,11 +296,17 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model,
     std::vector<detail::LoopSums<T>*> through;
     for (detail::LoopSums<T>& loop : loops) {
       if (loop.group->ancestor == i && !detail::closeLoop(i, ws, loop))
-        return closedForwardDynamics(model, x, qd, tau, constraints, ws, true);
+        return closedForwardDynamics(model, x, qd, tau, constraints, ws, true, driven, given);
       if (loop.passes(i)) through.push_back(&loop);
     }
     ArticulatedBody<T> body = step.body(i);
     for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
+      if (isDriven(d)) {
+        for (detail::LoopSums<T>* loop : through)
+          detail::passGivenAxis(model, i, k, given[d], *loop);
+        step.passGiven(i, k, given[d], body);
+        continue;
+      }
       step.formEquation(i, k, d, tau[d], body);
       for (detail::LoopSums<T>* loop : through) detail::passAxis(model, i, k, d, ws, *loop);
       step.project(d, body);
@@ -300,6 +323,7 @@ ClosedMotionResult<T> closedForwardDynamics(const Model<T>& model,
   solveLoopsAt(-1);
   for (int i = 0; i < n; ++i) {
     step.accelerate(i, out.qdd, [&](int d) {
+      if (isDriven(d)) return given[d];
       T u = ws.u[d];
       for (const detail::LoopSums<T>& loop : loops)
         if (loop.passes(i)) u += loop.e[d].dot(loop.lambda);

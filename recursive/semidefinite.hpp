@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -19,6 +20,21 @@ struct HasEquality : std::false_type {};
 template <typename T>
 struct HasEquality<T, std::void_t<decltype(std::declval<T>() == std::declval<T>())>>
     : std::true_type {};
+
+/// Whether arithmetic on T rounds, so that what ought to be zero is not. A scalar that carries a
+/// double says so by specialising it: its pivots are then those of the double.
+template <typename T>
+struct Rounds : std::is_floating_point<T> {};
+
+/// cbrt(eps) of what T computes in.
+template <typename T>
+T cubeRootOfEpsilon() {
+  using std::cbrt;
+  if constexpr (std::is_floating_point_v<T>)
+    return cbrt(std::numeric_limits<T>::epsilon());
+  else
+    return T(cbrt(std::numeric_limits<double>::epsilon()));
+}
 
 }  // namespace detail
 
@@ -83,9 +99,8 @@ class SemidefiniteSolver {
 
  private:
   static bool isZero(const T& pivot, const T& first) {
-    if constexpr (std::is_floating_point_v<T>) {
-      using std::cbrt;
-      const T least = cbrt(std::numeric_limits<T>::epsilon());
+    if constexpr (detail::Rounds<T>::value) {
+      const T least = detail::cubeRootOfEpsilon<T>();
       return !(pivot > least * least * first);
     } else if constexpr (detail::HasEquality<T>::value) {
       return pivot == T(0);
@@ -96,7 +111,7 @@ class SemidefiniteSolver {
   /// Brings the next pivot to the diagonal's place r; false when there is none.
   bool pivot(Eigen::Index r) {
     Eigen::Index best = r;
-    if constexpr (std::is_floating_point_v<T>) {
+    if constexpr (detail::Rounds<T>::value) {
       for (Eigen::Index i = r + 1; i < size(); ++i)
         if (A_(i, i) > A_(best, best)) best = i;
     } else {
@@ -122,10 +137,9 @@ class SemidefiniteSolver {
         work_(i) = A_(j, i);
         for (Eigen::Index k = i + 1; k < r; ++k) work_(i) -= A_(k, i) * work_(k);
         bool moves = true;
-        if constexpr (std::is_floating_point_v<T>) {
+        if constexpr (detail::Rounds<T>::value) {
           using std::abs;
-          using std::cbrt;
-          moves = abs(work_(i)) > cbrt(std::numeric_limits<T>::epsilon());
+          moves = abs(work_(i)) > detail::cubeRootOfEpsilon<T>();
         } else if constexpr (detail::HasEquality<T>::value) {
           moves = !(work_(i) == T(0));
         }

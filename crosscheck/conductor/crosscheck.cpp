@@ -14,10 +14,12 @@
 #include "crosscheck/exact/control_in_field.hpp"
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/system/processes.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
+#include "crosscheck/verdicts/check_mechanism.hpp"
 #include "crosscheck/verdicts/check_reading.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/control.hpp"
@@ -47,10 +49,14 @@ CheckResult leftOut(const Plan& plan, const char* what) {
 // ---- the parts ----------------------------------------------------------------------------------
 
 SceneResult byWitnesses(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
-                        const Options& options) {
+                        const Options& options, const Plan& plan) {
   SceneResult result;
   DigitsFound truth = askWitnesses(scene, kinds, options, result.checks, result.controls);
   append(result.checks, std::move(truth.checks));
+  if (plan.whole)
+    append(result.checks, checkMechanism(scene, options));
+  else if (ConstrainedQuantities::isConstrained(scene.mechanism()))
+    result.checks.push_back(leftOut(plan, "motion and forces of the whole mechanism"));
   result.digits = std::move(truth.digits);
   result.findings = std::move(truth.losses);
   return result;
@@ -113,7 +119,7 @@ SceneResult crosscheckPart(const PreparedScene& scene, const std::vector<Witness
   options.states = plan.states;
   switch (static_cast<Part>(part)) {
     case Part::kWitnesses:
-      return byWitnesses(scene, kinds, options);
+      return byWitnesses(scene, kinds, options, plan);
     case Part::kLaws:
       return byLaws(scene, options, plan);
     case Part::kExact:

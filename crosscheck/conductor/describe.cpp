@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/inputs/features.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
 #include "symbolic/derivation.hpp"
 
 namespace dynwitness::crosscheck {
@@ -34,6 +35,11 @@ void describe(const scene::Scene& scene, const Options& options, SceneResult& re
   result.links = static_cast<int>(scene.mechanism.links.size());
   for (const std::string& sentence : leftOut(scene, Command::kCrosscheck))
     result.not_modelled.push_back(sentence);
+  if (ConstrainedQuantities::isConstrained(scene.mechanism))
+    result.not_modelled.emplace_back(
+        "M, c, g, tau, qdd, reactions, their digits and the laws are those of the tree that the "
+        "joints make, all of them free; what is called the mechanism's is of the whole: closures, "
+        "springs between points, drives and acceleration constraints together");
   for (const std::string& sentence : refusals(scene, Command::kDrift))
     if (options.drift) result.not_modelled.push_back("energy along a motion: " + sentence);
   for (const scene::Link& link : scene.mechanism.links) {

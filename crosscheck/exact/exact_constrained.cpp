@@ -4,154 +4,14 @@
 #include <memory>
 
 #include "crosscheck/exact/inquiry.hpp"
-#include "recursive/acceleration_constraints.hpp"
+#include "crosscheck/witnesses/dense_equations.hpp"
 #include "recursive/closed_dynamics.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 #include "recursive/least_constraint.hpp"
 #include "recursive/operational_space.hpp"
-#include "symbolic/closures.hpp"
-#include "symbolic/equations.hpp"
-#include "symbolic/program.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
-
-template <typename T>
-using VectorOf = Eigen::Matrix<T, Eigen::Dynamic, 1>;
-
-/// Lagrange's equations with rows of constraints, as a program.
-struct DenseProgram {
-  DenseProgram(const scene::Mechanism& mechanism, Parameters parameters) {
-    symbolic::Options options;
-    options.fold_parameters = parameters == Parameters::kAsWritten;
-    symbolic::Equations e = symbolic::derive(mechanism, options);
-    const symbolic::ClosureEquations closures = symbolic::closureEquations(mechanism, options, e);
-    std::vector<scene::Attachment> points;
-    for (const scene::AccelerationConstraint& held : mechanism.acceleration_constraints)
-      points.push_back({held.link, held.at, {}});
-    const symbolic::ClosureEquations frames =
-        symbolic::frameEquations(mechanism, options, points, e);
-    n = e.dof();
-    std::vector<symbolic::Node> outputs = symbolic::massCoriolisGravity(e);
-    const auto add = [&outputs](const std::vector<symbolic::Node>& more) {
-      outputs.insert(outputs.end(), more.begin(), more.end());
-    };
-    add(e.Q);
-    for (const symbolic::ClosureEquations* rows : {&closures, &frames}) {
-      add(rows->phi);
-      for (const auto& row : rows->J) add(row);
-      add(rows->gamma);
-    }
-    closure_rows = static_cast<int>(closures.phi.size());
-    program = symbolic::compile(e.graph, outputs);
-  }
-  symbolic::Program program;
-  int n = 0, closure_rows = 0;
-};
-
-/// What the program says at a state: M qdd + bias = tau + J' nu,  J qdd + C nu = b.
-template <typename T>
-struct DenseEquations {
-  MatrixOf<T> M, J;
-  VectorOf<T> bias, b, C;
-};
-
-/// Reads numbers off one after the other.
-template <typename T>
-MatrixOf<T> take(const T*& from, Eigen::Index rows, Eigen::Index columns) {
-  MatrixOf<T> m(rows, columns);
-  for (Eigen::Index i = 0; i < rows; ++i)
-    for (Eigen::Index j = 0; j < columns; ++j) m(i, j) = *from++;
-  return m;
-}
-
-/// The rows of closures first, then those of acceleration constraints.
-template <typename Numbers, typename T = typename Numbers::Scalar>
-DenseEquations<T> denseEquations(const DenseProgram& dense, const scene::Mechanism& mechanism,
-                                 const Numbers& number, const scene::State<T>& state) {
-  const std::vector<T> values = symbolic::ProgramRun<T>(dense.program, number)(state);
-  const T* from = values.data();
-  const int n = dense.n, m = dense.closure_rows;
-  const auto& held = mechanism.acceleration_constraints;
-  const int k = static_cast<int>(held.size());
-  DenseEquations<T> out;
-  out.M = take(from, n, n);
-  const VectorOf<T> c = take(from, n, 1), g = take(from, n, 1), Q = take(from, n, 1);
-  out.bias = c + g - Q;
-  out.J = MatrixOf<T>::Constant(m + k, n, T(0));
-  out.b = out.C = VectorOf<T>::Constant(m + k, T(0));
-  take(from, m, 1);  // phi
-  out.J.topRows(m) = take(from, m, n);
-  out.b.head(m) = take(from, m, 1) * T(-1);
-  const MatrixOf<T> place = take(from, 12 * k, 1), J = take(from, 12 * k, n),
-                    gamma = take(from, 12 * k, 1);
-  using V3 = Eigen::Matrix<T, 3, 1>;
-  const auto numbers = [&number](const scene::Vector& v) {
-    return V3(number(v[0]), number(v[1]), number(v[2]));
-  };
-  for (int i = 0; i < k; ++i) {
-    V3 u = numbers(held[i].direction), d = numbers(held[i].rotation);
-    const auto axis = [&](int a) {
-      return V3(place.col(0).template segment<3>(12 * i + 3 + 3 * a));
-    };
-    if (held[i].axes == scene::AccelerationConstraint::Axes::kLink) {
-      u = (axis(0) * u(0) + axis(1) * u(1) + axis(2) * u(2)).eval();
-      d = (axis(0) * d(0) + axis(1) * d(1) + axis(2) * d(2)).eval();
-    }
-    // u . x'' + d . w',  w' = sum of e_a x e_a'' / 2
-    const auto seen = [&](const auto& column) {
-      T sum = u.dot(V3(column.template segment<3>(12 * i)));
-      for (int a = 0; a < 3; ++a)
-        sum += d.dot(axis(a).cross(V3(column.template segment<3>(12 * i + 3 + 3 * a)))) / T(2);
-      return sum;
-    };
-    for (int j = 0; j < n; ++j) out.J(m + i, j) = seen(J.col(j));
-    out.b(m + i) = number(held[i].value) - seen(gamma.col(0));
-    out.C(m + i) = number(held[i].compliance);
-  }
-  return out;
-}
-
-template <typename T>
-struct DenseSolution {
-  VectorOf<T> qdd, nu, tau;
-};
-
-/// One symmetric system in all unknowns, [M J'; J -C] (qdd, -nu) = (tau - bias, b), driven joints'
-/// columns on the right; then the forces of the driven joints from their rows.
-template <typename T>
-DenseSolution<T> solveDense(const DenseEquations<T>& e, const std::vector<char>& driven,
-                            const std::vector<T>& tau, const std::vector<T>& qdd) {
-  const int n = static_cast<int>(e.M.rows()), m = static_cast<int>(e.J.rows());
-  std::vector<int> free;
-  DenseSolution<T> out{VectorOf<T>::Constant(n, T(0)), VectorOf<T>(m), VectorOf<T>(n)};
-  for (int i = 0; i < n; ++i) {
-    if (driven[i])
-      out.qdd(i) = qdd[i];
-    else
-      free.push_back(i);
-  }
-  const int f = static_cast<int>(free.size());
-  const VectorOf<T> inertial = e.M * out.qdd + e.bias, given = e.J * out.qdd;
-  MatrixOf<T> K = MatrixOf<T>::Constant(f + m, f + m, T(0));
-  VectorOf<T> x(f + m);
-  for (int i = 0; i < f; ++i) {
-    for (int j = 0; j < f; ++j) K(i, j) = e.M(free[i], free[j]);
-    for (int k = 0; k < m; ++k) K(f + k, i) = K(i, f + k) = e.J(k, free[i]);
-    x(i) = tau[free[i]] - inertial(free[i]);
-  }
-  for (int k = 0; k < m; ++k) {
-    K(f + k, f + k) = -e.C(k);
-    x(f + k) = e.b(k) - given(k);
-  }
-  recursive::factorize(K);
-  recursive::solve(K, x);
-  for (int i = 0; i < f; ++i) out.qdd(free[i]) = x(i);
-  for (int k = 0; k < m; ++k) out.nu(k) = -x(f + k);
-  const VectorOf<T> all = e.M * out.qdd + e.bias - e.J.transpose() * out.nu;
-  for (int i = 0; i < n; ++i) out.tau(i) = driven[i] ? all(i) : tau[i];
-  return out;
-}
 
 CheckResult question(const char* law, const char* quantity, const char* statement) {
   CheckResult result;
@@ -175,41 +35,53 @@ SidesOfAll answered(std::size_t count, const Ask& ask) {
   return all;
 }
 
-/// Loops by local elimination.
-Inquiry loops(const scene::Mechanism& mechanism, std::shared_ptr<const DenseProgram> dense) {
+/// Loops by local elimination, driven joints among theirs.
+Inquiry loops(const scene::Mechanism& mechanism, std::shared_ptr<const DerivedConstraints> dense) {
   Inquiry inquiry;
   inquiry.checks = {
       question("closed loops", "qdd",
                "qdd of closed loops, each eliminated where it closes = one dense system"),
       question("closed loops", "lambda",
                "multipliers of closed loops by the sweeps = one dense system")};
+  if (mechanism.isDriven())
+    inquiry.checks.push_back(
+        question("closed loops", "tau",
+                 "forces of driven joints in closed loops by the sweeps = one dense system"));
   inquiry.ask = [dense, &mechanism](const FieldNumbers& number,
                                     const scene::State<PrimeField>& state) {
     using T = PrimeField;
-    return answered(2, [&](SidesOfAll& all) {
+    return answered(mechanism.isDriven() ? 3 : 2, [&](SidesOfAll& all) {
       const auto model = recursive::buildModel(mechanism, number);
       recursive::Workspace<T> ws(model);
+      const std::vector<char> driven = drivenRates(mechanism);
       auto closures = recursive::buildConstraints(mechanism, number, model);
       recursive::constraintEquations(model, state.x, state.qd, ws, closures);
-      const auto swept =
-          recursive::closedForwardDynamics(model, state.x, state.qd, state.tau, closures, ws);
-      DenseEquations<T> e = denseEquations(*dense, mechanism, number, state);
+      const auto swept = recursive::closedForwardDynamics(model, state.x, state.qd, state.tau,
+                                                          closures, ws, false, driven, state.qdd);
+      DenseEquations<T> e = derivedEquations<false>(*dense, mechanism, number, state);
       e.J.conservativeResize(dense->closure_rows, Eigen::NoChange);
       e.b.conservativeResize(dense->closure_rows);
       e.C.conservativeResize(dense->closure_rows);
-      const DenseSolution<T> x =
-          solveDense(e, std::vector<char>(model.dof(), 0), state.tau, state.qdd);
+      const DenseSolution<T> x = solveDense(e, driven, state.tau, state.qdd);
       all[0].left = x.qdd;
       all[0].right = column(swept.qdd);
       all[1].left = x.nu;
       all[1].right = swept.lambda;
+      if (!mechanism.isDriven()) return;
+      std::vector<T> taken(model.dof(), T(0));
+      recursive::inverseDynamics(model, state.x, state.qd, swept.qdd, ws, taken);
+      const VectorOf<T> drive = column(taken) - closures.J.transpose() * swept.lambda;
+      all[2].left = x.tau;
+      all[2].right = column(state.tau);
+      for (int i = 0; i < model.dof(); ++i)
+        if (driven[i]) all[2].right(i, 0) = drive(i);
     });
   };
   return inquiry;
 }
 
 /// Driven joints and acceleration constraints.
-Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DenseProgram> dense) {
+Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DerivedConstraints> dense) {
   Inquiry inquiry;
   inquiry.checks = {
       question("hybrid dynamics", "qdd",
@@ -231,11 +103,10 @@ Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DensePro
       auto held =
           recursive::accelerationConstraints(mechanism, number, model, state.x, state.qd, ws);
       recursive::ConstraintWorkspace<T> cws(model, static_cast<int>(held.size()));
-      std::vector<char> driven;
-      for (const scene::Expression* motion : mechanism.motions()) driven.push_back(motion ? 1 : 0);
+      const std::vector<char> driven = drivenRates(mechanism);
       std::vector<T> qdd = state.qdd, tau = state.tau;
       recursive::hybridDynamics(model, state.x, state.qd, driven, held, ws, cws, qdd, tau);
-      DenseEquations<T> e = denseEquations(*dense, mechanism, number, state);
+      DenseEquations<T> e = derivedEquations<false>(*dense, mechanism, number, state);
       const Eigen::Index k = static_cast<Eigen::Index>(held.size());
       e.J = e.J.bottomRows(k).eval();
       e.b = e.b.tail(k).eval();
@@ -263,7 +134,8 @@ Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DensePro
 }
 
 /// A constrained base by Gauss' problem of six unknowns.
-Inquiry baseProblem(const scene::Mechanism& mechanism, std::shared_ptr<const DenseProgram> dense) {
+Inquiry baseProblem(const scene::Mechanism& mechanism,
+                    std::shared_ptr<const DerivedConstraints> dense) {
   Inquiry inquiry;
   inquiry.checks = {
       question(
@@ -292,7 +164,7 @@ Inquiry baseProblem(const scene::Mechanism& mechanism, std::shared_ptr<const Den
       VectorOf<T> force;
       recursive::baseConstrainedDynamics(model, state.x, state.qd, state.tau, base, ws, qdd,
                                          &force);
-      DenseEquations<T> e = denseEquations(*dense, mechanism, number, state);
+      DenseEquations<T> e = derivedEquations<false>(*dense, mechanism, number, state);
       e.J = e.J.bottomRows(k).eval();
       e.b = e.b.tail(k).eval();
       e.C = e.C.tail(k).eval();
@@ -302,6 +174,46 @@ Inquiry baseProblem(const scene::Mechanism& mechanism, std::shared_ptr<const Den
       all[0].right = column(qdd);
       all[1].left = x.nu;
       all[1].right = force;
+    });
+  };
+  return inquiry;
+}
+
+/** Springs between points. A field has no square root for their length l, so that another pull is
+    put in place of theirs,  (stiffness l^2 + damping l l') d,  which asks the same of the points,
+    their distance and its rate. */
+Inquiry springs(const scene::Mechanism& mechanism,
+                std::shared_ptr<const DerivedConstraints> dense) {
+  Inquiry inquiry;
+  inquiry.checks = {question(
+      "springs between points", "tau",
+      "joint forces of pulls (stiffness l^2 + damping l l') d between points by the sweeps = their "
+      "virtual work")};
+  inquiry.ask = [dense, &mechanism](const FieldNumbers& number,
+                                    const scene::State<PrimeField>& state) {
+    using T = PrimeField;
+    return answered(1, [&](SidesOfAll& all) {
+      const auto model = recursive::buildModel(mechanism, number);
+      recursive::Workspace<T> ws(model);
+      auto closures = recursive::buildConstraints(mechanism, number, model);
+      recursive::constraintEquations(model, state.x, state.qd, ws, closures);
+      std::vector<T> tau(model.dof(), T(0));
+      recursive::detail::addPulls(
+          model, recursive::buildPointSprings(mechanism, number, model), closures.X_W, ws, tau,
+          [](const recursive::PointSpring<T>& s, const recursive::Vector3<T>& d,
+             const recursive::Vector3<T>& d_rate) {
+            return recursive::Vector3<T>(d * T(s.stiffness * d.dot(d) + s.damping * d.dot(d_rate)));
+          });
+      const DenseEquations<T> e = derivedEquations<false>(*dense, mechanism, number, state);
+      all[0].left =
+          detail::againstSprings(
+              e.frames, static_cast<Eigen::Index>(mechanism.acceleration_constraints.size()),
+              mechanism, number, state.qd,
+              [&number](const scene::Spring& spring, const T& l2, const T& l_l_rate) {
+                return number(spring.stiffness) * l2 + number(spring.damping) * l_l_rate;
+              }) *
+          T(-1);
+      all[0].right = column(tau);
     });
   };
   return inquiry;
@@ -325,8 +237,8 @@ std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
                                                  const scene::Mechanism* derived) {
   const scene::Mechanism& mechanism = scene.mechanism;
   const bool is_held = mechanism.isDriven() || !mechanism.acceleration_constraints.empty();
-  if (mechanism.closures.empty() && !is_held) return {};
-  if (mechanism.hasMimics()) {
+  if (mechanism.isOpenTree() && !is_held) return {};
+  if (mechanism.hasMimics() && (!mechanism.closures.empty() || is_held)) {
     CheckResult check = question("closed and hybrid dynamics", "qdd",
                                  "constrained motion by the sweeps = one dense system");
     check.seed = options.seed;
@@ -336,10 +248,22 @@ std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
         "pass it";
     return {check};
   }
-  const auto dense =
-      std::make_shared<const DenseProgram>(derived ? *derived : mechanism, options.parameters);
+  const auto dense = std::make_shared<const DerivedConstraints>(
+      derived ? *derived : mechanism, options.parameters == Parameters::kAsWritten, true);
   std::vector<CheckResult> checks;
   if (!mechanism.closures.empty()) checks = decide(scene, loops(mechanism, dense), options);
+  if (!mechanism.springs.empty())
+    for (const CheckResult& check : decide(scene, springs(mechanism, dense), options))
+      checks.push_back(check);
+  if (!mechanism.closures.empty() && !mechanism.acceleration_constraints.empty()) {
+    CheckResult check = question("closed loops", "nu",
+                                 "closed loops under acceleration constraints by the sweeps = one "
+                                 "dense system");
+    check.seed = options.seed;
+    check.verdict = Verdict::kNotAnswerable;
+    check.reason = "no sweep eliminates loops under acceleration constraints";
+    checks.push_back(check);
+  }
   if (is_held)
     for (const CheckResult& check : decide(scene, hybrid(mechanism, dense), options))
       checks.push_back(check);

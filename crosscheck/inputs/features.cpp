@@ -118,13 +118,6 @@ struct Rules {
   }
   std::vector<Rule> ofComparisons() const {
     return {
-        {Command::kCrosscheck,
-         closures + point_springs,
-         {Kind::kTold, "comparisons of witnesses are about the tree that the joints make"}},
-        {Command::kCrosscheck,
-         prescribed,
-         {Kind::kTold, "all joints are free in comparisons of witnesses"}},
-
         {Command::kCheck, closures + point_springs + prescribed, of_the_tree},
         {Command::kCheck, followers, as_trees},
         {Command::kCheck, {Feature::kStart}, random_states},

@@ -13,9 +13,11 @@
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
 #include "crosscheck/witnesses/joint_friction.hpp"
+#include "crosscheck/witnesses/mechanism_roads.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
+#include "recursive/constrained_solver.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -249,9 +251,9 @@ struct Joint {
 
 class SimbodyWitness : public Witness {
  public:
-  /// kTree: the tree alone, for all questions; kClosed: with the scene's closures and springs
-  /// between points, for qdd; kPrescribed: the tree with its accelerations prescribed, for
-  /// reactions.
+  /// kTree: the tree alone, for all questions; kClosed: with the scene's closures, springs between
+  /// points and driven joints, for qdd and what constraints and drives do; kPrescribed: the tree
+  /// with its accelerations prescribed, for reactions.
   enum class Build { kTree, kClosed, kPrescribed };
   explicit SimbodyWitness(const PreparedScene& scene, Build build = Build::kTree)
       : scene_(scene),
@@ -272,10 +274,10 @@ class SimbodyWitness : public Witness {
       wrenches_.push_back({w.link, w.axes == scene::Wrench::Axes::kWorld, vec3(w.force, number),
                            vec3(w.moment, number), vec3(w.at, number)});
     if (build == Build::kClosed) {
-      if (has_rotors_)
-        throw std::invalid_argument("simbody: rotors and closures together are not answered");
+      requireBuilt(mechanism);
       for (const scene::Closure& closure : mechanism.closures) addClosure(closure, number);
       for (const scene::Spring& spring : mechanism.springs) addSpring(spring, number);
+      for (const std::size_t joint : driven_) Prescribed(joints_[joint].body, &prescribed_);
     }
     if (build == Build::kPrescribed) {
       for (Joint& joint : joints_) Prescribed(joint.body, &prescribed_);
@@ -304,6 +306,38 @@ class SimbodyWitness : public Witness {
     return friction_.around(quantity, state, [&](const scene::State<double>& without_coulomb) {
       return ofSimbody(quantity, without_coulomb);
     });
+  }
+
+  /// Of kClosed: in the order of kMechanismQuantities, lambda and nu empty.
+  std::array<Eigen::VectorXd, std::size(kMechanismQuantities)> mechanism(
+      const scene::State<double>& state) {
+    loads_.clearAllForces(state_);
+    setMotion(state, true);
+    applyLoads();
+    std::array<Eigen::VectorXd, std::size(kMechanismQuantities)> out;
+    const auto part = [&out](MechanismQuantity quantity) -> Eigen::VectorXd& {
+      return out[static_cast<std::size_t>(quantity)];
+    };
+    if (has_rotors_) {
+      solveWithRotors(state.tau, part(MechanismQuantity::kQdd),
+                      part(MechanismQuantity::kConstraintForce));
+      return out;
+    }
+    prescribed_ = speedRates(state.qdd);
+    part(MechanismQuantity::kQdd) = accelerations(state.tau);
+    // M du/dt + G' lambda + (drives) = f: both are on the side of inertia
+    SimTK::Vector force;
+    matter_.multiplyByGTranspose(state_, state_.getMultipliers(), force);
+    part(MechanismQuantity::kConstraintForce) = -reduced(force);
+    matter_.findMotionForces(state_, force);
+    const Eigen::VectorXd of_motions = -reduced(force);
+    Eigen::VectorXd& drive = part(MechanismQuantity::kDrive);
+    for (const std::size_t joint : driven_)
+      for (int k = 0; k < joints_[joint].rates(); ++k) {
+        drive.conservativeResize(drive.size() + 1);
+        drive(drive.size() - 1) = of_motions(joints_[joint].dof + k);
+      }
+    return out;
   }
 
  private:
@@ -356,6 +390,7 @@ class SimbodyWitness : public Witness {
       case Quantity::kTau:
         return residual(state.qdd, true);
       case Quantity::kQdd:
+        if (build_ == Build::kClosed) prescribed_ = speedRates(state.qdd);
         return accelerations(state.tau);
       case Quantity::kKinetic:
         system_.realize(state_, SimTK::Stage::Velocity);
@@ -390,6 +425,7 @@ class SimbodyWitness : public Witness {
     const SimTK::MobilizedBody moved =
         mobilizer(joint.kind, number(joint.pitch), parent, X_PF, body, X_BM);
     links_.push_back(moved.getMobilizedBodyIndex());
+    if (!joint.motion.empty()) driven_.push_back(joints_.size());
     joints_.push_back({moved, joint.kind, slots_, dof_});
     slots_ += static_cast<int>(scene::positionSlots(joint.kind).size());
     dof_ += scene::degreesOfFreedom(joint.kind);
@@ -412,6 +448,41 @@ class SimbodyWitness : public Witness {
     } else {
       addRotor(rotor, gear);
     }
+  }
+
+  /// What kClosed has no words for.
+  void requireBuilt(const scene::Mechanism& mechanism) const {
+    if (!mechanism.acceleration_constraints.empty())
+      throw std::invalid_argument(
+          "Simbody has no constraint on the acceleration of a link alone, and none is built here");
+    if (mechanism.hasCoulombFriction())
+      throw std::invalid_argument("Coulomb's friction is not built beside Simbody's constraints");
+    if (has_rotors_ && !driven_.empty())
+      throw std::invalid_argument("rotors and driven joints together are not built");
+  }
+
+  /// Rotors turn with their joints: M, G, bias and gamma are Simbody's, and the system is solved
+  /// here.
+  void solveWithRotors(const std::vector<double>& tau, Eigen::VectorXd& qdd,
+                       Eigen::VectorXd& force) {
+    const Eigen::VectorXd bias = residual({}, true);
+    SimTK::Matrix G;
+    SimTK::Vector at_rest;
+    matter_.calcG(state_, G);
+    matter_.calcBiasForAccelerationConstraints(state_, at_rest);
+    at_rest += G * speedRates({});
+    Eigen::MatrixXd J_transposed(dof_, G.nrow());
+    Eigen::VectorXd gamma(G.nrow());
+    for (int row = 0; row < G.nrow(); ++row) {
+      J_transposed.col(row) = reduced(SimTK::Vector(~G.row(row)));
+      gamma(row) = at_rest[row];
+    }
+    recursive::ConstrainedSolver<double> solver;
+    solver.factorize(massMatrix(), J_transposed.transpose());
+    const auto solved = solver.solve(Eigen::Map<const Eigen::VectorXd>(tau.data(), dof_) - bias,
+                                     Eigen::VectorXd(-gamma));
+    qdd = solved.qdd;
+    force = J_transposed * solved.lambda;
   }
 
   void addClosure(const scene::Closure& closure, const RealNumbers<double>& number) {
@@ -628,6 +699,7 @@ class SimbodyWitness : public Witness {
   SimTK::Force::DiscreteForces loads_;
   std::vector<SimTK::MobilizedBodyIndex> links_;  ///< one a scene link
   std::vector<Joint> joints_;                     ///< one a joint that moves
+  std::vector<std::size_t> driven_;               ///< of these
   std::vector<Rotor> rotors_;                     ///< one a joint, empty without rotor
   int slots_ = 0, dof_ = 0;
   std::vector<AppliedWrench> wrenches_;
@@ -670,7 +742,16 @@ Eigen::VectorXd simbodyClosedAccelerations(const scene::Scene& scene,
                                            const scene::State<double>& state) {
   scene::requireNoMimics({scene.file.string(), 0}, scene.mechanism,
                          "Simbody's closed system has none");
+  if (hasRotors(scene.mechanism))
+    throw std::invalid_argument("simbody: rotors and closures together are not answered");
   return SimbodyWitness(scene, SimbodyWitness::Build::kClosed).value(Quantity::kQdd, state);
+}
+
+SimbodyMechanism simbodyMechanism(const PreparedScene& scene) {
+  scene::requireNoMimics({scene.scene().file.string(), 0}, scene.mechanism(),
+                         "Simbody's closed system has none");
+  const auto closed = std::make_shared<SimbodyWitness>(scene, SimbodyWitness::Build::kClosed);
+  return [closed](const scene::State<double>& state) { return closed->mechanism(state); };
 }
 
 WitnessKind simbodyKind() {

@@ -23,6 +23,7 @@
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
+#include "crosscheck/verdicts/check_mechanism.hpp"
 #include "crosscheck/verdicts/check_reading.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/digits.hpp"
@@ -31,6 +32,7 @@
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
+#include "tests/fixtures/wrong_roads.hpp"
 
 namespace data = boost::unit_test::data;
 namespace fs = std::filesystem;
@@ -167,6 +169,8 @@ std::set<std::string> redByAnotherDerivation(const std::string& name) {
     for (scene::Number* number :
          {&link.inertia.mass, &link.inertia.xx, &link.inertia.yy, &link.inertia.zz})
       if (!number->isLiteralZero()) *number = times(*number, "(1 + 1e-18)");
+  for (scene::Spring& spring : mass.springs)
+    spring.a.xyz[0] = times(spring.a.xyz[0], "(1 + 1e-18)");
   for (scene::Link& link : length.links)
     link.joint.placement.xyz[0] = times(link.joint.placement.xyz[0], "1 + 1e-18");
   for (scene::Closure& closure : length.closures)
@@ -174,6 +178,16 @@ std::set<std::string> redByAnotherDerivation(const std::string& name) {
   std::set<std::string> kinds = red(checkConstrainedExactly(scene, {}, &mass));
   add(kinds, red(checkClosuresExactly(scene, {}, &length)));
   add(kinds, red(checkRegressorExactly(scene, {}, &length)));
+  return kinds;
+}
+
+/// A road of the whole mechanism that goes wrong.
+std::set<std::string> redByAWrongRoad(const std::string& name) {
+  const PreparedScene scene(scene::findScene(name));
+  std::set<std::string> kinds;
+  for (const fixtures::MechanismFault fault : fixtures::kMechanismFaults)
+    if (fixtures::has(scene.mechanism(), fault))
+      add(kinds, red(compareRoads(scene, fixtures::withAWrongRoad(scene, fault), few(2))));
   return kinds;
 }
 
@@ -360,6 +374,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_check_that_a_report_holds_has_a_plant_that_tu
   for (const char* name :
        {"car_axis", "andrews_squeezer", "two_handed", "satellite_held", "puma_560"})
     add(red, redByAnotherDerivation(name));
+  for (const char* name : {"car_axis", "two_handed"}) add(red, redByAWrongRoad(name));
   const std::set<std::string> kinds = kindsOfReports();
   BOOST_TEST(kinds.size() >= 40u);
   requireAll(red, kinds);

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Roads to the accelerations and forces of a whole mechanism: closures, springs between points,
+// driven joints and acceleration constraints together, as the scene has them.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "crosscheck/witnesses/prepared_scene.hpp"
+#include "crosscheck/witnesses/refusal.hpp"
+#include "scene/state.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** What is asked about a whole mechanism,
+
+        M qdd + c + g + friction = tau + Q + springs + J' lambda,    J qdd + gamma = 0 (= value)
+
+    kConstraintForce is J' lambda of all constraints together, n, which is unique also where
+    redundant closures leave lambda undetermined. */
+enum class MechanismQuantity {
+  kQdd,              ///< n [rad/s^2, m/s^2]
+  kConstraintForce,  ///< n [N m, N]
+  kLambda,           ///< one a closure equation
+  kNu,               ///< one an acceleration constraint
+  kDrive,            ///< one a driven joint's rate [N m, N]: what the drive takes
+};
+inline constexpr MechanismQuantity kMechanismQuantities[] = {
+    MechanismQuantity::kQdd, MechanismQuantity::kConstraintForce, MechanismQuantity::kLambda,
+    MechanismQuantity::kNu, MechanismQuantity::kDrive};
+/// "mechanism qdd", "mechanism constraint force", "mechanism lambda", "mechanism nu", "mechanism
+/// drive force": quantities of a crosscheck without that word are those of the tree.
+const char* name(MechanismQuantity quantity);
+
+/// A state of a mechanism, its closures closed.
+struct MechanismState {
+  scene::State<double> state;  ///< qdd: that of driven joints; tau: of the others
+  /// Closure equations that stand for all; the others follow from them where phi = 0.
+  std::vector<int> rows;
+  bool is_redundant = false;  ///< rows are not all
+  int index = 0;
+};
+
+/// One road's numbers, and how far each may be from the exact one. Empty: not answered.
+struct MechanismAnswer {
+  struct Part {
+    Eigen::VectorXd value, bound;
+  };
+  std::array<Part, std::size(kMechanismQuantities)> parts;
+  Part& operator[](MechanismQuantity q) { return parts[static_cast<std::size_t>(q)]; }
+  const Part& operator[](MechanismQuantity q) const { return parts[static_cast<std::size_t>(q)]; }
+};
+
+/** Limits are of first order: what each rounding of that very computation does to each number
+    (AdjointTape::firstOrder), so that they neither run away on long chains nor know of any
+    condition. Where closures are redundant, roads may let other equations stand for all, which is
+    the same at a state that closes them and no two doubles do exactly: the state stands then for
+    all that round to it. */
+class MechanismRoad {
+ public:
+  virtual ~MechanismRoad() = default;
+  virtual const std::string& name() const = 0;
+  /// @throws std::exception  there is no answer at this state
+  virtual MechanismAnswer answer(const MechanismState& state) = 0;
+};
+
+/// A road of this name, or why it cannot hold the scene.
+struct NamedRoad {
+  std::string name;
+  OrRefusal<std::shared_ptr<MechanismRoad>> road;
+};
+
+/** All of them:
+      loops_eliminated   closures: articulated bodies, each loop eliminated where it closes
+      hybrid_sweep       no closures: hybrid dynamics, constraints by Popov and Vereshchagin
+      lagrange_multipliers  one dense system, derived from T, V and the places of frames
+      dense_system       the same made of M, bias, J and gamma of the sweeps
+      simbody            Simbody's own constraints, springs and prescribed motions */
+std::vector<NamedRoad> mechanismRoads(const PreparedScene& scene);
+
+/** The certified truth: Lagrange's dense system in balls, the precision doubled until the radius of
+    every part is below 2^-104 of its largest entry. Its bound is that radius, and what rounding its
+    middle to double may lose. */
+std::shared_ptr<MechanismRoad> certifiedMechanism(const PreparedScene& scene);
+
+/// What Simbody says (simbody.cpp), in the order of kMechanismQuantities; lambda and nu are empty.
+using SimbodyMechanism = std::function<std::array<Eigen::VectorXd, std::size(kMechanismQuantities)>(
+    const scene::State<double>&)>;
+/// @throws std::invalid_argument  the scene has what is not built there
+SimbodyMechanism simbodyMechanism(const PreparedScene& scene);
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Whole mechanisms, closures, springs, drives and acceleration constraints together: all roads of
+// every bundled scene that has any agree, and a fault planted into one of them is found.
+#include "crosscheck/verdicts/check_mechanism.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <boost/test/data/monomorphic.hpp>
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+
+#include "crosscheck/motion/closed_states.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
+#include "tests/fixtures/wrong_roads.hpp"
+
+namespace data = boost::unit_test::data;
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+using fixtures::MechanismFault;
+
+namespace {
+
+const std::vector<std::string> kScenes = {
+    "andrews_squeezer",   "bead_on_hoop",        "bricard",
+    "car_axis",           "flyball_governor",    "humanoid_both_feet",
+    "humanoid_left_foot", "humanoid_right_foot", "kapitza_pendulum",
+    "loop_on_arm",        "pendulum_on_slides",  "satellite_held",
+    "two_handed"};
+
+Options few(int states) {
+  Options options;
+  options.states = states;
+  return options;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(no_bundled_scene_that_is_more_than_its_tree_is_left_out) {
+  std::vector<std::string> names;
+  for (const auto& file : scene::bundledScenes()) {
+    const scene::Scene scene = scene::readScene(file);
+    if (ConstrainedQuantities::isConstrained(scene.mechanism)) names.push_back(scene.name);
+  }
+  BOOST_TEST(names == kScenes, boost::test_tools::per_element());
+}
+
+BOOST_DATA_TEST_CASE(all_roads_of_a_whole_mechanism_agree, data::make(kScenes), name) {
+  const std::vector<CheckResult> checks =
+      checkMechanism(PreparedScene(scene::findScene(name)), few(kMechanismStates));
+  int compared = 0;
+  for (const CheckResult& check : checks) {
+    BOOST_TEST_MESSAGE(name << ": " << check.statement << ": " << check.worst << " of "
+                            << check.limit << " ulp, " << check.judged() << " states "
+                            << check.reason);
+    if (check.asksNothing()) {
+      BOOST_TEST(!check.reason.empty());
+      continue;
+    }
+    BOOST_TEST_CONTEXT(check.statement << ": " << check.reason) {
+      BOOST_TEST((check.verdict != Verdict::kDisagree));
+      BOOST_TEST(check.voided == check.excused);
+      BOOST_TEST(check.states == kMechanismStates);
+    }
+    compared += check.verdict == Verdict::kAgree ? 1 : 0;
+  }
+  BOOST_TEST(compared >= 3);  // qdd of three roads at least
+}
+
+BOOST_DATA_TEST_CASE(a_wrong_road_of_a_whole_mechanism_is_found,
+                     data::make(kScenes) * data::make(fixtures::kMechanismFaults), name, fault) {
+  const PreparedScene scene(scene::findScene(name));
+  // gamma = 0: a parallelogram's coupler does not turn, and the foot that stands is the root
+  const bool has_no_gamma = name == "loop_on_arm" || name == "humanoid_right_foot";
+  if (!fixtures::has(scene.mechanism(), fault) ||
+      (fault == MechanismFault::kLostGamma && has_no_gamma)) {
+    BOOST_TEST(true);
+    return;
+  }
+  int found = 0;
+  for (const CheckResult& check :
+       compareRoads(scene, fixtures::withAWrongRoad(scene, fault), few(2)))
+    if (check.verdict == Verdict::kDisagree) {
+      BOOST_TEST((check.left == "wrong" || check.right == "wrong"), check.statement);
+      ++found;
+    }
+  BOOST_TEST(found > 0);
+}
+
+// Otherwise the scenes would be compared at no state, or at one.
+BOOST_DATA_TEST_CASE(states_are_closed_and_differ, data::make(kScenes), name) {
+  const PreparedScene scene(scene::findScene(name));
+  ClosedStates states(scene);
+  std::vector<double> before;
+  for (int index = 0; index < 3; ++index) {
+    const ClosedState at = states.draw(1, index);
+    BOOST_TEST_REQUIRE(at.failure == "");
+    std::vector<double> q;
+    for (const auto& x : at.state.state.x) q.push_back(x.q);
+    BOOST_TEST((q != before));
+    before = q;
+    BOOST_TEST(std::any_of(at.state.state.qd.begin(), at.state.state.qd.end(),
+                           [](double qd) { return std::abs(qd) > 0.01; }));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(redundant_closures_are_told_and_their_multipliers_not_compared) {
+  const std::vector<CheckResult> checks =
+      checkMechanism(PreparedScene(scene::findScene("bricard")), few(1));
+  int told = 0;
+  for (const CheckResult& check : checks)
+    if (check.quantity == "mechanism lambda" && !check.asksNothing()) {
+      BOOST_TEST(check.excused == 1);
+      BOOST_TEST(check.reason.find("4 equations stand for all") != std::string::npos, check.reason);
+      ++told;
+    }
+  BOOST_TEST(told > 0);
+}
+
+BOOST_AUTO_TEST_CASE(one_road_alone_proves_nothing_and_says_so) {
+  const PreparedScene scene(scene::findScene("bead_on_hoop"));
+  std::vector<NamedRoad> roads = mechanismRoads(scene);
+  roads.erase(roads.begin() + 1, roads.end());
+  const std::vector<CheckResult> checks = compareRoads(scene, roads, few(1));
+  BOOST_TEST_REQUIRE(checks.size() == 1u);
+  BOOST_TEST((checks[0].verdict == Verdict::kNotAnswerable));
+  BOOST_TEST(coverageOf(checks)[0].isThin());
+}
+
+BOOST_AUTO_TEST_CASE(a_tree_has_nothing_besides) {
+  BOOST_TEST(checkMechanism(PreparedScene(scene::findScene("puma_560")), few(1)).empty());
+}
