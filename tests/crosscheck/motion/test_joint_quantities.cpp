@@ -118,7 +118,8 @@ void requireRecursions(const scene::Scene& scene) {
     BOOST_TEST(off(P * M_A, shown.matrix(JointQuantity::kPM, i)) < kLimit, scene.name << ", " << i);
     // without a rotor nothing passes along the axes
     if (shown.axes[i] > 0 && scene.mechanism.links[i + 1].joint.rotor_inertia.isLiteralZero())
-      BOOST_TEST((shown.Z(i).transpose() * P).cwiseAbs().maxCoeff() < kLimit, scene.name << ", " << i);
+      BOOST_TEST((shown.Z(i).transpose() * P).cwiseAbs().maxCoeff() < kLimit,
+                 scene.name << ", " << i);
   }
 }
 
