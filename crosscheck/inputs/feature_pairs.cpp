@@ -181,10 +181,7 @@ bool excludeEachOther(std::size_t a, std::size_t b) {
                                                             {kMassless, kTurnedInertia},
                                                             {kMassless, kInertiaAboutOrigin},
                                                             {kFollower, kDriven}};
-  if (std::find(std::begin(kApart), std::end(kApart), std::pair{a, b}) != std::end(kApart))
-    return true;
-  // the one is part of the other
-  return (a == kOnTheWorld || a == kTurned) && b == kTurnedOnTheWorld;
+  return std::find(std::begin(kApart), std::end(kApart), std::pair{a, b}) != std::end(kApart);
 }
 
 /// Of random mechanisms: a link without mass is carried, or has a rotor to turn.

@@ -3,6 +3,7 @@
 // for, and states that leave closures open are told.
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>

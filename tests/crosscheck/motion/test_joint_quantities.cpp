@@ -12,6 +12,7 @@
 #include "crosscheck/inputs/random_mechanism.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
+#include "scene/numbers.hpp"
 #include "tests/fixtures/treated_scenes.hpp"
 
 namespace data = boost::unit_test::data;
