@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // How much of inertia, acceleration and force passes through a joint: the chapter's section 7.
 // The sweeps use the same projections in their cheapest form; here they are 6 x 6 matrices to look
-// at, for the identities and for teaching.
+// at, for the audit and for teaching, and what the sweeps themselves make of a joint, to be held to
+// them.
 #pragma once
 
+#include "recursive/articulated_step.hpp"
 #include "recursive/factorization.hpp"
 #include "recursive/spatial.hpp"
 
@@ -75,6 +77,48 @@ Symmetric3<T> inertiaThroughSpherical(const ArticulatedInertia<T>& M) {
   return {M.A.xx - loss.xx * inverse_det, M.A.yy - loss.yy * inverse_det,
           M.A.zz - loss.zz * inverse_det, M.A.xy - loss.xy * inverse_det,
           M.A.xz - loss.xz * inverse_det, M.A.yz - loss.yz * inverse_det};
+}
+
+/// What the articulated-body sweep makes of force and inertia on the way through one joint.
+template <typename T>
+struct SweptProjection {
+  Matrix6<T> P;               ///< column k: what is left of the force e_k, no joint force acting
+  ArticulatedInertia<T> P_M;  ///< what is left of the articulated inertia of the link
+};
+
+/** Reads P and P M of link i's joint off the sweep: unit forces and the articulated inertia go
+    through the joint by the sweep's own steps, axis by axis (articulated_step.hpp, (3) to (5)).
+
+    With a gyroscopic rotor that a link carries, G = (0, h z), they are
+
+        P = 1 - U D^-1 Z',   P M = M - U D^-1 U',   U = M Z + G,   D = d + Z' M Z
+
+    and without one the matrices above.
+    @param x   the position at which forwardDynamics() has run on ws
+    @param ws  U, D and u of the joint are written over, U and D with what they were */
+template <typename T>
+SweptProjection<T> sweptProjection(const Model<T>& model, const std::vector<JointPosition<T>>& x,
+                                   Workspace<T>& ws, int i) {
+  const LinkModel<T>& link = model.links[i];
+  SweptProjection<T> out{Matrix6<T>::Identity(), ws.M_A[i]};
+  withJoints(model, [&](auto joints) {
+    using Joints = decltype(joints);
+    const std::vector<T>& no_rates = ws.u;  // without friction nobody asks for them
+    ArticulatedSteps<Joints, T> step(model, x, no_rates, Terms::none(), ws);
+    ArticulatedBody<T> body = step.body(i);
+    for (int k = 0, d = link.dof; k < Joints::axes(link); ++k, ++d) step.project(d, body);
+    out.P_M = body.M;
+    for (int column = 0; column < 6; ++column) {
+      const Vector6<T> unit = Matrix6<T>::Identity().col(column);
+      body = {ws.M_A[i], {unit.template head<3>(), unit.template tail<3>()}};
+      for (int k = 0, d = link.dof; k < Joints::axes(link); ++k, ++d) {
+        step.formEquation(i, k, d, T(0), body);
+        step.project(d, body);
+      }
+      out.P.col(column) = body.f.vector();
+    }
+  });
+  return out;
 }
 
 }  // namespace dynwitness::recursive

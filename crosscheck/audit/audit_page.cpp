@@ -57,20 +57,33 @@ void putStatement(std::string* page, const char* label, const std::string& text,
       textWithMath(text), escapeMarkup(outcome.residual), escapeMarkup(outcome.method));
 }
 
+/// One of two that stand side by side.
+void putSide(std::string* page, const char* css, const char* label, const std::string& text,
+             const audit::Outcome& outcome) {
+  put(page,
+      "<div class=\"{}\"><h4>{}</h4>\n<p>{}<span class=\"residual\">residual {} "
+      "[{}]</span></p></div>\n",
+      css, label, textWithMath(text), escapeMarkup(outcome.residual), escapeMarkup(outcome.method));
+}
+
 void putEntry(std::string* page, const Entry& entry) {
   put(page,
       "<article class=\"entry {}\" id=\"{}\">\n<h3><span "
-      "class=\"id\">{}</span><span>{}</span>{}</h3>\n"
-      "<dl>\n",
+      "class=\"id\">{}</span><span>{}</span>{}</h3>\n",
       cssClass(entry.holds), escapeMarkup(entry.id),
       entry.isEquation() ? number(entry) : "§ " + escapeMarkup(entry.section),
       textWithMath(entry.title), badge(cssClass(entry.holds), word(entry.holds)));
-  putStatement(page, entry.left_open ? "Left open" : "Printed", entry.printed,
-               entry.residual_printed);
+  const char* printed = entry.left_open ? "Left open" : "Printed";
+  if (entry.residual_corrected) {
+    put(page, "<div class=\"sides\">\n");
+    putSide(page, cssClass(entry.holds), printed, entry.printed, entry.residual_printed);
+    putSide(page, "agree", "Correct", entry.corrected, *entry.residual_corrected);
+    put(page, "</div>\n");
+  }
+  put(page, "<dl>\n");
+  if (!entry.residual_corrected) putStatement(page, printed, entry.printed, entry.residual_printed);
   if (entry.residual_condition)
     putStatement(page, "Holds if", entry.condition, *entry.residual_condition);
-  if (entry.residual_corrected)
-    putStatement(page, "Correct", entry.corrected, *entry.residual_corrected);
   if (entry.numbers) {
     put(page, "<dt>Numbers</dt><dd><table>\n<caption>{}</caption>\n<thead><tr>",
         escapeMarkup(entry.numbers->caption));

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 7: what of inertia, acceleration and force passes through a joint. The truth is the
 // linear system of Newton-Euler, joint and motor (solveJoint).
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "crosscheck/audit/counting.hpp"
 #include "crosscheck/audit/truths.hpp"
+#include "recursive/articulated_body.hpp"
+#include "recursive/build_model.hpp"
 #include "recursive/projection.hpp"
+#include "scene/scene.hpp"
 
 namespace dynwitness::audit {
 namespace {
@@ -42,6 +47,71 @@ Vector6<T> axisZ() {
   Vector6<T> Z = Vector6<T>::Zero();
   Z(5) = T(1);
   return Z;
+}
+
+// ---- numbers for the board ---------------------------------------------------------------------
+
+/// A bundled robot as the articulated-body sweep leaves it, at rest with every q = 0.5 (quaternions
+/// apart, which none of them has).
+struct OnTheBoard {
+  explicit OnTheBoard(const char* name)
+      : scene(scene::findScene(name)),
+        model(recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism))),
+        ws(model),
+        x(static_cast<std::size_t>(model.positions), scene::jointPosition(0.5)) {
+    const std::vector<double> zeros(x.size(), 0.0);
+    std::vector<double> qdd = zeros;
+    recursive::forwardDynamics(model, x, zeros, zeros, ws, qdd);
+  }
+  Matrix6<double> M_A(std::size_t link) const { return ws.M_A[link].matrix(); }
+
+  scene::Scene scene;
+  recursive::Model<double> model;
+  recursive::Workspace<double> ws;
+  std::vector<scene::JointPosition<double>> x;
+};
+/// What is below the digits of its neighbours is 0.
+std::string onBoard(double x) {
+  return fmt::format("{:.4g}", std::abs(x) < 1e-14 ? 0.0 : x);
+}
+
+/// (32): P M of the upper link of a double pendulum, entry by entry.
+Rows projectedInertiaRows() {
+  OnTheBoard arm("double_pendulum");
+  const Matrix6<double> M = arm.M_A(0),
+                        P_M = recursive::sweptProjection(arm.model, arm.x, arm.ws, 0).P_M.matrix();
+  Rows rows;
+  for (int i = 0; i < 6; ++i)
+    for (int j = i; j < 6; ++j) {
+      const double printed = i < 5 && j < 5 ? M(i, j) : 0;
+      if (onBoard(printed) == "0" && onBoard(P_M(i, j)) == "0") continue;
+      rows.push_back({fmt::format("{}{}", i + 1, j + 1), onBoard(M(i, j)), onBoard(printed),
+                      onBoard(P_M(i, j))});
+    }
+  return rows;
+}
+/// (33): the inertia that the motor of each joint of an arm turns.
+Rows motorInertiaRows() {
+  const OnTheBoard arm("puma_560");
+  Rows rows;
+  for (std::size_t i = 0; i < arm.model.links.size(); ++i) {
+    const double d = arm.model.links[i].rotor, link = arm.M_A(i)(5, 5);
+    rows.push_back({std::to_string(i + 1), onBoard(d), onBoard(link), onBoard(link - d),
+                    onBoard(arm.ws.D[i])});
+  }
+  return rows;
+}
+/// (36): the last entry of P.
+Rows rotorShareRows() {
+  OnTheBoard arm("puma_560");
+  Rows rows;
+  for (std::size_t i = 0; i < arm.model.links.size(); ++i) {
+    const int link = static_cast<int>(i);
+    rows.push_back({std::to_string(i + 1), onBoard(arm.model.links[i].rotor),
+                    onBoard(arm.M_A(i)(5, 5)), "0",
+                    onBoard(recursive::sweptProjection(arm.model, arm.x, arm.ws, link).P(5, 5))});
+  }
+  return rows;
 }
 
 // ---- inertia -----------------------------------------------------------------------------------
@@ -231,7 +301,8 @@ Trials eq32() {
         A.C = Symmetric3<T>::fromUpper(M.template block<3, 3>(3, 3));
         const Force<T> U{A.B.col(2), A.C.column(2)};
         at.equal("our code", A.minusOuter(U, T(1) / U.moment.z()).matrix(), P_M);
-      }));
+      }))
+      .numbers(projectedInertiaRows);
 }
 
 Trials freeProjection() {
@@ -338,7 +409,8 @@ void rotorForce(Point& at, int sign) {
 Trials eq33() {
   return Trials("eq33")
       .printed(exact([](Point& at) { rotorForce(at, -1); }))
-      .corrected(exact([](Point& at) { rotorForce(at, 1); }));
+      .corrected(exact([](Point& at) { rotorForce(at, 1); }))
+      .numbers(motorInertiaRows);
 }
 
 Trials eq34() {
@@ -400,7 +472,8 @@ Trials eq36() {
         Matrix6<T> P = Matrix6<T>::Identity();
         for (int i = 0; i < 6; ++i) P(i, 5) = (i < 5 ? -M(i, 5) : d) / (d + M(5, 5));
         at.equal("P", P, forceProjection<T>(M, axisZ<T>(), d));
-      }));
+      }))
+      .numbers(rotorShareRows);
 }
 
 Trials rotorCost() {

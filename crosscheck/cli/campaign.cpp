@@ -94,9 +94,9 @@ void printCampaign(const RandomCampaign& campaign, const CampaignOptions& option
 }
 
 std::string campaignJson(const RandomCampaign& campaign, const CampaignOptions& options,
-                         int max_joints) {
+                         int max_joints, const std::string& pairs) {
   Json json{{"dynwitness", DYNWITNESS_VERSION},
-            {"command", "crosscheck --random"},
+            {"command", pairs.empty() ? "crosscheck --random" : "crosscheck --pairs"},
             {"seed", options.exact.seed},
             {"most_joints", max_joints},
             {"states", options.states},
@@ -120,6 +120,7 @@ std::string campaignJson(const RandomCampaign& campaign, const CampaignOptions& 
       one["checks"].push_back(Json::parse(checkJson(check)));
     json["failures"].push_back(one);
   }
+  if (!pairs.empty()) json["pairs"] = Json::parse(pairs);
   json["verdict"] = campaign.failures.empty() ? "agree" : "disagree";
   return json.dump(2) + "\n";
 }

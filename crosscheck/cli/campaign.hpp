@@ -29,7 +29,9 @@ void printCampaign(const crosscheck::RandomCampaign& campaign,
                    const crosscheck::CampaignOptions& options);
 
 /// The same for programs; each failure with its scene as TOML, and its checks as in report.json.
+/// @param pairs  what pairsJson() wrote; may be empty
 std::string campaignJson(const crosscheck::RandomCampaign& campaign,
-                         const crosscheck::CampaignOptions& options, int max_joints);
+                         const crosscheck::CampaignOptions& options, int max_joints,
+                         const std::string& pairs = {});
 
 }  // namespace dynwitness::cli

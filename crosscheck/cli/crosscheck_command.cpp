@@ -18,10 +18,13 @@
 #include "crosscheck/conductor/campaign.hpp"
 #include "crosscheck/conductor/crosscheck.hpp"
 #include "crosscheck/conductor/plan.hpp"
+#include "crosscheck/inputs/feature_pairs.hpp"
 #include "crosscheck/inputs/features.hpp"
+#include "crosscheck/inputs/random_mechanism.hpp"
 #include "crosscheck/kernel/compiled.hpp"
 #include "crosscheck/kernel/kernel.hpp"
 #include "crosscheck/report/json.hpp"
+#include "crosscheck/report/pairs.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/report.hpp"
 #include "crosscheck/report/show.hpp"
@@ -50,7 +53,8 @@ struct Arguments {
   std::vector<std::string> engines;  ///< commands
   Limits limits;                     ///< of each of these programs
   int random = 0, joints = 12;       ///< random mechanisms instead of scenes
-  bool states_given = false;
+  bool pairs = false;                ///< those that have every pair of features
+  bool states_given = false, joints_given = false;
   int processes = availableProcessors();
   bool charts = true;
 };
@@ -206,22 +210,49 @@ CampaignOptions campaignOptions(const Arguments& arguments) {
   return options;
 }
 
-/// --random: mechanisms instead of scenes, and no report.
+/// --random, --pairs: mechanisms instead of scenes, and no report.
 int runRandom(const Arguments& arguments) {
   if (!arguments.scenes.empty())
-    throw scene::InputError({}, "--random draws its own mechanisms: leave the scenes out");
+    throw scene::InputError({}, fmt::format("{} draws its own mechanisms: leave the scenes out",
+                                            arguments.pairs ? "--pairs" : "--random"));
   requireWritableFile(arguments.json);
   const CampaignOptions options = campaignOptions(arguments);
+  // the rarest pairs are in a few of so many; what none has is MISSING
+  constexpr int kPool = 3000;
+  std::vector<int> indices;
+  PairTable pairs;
+  if (arguments.pairs) {
+    indices = randomMechanismsOfPairs(options.exact.seed, arguments.joints, kPool);
+    for (const int index : indices)
+      pairs.add(
+          randomScene(options.exact.seed, static_cast<std::uint64_t>(index), arguments.joints));
+  }
+  const std::vector<PairTable::Pair> missing =
+      arguments.pairs ? pairs.missing() : std::vector<PairTable::Pair>();
   RandomCampaign campaign;
   {
-    CampaignProgress progress(arguments.random);
-    campaign = crosscheckRandom(arguments.random, arguments.joints, options, arguments.processes,
-                                [&](int done) { progress.show(done); });
+    CampaignProgress progress(arguments.pairs ? pairs.mechanisms() : arguments.random);
+    const auto show = [&](int done) { progress.show(done); };
+    campaign = arguments.pairs ? crosscheckRandomOf(indices, arguments.joints, options,
+                                                    arguments.processes, show)
+                               : crosscheckRandom(arguments.random, arguments.joints, options,
+                                                  arguments.processes, show);
   }
   if (!arguments.json.empty())
-    writeWholeFile(arguments.json, campaignJson(campaign, options, arguments.joints));
+    writeWholeFile(arguments.json,
+                   campaignJson(campaign, options, arguments.joints,
+                                arguments.pairs ? pairsJson(pairs) : std::string()));
   printCampaign(campaign, options);
-  return campaign.failures.empty() ? 0 : 1;
+  if (arguments.pairs) {
+    fmt::print("pairs of features, in {} of the first {} random mechanisms:\n", pairs.mechanisms(),
+               kPool);
+    for (const PairRelation relation : kAllPairRelations)
+      fmt::print("  {}: {} of {}\n", name(relation), pairs.covered(relation),
+                 pairs.wanted(relation));
+    for (const PairTable::Pair& pair : missing)
+      fmt::print("MISSING {}: {}; {}\n", name(pair.relation), pair.row, pair.column);
+  }
+  return campaign.failures.empty() && missing.empty() ? 0 : 1;
 }
 
 /// Two witnesses are missed without a compiler, or a folder for what it makes: the reason is told.
@@ -264,7 +295,9 @@ std::vector<std::string> viewsOf(const std::vector<scene::Scene>& scenes) {
 
 int run(const Arguments& arguments) {
   tellMissingKernels();
-  if (arguments.random > 0) return runRandom(arguments);
+  if (arguments.random > 0 || arguments.pairs) return runRandom(arguments);
+  if (arguments.joints_given)
+    throw scene::InputError({}, "--joints without --random or --pairs, allowed: with one of them");
   const std::vector<WitnessKind> kinds = selectWitnesses(arguments.options.witnesses);
   const std::vector<scene::Scene> scenes = scenesOf(arguments);
   for (const scene::Scene& scene : scenes) {
@@ -320,11 +353,16 @@ int run(const Arguments& arguments) {
                            : Chart());  // not drawn
     progress.stage("report");
     const Environment environment = thisEnvironment(libraries, gnuplot());
+    // of scenes that somebody chose nothing is missing
+    PairTable pairs;
+    for (const scene::Scene& scene : scenes) pairs.add(scene);
+    const bool all = arguments.scenes.empty();
     writeReport(result, environment, arguments.report, charts, bench ? &*bench : nullptr,
-                viewsOf(scenes));
+                viewsOf(scenes), all ? &pairs : nullptr);
     if (!arguments.json.empty())
       writeWholeFile(arguments.json,
-                     reportJson(result, environment, bench ? benchJson(*bench) : std::string()));
+                     reportJson(result, environment, bench ? benchJson(*bench) : std::string(),
+                                all ? pairsJson(pairs) : std::string()));
   }
   printTable(result);
   fmt::print("report: {}\n", (std::filesystem::path(arguments.report) / "index.html").string());
@@ -402,10 +440,17 @@ Run addCrosscheck(CLI::App* command) {
           "names them")
       ->excludes("--parameters", "--bench", "--engine")
       ->check(whole(1, 100000000));
-  command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
-      ->capture_default_str()
-      ->needs("--random")
-      ->check(whole(1, 1000));
+  command
+      ->add_flag(
+          "--pairs", arguments->pairs,
+          "The same about those random mechanisms that have, between them, every pair of "
+          "features (joint kinds inboard and outboard, rotors, springs, turned frames, ...); "
+          "exit status 1 if a pair is missing")
+      ->excludes("--random", "--parameters", "--bench", "--engine");
+  const CLI::Option* joints =
+      command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
+          ->capture_default_str()
+          ->check(whole(1, 1000));
   command->add_option("--processes", arguments->processes, "How many processes share the work")
       ->capture_default_str()
       ->check(whole(1, 1024));
@@ -413,8 +458,9 @@ Run addCrosscheck(CLI::App* command) {
   command->add_flag("!--no-charts", arguments->charts,
                     "Leave out the charts of speed against accuracy, the only part that a clock "
                     "measures");
-  return [arguments, states] {
+  return [arguments, states, joints] {
     arguments->states_given = states->count() > 0;
+    arguments->joints_given = joints->count() > 0;
     if (arguments->parameters == kRandom) arguments->options.parameters = Parameters::kRandom;
     return run(*arguments);
   };

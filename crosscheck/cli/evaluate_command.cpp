@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
@@ -18,6 +19,7 @@
 #include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
+#include "crosscheck/motion/joint_quantities.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/growing_file.hpp"
 #include "crosscheck/witnesses/column_names.hpp"
@@ -34,6 +36,9 @@ struct Arguments {
   std::vector<std::string> engines;  ///< a command, or none
   Limits limits;                     ///< of that program
   std::vector<std::string> quantities;
+  std::vector<std::string> joints;  ///< of these alone, what is asked of joints; none: of all
+  std::string format = "csv";
+  bool units = false;
 };
 
 /// nu1, nu2, ...; J11, J12, ... row by row (J1_1 where a number has two digits).
@@ -52,6 +57,24 @@ std::vector<std::string> columnNames(ConstrainedQuantity quantity, Eigen::Index 
   return names;
 }
 
+/// @throws scene::InputError  where a column's unit hangs on what the constraints are
+std::vector<std::string> columnUnits(ConstrainedQuantity quantity,
+                                     const scene::Mechanism& mechanism) {
+  switch (quantity) {
+    case ConstrainedQuantity::kQdd:
+      return columnUnits(Quantity::kQdd, mechanism);
+    case ConstrainedQuantity::kTauDrive:
+    case ConstrainedQuantity::kTaskTorque:
+    case ConstrainedQuantity::kNullTorque:
+      return columnUnits(Quantity::kTau, mechanism);
+    default:
+      throw scene::InputError(
+          {}, fmt::format("--units with {}: its units are those of the scene's closures and "
+                          "constraints, allowed: without",
+                          name(quantity)));
+  }
+}
+
 /// Who answers when nobody is named: the sweep made for the quantity.
 std::string usualWitness(Quantity quantity) {
   if (quantity == Quantity::kM) return "composite_body";
@@ -65,7 +88,8 @@ enum class Needs { kNothing, kQdd, kTau };
 Needs needsOf(const std::string& quantity) {
   for (const char* name : {"tau", "reactions"})
     if (quantity == name) return Needs::kQdd;
-  for (const char* name : {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque"})
+  for (const char* name :
+       {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque", "F", "PF", "beta"})
     if (quantity == name) return Needs::kTau;
   return Needs::kNothing;
 }
@@ -76,8 +100,9 @@ Command commandOf(const std::string& quantity) {
     if (quantity == name) return Command::kEvaluateForces;
   for (const char* name : {"qdd", "lambda", "nu", "tau_drive"})
     if (quantity == name) return Command::kEvaluateMotion;
-  for (const char* name : {"N", "Lambda", "J", "Jbar", "task_torque", "null_torque"})
+  for (const char* name : {"N", "Lambda", "J", "Jbar", "task_torque", "null_torque", "E", "beta"})
     if (quantity == name) return Command::kEvaluateTasks;
+  if (jointQuantityNamed(quantity)) return Command::kEvaluateJoints;
   return Command::kEvaluateTree;
 }
 
@@ -115,7 +140,8 @@ bool findsQddFirst(const scene::Scene& scene, const Arguments& arguments,
     asks_tau = asks_tau || needs == Needs::kTau;
     first = first || (needs == Needs::kQdd && !given.qdd);
     if (from_file && !given.qdd && scene.mechanism.isDriven() &&
-        commandOf(quantity) != Command::kEvaluateTasks && needs != Needs::kNothing)
+        commandOf(quantity) != Command::kEvaluateTasks &&
+        commandOf(quantity) != Command::kEvaluateJoints && needs != Needs::kNothing)
       throw scene::InputError(
           file, quantity +
                     " asked of a scene with driven joints, and no qdd given, allowed: "
@@ -168,14 +194,38 @@ class OpenStates {
   double phi_ = 0, rate_ = 0;
 };
 
-/// A number at full double precision, behind a comma where it is not the first of the row.
-void append(double value, std::string* row) {
-  char digits[32];  // 17 digits, a sign, a point and an exponent are 24
-  const auto end =
-      std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 17).ptr;
-  if (!row->empty() && row->back() != '\n') *row += ',';
-  row->append(digits, end);
-}
+/// Rows of numbers under these names: CSV, or an object a line.
+class Table {
+ public:
+  Table(const std::vector<std::string>& names, bool is_json) : is_json_(is_json) {
+    for (const std::string& name : names) {
+      const char* before = keys_.empty() ? "" : ",";
+      keys_.push_back(is_json ? (keys_.empty() ? "{" : ",") + nlohmann::json(name).dump() + ":"
+                              : before);
+      if (!is_json) header_ += before + name;
+    }
+    if (!is_json) header_ += '\n';
+  }
+  const std::string& header() const { return header_; }
+  /// A number at full double precision.
+  void append(double value, std::string* row) {
+    char digits[32];  // 17 digits, a sign, a point and an exponent are 24
+    const auto end =
+        std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 17).ptr;
+    *row += keys_[at_++];
+    row->append(digits, end);
+  }
+  void end(std::string* row) {
+    *row += is_json_ ? "}\n" : "\n";
+    at_ = 0;
+  }
+
+ private:
+  bool is_json_;
+  std::string header_;
+  std::vector<std::string> keys_;  ///< what stands before each number
+  std::size_t at_ = 0;
+};
 
 /// What constraints need, built when it is first asked for.
 class Constrained {
@@ -229,6 +279,13 @@ struct Column {
   std::string name;
   bool is_engines = false;  ///< the witness is a program of the user's
   ConstrainedQuantity constrained = ConstrainedQuantity::kQdd;  ///< without a witness
+  std::optional<JointQuantity> of_joints = {};                  ///< then it is this, and no other
+};
+
+/// Whom columns without a witness are asked of.
+struct Sources {
+  Constrained& constrained;
+  std::optional<JointQuantities> joints;  ///< none: nothing of joints is asked
 };
 
 /// That program failed, or has no value at a state.
@@ -237,12 +294,15 @@ struct EngineFailed : std::runtime_error {
 };
 
 /// One quantity at one state, finite.
-Eigen::MatrixXd valueOf(Column& column, Constrained& constrained, const scene::State<double>& state,
+Eigen::MatrixXd valueOf(Column& column, const Sources& sources, const scene::State<double>& state,
                         long row) {
   Eigen::MatrixXd value;
   try {
-    value = column.witness ? column.witness->value(column.quantity, state)
-                           : constrained->answer(column.constrained, state);
+    if (column.of_joints)
+      value = sources.joints->value(*column.of_joints);
+    else
+      value = column.witness ? column.witness->value(column.quantity, state)
+                             : sources.constrained->answer(column.constrained, state);
   } catch (const std::runtime_error& error) {
     if (!column.is_engines) throw;
     throw EngineFailed(fmt::format("{} at state {}: {}", column.name, row, error.what()));
@@ -259,8 +319,8 @@ Eigen::MatrixXd valueOf(Column& column, Constrained& constrained, const scene::S
     @param finds_qdd  what is asked needs qdd, which is found from tau first
     @param at_once    states that are read before they are answered */
 void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& columns,
-               Constrained& constrained, bool finds_qdd, std::size_t at_once,
-               const std::string& header, const std::string& output) {
+               Sources& sources, bool finds_qdd, std::size_t at_once, Table& table,
+               const std::string& output) {
   constexpr std::size_t kPiece = std::size_t{1} << 18;
   constexpr long kBetweenNotes = 256;
   // rows that scroll by on a terminal are progress enough
@@ -270,7 +330,7 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
   const auto begin = std::chrono::steady_clock::now();
   auto noted = begin;
   GrowingFile file(output);
-  std::string rows = header + "\n";
+  std::string rows = table.header();
   OpenStates open(scene);
   std::vector<scene::State<double>> batch, next;
   const auto read = [&] {
@@ -278,7 +338,8 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
       next.push_back(*states.current());
       open.see(next.back());
       if (!finds_qdd) continue;
-      const Eigen::MatrixXd qdd = constrained->answer(ConstrainedQuantity::kQdd, next.back());
+      const Eigen::MatrixXd qdd =
+          sources.constrained->answer(ConstrainedQuantity::kQdd, next.back());
       next.back().qdd.assign(qdd.data(), qdd.data() + qdd.size());
     }
     if (at_once == 1) return;
@@ -296,12 +357,13 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
     }
     for (const scene::State<double>& state : batch) {
       ++row;
+      if (sources.joints) sources.joints->at(state);
       for (Column& column : columns) {
-        const Eigen::MatrixXd value = valueOf(column, constrained, state, row);
+        const Eigen::MatrixXd value = valueOf(column, sources, state, row);
         for (Eigen::Index i = 0; i < value.rows(); ++i)
-          for (Eigen::Index j = 0; j < value.cols(); ++j) append(value(i, j), &rows);
+          for (Eigen::Index j = 0; j < value.cols(); ++j) table.append(value(i, j), &rows);
       }
-      rows += '\n';
+      table.end(&rows);
     }
     const bool is_awaited = states.mayWait();
     if (rows.size() > kPiece || is_awaited) {
@@ -337,7 +399,19 @@ int run(const Arguments& arguments) {
   if (!arguments.engines.empty())
     engine = engineKinds(arguments.engines, arguments.limits, scene).front();
   std::vector<Column> columns;
+  Sources sources{constrained, std::nullopt};
   for (const std::string& text : arguments.quantities) {
+    if (const std::optional<JointQuantity> of_joints = jointQuantityNamed(text)) {
+      if (!arguments.witness.empty() || engine)
+        throw scene::InputError(
+            {},
+            fmt::format("--witness or --engine with {}, which is of our sweeps, allowed: without",
+                        text));
+      if (!sources.joints) sources.joints.emplace(scene, arguments.joints);
+      columns.push_back(
+          {Quantity::kQdd, nullptr, text, false, ConstrainedQuantity::kQdd, of_joints});
+      continue;
+    }
     const std::optional<ConstrainedQuantity> special = constrainedQuantityNamed(text);
     if (special && (special != ConstrainedQuantity::kQdd ||
                     ConstrainedQuantities::isConstrained(scene.mechanism))) {
@@ -361,25 +435,36 @@ int run(const Arguments& arguments) {
       throw scene::InputError({}, fmt::format("witness '{}' does not answer {}", who, text));
     columns.push_back({quantity, std::move(witness), text, engine.has_value()});
   }
+  if (!arguments.joints.empty() && !sources.joints)
+    throw scene::InputError({},
+                            "--joint without a quantity of joints, expected one of X, M_i, "
+                            "M_C, M_A, P, PM, Z, F, PF, E, beta");
   const bool finds_qdd = findsQddFirst(scene, arguments, states.given());
   admitFor(scene, arguments.quantities);
-  std::string header;
+  std::vector<std::string> all_names;
   for (const Column& column : columns) {
-    std::vector<std::string> names;
-    if (column.witness) {
+    std::vector<std::string> names, units;
+    if (column.of_joints) {
+      names = sources.joints->columns(*column.of_joints);
+      if (arguments.units) units = sources.joints->units(*column.of_joints);
+    } else if (column.witness) {
       names = columnNames(column.quantity, scene.mechanism);
+      if (arguments.units) units = columnUnits(column.quantity, scene.mechanism);
     } else {
+      if (arguments.units) units = columnUnits(column.constrained, scene.mechanism);
       const Eigen::MatrixXd shape =
           states.current() == nullptr ? Eigen::MatrixXd()
                                       : constrained->answer(column.constrained, *states.current());
       names = columnNames(column.constrained, shape.rows(), shape.cols());
     }
-    for (const std::string& name : names) header += (header.empty() ? "" : ",") + name;
+    for (std::size_t k = 0; k < names.size(); ++k)
+      all_names.push_back(arguments.units ? fmt::format("{} [{}]", names[k], units[k]) : names[k]);
   }
+  Table table(all_names, arguments.format == "json");
   // a pipe may wait for the answer before it goes on
   const std::size_t at_once = engine && arguments.states != "-" ? kEngineBatch : 1;
   try {
-    writeRows(scene, states, columns, constrained, finds_qdd, at_once, header, arguments.output);
+    writeRows(scene, states, columns, sources, finds_qdd, at_once, table, arguments.output);
   } catch (const EngineFailed& failed) {
     tell(fmt::format("{}: {}\n", scene.name, failed.what()));
     return 1;
@@ -394,7 +479,9 @@ Run addEvaluate(CLI::App* command) {
   command->footer(
       "dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
       "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
-      "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque");
+      "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
+      "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
+      "dynwitness evaluate two_handed --quantity E,beta --format json");
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option(
       "--states", arguments->states,
@@ -410,10 +497,24 @@ Run addEvaluate(CLI::App* command) {
           "joints or acceleration "
           "constraints: qdd under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
           "Lambda "
-          "(task inertia), J, Jbar, task_torque (tau the posture's), null_torque; several with "
-          "commas")
+          "(task inertia), J, Jbar, task_torque (tau the posture's), null_torque; of each joint, in "
+          "the axes of its moved frame: X, M_i, M_C (composite), M_A (articulated), P, PM, Z, F "
+          "(bias force of the articulated body), PF, E and beta (of the acceleration constraints); "
+          "several with commas")
       ->required()
       ->delimiter(',');
+  command
+      ->add_option("--joint", arguments->joints,
+                   "These joints alone, of what is asked of each joint (X, ..., beta); several "
+                   "with commas")
+      ->delimiter(',');
+  command
+      ->add_option("--format", arguments->format,
+                   "csv, or json: an object a state, on a line of its own")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"csv", "json"}));
+  command->add_flag("--units", arguments->units,
+                    "With units in the names: \"elbow.M_A44 [kg m^2]\"");
   command->add_option("--witness", arguments->witness, "Who answers; without: the usual sweep");
   addEngineOptions(*command, arguments->engines, arguments->limits)
       ->excludes("--witness")

@@ -217,8 +217,8 @@ Run addSweep(CLI::App* command) {
   command->footer(
       "Example:\n"
       "  dynwitness sweep double_pendulum --q 0.3,0.4 --qd 1,2 --qdd 0.5,-0.5\n"
-      "v, a, f, M_C and M_A are what the sweeps themselves have computed, D, P and P M_A are made of "
-      "M_A;\nwhether they are right is what crosscheck asks.");
+      "v, a, f, M_C, M_A, P and P M_A are what the sweeps themselves have computed, D is made of "
+      "M_A;\nwhether they are right is what crosscheck asks. At many states: dynwitness evaluate.");
   return [arguments] { return run(*arguments); };
 }
 

@@ -107,10 +107,10 @@ void append(RandomCampaign& all, RandomCampaign more) {
   std::move(more.failures.begin(), more.failures.end(), std::back_inserter(all.failures));
 }
 
-}  // namespace
-
-RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions& options,
-                                int processes, const std::function<void(int)>& progress) {
+/// @param index_of  the index of mechanism 0 to count - 1
+RandomCampaign campaignOver(int count, const std::function<int(int)>& index_of, int max_joints,
+                            const CampaignOptions& options, int processes,
+                            const std::function<void(int)>& progress) {
   CampaignOptions asked = options;
   if (asked.exact.witnesses.empty())
     for (const WitnessKind& kind : witnessKinds())
@@ -126,7 +126,7 @@ RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions
       [&](int block) {
         RandomCampaign part;
         for (int i = 0; i < size(block); ++i)
-          checkOne(block * block_size + i, max_joints, asked, part);
+          checkOne(index_of(block * block_size + i), max_joints, asked, part);
         return archived(part);
       },
       [&](int block) {
@@ -136,6 +136,22 @@ RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions
   RandomCampaign campaign;
   for (const std::string& part : parts) append(campaign, randomCampaignOf(part));
   return campaign;
+}
+
+}  // namespace
+
+RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions& options,
+                                int processes, const std::function<void(int)>& progress) {
+  return campaignOver(
+      count, [](int k) { return k; }, max_joints, options, processes, progress);
+}
+
+RandomCampaign crosscheckRandomOf(const std::vector<int>& indices, int max_joints,
+                                  const CampaignOptions& options, int processes,
+                                  const std::function<void(int)>& progress) {
+  return campaignOver(
+      static_cast<int>(indices.size()), [&](int k) { return indices[static_cast<std::size_t>(k)]; },
+      max_joints, options, processes, progress);
 }
 
 std::string describeFailure(const RandomCampaign::Failure& failure) {

@@ -57,6 +57,11 @@ struct RandomCampaign {
 RandomCampaign crosscheckRandom(int count, int max_joints, const CampaignOptions& options,
                                 int processes = 1, const std::function<void(int)>& progress = {});
 
+/// The same about the random mechanisms of these indices.
+RandomCampaign crosscheckRandomOf(const std::vector<int>& indices, int max_joints,
+                                  const CampaignOptions& options, int processes = 1,
+                                  const std::function<void(int)>& progress = {});
+
 /// For people: what failed, and the command and the scene file that show it again.
 std::string describeFailure(const RandomCampaign::Failure& failure);
 

@@ -99,6 +99,10 @@ struct Rules {
         {Command::kDeriveOperations,
          followers,
          {Kind::kRefused, "no kernel is made of joints that share a rate"}},
+        {Command::kEvaluateJoints,
+         followers,
+         {Kind::kRefused,
+          "no articulated body is passed through a joint alone that shares its rate"}},
         {Command::kEvaluateTasks,
          followers,
          {Kind::kRefused, "the sweeps for tasks solve for each joint where they pass it"}},
@@ -158,6 +162,11 @@ struct Rules {
          closures + point_springs + prescribed,
          {Kind::kTold,
           "M, c, g, kinetic, potential and momentum are those of the tree, all its joints free"}},
+        {Command::kEvaluateJoints, closures + point_springs + prescribed, of_the_tree},
+        {Command::kEvaluateJoints,
+         {Feature::kGravity},
+         {Kind::kNoPart,
+          "gravity is the world's acceleration -g in the sweeps, no force on a link"}},
         {Command::kEvaluateForces,
          closures + point_springs,
          {Kind::kRefused, "tau and reactions of the closed mechanism are not those of its tree"}},
@@ -408,6 +417,8 @@ const char* name(Command command) {
       return "derive --operations";
     case Command::kEvaluateTree:
       return "evaluate (M, c, g, energies, momentum)";
+    case Command::kEvaluateJoints:
+      return "evaluate (X, M_A, P, F of joints)";
     case Command::kEvaluateForces:
       return "evaluate (tau, reactions)";
     case Command::kEvaluateMotion:

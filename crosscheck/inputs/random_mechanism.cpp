@@ -25,7 +25,8 @@ class Drawing {
       : kinds_(kinds),
         random_(kinds == JointKinds::kAll ? "random mechanism" : "random plain mechanism", seed,
                 index),
-        followers_("random followers", seed, index) {}
+        followers_("random followers", seed, index),
+        turns_("random turned inertias", seed, index) {}
 
   scene::Mechanism mechanism(int max_joints) {
     scene::Mechanism out;
@@ -168,6 +169,14 @@ class Drawing {
     out.xy = I[0][1];
     out.xz = I[0][2];
     out.yz = I[1][2];
+    // the same inertia in axes a quarter turn on, from a stream of its own: what else is drawn stays
+    if (at_origin && turns_.next() % 100 < 50) {
+      out.rpy[2] = Number::parse("pi/2");
+      std::swap(out.xx, out.yy);
+      out.xy = Rational(-I[0][1]);
+      out.xz = I[1][2];
+      out.yz = Rational(-I[0][2]);
+    }
     return out;
   }
 
@@ -216,7 +225,7 @@ class Drawing {
   }
 
   JointKinds kinds_;
-  RandomStream random_, followers_;
+  RandomStream random_, followers_, turns_;
 };
 
 }  // namespace

@@ -21,12 +21,17 @@ namespace dynwitness::crosscheck {
 template <typename T>
 struct PassedJoint {
   int dof, axes;
-  recursive::Matrix6<T> M;  ///< articulated inertia of its link
-  recursive::JointAxes<T> Z, M_Z;
-  recursive::MatrixX<T> d;       ///< the rotor, once an axis
-  recursive::MatrixX<T> leak;    ///< d D^-1, D = d + Z'MZ: what a free joint still passes on
-  recursive::MatrixX<T> weight;  ///< D^-1 d D^-1
-  recursive::Matrix6<T> P, P_M;  ///< projections of force and of inertia
+  // as the sweep left it, or passed it on by its own steps
+  recursive::Matrix6<T> M;    ///< articulated inertia of its link
+  recursive::Matrix6<T> P;    ///< of force: column k is what it makes of the unit force e_k
+  recursive::Matrix6<T> P_M;  ///< of inertia: M after all axes
+  // what M, axes and rotor say to that
+  recursive::JointAxes<T> Z;
+  recursive::JointAxes<T> G;        ///< (0, h z) of a gyroscopic rotor that a link carries, or 0
+  recursive::JointAxes<T> U;        ///< M Z + G
+  recursive::MatrixX<T> d;          ///< the rotor, once an axis
+  recursive::MatrixX<T> inverse_D;  ///< D = d + Z'MZ
+  recursive::MatrixX<T> leak;  ///< d - Z'G: by it a free joint still passes its axes' forces on
 };
 
 /** One mechanism in the arithmetic of T, moved from state to state. What a law asks is computed
@@ -116,6 +121,8 @@ class SweptMechanism {
   std::vector<Moving> movingRates() const;
   /// Of a symmetric matrix.
   static MatrixX inverseOf(MatrixX D);
+  /// @param swept  a copy of what the sweep of free_ left
+  PassedJoint<T> passedJoint(int i, recursive::Workspace<T>& swept) const;
 
   /// Of the state.
   struct Known {
@@ -331,27 +338,37 @@ template <typename T>
 const std::vector<PassedJoint<T>>& SweptMechanism<T>::passedJoints() {
   return known_.passed([&] {
     std::vector<PassedJoint<T>> out;
-    for (const int i : movingLinks()) {
-      const recursive::LinkModel<T>& link = free_.links[i];
-      PassedJoint<T> joint;
-      joint.dof = link.dof;
-      joint.axes = recursive::axisCount(link.kind);
-      // the articulated inertias do not depend on velocities and forces
-      joint.M = sweptFree().M_A[i].matrix();
-      joint.Z.resize(6, joint.axes);
-      for (int k = 0; k < joint.axes; ++k) joint.Z.col(k) = recursive::jointAxis(link, k);
-      joint.M_Z = joint.M * joint.Z;
-      joint.d = MatrixX::Identity(joint.axes, joint.axes) * link.rotor;
-      const MatrixX inverse_D =
-          inverseOf(MatrixX(joint.d + MatrixX(joint.Z.transpose() * joint.M_Z)));
-      joint.leak = joint.d * inverse_D;
-      joint.weight = inverse_D * joint.leak;
-      joint.P = recursive::forceProjection(joint.M, joint.Z, joint.d);
-      joint.P_M = recursive::inertiaProjection(joint.M, joint.Z, joint.d);
-      out.push_back(std::move(joint));
-    }
+    recursive::Workspace<T> ws = sweptFree();  // the sweep's own U and D in it
+    for (const int i : movingLinks()) out.push_back(passedJoint(i, ws));
     return out;
   });
+}
+
+template <typename T>
+PassedJoint<T> SweptMechanism<T>::passedJoint(int i, recursive::Workspace<T>& swept) const {
+  const recursive::LinkModel<T>& link = free_.links[i];
+  PassedJoint<T> joint;
+  joint.dof = link.dof;
+  joint.axes = recursive::axisCount(link.kind);
+  // the articulated inertias do not depend on velocities and forces
+  const recursive::SweptProjection<T> passed =
+      recursive::sweptProjection(free_, state_.x, swept, i);
+  joint.M = swept.M_A[i].matrix();
+  joint.P = passed.P;
+  joint.P_M = passed.P_M.matrix();
+
+  joint.Z.resize(6, joint.axes);
+  joint.G.setConstant(6, joint.axes, T(0));
+  for (int k = 0; k < joint.axes; ++k) {
+    joint.Z.col(k) = recursive::jointAxis(link, k);
+    if (recursive::spinsOnALink(free_, link)) joint.G.col(k) = recursive::spinAxis(link).vector();
+  }
+  const recursive::JointAxes<T> M_Z = joint.M * joint.Z;
+  joint.U = M_Z + joint.G;
+  joint.d = MatrixX::Identity(joint.axes, joint.axes) * link.rotor;
+  joint.inverse_D = inverseOf(MatrixX(joint.d + MatrixX(joint.Z.transpose() * M_Z)));
+  joint.leak = joint.d - MatrixX(joint.Z.transpose() * joint.G);
+  return joint;
 }
 
 template <typename T>

@@ -192,7 +192,7 @@ std::string environmentJson(const Environment& environment) {
 }
 
 std::string reportJson(const CrosscheckResult& result, const Environment& environment,
-                       const std::string& speed) {
+                       const std::string& speed, const std::string& pairs) {
   Json json{{"dynwitness", cleanText(environment.version)},
             {"headline", cleanText(result.headline())}};
   json["witnesses"] = Json::array();
@@ -212,6 +212,7 @@ std::string reportJson(const CrosscheckResult& result, const Environment& enviro
   json["scenes"] = Json::array();
   for (const SceneResult& scene : result.scenes) json["scenes"].push_back(toJson(scene));
   if (!speed.empty()) json["speed"] = Json::parse(speed);
+  if (!pairs.empty()) json["pairs"] = Json::parse(pairs);
   json["coverage"] = Json::array();
   for (const Coverage& coverage : result.coverage()) json["coverage"].push_back(toJson(coverage));
   json["control"] = cleanText(result.controlLine());

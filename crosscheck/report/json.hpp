@@ -11,9 +11,10 @@ namespace dynwitness::crosscheck {
 
 /** The whole result as JSON. Fields that do not apply are left out; a residual that is no number is
     the string "inf" or "nan", because JSON has no such numbers and null would hide it.
-    @param speed  what benchJson() wrote; may be empty */
+    @param speed  what benchJson() wrote; may be empty
+    @param pairs  what pairsJson() wrote; may be empty */
 std::string reportJson(const CrosscheckResult& result, const Environment& environment,
-                       const std::string& speed = {});
+                       const std::string& speed = {}, const std::string& pairs = {});
 
 /// One check as JSON, as reportJson() writes it.
 std::string checkJson(const CheckResult& check);

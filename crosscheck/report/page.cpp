@@ -71,7 +71,7 @@ void putFooter(std::string* page, const CrosscheckResult& result, const Environm
 }  // namespace
 
 std::string reportPage(const CrosscheckResult& result, const Environment& environment,
-                       const std::vector<SceneFiles>& files, const std::string& speed) {
+                       const std::vector<SceneFiles>& files, const std::string& more) {
   std::string page;
   putHead(&page, result, environment);
   putVerdict(&page, result, environment);
@@ -81,7 +81,7 @@ std::string reportPage(const CrosscheckResult& result, const Environment& enviro
   putSceneTable(&page, result, files);
   page += kHowToReadHtml;
   putWitnesses(&page, result);
-  page += speed;
+  page += more;
   for (std::size_t i = 0; i < result.scenes.size(); ++i)
     putScene(&page, result.scenes[i], files[i]);
   putFooter(&page, result, environment);

@@ -26,8 +26,8 @@ struct SceneFiles {
     with all that is needed to compute it again. No scripts, no fonts and no network.
 
     @param files  as many as there are scenes
-    @param speed  a section more, as HTML (benchSection()); may be empty */
+    @param more   sections more, as HTML (pairsSection(), benchSection()); may be empty */
 std::string reportPage(const CrosscheckResult& result, const Environment& environment,
-                       const std::vector<SceneFiles>& files, const std::string& speed = {});
+                       const std::vector<SceneFiles>& files, const std::string& more = {});
 
 }  // namespace dynwitness::crosscheck

@@ -15,6 +15,7 @@
 #include "crosscheck/report/digits_table.hpp"
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/page.hpp"
+#include "crosscheck/report/pairs.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/report/tree_svg.hpp"
@@ -109,7 +110,8 @@ void inThreads(const std::vector<std::function<void()>>& tasks) {
 
 void writeReport(const CrosscheckResult& result, const Environment& environment,
                  const std::filesystem::path& folder, const std::vector<Chart>& charts,
-                 const BenchResult* bench, const std::vector<std::string>& views) {
+                 const BenchResult* bench, const std::vector<std::string>& views,
+                 const PairTable* pairs) {
   if (!charts.empty() && charts.size() != result.scenes.size())
     throw std::invalid_argument(fmt::format("writeReport: charts: expected none or {}, got {}",
                                             result.scenes.size(), charts.size()));
@@ -146,11 +148,14 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
         [&] { bench_files = writeBenchChart(*bench, out, "bench", "../scenes/style.gp"); });
   inThreads(drawings);
   out.write("report.json",
-            reportJson(result, environment, bench ? benchJson(*bench) : std::string()));
+            reportJson(result, environment, bench ? benchJson(*bench) : std::string(),
+                       pairs ? pairsJson(*pairs) : std::string()));
   out.write("junit.xml", reportJUnit(result, environment));
   out.write("digits.md", digitsTable(result, environment));
-  out.write("index.html", reportPage(result, environment, files,
-                                     bench ? benchSection(*bench, bench_files) : std::string()));
+  out.write("index.html",
+            reportPage(result, environment, files,
+                       (pairs ? pairsSection(*pairs) : std::string()) +
+                           (bench ? benchSection(*bench, bench_files) : std::string())));
   out.moveIntoPlace("index.html");
 }
 

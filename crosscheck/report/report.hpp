@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "crosscheck/chart/chart.hpp"
+#include "crosscheck/inputs/feature_pairs.hpp"
 #include "crosscheck/report/bench.hpp"
 #include "crosscheck/system/environment.hpp"
 #include "crosscheck/system/files.hpp"
@@ -31,11 +32,13 @@ namespace dynwitness::crosscheck {
       they are apart from the result, and only in scenes/SCENE/speed*
     @param bench   what a run of the benchmarks measured, for the section "Speed"; none: no section
     @param views   pages of pictures (showPage), none or one a scene; an empty one is left out
+    @param pairs   of features, of the scenes together, for a section of their own; none: no section
     @throws scene::InputError   as requireWritable(), before any work
     @throws std::runtime_error  writing failed (disk full, ...); the folder is as it was before */
 void writeReport(const CrosscheckResult& result, const Environment& environment,
                  const std::filesystem::path& folder, const std::vector<Chart>& charts = {},
-                 const BenchResult* bench = nullptr, const std::vector<std::string>& views = {});
+                 const BenchResult* bench = nullptr, const std::vector<std::string>& views = {},
+                 const PairTable* pairs = nullptr);
 
 /** Writes bench.csv, bench.gp and, where gnuplot can, the pictures, and says where they are
     relative to `folder`.

@@ -74,7 +74,7 @@ class Shown {
   }
 
   ShownLink link(std::size_t i, const scene::State<double>& state,
-                 const std::vector<double>& passive) const {
+                 const std::vector<double>& passive) {
     const recursive::LinkModel<double>& link = model_.links[i];
     ShownLink out;
     out.name = names_[i];
@@ -124,13 +124,17 @@ class Shown {
     out.P.setIdentity();
     out.P_M = out.M_A;
     if (axes == 0) return out;
-    const recursive::JointAxes<double> Z = out.Z;
-    out.P = recursive::forceProjection<double>(out.M_A, Z, d);
-    out.P_M = out.P * out.M_A;
-    const Eigen::MatrixXd inverse_D = out.D.inverse();
-    const Matrix6d leak = out.M_A * out.Z * inverse_D * d * inverse_D * out.Z.transpose();
+    const auto passed = recursive::sweptProjection(model_, state.x, free_ws_, static_cast<int>(i));
+    out.P = passed.P;
+    out.P_M = passed.P_M.matrix();
+    // G of a gyroscopic rotor that a link carries: laws/projection_laws.hpp
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(6, axes);
+    if (recursive::spinsOnALink(model_, link)) G.col(0) = six(recursive::spinAxis(link));
+    const Eigen::MatrixXd inverse_D = out.D.inverse(), U_over_D = (out.M_A * out.Z + G) * inverse_D;
+    const Matrix6d leak = U_over_D * (d - out.Z.transpose() * G) * inverse_D * out.Z.transpose();
     out.projector = (out.P * out.P - out.P + leak).cwiseAbs().maxCoeff();
-    out.asymmetry = (out.P_M - out.P_M.transpose()).cwiseAbs().maxCoeff();
+    const Matrix6d P_M = out.P * out.M_A - U_over_D * G.transpose();
+    out.asymmetry = (P_M - P_M.transpose()).cwiseAbs().maxCoeff();
     return out;
   }
 

@@ -41,9 +41,9 @@ struct ShownLink {
   // articulated bodies at the tau that comes of it
   Matrix6d M_A;          ///< articulated: of all that hangs on it, joints free
   Eigen::MatrixXd D;     ///< d + Z' M_A Z
-  Matrix6d P, P_M;       ///< projections of force and of inertia
+  Matrix6d P, P_M;       ///< projections of force and of inertia, as the sweep makes them
   double projector = 0;  ///< largest entry of P P - P + M_A Z D^-1 d D^-1 Z'
-  double asymmetry = 0;  ///< largest of P M_A - (P M_A)'
+  double asymmetry = 0;  ///< largest of P M_A - (P M_A)', P times M_A
 };
 
 struct ShownSweep {

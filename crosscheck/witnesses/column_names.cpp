@@ -32,4 +32,48 @@ std::vector<std::string> columnNames(Quantity quantity, const scene::Mechanism& 
   return names;
 }
 
+namespace {
+
+/// Which rates are of slides and not of turns.
+std::vector<bool> slides(const scene::Mechanism& mechanism) {
+  using Kind = scene::JointKind;
+  std::vector<bool> out;
+  for (const scene::Link& link : mechanism.links)
+    for (int k = 0; link.parent >= 0 && k < link.joint.ownRates(); ++k) {
+      const Kind kind = link.joint.kind;
+      out.push_back(kind == Kind::kPrismatic || (kind == Kind::kCylindrical && k == 0) ||
+                    (kind == Kind::kPlanar && k < 2) || (kind == Kind::kFloating && k < 3));
+    }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> columnUnits(Quantity quantity, const scene::Mechanism& mechanism) {
+  static constexpr const char* kInertia[] = {"kg m^2", "kg m", "kg"};
+  const std::vector<bool> slide = slides(mechanism);
+  std::vector<std::string> units;
+  switch (quantity) {
+    case Quantity::kM:
+      for (const bool i : slide)
+        for (const bool j : slide) units.emplace_back(kInertia[(i ? 1 : 0) + (j ? 1 : 0)]);
+      return units;
+    case Quantity::kKinetic:
+    case Quantity::kPotential:
+      return {"J"};
+    case Quantity::kMomentum:
+      return {"N s", "N s", "N s", "N m s", "N m s", "N m s"};
+    case Quantity::kReactions:
+      for (std::size_t k = columnNames(quantity, mechanism).size() / 6; k > 0; --k)
+        for (int row = 0; row < 6; ++row) units.emplace_back(row < 3 ? "N" : "N m");
+      return units;
+    case Quantity::kQdd:
+      for (const bool of : slide) units.emplace_back(of ? "m/s^2" : "rad/s^2");
+      return units;
+    default:
+      for (const bool of : slide) units.emplace_back(of ? "N" : "N m");
+      return units;
+  }
+}
+
 }  // namespace dynwitness::crosscheck

@@ -14,4 +14,7 @@ namespace dynwitness::crosscheck {
 /// a single number has its own name; reactions are those of the joint: elbow.fx, ..., elbow.mz.
 std::vector<std::string> columnNames(Quantity quantity, const scene::Mechanism& mechanism);
 
+/// What they are in: "kg m^2", "N m".
+std::vector<std::string> columnUnits(Quantity quantity, const scene::Mechanism& mechanism);
+
 }  // namespace dynwitness::crosscheck

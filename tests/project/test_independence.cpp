@@ -102,7 +102,7 @@ const std::vector<Rule> kRules = {
     {"chart",
      {"scene", "symbolic", "recursive", "system", "inputs", "scalars", "kernel", "witnesses",
       "verdicts"}},
-    {"report", {"scene", "system", "verdicts", "chart"}},
+    {"report", {"scene", "system", "inputs", "verdicts", "chart"}},
     {"parameters", {"scene", "symbolic", "recursive", "inputs", "scalars", "witnesses", "report"}},
     {"readers", {"scene", "recursive", "system", "inputs", "scalars", "witnesses", "report"}},
     {"audit",

@@ -3,6 +3,7 @@
 // for, and states that leave closures open are told.
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -177,6 +178,76 @@ BOOST_AUTO_TEST_CASE(evaluate_simulate_and_crosscheck_tell_them) {
   BOOST_TEST(has(program.read("r/report.json"), "the start leaves closures open, |phi| = 0.00025"));
   BOOST_TEST(program.run("crosscheck closed.toml" + words).status == 0);
   BOOST_TEST(!has(program.read("r/report.json"), "leaves closures open"));
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(joints)
+
+// By hand: a rod of 1 kg with its centre of mass 1 m below the pivot that turns about y. What
+// passes through the free joint has lost all that a turn about y feels: the moment about y, and the
+// force across the rod.
+BOOST_AUTO_TEST_CASE(columns_are_named_by_joint_and_have_units) {
+  const Program program;
+  program.write("rod.toml",
+                "gravity = [0, 0, -9.81]\n[[link]]\nname = \"base\"\n"
+                "[[link]]\nname = \"rod\"\nparent = \"base\"\nmass = 1\ncom = [0, 0, -1]\n"
+                "inertia = { xx = 0.5, yy = 0.5 }\n"
+                "joint = { name = \"pivot\", kind = \"revolute\", axis = [0, 1, 0] }\n"
+                "[[link]]\nname = \"flag\"\nparent = \"rod\"\n"
+                "joint = { name = \"top\", kind = \"fixed\", xyz = [0, 0, 2] }\n");
+  const std::string all = "evaluate rod.toml --quantity M_A,PM,Z --joint pivot";
+  const Outcome plain = program.run(all, "2>/dev/null");
+  BOOST_TEST(plain.status == 0);
+  BOOST_TEST(plain.out.rfind("pivot.M_A11,pivot.M_A12,", 0) == 0u, plain.out);
+  BOOST_TEST(has(plain.out, ",pivot.PM66,pivot.Z_vx,pivot.Z_vy,pivot.Z_vz,pivot.Z_wx,pivot.Z_wy,"));
+  const std::vector<double> row = numbers(plain.out);
+  BOOST_TEST_REQUIRE(row.size() == 78u);
+  BOOST_TEST(row[6 * 4 + 4] == 1.5, boost::test_tools::tolerance(1e-15));  // about the pivot
+  // 1 - 1 * 1 / 1.5 across the rod, nothing about y
+  BOOST_TEST(row[36] == 1 - 1 / 1.5, boost::test_tools::tolerance(1e-14));
+  BOOST_TEST(std::abs(row[36 + 6 * 4 + 4]) < 1e-15);
+  BOOST_TEST(row[72 + 4] == 1);
+
+  const Outcome json = program.run(all + " --units --format json", "2>/dev/null");
+  BOOST_TEST(json.out.rfind("{\"pivot.M_A11 [kg]\":1,", 0) == 0u, json.out);
+  BOOST_TEST(has(json.out, "\"pivot.M_A55 [kg m^2]\":1.5,"), json.out);
+  BOOST_TEST(has(json.out, "\"pivot.Z_vx [m]\":0,"), json.out);
+  BOOST_TEST(has(program.run("evaluate rod.toml --quantity M,g,qdd --units").out,
+                 "M11 [kg m^2],g1 [N m],qdd1 [rad/s^2]\n1.5,"));
+  program.write("two.csv", "q1\n0\n0.5\n");
+  const std::string two =
+      program.run("evaluate rod.toml --quantity X --states two.csv", "2>/dev/null").out;
+  BOOST_TEST(std::count(two.begin(), two.end(), '\n') == 3);
+  BOOST_TEST(has(two, ",pivot.X66,top.X11,"), two);
+}
+
+BOOST_AUTO_TEST_CASE(what_a_joint_or_a_scene_has_not_is_refused) {
+  const Program program;
+  program.write("q.csv", "q1,q2\n0,0\n");
+  for (const auto& [words, reason] : std::vector<std::pair<std::string, std::string>>{
+           {"double_pendulum --quantity E", "E: the scene has no acceleration_constraint"},
+           {"double_pendulum --quantity M_A --joint knee", "no joint 'knee', allowed: "},
+           {"double_pendulum --quantity M --joint elbow", "--joint without a quantity of joints"},
+           {"double_pendulum --quantity M_A --witness lagrange", "--witness or --engine with M_A"},
+           {"double_pendulum --quantity F --states q.csv", "F asked, and no tau given"},
+           {"gripper --quantity M_A", "through a joint alone that shares its rate"},
+           {"two_handed --quantity nu --units", "--units with nu"}}) {
+    const Outcome outcome = program.run("evaluate " + words);
+    BOOST_TEST(outcome.status == 2, words);
+    BOOST_TEST(has(outcome.out, reason), outcome.out);
+  }
+}
+
+// 36 numbers a joint, and no matrix of all joints.
+BOOST_AUTO_TEST_CASE(a_thousand_joints_are_a_row) {
+  const Program program;
+  const std::string one =
+      program
+          .run("evaluate chain_1000 --quantity M_A,P,F --joint joint1,joint1000 --format json",
+               "2>/dev/null")
+          .out;
+  BOOST_TEST(has(one, "\"joint1000.P66\":"), one.substr(0, 400));
 }
 
 BOOST_AUTO_TEST_SUITE_END()

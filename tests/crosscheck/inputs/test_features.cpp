@@ -204,6 +204,8 @@ Call callOf(Command command) {
       return {"derive scene --operations", ""};
     case Command::kEvaluateTree:
       return {"evaluate scene --quantity M,c,g,kinetic,potential,momentum", ""};
+    case Command::kEvaluateJoints:
+      return {"evaluate scene --quantity X,M_A,PF", ""};
     case Command::kEvaluateForces:
       return {"evaluate scene --quantity reactions", ""};
     case Command::kEvaluateMotion:
