@@ -60,9 +60,10 @@ const std::vector<const char*>& ofJoint() {
 enum OfMechanism { kNoGravity, kGravityAlongZ, kGravityOffZ, kBranches, kFirstFeature };
 /// Those of the table of features that are drawn by nobody yet.
 constexpr Feature kNotDrawn[] = {
-    Feature::kDistanceClosure, Feature::kPlaneClosure, Feature::kPlanarPointClosure,
-    Feature::kPointClosure,    Feature::kHingeClosure, Feature::kWeldClosure,
-    Feature::kPointSpring,     Feature::kPointDamper,  Feature::kAccelerationConstraint};
+    Feature::kDistanceClosure, Feature::kPlaneClosure,          Feature::kPlanarPointClosure,
+    Feature::kPointClosure,    Feature::kHingeClosure,          Feature::kWeldClosure,
+    Feature::kSkateClosure,    Feature::kRollingClosure,        Feature::kPointSpring,
+    Feature::kPointDamper,     Feature::kAccelerationConstraint};
 
 const std::vector<const char*>& ofMechanism() {
   static const std::vector<const char*> names = [] {
