@@ -96,8 +96,8 @@ struct DiscContact {
   T phi, by_height, by_lean;
 };
 
-/** What a closure sees of a motion of B on A, given in A's axes: the rate of B's origin r at distance
-    p, and of the products of axes  x_A . z_B,  y_A . z_B,  x_A . y_B,
+/** What a closure sees of a motion of B on A, given in A's axes: the rate of B's origin r at
+    distance p, and of the products of axes  x_A . z_B,  y_A . z_B,  x_A . y_B,
 
         r' = v + w x p,     z_B' = w x z_B,   y_B' = w x y_B
         of a distance  p . r',    of a skate  y_B . r',    of a disc  v + w x (p + rho)     */

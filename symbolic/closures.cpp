@@ -64,8 +64,8 @@ Placed rateOf(const Placed& place, Equations& e) {
   return out;
 }
 
-/** A disc of this radius about z_b on a's xy plane. The point of it that touches, s in b's axes, is at
-    d + (x_b y_b z_b) s seen from a; s is fixed on the disc while the rate of that is taken. */
+/** A disc of this radius about z_b on a's xy plane. The point of it that touches, s in b's axes, is
+    at d + (x_b y_b z_b) s seen from a; s is fixed on the disc while the rate of that is taken. */
 std::vector<Asked> rolling(const Placed& b_in_a, const Value& radius, Equations& e) {
   Graph* graph = &e.graph;
   const Value one = constant(graph, 1), height = b_in_a.p_AB[2], lean = b_in_a.columns[2][2];

@@ -171,8 +171,8 @@ int compareAll(const scene::Scene& scene, SimulateOptions options,
   return 0;
 }
 
-/// One row an output: time, q, qd, qdd, multipliers, energies, and how far constraints and energy are
-/// off.
+/// One row an output: time, q, qd, qdd, multipliers, energies, and how far constraints and energy
+/// are off.
 std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism) {
   const Simulation::Point& first = simulation.points.front();
   const std::vector<int> given = scene::givenSlots(mechanism);  // what a states file may say

@@ -12,8 +12,8 @@
 
 namespace dynwitness::cli {
 
-/** One of these options. Its numbers are expressions in the scene's parameters and pi, all of them in
-    the order of `dynwitness show`, or some by name:
+/** One of these options. Its numbers are expressions in the scene's parameters and pi, all of them
+    in the order of `dynwitness show`, or some by name:
 
         --q 0.3,pi/2          --q elbow=0.3           --q q4=1,q5=0
 
@@ -29,7 +29,8 @@ class StateOption {
               const std::string& old = "");
 
   bool isGiven() const { return !words_->empty(); }
-  /** What is given: one number a position slot (of q) or degree of freedom; nothing where nothing is.
+  /** What is given: one number a position slot (of q) or degree of freedom; nothing where nothing
+      is.
       @param otherwise  so many numbers
       @throws scene::InputError  other counts, names and numbers */
   std::vector<double> values(const scene::Scene& scene, const std::vector<double>& otherwise) const;

@@ -169,7 +169,7 @@ class Drawing {
     out.xy = I[0][1];
     out.xz = I[0][2];
     out.yz = I[1][2];
-    // the same inertia in axes a quarter turn on, from a stream of its own: what else is drawn stays
+    // the same inertia in axes a quarter turn on, from a stream of its own: the rest stays
     if (at_origin && turns_.next() % 100 < 50) {
       out.rpy[2] = Number::parse("pi/2");
       std::swap(out.xx, out.yy);

@@ -47,7 +47,8 @@ struct SimulateOptions {
 
 /// Adaptive explicit integrators of Boost.odeint, and Radau IIA (implicit.hpp).
 std::vector<std::string> simulateMethods();
-/// Whether a method of simulate() has the step that is asked for; the others choose theirs by an error.
+/// Whether a method of simulate() has the step that is asked for; the others choose theirs by an
+/// error.
 /// @throws scene::InputError  there is none of that name
 bool isImplicit(const std::string& method);
 
@@ -83,8 +84,8 @@ struct MotionGap {
 };
 MotionGap gapBetween(const Simulation& a, const Simulation& b);
 
-/// The options of a run that is asked for half the error of a step, or steps of half the length, and
-/// for twice as many outputs: all its steps are shorter.
+/// The options of a run that is asked for half the error of a step, or steps of half the length,
+/// and for twice as many outputs: all its steps are shorter.
 SimulateOptions finer(const SimulateOptions& options);
 
 /// Accelerations and multipliers at a state of the closed mechanism, without other joint forces.

@@ -12,7 +12,8 @@ namespace dynwitness::crosscheck {
 
 /// At so many states, or at as many as are asked for, if these are fewer: what closures, drives and
 /// constraints do depends on the structure, which is the same at each. A state of n rates costs n^3
-/// operations, all on a tape: beyond 40 rates there are as many as cost what 10 do there, 2 at least.
+/// operations, all on a tape: beyond 40 rates there are as many as cost what 10 do there, 2 at
+/// least.
 inline constexpr int kMechanismStates = 10;
 
 /** Each quantity that the mechanism has (MechanismQuantity), each pair of roads that answer it:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Skates and rolling discs: the sweeps against published motions. That they are what Lagrange's equations
-// with multipliers say, at any state and without rounding, is in test_constraints.cpp.
+// Skates and rolling discs: the sweeps against published motions. That they are what Lagrange's
+// equations with multipliers say, at any state and without rounding, is in test_constraints.cpp.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -32,7 +32,8 @@ Vector solved(Matrix A, Vector b) {
   return b;
 }
 
-/// The bicycle in 50 digits. Rates: hub (3), turn of the frame (3), rear wheel, steering, front wheel.
+/// The bicycle in 50 digits. Rates: hub (3), turn of the frame (3), rear wheel, steering, front
+/// wheel.
 class Bicycle {
  public:
   enum Rate { kForward = 0, kLean = 3, kRearWheel = 6, kSteer = 7, kRates = 9 };
@@ -44,8 +45,8 @@ class Bicycle {
         ws_(model_),
         closures_(recursive::buildConstraints(scene_.mechanism, number_, model_)) {}
 
-  /// Accelerations of lean and steer, where these are off by a little and the rear wheel turns so that
-  /// its rim has this speed: rates from the closures, J qd = 0; accelerations from
+  /// Accelerations of lean and steer, where these are off by a little and the rear wheel turns so
+  /// that its rim has this speed: rates from the closures, J qd = 0; accelerations from
   /// [M J'; J 0] (qdd, -lambda) = (-bias, -gamma).
   Vector accelerations(const Digits50& speed, const Vector& off) {
     const Digits50 half = off(0) / Digits50(2);
@@ -113,7 +114,8 @@ class Bicycle {
 
 }  // namespace
 
-/* J. P. Meijaard et al., Proc. R. Soc. A 463 (2007) 1955, equations 6.1 to 6.4, with q = (lean, steer):
+/* J. P. Meijaard et al., Proc. R. Soc. A 463 (2007) 1955, equations 6.1 to 6.4, with
+   q = (lean, steer):
 
        M q'' + v C1 q' + (g K0 + v^2 K2) q = 0
 
@@ -140,8 +142,8 @@ BOOST_DATA_TEST_CASE(the_benchmark_bicycle_is_the_published_one,
                    << ours(i, k) - published(i, k) << ", allowed " << 4 * of_digits);
 }
 
-/* Chaplygin's sleigh has a closed form: with the forward speed v of the blade, the turn w, the distance a
-   to the centre of mass and J = I + m a^2,
+/* Chaplygin's sleigh has a closed form: with the forward speed v of the blade, the turn w, the
+   distance a to the centre of mass and J = I + m a^2,
 
        v' = a w^2,   J w' = -m a v w,    v = V tanh(k (t - t0)),   J w^2 = m (V^2 - v^2),   k = m a V / J */
 BOOST_AUTO_TEST_CASE(chaplygins_sleigh_turns_round_as_he_says) {
@@ -166,8 +168,8 @@ BOOST_AUTO_TEST_CASE(chaplygins_sleigh_turns_round_as_he_says) {
   BOOST_TEST(motion.points.back().qd[0] != v0);
 }
 
-/* Euler's disc with its centre at rest: Omega^2 sin a = 4 g / r (H. K. Moffatt, Nature 404 (2000) 833). The
-   table then carries the weight and nothing sideways, the centre stays, the lean stays. */
+/* Euler's disc with its centre at rest: Omega^2 sin a = 4 g / r (H. K. Moffatt, Nature 404 (2000) 833).
+   The table then carries the weight and nothing sideways, the centre stays, the lean stays. */
 BOOST_AUTO_TEST_CASE(eulers_disc_goes_round_its_resting_centre) {
   const scene::Scene coin = scene::findScene("rolling_coin");
   crosscheck::SimulateOptions options;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Both readers of TOML and URDF on thousands of files that are nearly right: what the first one reads
-// as a scene, the second one reads as the same numbers at the same places, or one of them is wrong.
-// Neither expects anything of the text itself.
+// Both readers of TOML and URDF on thousands of files that are nearly right: what the first one
+// reads as a scene, the second one reads as the same numbers at the same places, or one of them is
+// wrong. Neither expects anything of the text itself.
 //
 // DYNWITNESS_MUTATIONS=FIRST-LAST asks for those numbers instead of the usual ones.
 #include "crosscheck/verdicts/check_reading.hpp"
