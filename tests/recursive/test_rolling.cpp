@@ -168,8 +168,8 @@ BOOST_AUTO_TEST_CASE(chaplygins_sleigh_turns_round_as_he_says) {
   BOOST_TEST(motion.points.back().qd[0] != v0);
 }
 
-/* Euler's disc with its centre at rest: Omega^2 sin a = 4 g / r (H. K. Moffatt, Nature 404 (2000) 833).
-   The table then carries the weight and nothing sideways, the centre stays, the lean stays. */
+/* Euler's disc with its centre at rest: Omega^2 sin a = 4 g / r (H. K. Moffatt, Nature 404 (2000)
+   833). The table then carries the weight and nothing sideways, the centre stays, the lean stays. */
 BOOST_AUTO_TEST_CASE(eulers_disc_goes_round_its_resting_centre) {
   const scene::Scene coin = scene::findScene("rolling_coin");
   crosscheck::SimulateOptions options;
