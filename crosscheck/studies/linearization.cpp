@@ -146,7 +146,10 @@ std::vector<int> actuatedRates(const scene::Scene& scene, const std::vector<std:
     known.push_back(link.joint.name);
     bool is_meant = names.empty();
     for (std::size_t k = 0; k < names.size(); ++k)
-      if (names[k] == link.joint.name) is_meant = found[k] = true;
+      if (names[k] == link.joint.name) {
+        is_meant = true;
+        found[k] = true;
+      }
     for (int k = 0; k < link.joint.ownRates(); ++k, ++rate)
       if (is_meant) out.push_back(rate);
   }
