@@ -278,6 +278,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/verdicts/options.hpp", {"1e-30"}},         // default of --error-probability
       {"crosscheck/exact/exact.hpp", {"1e-30"}},              // the same
       {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same
+      {"crosscheck/audit/projections.cpp", {"1e-14"}},        // what is printed as 0 beside others
       {"crosscheck/motion/simulate.hpp", {"1e-10"}},          // default of --step-error
       {"crosscheck/motion/simulate.cpp", {"1e-12"}},  // a step [s] at which integration is given up
       {"crosscheck/parameters/parameters.hpp", {"1e-30", "1e-9"}},  // chances of error, defaults

@@ -94,7 +94,7 @@ Force<F> wrench(const Closure<F>& weld, const VectorX<F>& lambda) {
     Motion<F> unit = Motion<F>::zero();
     (k < 3 ? unit.linear(k) : unit.angular(k - 3)) = F(1);
     F component = F(0);
-    recursive::detail::closureRates(weld.kind, unit, X_BA, [&](int row, const F& rate) {
+    recursive::detail::closureRates(weld, unit, X_BA, [&](int row, const F& rate) {
       component += rate * lambda(weld.row + row);
     });
     (k < 3 ? sum.force(k) : sum.moment(k - 3)) = component;
@@ -204,7 +204,9 @@ BOOST_AUTO_TEST_CASE(redundant_supports_are_told_by_rank) {
     if (scene.mechanism.links[i].name == "pelvis") corset.b.link = static_cast<int>(i);
   const auto hold = [&](const std::vector<double>& q) {  // where the pelvis is now
     Simulation here;
-    here.points.push_back({0, q, qd, 0, 0, 0, {}, {}});
+    here.points.push_back({});
+    here.points.back().q = q;
+    here.points.back().qd = qd;
     const auto p = pathOf(scene, here, {corset.b.link, {}, {}})[0];
     for (int k = 0; k < 3; ++k) corset.a.xyz[k] = scene::Number(scene::Rational(p[k]));
     scene::Scene held = scene;

@@ -142,7 +142,11 @@ Pair scenesOf(Feature feature) {
     case Feature::kPlaneClosure:
       return ofClosure("plane");
     case Feature::kPlanarPointClosure:
-      return ofClosure("planar_point");
+      return ofTable(  // the arm moves in a's xy plane, and is bent
+          "[[closure]]\nkind = \"planar_point\"\n"
+          "a = { link = \"tip\", xyz = [0.25, 0, 0.2], rpy = [\"pi/2\", 0, 0] }\n"
+          "b = { link = \"base\", xyz = [0.75, 0, 0.2], rpy = [\"pi/2\", 0, 0] }\n",
+          "");
     case Feature::kPointClosure:
       return ofClosure("point");
     case Feature::kHingeClosure:

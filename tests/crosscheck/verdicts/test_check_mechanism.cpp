@@ -22,11 +22,10 @@ using fixtures::MechanismFault;
 namespace {
 
 const std::vector<std::string> kScenes = {
-    "andrews_squeezer",   "bead_on_hoop",        "bricard",
-    "car_axis",           "flyball_governor",    "humanoid_both_feet",
-    "humanoid_left_foot", "humanoid_right_foot", "kapitza_pendulum",
-    "loop_on_arm",        "pendulum_on_slides",  "satellite_held",
-    "two_handed"};
+    "andrews_squeezer",   "bead_on_hoop",        "bicycle",          "bricard",
+    "car_axis",           "chaplygin_sleigh",    "flyball_governor", "humanoid_both_feet",
+    "humanoid_left_foot", "humanoid_right_foot", "kapitza_pendulum", "loop_on_arm",
+    "pendulum_on_slides", "rolling_coin",        "satellite_held",   "two_handed"};
 
 Options few(int states) {
   Options options;
