@@ -53,6 +53,7 @@ std::vector<NumberOption> numberOptions(const Program& program) {
 /// What a command needs beside.
 std::string callOf(const std::string& command) {
   if (command == "audit" || command == "growth") return command;
+  if (command == "action") return command + " acrobot";  // it refuses joints with friction
   return command + " gyroscopic_wrist";
 }
 
