@@ -14,7 +14,7 @@ fail() { echo "FAILED: $*"; exit 1; }
 for tool in cpack dpkg-deb dpkg-shlibdeps; do
   command -v "$tool" >/dev/null || { echo "skipped: no $tool (Debian: cmake, dpkg-dev)"; exit 77; }
 done
-cpack --config "$build/CPackConfig.cmake" -B "$work/package" >"$work/log" 2>&1 || fail "$(tail -n 40 "$work/log")"
+cpack --config "$build/CPackConfig.cmake" -B "$work/package" -D CPACK_OUTPUT_FILE_PREFIX="$work/package" >"$work/log" 2>&1 || fail "$(tail -n 40 "$work/log")"
 package=$(compgen -G "$work/package/dynwitness_*.deb") || fail "cpack wrote $(ls "$work/package")"
 [[ $(wc -w <<<"$package") == 1 ]] || fail "more than one package: $package"
 dpkg-deb --info "$package" >"$work/info"
