@@ -8,6 +8,13 @@
 
 namespace dynwitness::recursive {
 
+/// By degree of freedom: 1 where a drive gives the motion.
+inline std::vector<char> drivenRates(const scene::Mechanism& mechanism) {
+  std::vector<char> driven;
+  for (const scene::Expression* motion : mechanism.motions()) driven.push_back(motion ? 1 : 0);
+  return driven;
+}
+
 /** Hybrid dynamics: with the accelerations of some joints and the forces of the others, the rest,
     under constraints on links as in constrainedForwardDynamics().
 

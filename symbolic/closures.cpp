@@ -86,32 +86,28 @@ std::vector<Asked> closureResiduals(BodyTree& tree, Equations& e) {
   std::vector<Asked> asked;
   for (const scene::Closure& closure : tree.mechanism().closures) {
     const Placed a = placeOf(closure.a, tree), b = placeOf(closure.b, tree);
-    const Vector3 d = b.p_AB + constant(graph, -1) * a.p_AB;
     if (closure.kind == scene::ClosureKind::kDistance) {
+      const Vector3 d = b.p_AB + constant(graph, -1) * a.p_AB;
       const Value length = tree.number()(closure.length);
       asked.push_back({constant(graph, Rational(1, 2)) * (dot(d, d) - length * length)});
       continue;
     }
+    const Placed b_in_a = seenFrom(a, b);
     if (closure.kind == scene::ClosureKind::kPlane) {
-      asked.push_back({dot(a.columns[2], d)});
+      asked.push_back({b_in_a.p_AB[2]});
       continue;
     }
     if (closure.kind == scene::ClosureKind::kSkate) {
-      const Placed b_in_a = seenFrom(a, b);
       asked.push_back({dot(b_in_a.columns[1], rateOf(b_in_a, e).p_AB), true});
       continue;
     }
     if (closure.kind == scene::ClosureKind::kRolling) {
-      for (const Asked& one : rolling(seenFrom(a, b), tree.number()(closure.length), e))
+      for (const Asked& one : rolling(b_in_a, tree.number()(closure.length), e))
         asked.push_back(one);
       continue;
     }
-    const Value all[] = {dot(a.columns[0], d),
-                         dot(a.columns[1], d),
-                         dot(a.columns[2], d),
-                         dot(a.columns[0], b.columns[2]),
-                         dot(a.columns[1], b.columns[2]),
-                         dot(a.columns[0], b.columns[1])};
+    const Value all[] = {b_in_a.p_AB[0],       b_in_a.p_AB[1],       b_in_a.p_AB[2],
+                         b_in_a.columns[2][0], b_in_a.columns[2][1], b_in_a.columns[1][0]};
     for (int k = 0; k < scene::equationCount(closure.kind); ++k) asked.push_back({all[k]});
   }
   return asked;

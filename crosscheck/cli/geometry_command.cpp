@@ -41,12 +41,10 @@ Json toJson(const std::vector<Bounded>& all) {
 int run(Arguments arguments) {
   requireWritableFile(arguments.json);
   const scene::Scene scene = admitted(arguments.scene, Command::kGeometry);
-  const std::vector<double> start_q = inDouble(scene, scene.start_q),
-                            start_qd = inDouble(scene, scene.start_qd);
-  const std::vector<double> q = givenOr("--q", arguments.given_q->values(scene, start_q), start_q);
+  const std::vector<double> q = arguments.given_q->values(scene, inDouble(scene, scene.start_q));
   ActionOptions& options = arguments.geodesic;
   options.q = q;
-  options.qd = givenOr("--qd", arguments.given_qd->values(scene, start_qd), start_qd);
+  options.qd = arguments.given_qd->values(scene, inDouble(scene, scene.start_qd));
   const int n = scene.mechanism.dof();
   const bool rests =
       std::all_of(options.qd.begin(), options.qd.end(), [](double v) { return v == 0; });

@@ -124,7 +124,7 @@ int run(Arguments arguments) {
   LinearizationOptions& options = arguments.options;
   options.q = arguments.q->values(scene, inDouble(scene, scene.start_q));
   options.qd = arguments.qd->values(scene, std::vector<double>(scene.start_qd.size(), 0.0));
-  if (options.seeks_equilibrium && !options.qd.empty())
+  if (options.seeks_equilibrium && arguments.qd->isGiven())
     throw scene::InputError({}, "--qd with --equilibrium, allowed: one of them");
   if (options.seeks_equilibrium && options.has_no_forces)
     throw scene::InputError({},

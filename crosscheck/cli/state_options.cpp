@@ -15,9 +15,9 @@
 namespace dynwitness::cli {
 namespace {
 
-constexpr const char* kNames[] = {"q", "qd", "qdd", "tau"};
+constexpr const char* kNames[] = {"q", "qd", "qdd"};
 constexpr const char* kMeanings[] = {"Positions [rad, m]", "Rates [rad/s, m/s]",
-                                     "Accelerations [rad/s^2, m/s^2]", "Joint forces [N m, N]"};
+                                     "Accelerations [rad/s^2, m/s^2]"};
 
 std::string nameOf(StateOption::Part part) {
   return kNames[static_cast<int>(part)];
@@ -82,7 +82,7 @@ std::vector<std::string> StateOption::namesIn(const scene::Mechanism& mechanism)
 
 std::vector<double> StateOption::values(const scene::Scene& scene,
                                         const std::vector<double>& otherwise) const {
-  if (words_->empty()) return {};
+  if (words_->empty()) return otherwise;
   const std::string short_name = nameOf(part_), option = "--" + short_name;
   const auto isNamed = [](const std::string& word) { return word.find('=') != std::string::npos; };
   const bool all_named = std::all_of(words_->begin(), words_->end(), isNamed);

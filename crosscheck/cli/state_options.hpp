@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The state that a command is asked at: --q, --qd, --qdd, --tau, the same in every command.
+// The state that a command is asked at: --q, --qd, --qdd, the same in every command.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ namespace dynwitness::cli {
     are what they would be without the option. */
 class StateOption {
  public:
-  enum class Part { kQ, kQd, kQdd, kTau };
+  enum class Part { kQ, kQd, kQdd };
 
   /// @param otherwise  what stands there without the option, for --help
   /// @param old  how it was called until 0.1.0: still taken, with a notice
@@ -29,9 +29,7 @@ class StateOption {
               const std::string& old = "");
 
   bool isGiven() const { return !words_->empty(); }
-  /** What is given: one number a position slot (of q) or degree of freedom; nothing where nothing
-      is.
-      @param otherwise  so many numbers
+  /** One number a position slot (of q) or degree of freedom: what is given, and otherwise these.
       @throws scene::InputError  other counts, names and numbers */
   std::vector<double> values(const scene::Scene& scene, const std::vector<double>& otherwise) const;
 

@@ -160,12 +160,10 @@ int run(const Arguments& arguments) {
   const scene::Scene scene = admitted(arguments.scene, Command::kSweep);
   requireMotion(scene);
   scene::State<double> state;
-  const std::vector<double> start_q = inDouble(scene, scene.start_q),
-                            start_qd = inDouble(scene, scene.start_qd), rest(start_qd.size(), 0.0);
-  for (const double x : givenOr("--q", arguments.q->values(scene, start_q), start_q))
+  for (const double x : arguments.q->values(scene, inDouble(scene, scene.start_q)))
     state.x.push_back(scene::jointPosition(x));
-  state.qd = givenOr("--qd", arguments.qd->values(scene, start_qd), start_qd);
-  state.qdd = givenOr("--qdd", arguments.qdd->values(scene, rest), rest);
+  state.qd = arguments.qd->values(scene, inDouble(scene, scene.start_qd));
+  state.qdd = arguments.qdd->values(scene, std::vector<double>(state.qd.size(), 0.0));
   std::optional<Progress> progress(std::in_place, 1, 1.0);
   progress->stage("sweeps of " + scene.name + ", and its derivation");
   const ShownSweep sweep = shownSweep(scene, state);

@@ -53,7 +53,7 @@ Inquiry loops(const scene::Mechanism& mechanism, std::shared_ptr<const DerivedCo
     return answered(mechanism.isDriven() ? 3 : 2, [&](SidesOfAll& all) {
       const auto model = recursive::buildModel(mechanism, number);
       recursive::Workspace<T> ws(model);
-      const std::vector<char> driven = drivenRates(mechanism);
+      const std::vector<char> driven = recursive::drivenRates(mechanism);
       auto closures = recursive::buildConstraints(mechanism, number, model);
       recursive::constraintEquations(model, state.x, state.qd, ws, closures);
       const auto swept = recursive::closedForwardDynamics(model, state.x, state.qd, state.tau,
@@ -103,7 +103,7 @@ Inquiry hybrid(const scene::Mechanism& mechanism, std::shared_ptr<const DerivedC
       auto held =
           recursive::accelerationConstraints(mechanism, number, model, state.x, state.qd, ws);
       recursive::ConstraintWorkspace<T> cws(model, static_cast<int>(held.size()));
-      const std::vector<char> driven = drivenRates(mechanism);
+      const std::vector<char> driven = recursive::drivenRates(mechanism);
       std::vector<T> qdd = state.qdd, tau = state.tau;
       recursive::hybridDynamics(model, state.x, state.qd, driven, held, ws, cws, qdd, tau);
       DenseEquations<T> e = derivedEquations<false>(*dense, mechanism, number, state);

@@ -25,9 +25,8 @@ struct ConstrainedQuantities::Parts {
         model(recursive::buildModel(of.mechanism, number)),
         ws(model),
         closures(recursive::buildConstraints(of.mechanism, number, model)),
-        springs(recursive::buildPointSprings(of.mechanism, number, model)) {
-    for (const scene::Expression* motion : of.mechanism.motions()) driven.push_back(motion ? 1 : 0);
-  }
+        springs(recursive::buildPointSprings(of.mechanism, number, model)),
+        driven(recursive::drivenRates(of.mechanism)) {}
   std::vector<recursive::LinkConstraint<double>> held(const scene::State<double>& state) {
     return recursive::accelerationConstraints(scene.mechanism, number, model, state.x, state.qd,
                                               ws);

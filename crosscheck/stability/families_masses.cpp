@@ -13,7 +13,6 @@
 namespace dynwitness::crosscheck::stability {
 namespace {
 
-constexpr const char* kLength[kVariants] = {"0.7", "0.63", "0.83"};
 constexpr const char* kLever[kVariants] = {"0.5", "0.47", "0.57"};
 
 /// Eight links in space, axes in turn across each other; the mass of link k is that of the first
@@ -184,15 +183,14 @@ Family gears() {
     lower.rotor = "1e-4";
     return caseOf("gears", {upper, lower}, gravitySideways(), {0.3, 0.4}, {0.2, -0.5}, {1, 0.5});
   };
-  f.theories = {
-      {Road::kMassMatrix,
-       "n^2 leaves the numbers of the arithmetic: n = sqrt(largest); later by the root "
-       "of 1 / J who multiplies by J first",
-       [](double n, const Arithmetic& a) { return n > std::sqrt(a.largest) ? 1 : a.unit; }},
-      {Road::kSweep,
-       "a sweep divides by D = n^2 J, and 1 / infinite is 0, the joint's acceleration: "
-       "nothing breaks",
-       [](double, const Arithmetic& a) { return a.unit; }}};
+  f.theories = {{Road::kMassMatrix,
+                 "n^2 leaves the numbers of the arithmetic: n = sqrt(largest); later by the root "
+                 "of 1 / J who multiplies by J first",
+                 untilItsSquareOverflows},
+                {Road::kSweep,
+                 "a sweep divides by D = n^2 J, and 1 / infinite is 0, the joint's acceleration: "
+                 "nothing breaks",
+                 [](double, const Arithmetic& a) { return a.unit; }}};
   f.mechanism =
       "The rotor's inertia n^2 J stands alone on the diagonal of M. The heavier it is, the more its "
       "joint stands still, and the other joint moves as if it did: nothing cancels until the square "

@@ -17,7 +17,6 @@ Family spinningBall() {
   f.unit = "rad/s";
   f.from = 1, f.to = 1e10;
   f.make = [](const std::string& s, int v) {
-    constexpr const char* kMoment[kVariants] = {"0.3", "0.37", "0.29"};
     LinkWords ball;
     ball.joint = scene::JointKind::kSpherical, ball.mass = "1";
     ball.moments = {kMoment[v], kMoment[v], kMoment[v]};
@@ -46,7 +45,6 @@ Family fastSpin() {
   f.unit = "rad/s";
   f.from = 1, f.to = 1e160;
   f.make = [](const std::string& s, int v) {
-    constexpr const char* kLength[kVariants] = {"0.7", "0.63", "0.83"};
     LinkWords upper, lower;
     upper.mass = "1", upper.com = {"0.3", "0", "0"}, upper.moments = {"0.01", "0.05", "0.05"};
     lower.parent = 1, lower.xyz = {kLength[v], "0", "0"}, lower.mass = "1";
@@ -55,9 +53,8 @@ Family fastSpin() {
     return caseOf("fast_spin", {upper, lower}, gravitySideways(), {0.3, 0.9}, {w, -0.5 * w},
                   {1, 0.5});
   };
-  f.theories = {
-      {Road::kAny, "w^2 leaves the numbers of the arithmetic: w = sqrt(largest)",
-       [](double s, const Arithmetic& a) { return s > std::sqrt(a.largest) ? 1 : a.unit; }}};
+  f.theories = {{Road::kAny, "w^2 leaves the numbers of the arithmetic: w = sqrt(largest)",
+                 untilItsSquareOverflows}};
   f.mechanism =
       "All of qdd grows as w^2, forces that do not are drowned without being missed, and nothing "
       "cancels: 1e6 rad/s is as harmless as 1.";

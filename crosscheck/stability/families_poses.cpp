@@ -10,7 +10,6 @@
 namespace dynwitness::crosscheck::stability {
 namespace {
 
-constexpr const char* kMoment[kVariants] = {"0.3", "0.37", "0.29"};
 constexpr double kHalfPi = 1.5707963267948966;  // nearest to pi/2
 
 Family gimbal() {
@@ -91,9 +90,8 @@ Family longQuaternion() {
   f.make = [](const std::string& s, int v) {
     return quaternionCase("long_quaternion", std::stod(s), v);
   };
-  f.theories = {
-      {Road::kAny, "q'q = s^2 leaves the numbers of the arithmetic: s = sqrt(largest)",
-       [](double s, const Arithmetic& a) { return s > std::sqrt(a.largest) ? 1 : a.unit; }}};
+  f.theories = {{Road::kAny, "q'q = s^2 leaves the numbers of the arithmetic: s = sqrt(largest)",
+                 untilItsSquareOverflows}};
   f.mechanism =
       "R = 1 + 2 (w [v]x + [v]x^2) / (q'q) is a rotation for every q but 0: its length cancels "
       "exactly, and only the square of it can leave the numbers of the arithmetic.";
@@ -112,9 +110,9 @@ Family shortQuaternion() {
   f.make = [](const std::string& s, int v) {
     return quaternionCase("short_quaternion", 1 / std::stod(s), v);
   };
-  f.theories = {
-      {Road::kAny, "1 / (q'q) = s^2 leaves the numbers of the arithmetic: s = sqrt(largest)",
-       [](double s, const Arithmetic& a) { return s > std::sqrt(a.largest) ? 1 : a.unit; }}};
+  f.theories = {{Road::kAny,
+                 "1 / (q'q) = s^2 leaves the numbers of the arithmetic: s = sqrt(largest)",
+                 untilItsSquareOverflows}};
   return f;
 }
 

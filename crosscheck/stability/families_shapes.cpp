@@ -84,7 +84,6 @@ Family flatPlate() {
   f.dial = "moment of inertia over what is left of the inequality";
   f.from = 1, f.to = 1e18;
   f.make = [](const std::string& s, int v) {
-    constexpr const char* kMoment[kVariants] = {"0.3", "0.37", "0.29"};
     LinkWords carrier, plate;
     carrier.mass = "1", carrier.moments = {"0.2", "0.2", "0.2"};
     plate.parent = 1, plate.xyz = {"0.4", "0", "0.1"}, plate.axis = {"1", "2", "2"};
@@ -101,7 +100,6 @@ Family flatPlate() {
 
 /// An arm in space of two links with all lengths and radii of gyration times `scale`.
 Case scaledArm(const std::string& family, const std::string& scale, int v) {
-  constexpr const char* kLength[kVariants] = {"0.7", "0.63", "0.83"};
   const auto by = [&](const char* x) { return std::string(x) + scale; };
   const auto squared = [&](const char* x) { return std::string(x) + scale + scale; };
   LinkWords upper, lower;
@@ -150,9 +148,8 @@ Family hugeLengths() {
   f.unit = "m";
   f.to = 5e154;  // its inertias are still numbers
   f.make = [](const std::string& s, int v) { return scaledArm("huge_lengths", "*" + s, v); };
-  f.theories = {
-      {Road::kAny, "kg l^2 leaves the numbers of the arithmetic: l = sqrt(largest)",
-       [](double s, const Arithmetic& a) { return s > std::sqrt(a.largest) ? 1 : a.unit; }}};
+  f.theories = {{Road::kAny, "kg l^2 leaves the numbers of the arithmetic: l = sqrt(largest)",
+                 untilItsSquareOverflows}};
   f.mechanism =
       "The same arm the other way: nothing cancels, until a square of a length overflows. Who forms "
       "U U' before he divides by D has fourth powers there, and half of the range.";
@@ -168,11 +165,10 @@ Family counterweight() {
   f.from = 1, f.to = 1e16;
   f.quantity = Quantity::kTau;
   f.make = [](const std::string& s, int v) {
-    constexpr const char* kArm[kVariants] = {"0.7", "0.63", "0.83"};
     LinkWords lever, weight;
-    lever.mass = "1.1", lever.com = {kArm[v], "0", "0"}, lever.moments = {"0.1", "0.1", "0.1"};
+    lever.mass = "1.1", lever.com = {kLength[v], "0", "0"}, lever.moments = {"0.1", "0.1", "0.1"};
     weight.parent = 1, weight.joint = scene::JointKind::kFixed,
-    weight.mass = "1.1*" + std::string(kArm[v]);
+    weight.mass = "1.1*" + std::string(kLength[v]);
     weight.com = {"-(1-1/(" + s + "))", "0", "0"}, weight.moments = {"0.1", "0.1", "0.1"};
     return caseOf("counterweight", {lever, weight}, gravitySideways(), {0.3}, {}, {});
   };

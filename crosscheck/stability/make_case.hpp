@@ -42,6 +42,15 @@ inline double rounded(int roundings, const Arithmetic& numbers) {
   return numbers.unit * std::sqrt(roundings / 3.0);
 }
 
+/// Figures of the variants: lengths [m], moments of inertia [kg m^2].
+inline constexpr const char* kLength[kVariants] = {"0.7", "0.63", "0.83"};
+inline constexpr const char* kMoment[kVariants] = {"0.3", "0.37", "0.29"};
+
+/// Nothing cancels, until the square of s is no number of the arithmetic any more.
+inline double untilItsSquareOverflows(double s, const Arithmetic& numbers) {
+  return s > std::sqrt(numbers.largest) ? 1 : numbers.unit;
+}
+
 inline Words noGravity() {
   return {"0", "0", "0"};
 }

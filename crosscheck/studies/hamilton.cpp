@@ -15,6 +15,7 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/motion/flow.hpp"
 #include "crosscheck/scalars/running_error.hpp"
+#include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/squares.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
@@ -649,18 +650,8 @@ Problem problemOf(const scene::Scene& scene, const ActionOptions& options) {
   require(options.damping >= 0 && std::isfinite(options.damping),
           fmt::format("damping is {}, allowed: zero or more", options.damping));
   require(options.paths >= 1, fmt::format("{} paths, allowed: one or more", options.paths));
-  const auto start = [&](const char* what, const Values& given, const auto& own, int count) {
-    if (given.empty()) {
-      Values values;
-      for (const scene::Number& x : own) values.push_back(number(x));
-      return values;
-    }
-    require(static_cast<int>(given.size()) == count,
-            fmt::format("{}: {} values, allowed: {}", what, given.size(), count));
-    return given;
-  };
-  problem.start.slots = start("start q", options.q, scene.start_q, problem.model.positions);
-  problem.start.qd = start("start qd", options.qd, scene.start_qd, problem.n());
+  problem.start.slots = givenOr("start q", options.q, inDouble(scene, scene.start_q));
+  problem.start.qd = givenOr("start qd", options.qd, inDouble(scene, scene.start_qd));
   requireSquares("velocity", problem.start.qd, weightsAt(problem.model, problem.start.slots));
   for (const auto& link : problem.model.links)
     if (recursive::axisCount(link.kind) > 1) problem.coordinates = false;

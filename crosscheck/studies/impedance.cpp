@@ -2,6 +2,7 @@
 #include "crosscheck/studies/impedance.hpp"
 
 #include "crosscheck/inputs/features.hpp"
+#include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/impedance_laws.hpp"
 #include "crosscheck/studies/squares.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
@@ -31,12 +32,7 @@ ImpedanceAt impedanceAt(const scene::Scene& scene, const ImpedanceOptions& optio
   requireTreated(scene, Command::kImpedance);
   requireMotion(scene);
   const scene::RealNumbers<double> number(mechanism);
-  std::vector<double> q = options.q;
-  if (q.empty())
-    for (const scene::Number& x : scene.start_q) q.push_back(number(x));
-  if (q.size() != scene.start_q.size())
-    throw scene::InputError(
-        {}, fmt::format("q: {} values, allowed: {}", q.size(), scene.start_q.size()));
+  const std::vector<double> q = givenOr("q", options.q, inDouble(scene, scene.start_q));
   const std::size_t n = static_cast<std::size_t>(mechanism.dof());
   if (!options.joint_compliance.empty() && options.joint_compliance.size() != n)
     throw scene::InputError({}, fmt::format("joint compliance: {} values, allowed: {}",

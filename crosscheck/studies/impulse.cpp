@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "crosscheck/inputs/features.hpp"
+#include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/impulse_laws.hpp"
 #include "crosscheck/studies/squares.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
@@ -24,21 +25,6 @@ void copy(const From& from, To* to) {
   for (Eigen::Index i = 0; i < from.size(); ++i) (*to)[i] = from(i).value();
 }
 
-std::vector<double> given(const char* what, const std::vector<double>& values,
-                          const std::vector<scene::Number>& own,
-                          const scene::Mechanism& mechanism) {
-  if (values.empty()) {
-    const scene::RealNumbers<double> number(mechanism);
-    std::vector<double> out;
-    for (const scene::Number& x : own) out.push_back(number(x));
-    return out;
-  }
-  if (values.size() != own.size())
-    throw scene::InputError(
-        {}, fmt::format("{}: {} values, allowed: {}", what, values.size(), own.size()));
-  return values;
-}
-
 }  // namespace
 
 ImpulseResult strike(const scene::Scene& scene, const ImpulseOptions& options) {
@@ -49,9 +35,10 @@ ImpulseResult strike(const scene::Scene& scene, const ImpulseOptions& options) {
   std::vector<scene::Number>
       own;  // one a position that is given: followers are where their leaders put them
   for (const int slot : scene::givenSlots(mechanism)) own.push_back(scene.start_q[slot]);
-  for (const double q : scene::allPositions(mechanism, given("q", options.q, own, mechanism)))
+  for (const double q :
+       scene::allPositions(mechanism, givenOr("q", options.q, inDouble(scene, own))))
     state.x.push_back(scene::jointPosition(q));
-  state.qd = given("qd", options.qd, scene.start_qd, mechanism);
+  state.qd = givenOr("qd", options.qd, inDouble(scene, scene.start_qd));
   state.qdd.assign(state.qd.size(), 0.0);
   state.tau = state.qdd;
   if (!options.joints.empty() && options.joints.size() != state.qd.size())

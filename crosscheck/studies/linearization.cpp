@@ -221,7 +221,7 @@ Linearization linearize(const scene::Scene& scene, const LinearizationOptions& o
   const auto n = static_cast<Eigen::Index>(mechanism.dof());
   Linearization out;
   out.q = givenOr("--q", options.q, inDouble(scene, scene.start_q));
-  out.qd = givenOr("--rates", options.qd, std::vector<double>(scene.start_qd.size(), 0.0));
+  out.qd = givenOr("--qd", options.qd, std::vector<double>(scene.start_qd.size(), 0.0));
   out.actuated = actuatedRates(scene, options.actuated);
 
   if (options.seeks_equilibrium) {

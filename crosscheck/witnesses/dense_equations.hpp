@@ -46,13 +46,6 @@ struct DenseEquations {
   detail::Frames<T> frames;  ///< by derivation: of acceleration constraints, then of springs' ends
 };
 
-/// By degree of freedom: 1 where a drive gives the motion.
-inline std::vector<char> drivenRates(const scene::Mechanism& mechanism) {
-  std::vector<char> driven;
-  for (const scene::Expression* motion : mechanism.motions()) driven.push_back(motion ? 1 : 0);
-  return driven;
-}
-
 // ---- by derivation ------------------------------------------------------------------------------
 
 /// The equations from T, V and the places of frames in the world, as a program.

@@ -98,7 +98,7 @@ PartsOf<T> solved(DenseEquations<T> e, const scene::Mechanism& mechanism, const 
   std::vector<int> rows = at.rows;
   for (int i = 0; i < k; ++i) rows.push_back(m + i);
   keepRows(rows, e);
-  const std::vector<char> driven = drivenRates(mechanism);
+  const std::vector<char> driven = recursive::drivenRates(mechanism);
   const DenseSolution<T> x = solveDense(e, driven, state.tau, state.qdd);
   const int chosen = static_cast<int>(at.rows.size());
   PartsOf<T> out;
@@ -142,7 +142,7 @@ struct Swept {
       : model(recursive::buildModel(mechanism, number)),
         ws(model),
         closures(recursive::buildConstraints(mechanism, number, model)),
-        driven(drivenRates(mechanism)),
+        driven(recursive::drivenRates(mechanism)),
         pull(model.dof(), T(0)),
         tau(state.tau) {
     recursive::constraintEquations(model, state.x, state.qd, ws, closures);
