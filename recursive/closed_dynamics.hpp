@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "recursive/articulated_step.hpp"
-#include "recursive/constraints.hpp"
+#include "recursive/closure_wrenches.hpp"
 #include "recursive/factorization.hpp"
 #include "recursive/semidefinite.hpp"
 
@@ -120,32 +120,21 @@ void startLoop(const Constraints<T>& constraints, const Workspace<T>& ws, LoopSu
   int column = 0;
   for (const int c : sum.group->closures) {
     const Closure<T>& closure = constraints.closures[c];
-    const int a = closure.a, b = closure.b, rows = scene::equationCount(closure.kind);
-    const Transform<T> X_AW = a < 0 ? closure.X_A : closure.X_A * constraints.X_W[a];
-    const Transform<T> X_BW = b < 0 ? closure.X_B : closure.X_B * constraints.X_W[b];
-    const Transform<T> X_BA = X_BW * X_AW.inverse();
-    MatrixX<T> w(6, rows);
-    for (int k = 0; k < 6; ++k) {
-      Motion<T> unit = Motion<T>::zero();
-      (k < 3 ? unit.linear(k) : unit.angular(k - 3)) = T(1);
-      closureRates(closure, unit, X_BA, [&](int row, const T& rate) { w(k, row) = rate; });
-    }
-    for (int row = 0; row < rows; ++row, ++column) {
-      const Force<T> in_A = {w.col(row).template head<3>(), w.col(row).template tail<3>()};
+    const int a = closure.a, b = closure.b;
+    closureWrenches(constraints, closure, [&](int row, const Force<T>& on_a, const Force<T>& on_b) {
       // A' a = A' a(qdd = 0) - gamma; gravity, which a has in it, is on both sides
       T at_rest = T(0);
       if (a >= 0) {
-        const Force<T> f = closure.X_A.inverseTimes(in_A);
-        sum.E[a].col(column) -= f.vector();
-        at_rest -= dot(ws.a[a], f);
+        sum.E[a].col(column) += on_a.vector();
+        at_rest += dot(ws.a[a], on_a);
       }
       if (b >= 0) {
-        const Force<T> f = closure.X_B.inverseTimes(X_BA * in_A);
-        sum.E[b].col(column) += f.vector();
-        at_rest += dot(ws.a[b], f);
+        sum.E[b].col(column) += on_b.vector();
+        at_rest += dot(ws.a[b], on_b);
       }
       sum.left(column) = at_rest - constraints.gamma(closure.row + row);
-    }
+      ++column;
+    });
   }
 }
 

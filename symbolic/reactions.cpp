@@ -4,21 +4,11 @@
 #include <stdexcept>
 
 namespace dynwitness::symbolic {
-namespace {
-
-/// The mechanism with every link let go, and where its state is found in that of the whole.
-struct Freed {
-  scene::Mechanism mechanism;
-  /// Of each rate and each position of the freed mechanism: its place in the given one, or -1 where
-  /// it is one of a cut.
-  std::vector<int> rate, slot;
-};
 
 Freed freed(const scene::Mechanism& mechanism) {
   Freed out;
   out.mechanism = mechanism;
   out.mechanism.links.clear();
-  std::vector<int> place;  // of each link, among the freed ones
   int rates = 0, slots = 0;
   const auto append = [&](scene::Link link, bool is_cut) {
     const auto kind = link.joint.kind;
@@ -33,7 +23,7 @@ Freed freed(const scene::Mechanism& mechanism) {
       // the moved joint frame, without mass, on the joint as it is; and the link on that
       scene::Link frame;
       frame.name = link.name + ".joint";
-      frame.parent = place[link.parent];
+      frame.parent = out.link[link.parent];
       frame.joint = link.joint;
       let_go.joint = scene::Joint();
       let_go.joint.name = link.joint.name + ".cut";
@@ -47,13 +37,19 @@ Freed freed(const scene::Mechanism& mechanism) {
       append(frame, false);
     }
     append(let_go, link.parent >= 0);
-    place.push_back(static_cast<int>(out.mechanism.links.size()) - 1);
+    out.link.push_back(static_cast<int>(out.mechanism.links.size()) - 1);
   }
-  for (scene::Wrench& wrench : out.mechanism.wrenches) wrench.link = place[wrench.link];
-  out.mechanism.closures.clear();  // those of the tree are asked for
-  out.mechanism.springs.clear();
+  for (scene::Wrench& wrench : out.mechanism.wrenches) wrench.link = out.link[wrench.link];
+  for (scene::Closure& closure : out.mechanism.closures)
+    for (scene::Attachment* end : {&closure.a, &closure.b}) end->link = out.link[end->link];
+  for (scene::Spring& spring : out.mechanism.springs)
+    for (scene::Attachment* end : {&spring.a, &spring.b}) end->link = out.link[end->link];
+  for (scene::AccelerationConstraint& held : out.mechanism.acceleration_constraints)
+    held.link = out.link[held.link];
   return out;
 }
+
+namespace {
 
 /// Nodes of the freed mechanism where its cuts are closed and rest, in a graph of their own.
 class Closed {
@@ -144,16 +140,34 @@ class Closed {
 
 }  // namespace
 
-Reactions reactions(const scene::Mechanism& mechanism, const Options& options) {
+Reactions reactionsAlong(const scene::Mechanism& mechanism, const Options& options,
+                         const std::vector<scene::Attachment>& frames) {
   const Freed cut = freed(mechanism);
+  std::vector<scene::Attachment> let_go = frames;
+  for (scene::Attachment& frame : let_go) frame.link = cut.link[frame.link];
   Equations e = deriveEnergies(cut.mechanism, options);
   addGeneralizedForces(cut.mechanism, options, e);
   const std::vector<Node> all = inverseDynamics(e);
+  const ClosureEquations closures = closureEquations(cut.mechanism, options, e),
+                         places = frameEquations(cut.mechanism, options, let_go, e);
   Reactions out;
   Closed closed(e.graph, cut, &out.graph);
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (cut.rate[i] < 0) out.lambda.push_back(closed(all[i]));
+  const auto ofCuts = [&](const std::vector<Node>& row) {
+    std::vector<Node> kept;
+    for (std::size_t i = 0; i < row.size(); ++i)
+      if (cut.rate[i] < 0) kept.push_back(closed(row[i]));
+    return kept;
+  };
+  out.lambda = ofCuts(all);
+  for (const auto& row : closures.J) out.by_closure.push_back(ofCuts(row));
+  for (const auto& row : places.J) out.by_frame.push_back(ofCuts(row));
   return out;
+}
+
+Reactions reactions(const scene::Mechanism& mechanism, const Options& options) {
+  scene::Mechanism tree = mechanism;
+  tree.closures.clear();
+  return reactionsAlong(tree, options, {});
 }
 
 }  // namespace dynwitness::symbolic

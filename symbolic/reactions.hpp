@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "symbolic/equations.hpp"
+#include "symbolic/closures.hpp"
 
 namespace dynwitness::symbolic {
 
@@ -27,7 +27,29 @@ namespace dynwitness::symbolic {
 struct Reactions {
   Graph graph;
   std::vector<Node> lambda;
+  /// Along the rates u of the cuts, which are closed: how the equations of closures change (a row
+  /// an equation), and the places of frames (twelve rows a frame, as frameEquations() has them).
+  std::vector<std::vector<Node>> by_closure, by_frame;
 };
 Reactions reactions(const scene::Mechanism& mechanism, const Options& options = {});
+
+/** The same with by_closure and by_frame: forces along these take lambda off the joints,
+
+        reactions = lambda - by_closure' lambda_closures - by_frame' (forces on frames)
+
+    @param frames  of links of `mechanism` */
+Reactions reactionsAlong(const scene::Mechanism& mechanism, const Options& options,
+                         const std::vector<scene::Attachment>& frames);
+
+/// The mechanism with every link let go, and where its state is found in that of the whole.
+struct Freed {
+  scene::Mechanism mechanism;
+  /// Of each rate and each position of the freed mechanism: its place in the given one, or -1 where
+  /// it is one of a cut.
+  std::vector<int> rate, slot;
+  std::vector<int> link;  ///< by link of the given one: which it is there
+};
+/// Closures, springs and acceleration constraints go with their links.
+Freed freed(const scene::Mechanism& mechanism);
 
 }  // namespace dynwitness::symbolic

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sections 9 and 10: inverse and forward dynamics, constraints as differential-algebraic equations.
+#include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/robot.hpp"
 #include "recursive/newton_euler.hpp"
 
@@ -78,7 +79,27 @@ Trials eq51() {
           robot.tau[i] = six.Z[i].dot(F[i] + six.M_A[i] * a[i]) + robot.rotor[i] * robot.qdd[i];
           at.equal("by articulated inertias", robot.tau[i], truth(i));
         }
-      }));
+        const recursive::Model<T> model = robot.model();
+        recursive::Workspace<T> ws(model);
+        std::vector<T> tau = robot.zeros();
+        recursive::inverseDynamics(model, robot.x, robot.qd, robot.qdd, ws, tau);
+        at.equal("our code", Robot<T>::column(tau), truth);
+      }))
+      .numbers([] {
+        OnTheBoard arm("puma_560", 1);  // moved without torques: F as the sweep leaves it
+        auto motion = arm.ws;
+        const std::vector<double> qdd(arm.n(), 1.0);
+        std::vector<double> tau(arm.n());
+        recursive::inverseDynamics(arm.model, arm.x, arm.qd, qdd, motion, tau);
+        Rows rows;
+        for (std::size_t i = 0; i < arm.n(); ++i) {
+          const Vector6<double> a_p = i == 0 ? arm.gravityAtBase() : motion.a[i - 1].vector();
+          const Vector6<double> F =
+              arm.F(i) + arm.M_A(i) * (motion.a[i].vector() - arm.T_V(i) * a_p);
+          rows.push_back({std::to_string(i + 1), onBoard(F(5)), onBoard(tau[i])});
+        }
+        return rows;
+      });
 }
 
 Trials idOrder() {
@@ -130,9 +151,10 @@ Trials eq52() {
         const std::vector<Vector6<T>> F = six.biasForces();
         Vector6<T> a = six.gravityAtBase();
         for (int i = 0; i < six.n(); ++i) {
+          a = (six.X[i] * a).eval();
           at.equal("qdd", T((robot.tau[i] - six.Z[i].dot(F[i] + six.M_A[i] * a)) / six.D[i]),
                    robot.qdd[i]);
-          a = (six.X[i] * a + six.c[i] + six.Z[i] * robot.qdd[i]).eval();
+          a += six.c[i] + six.Z[i] * robot.qdd[i];
         }
       }))
       .condition(exact([](Point& at) {
@@ -161,7 +183,24 @@ Trials eq52() {
                    robot.qdd[i]);
           a += six.Z[i] * robot.qdd[i];
         }
-      }));
+        const recursive::Model<T> model = robot.model();
+        recursive::Workspace<T> ws(model);
+        std::vector<T> qdd = robot.zeros();
+        recursive::forwardDynamics(model, robot.x, robot.qd, robot.tau, ws, qdd);
+        at.equal("our code", Robot<T>::column(qdd), Robot<T>::column(robot.qdd));
+      }))
+      .numbers([] {
+        const OnTheBoard arm("double_pendulum", 1);
+        Rows rows;
+        for (std::size_t i = 0; i < arm.n(); ++i) {
+          const Vector6<double> a_p =
+              arm.T_V(i) * (i == 0 ? arm.gravityAtBase() : arm.ws.a[i - 1].vector());
+          const Vector6<double> F = arm.F(i) + arm.M_A(i) * a_p;
+          rows.push_back({std::to_string(i + 1), onBoard((arm.tau[i] - F(5)) / arm.ws.D[i]),
+                          onBoard(arm.qdd[i])});
+        }
+        return rows;
+      });
 }
 
 Trials gravityStart() {

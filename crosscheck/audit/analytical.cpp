@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 14: the equations of motion in joint coordinates.
+#include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/counting.hpp"
 #include "crosscheck/audit/lifted.hpp"
 #include "recursive/articulated_body.hpp"
+#include "recursive/energy.hpp"
 #include "recursive/factorization.hpp"
 #include "recursive/newton_euler.hpp"
-#include "scene/scene.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
 
@@ -35,6 +36,9 @@ void compareEnergy(Point& at, const Robot<T>& robot, int divisor) {
   const VectorX<T> qd = Robot<T>::column(robot.qd);
   const MatrixX<T> M = compositeMassMatrix<T>(robot.model(), robot.x);
   at.equal("T", T(qd.dot(VectorX<T>(M * qd)) / T(divisor)), T(energy / T(2)));
+  const recursive::Model<T> model = robot.model();
+  recursive::Workspace<T> ws(model);
+  at.equal("our code", recursive::kineticEnergy(model, robot.x, robot.qd, ws), T(energy / T(2)));
 }
 
 Trials linearTerms() {
@@ -111,7 +115,7 @@ Trials eq61() {
                                recursive::Terms::potential());
     const MatrixX<T> M = compositeMassMatrix<T>(model, robot.x);
     at.equal(
-        "tau", robot.forces(robot.qdd),
+        "our code: tau", robot.forces(robot.qdd),
         VectorX<T>(M * Robot<T>::column(robot.qdd) + Robot<T>::column(c) + Robot<T>::column(g)));
   }));
 }
@@ -212,7 +216,18 @@ Trials eq63() {
       .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, kMixed);
         compareEnergy(at, robot, 2);
-      }));
+      }))
+      .numbers([] {
+        Rows rows;
+        for (const char* name : {"simple_pendulum", "double_pendulum", "puma_560", "scara"}) {
+          OnTheBoard arm(name, 1);
+          const MatrixX<double> M = compositeMassMatrix<double>(arm.model, arm.x);
+          const VectorX<double> qd = Robot<double>::column(arm.qd);
+          rows.push_back({name, onBoard(qd.dot(VectorX<double>(M * qd))),
+                          onBoard(recursive::kineticEnergy(arm.model, arm.x, arm.qd, arm.ws))});
+        }
+        return rows;
+      });
 }
 
 /// Operations of one evaluation for a chain of n turning joints in general position.

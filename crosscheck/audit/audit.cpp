@@ -39,23 +39,30 @@ void requireBoth(const Statement& statement, const std::string& what, bool said,
 }  // namespace
 
 std::string Entry::kind() const {
-  return left_open ? "open item" : isEquation() ? "equation" : "sentence";
+  return left_open ? "open item" : not_printed ? "remark" : isEquation() ? "equation" : "sentence";
+}
+
+bool Entry::comparesOurCode() const {
+  return residual_printed.our_code || (residual_corrected && residual_corrected->our_code) ||
+         residual_ours;
 }
 
 bool Entry::isSound() const {
   if (residual_corrected && !residual_corrected->zero) return false;
   if (residual_condition && !residual_condition->zero) return false;
+  if (residual_ours && !residual_ours->zero) return false;
   return holds == Holds::kTrue || residual_corrected.has_value();
 }
 
 Entry evaluate(const Claim& claim, std::uint64_t seed) {
   const Trials& trials = claim.trials;
   if (!trials.printed_trial) throw std::logic_error(trials.id + ": nothing to compute");
-  Entry entry{claim.statement, Holds::kFalse, {}, {}, {}, {}};
+  Entry entry{claim.statement, Holds::kFalse, {}, {}, {}, {}, {}};
   const std::string name = "audit " + entry.id;
   entry.residual_printed = trials.printed_trial(name, seed);
   if (trials.corrected_trial) entry.residual_corrected = trials.corrected_trial(name, seed);
   if (trials.condition_trial) entry.residual_condition = trials.condition_trial(name, seed);
+  if (trials.ours_trial) entry.residual_ours = trials.ours_trial(name, seed);
   if (trials.rows_of_numbers)
     entry.numbers = Numbers{entry.numbers_caption, entry.numbers_head, trials.rows_of_numbers()};
   if (entry.numbers)
@@ -131,11 +138,10 @@ bool Audit::isSound() const {
 }
 
 std::string Audit::headline() const {
-  // "74 equations: 51 hold, 10 under a condition, 13 wrong"
   const auto counted = [&](bool equations, const char* one, const char* many) {
     int all = 0, of[3] = {};
     for (const Entry& entry : entries) {
-      if (entry.isEquation() != equations) continue;
+      if (!entry.isPrinted() || entry.isEquation() != equations) continue;
       ++all;
       ++of[static_cast<int>(entry.holds)];
     }
@@ -143,8 +149,10 @@ std::string Audit::headline() const {
     return fmt::format("{} {}: {} hold, {} under a condition, {} wrong", all, all == 1 ? one : many,
                        n(Holds::kTrue), n(Holds::kUnderCondition), n(Holds::kFalse));
   };
-  return counted(true, "equation", "equations") + "; " +
-         counted(false, "sentence or open item", "sentences and open items");
+  const auto ours = std::count_if(entries.begin(), entries.end(),
+                                  [](const Entry& entry) { return !entry.isPrinted(); });
+  return counted(true, "equation", "equations") + "; " + counted(false, "sentence", "sentences") +
+         fmt::format("; not counted: {} that the chapter leaves open or does not say", ours);
 }
 
 Audit runAudit(std::uint64_t seed, const std::function<bool(const Statement&)>& select) {

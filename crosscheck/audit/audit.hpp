@@ -14,11 +14,12 @@ namespace dynwitness::audit {
 
 /// What came of computing both sides of a statement.
 struct Outcome {
-  bool zero = false;     ///< the two sides are equal (or the inequality is certain)
-  int points = 0;        ///< at which both sides were computed
-  double chance = 0;     ///< that different formulas pass as equal
-  std::string method;    ///< "prime field", "certified digits", "counterexample", "count"
-  std::string residual;  ///< "0 at 1 point modulo p, ...", "not 0: moment (entry 2 of 3)"
+  bool zero = false;      ///< the two sides are equal (or the inequality is certain)
+  int points = 0;         ///< at which both sides were computed
+  double chance = 0;      ///< that different formulas pass as equal
+  std::string method;     ///< "prime field", "certified digits", "counterexample", "count"
+  std::string residual;   ///< "0 at 1 point modulo p, ...", "not 0: moment (entry 2 of 3)"
+  bool our_code = false;  ///< what the code of the repository answers was compared, too
 };
 
 /// Computes both sides at random points, a pure function of (name, seed).
@@ -46,6 +47,9 @@ class Trials {
   Trials& corrected(Trial trial) { return set(&corrected_trial, std::move(trial)); }
   /// Those of what the chapter says, on points that satisfy the condition.
   Trials& condition(Trial trial) { return set(&condition_trial, std::move(trial)); }
+  /// What our code answers, held to the truth of what the equation is about. A fault there is ours:
+  /// it decides whether the entry is sound, and not whether the chapter is right.
+  Trials& ours(Trial trial) { return set(&ours_trial, std::move(trial)); }
   /// A table beside the verdict.
   Trials& numbers(std::function<Rows()> rows) {
     rows_of_numbers = std::move(rows);
@@ -53,7 +57,7 @@ class Trials {
   }
 
   std::string id;
-  Trial printed_trial, corrected_trial, condition_trial;
+  Trial printed_trial, corrected_trial, condition_trial, ours_trial;
   std::function<Rows()> rows_of_numbers;
 
  private:
@@ -76,17 +80,20 @@ const char* name(Holds holds);  ///< "true", "false", "under condition"
 struct Entry : Statement {
   Holds holds = Holds::kFalse;
   Outcome residual_printed;
-  std::optional<Outcome> residual_corrected, residual_condition;
+  std::optional<Outcome> residual_corrected, residual_condition, residual_ours;
   std::optional<Numbers> numbers;
 
-  std::string kind() const;  ///< "equation", "sentence", "open item"
-  /// Our own part stands: what is called corrected or conditional was computed to be so, and
-  /// nothing that is wrong lacks a correction.
+  std::string kind() const;  ///< "equation", "sentence", "open item", "remark"
+  /// Our own part stands: what is called corrected or conditional was computed to be so, what our
+  /// code answers is so, and nothing that is wrong lacks a correction.
   bool isSound() const;
+  /// What implemented_in answers is one of the sides that were compared.
+  bool comparesOurCode() const;
 };
 
-/** Computes a claim. `holds` follows from the residuals and from nothing else: printed zero is
-    true; not zero, and zero under the condition, is "under condition"; else false. */
+/** Computes a claim. `holds` follows from the residuals of what is said and from nothing else:
+    printed zero is true; not zero, and zero under the condition, is "under condition"; else
+    false. */
 Entry evaluate(const Claim& claim, std::uint64_t seed);
 
 // The trials, a file a group of sections.
@@ -118,7 +125,8 @@ struct Audit {
 
   int count(Holds holds) const;
   bool isSound() const;
-  /// "74 equations and 20 further statements: 60 hold, 5 under a condition, 29 are wrong"
+  /// "74 equations: 54 hold, 9 under a condition, 11 wrong; 55 sentences: ...; not counted: 29 that
+  /// the chapter leaves open or does not say"
   std::string headline() const;
 };
 

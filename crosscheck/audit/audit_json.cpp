@@ -41,12 +41,20 @@ Json toJson(const audit::Entry& entry) {
   json["condition"] = textOrNull(entry.condition);
   json["residual_condition"] = toJson(entry.residual_condition);
   if (entry.numbers) {
-    json["numbers"] = {{"caption", cleanText(entry.numbers->caption)},
-                       {"head", entry.numbers->head},
-                       {"rows", entry.numbers->rows}};
+    const auto plainly = [](std::vector<std::string> cells) {
+      for (std::string& cell : cells) cell = cleanText(audit::plain(cell));
+      return cells;
+    };
+    Json rows = Json::array();
+    for (const auto& row : entry.numbers->rows) rows.push_back(plainly(row));
+    json["numbers"] = {{"caption", cleanText(audit::plain(entry.numbers->caption))},
+                       {"head", plainly(entry.numbers->head)},
+                       {"rows", rows}};
   }
   json["why"] = cleanText(audit::plain(entry.why));
   json["implemented_in"] = entry.implemented_in;
+  json["implementation_compared"] = entry.comparesOurCode();
+  if (entry.residual_ours) json["residual_implementation"] = toJson(*entry.residual_ours);
   return json;
 }
 
@@ -58,6 +66,9 @@ std::string auditJson(const audit::Audit& audit, const Environment& environment)
             {"source", cleanText(audit.chapter.author + ", " + audit.chapter.title + ", " +
                                  audit.chapter.year)},
             {"seed", audit.seed}};
+  json["criterion"] = Json::array();
+  for (const std::string& rule : audit.chapter.criterion)
+    json["criterion"].push_back(cleanText(audit::plain(rule)));
   if (!environment.commit.empty()) json["commit"] = cleanText(environment.commit);
   json["date"] = environment.date;
   json["entries"] = Json::array();

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cctype>
 #include <iterator>
 #include <string>
 
@@ -34,21 +36,55 @@ const char* cssClass(Holds holds) {
   return "none";
 }
 
-const char* word(Holds holds) {
-  switch (holds) {
+/// What the chapter does not print cannot be wrong of it.
+const char* cssClass(const Entry& entry) {
+  return entry.holds == Holds::kFalse && !entry.isPrinted() ? "none" : cssClass(entry.holds);
+}
+
+const char* word(const Entry& entry) {
+  switch (entry.holds) {
     case Holds::kTrue:
       return "holds";
     case Holds::kFalse:
-      return "wrong";
+      return entry.isPrinted() ? "wrong" : "not so";
     case Holds::kUnderCondition:
       break;
   }
   return "under a condition";
 }
 
+/// Text with formulas and units: m^2 outside of a formula is a unit.
+std::string textWithUnits(const std::string& text) {
+  std::string out = textWithMath(text);
+  for (std::size_t at = 0; (at = out.find("^2", at)) != std::string::npos;)
+    out.replace(at, 2, "\u00b2");
+  return out;
+}
+
 /// "(15)" for an equation, "" for what has no number.
 std::string number(const Entry& entry) {
   return entry.isEquation() ? "(" + entry.id.substr(2) + ")" : "";
+}
+
+/// A text that names other entries ("see force_signs") links to them by their titles.
+std::string textWithLinks(const Audit& audit, const std::string& text) {
+  std::string out = textWithMath(text);
+  for (const Entry& entry : audit.entries) {
+    if (entry.id.find('_') == std::string::npos) continue;
+    for (std::size_t at = 0; (at = out.find("see " + entry.id, at)) != std::string::npos;) {
+      const std::string link =
+          fmt::format("see <a href=\"#{}\">{}</a>", entry.id, textWithMath(entry.title));
+      const char after =
+          at + 4 + entry.id.size() < out.size() ? out[at + 4 + entry.id.size()] : ' ';
+      if (std::isalnum(static_cast<unsigned char>(after)) || after == '_') {
+        at += 4;
+        continue;
+      }
+      out.replace(at, 4 + entry.id.size(), link);
+      at += link.size();
+    }
+  }
+  return out;
 }
 
 void putStatement(std::string* page, const char* label, const std::string& text,
@@ -66,17 +102,19 @@ void putSide(std::string* page, const char* css, const char* label, const std::s
       css, label, textWithMath(text), escapeMarkup(outcome.residual), escapeMarkup(outcome.method));
 }
 
-void putEntry(std::string* page, const Entry& entry) {
+void putEntry(std::string* page, const Audit& audit, const Entry& entry) {
   put(page,
       "<article class=\"entry {}\" id=\"{}\">\n<h3><span "
       "class=\"id\">{}</span><span>{}</span>{}</h3>\n",
-      cssClass(entry.holds), escapeMarkup(entry.id),
+      cssClass(entry), escapeMarkup(entry.id),
       entry.isEquation() ? number(entry) : "§ " + escapeMarkup(entry.section),
-      textWithMath(entry.title), badge(cssClass(entry.holds), word(entry.holds)));
-  const char* printed = entry.left_open ? "Left open" : "Printed";
+      textWithMath(entry.title), badge(cssClass(entry), word(entry)));
+  const char* printed = entry.left_open     ? "Left open"
+                        : entry.not_printed ? "Not in the chapter"
+                                            : "Printed";
   if (entry.residual_corrected) {
     put(page, "<div class=\"sides\">\n");
-    putSide(page, cssClass(entry.holds), printed, entry.printed, entry.residual_printed);
+    putSide(page, cssClass(entry), printed, entry.printed, entry.residual_printed);
     putSide(page, "agree", "Correct", entry.corrected, *entry.residual_corrected);
     put(page, "</div>\n");
   }
@@ -85,28 +123,35 @@ void putEntry(std::string* page, const Entry& entry) {
   if (entry.residual_condition)
     putStatement(page, "Holds if", entry.condition, *entry.residual_condition);
   if (entry.numbers) {
-    put(page, "<dt>Numbers</dt><dd><table>\n<caption>{}</caption>\n<thead><tr>",
-        escapeMarkup(entry.numbers->caption));
+    put(page,
+        "<dt>In numbers</dt><dd id=\"{0}-numbers\">{1}</dd>\n<dd class=\"numbers\"><table "
+        "aria-labelledby=\"{0}-numbers\">\n<thead><tr>",
+        escapeMarkup(entry.id), textWithUnits(entry.numbers->caption));
     for (const std::string& cell : entry.numbers->head)
-      put(page, "<th scope=\"col\">{}</th>", escapeMarkup(cell));
+      put(page, "<th scope=\"col\">{}</th>", textWithUnits(cell));
     put(page, "</tr></thead>\n<tbody>\n");
     for (const auto& row : entry.numbers->rows) {
       put(page, "<tr>");
-      for (const std::string& cell : row) put(page, "<td>{}</td>", escapeMarkup(cell));
+      for (const std::string& cell : row) put(page, "<td>{}</td>", textWithUnits(cell));
       put(page, "</tr>\n");
     }
     put(page, "</tbody></table></dd>\n");
   }
-  put(page, "<dt>Why</dt><dd>{}</dd>\n<dt>Code</dt><dd><code>{}</code></dd>\n</dl>\n</article>\n",
-      textWithMath(entry.why), escapeMarkup(entry.implemented_in));
+  put(page, "<dt>Why</dt><dd>{}</dd>\n<dt>Code</dt><dd><code>{}</code>{}</dd>\n</dl>\n</article>\n",
+      textWithLinks(audit, entry.why), escapeMarkup(entry.implemented_in),
+      std::string(entry.comparesOurCode() ? ", whose answer was compared, too" : "") +
+          (entry.residual_ours && !entry.residual_ours->zero
+               ? ": <strong>residual " + escapeMarkup(entry.residual_ours->residual) + "</strong>"
+               : ""));
 }
 
-/// A list of links to the entries of one verdict.
-void putIndex(std::string* page, const Audit& audit, Holds holds, const char* heading) {
-  if (audit.count(holds) == 0) return;
+/// A list of links to the entries that are wanted.
+template <typename Wanted>
+void putIndex(std::string* page, const Audit& audit, const char* heading, const Wanted& wanted) {
+  if (std::none_of(audit.entries.begin(), audit.entries.end(), wanted)) return;
   put(page, "<h2>{}</h2>\n<ul class=\"index\">\n", heading);
   for (const Entry& entry : audit.entries)
-    if (entry.holds == holds)
+    if (wanted(entry))
       put(page, "<li><a href=\"#{}\">{} {}</a></li>\n", escapeMarkup(entry.id),
           entry.isEquation() ? number(entry) : "§ " + escapeMarkup(entry.section),
           textWithMath(entry.title));
@@ -134,8 +179,11 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
           ? "Every verdict was computed for this page, and so was every correction: all "
             "corrections hold."
           : "<strong>Not every correction was found to hold</strong>: the entries say which.");
+  put(&page, "<details open><summary>By which rule</summary>\n<ul>\n");
+  for (const std::string& rule : audit.chapter.criterion)
+    put(&page, "<li>{}</li>\n", textWithMath(rule));
   put(&page,
-      "<details><summary>How to read a residual</summary>\n"
+      "</ul></details>\n<details><summary>How to read a residual</summary>\n"
       "<p>Both sides of an equation are computed by different roads, at random points and modulo "
       "random 63-bit primes. There a difference is 0 or it is not, without rounding; “chance of "
       "error” bounds how probable it is that different formulas passed. One point with a "
@@ -147,8 +195,13 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
       "forces.</p></details>\n"
       "</header>\n",
       textWithMath("`Xd = (v, w)`, `F = (f, m)`"), mathMl("T_V"), mathMl("T_F"));
-  putIndex(&page, audit, Holds::kFalse, "Wrong");
-  putIndex(&page, audit, Holds::kUnderCondition, "Right under a condition");
+  const auto printedAnd = [](Holds holds) {
+    return [holds](const Entry& entry) { return entry.isPrinted() && entry.holds == holds; };
+  };
+  putIndex(&page, audit, "Wrong", printedAnd(Holds::kFalse));
+  putIndex(&page, audit, "Right under a condition", printedAnd(Holds::kUnderCondition));
+  putIndex(&page, audit, "Left open, or not in the chapter: not counted",
+           [](const Entry& entry) { return !entry.isPrinted(); });
   put(&page, "<div id=\"entries\"></div>\n");
   std::string section;
   for (const Entry& entry : audit.entries) {
@@ -158,7 +211,7 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
       const std::string& title = audit.chapter.sections.at(std::stoul(section) - 1);
       put(&page, "<h2>{} {}</h2>\n", escapeMarkup(section), escapeMarkup(title));
     }
-    putEntry(&page, entry);
+    putEntry(&page, audit, entry);
   }
   put(&page,
       "</main>\n<footer>\n<h2>Compute it again</h2>\n<pre tabindex=\"0\"><code>dynwitness audit "

@@ -54,6 +54,7 @@ Statement readStatement(const TextTable& table) {
   out.why = text("why");
   out.implemented_in = text("implemented_in");
   out.left_open = table.flags.count("left_open") != 0;
+  out.not_printed = table.flags.count("not_printed") != 0;
   out.numbers_caption = text("numbers_caption");
   if (const auto head = table.lists.find("numbers_head"); head != table.lists.end())
     out.numbers_head = head->second;
@@ -80,19 +81,24 @@ bool Statement::isEquation() const {
 }
 
 Chapter readChapter(const std::string& text, const std::string& file) {
-  const auto tables =
-      scene::readTextTables(text, file,
-                            {{"chapter", {{"author", "title", "year"}, {}, {"sections"}, {}, true}},
-                             {"statement",
-                              {{"id", "section", "title", "printed", "why", "implemented_in"},
-                               {"corrected", "condition", "numbers_caption"},
-                               {"numbers_head"},
-                               {"left_open"}}}});
+  const auto tables = scene::readTextTables(
+      text, file,
+      {{"chapter", {{"author", "title", "year"}, {}, {"criterion", "sections"}, {}, true}},
+       {"statement",
+        {{"id", "section", "title", "printed", "why", "implemented_in"},
+         {"corrected", "condition", "numbers_caption"},
+         {"numbers_head"},
+         {"left_open", "not_printed"}}}});
   const TextTable& head = tables.at("chapter").front();
-  Chapter chapter{file, textOf(head, "author"), textOf(head, "title"), textOf(head, "year"), {},
+  Chapter chapter{file, textOf(head, "author"), textOf(head, "title"), textOf(head, "year"), {}, {},
                   {}};
-  if (head.lists.count("sections") == 0)
-    throw InputError(head.where, "chapter: has no sections, allowed: an array of their titles");
+  const auto require = [&](const char* key, const char* what) {
+    if (head.lists.count(key) == 0)
+      throw InputError(head.where, std::string("chapter: has no ") + key + ", allowed: " + what);
+  };
+  require("criterion", "an array of rules");
+  chapter.criterion = head.lists.at("criterion");
+  require("sections", "an array of their titles");
   chapter.sections = head.lists.at("sections");
   std::set<std::string> ids;
   std::vector<int> section;

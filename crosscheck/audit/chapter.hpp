@@ -23,18 +23,22 @@ struct Statement {
   std::string why;              ///< one or two sentences for a student
   std::string implemented_in;   ///< the file of this repository that computes it
   bool left_open = false;       ///< a TODO, "...", a question: `printed` is what its context says
+  bool not_printed = false;  ///< `printed` is what readers may conclude, not what the chapter says
   std::string numbers_caption;  ///< of the table beside the verdict
   std::vector<std::string> numbers_head;
 
   /// "eq" and digits, and not left open
   bool isEquation() const;
+  /// The chapter says it, and is counted for it.
+  bool isPrinted() const { return !left_open && !not_printed; }
 };
 
 struct Chapter {
   std::string file;  ///< that says all this
   std::string author, title, year;
-  std::vector<std::string> sections;  ///< titles of 1, 2, ...
-  std::vector<Statement> statements;  ///< in the order of the chapter
+  std::vector<std::string> criterion;  ///< by which rule a verdict is reached, a sentence each
+  std::vector<std::string> sections;   ///< titles of 1, 2, ...
+  std::vector<Statement> statements;   ///< in the order of the chapter
 };
 
 /** @param text  of a file as data/audit/chapter.toml describes itself

@@ -2,6 +2,8 @@
 // Sections 11 to 13: constrained robots by sweeps, their base, tasks as constraints.
 #include "crosscheck/audit/constraints.hpp"
 
+#include "crosscheck/audit/board.hpp"
+
 namespace dynwitness::audit {
 namespace {
 
@@ -60,10 +62,16 @@ Trials eq54() {
         const auto held = anyConstraint<2>(at, 2);
         const Swept<T> swept(robot, {held});
         const VectorX<T> F_c = held.A * VectorX<T>(-swept.nu);
-        at.equal("tau", Robot<T>::column(robot.tau),
+        at.equal("our code: tau", Robot<T>::column(robot.tau),
                  VectorX<T>(robot.forces(swept.qdd) + robot.jacobian(2).transpose() * F_c));
-        at.equal("A' a", constrainedAcceleration(robot, held, swept.qdd), held.b);
-      }));
+        at.equal("our code: A' a", constrainedAcceleration(robot, held, swept.qdd), held.b);
+      }))
+      .numbers([] {
+        const HeldElbow elbow(0);
+        const double nu = elbow.nu();
+        return Rows{{"`f_x`", onBoard(elbow.held.A(0)), onBoard(elbow.held.A(0) * nu),
+                     onBoard(elbow.held.A(0) * nu) + " N"}};
+      });
 }
 
 Trials eq55() {
@@ -74,11 +82,31 @@ Trials eq55() {
         const SixVectors<T> six(robot);
         at.equal("E_0", MatrixX<T>(six.P(0) * six.P(1) * held.A), responseToBase(robot, held));
       }))
+      .condition(exact([](Point& at) {
+        // P and E of both links in the axes of the base, about its origin
+        const auto robot = anyRobot(at, {kTurn, kSlide});
+        const auto held = anyConstraint<2>(at, 1);
+        const SixVectors<T> six(robot);
+        MatrixX<T> E = six.fromBase(1).transpose() * held.A;
+        for (int i = 1; i >= 0; --i) {
+          const MatrixX<T> T_F = six.fromBase(i).transpose();
+          E = MatrixX<T>(T_F * six.P(i) * inverseDense<T>(T_F) * E);
+        }
+        at.equal("E_0", E, responseToBase(robot, held));
+      }))
       .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide});
         const auto held = anyConstraint<2>(at, 1);
-        at.equal("E_0", carriedInward(SixVectors<T>(robot), held).E_0, responseToBase(robot, held));
-      }));
+        const auto inward = carriedInward(SixVectors<T>(robot), held);
+        at.equal("E_0", inward.E_0, responseToBase(robot, held));
+        at.equal("our code: E_1", MatrixX<T>(Swept<T>(robot, {held}).E[0]), inward.E[0]);
+      }))
+      .numbers([] {
+        const HeldElbow elbow(0);
+        const Vector6<double> printed = elbow.arm.P(1) * elbow.E(1);
+        const SixNames names = {"`f_x`", "`f_y`", "`f_z`", "`m_x` [m]", "`m_y` [m]", "`m_z` [m]"};
+        return componentRows(names, printed, elbow.E(0));
+      });
 }
 
 Trials eq56() {
@@ -100,7 +128,23 @@ Trials eq56() {
         const auto held = anyConstraint<2>(at, 2);
         at.equal("beta_0", carriedInward(SixVectors<T>(robot), held).beta_0,
                  constrainedAcceleration(robot, held, robot.accelerations()));
-      }));
+        // our sweep asks the free motion for it: b - beta_0 is what constraint forces have to add
+        const Swept<T> swept(robot, {held});
+        at.equal("our code: N nu", VectorX<T>(swept.N * swept.nu),
+                 VectorX<T>(held.b - carriedInward(SixVectors<T>(robot), held).beta_0));
+      }))
+      .numbers([] {
+        OnTheBoard arm("double_pendulum", 1);
+        arm.move(recursive::Terms::none());
+        Vector6<double> printed = Vector6<double>::Zero();
+        Matrix6<double> E = Matrix6<double>::Identity();
+        for (std::size_t i = arm.n(); i-- > 0; E = (arm.T_F(i) * arm.P(i) * E).eval()) {
+          const Vector6<double> a = arm.ws.a[i].vector();  // were it known
+          const double left = arm.tau[i] - OnTheBoard::Z().dot(arm.F(i) + arm.M_A(i) * a);
+          printed += E * (a + OnTheBoard::Z() * (left / arm.ws.D[i]));
+        }
+        return componentRows(kAccelerationNames, printed, arm.ws.a[1].vector());
+      });
 }
 
 Trials eq57() {
@@ -108,8 +152,9 @@ Trials eq57() {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
     const auto held = anyConstraint<2>(at, 2);
     const MatrixX<T> J = held.A.transpose() * robot.jacobian(2);
-    at.equal("N_0", carriedInward(SixVectors<T>(robot), held).N_0,
-             MatrixX<T>(-(J * inverseDense<T>(robot.massMatrix()) * J.transpose())));
+    const MatrixX<T> N_0 = -(J * inverseDense<T>(robot.massMatrix()) * J.transpose());
+    at.equal("N_0", carriedInward(SixVectors<T>(robot), held).N_0, N_0);
+    at.equal("our code", MatrixX<T>(-Swept<T>(robot, {held}).N), N_0);
   }));
 }
 
@@ -215,8 +260,24 @@ Trials eq58() {
       }))
       .corrected(exact([](Point& at) {
         const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-        compareOutward(at, robot, anyConstraint<1>(at, 2), Printed::kNo);
-      }));
+        const auto held = anyConstraint<1>(at, 2);
+        compareOutward(at, robot, held, Printed::kNo);
+        at.equal("our code", Robot<T>::column(Swept<T>(robot, {held}).qdd),
+                 Robot<T>::column(denseConstrained<T>(robot, {held}).qdd));
+      }))
+      .numbers([] {
+        const HeldElbow elbow(1);
+        const OnTheBoard& arm = elbow.arm;
+        Rows rows;
+        for (std::size_t i = 0; i < arm.n(); ++i) {
+          const Vector6<double> gained =
+              arm.A(i) + OnTheBoard::Z() * arm.qdd[i];  // Xdd_i - Xdd_i-1
+          const Vector6<double> F = arm.F(i) + arm.M_A(i) * gained + elbow.E(i) * elbow.nu();
+          rows.push_back({std::to_string(i + 1), onBoard((arm.tau[i] - F(5)) / arm.ws.D[i]),
+                          onBoard(arm.qdd[i])});
+        }
+        return rows;
+      });
 }
 
 }  // namespace

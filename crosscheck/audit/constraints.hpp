@@ -71,8 +71,10 @@ struct Swept : Constrained<T> {
                                           this->qdd);
     this->nu = cws.nu;
     N = cws.N;
+    E = cws.E;
   }
   MatrixX<T> N;
+  std::vector<Eigen::Matrix<T, 6, Eigen::Dynamic>> E;  ///< what each link feels of unit forces
 };
 
 /// E_0' column by column: the acceleration along the constraints that unit accelerations of the

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sections 2 and 5: frames, and how forces, velocities and accelerations are carried between them.
+#include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/truths.hpp"
+#include "recursive/newton_euler.hpp"
 
 namespace dynwitness::audit {
 namespace {
@@ -106,6 +108,7 @@ Trials eq3() {
     const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
     const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
     at.equal("F_1", system.about(p_1).vector(), T_F * system.about(p_2).vector());
+    at.equal("our code", T_F, Transform<T>{one<T>(), -r_12}.forceMatrix());
   }));
 }
 
@@ -126,6 +129,7 @@ Trials eq5() {
     const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
     const Matrix6<T> back = blocks<T>(one<T>(), none<T>(), -skew<T>(r_12), one<T>());
     at.equal("product", T_F * back, Matrix6<T>::Identity());
+    at.equal("our code", back, Transform<T>{one<T>(), r_12}.forceMatrix());
     at.equal("second form", back, blocks<T>(one<T>(), none<T>(), skew<T>(r_21), one<T>()));
   }));
 }
@@ -223,6 +227,7 @@ void velocityBlocks(Point& at, bool turned) {
   const Matrix3<T> R = frames.R_12();
   const Matrix6<T> T_V = blocks<T>(R, skew<T>(frames.r_12()) * R, none<T>(), R);
   at.equal(turned ? "link frames" : "parallel axes", x_1, T_V * x_2);
+  at.equal("our code", T_V, Transform<T>{R.transpose(), frames.r_12()}.inverse().motionMatrix());
 }
 
 Trials eq10() {
@@ -238,7 +243,7 @@ Trials eq10() {
     };
     const Transform<T> X_21{frames.R_12().transpose(), frames.r_12()};
     const Path<T> path = anyPath(at);
-    at.equal("Xd_1", seen(path, true), X_21.inverse().motionMatrix() * seen(path, false));
+    at.equal("our code: Xd_1", seen(path, true), X_21.inverse().motionMatrix() * seen(path, false));
   }));
 }
 
@@ -265,8 +270,8 @@ Trials eq13() {
   return Trials("eq13").printed(exact([](Point& at) {
     const Transform<T> X_21 = at.transform();
     const Transform<T> X_12 = X_21.inverse();
-    at.equal("first", X_21.forceMatrix(), X_12.motionMatrix().transpose());
-    at.equal("second", X_21.motionMatrix(), X_12.forceMatrix().transpose());
+    at.equal("our code: first", X_21.forceMatrix(), X_12.motionMatrix().transpose());
+    at.equal("our code: second", X_21.motionMatrix(), X_12.forceMatrix().transpose());
     // what it rests on: power does not depend on the frame
     const Force<T> F_1 = at.force();
     const Motion<T> x_1 = at.motion();
@@ -304,8 +309,25 @@ Trials eq14() {
         at.equal("vd_1", vd_1, vd_2 + r_12.cross(wd) - w.cross(w.cross(r_12)));
         const Motion<T> a_1{vd_1 - w.cross(rate<T, 3, 1>(x_1)), wd};
         const Motion<T> a_2{vd_2 - w.cross(rate<T, 3, 1>(x_2)), wd};
-        at.equal("spatial", a_1, Transform<T>{one<T>(), -r_12} * a_2);
-      }));
+        at.equal("our code: spatial", a_1, Transform<T>{one<T>(), -r_12} * a_2);
+      }))
+      .numbers([] {
+        OnTheBoard arm("double_pendulum");
+        arm.qd = {1, 0};
+        recursive::inverseDynamics(arm.model, arm.x, arm.qd, std::vector<double>{0, 0}, arm.ws,
+                                   arm.tau, recursive::Terms::none());
+        // the elbow moves with either rod: from the lower one, turned into the axes of the upper
+        // one
+        const Motion<double>&v = arm.ws.v[1], &a = arm.ws.a[1];
+        const Matrix3<double> R = arm.ws.X_up[1].R.transpose();
+        const Vector3<double> vd_2 = R * (a.linear + v.angular.cross(v.linear)), wd = R * a.angular,
+                              r_12 = arm.ws.X_up[1].p, printed = vd_2 + r_12.cross(wd);
+        Rows rows;
+        for (int i = 0; i < 3; ++i)
+          rows.push_back({std::string(1, "xyz"[i]), onBoard(vd_2(i)), onBoard(printed(i)),
+                          onBoard(arm.ws.a[0].linear(i))});
+        return rows;
+      });
 }
 
 Trials notADerivative() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sections 16.1 and 17: impedances in other frames, and the geometry of the mass matrix.
+#include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/lifted.hpp"
 
 namespace dynwitness::audit {
@@ -84,9 +85,20 @@ Trials eq74() {
         const auto springs = anySprings(at);
         const Transform<T> X = at.transform();
         const Matrix6<T> S = X.motionMatrix();
-        at.equal("C_f", springs.seenFrom(X).compliance(),
+        at.equal("our code: C_f", springs.seenFrom(X).compliance(),
                  Matrix6<T>(S * springs.compliance() * S.transpose()));
-      }));
+      }))
+      .numbers([] {
+        Matrix6<double> C_i = Matrix6<double>::Zero();
+        C_i.diagonal() << 0.001, 0.001, 0.001, 0.01, 0.01, 0.01;
+        const Transform<double> X{Matrix3<double>::Identity(), {0.1, 0, 0}};
+        const Matrix6<double> S = X.motionMatrix();
+        const Vector6<double> w = Vector6<double>::Unit(1);
+        const std::array<const char*, 6> names = {"x [m]",   "y [m]",   "z [m]",
+                                                  "x [rad]", "y [rad]", "z [rad]"};
+        return componentRows(names, Vector6<double>(S * C_i * X.inverse().motionMatrix() * w),
+                             Vector6<double>(S * C_i * S.transpose() * w));
+      });
 }
 
 Trials similarity() {

@@ -2,7 +2,9 @@
 // Sections 15 and 16: Hamilton's principle, Lagrange's equations, and what they share with
 // Newton's.
 #include <algorithm>
+#include <cmath>
 
+#include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/lifted.hpp"
 #include "recursive/energy.hpp"
 
@@ -244,29 +246,43 @@ void compareRotation(Point& at, bool with_gyroscopic_term) {
 
 // ---- second variations of an oscillator ---------------------------------------------------------
 
-/// An oscillator over a duration that is `low` to `high` times sqrt(m / k); half a period is pi.
+/// An oscillator, and a duration.
+template <typename T>
 struct Oscillator {
-  Oscillator(RealPoint& at, double low, double high) : m(at.number(0.5, 2)), k(at.number(0.5, 2)) {
-    duration = sqrt(m / k) * at.number(low, high);
-  }
   /// What the action of q + r has more than that of any motion q:  integral of (m rd^2 - k r^2) /
   /// 2, exactly, for r = t (duration - t) times a polynomial.
-  Ball excess(const Poly<Ball>& shape) const {
-    const Poly<Ball> t = Poly<Ball>::time();
-    const Poly<Ball> r = t * (Poly<Ball>(duration) - t) * shape, rd = r.derivative();
-    return (Poly<Ball>(m) * rd * rd - Poly<Ball>(k) * r * r).integral(Ball(0), duration) / Ball(2);
+  T excess(const Poly<T>& shape) const {
+    const Poly<T> t = Poly<T>::time();
+    const Poly<T> r = t * (Poly<T>(duration) - t) * shape, rd = r.derivative();
+    return (Poly<T>(m) * rd * rd - Poly<T>(k) * r * r).integral(T(0), duration) / T(2);
   }
   /// 1, and duration - 2 t: one bump and two.
-  Ball slow() const { return excess(Poly<Ball>(Ball(1))); }
-  Ball fast() const {
-    return excess(Poly<Ball>(duration) - Poly<Ball>(Ball(2)) * Poly<Ball>::time());
-  }
-  Ball m, k, duration;
+  T slow() const { return excess(Poly<T>(T(1))); }
+  T fast() const { return excess(Poly<T>(duration) - Poly<T>(T(2)) * Poly<T>::time()); }
+
+  T m, k, duration;
 };
+/// Any, over a duration that is `low` to `high` times sqrt(m / k); half a period is pi.
+Oscillator<Ball> anyOscillator(RealPoint& at, double low, double high) {
+  const Ball m = at.number(0.5, 2), k = at.number(0.5, 2);
+  return {m, k, sqrt(m / k) * at.number(low, high)};
+}
+
+/// (64): a mass of 1 kg on a spring of 1 N/m, shorter and longer than half its period.
+Rows actionRows() {
+  Rows rows;
+  for (const double halves : {0.5, 0.9, 1.1, 1.9}) {
+    const Oscillator<double> one = {1, 1, halves * M_PI};
+    const double slow = one.slow(), fast = one.fast();
+    rows.push_back({fmt::format("{}", halves), onBoard(slow), onBoard(fast),
+                    slow > 0 && fast > 0 ? "least" : "neither least nor greatest"});
+  }
+  return rows;
+}
 
 Trial saddle() {
   return certified([](RealPoint& at) {
-    const Oscillator oscillator(at, 3.3, 6);
+    const auto oscillator = anyOscillator(at, 3.3, 6);
     at.positive("- (slow) (fast)", -(oscillator.slow() * oscillator.fast()));
   });
 }
@@ -290,34 +306,37 @@ Trial stationary() {
 Trials eq64() {
   return Trials("eq64")
       .printed(certified([](RealPoint& at) {
-        const Oscillator oscillator(at, 3.3, 6);
+        const auto oscillator = anyOscillator(at, 3.3, 6);
         at.positive("(slow) (fast)", oscillator.slow() * oscillator.fast());
       }))
       .condition(certified([](RealPoint& at) {
-        const Oscillator oscillator(at, 0.5, 3.14);
+        const auto oscillator = anyOscillator(at, 0.5, 3.14);
         at.positive("slow", oscillator.slow());
         at.positive("fast", oscillator.fast());
         Poly<Ball> any(std::vector<Ball>{at.number(-1, 1), at.number(-1, 1), at.number(-1, 1),
                                          at.number(-1, 1)});
         at.positive("any", oscillator.excess(any));
       }))
-      .corrected(both(stationary(), saddle()));
+      .corrected(both(stationary(), saddle()))
+      .numbers(actionRows);
 }
 
 Trials leastAction() {
   return Trials("least_action")
       .printed(certified(
-          [](RealPoint& at) { at.positive("I(q + r) - I(q)", Oscillator(at, 3.3, 6).slow()); }))
-      .condition(certified(
-          [](RealPoint& at) { at.positive("I(q + r) - I(q)", Oscillator(at, 0.5, 3.14).slow()); }))
-      .corrected(certified(
-          [](RealPoint& at) { at.positive("I(q) - I(q + r)", -Oscillator(at, 3.3, 6).slow()); }));
+          [](RealPoint& at) { at.positive("I(q + r) - I(q)", anyOscillator(at, 3.3, 6).slow()); }))
+      .condition(certified([](RealPoint& at) {
+        at.positive("I(q + r) - I(q)", anyOscillator(at, 0.5, 3.14).slow());
+      }))
+      .corrected(certified([](RealPoint& at) {
+        at.positive("I(q) - I(q + r)", -anyOscillator(at, 3.3, 6).slow());
+      }));
 }
 
 Trials eq65() {
   return Trials("eq65").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide});
-    at.equal("forces", robotEulerLagrange(robot, -1), robot.forces(robot.qdd));
+    at.equal("our code: forces", robotEulerLagrange(robot, -1), robot.forces(robot.qdd));
   }));
 }
 
@@ -351,7 +370,95 @@ Trials eq66() {
         const T slope =
             (Poly<T>(m) * q.derivative() * r.derivative() - Poly<T>(k) * q * r).integral(t1, t2);
         at.zero("variation and virtual work", T(slope + (Q * r).integral(t1, t2)));
+      }))
+      .numbers([] {
+        constexpr double kViscous = 2, kPlace = 0.1;
+        using DD = Dual<Dual<double>>;
+        Rows rows;
+        for (const double qd : {1.0, 2.0}) {
+          // what W = Q q puts on the side of the forces, Q = -b qd
+          const auto W = [&](const std::vector<DD>& q, const std::vector<DD>& v) {
+            return -(DD(Dual<double>(kViscous)) * v[0] * q[0]);
+          };
+          const double force = -eulerLagrange<double>(W, {kPlace}, {qd}, {0})(0);
+          rows.push_back({onBoard(qd), onBoard(force), onBoard(-kViscous * qd)});
+        }
+        return rows;
+      });
+}
+
+// ---- what (72) is, and what it is enough for
+
+/// W = dE/dqdd and E(qdd = 0), E the left side of (72) at this state.
+struct SecondOrder {
+  explicit SecondOrder(const Robot<T>& robot) : W(robot.n(), robot.n()) {
+    Robot<T> still = robot;
+    still.qdd = robot.zeros();
+    rest = robotEulerLagrange(still, -1);
+    for (int k = 0; k < robot.n(); ++k) {
+      still.qdd = robot.unit(k);
+      W.col(k) = robotEulerLagrange(still, -1) - rest;
+    }
+  }
+  MatrixX<T> W;
+  VectorX<T> rest;
+};
+
+Trials eulerPdes() {
+  return Trials("euler_pdes")
+      .printed(exact([](Point& at) {
+        // were qdd open, W would be singular
+        at.zero("det W", determinant<T>(SecondOrder(anyRobot(at, {kTurn, kSlide})).W));
+      }))
+      .corrected(exact([](Point& at) {
+        auto robot = anyRobot(at, {kTurn, kSlide});
+        const SecondOrder order(robot);
+        at.equal("W", order.W, robot.massMatrix());
+        at.equal("W qdd", VectorX<T>(order.W * Robot<T>::column(robot.qdd) + order.rest),
+                 VectorX<T>(robotEulerLagrange(robot, -1)));
+        robot.tau = robot.zeros();
+        const recursive::Model<T> model = robot.model();
+        recursive::Workspace<T> ws(model);
+        std::vector<T> qdd = robot.zeros();
+        recursive::forwardDynamics(model, robot.x, robot.qd, robot.tau, ws, qdd);
+        at.equal("our code: qdd", Robot<T>::column(qdd),
+                 solveDense<T>(order.W, VectorX<T>(-order.rest)));
       }));
+}
+
+/// A polynomial path with the force that makes it obey (72): the first variation by definition and
+/// by (72) with any r.
+Trial necessary() {
+  return exact([](Point& at) { compareFirstVariation(at, true); });
+}
+
+Trials eulerNotSufficient() {
+  return Trials("euler_not_sufficient").printed(both(necessary(), saddle()));
+}
+
+Trials fullyEquivalent() {
+  return Trials("fully_equivalent")
+      .printed(certified([](RealPoint& at) {
+        const auto oscillator = anyOscillator(at, 3.3, 6);
+        at.positive("(slow) (fast)", oscillator.slow() * oscillator.fast());
+      }))
+      .condition(stationary())
+      .corrected(
+          both(exact([](Point& at) {
+                 const auto v = anyVaried(at);
+                 T by_definition = T(0), by_72 = T(0);
+                 for (int i = 0; i < 2; ++i) {
+                   by_definition += actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, i, v.t1, v.t2);
+                   const Poly<T> E =
+                       partial(v.L, v.q, i, false) - partial(v.L, v.q, i, true).derivative();
+                   by_72 += (v.r[i] * E).integral(v.t1, v.t2);
+                 }
+                 at.equal("first order", by_definition, by_72);
+               }),
+               differs([](Point& at) {  // a path that does not obey (72) has an r that tells
+                 const auto v = anyVaried(at);
+                 at.zero("first order", actionSlope<T>(v.L, v.q, v.r, {T(0), T(0)}, 0, v.t1, v.t2));
+               })));
 }
 
 Trials eq67() {
@@ -382,13 +489,22 @@ Trials eq68() {
                  (partial(v.L, v.q, 0, false) * v.r[0] +
                   partial(v.L, v.q, 0, true) * v.r[0].derivative())
                      .integral(v.t1, v.t2));
-      }));
+      }))
+      .numbers([] {
+        const double q[] = {0.5, 0.5}, r[] = {1, -2}, eps[] = {0.1, 0.2};
+        Rows rows;
+        for (int i = 0; i < 2; ++i)
+          rows.push_back({std::to_string(i + 1), onBoard(q[i]),
+                          onBoard(q[i] + eps[0] * r[0] + eps[1] * r[1]),
+                          onBoard(q[i] + eps[i] * r[i])});
+        return rows;
+      });
 }
 
 Trials eq69() {
-  return Trials("eq69")
-      .printed(exact([](Point& at) { compareFirstVariation(at, false); }))
-      .corrected(exact([](Point& at) { compareFirstVariation(at, true); }));
+  // at eps = 0, as the words have it; and elsewhere the sum is not 0
+  return Trials("eq69").printed(both(exact([](Point& at) { compareFirstVariation(at, true); }),
+                                     differs([](Point& at) { compareFirstVariation(at, false); })));
 }
 
 Trials eq70() {
@@ -422,7 +538,7 @@ Trials eq72() {
     auto robot = anyRobot(at, {kTurn, kTurn});
     robot.tau = robot.zeros();
     robot.qdd = robot.accelerations();  // by virtual work
-    at.zero("d/dt dL/dqd - dL/dq", VectorX<T>(robotEulerLagrange(robot, -1)));
+    at.zero("our code: d/dt dL/dqd - dL/dq", VectorX<T>(robotEulerLagrange(robot, -1)));
   }));
 }
 
@@ -486,8 +602,21 @@ Trials cartesianLocal() {
 }  // namespace
 
 std::vector<Trials> lagrange() {
-  return {eq64(), leastAction(), eq65(), eq66(), eq67(),       eq68(),
-          eq69(), eq70(),        eq71(), eq72(), invariance(), cartesianLocal()};
+  return {eq64(),
+          leastAction(),
+          eq65(),
+          eq66(),
+          eulerPdes(),
+          eulerNotSufficient(),
+          fullyEquivalent(),
+          eq67(),
+          eq68(),
+          eq69(),
+          eq70(),
+          eq71(),
+          eq72(),
+          invariance(),
+          cartesianLocal()};
 }
 
 }  // namespace dynwitness::audit

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 7: what of inertia, acceleration and force passes through a joint. The truth is the
 // linear system of Newton-Euler, joint and motor (solveJoint).
-#include <cmath>
-
 #include <fmt/format.h>
 
+#include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/counting.hpp"
-#include "crosscheck/audit/truths.hpp"
-#include "recursive/articulated_body.hpp"
-#include "recursive/build_model.hpp"
+#include "crosscheck/audit/robot.hpp"
 #include "recursive/projection.hpp"
-#include "scene/scene.hpp"
 
 namespace dynwitness::audit {
 namespace {
@@ -51,28 +47,25 @@ Vector6<T> axisZ() {
 
 // ---- numbers for the board ---------------------------------------------------------------------
 
-/// A bundled robot as the articulated-body sweep leaves it, at rest with every q = 0.5 (quaternions
-/// apart, which none of them has).
-struct OnTheBoard {
-  explicit OnTheBoard(const char* name)
-      : scene(scene::findScene(name)),
-        model(recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism))),
-        ws(model),
-        x(static_cast<std::size_t>(model.positions), scene::jointPosition(0.5)) {
-    const std::vector<double> zeros(x.size(), 0.0);
-    std::vector<double> qdd = zeros;
-    recursive::forwardDynamics(model, x, zeros, zeros, ws, qdd);
+/// What forwardDynamics() leaves of a chain of two links is held to dense matrices: M_A, P, P M of
+/// both joints, with or without rotors.
+void comparesSweep(Point& at, Rotors rotors) {
+  const Robot<T> robot = anyRobot(at, {kTurn, kTurn}, rotors);
+  const SixVectors<T> six(robot);
+  const recursive::Model<T> model = robot.model();
+  recursive::Workspace<T> ws(model);
+  std::vector<T> qdd = robot.zeros();
+  recursive::forwardDynamics(model, robot.x, robot.qd, robot.tau, ws, qdd);
+  at.equal("our code: qdd", Robot<T>::column(qdd), Robot<T>::column(robot.accelerations()));
+  for (int i = 0; i < 2; ++i) {
+    const auto swept = recursive::sweptProjection(model, robot.x, ws, i);
+    at.equal("our code: M_A", ws.M_A[i].matrix(), six.M_A[i]);
+    at.equal("our code: P", swept.P, six.P(i));
+    at.equal("our code: P M", swept.P_M.matrix(), Matrix6<T>(six.P(i) * six.M_A[i]));
   }
-  Matrix6<double> M_A(std::size_t link) const { return ws.M_A[link].matrix(); }
-
-  scene::Scene scene;
-  recursive::Model<double> model;
-  recursive::Workspace<double> ws;
-  std::vector<scene::JointPosition<double>> x;
-};
-/// What is below the digits of its neighbours is 0.
-std::string onBoard(double x) {
-  return fmt::format("{:.4g}", std::abs(x) < 1e-14 ? 0.0 : x);
+}
+Trial sweep(Rotors rotors) {
+  return exact([rotors](Point& at) { comparesSweep(at, rotors); });
 }
 
 /// (32): P M of the upper link of a double pendulum, entry by entry.
@@ -132,14 +125,16 @@ Trials eq20() {
 
 Trials eq21() {
   return Trials("eq21").printed(exact([](Point& at) {
-    // a bearing pushes on the shaft at points of its axis, in any direction
+    // a bearing pushes on the shaft at points of its axis, in
+    // any direction
     const Vector3<T> p = at.vector(), z = at.vector();
     Force<T> F = Force<T>::zero();
     for (int k = 0; k < 3; ++k) {
       const Vector3<T> place = p + z * at.number(), f = at.vector();
       F = F + Force<T>{f, place.cross(f)};
     }
-    // unit rotation about the axis through p, seen from the origin
+    // unit rotation about the axis through p, seen from the
+    // origin
     const Motion<T> Z{p.cross(z), z};
     at.zero("Z' F", dot(Z, F));
   }));
@@ -154,22 +149,26 @@ Trials eq22() {
 }
 
 Trials eq23() {
-  return Trials("eq23").printed(exact([](Point& at) {
-    const auto problem = anyProblem(at);
-    at.equal("qdd", solveJoint(problem).qdd,
-             -(problem.Z.dot(problem.M_2 * problem.Xdd_1)) / axisInertia(problem));
-  }));
+  return Trials("eq23")
+      .printed(exact([](Point& at) {
+        const auto problem = anyProblem(at);
+        at.equal("qdd", solveJoint(problem).qdd,
+                 -(problem.Z.dot(problem.M_2 * problem.Xdd_1)) / axisInertia(problem));
+      }))
+      .ours(sweep(Rotors::kNone));
 }
 
 Trials eq24() {
-  return Trials("eq24").printed(exact([](Point& at) {
-    const auto problem = anyProblem(at);
-    const Matrix6<T> M_1 = at.template symmetric<6>();
-    const Vector6<T> M_Z = problem.M_2 * problem.Z;
-    const Matrix6<T> loss = M_Z * M_Z.transpose() / axisInertia(problem);
-    at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted,
-             M_1 * problem.Xdd_1 + (problem.M_2 - loss) * problem.Xdd_1);
-  }));
+  return Trials("eq24")
+      .printed(exact([](Point& at) {
+        const auto problem = anyProblem(at);
+        const Matrix6<T> M_1 = at.template symmetric<6>();
+        const Vector6<T> M_Z = problem.M_2 * problem.Z;
+        const Matrix6<T> loss = M_Z * M_Z.transpose() / axisInertia(problem);
+        at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted,
+                 M_1 * problem.Xdd_1 + (problem.M_2 - loss) * problem.Xdd_1);
+      }))
+      .ours(sweep(Rotors::kNone));
 }
 
 Trials eq25() {
@@ -186,24 +185,29 @@ Trials eq25() {
 }
 
 Trials eq26() {
-  return Trials("eq26").printed(exact([](Point& at) {
-    const auto problem = anyProblem(at);
-    const Matrix6<T> M_1 = at.template symmetric<6>();
-    const Vector6<T> M_Z = problem.M_2 * problem.Z;
-    const Matrix6<T> P =
-        Matrix6<T>::Identity() - Matrix6<T>(M_Z * problem.Z.transpose()) / axisInertia(problem);
-    const Matrix6<T> M_A1 = M_1 + P * problem.M_2;
-    at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted, M_A1 * problem.Xdd_1);
-  }));
+  return Trials("eq26")
+      .printed(exact([](Point& at) {
+        const auto problem = anyProblem(at);
+        const Matrix6<T> M_1 = at.template symmetric<6>();
+        const Vector6<T> M_Z = problem.M_2 * problem.Z;
+        const Matrix6<T> P =
+            Matrix6<T>::Identity() - Matrix6<T>(M_Z * problem.Z.transpose()) / axisInertia(problem);
+        const Matrix6<T> M_A1 = M_1 + P * problem.M_2;
+        at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted,
+                 M_A1 * problem.Xdd_1);
+      }))
+      .ours(sweep(Rotors::kNone));
 }
 
 Trials eq27() {
-  return Trials("eq27").printed(exact([](Point& at) {
-    const auto problem = anyProblem(at);
-    at.equal(
-        "force", solveJoint(problem).transmitted,
-        forceProjection<T>(problem.M_2, problem.Z, T(0)) * Vector6<T>(problem.M_2 * problem.Xdd_1));
-  }));
+  return Trials("eq27")
+      .printed(exact([](Point& at) {
+        const auto problem = anyProblem(at);
+        at.equal("force", solveJoint(problem).transmitted,
+                 forceProjection<T>(problem.M_2, problem.Z, T(0)) *
+                     Vector6<T>(problem.M_2 * problem.Xdd_1));
+      }))
+      .ours(sweep(Rotors::kNone));
 }
 
 Trials eq28() {
@@ -229,12 +233,15 @@ Trials projectionSkew() {
 }
 
 Trials eq29() {
-  return Trials("eq29").printed(exact([](Point& at) {
-    const auto problem = anyProblem(at);
-    const Matrix6<T> M_1 = at.template symmetric<6>();
-    const Matrix6<T> M_A1 = M_1 + inertiaProjection<T>(problem.M_2, problem.Z, T(0));
-    at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted, M_A1 * problem.Xdd_1);
-  }));
+  return Trials("eq29")
+      .printed(exact([](Point& at) {
+        const auto problem = anyProblem(at);
+        const Matrix6<T> M_1 = at.template symmetric<6>();
+        const Matrix6<T> M_A1 = M_1 + inertiaProjection<T>(problem.M_2, problem.Z, T(0));
+        at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted,
+                 M_A1 * problem.Xdd_1);
+      }))
+      .ours(sweep(Rotors::kNone));
 }
 
 Trials eq30() {
@@ -265,12 +272,14 @@ Trials heavier() {
 }
 
 Trials eq31() {
-  return Trials("eq31").printed(exact([](Point& at) {
-    const Matrix6<T> M = at.template symmetric<6>();
-    Matrix6<T> P = Matrix6<T>::Identity();
-    for (int i = 0; i < 6; ++i) P(i, 5) = i < 5 ? -M(i, 5) / M(5, 5) : T(0);
-    at.equal("P", P, forceProjection<T>(M, axisZ<T>(), T(0)));
-  }));
+  return Trials("eq31")
+      .printed(exact([](Point& at) {
+        const Matrix6<T> M = at.template symmetric<6>();
+        Matrix6<T> P = Matrix6<T>::Identity();
+        for (int i = 0; i < 6; ++i) P(i, 5) = i < 5 ? -M(i, 5) / M(5, 5) : T(0);
+        at.equal("P", P, forceProjection<T>(M, axisZ<T>(), T(0)));
+      }))
+      .ours(sweep(Rotors::kNone));
 }
 
 Trials eq32() {
@@ -302,6 +311,7 @@ Trials eq32() {
         const Force<T> U{A.B.col(2), A.C.column(2)};
         at.equal("our code", A.minusOuter(U, T(1) / U.moment.z()).matrix(), P_M);
       }))
+      .ours(sweep(Rotors::kNone))
       .numbers(projectedInertiaRows);
 }
 
@@ -410,26 +420,32 @@ Trials eq33() {
   return Trials("eq33")
       .printed(exact([](Point& at) { rotorForce(at, -1); }))
       .corrected(exact([](Point& at) { rotorForce(at, 1); }))
+      .ours(sweep(Rotors::kAll))
       .numbers(motorInertiaRows);
 }
 
 Trials eq34() {
-  return Trials("eq34").printed(exact([](Point& at) {
-    const auto problem = anyProblem(at, true);
-    const T d = rotorInertia(problem);
-    const Vector6<T> M_Z = problem.M_2 * problem.Z;
-    const Matrix6<T> loss = M_Z * M_Z.transpose() / (d + axisInertia(problem));
-    at.equal("force that passes", solveJoint(problem).transmitted,
-             (problem.M_2 - loss) * problem.Xdd_1);
-  }));
+  return Trials("eq34")
+      .printed(exact([](Point& at) {
+        const auto problem = anyProblem(at, true);
+        const T d = rotorInertia(problem);
+        const Vector6<T> M_Z = problem.M_2 * problem.Z;
+        const Matrix6<T> loss = M_Z * M_Z.transpose() / (d + axisInertia(problem));
+        at.equal("force that passes", solveJoint(problem).transmitted,
+                 (problem.M_2 - loss) * problem.Xdd_1);
+      }))
+      .ours(sweep(Rotors::kAll));
 }
 
 Trials eq35() {
-  return Trials("eq35").printed(exact([](Point& at) {
-    const auto problem = anyProblem(at, true);
-    at.equal("force that passes", solveJoint(problem).transmitted,
-             inertiaProjection<T>(problem.M_2, problem.Z, rotorInertia(problem)) * problem.Xdd_1);
-  }));
+  return Trials("eq35")
+      .printed(exact([](Point& at) {
+        const auto problem = anyProblem(at, true);
+        at.equal(
+            "force that passes", solveJoint(problem).transmitted,
+            inertiaProjection<T>(problem.M_2, problem.Z, rotorInertia(problem)) * problem.Xdd_1);
+      }))
+      .ours(sweep(Rotors::kAll));
 }
 
 Trials rotorProjection() {
@@ -473,6 +489,7 @@ Trials eq36() {
         for (int i = 0; i < 6; ++i) P(i, 5) = (i < 5 ? -M(i, 5) : d) / (d + M(5, 5));
         at.equal("P", P, forceProjection<T>(M, axisZ<T>(), d));
       }))
+      .ours(sweep(Rotors::kAll))
       .numbers(rotorShareRows);
 }
 
@@ -527,23 +544,11 @@ Trials eq37() {
 }
 
 Trials eq38() {
-  return Trials("eq38")
-      .printed(exact([](Point& at) {
-        const auto problem = anyProblem(at, true);
-        const T qdd = problem.Z.dot(problem.M_2 * problem.Xdd_1) / axisInertia(problem);
-        at.equal("Xdd_2", solveJoint(problem).Xdd_2, problem.Xdd_1 - problem.Z * qdd);
-      }))
-      .condition(exact([](Point& at) {
-        const auto problem = anyProblem(at);
-        const T qdd = problem.Z.dot(problem.M_2 * problem.Xdd_1) / axisInertia(problem);
-        at.equal("Xdd_2", solveJoint(problem).Xdd_2, problem.Xdd_1 - problem.Z * qdd);
-      }))
-      .corrected(exact([](Point& at) {
-        const auto problem = anyProblem(at, true);
-        const T D = rotorInertia(problem) + axisInertia(problem);
-        const T qdd = problem.Z.dot(problem.M_2 * problem.Xdd_1) / D;
-        at.equal("Xdd_2", solveJoint(problem).Xdd_2, problem.Xdd_1 - problem.Z * qdd);
-      }));
+  return Trials("eq38").printed(exact([](Point& at) {
+    const auto problem = anyProblem(at);
+    const T qdd = problem.Z.dot(problem.M_2 * problem.Xdd_1) / axisInertia(problem);
+    at.equal("Xdd_2", solveJoint(problem).Xdd_2, problem.Xdd_1 - problem.Z * qdd);
+  }));
 }
 
 Trials eq39() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 6: one rigid body. The truth is a cloud of point masses that obeys Newton's law.
+#include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/truths.hpp"
 
 namespace dynwitness::audit {
@@ -69,6 +70,9 @@ Trials eq15() {
     const auto moving = anyMoving(at);
     at.equal("force", moving.force(),
              moving.M() * moving.path.acceleration().vector() + moving.printedBias());
+    const RigidInertia<T> M = moving.inWorldAxes().inertia();
+    at.equal("our code: force", moving.force(),
+             (M * moving.spatialAcceleration() + biasForce(M, moving.path.velocity())).vector());
   }));
 }
 
@@ -188,13 +192,51 @@ void aboutCenter(Point& at, Start start, bool with_bias) {
   if (with_bias) moment += w.cross(Vector3<T>(I * w));
   at.equal("force", F.force, secondRate<T, 3, 1>(x_c) * moving.body.mass());
   at.equal("moment", F.moment, moment);
+  if (with_bias) {
+    const RigidInertia<T> M = RigidInertia<T>::aboutCenterOfMass(
+        moving.body.mass(), Vector3<T>::Zero(), Symmetric3<T>::fromUpper(I));
+    const Motion<T> turning{Vector3<T>::Zero(), w};
+    at.equal("our code: moment", F.moment,
+             Vector3<T>((M * Motion<T>{Vector3<T>::Zero(), path.alpha()}).moment +
+                        biasForce(M, turning).moment));
+  }
+}
+
+/// m, r_c and I_c of a link.
+struct AboutCenter {
+  explicit AboutCenter(const RigidInertia<double>& M) : mass(M.mass), r_c(M.h / M.mass) {
+    I_c = M.I.matrix() + Matrix3<double>(skew<double>(r_c) * skew<double>(r_c)) * mass;
+  }
+  double mass;
+  Vector3<double> r_c;
+  Matrix3<double> I_c;
+};
+Rows gyroscopicMomentRows() {
+  const OnTheBoard arm("puma_560");
+  const AboutCenter link(arm.model.links[1].M);
+  const Vector3<double> w(1, 1, 1), moment = w.cross(Vector3<double>(link.I_c * w));
+  Rows rows;
+  for (int i = 0; i < 3; ++i) rows.push_back({std::string(1, "xyz"[i]), "0", onBoard(moment(i))});
+  return rows;
+}
+Rows shiftedInertiaRows() {
+  const OnTheBoard arm("double_pendulum");
+  const RigidInertia<double>& M = arm.model.links[0].M;
+  const Matrix3<double> I_c = AboutCenter(M).I_c, I = M.I.matrix();
+  Rows rows;
+  for (int i = 0; i < 3; ++i)
+    if (onBoard(I(i, i)) != "0")
+      rows.push_back(
+          {std::string(2, "xyz"[i]), onBoard(I_c(i, i)), onBoard(I_c(i, i)), onBoard(I(i, i))});
+  return rows;
 }
 
 Trials eq17() {
   return Trials("eq17")
       .printed(exact([](Point& at) { aboutCenter(at, Start::kMoving, false); }))
       .condition(exact([](Point& at) { aboutCenter(at, Start::kNotTurning, false); }))
-      .corrected(exact([](Point& at) { aboutCenter(at, Start::kMoving, true); }));
+      .corrected(exact([](Point& at) { aboutCenter(at, Start::kMoving, true); }))
+      .numbers(gyroscopicMomentRows);
 }
 
 Trials eq18() {
@@ -340,7 +382,8 @@ Trials eq19() {
         at.equal("our code", massMatrix6(in_1),
                  recursive::ArticulatedInertia<T>::fromRigid(X_21.inverseTimes(in_2.inertia()))
                      .matrix());
-      }));
+      }))
+      .numbers(shiftedInertiaRows);
 }
 
 Trials tenParameters() {

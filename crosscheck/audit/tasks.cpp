@@ -117,7 +117,17 @@ Trials eq59() {
 Trials eq60() {
   return Trials("eq60")
       .printed(transposeFits(MatrixX<double>::Zero(2, 6)))
-      .corrected(transposeFits(MatrixX<double>::Zero(6, 2)));
+      .corrected(transposeFits(MatrixX<double>::Zero(6, 2)))
+      .numbers([] {
+        const auto row = [](const char* which, const MatrixX<double>& A_0) {
+          const Eigen::Index columns = A_0.transpose().cols();
+          return std::vector<std::string>{
+              which, std::to_string(A_0.cols()) + " x " + std::to_string(columns), "6 x 1",
+              columns == 6 ? std::to_string(A_0.cols()) + " x 1" : "none: the sizes do not fit"};
+        };
+        return Rows{row("printed", MatrixX<double>::Zero(2, 6)),
+                    row("so", MatrixX<double>::Zero(6, 2))};
+      });
 }
 
 Trials baseOptimum() {

@@ -45,6 +45,7 @@ Outcome runExact(const ExactStatement& statement, const std::string& name, std::
     statement(point);
     for (const auto& difference : point.differences()) {
       entries += difference.entries.size();
+      outcome.our_code |= difference.what.compare(0, 8, "our code") == 0;
       for (const PrimeField& entry : difference.entries)
         chance = std::max(chance, errorProbability(entry, sizes));
     }
@@ -109,6 +110,7 @@ Trial both(Trial first, Trial second) {
     Outcome b = second(name, seed);
     if (b.method != a.method) b.method = a.method + ", " + b.method;
     b.chance += a.chance;
+    b.our_code |= a.our_code;
     if (b.zero) b.residual = a.residual + "; " + b.residual;
     return b;
   };

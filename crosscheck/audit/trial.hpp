@@ -97,6 +97,7 @@ class Point {
     return {R, vector()};
   }
 
+  /// @param what  "our code ..." where one side is what a file of the repository answers
   void equal(const char* what, const T& left, const T& right) {
     differences_.push_back({what, {left - right}});
   }

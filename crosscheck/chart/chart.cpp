@@ -12,12 +12,13 @@
 #include <fmt/format.h>
 
 #include "crosscheck/chart/answers.hpp"
-#include "crosscheck/chart/methods.hpp"
+#include "crosscheck/chart/timed_apart.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/system/environment.hpp"
 #include "crosscheck/verdicts/truth.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/kernel_names.hpp"
+#include "recursive/build_model.hpp"
 #include "scene/error.hpp"
 #include "scene/work.hpp"
 #include "symbolic/closed_form.hpp"
@@ -69,6 +70,23 @@ void addSweeps(Sweep sweep, const scene::Mechanism& mechanism, const States& sta
     methods->push_back(inScalar(sweep, mechanism, states));
 }
 
+/// An engine that is linked: timed by its own calls where it can be called so.
+std::unique_ptr<Method> linkedEngine(std::unique_ptr<Witness> witness, const scene::Scene& scene,
+                                     Quantity quantity, const States& states, Chart* chart) {
+  try {
+    const auto model =
+        recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+    if (auto raw = rawCalls(witness->name(), scene, model, quantity, states.front())) {
+      chart->own_calls.push_back(raw->words);
+      return rawEngineMethod(std::move(witness), quantity, states, std::move(*raw));
+    }
+  } catch (const std::exception& error) {
+    chart->own_calls.push_back(
+        fmt::format("{}: by its witness, since {}", witness->name(), error.what()));
+  }
+  return engineMethod(std::move(witness), quantity, states);
+}
+
 Methods methodsFor(const scene::Scene& scene, Quantity quantity,
                    const std::vector<WitnessKind>& kinds, const States& states, Chart* chart) {
   const scene::Mechanism& mechanism = scene.mechanism;
@@ -92,10 +110,20 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
     methods.push_back(sweepInDouble(Sweep::kCompositeBodySolved, mechanism, states));
     addSweeps(Sweep::kArticulatedBody, mechanism, states, &methods);
   }
+  try {
+    methods.push_back(fastMethod(quantity, mechanism, states));
+  } catch (const std::invalid_argument& error) {  // joints that follow others
+    chart->left_out.push_back(fmt::format("{}: {}", kFastMethod, error.what()));
+  }
   for (const WitnessKind& kind : kinds) {
     if (kind.info.name == kKernelName) {
       try {
         methods.push_back(kernelMethod(quantity, mechanism, states));
+        try {
+          methods.push_back(lanesMethod(*methods.back(), states, kChartBatches));
+        } catch (const std::exception& error) {
+          chart->left_out.push_back(fmt::format("{}: {}", kLanesMethod, error.what()));
+        }
       } catch (const std::exception& error) {
         chart->left_out.push_back(fmt::format("{}: {}", MethodName::kKernel, error.what()));
       }
@@ -112,7 +140,7 @@ Methods methodsFor(const scene::Scene& scene, Quantity quantity,
     else if ((*made)->answers(quantity) && isProgram(kind))
       methods.push_back(std::make_unique<AskedProgram>(std::move(made).value(), quantity, states));
     else if ((*made)->answers(quantity))
-      methods.push_back(engineMethod(std::move(made).value(), quantity, states));
+      methods.push_back(linkedEngine(std::move(made).value(), scene, quantity, states, chart));
     else
       chart->left_out.push_back(
           fmt::format("{}: does not answer {}", kind.info.name, crosscheck::name(quantity)));
@@ -150,14 +178,18 @@ double quantile(const std::vector<double>& sorted, double share) {
 /// Times of one evaluation [ns], one a batch of states.
 void timeOneRound(Method& method, int states, std::vector<double>* times) {
   const auto seconds = dynamic_cast<AskedProgram*>(&method) ? wallSeconds : cpuSeconds;
+  auto* const apart = dynamic_cast<TimedApart*>(&method);
   const int batches = std::min(kChartBatches, states);
   for (int b = 0; b < batches; ++b) {
-    const int first = states * b / batches, last = states * (b + 1) / batches;
+    const int first = firstOfBatch(states, batches, b), last = firstOfBatch(states, batches, b + 1);
     double spent = 0;
     // on virtual machines the clock may stand still over a batch: that is no time
     for (int attempt = 0; attempt < 10 && !(spent > 0); ++attempt) {
       const double start = seconds();
-      for (int k = first; k < last; ++k) method.run(k);
+      if (apart)
+        apart->runAll(first, last);
+      else
+        for (int k = first; k < last; ++k) method.run(k);
       spent = seconds() - start;
     }
     times->push_back(1e9 * std::max(spent, 1e-9) / (last - first));
@@ -177,7 +209,7 @@ Chart speedAccuracy(const scene::Scene& scene, Quantity quantity,
   if (std::find(known.begin(), known.end(), quantity) == known.end())
     throw std::invalid_argument(
         fmt::format("speedAccuracy: quantity: expected M, tau or qdd, got {}", name(quantity)));
-  Chart chart{scene.name, scene.title, name(quantity), states, seed, cpuModel(), {}, {}};
+  Chart chart{scene.name, scene.title, name(quantity), states, seed, cpuModel(), {}, {}, {}};
   States drawn;
   std::vector<MatrixOf<Ball>> truths;
   Truth truth(scene.mechanism, kChartTruthBits);

@@ -29,7 +29,8 @@ struct Chart {
   std::uint64_t seed = 0;
   std::string machine;  ///< model name of the processor
   std::vector<ChartPoint> points;
-  std::vector<std::string> left_out;  ///< methods that do not apply, each with the reason
+  std::vector<std::string> left_out;   ///< methods that do not apply, each with the reason
+  std::vector<std::string> own_calls;  ///< of engines: what is in their time, or why not their own
 };
 
 /// How it is measured: the truth is certified to 2^-bits, to judge 50 digits too; one time is taken
@@ -39,11 +40,13 @@ inline constexpr int kChartBatches = 20, kChartRounds = 5;
 
 /** Lets every method compute the same quantity at the same states in the same run.
 
-    All start from q, qd and qdd (or tau) as numbers, so cosines and sines are in the time, and
-    end with the numbers of the quantity. In double: the closed form evaluated as it is printed
+    All start from q, qd and qdd (or tau) as numbers, so that cosines, sines and the places of links
+    (position kinematics) are in the time, and end with the numbers of the quantity. In double: the closed form evaluated as it is printed
     (up to three joints; every cosine and product where it stands), the derived straight-line
-    program, the sweep, for qdd also the mass matrix with L D L', and the outside engines among
-    `kinds` through Witness::value(). The closed form and the program solve for qdd by L D L'. The
+    program, the sweep, for qdd also the mass matrix with L D L', the fast sweeps, the kernel one state
+    at a time and all states of a batch in lanes, and the outside engines among `kinds`: their errors
+    are those of Witness::value(), their times those of their own calls (raw_engines.hpp), or where
+    an engine is not called so, of Witness::value(), which its name then says. The closed form and the program solve for qdd by L D L'. The
     sweep also runs in float, long double, 50 decimal digits and balls of 128 bits. Programs are
     interpreted here; compiled ones are faster. Of programs that are asked (engine_protocol.hpp) it is
     wall time, with all that is said, a batch at a time. Rounds over all methods are repeated, so that a

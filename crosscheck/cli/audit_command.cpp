@@ -40,10 +40,14 @@ void printBlock(const char* label, const std::string& text) {
 
 void print(const Entry& entry) {
   fmt::print("{}, section {}, {}: {}\n", entry.id, entry.section, plain(entry.title),
-             entry.holds == Holds::kTrue    ? "holds"
-             : entry.holds == Holds::kFalse ? "WRONG"
-                                            : "holds under a condition");
-  printBlock(entry.left_open ? "left open" : "printed", entry.printed);
+             entry.holds == Holds::kUnderCondition ? "holds under a condition"
+             : entry.holds == Holds::kTrue         ? "holds"
+             : entry.isPrinted()                   ? "WRONG"
+                                                   : "not so");
+  printBlock(entry.left_open     ? "left open"
+             : entry.not_printed ? "not said"
+                                 : "printed",
+             entry.printed);
   printBlock("", "residual " + entry.residual_printed.residual);
   if (entry.residual_condition) {
     printBlock("holds if", entry.condition);
@@ -58,6 +62,8 @@ void print(const Entry& entry) {
     std::vector<std::size_t> width(entry.numbers->head.size(), 0);
     std::vector<std::vector<std::string>> rows = entry.numbers->rows;
     rows.insert(rows.begin(), entry.numbers->head);
+    for (auto& row : rows)
+      for (std::string& cell : row) cell = plain(cell);
     for (const auto& row : rows)
       for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
     for (const auto& row : rows) {
@@ -67,7 +73,8 @@ void print(const Entry& entry) {
     }
   }
   printBlock("why", entry.why);
-  printBlock("see", entry.implemented_in);
+  printBlock("see", entry.implemented_in +
+                        (entry.comparesOurCode() ? ", whose answer was compared, too" : ""));
 }
 
 /// An id as the user may write it: "eq15" or "15".
@@ -89,7 +96,7 @@ void requireKnown(const std::vector<std::string>& ids, const Chapter& chapter) {
 }
 
 bool shown(const Entry& entry, const std::string& only) {
-  return only == "all" || (only == "wrong" && entry.holds == Holds::kFalse) ||
+  return only == "all" || (only == "wrong" && entry.isPrinted() && entry.holds == Holds::kFalse) ||
          (only == "condition" && entry.holds == Holds::kUnderCondition) ||
          (only == "true" && entry.holds == Holds::kTrue);
 }
@@ -118,9 +125,10 @@ int run(Arguments arguments) {
   }
   for (const Entry& entry : audit.entries)
     if (!entry.isSound())
-      fmt::print(
-          "{}: OUR OWN PART DOES NOT STAND: what is called corrected or conditional is not 0\n",
-          entry.id);
+      fmt::print("{}: OUR OWN PART DOES NOT STAND: {}\n", entry.id,
+                 entry.residual_ours && !entry.residual_ours->zero
+                     ? entry.implemented_in + ": " + entry.residual_ours->residual
+                     : "what is called corrected or conditional is not 0");
   return audit.isSound() ? 0 : 1;
 }
 

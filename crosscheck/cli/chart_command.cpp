@@ -1,23 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness chart: speed against accuracy of all methods that compute the same quantity.
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "crosscheck/chart/chart.hpp"
+#include "crosscheck/cli/chart_files.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/engine_options.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/simulation_chart.hpp"
 #include "crosscheck/inputs/features.hpp"
-#include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/chart_drawing.hpp"
-#include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
@@ -27,11 +24,8 @@ namespace dynwitness::cli {
 namespace {
 
 using namespace crosscheck;
-namespace fs = std::filesystem;
 
 constexpr const char* kAll = "all";
-/// Named so that it meets no file of the user's.
-constexpr const char* kStyleFile = "dynwitness_style.gp";
 
 struct Arguments {
   std::string scene, output;
@@ -50,34 +44,6 @@ std::vector<Quantity> quantitiesOf(const Arguments& arguments) {
   for (const Quantity quantity : chartedQuantities())
     if (asked(name(quantity)) || asked(kAll)) quantities.push_back(quantity);
   return quantities;
-}
-
-/// Data, script and pictures of each chart; a picture that gnuplot does not finish is named, and
-/// leaves its data and script all the same.
-void writeCharts(const std::vector<Chart>& charts, const fs::path& folder) {
-  const UnfinishedFolder work(folder);  // vanishes again
-  work.write(kStyleFile, kStyleGnuplot);
-  std::vector<std::string> files = {kStyleFile};
-  std::string problem;
-  for (const Chart& chart : charts) {
-    const std::string stem = safeName(chart.scene) + "_" + chart.quantity;
-    const std::vector<std::string> pictures = {stem + ".svg", stem + "_dark.svg"};
-    work.write(stem + ".csv", chartCsv({chart}));
-    work.write(stem + ".gp", chartScript(chart, stem, kStyleFile));
-    files.insert(files.end(), {stem + ".csv", stem + ".gp"});
-    if (const auto failure = runGnuplot(work.path(), stem + ".gp", pictures))
-      problem = *failure;
-    else
-      files.insert(files.end(), pictures.begin(), pictures.end());
-  }
-  fs::create_directories(folder);
-  for (const std::string& file : files) {
-    std::ifstream stream(work.path() / file, std::ios::binary);
-    writeWholeFile(folder / file, std::string(std::istreambuf_iterator<char>(stream), {}));
-  }
-  if (!problem.empty())
-    throw std::runtime_error(
-        fmt::format("no picture: {}; data and script are in {}", problem, folder.string()));
 }
 
 int run(const Arguments& arguments) {
@@ -99,7 +65,13 @@ int run(const Arguments& arguments) {
     }
   }
   fmt::print("{}", chartCsv(charts));
-  if (!arguments.output.empty()) writeCharts(charts, arguments.output);
+  if (arguments.output.empty()) return 0;
+  std::vector<ChartFiles> files;
+  for (const Chart& chart : charts) {
+    const std::string stem = safeName(chart.scene) + "_" + chart.quantity;
+    files.push_back({stem, chartCsv({chart}), chartScript(chart, stem, kChartStyle)});
+  }
+  writeCharts(files, arguments.output);
   return 0;
 }
 
@@ -108,6 +80,7 @@ int run(const Arguments& arguments) {
 Run addChart(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene")->required();
+  const auto simulation = addSimulationChart(command);
   std::vector<std::string> allowed;
   for (const Quantity quantity : chartedQuantities()) allowed.push_back(name(quantity));
   allowed.push_back(kAll);
@@ -128,9 +101,15 @@ Run addChart(CLI::App* command) {
                    "Outside engines beside our own methods; without: all that are there")
       ->delimiter(',');
   addEngineOptions(*command, arguments->engines, arguments->limits);
+  for (const char* of_questions : {"--quantity", "--states", "--seed", "--witness", "--engine"})
+    command->get_option(of_questions)->excludes(command->get_option("--simulate"));
   command->add_option("-o,--output", arguments->output,
-                      "Folder for SCENE_QUANTITY.csv, .gp, .svg and _dark.svg");
-  return [arguments] { return run(*arguments); };
+                      "Folder for SCENE_QUANTITY (or _simulate) .csv, .gp, .svg and _dark.svg");
+  return [arguments, simulation] {
+    return simulation->is_asked
+               ? runSimulationChart(arguments->scene, *simulation, arguments->output)
+               : run(*arguments);
+  };
 }
 
 }  // namespace dynwitness::cli

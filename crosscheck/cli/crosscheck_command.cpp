@@ -23,6 +23,7 @@
 #include "crosscheck/inputs/random_mechanism.hpp"
 #include "crosscheck/kernel/compiled.hpp"
 #include "crosscheck/kernel/kernel.hpp"
+#include "crosscheck/report/atlas_glance.hpp"
 #include "crosscheck/report/json.hpp"
 #include "crosscheck/report/pairs.hpp"
 #include "crosscheck/report/plot.hpp"
@@ -47,7 +48,7 @@ constexpr const char *kAsWritten = "as-written", *kRandom = "random";
 
 struct Arguments {
   std::vector<std::string> scenes;
-  std::string report = "report", json, bench;
+  std::string report = "report", json, bench, stability;
   Options options;
   std::string parameters = kAsWritten;
   std::vector<std::string> engines;  ///< commands
@@ -95,6 +96,8 @@ std::string reproduce(const Arguments& arguments) {
   if (!arguments.options.drift) command += " --no-drift";
   if (!arguments.charts) command += " --no-charts";
   if (!arguments.bench.empty()) command += fmt::format(" --bench '{}'", arguments.bench);
+  if (!arguments.stability.empty())
+    command += fmt::format(" --stability '{}'", arguments.stability);
   return command;
 }
 
@@ -224,8 +227,8 @@ int runRandom(const Arguments& arguments) {
   if (arguments.pairs) {
     indices = randomMechanismsOfPairs(options.exact.seed, arguments.joints, kPool);
     for (const int index : indices)
-      pairs.add(
-          randomScene(options.exact.seed, static_cast<std::uint64_t>(index), arguments.joints));
+      pairs.add(randomWholeScene(options.exact.seed, static_cast<std::uint64_t>(index),
+                                 arguments.joints));
   }
   const std::vector<PairTable::Pair> missing =
       arguments.pairs ? pairs.missing() : std::vector<PairTable::Pair>();
@@ -311,6 +314,8 @@ int run(const Arguments& arguments) {
   tellPlan(scenes, all_kinds.size(), arguments);
   std::optional<BenchResult> bench;
   if (!arguments.bench.empty()) bench = readBench(arguments.bench);
+  const std::string atlas =
+      arguments.stability.empty() ? std::string() : atlasSection(arguments.stability);
   requireWritable(arguments.report);
   // the report's own folder may have to be made first, which is done by then
   if (const std::filesystem::path json = arguments.json;
@@ -358,7 +363,7 @@ int run(const Arguments& arguments) {
     for (const scene::Scene& scene : scenes) pairs.add(scene);
     const bool all = arguments.scenes.empty();
     writeReport(result, environment, arguments.report, charts, bench ? &*bench : nullptr,
-                viewsOf(scenes), all ? &pairs : nullptr);
+                viewsOf(scenes), all ? &pairs : nullptr, atlas);
     if (!arguments.json.empty())
       writeWholeFile(arguments.json,
                      reportJson(result, environment, bench ? benchJson(*bench) : std::string(),
@@ -401,6 +406,10 @@ Run addCrosscheck(CLI::App* command) {
                       "Write report.json to this file as well; with --random, its result");
   command->add_option("--bench", arguments->bench,
                       "Show speed as well: a bench.json that `./dynwitness bench` wrote");
+  command->add_option(
+      "--stability", arguments->stability,
+      "Show where methods fail as well: a stability.json that `dynwitness stability` "
+      "wrote");
   command
       ->add_option("--witness", arguments->options.witnesses,
                    "Compare these witnesses only; laws of mechanics are tested on our sweeps "
@@ -438,7 +447,7 @@ Run addCrosscheck(CLI::App* command) {
           "Check this many random mechanisms, exactly and with all witnesses in double at 3 states "
           "each (or --states), instead of scenes; no report. Kernels take part when --witness "
           "names them")
-      ->excludes("--parameters", "--bench", "--engine")
+      ->excludes("--parameters", "--bench", "--stability", "--engine")
       ->check(whole(1, 100000000));
   command
       ->add_flag(
@@ -446,7 +455,7 @@ Run addCrosscheck(CLI::App* command) {
           "The same about those random mechanisms that have, between them, every pair of "
           "features (joint kinds inboard and outboard, rotors, springs, turned frames, ...); "
           "exit status 1 if a pair is missing")
-      ->excludes("--random", "--parameters", "--bench", "--engine");
+      ->excludes("--random", "--parameters", "--bench", "--stability", "--engine");
   const CLI::Option* joints =
       command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
           ->capture_default_str()

@@ -13,15 +13,21 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/engine_options.hpp"
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/cli/state_options.hpp"
 #include "crosscheck/inputs/features.hpp"
+#include "crosscheck/inputs/states.hpp"
 #include "crosscheck/inputs/states_file.hpp"
+#include "crosscheck/motion/closed_states.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
+#include "crosscheck/motion/joint_axes.hpp"
 #include "crosscheck/motion/joint_quantities.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/growing_file.hpp"
+#include "crosscheck/witnesses/certain_digits.hpp"
 #include "crosscheck/witnesses/column_names.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/witness.hpp"
@@ -37,8 +43,11 @@ struct Arguments {
   Limits limits;                     ///< of that program
   std::vector<std::string> quantities;
   std::vector<std::string> joints;  ///< of these alone, what is asked of joints; none: of all
-  std::string format = "csv";
-  bool units = false;
+  std::string format = "csv", axes = name(JointAxes::kLink);
+  bool units = false, warn = false;
+  std::optional<StateOption> q, qd, qdd, tau;
+  int random = 0;  ///< so many seeded states; 0: none
+  std::uint64_t seed = 1;
 };
 
 /// nu1, nu2, ...; J11, J12, ... row by row (J1_1 where a number has two digits).
@@ -57,6 +66,25 @@ std::vector<std::string> columnNames(ConstrainedQuantity quantity, Eigen::Index 
   return names;
 }
 
+/// Which numbers are of these joints, of reactions; none: all.
+std::vector<Eigen::Index> rowsOf(const std::vector<std::string>& joints,
+                                 const scene::Mechanism& mechanism) {
+  std::vector<Eigen::Index> rows;
+  for (const std::string& name : joints) {
+    Eigen::Index first = 0;
+    auto link = mechanism.links.begin();
+    for (; link != mechanism.links.end(); ++link) {
+      if (link->parent >= 0 && link->joint.name == name) break;
+      first += link->parent >= 0 ? 6 : 0;
+    }
+    if (link == mechanism.links.end())
+      throw scene::InputError(
+          {}, fmt::format("--joint {}, expected the name of a joint of the scene", name));
+    for (Eigen::Index k = 0; k < 6; ++k) rows.push_back(first + k);
+  }
+  return rows;
+}
+
 /// @throws scene::InputError  where a column's unit hangs on what the constraints are
 std::vector<std::string> columnUnits(ConstrainedQuantity quantity,
                                      const scene::Mechanism& mechanism) {
@@ -67,6 +95,8 @@ std::vector<std::string> columnUnits(ConstrainedQuantity quantity,
     case ConstrainedQuantity::kTaskTorque:
     case ConstrainedQuantity::kNullTorque:
       return columnUnits(Quantity::kTau, mechanism);
+    case ConstrainedQuantity::kReactions:
+      return columnUnits(Quantity::kReactions, mechanism);
     default:
       throw scene::InputError(
           {}, fmt::format("--units with {}: its units are those of the scene's closures and "
@@ -85,7 +115,14 @@ std::string usualWitness(Quantity quantity) {
 /// What a quantity is asked at, beside q and qd.
 enum class Needs { kNothing, kQdd, kTau };
 
-Needs needsOf(const std::string& quantity) {
+/// Whether reactions are those of more than the tree and its drives: then qdd alone does not tell
+/// them.
+bool hasMoreThanItsTree(const scene::Mechanism& mechanism) {
+  return !mechanism.isOpenTree() || !mechanism.acceleration_constraints.empty();
+}
+
+Needs needsOf(const std::string& quantity, const scene::Mechanism& mechanism) {
+  if (quantity == "reactions" && hasMoreThanItsTree(mechanism)) return Needs::kTau;
   for (const char* name : {"tau", "reactions"})
     if (quantity == name) return Needs::kQdd;
   for (const char* name :
@@ -96,9 +133,8 @@ Needs needsOf(const std::string& quantity) {
 
 /// Which row of the table of features a quantity belongs to.
 Command commandOf(const std::string& quantity) {
-  for (const char* name : {"tau", "reactions"})
-    if (quantity == name) return Command::kEvaluateForces;
-  for (const char* name : {"qdd", "lambda", "nu", "tau_drive"})
+  if (quantity == "tau") return Command::kEvaluateForces;
+  for (const char* name : {"qdd", "lambda", "nu", "tau_drive", "reactions"})
     if (quantity == name) return Command::kEvaluateMotion;
   for (const char* name : {"N", "Lambda", "J", "Jbar", "task_torque", "null_torque", "E", "beta"})
     if (quantity == name) return Command::kEvaluateTasks;
@@ -115,7 +151,23 @@ void admitFor(const scene::Scene& scene, const std::vector<std::string>& quantit
 /// Which groups of columns the states have; q is always there.
 struct GivenColumns {
   bool qd = false, qdd = false, tau = false;
+  /// Of a state that no file has: what stands there though nobody gave it.
+  bool is_start = false, is_tau_zero = false;
 };
+
+/// What of a state the answers hang on.
+struct Used {
+  bool qdd = false, tau = false;
+};
+Used usedBy(const std::vector<std::string>& quantities, const scene::Mechanism& mechanism,
+            bool finds_qdd) {
+  Used used{mechanism.isDriven(), finds_qdd};
+  for (const std::string& quantity : quantities) {
+    used.qdd = used.qdd || needsOf(quantity, mechanism) == Needs::kQdd;
+    used.tau = used.tau || needsOf(quantity, mechanism) == Needs::kTau;
+  }
+  return used;
+}
 
 /** Whether qdd has to be found from tau before tau or reactions are asked about, and says so.
     @throws scene::InputError  neither is given, or not what the quantities need */
@@ -125,7 +177,7 @@ bool findsQddFirst(const scene::Scene& scene, const Arguments& arguments,
   const bool from_file = !arguments.states.empty();
   bool first = false, asks_qdd = false, asks_tau = false;
   for (const std::string& quantity : arguments.quantities) {
-    const Needs needs = needsOf(quantity);
+    const Needs needs = needsOf(quantity, scene.mechanism);
     if (needs == Needs::kQdd && !given.qdd && !given.tau)
       throw scene::InputError(
           file, quantity +
@@ -133,9 +185,8 @@ bool findsQddFirst(const scene::Scene& scene, const Arguments& arguments,
                     "tau1.., and qdd is found first)");
     if (needs == Needs::kTau && !given.tau)
       throw scene::InputError(
-          file, quantity +
-                    " asked, and no tau given, allowed: columns tau1.. (zeros: no joint "
-                    "forces)");
+          file, fmt::format("{} asked, and no tau given, allowed: {} (zeros: no joint forces)",
+                            quantity, from_file ? "columns tau1.." : "--tau beside --qdd"));
     asks_qdd = asks_qdd || needs == Needs::kQdd;
     asks_tau = asks_tau || needs == Needs::kTau;
     first = first || (needs == Needs::kQdd && !given.qdd);
@@ -147,9 +198,10 @@ bool findsQddFirst(const scene::Scene& scene, const Arguments& arguments,
                     " asked of a scene with driven joints, and no qdd given, allowed: "
                     "columns qdd1.. too, of which those of driven joints count");
   }
-  if (!from_file && (asks_qdd || asks_tau))
-    tell(fmt::format("{}: no --states: the scene's start, without joint forces (tau = 0)\n",
-                     scene.name));
+  if (given.is_start && (asks_qdd || asks_tau))
+    tell(fmt::format("{}: no state given: the scene's start\n", scene.name));
+  if (given.is_tau_zero && (first || asks_tau))
+    tell(fmt::format("{}: no --tau: without joint forces (tau = 0)\n", scene.name));
   if (from_file && !given.qd) tell(fmt::format("{}: no qd given: at rest (qd = 0)\n", scene.name));
   if (first)
     tell(fmt::format("{}: no qdd given: it is found from tau first, by forward dynamics\n",
@@ -241,37 +293,134 @@ class Constrained {
   std::optional<ConstrainedQuantities> built_;
 };
 
-/// The states of the file, one after the other; without a file the scene's start alone.
+/// The scene's start, and what --q, --qd, --qdd and --tau say otherwise.
+scene::State<double> givenState(const Arguments& arguments, const scene::Scene& scene,
+                                scene::State<double> start) {
+  std::vector<double> q;
+  for (const scene::JointPosition<double>& x : start.x) q.push_back(x.q);
+  q = arguments.q->values(scene, q);
+  for (std::size_t k = 0; k < q.size(); ++k) start.x[k] = scene::jointPosition(q[k]);
+  start.qd = arguments.qd->values(scene, start.qd);
+  start.qdd = arguments.qdd->values(scene, start.qdd);
+  start.tau = arguments.tau->values(scene, start.tau);
+  return start;
+}
+
+/// Where states come from.
 class States {
  public:
-  States(const Arguments& arguments, const scene::Scene& scene, Constrained& constrained) {
-    if (!arguments.states.empty()) reader_.emplace(arguments.states, scene.mechanism);
-    if (!reader_) state_ = constrained->start();
-  }
-  /// The state that the next() below goes on from, read when it is first asked for; nullptr: there
-  /// is none left.
-  scene::State<double>* current() {
-    if (reader_ && !is_read_) has_state_ = reader_->next(&state_);
+  virtual ~States() = default;
+  /// The state that next() goes on from; nullptr: there is none left.
+  virtual scene::State<double>* current() = 0;
+  virtual void next() = 0;
+  virtual GivenColumns given() const = 0;
+  /// Somebody who writes the states may be waiting for answers.
+  virtual bool mayWait() const { return false; }
+  virtual double fraction() const = 0;  ///< of them that are past
+};
+
+/// Those of a file, one after the other.
+class StatesOfFile : public States {
+ public:
+  StatesOfFile(const std::string& file, const scene::Mechanism& mechanism)
+      : reader_(file, mechanism) {}
+  scene::State<double>* current() override {
+    if (!is_read_) has_state_ = reader_.next(&state_);
     is_read_ = true;
     return has_state_ ? &state_ : nullptr;
   }
-  void next() {
-    is_read_ = false;
-    if (!reader_) has_state_ = false;
+  void next() override { is_read_ = false; }
+  bool mayWait() const override { return reader_.mayWait(); }
+  GivenColumns given() const override {
+    return {reader_.gives("qd"), reader_.gives("qdd"), reader_.gives("tau")};
   }
-  /// Somebody who writes the states may be waiting for answers.
-  bool mayWait() const { return reader_ && reader_->mayWait(); }
-  GivenColumns given() const {
-    if (!reader_) return {true, false, true};
-    return {reader_->gives("qd"), reader_->gives("qdd"), reader_->gives("tau")};
-  }
-  double fraction() const { return reader_ ? reader_->fraction() : 0; }
+  double fraction() const override { return reader_.fraction(); }
 
  private:
-  std::optional<StatesReader> reader_;
+  StatesReader reader_;
   scene::State<double> state_;
   bool is_read_ = false, has_state_ = true;
 };
+
+/// One that the command line gives.
+class GivenState : public States {
+ public:
+  GivenState(const Arguments& arguments, const scene::Scene& scene, Constrained& constrained)
+      : state_(givenState(arguments, scene, constrained->start())) {
+    const bool tau = arguments.tau->isGiven(), qdd = arguments.qdd->isGiven();
+    given_ = {true, qdd, tau || !qdd,
+              !(arguments.q->isGiven() || arguments.qd->isGiven() || qdd || tau), !tau};
+  }
+  scene::State<double>* current() override { return is_past_ ? nullptr : &state_; }
+  void next() override { is_past_ = true; }
+  GivenColumns given() const override { return given_; }
+  double fraction() const override { return is_past_ ? 1 : 0; }
+
+ private:
+  scene::State<double> state_;
+  GivenColumns given_;
+  bool is_past_ = false;
+};
+
+/// Seeded ones: the joints anywhere, and where there are closures, closed.
+class RandomStates : public States {
+ public:
+  RandomStates(const Arguments& arguments, const scene::Scene& scene)
+      : scene_(scene), count_(arguments.random), seed_(arguments.seed) {
+    if (!scene.mechanism.closures.empty()) closed_.emplace(prepared_.emplace(scene));
+    draw();
+  }
+  scene::State<double>* current() override { return at_ < count_ ? &state_ : nullptr; }
+  void next() override {
+    ++at_;
+    draw();
+  }
+  /// Closed, accelerations are no free choice: those that belong to tau are found.
+  GivenColumns given() const override { return {true, !closed_, true}; }
+  double fraction() const override { return static_cast<double>(at_) / count_; }
+
+ private:
+  void draw() {
+    if (at_ >= count_) return;
+    if (!closed_) {
+      state_ = drawState(scene_.mechanism, scene_.name, seed_, static_cast<std::uint64_t>(at_));
+      return;
+    }
+    const ClosedState drawn = closed_->draw(seed_, at_);
+    if (!drawn.failure.empty())
+      throw scene::InputError({}, fmt::format("--random: state {} of seed {}: {}; allowed: another "
+                                              "--seed, or --states",
+                                              at_ + 1, seed_, drawn.failure));
+    state_ = drawn.state.state;
+  }
+
+  const scene::Scene& scene_;
+  int count_, at_ = 0;
+  std::uint64_t seed_;
+  std::optional<PreparedScene> prepared_;
+  std::optional<ClosedStates> closed_;
+  scene::State<double> state_;
+};
+
+std::unique_ptr<States> statesOf(const Arguments& arguments, const scene::Scene& scene,
+                                 Constrained& constrained) {
+  if (!arguments.states.empty())
+    return std::make_unique<StatesOfFile>(arguments.states, scene.mechanism);
+  if (arguments.random > 0) return std::make_unique<RandomStates>(arguments, scene);
+  return std::make_unique<GivenState>(arguments, scene, constrained);
+}
+
+/// The parts of a state that a table shows, as a file of states has them.
+std::vector<std::string> stateColumns(const scene::Mechanism& mechanism, const Used& used) {
+  std::vector<std::string> names;
+  const int n = mechanism.dof();
+  for (const auto& [group, count] : {std::pair("q", mechanism.positions()),
+                                     {"qd", n},
+                                     {"qdd", used.qdd ? n : 0},
+                                     {"tau", used.tau ? n : 0}})
+    for (int k = 1; k <= count; ++k) names.push_back(fmt::format("{}{}", group, k));
+  return names;
+}
 
 struct Column {
   Quantity quantity;
@@ -280,18 +429,54 @@ struct Column {
   bool is_engines = false;  ///< the witness is a program of the user's
   ConstrainedQuantity constrained = ConstrainedQuantity::kQdd;  ///< without a witness
   std::optional<JointQuantity> of_joints = {};                  ///< then it is this, and no other
+  std::vector<Eigen::Index> rows = {};  ///< of these numbers alone; none: all of them
+
+  bool isOfConstrained(ConstrainedQuantity asked) const {
+    return !witness && !of_joints && constrained == asked;
+  }
+  bool isOfReactions() const {
+    return isOfConstrained(ConstrainedQuantity::kReactions) ||
+           (witness && quantity == Quantity::kReactions);
+  }
 };
+
+template <typename Names>
+Names chosen(const Names& all, const std::vector<Eigen::Index>& rows) {
+  if (rows.empty()) return all;
+  Names out;
+  for (const Eigen::Index row : rows) out.push_back(all[static_cast<std::size_t>(row)]);
+  return out;
+}
 
 /// Whom columns without a witness are asked of.
 struct Sources {
+  const scene::Mechanism& mechanism;
   Constrained& constrained;
   std::optional<JointQuantities> joints;  ///< none: nothing of joints is asked
+  std::optional<TurnedAxes> axes;         ///< of reactions; none: they are as they come
 };
 
 /// That program failed, or has no value at a state.
 struct EngineFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+/// @throws scene::InputError  names of joints whose reactions redundant constraints leave open
+void requireDetermined(const Column& column, const Eigen::MatrixXd& reactions,
+                       const scene::Mechanism& mechanism, long row) {
+  std::string joints;
+  const std::vector<std::string> names =
+      chosen(columnNames(Quantity::kReactions, mechanism), column.rows);
+  for (std::size_t i = 0; i < names.size(); i += 6)
+    if (reactions.middleRows<6>(static_cast<Eigen::Index>(i)).array().isNaN().any())
+      joints += (joints.empty() ? "" : ", ") + names[i].substr(0, names[i].rfind('.'));
+  if (!joints.empty())
+    throw scene::InputError(
+        {}, fmt::format("reactions of {} at state {} are not determined: redundant constraints may "
+                        "share what they transmit in many ways; allowed: --joint with others, or "
+                        "constraints of which none follows from the others",
+                        joints, row));
+}
 
 /// One quantity at one state, finite.
 Eigen::MatrixXd valueOf(Column& column, const Sources& sources, const scene::State<double>& state,
@@ -303,10 +488,14 @@ Eigen::MatrixXd valueOf(Column& column, const Sources& sources, const scene::Sta
     else
       value = column.witness ? column.witness->value(column.quantity, state)
                              : sources.constrained->answer(column.constrained, state);
+    if (column.isOfReactions() && sources.axes) value = sources.axes->turned(value);
   } catch (const std::runtime_error& error) {
     if (!column.is_engines) throw;
     throw EngineFailed(fmt::format("{} at state {}: {}", column.name, row, error.what()));
   }
+  if (!column.rows.empty()) value = value(column.rows, Eigen::all).eval();
+  if (column.isOfConstrained(ConstrainedQuantity::kReactions))
+    requireDetermined(column, value, sources.mechanism, row);
   if (!value.allFinite())
     throw scene::InputError(
         {}, fmt::format("{} is not finite at state {}: M is singular there, or numbers are too "
@@ -315,23 +504,78 @@ Eigen::MatrixXd valueOf(Column& column, const Sources& sources, const scene::Sta
   return value;
 }
 
+/// Counts answers whose own bound leaves too few digits.
+class UncertainAnswers {
+ public:
+  UncertainAnswers(std::string scene, std::size_t columns)
+      : scene_(std::move(scene)), of_(columns) {}
+  void see(std::size_t at, const Column& column, const scene::State<double>& state, long row) {
+    Answer answer = column.witness->answer(column.quantity, state);
+    if (!column.rows.empty()) {
+      answer.value = answer.value(column.rows, Eigen::all).eval();
+      answer.bound = answer.bound(column.rows, Eigen::all).eval();
+    }
+    const double digits = certainDigits(answer);
+    Seen& seen = of_[at];
+    if (digits > kFewestDigits) return;
+    ++seen.states;
+    if (!(digits >= seen.digits)) seen.digits = digits, seen.row = row;
+  }
+  void tell(const std::vector<Column>& columns, long rows) const {
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      if (!columns[k].witness || columns[k].is_engines) continue;
+      const Seen& seen = of_[k];
+      if (seen.states == 0)
+        cli::tell(fmt::format(
+            "{}: {} by {}: more than {} digits of the largest entry are certain at each of {} states\n",
+            scene_, columns[k].name, columns[k].witness->name(), kFewestDigits, rows));
+      else
+        cli::tell(fmt::format(
+            "{}: {} by {}: at {} of {} states no more than {} digits of the largest entry are certain, the "
+            "fewest {:.1f} (state {}): rounding may have made the others\n",
+            scene_, columns[k].name, columns[k].witness->name(), seen.states, rows, kFewestDigits,
+            std::max(0.0, seen.digits), seen.row));
+    }
+  }
+
+ private:
+  struct Seen {
+    long states = 0, row = 0;
+    double digits = std::numeric_limits<double>::infinity();
+  };
+  std::string scene_;
+  std::vector<Seen> of_;
+};
+
+/// @throws scene::InputError  nobody vouches for digits of it
+void requireBound(const Column& column) {
+  if (column.witness && !column.is_engines) return;
+  throw scene::InputError(
+      {},
+      fmt::format("--warn with {}{}, which comes without a bound, allowed: what our sweeps "
+                  "answer of the tree (M, c, g, tau, qdd, kinetic, potential, momentum, reactions)",
+                  column.name, column.is_engines ? " of a program" : ""));
+}
+
 /** One row a state, into a file that is there only when all are.
     @param finds_qdd  what is asked needs qdd, which is found from tau first
     @param at_once    states that are read before they are answered */
-void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& columns,
-               Sources& sources, bool finds_qdd, std::size_t at_once, Table& table,
-               const std::string& output) {
+void writeRows(const scene::Scene& scene, const Arguments& arguments, States& states,
+               std::vector<Column>& columns, Sources& sources, bool finds_qdd, std::size_t at_once,
+               Table& table) {
   constexpr std::size_t kPiece = std::size_t{1} << 18;
   constexpr long kBetweenNotes = 256;
   // rows that scroll by on a terminal are progress enough
   std::optional<Progress> progress;
-  if (!output.empty() || isatty(STDOUT_FILENO) == 0) progress.emplace("evaluate");
+  if (!arguments.output.empty() || isatty(STDOUT_FILENO) == 0) progress.emplace("evaluate");
   scene::Work work("", states.fraction() < 0 ? 0 : 1);
   const auto begin = std::chrono::steady_clock::now();
   auto noted = begin;
-  GrowingFile file(output);
+  GrowingFile file(arguments.output);
   std::string rows = table.header();
   OpenStates open(scene);
+  const Used used = usedBy(arguments.quantities, scene.mechanism, finds_qdd);
+  UncertainAnswers uncertain(scene.name, columns.size());
   std::vector<scene::State<double>> batch, next;
   const auto read = [&] {
     for (next.clear(); next.size() < at_once && states.current() != nullptr; states.next()) {
@@ -347,7 +591,8 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
       if (column.is_engines) sendEngineAhead(*column.witness, column.quantity, next);
   };
   read();
-  for (long row = 0; !next.empty();) {
+  long row = 0;
+  while (!next.empty()) {
     std::swap(batch, next);
     next.clear();
     if (at_once > 1) {
@@ -358,8 +603,18 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
     for (const scene::State<double>& state : batch) {
       ++row;
       if (sources.joints) sources.joints->at(state);
-      for (Column& column : columns) {
-        const Eigen::MatrixXd value = valueOf(column, sources, state, row);
+      if (sources.axes) sources.axes->at(state);
+      if (arguments.random > 0) {
+        for (const scene::JointPosition<double>& x : state.x) table.append(x.q, &rows);
+        for (const double x : state.qd) table.append(x, &rows);
+        if (used.qdd)
+          for (const double x : state.qdd) table.append(x, &rows);
+        if (used.tau)
+          for (const double x : state.tau) table.append(x, &rows);
+      }
+      for (std::size_t k = 0; k < columns.size(); ++k) {
+        const Eigen::MatrixXd value = valueOf(columns[k], sources, state, row);
+        if (arguments.warn) uncertain.see(k, columns[k], state, row);
         for (Eigen::Index i = 0; i < value.rows(); ++i)
           for (Eigen::Index j = 0; j < value.cols(); ++j) table.append(value(i, j), &rows);
       }
@@ -386,6 +641,7 @@ void writeRows(const scene::Scene& scene, States& states, std::vector<Column>& c
   file.finish();
   progress.reset();
   open.tell();
+  if (arguments.warn) uncertain.tell(columns, row);
 }
 
 int run(const Arguments& arguments) {
@@ -393,13 +649,14 @@ int run(const Arguments& arguments) {
   const scene::Scene scene = readScene(arguments.scene);
   requireMotion(scene);
   Constrained constrained(scene);
-  States states(arguments, scene, constrained);
+  const std::unique_ptr<States> states = statesOf(arguments, scene, constrained);
 
   std::optional<WitnessKind> engine;
   if (!arguments.engines.empty())
     engine = engineKinds(arguments.engines, arguments.limits, scene).front();
   std::vector<Column> columns;
-  Sources sources{constrained, std::nullopt};
+  Sources sources{scene.mechanism, constrained, std::nullopt, std::nullopt};
+  const JointAxes axes = *jointAxesNamed(arguments.axes);
   for (const std::string& text : arguments.quantities) {
     if (const std::optional<JointQuantity> of_joints = jointQuantityNamed(text)) {
       if (!arguments.witness.empty() || engine)
@@ -407,20 +664,28 @@ int run(const Arguments& arguments) {
             {},
             fmt::format("--witness or --engine with {}, which is of our sweeps, allowed: without",
                         text));
-      if (!sources.joints) sources.joints.emplace(scene, arguments.joints);
+      if (!sources.joints) sources.joints.emplace(scene, arguments.joints, axes);
       columns.push_back(
           {Quantity::kQdd, nullptr, text, false, ConstrainedQuantity::kQdd, of_joints});
       continue;
     }
     const std::optional<ConstrainedQuantity> special = constrainedQuantityNamed(text);
-    if (special && (special != ConstrainedQuantity::kQdd ||
-                    ConstrainedQuantities::isConstrained(scene.mechanism))) {
+    std::vector<Eigen::Index> rows;
+    if (text == "reactions") {
+      rows = rowsOf(arguments.joints, scene.mechanism);
+      if (axes != JointAxes::kLink) sources.axes.emplace(scene, axes);
+    }
+    const bool is_of_the_tree =
+        (special == ConstrainedQuantity::kQdd &&
+         !ConstrainedQuantities::isConstrained(scene.mechanism)) ||
+        (special == ConstrainedQuantity::kReactions && !hasMoreThanItsTree(scene.mechanism));
+    if (special && !is_of_the_tree) {
       if (!arguments.witness.empty() || engine)
         throw scene::InputError(
             {},
             fmt::format("--witness or --engine with {} of a constrained scene, allowed: without",
                         text));
-      columns.push_back({Quantity::kQdd, nullptr, text, false, *special});
+      columns.push_back({Quantity::kQdd, nullptr, text, false, *special, {}, rows});
       continue;
     }
     const Quantity quantity = quantityNamed(text);
@@ -433,38 +698,74 @@ int run(const Arguments& arguments) {
     std::unique_ptr<Witness> witness = std::move(made).value();
     if (!witness->answers(quantity))
       throw scene::InputError({}, fmt::format("witness '{}' does not answer {}", who, text));
-    columns.push_back({quantity, std::move(witness), text, engine.has_value()});
+    columns.push_back({quantity,
+                       std::move(witness),
+                       text,
+                       engine.has_value(),
+                       ConstrainedQuantity::kQdd,
+                       {},
+                       rows});
   }
-  if (!arguments.joints.empty() && !sources.joints)
+  if (axes != JointAxes::kLink && !sources.joints && !sources.axes)
+    throw scene::InputError(
+        {}, fmt::format("--axes {} without a quantity that has axes of joints, expected reactions "
+                        "or one of X, M_i, M_C, M_A, P, PM, Z, F, PF, E; those of lambda are the "
+                        "closure's (data/scenes/README.md)",
+                        arguments.axes));
+  const bool asks_of_joints =
+      sources.joints || std::any_of(columns.begin(), columns.end(),
+                                    [](const Column& column) { return !column.rows.empty(); });
+  if (!arguments.joints.empty() && !asks_of_joints)
     throw scene::InputError({},
                             "--joint without a quantity of joints, expected one of X, M_i, "
-                            "M_C, M_A, P, PM, Z, F, PF, E, beta");
-  const bool finds_qdd = findsQddFirst(scene, arguments, states.given());
+                            "M_C, M_A, P, PM, Z, F, PF, E, beta, reactions");
+  if (arguments.warn)
+    for (const Column& column : columns) requireBound(column);
+  const bool finds_qdd = findsQddFirst(scene, arguments, states->given());
   admitFor(scene, arguments.quantities);
+  if (arguments.warn && finds_qdd)
+    throw scene::InputError({},
+                            "--warn of what belongs to qdd that is found from tau first: nobody "
+                            "vouches for that qdd; allowed: qdd given, or --quantity qdd");
   std::vector<std::string> all_names;
+  if (arguments.random > 0)
+    all_names =
+        stateColumns(scene.mechanism, usedBy(arguments.quantities, scene.mechanism, finds_qdd));
   for (const Column& column : columns) {
     std::vector<std::string> names, units;
     if (column.of_joints) {
       names = sources.joints->columns(*column.of_joints);
       if (arguments.units) units = sources.joints->units(*column.of_joints);
     } else if (column.witness) {
-      names = columnNames(column.quantity, scene.mechanism);
-      if (arguments.units) units = columnUnits(column.quantity, scene.mechanism);
+      names = chosen(columnNames(column.quantity, scene.mechanism), column.rows);
+      if (arguments.units)
+        units = chosen(columnUnits(column.quantity, scene.mechanism), column.rows);
+    } else if (column.isOfConstrained(ConstrainedQuantity::kReactions)) {
+      names = chosen(columnNames(Quantity::kReactions, scene.mechanism), column.rows);
+      if (arguments.units)
+        units = chosen(columnUnits(column.constrained, scene.mechanism), column.rows);
     } else {
       if (arguments.units) units = columnUnits(column.constrained, scene.mechanism);
       const Eigen::MatrixXd shape =
-          states.current() == nullptr ? Eigen::MatrixXd()
-                                      : constrained->answer(column.constrained, *states.current());
+          states->current() == nullptr
+              ? Eigen::MatrixXd()
+              : constrained->answer(column.constrained, *states->current());
       names = columnNames(column.constrained, shape.rows(), shape.cols());
     }
     for (std::size_t k = 0; k < names.size(); ++k)
       all_names.push_back(arguments.units ? fmt::format("{} [{}]", names[k], units[k]) : names[k]);
   }
+  for (const char* asked : {"qdd1", "tau1"})
+    if (arguments.random > 0 && std::count(all_names.begin(), all_names.end(), asked) > 1)
+      throw scene::InputError({},
+                              fmt::format("--random: column {} would be of the state and of the "
+                                          "answer, allowed: tau and qdd in calls of their own",
+                                          asked));
   Table table(all_names, arguments.format == "json");
   // a pipe may wait for the answer before it goes on
   const std::size_t at_once = engine && arguments.states != "-" ? kEngineBatch : 1;
   try {
-    writeRows(scene, states, columns, sources, finds_qdd, at_once, table, arguments.output);
+    writeRows(scene, arguments, *states, columns, sources, finds_qdd, at_once, table);
   } catch (const EngineFailed& failed) {
     tell(fmt::format("{}: {}\n", scene.name, failed.what()));
     return 1;
@@ -478,6 +779,8 @@ Run addEvaluate(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->footer(
       "dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
+      "dynwitness evaluate acrobot --q elbow=0.3 --qdd 1,0 --quantity tau,reactions --units\n"
+      "dynwitness evaluate franka_panda --random 100 --quantity qdd --warn\n"
       "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
       "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
       "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
@@ -486,16 +789,34 @@ Run addEvaluate(CLI::App* command) {
   command->add_option(
       "--states", arguments->states,
       "CSV file, or - for standard input: q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "
-      "reactions) or tau1..taun (of qdd, lambda, nu, ...; for tau and reactions qdd is found "
-      "first); "
+      "reactions) or tau1..taun (of qdd, lambda, nu, ..., and of reactions under closures, springs "
+      "between points or acceleration constraints; for tau and others' reactions qdd is found first); "
       "joints that follow others have none of these. Without: the scene's start, no joint forces. "
       "Read and answered row by row");
+  using Part = StateOption::Part;
+  arguments->q.emplace(command, Part::kQ, "the scene's start");
+  arguments->qd.emplace(command, Part::kQd, "the scene's start");
+  arguments->qdd.emplace(command, Part::kQdd, "found from tau");
+  arguments->tau.emplace(command, Part::kTau, "none");
+  CLI::Option* random =
+      command
+          ->add_option("--random", arguments->random,
+                       "So many seeded states, closed where there are closures; the table has them")
+          ->check(whole(1, 1000000000));
+  command->add_option("--seed", arguments->seed, "Seed of these")
+      ->capture_default_str()
+      ->check(seed())
+      ->needs(random);
+  for (const char* name : {"--q", "--qd", "--qdd", "--tau", "--random"})
+    command->get_option(name)->excludes("--states");
+  for (const char* name : {"--q", "--qd", "--qdd", "--tau"})
+    command->get_option(name)->excludes(random);
   command
       ->add_option(
           "--quantity", arguments->quantities,
           "M, c, g, tau, qdd, kinetic, potential, momentum, reactions; with closures, driven "
           "joints or acceleration "
-          "constraints: qdd under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
+          "constraints: qdd and reactions under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
           "Lambda "
           "(task inertia), J, Jbar, task_torque (tau the posture's), null_torque; of each joint, in "
           "the axes of its moved frame: X, M_i, M_C (composite), M_A (articulated), P, PM, Z, F "
@@ -504,17 +825,33 @@ Run addEvaluate(CLI::App* command) {
       ->required()
       ->delimiter(',');
   command
-      ->add_option("--joint", arguments->joints,
-                   "These joints alone, of what is asked of each joint (X, ..., beta); several "
-                   "with commas")
+      ->add_option(
+          "--joint", arguments->joints,
+          "These joints alone, of what is asked of each joint (X, ..., beta, reactions); several "
+          "with commas")
       ->delimiter(',');
+  command
+      ->add_option(
+          "--axes", arguments->axes,
+          "Of reactions and of what is asked of each joint: link (the moved joint frame's), "
+          "joint (z along the joint's axis, as in the chapter), world; always about the "
+          "origin of the moved joint frame")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"link", "joint", "world"}));
   command
       ->add_option("--format", arguments->format,
                    "csv, or json: an object a state, on a line of its own")
       ->capture_default_str()
       ->check(CLI::IsMember({"csv", "json"}));
-  command->add_flag("--units", arguments->units,
-                    "With units in the names: \"elbow.M_A44 [kg m^2]\"");
+  command
+      ->add_flag("--units", arguments->units,
+                 "With units in the names: \"elbow.M_A44 [kg m^2]\"")
+      ->excludes(random);  // whose table is a file of states as well
+  command->add_flag(
+      "--warn", arguments->warn,
+      fmt::format("Say at how many states the rounding of the sweep, bounded as it goes, "
+                  "leaves no more than {} digits; some 20 times slower",
+                  kFewestDigits));
   command->add_option("--witness", arguments->witness, "Who answers; without: the usual sweep");
   addEngineOptions(*command, arguments->engines, arguments->limits)
       ->excludes("--witness")

@@ -15,6 +15,7 @@
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/formulations.hpp"
+#include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/motion/motion_tables.hpp"
 #include "crosscheck/report/show.hpp"
 #include "crosscheck/system/files.hpp"
@@ -61,8 +62,8 @@ SimulateOptions completed(const Arguments& arguments, const std::vector<MotionTa
 
 /// "radau_iia_5, steps of 0.001 s" or "runge_kutta_dopri5, error of a step 1e-10"
 std::string describe(const SimulateOptions& options) {
-  const bool is_explicit = !isImplicit(options.method);
-  return is_explicit ? fmt::format("{}, error of a step {:.3g}", options.method, options.step_error)
+  const bool is_adaptive = !hasEqualSteps(options.method);
+  return is_adaptive ? fmt::format("{}, error of a step {:.3g}", options.method, options.step_error)
                      : fmt::format("{}, steps of {} s", options.method, options.step);
 }
 
@@ -270,9 +271,10 @@ int run(const Arguments& arguments) {
   }
   fmt::print("energy       |E - E0 - work| {:.2g} J, largest kinetic energy {:.4g} J\n",
              result.worst_energy, result.most_kinetic);
-  const std::string half = isImplicit(options.method)
-                               ? "steps of half the length"
-                               : "half the error a step and twice the outputs";
+  const std::string half =
+      hasEqualSteps(options.method)
+          ? "steps of half the length"
+          : fmt::format("{}, half the error a step and twice the outputs", finer(options).method);
   if (off) {
     fmt::print("accuracy     a run with {} is up to {:.2g} (rad, m) and {:.2g} (rad/s, m/s) away\n",
                half, off->q, off->qd);
@@ -313,9 +315,6 @@ Run addSimulate(CLI::App* command) {
   command->add_option("--duration", arguments->options.duration, "Simulated time [s]")
       ->check(positive())
       ->capture_default_str();
-  std::string methods;
-  for (const std::string& method : simulateMethods())
-    methods += (methods.empty() ? "" : ", ") + method;
   command
       ->add_option(
           "--formulation", arguments->formulation,
@@ -325,15 +324,16 @@ Run addSimulate(CLI::App* command) {
       ->check(CLI::IsMember({"index1", "index2", "index3", "ggl"}));
   command->add_option(
       "--method", arguments->method,
-      "Integrator: " + methods +
-          " [runge_kutta_fehlberg78; radau_iia_5 where the formulation is not index1]");
+      "Integrator: " + integratorNames() +
+          " [runge_kutta_fehlberg78, which with runge_kutta_dopri5 chooses its steps by "
+          "--step-error; radau_iia_5 where the formulation is not index1]");
   command
       ->add_option(
           "--step-error", arguments->step_error,
-          "Error of a step of explicit methods, relative and absolute [1e-10, or what a published "
+          "Error of a step of methods that choose theirs, relative and absolute [1e-10, or what a published "
           "motion of the scene takes]")
       ->check(positive());
-  command->add_option("--step", arguments->options.step, "Step of implicit methods [s]")
+  command->add_option("--step", arguments->options.step, "Step of the other methods [s]")
       ->check(positive())
       ->capture_default_str();
   command
@@ -359,8 +359,10 @@ Run addSimulate(CLI::App* command) {
   command->add_option("--csv", arguments->csv,
                       "File: time, q, qd, qdd, multipliers, energies, drift");
   command
-      ->add_flag("--once", arguments->runs_once,
-                 "No second run at half the error (or step), which says how far off this one is")
+      ->add_flag(
+          "--once", arguments->runs_once,
+          "No second run by another method at half the error (or at half the step), which says how "
+          "far off this one is")
       ->excludes("--compare");
   command
       ->add_option("--view", arguments->view,

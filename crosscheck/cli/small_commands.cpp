@@ -10,10 +10,13 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/drift_tables.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/drift.hpp"
+#include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/motion/step_advice.hpp"
 #include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/system/environment.hpp"
@@ -64,8 +67,9 @@ Run addVersion(CLI::App*) {
 namespace {
 
 struct DriftArguments {
-  std::string scene, plot, csv;
-  std::vector<std::string> methods = {"runge_kutta4"};
+  std::string scene, plot, csv, motion;
+  std::vector<std::string> methods, engines;  ///< methods empty: runge_kutta4, or all for advice
+  double accuracy = 0;                        ///< of --advise; 0: not asked
   DriftOptions options;
 };
 
@@ -89,6 +93,13 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
   writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
 }
 
+/// When the error reached the largest kinetic energy [s]; negative: it is not seen on the path.
+double lossTime(const Drift::Path& path) {
+  for (std::size_t i = 0; i < path.time.size(); ++i)
+    if (path.error[i] >= 1) return path.time[i];
+  return -1;
+}
+
 /// What is to be said about a drift beside its numbers. @return false: its qdd is wrong
 bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift& drift,
             std::string* text) {
@@ -98,6 +109,12 @@ bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift&
           "# {}: not answerable by this step: at {} s the motion leaves the numbers (NaN or "
           "infinite energy)\n",
           drift.method, path.step);
+  // steps that were asked for: why they do not follow, and which would
+  if (!options.steps.empty())
+    for (const Drift::Path& path : drift.paths)
+      if (!(path.worst < 1))
+        *text += fmt::format("# {}\n", adviceAfterFailure(scene, drift.method, options.duration,
+                                                          path.step, lossTime(path)));
   const bool is_judged = drift.paths.size() > 1 || !std::isfinite(drift.paths.back().worst);
   if (isResolved(drift) || drift.scale == 0 || !is_judged) {
     *text += fmt::format("# {}: observed order {}, its own {}\n", drift.method,
@@ -120,11 +137,17 @@ int runDrift(const DriftArguments& arguments) {
   for (const std::string& file : {arguments.csv, arguments.plot}) requireWritableFile(file);
   const scene::Scene scene = admitted(arguments.scene, Command::kDrift);
   requireMotion(scene);
-  Progress progress(static_cast<int>(arguments.methods.size()));
+  if (!arguments.motion.empty() || !arguments.engines.empty())
+    return judgeMotions(scene, arguments.engines, arguments.motion, arguments.options);
+  if (arguments.accuracy > 0)
+    return adviseSteps(scene, arguments.methods, arguments.options.duration, arguments.accuracy);
+  std::vector<std::string> methods = arguments.methods;
+  if (methods.empty()) methods = {"runge_kutta4"};
+  Progress progress(static_cast<int>(methods.size()));
   std::vector<Drift> drifts;
   std::string remarks;
   bool agree = true;
-  for (const std::string& method : arguments.methods) {
+  for (const std::string& method : methods) {
     progress.stage(method);
     DriftOptions options = arguments.options;
     options.method = method;
@@ -158,20 +181,41 @@ int runDrift(const DriftArguments& arguments) {
 Run addDrift(CLI::App* command) {
   auto arguments = std::make_shared<DriftArguments>();
   command->add_option("scene", arguments->scene, "Scene")->required();
-  std::string methods;
-  for (const auto& [method, order] : driftMethods())
-    methods += fmt::format("{}{} (order {})", methods.empty() ? "" : ", ", method, order);
-  command->add_option("--method", arguments->methods, "Integrators: " + methods)->delimiter(',');
+  CLI::Option* method = command->add_option("--method", arguments->methods,
+                                            "Integrators [runge_kutta4]: " + integratorNames());
+  method->delimiter(',');
+  CLI::Option* advise = command->add_option(
+      "--advise", arguments->accuracy,
+      "No runs, but which step: the largest stable one of each method (without --method, of all) "
+      "from the spectrum along the motion, and the one for this error of the end [rad, m, 1/s]");
+  advise->check(positive());
+  CLI::Option* engines = command->add_option(
+      "--engine-steps", arguments->engines,
+      "No runs of ours: mujoco, simbody, dart move the scene by their own integrators, and each "
+      "motion is judged: wrong model, or wrong step?");
+  engines->delimiter(',')->excludes(advise);
+  CLI::Option* motion = command->add_option(
+      "--motion", arguments->motion,
+      "The same for a recorded one: CSV with t, q1.., qd1.., qdd1..; - reads standard input");
+  motion->excludes(advise);
+  for (CLI::Option* theirs : {engines, motion}) theirs->excludes(method);
+  command->footer(
+      integratorTable() +
+      "h|i w|, h|-a|: largest step times eigenvalue on the imaginary and on the negative "
+      "real axis that does not grow");
   command
       ->add_option("--step", arguments->options.steps,
                    "Step sizes [s]; without any: 0.01 halved until the order shows")
       ->check(positive())
-      ->delimiter(',');
+      ->delimiter(',')
+      ->excludes(advise);
   command->add_option("--duration", arguments->options.duration, "Simulated time [s]")
       ->check(positive())
       ->capture_default_str();
-  command->add_option("--plot", arguments->plot, "Chart of the first method, as SVG");
-  command->add_option("--csv", arguments->csv, "The printed table, as a file");
+  CLI::Option* plot =
+      command->add_option("--plot", arguments->plot, "Chart of the first method, as SVG");
+  CLI::Option* csv = command->add_option("--csv", arguments->csv, "The printed table, as a file");
+  for (CLI::Option* ours : {plot, csv}) ours->excludes(advise)->excludes(engines)->excludes(motion);
   return [arguments] { return runDrift(*arguments); };
 }
 

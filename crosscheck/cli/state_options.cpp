@@ -15,9 +15,9 @@
 namespace dynwitness::cli {
 namespace {
 
-constexpr const char* kNames[] = {"q", "qd", "qdd"};
+constexpr const char* kNames[] = {"q", "qd", "qdd", "tau"};
 constexpr const char* kMeanings[] = {"Positions [rad, m]", "Rates [rad/s, m/s]",
-                                     "Accelerations [rad/s^2, m/s^2]"};
+                                     "Accelerations [rad/s^2, m/s^2]", "Joint forces [N m, N]"};
 
 std::string nameOf(StateOption::Part part) {
   return kNames[static_cast<int>(part)];

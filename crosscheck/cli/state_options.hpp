@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The state that a command is asked at: --q, --qd, --qdd, the same in every command.
+// The state that a command is asked at: --q, --qd, --qdd, --tau, the same in every command.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ namespace dynwitness::cli {
     are what they would be without the option. */
 class StateOption {
  public:
-  enum class Part { kQ, kQd, kQdd };
+  enum class Part { kQ, kQd, kQdd, kTau };
 
   /// @param otherwise  what stands there without the option, for --help
   /// @param old  how it was called until 0.1.0: still taken, with a notice

@@ -26,6 +26,7 @@ if(DYNWITNESS_ENGINES)
   if(TARGET mujoco::mujoco)
     dynwitness_engine(witnesses mujoco.cpp DYNWITNESS_HAS_MUJOCO mujoco::mujoco)
     dynwitness_engine(readers mujoco_reader.cpp DYNWITNESS_HAS_MUJOCO mujoco::mujoco)
+    dynwitness_engine(chart raw_mujoco_calls.cpp DYNWITNESS_HAS_MUJOCO mujoco::mujoco)
   endif()
 
   # not by DART's CMake package, which adds -DBOOST_TEST_DYN_LINK to every target of a project

@@ -11,6 +11,7 @@
 #include "crosscheck/conductor/ask_witnesses.hpp"
 #include "crosscheck/conductor/exact_checks.hpp"
 #include "crosscheck/system/processes.hpp"
+#include "crosscheck/verdicts/check_mechanism.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/digits.hpp"
 #include "crosscheck/verdicts/options.hpp"
@@ -35,11 +36,12 @@ void checkExactly(const PreparedScene& scene, const ExactOptions& options, Rando
   failure.findings = findOutliers(scene.scene().name, checks);
 }
 
-/// A reason without what is the mechanism's own: names in quotes, entries, states and numbers.
+/// A reason without what is the mechanism's own: its file, names in quotes, entries, states and
+/// numbers.
 std::string reasonInGeneral(const std::string& reason) {
-  static const std::regex quoted("'[^']*'"), entry("\\[[0-9,]+\\]"),
-      number("([ (<=])[0-9][0-9.]*(e[-+]?[0-9]+)?");
-  std::string text = std::regex_replace(reason, quoted, "'...'");
+  static const std::regex file("random_[0-9_]+\\.toml: "), quoted("'[^']*'|\"[^\"]*\""),
+      entry("\\[[0-9,]+\\]"), number("([ (<=])[0-9][0-9.]*(e[-+]?[0-9]+)?");
+  std::string text = std::regex_replace(std::regex_replace(reason, file, ""), quoted, "'...'");
   text = std::regex_replace(text, entry, "[...]");
   return std::regex_replace(text, number, "$1...");
 }
@@ -68,6 +70,16 @@ bool checkInDouble(const PreparedScene& scene, const CampaignOptions& options,
     campaign.comparisons += check.states;
     if (check.verdict == Verdict::kDisagree) failure.checks.push_back(check);
   }
+  for (const CheckResult& check : checkMechanism(scene, asked)) {
+    checks.push_back(check);
+    if (check.verdict == Verdict::kNotAnswerable) {
+      ++campaign.unanswered[reasonInGeneral(
+          check.reason)][check.asksNothing() ? check.left + " (whole mechanism)" : check.quantity];
+      continue;
+    }
+    campaign.comparisons += check.states;
+    if (check.verdict == Verdict::kDisagree) failure.checks.push_back(check);
+  }
   for (Finding& finding : findOutliers(scene.scene().name, checks))
     failure.findings.push_back(std::move(finding));
   return refused;
@@ -77,7 +89,7 @@ void checkOne(int index, int max_joints, const CampaignOptions& options, RandomC
   const auto keep = [&campaign](RandomCampaign::Failure failure) {
     if (!failure.checks.empty()) campaign.failures.push_back(std::move(failure));
   };
-  RandomCampaign::Failure failure{randomScene(options.exact.seed, index, max_joints), {}, {}};
+  RandomCampaign::Failure failure{randomWholeScene(options.exact.seed, index, max_joints), {}, {}};
   const PreparedScene prepared(failure.scene);
   checkExactly(prepared, options.exact, campaign, failure);
   ++campaign.mechanisms;

@@ -58,8 +58,8 @@ const std::vector<const char*>& ofJoint() {
 
 /// Of a mechanism.
 enum OfMechanism { kNoGravity, kGravityAlongZ, kGravityOffZ, kBranches, kFirstFeature };
-/// Those of the table of features that are drawn by nobody yet.
-constexpr Feature kNotDrawn[] = {
+/// Those of the table of features that make a mechanism more than its tree.
+constexpr Feature kBesidesTheTree[] = {
     Feature::kDistanceClosure, Feature::kPlaneClosure,          Feature::kPlanarPointClosure,
     Feature::kPointClosure,    Feature::kHingeClosure,          Feature::kWeldClosure,
     Feature::kSkateClosure,    Feature::kRollingClosure,        Feature::kPointSpring,
@@ -68,7 +68,7 @@ constexpr Feature kNotDrawn[] = {
 const std::vector<const char*>& ofMechanism() {
   static const std::vector<const char*> names = [] {
     std::vector<const char*> out = {"no gravity", "gravity along z", "gravity off z", "branches"};
-    for (const Feature feature : kNotDrawn) out.push_back(name(feature));
+    for (const Feature feature : kBesidesTheTree) out.push_back(name(feature));
     return out;
   }();
   return names;
@@ -132,9 +132,10 @@ std::vector<int> featuresOfMechanism(const scene::Mechanism& mechanism) {
   scene.mechanism = mechanism;
   scene.start_q = mechanism.restPosition();
   for (const FoundFeature& found : featuresOf(scene)) {
-    const auto* const at = std::find(std::begin(kNotDrawn), std::end(kNotDrawn), found.feature);
-    if (at != std::end(kNotDrawn))
-      out.push_back(kFirstFeature + static_cast<int>(at - std::begin(kNotDrawn)));
+    const auto* const at =
+        std::find(std::begin(kBesidesTheTree), std::end(kBesidesTheTree), found.feature);
+    if (at != std::end(kBesidesTheTree))
+      out.push_back(kFirstFeature + static_cast<int>(at - std::begin(kBesidesTheTree)));
   }
   return out;
 }
@@ -185,11 +186,17 @@ bool excludeEachOther(std::size_t a, std::size_t b) {
   return std::find(std::begin(kApart), std::end(kApart), std::pair{a, b}) != std::end(kApart);
 }
 
-/// Of random mechanisms: a link without mass is carried, or has a rotor to turn.
+/// Of random mechanisms: a link without mass is carried, or has a rotor to turn; where joints
+/// follow others there are no constraints besides, which the sweeps could not pass.
 bool isDrawn(PairRelation relation, std::size_t row, std::size_t column) {
   const bool of_joint = relation != PairRelation::kOneMechanism;
-  if (column == kDriven || (of_joint && row == kDriven)) return false;
-  if (!of_joint) return row < kFirstFeature;
+  const auto isConstraint = [](std::size_t feature) {
+    if (feature < kFirstFeature) return false;
+    const Feature of = kBesidesTheTree[feature - kFirstFeature];
+    return of != Feature::kPointSpring && of != Feature::kPointDamper;
+  };
+  if (column == kFollower && (of_joint ? row == kDriven : isConstraint(row))) return false;
+  if (of_joint && row == kFollower && column == kDriven) return false;
   if (relation != PairRelation::kOneJoint || column != kMassless || !isKind(row)) return true;
   return kindOf(row) == JointKind::kFixed || scene::degreesOfFreedom(kindOf(row)) == 1;
 }
@@ -330,7 +337,7 @@ std::vector<int> randomMechanismsOfPairs(std::uint64_t seed, int max_joints, int
   std::vector<std::vector<int>> pairs;
   for (int index = 0; index < pool; ++index)
     pairs.push_back(
-        pairsOf(randomScene(seed, static_cast<std::uint64_t>(index), max_joints).mechanism));
+        pairsOf(randomWholeScene(seed, static_cast<std::uint64_t>(index), max_joints).mechanism));
   std::vector<int> chosen;
   for (;;) {
     const auto gain = [&](const std::vector<int>& of) {

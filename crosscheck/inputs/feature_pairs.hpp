@@ -60,8 +60,8 @@ class PairTable {
 /// up from.
 std::vector<int> pairsOf(const scene::Mechanism& mechanism);
 
-/** Random mechanisms (randomScene) that have every wanted pair between them, as far as the first
-    `pool` have it: again and again the one that has most of what is still missing.
+/** Random mechanisms (randomWholeScene) that have every wanted pair between them, as far as the
+    first `pool` have it: again and again the one that has most of what is still missing.
     @return  their indices, in ascending order */
 std::vector<int> randomMechanismsOfPairs(std::uint64_t seed, int max_joints, int pool);
 

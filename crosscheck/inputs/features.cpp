@@ -169,10 +169,10 @@ struct Rules {
           "gravity is the world's acceleration -g in the sweeps, no force on a link"}},
         {Command::kEvaluateForces,
          closures + point_springs,
-         {Kind::kRefused, "tau and reactions of the closed mechanism are not those of its tree"}},
+         {Kind::kRefused, "tau of the closed mechanism is not that of its tree"}},
         {Command::kEvaluateForces,
          {Feature::kAccelerationConstraint},
-         {Kind::kRefused, "tau and reactions depend on the forces nu that hold it"}},
+         {Kind::kRefused, "tau depends on the forces nu that hold it"}},
         {Command::kEvaluateTasks,
          closures + point_springs + Features{Feature::kDrivenJoint},
          {Kind::kTold, "tasks are those of the tree alone, a motor at each of its joints"}},
@@ -420,9 +420,9 @@ const char* name(Command command) {
     case Command::kEvaluateJoints:
       return "evaluate (X, M_A, P, F of joints)";
     case Command::kEvaluateForces:
-      return "evaluate (tau, reactions)";
+      return "evaluate (tau)";
     case Command::kEvaluateMotion:
-      return "evaluate (qdd, lambda, nu, tau_drive)";
+      return "evaluate (qdd, lambda, nu, tau_drive, reactions)";
     case Command::kEvaluateTasks:
       return "evaluate (tasks)";
     case Command::kDrift:

@@ -62,7 +62,7 @@ inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
                                            Command::kLinearize,
                                            Command::kSweep,
                                            Command::kShow};
-/// "drift", "evaluate (tau, reactions)"
+/// "drift", "evaluate (tau)"
 const char* name(Command command);
 
 /// What a scene may have. To add one: here, in kAllFeatures, in kWords and featuresOf()

@@ -5,9 +5,11 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "crosscheck/inputs/states.hpp"
 #include "scene/mimic.hpp"
+#include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -228,6 +230,237 @@ class Drawing {
   RandomStream random_, followers_, turns_;
 };
 
+/// Adds to one mechanism what makes it more than its tree.
+class Constraining {
+ public:
+  Constraining(std::uint64_t seed, std::uint64_t index, scene::Scene& scene)
+      : springs_("random springs between points", seed, index),
+        drives_("random drives", seed, index),
+        constraints_("random constraints", seed, index),
+        mechanism_(scene.mechanism),
+        start_q_(scene.start_q) {}
+
+  void all() {
+    addSprings();
+    if (mechanism_.hasMimics()) return;
+    addDrives();
+    const std::uint64_t kind = constraints_.next() % 100;
+    if (kind < 45)
+      addClosures();
+    else if (kind < 75)
+      addHeld();
+  }
+
+ private:
+  using Pose = Eigen::Isometry3d;
+
+  static int below(RandomStream& random, int n) {
+    return static_cast<int>(random.next() % static_cast<std::uint64_t>(n));
+  }
+  /// A decimal with two places, low/100 ... high/100.
+  static Number decimal(RandomStream& random, int low, int high) {
+    return {Rational(low + below(random, high - low + 1), 100)};
+  }
+  static Vector vector(RandomStream& random, int low, int high) {
+    return {decimal(random, low, high), decimal(random, low, high), decimal(random, low, high)};
+  }
+  static scene::Attachment attachment(RandomStream& random, int link) {
+    return {link, vector(random, -40, 40), vector(random, -300, 300)};
+  }
+  int links() const { return static_cast<int>(mechanism_.links.size()); }
+
+  void addSprings() {
+    if (below(springs_, 100) >= 40) return;
+    std::vector<int> carrier;  // by link: the one that fixed joints make it a part of
+    for (int i = 0; i < links(); ++i) {
+      const scene::Link& link = mechanism_.links[i];
+      const bool rides = link.parent >= 0 && link.joint.kind == JointKind::kFixed;
+      carrier.push_back(rides ? carrier[link.parent] : i);
+    }
+    for (int i = 1 + below(springs_, 2); i > 0; --i) {
+      scene::Spring spring;
+      spring.name = fmt::format("spring_{}", i);
+      do {  // a joint moves between the two: every mechanism has one
+        spring.a = {below(springs_, links()), vector(springs_, -40, 40), {}};
+        spring.b = {below(springs_, links()), vector(springs_, -40, 40), {}};
+      } while (carrier[spring.a.link] == carrier[spring.b.link]);
+      spring.stiffness = decimal(springs_, 100, 9000);
+      spring.rest = decimal(springs_, 0, 60);
+      if (below(springs_, 100) < 60) spring.damping = decimal(springs_, 1, 300);
+      mechanism_.springs.push_back(spring);
+    }
+  }
+
+  /// Motions that are 0 where the scene starts; one joint at least stays free.
+  void addDrives() {
+    static constexpr const char* kMotions[] = {"0.4*sin(3*t)", "1.5*t", "0.3*t - 0.2*t^2",
+                                               "0.5 - 0.5*cos(2*t)"};
+    if (below(drives_, 100) >= 40) return;
+    std::vector<scene::Joint*> joints;
+    for (scene::Link& link : mechanism_.links)
+      if (link.parent >= 0 && scene::degreesOfFreedom(link.joint.kind) > 0)
+        joints.push_back(&link.joint);
+    joints.erase(joints.begin() + below(drives_, static_cast<int>(joints.size())));
+    for (scene::Joint* joint : joints) {
+      if (!scene::ratesArePositionDerivatives(joint->kind) || below(drives_, 100) >= 35) continue;
+      for (int k = 0; k < scene::degreesOfFreedom(joint->kind); ++k)
+        joint->motion.push_back(scene::Expression::parseOfTime(kMotions[below(drives_, 4)]));
+    }
+  }
+
+  /// One; of a link that floats up to three, which are independent there, and so as tasks of a
+  /// controller, too.
+  void addHeld() {
+    std::vector<int> movable;  // by a joint that no drive moves
+    std::vector<char> moves(mechanism_.links.size(), 0), floats(moves);
+    for (int i = 1; i < links(); ++i) {
+      const scene::Link& link = mechanism_.links[i];
+      floats[i] = floats[link.parent] || link.joint.kind == JointKind::kFloating;
+      moves[i] = moves[link.parent] ||
+                 (scene::degreesOfFreedom(link.joint.kind) > 0 && link.joint.motion.empty());
+      if (moves[i]) movable.push_back(i);
+    }
+    const int link = movable[below(constraints_, static_cast<int>(movable.size()))],
+              count = 1 + below(constraints_, 3);
+    for (int i = 0; i < (floats[link] ? count : 1); ++i) {
+      scene::AccelerationConstraint held;
+      held.name = fmt::format("held_{}", i);
+      held.link = link;
+      held.at = vector(constraints_, 1, 40);
+      held.direction = vector(constraints_, 1, 99);
+      if (below(constraints_, 100) < 50) held.rotation = vector(constraints_, -50, 50);
+      held.axes = below(constraints_, 100) < 50 ? scene::AccelerationConstraint::Axes::kWorld
+                                                : scene::AccelerationConstraint::Axes::kLink;
+      held.value = decimal(constraints_, -500, 500);
+      if (below(constraints_, 100) < 40) held.compliance = decimal(constraints_, 5, 100);
+      mechanism_.acceleration_constraints.push_back(held);
+    }
+  }
+
+  void addClosures() {
+    const int count = below(constraints_, 100) < 30 ? 2 : 1, of_tree = links();
+    for (int i = 0; i < count; ++i) {
+      const std::vector<Pose> at = poses();
+      scene::Link body;
+      body.name = fmt::format("closing_{}", i);
+      body.parent = below(constraints_, of_tree);
+      body.inertia = rigidBody();
+      body.joint.name = fmt::format("to_closing_{}", i);
+      body.joint.kind = JointKind::kFloating;
+      body.joint.placement.xyz = vector(constraints_, -60, 60);
+      body.joint.placement.rpy = vector(constraints_, -300, 300);
+
+      scene::Closure closure;
+      closure.name = fmt::format("closure_{}", i);
+      closure.kind = static_cast<scene::ClosureKind>(
+          below(constraints_, static_cast<int>(scene::ClosureKind::kRolling) + 1));
+      const scene::Attachment on_tree = attachment(constraints_, below(constraints_, of_tree)),
+                              on_body = attachment(constraints_, links());
+      const bool body_is_b = below(constraints_, 100) < 50;
+      closure.a = body_is_b ? on_tree : on_body;
+      closure.b = body_is_b ? on_body : on_tree;
+      const Pose a_to_b = closed(closure), before = at[static_cast<std::size_t>(body.parent)] *
+                                                    composed(body.joint.placement.beforeJoint());
+      const Pose there = at[static_cast<std::size_t>(on_tree.link)] * composed(on_tree.steps()) *
+                         (body_is_b ? a_to_b : a_to_b.inverse()) *
+                         composed(on_body.steps()).inverse();
+      addPosition(before.inverse() * there);
+      mechanism_.links.push_back(body);
+      mechanism_.closures.push_back(closure);
+    }
+  }
+
+  /// A place of frame b seen from a where the closure is closed.
+  Pose closed(scene::Closure& closure) {
+    using Kind = scene::ClosureKind;
+    const auto turn = [this](const Eigen::Vector3d& axis) {
+      return Eigen::AngleAxisd(constraints_.uniform(-3, 3), axis);
+    };
+    const auto length = [this] { return constraints_.uniform(-0.5, 0.5); };
+    const auto z = Eigen::Vector3d::UnitZ();
+    Pose pose = Pose::Identity();
+    switch (closure.kind) {
+      case Kind::kDistance:
+        closure.length = Number::parse("0.35");
+        pose.translate(turn(Eigen::Vector3d::UnitX()) * (turn(z) * Eigen::Vector3d(0.35, 0, 0)));
+        break;
+      case Kind::kPlane:
+        pose.translate(Eigen::Vector3d(length(), length(), 0));
+        break;
+      case Kind::kPlanarPoint:
+        pose.translate(Eigen::Vector3d(0, 0, length()));
+        break;
+      case Kind::kPoint:
+        break;
+      case Kind::kHinge:
+        return pose * turn(z);
+      case Kind::kWeld:
+        return pose;
+      case Kind::kSkate:
+        pose.translate(Eigen::Vector3d(length(), length(), length()));
+        break;
+      case Kind::kRolling:  // upright: its centre is as high as its radius
+        closure.length = Number::parse("0.25");
+        pose.translate(Eigen::Vector3d(length(), length(), 0.25));
+        return pose * turn(z) * Eigen::AngleAxisd(EIGEN_PI / 2, Eigen::Vector3d::UnitY()) * turn(z);
+    }
+    return pose * turn(z) * turn(Eigen::Vector3d::UnitX()) * turn(z);
+  }
+
+  /// Three moments that are sums of two squares each, as those of a body are.
+  scene::MassProperties rigidBody() {
+    scene::MassProperties out;
+    out.mass = Rational(50 + below(constraints_, 250), 100);
+    out.com = vector(constraints_, -20, 20);
+    std::array<Rational, 3> squares;
+    for (Rational& square : squares) square = Rational(1 + below(constraints_, 30), 200);
+    out.xx = Rational(squares[1] + squares[2]);
+    out.yy = Rational(squares[0] + squares[2]);
+    out.zz = Rational(squares[0] + squares[1]);
+    return out;
+  }
+
+  Pose composed(const std::vector<scene::Step>& steps) const {
+    using Kind = scene::Step::Kind;
+    const scene::RealNumbers<double> number(mechanism_);
+    Pose pose = Pose::Identity();
+    for (const scene::Step& step : steps) {
+      if (step.kind == Kind::kTranslate)
+        pose.translate(Eigen::Vector3d(number(step.translation[0]), number(step.translation[1]),
+                                       number(step.translation[2])));
+      else
+        pose.rotate(Eigen::AngleAxisd(number(step.angle),
+                                      step.kind == Kind::kRotateX   ? Eigen::Vector3d::UnitX()
+                                      : step.kind == Kind::kRotateY ? Eigen::Vector3d::UnitY()
+                                                                    : Eigen::Vector3d::UnitZ()));
+    }
+    return pose;
+  }
+
+  /// Link frames in the world where the scene starts: joints of the tree at rest, at 0.
+  std::vector<Pose> poses() const {
+    std::vector<Pose> out;
+    for (const scene::Link& link : mechanism_.links)
+      out.push_back(link.parent < 0 ? Pose::Identity()
+                                    : Pose(out[static_cast<std::size_t>(link.parent)] *
+                                           composed(link.joint.placement.beforeJoint()) *
+                                           composed(link.joint.placement.afterJoint())));
+    return out;
+  }
+
+  /// Position of a floating joint, as decimals.
+  void addPosition(const Pose& pose) {
+    const Eigen::Quaterniond turn(pose.rotation());
+    for (const double x : {pose.translation().x(), pose.translation().y(), pose.translation().z(),
+                           turn.w(), turn.x(), turn.y(), turn.z()})
+      start_q_.push_back(Number::parse(fmt::format("{:.17f}", x)));
+  }
+
+  RandomStream springs_, drives_, constraints_;
+  scene::Mechanism& mechanism_;
+  std::vector<Number>& start_q_;
+};
+
 }  // namespace
 
 scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints,
@@ -253,6 +486,14 @@ scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints
     } catch (const scene::InputError&) {  // a joint that moves no inertia: the next one, then
     }
   }
+}
+
+scene::Scene randomWholeScene(std::uint64_t seed, std::uint64_t index, int max_joints) {
+  scene::Scene out = randomScene(seed, index, max_joints);
+  Constraining(seed, index, out).all();
+  out.start_qd.assign(out.mechanism.dof(), Number(0));
+  scene::validate(out);
+  return out;
 }
 
 scene::Scene randomTreeScene(std::uint64_t seed, std::uint64_t index, int max_joints) {

@@ -25,7 +25,18 @@ enum class JointKinds { kAll, kPlain };
     @see scene::writeSceneToml(), which makes a scene file of it */
 scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints,
                          JointKinds kinds = JointKinds::kAll);
-/// The same with joints that follow others let go, for what knows trees of independent joints only.
+/** The tree of randomScene(), and by streams of their own what makes it more than a tree: springs
+    and dampers between points, driven joints, and closures or acceleration constraints.
+
+    A closure joins a link of the tree, or the root, with a body of its own that floats on another
+    link, so that its equations are independent wherever that body is; the scene starts where they
+    are satisfied but for rounding. Only what can be compared by sweeps is drawn: in a mechanism
+    whose joints follow others springs alone, and no closures together with acceleration constraints
+    (CONTRIBUTING, "Add a feature of mechanisms").
+
+    @param max_joints  of the tree; bodies of closures come besides */
+scene::Scene randomWholeScene(std::uint64_t seed, std::uint64_t index, int max_joints);
+/// The tree with joints that follow others let go, for what knows trees of independent joints only.
 scene::Scene randomTreeScene(std::uint64_t seed, std::uint64_t index, int max_joints);
 
 }  // namespace dynwitness::crosscheck

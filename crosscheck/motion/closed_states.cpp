@@ -10,7 +10,8 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/motion/closed_motion.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
-#include "recursive/constraints.hpp"
+#include "recursive/constrained_reactions.hpp"
+#include "recursive/hybrid_dynamics.hpp"
 #include "scene/mimic.hpp"
 #include "scene/motion.hpp"
 
@@ -60,6 +61,14 @@ struct ClosedStates::Parts {
     motion.choose(y, time);
     arrived = motion.chosen() == chosen;  // if not, it went into a singular pose
     return y;
+  }
+
+  /// By reaction: whether redundant closures leave it determined.
+  std::vector<char> determined(const scene::State<double>& state) const {
+    const scene::RealNumbers<double> in_double(mechanism());
+    recursive::MechanismOfJoints<double> of(mechanism(), in_double);
+    return recursive::determinedReactions(mechanism(), in_double, state.x, state.qd,
+                                          recursive::drivenRates(mechanism()), of);
   }
 
   void equations(const State& y) {
@@ -169,6 +178,7 @@ ClosedState ClosedStates::draw(std::uint64_t seed, int index) {
             scene::motionAt(*motions[i], scene::RealNumbers<double>(mechanism), time).second;
     out.state.rows = p.motion.chosen();
     out.state.is_redundant = static_cast<int>(out.state.rows.size()) < p.motion.rows();
+    if (out.state.is_redundant) out.state.determined = p.determined(state);
     return out;
   }
   out.failure = "no small change of the start closes the closures there";

@@ -2,12 +2,14 @@
 #include "crosscheck/motion/constrained_quantities.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include <Eigen/Cholesky>
 
 #include "recursive/acceleration_constraints.hpp"
 #include "recursive/closed_dynamics.hpp"
+#include "recursive/constrained_reactions.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 #include "recursive/operational_space.hpp"
 #include "recursive/point_springs.hpp"
@@ -26,7 +28,8 @@ struct ConstrainedQuantities::Parts {
         ws(model),
         closures(recursive::buildConstraints(of.mechanism, number, model)),
         springs(recursive::buildPointSprings(of.mechanism, number, model)),
-        driven(recursive::drivenRates(of.mechanism)) {}
+        driven(recursive::drivenRates(of.mechanism)),
+        joints(of.mechanism, number) {}
   std::vector<recursive::LinkConstraint<double>> held(const scene::State<double>& state) {
     return recursive::accelerationConstraints(scene.mechanism, number, model, state.x, state.qd,
                                               ws);
@@ -46,6 +49,7 @@ struct ConstrainedQuantities::Parts {
   recursive::Constraints<double> closures;
   std::vector<recursive::PointSpring<double>> springs;
   std::vector<char> driven;
+  recursive::MechanismOfJoints<double> joints;
 };
 
 ConstrainedQuantities::ConstrainedQuantities(const scene::Scene& scene)
@@ -189,12 +193,14 @@ const char* name(ConstrainedQuantity quantity) {
       return "task_torque";
     case ConstrainedQuantity::kNullTorque:
       return "null_torque";
+    case ConstrainedQuantity::kReactions:
+      return "reactions";
   }
   return "?";
 }
 
 std::optional<ConstrainedQuantity> constrainedQuantityNamed(const std::string& text) {
-  for (int k = 0; k <= static_cast<int>(ConstrainedQuantity::kNullTorque); ++k)
+  for (int k = 0; k <= static_cast<int>(ConstrainedQuantity::kReactions); ++k)
     if (const auto quantity = static_cast<ConstrainedQuantity>(k); text == name(quantity))
       return quantity;
   return std::nullopt;
@@ -214,6 +220,21 @@ Eigen::MatrixXd ConstrainedQuantities::answer(ConstrainedQuantity quantity,
   if (quantity == Asked::kLambda) {
     require(p.closures.rows() > 0, "closures");
     return motion(state, usualRoad()).lambda;
+  }
+  if (quantity == Asked::kReactions) {
+    const scene::Mechanism& mechanism = p.scene.mechanism;
+    const ConstrainedMotion moving = motion(state, usualRoad());
+    const std::vector<double> qdd(moving.qdd.begin(), moving.qdd.end());
+    std::vector<double> out(6 * (mechanism.links.size() - 1),
+                            std::numeric_limits<double>::infinity());
+    if (!moving.qdd.allFinite()) return vectorOf(out);  // no value, whichever reaction is asked
+    recursive::constrainedReactions(mechanism, p.number, state.x, state.qd, qdd, moving.lambda,
+                                    moving.nu, p.joints, out);
+    const std::vector<char> determined =
+        recursive::determinedReactions(mechanism, p.number, state.x, state.qd, p.driven, p.joints);
+    for (std::size_t i = 0; i < out.size(); ++i)
+      if (!determined[i]) out[i] = std::numeric_limits<double>::quiet_NaN();
+    return vectorOf(out);
   }
   const auto held = p.held(state);
   if (quantity == Asked::kNu) {

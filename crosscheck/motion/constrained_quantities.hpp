@@ -33,7 +33,8 @@ struct ConstrainedMotion {
 /** Beside motion and forces, of the acceleration constraints as tasks: N (their accelerations by
     unit forces, without compliance), Lambda = N^-1 (task inertia), J, Jbar (dynamically consistent
     inverse), task_torque (of the controller, the state's tau its posture), null_torque
-    ((1 - J' Jbar') tau). */
+    ((1 - J' Jbar') tau). And reactions, 6 a joint of the tree (constrainedReactions()): those that
+    redundant constraints leave open are not a number (nan). */
 enum class ConstrainedQuantity {
   kQdd,
   kLambda,
@@ -44,9 +45,11 @@ enum class ConstrainedQuantity {
   kJ,
   kJbar,
   kTaskTorque,
-  kNullTorque
+  kNullTorque,
+  kReactions
 };
-/// "qdd", "lambda", "nu", "tau_drive", "N", "Lambda", "J", "Jbar", "task_torque", "null_torque"
+/// "qdd", "lambda", "nu", "tau_drive", "N", "Lambda", "J", "Jbar", "task_torque", "null_torque",
+/// "reactions"
 const char* name(ConstrainedQuantity quantity);
 std::optional<ConstrainedQuantity> constrainedQuantityNamed(const std::string& name);
 

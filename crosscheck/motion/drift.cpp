@@ -7,15 +7,12 @@
 
 #include <fmt/format.h>
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
-#include <boost/numeric/odeint/stepper/euler.hpp>
 #include <boost/numeric/odeint/stepper/generation.hpp>
-#include <boost/numeric/odeint/stepper/modified_midpoint.hpp>
-#include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
-#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 
 #include "crosscheck/inputs/features.hpp"
-#include "crosscheck/motion/method_named.hpp"
+#include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/motion/tree_motion.hpp"
 #include "crosscheck/scalars/rounded_state.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
@@ -31,66 +28,14 @@ constexpr double kFirstStep = 0.01;  // [s]
 constexpr int kMostHalvings = 9;
 constexpr double kMostSteps = 1e8;
 
-/// The mechanism as an ordinary differential equation, and its energy.
-class Motion {
- public:
-  /// @param moved_by  whose qdd it moves with, nullptr: its own
-  explicit Motion(const PreparedScene& scene, const scene::Mechanism* moved_by)
-      : model_(scene.model<double>()),
-        moving_(moved_by == nullptr ? model_ : PreparedScene(*moved_by).model<double>()),
-        ws_(model_),
-        x_(model_.positions),
-        qd_(model_.dof()),
-        qdd_(model_.dof()),
-        q_rate_(model_.positions),
-        no_force_(model_.dof(), 0.0) {}
-
-  void operator()(const Vector& y, Vector& rate, double) {
-    split(y);
-    recursive::forwardDynamics(moving_, x_, qd_, no_force_, ws_, qdd_);
-    recursive::positionRates(model_, x_, qd_, q_rate_);
-    std::copy(q_rate_.begin(), q_rate_.end(), rate.begin());
-    std::copy(qdd_.begin(), qdd_.end(), rate.begin() + model_.positions);
-    rate.back() = recursive::frictionPower(model_, qd_);
-  }
-  double kinetic(const Vector& y) {
-    split(y);
-    return recursive::kineticEnergy(model_, x_, qd_, ws_);
-  }
-  /// T + V, and with friction what it has taken: the sum must not change.
-  double energy(const Vector& y) {
-    const double E = kinetic(y) + recursive::potentialEnergy(model_, x_, ws_);
-    return model_.friction ? E + y.back() : E;
-  }
-
- private:
-  void split(const Vector& y) {
-    for (int i = 0; i < model_.positions; ++i) x_[i] = scene::jointPosition(y[i]);
-    std::copy_n(y.begin() + model_.positions, model_.dof(), qd_.begin());
-  }
-  recursive::Model<double> model_, moving_;
-  recursive::Workspace<double> ws_;
-  std::vector<scene::JointPosition<double>> x_;
-  Vector qd_, qdd_, q_rate_, no_force_;
-};
-
-Vector startOf(const scene::Scene& scene) {
-  const scene::RealNumbers<double> number(scene.mechanism);
-  Vector start;
-  for (const scene::Number& q : scene.start_q) start.push_back(number(q));
-  for (const scene::Number& qd : scene.start_qd) start.push_back(number(qd));
-  start.push_back(0);
-  return start;
-}
-
 struct Trace {
   Drift::Path path;
   double most_kinetic = 0;
 };
 
-template <typename Stepper>
-Trace simulate(Motion& motion, Vector y, double step, double duration) {
-  Stepper stepper;
+Trace simulate(TreeMotion<double>& motion, const std::string& method, Vector y, double step,
+               double duration) {
+  const auto stepper = stepsOf<double>(method, motion);
   const long steps = std::lround(duration / step);
   scene::Work work("simulated motions", static_cast<double>(steps), static_cast<double>(steps));
   const long stride = std::max(1L, steps / kChartPoints);
@@ -99,7 +44,12 @@ Trace simulate(Motion& motion, Vector y, double step, double duration) {
   trace.path.step = step;
   double most_since_point = 0;
   for (long k = 1; k <= steps; ++k, work.done()) {
-    stepper.do_step(std::ref(motion), y, (k - 1) * step, step);
+    try {
+      stepper->step(&y, (k - 1) * step, step);
+    } catch (const std::runtime_error&) {  // an implicit step without a solution
+      trace.path.worst = std::numeric_limits<double>::quiet_NaN();
+      break;
+    }
     const double error = std::abs(motion.energy(y) - E_0);
     const double kinetic = motion.kinetic(y);
     trace.most_kinetic = kinetic <= trace.most_kinetic ? trace.most_kinetic : kinetic;
@@ -115,20 +65,6 @@ Trace simulate(Motion& motion, Vector y, double step, double duration) {
   }
   return trace;
 }
-
-using Simulate = Trace (*)(Motion&, Vector, double, double);
-struct Method {
-  const char* name;
-  int order;
-  Simulate simulate;
-};
-const Method kMethods[] = {
-    {"euler", 1, simulate<odeint::euler<Vector>>},
-    {"modified_midpoint", 2, simulate<odeint::modified_midpoint<Vector>>},
-    {"runge_kutta4", 4, simulate<odeint::runge_kutta4<Vector>>},
-    {"runge_kutta_dopri5", 5, simulate<odeint::runge_kutta_dopri5<Vector>>},
-    {"runge_kutta_fehlberg78", 8, simulate<odeint::runge_kutta_fehlberg78<Vector>>},
-};
 
 /// Order seen between two step sizes.
 double orderBetween(const Drift::Path& coarse, const Drift::Path& fine) {
@@ -173,12 +109,12 @@ class EnergyRounding {
 
 std::vector<std::pair<std::string, int>> driftMethods() {
   std::vector<std::pair<std::string, int>> out;
-  for (const Method& method : kMethods) out.emplace_back(method.name, method.order);
+  for (const Integrator& method : integrators()) out.emplace_back(method.name, method.order);
   return out;
 }
 
 Drift measureDrift(const PreparedScene& scene, const DriftOptions& options) {
-  const Method& method = methodNamed(kMethods, options.method);
+  const Integrator& method = integratorNamed(options.method);
   requireTreated(scene.scene(), Command::kDrift);
   if (!(options.duration > 0) || !std::isfinite(options.duration))
     throw scene::InputError({},
@@ -194,19 +130,19 @@ Drift measureDrift(const PreparedScene& scene, const DriftOptions& options) {
                           "least a hundred millionth of it",
                           step, options.duration));
 
-  Motion motion(scene, options.moved_by);
-  const Vector start = startOf(scene.scene());
+  TreeMotion<double> motion(scene.mechanism(), options.moved_by);
+  const Vector start = startOf<double>(scene.scene());
 
   Drift drift;
   drift.method = method.name;
   drift.method_order = method.order;
   drift.duration = options.duration;
   Vector rate(start.size());
-  motion(start, rate, 0);
+  motion.rate(start, 0, &rate);
   if (!std::all_of(rate.begin(), rate.end(), [](double x) { return std::isfinite(x); }))
     return drift;
   const auto run = [&](double step) {
-    const Trace trace = method.simulate(motion, start, step, options.duration);
+    const Trace trace = simulate(motion, method.name, start, step, options.duration);
     drift.paths.push_back(trace.path);
     // of the finest path in the end, if it stayed with the numbers
     if (std::isfinite(trace.path.worst) || drift.paths.size() == 1)
@@ -274,11 +210,12 @@ const AdaptiveRun::Point& AdaptiveRun::at(double time) const {
 AdaptiveRun runAdaptively(const PreparedScene& scene, const DriftOptions& options,
                           double step_error) {
   constexpr int kMostAdaptiveSteps = 200000;
-  Motion motion(scene, options.moved_by);
+  TreeMotion<double> motion(scene.mechanism(), options.moved_by);
+  const auto rate = [&](const Vector& y, Vector& out, double time) { motion.rate(y, time, &out); };
   EnergyRounding rounding(scene);
   auto stepper =
       odeint::make_controlled(step_error, step_error, odeint::runge_kutta_dopri5<Vector>());
-  Vector y = startOf(scene.scene());
+  Vector y = startOf<double>(scene.scene());
   const double E_0 = motion.energy(y);
   AdaptiveRun run{step_error, 0, {}};
   AdaptiveRun::Point point{0, 0, rounding(y), 0};
@@ -288,7 +225,7 @@ AdaptiveRun runAdaptively(const PreparedScene& scene, const DriftOptions& option
     if (before + tried == before) break;
     step = tried;
     Vector next = y;
-    if (stepper.try_step(std::ref(motion), next, time, step) != odeint::success) continue;
+    if (stepper.try_step(rate, next, time, step) != odeint::success) continue;
     const double error = std::abs(motion.energy(next) - E_0), kinetic = motion.kinetic(next);
     if (!std::isfinite(error) || !std::isfinite(kinetic)) {  // no error, for the stepper
       stepper.reset();

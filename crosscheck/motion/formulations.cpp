@@ -52,7 +52,7 @@ FormulationComparison compareFormulations(const scene::Scene& scene,
       if (point.determined[i])
         out.most_lambda = std::max(out.most_lambda, std::abs(point.lambda[i]));
 
-  const std::string implicit = isImplicit(options.method) ? options.method : "radau_iia_5";
+  const std::string implicit = knowsFormulations(options.method) ? options.method : "radau_iia_5";
   const std::string explicit_one =
       options.method == implicit ? "runge_kutta_fehlberg78" : options.method;
   using F = Formulation;

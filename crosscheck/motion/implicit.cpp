@@ -7,29 +7,20 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/motion/collocation.hpp"
+
 namespace dynwitness::crosscheck {
 namespace {
 
 using State = ClosedMotion::State;
 
-/// Zeros of Radau's polynomial, the right end of the step among them.
-std::vector<double> nodes(int stages) {
-  if (stages == 1) return {1};
-  if (stages == 2) return {1.0 / 3, 1};
-  return {(4 - std::sqrt(6.0)) / 10, (4 + std::sqrt(6.0)) / 10, 1};
-}
-
 }  // namespace
 
 RadauIIA::RadauIIA(ClosedMotion& motion, int stages, Formulation formulation)
-    : motion_(motion), s_(stages), formulation_(formulation), c_(nodes(stages)) {
-  Matrix powers(s_, s_), integrals(s_, s_);  // c_j^(k-1) and c_j^k / k
-  for (int j = 0; j < s_; ++j)
-    for (int k = 1; k <= s_; ++k) {
-      powers(j, k - 1) = std::pow(c_[j], k - 1);
-      integrals(j, k - 1) = std::pow(c_[j], k) / k;
-    }
-  A_ = integrals * powers.inverse();
+    : motion_(motion), s_(stages), formulation_(formulation) {
+  const Tableau<double> tableau(Nodes::kRadau, stages);
+  c_ = tableau.c;
+  A_ = tableau.A;
   lambda_ = Vector::Zero(motion.rows());
 }
 

@@ -42,6 +42,7 @@ std::string unitOf(JointQuantity quantity, int i, int j) {
 /// One joint of the scene and its parts in the model, the last first.
 struct Joint {
   std::string name;
+  std::size_t link, parent;       ///< of the scene
   std::vector<int> parts;         ///< links of the model; the first is the scene's link
   Transform<double> X_joint;      ///< that link's frame to the moved joint frame
   Transform<double> X_from;       ///< moved joint frame of the parent to its link's frame
@@ -66,8 +67,9 @@ std::optional<JointQuantity> jointQuantityNamed(const std::string& text) {
 }
 
 struct JointQuantities::Parts {
-  explicit Parts(const scene::Scene& of)
+  Parts(const scene::Scene& of, JointAxes in)
       : scene(of),
+        axes(of, in),
         number(of.mechanism),
         model(recursive::buildModel(of.mechanism, number, recursive::FixedJoints::kKept)),
         ws(model),
@@ -84,6 +86,8 @@ struct JointQuantities::Parts {
     const scene::Link& link = scene.mechanism.links[i];
     Joint out;
     out.name = link.joint.name;
+    out.link = i;
+    out.parent = static_cast<std::size_t>(link.parent);
     out.X_joint = model.joints[i].X;
     out.X_from = model.joints[static_cast<std::size_t>(link.parent)].X.inverse();
     const auto parts = recursive::detail::partsOf(link.joint.kind);
@@ -104,8 +108,10 @@ struct JointQuantities::Parts {
   }
   const Transform<double>& up(int j) const { return ws.X_up[static_cast<std::size_t>(j)]; }
 
-  /// Of one joint, row by row.
+  /// Of one joint, row by row, in the axes of its moved frame.
   Eigen::MatrixXd of(const Joint& joint, JointQuantity quantity) const;
+  /// In those asked for.
+  Eigen::MatrixXd turned(const Joint& joint, JointQuantity quantity) const;
   /// Frame of the joint's part to that of its last one.
   Transform<double> toLast(const Joint& joint, std::size_t part) const {
     Transform<double> X = Transform<double>::identity();
@@ -115,6 +121,7 @@ struct JointQuantities::Parts {
   Matrix6 projection(const Joint& joint) const;
 
   scene::Scene scene;
+  TurnedAxes axes;
   scene::RealNumbers<double> number;
   recursive::Model<double> model;
   recursive::Workspace<double> ws;
@@ -125,8 +132,9 @@ struct JointQuantities::Parts {
   std::vector<Joint> joints;
 };
 
-JointQuantities::JointQuantities(const scene::Scene& scene, const std::vector<std::string>& joints)
-    : parts_(std::make_unique<Parts>(scene)) {
+JointQuantities::JointQuantities(const scene::Scene& scene, const std::vector<std::string>& joints,
+                                 JointAxes axes)
+    : parts_(std::make_unique<Parts>(scene, axes)) {
   requireTreated(scene, Command::kEvaluateJoints);
   std::vector<std::string> all;
   for (std::size_t i = 0; i < scene.mechanism.links.size(); ++i) {
@@ -212,6 +220,7 @@ std::vector<std::string> JointQuantities::units(JointQuantity quantity) const {
 
 void JointQuantities::at(const scene::State<double>& state) {
   Parts& p = *parts_;
+  p.axes.at(state);
   const std::size_t links = p.model.links.size();
   const auto n = static_cast<std::size_t>(p.model.dof());
   const std::vector<double> tau = state.tau.size() == n ? state.tau : std::vector<double>(n, 0.0);
@@ -299,10 +308,18 @@ Eigen::MatrixXd JointQuantities::Parts::of(const Joint& joint, JointQuantity qua
   return {};
 }
 
+Eigen::MatrixXd JointQuantities::Parts::turned(const Joint& joint, JointQuantity quantity) const {
+  const Eigen::MatrixXd one = of(joint, quantity);
+  if (quantity == JointQuantity::kBeta) return one;  // has no axes
+  const Matrix6 turn = axes.of(joint.link);
+  if (!isMatrix(quantity)) return turn * one;
+  return turn * one * (quantity == JointQuantity::kX ? axes.of(joint.parent) : turn).transpose();
+}
+
 Eigen::VectorXd JointQuantities::value(JointQuantity quantity) const {
   std::vector<double> out;
   for (const Joint& joint : parts_->joints) {
-    const Eigen::MatrixXd one = parts_->of(joint, quantity);
+    const Eigen::MatrixXd one = parts_->turned(joint, quantity);
     for (Eigen::Index i = 0; i < one.rows(); ++i)
       for (Eigen::Index j = 0; j < one.cols(); ++j) out.push_back(one(i, j) + 0.0);  // not -0
   }

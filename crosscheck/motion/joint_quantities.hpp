@@ -10,13 +10,14 @@
 
 #include <Eigen/Core>
 
+#include "crosscheck/motion/joint_axes.hpp"
 #include "scene/scene.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
 
-/** Of a joint, with the link that it moves, in the axes of the moved joint frame about its origin
-    (where reactions are, too), linear part first; a joint of several axes is one joint.
+/** Of a joint, with the link that it moves, in the axes of the moved joint frame (or others,
+    joint_axes.hpp) about its origin (where reactions are, too), linear part first; a joint of several axes is one joint.
       X      6 x 6: motions in the frame of the parent's joint (the world's) to motions in this one
       M_i    6 x 6: inertia of the link
       M_C    6 x 6: composite, of all that hangs on the joint, joints locked
@@ -39,7 +40,8 @@ class JointQuantities {
  public:
   /// @param joints  by name, in this order; none: all, in the order of links
   /// @throws scene::InputError  no such joint; what Command::kEvaluateJoints refuses
-  JointQuantities(const scene::Scene& scene, const std::vector<std::string>& joints);
+  JointQuantities(const scene::Scene& scene, const std::vector<std::string>& joints,
+                  JointAxes axes = JointAxes::kLink);
   ~JointQuantities();
 
   /// "elbow.M_A11", ..., "elbow.F_fx", "elbow.Z_vx" ("hip.Z2_vx" of several axes), "elbow.E1_fx",

@@ -16,7 +16,9 @@
 #include "crosscheck/motion/closed_motion.hpp"
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/implicit.hpp"
-#include "crosscheck/motion/method_named.hpp"
+#include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/motion/state_gap.hpp"
+#include "crosscheck/motion/tree_motion.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -76,13 +78,10 @@ class Watch {
   void look(const State& y, double time, bool keep, const Eigen::VectorXd* lambda = nullptr) {
     const std::clock_t pause = std::clock();
     Simulation::Point point = pointAt(motion_, y, time, E_0_);
-    const auto worse = [](double* worst, double value) {  // NaN counts as the worst
-      if (!(value <= *worst)) *worst = value;
-    };
-    worse(&out_->worst_phi, point.phi);
-    worse(&out_->worst_phi_rate, point.phi_rate);
-    worse(&out_->worst_energy, point.energy_error);
-    worse(&out_->most_kinetic, motion_.kinetic());
+    keepWorse(&out_->worst_phi, point.phi);
+    keepWorse(&out_->worst_phi_rate, point.phi_rate);
+    keepWorse(&out_->worst_energy, point.energy_error);
+    keepWorse(&out_->most_kinetic, motion_.kinetic());
     if (keep) {
       const auto solution = motion_.accelerationsOfAll(y, time);
       const Eigen::VectorXd& l = lambda ? *lambda : solution.lambda;
@@ -154,47 +153,126 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
   out->cpu_s = watch.seconds();
 }
 
-/// Radau IIA with steps as long as asked: equal ones between outputs.
-template <int Stages>
-void integrateImplicitly(ClosedMotion& motion, State y, const SimulateOptions& options,
-                         Simulation* out) {
-  RadauIIA radau(motion, Stages, options.formulation);
-  radau.start(y, 0);
-  Watch watch(motion, y, options, out);
+/** Steps as long as asked: equal ones between outputs.
+    @param step  (time, next) -> multipliers that it solved for, or null */
+template <typename Step>
+void inSteps(ClosedMotion& motion, State* y, const SimulateOptions& options, Watch& watch,
+             const Step& step) {
   double time = 0;
   for (const double end : outputTimes(options)) {
     const double from = time;
     const auto count = static_cast<long>(std::ceil((end - from - kRounding * end) / options.step));
     for (long k = 1; k <= count; ++k) {
       const double next = k == count ? end : from + (end - from) * static_cast<double>(k) / count;
-      radau.step(&y, time, next);
-      if (!isFinite(y))
+      const Eigen::VectorXd* lambda = step(time, next);
+      if (!isFinite(*y))
         throw std::runtime_error(fmt::format("simulate: not finite at t = {} s", next));
       watch.stepped(time);
       time = next;
       if (options.stabilisation == Stabilisation::kProjection && motion.rows() > 0) {
-        motion.project(&y, time);
-        motion.choose(y, time);
+        motion.project(y, time);
+        motion.choose(*y, time);
         watch.settled();
       }
-      watch.look(y, time, k == count, &radau.multipliers());
+      watch.look(*y, time, k == count, lambda);
     }
   }
+}
+
+/// Radau IIA, which knows the formulations.
+template <int Stages>
+void integrateImplicitly(ClosedMotion& motion, State y, const SimulateOptions& options,
+                         Simulation* out) {
+  RadauIIA radau(motion, Stages, options.formulation);
+  radau.start(y, 0);
+  Watch watch(motion, y, options, out);
+  inSteps(motion, &y, options, watch, [&](double time, double next) {
+    radau.step(&y, time, next);
+    return &radau.multipliers();
+  });
+  out->cpu_s = watch.seconds();
+}
+/// A closed mechanism as equations for any integrator; momenta it has where it is a tree alone.
+class ClosedEquations : public MotionEquations<double> {
+ public:
+  ClosedEquations(ClosedMotion& motion, const scene::Mechanism& mechanism)
+      : motion_(motion),
+        tree_(mechanism),
+        is_tree_(motion.rows() == 0 && motion.freedoms() == motion.dof() &&
+                 mechanism.isOpenTree()) {}
+  ~ClosedEquations() override { motion_.evaluations += tree_.calls; }
+
+  int positions() const override { return motion_.positions(); }
+  int dof() const override { return motion_.dof(); }
+  void rate(const State& y, double time, State* rate) override { motion_(y, *rate, time); }
+  bool isAutonomous() const override { return motion_.freedoms() == motion_.dof(); }
+  void move(State* y, const State& u) const override { tree_.move(y, u); }
+  State commutator(const State& u, const State& v) const override { return tree_.commutator(u, v); }
+  bool hasMomenta() const override { return is_tree_ && tree_.hasMomenta(); }
+  State momentum(const State& y) override { return tree_.momentum(y); }
+  State velocity(const State& y, const State& p) override { return tree_.velocity(y, p); }
+  State pull(const State& y) override { return tree_.pull(y); }
+
+ private:
+  ClosedMotion& motion_;
+  TreeMotion<double> tree_;
+  bool is_tree_;
+};
+
+/// Whether somebody else than the integrator moves y after a step.
+bool movesStates(const ClosedMotion& motion, const SimulateOptions& options) {
+  return motion.freedoms() != motion.dof() ||
+         (motion.rows() > 0 && options.stabilisation == Stabilisation::kProjection);
+}
+
+/// Any other integrator, with steps as integrateImplicitly() takes them.
+void integrateInSteps(ClosedMotion& motion, const scene::Scene& scene, State y,
+                      const SimulateOptions& options, Simulation* out) {
+  ClosedEquations equations(motion, scene.mechanism);
+  const auto stepper = stepsOf<double>(options.method, equations);
+  const bool is_moved = movesStates(motion, options);
+  if (is_moved && integratorNamed(options.method).remembers)
+    throw scene::InputError(
+        {scene.file.string(), 0},
+        fmt::format("method '{}', allowed: any other, or a tree without drives; it goes on from "
+                    "earlier steps, and projection or drives move the state after each",
+                    options.method));
+  double last = 0;  // [s]: length of the step before
+  Watch watch(motion, y, options, out);
+  inSteps(motion, &y, options, watch, [&](double time, double next) {
+    const double h = next - time;
+    if (std::abs(h - last) > kRounding * next) {
+      stepper->forget();
+      last = h;
+    }
+    stepper->step(&y, time, h);
+    motion.impose(next, &y);
+    if (is_moved) stepper->forget();
+    return nullptr;
+  });
   out->cpu_s = watch.seconds();
 }
 
+enum class Way { kAdaptive, kFormulations, kSteps };
+using Integrate = void (*)(ClosedMotion&, State, const SimulateOptions&, Simulation*);
 struct Method {
   const char* name;
-  bool implicit;
-  void (*integrate)(ClosedMotion&, State, const SimulateOptions&, Simulation*);
+  Way way;
+  Integrate integrate;  ///< null: integrateInSteps()
 };
+/// Those that do more here than take a step.
 const Method kMethods[] = {
-    {"runge_kutta_fehlberg78", false, integrate<odeint::runge_kutta_fehlberg78<State>>},
-    {"runge_kutta_dopri5", false, integrate<odeint::runge_kutta_dopri5<State>>},
-    {"radau_iia_5", true, integrateImplicitly<3>},
-    {"radau_iia_3", true, integrateImplicitly<2>},
-    {"implicit_euler", true, integrateImplicitly<1>},
+    {"runge_kutta_fehlberg78", Way::kAdaptive, integrate<odeint::runge_kutta_fehlberg78<State>>},
+    {"runge_kutta_dopri5", Way::kAdaptive, integrate<odeint::runge_kutta_dopri5<State>>},
+    {"radau_iia_5", Way::kFormulations, integrateImplicitly<3>},
+    {"radau_iia_3", Way::kFormulations, integrateImplicitly<2>},
+    {"implicit_euler", Way::kFormulations, integrateImplicitly<1>},
 };
+Method methodOf(const std::string& name) {
+  for (const Method& method : kMethods)
+    if (name == method.name) return method;
+  return {integratorNamed(name).name, Way::kSteps, nullptr};
+}
 
 void require(bool holds, const char* what, double value, const char* allowed) {
   if (!holds)
@@ -203,18 +281,15 @@ void require(bool holds, const char* what, double value, const char* allowed) {
 
 }  // namespace
 
-std::vector<std::string> simulateMethods() {
-  std::vector<std::string> names;
-  for (const Method& method : kMethods) names.emplace_back(method.name);
-  return names;
+bool hasEqualSteps(const std::string& method) {
+  return methodOf(method).way != Way::kAdaptive;
 }
-
-bool isImplicit(const std::string& method) {
-  return methodNamed(kMethods, method).implicit;
+bool knowsFormulations(const std::string& method) {
+  return methodOf(method).way == Way::kFormulations;
 }
 
 Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
-  const Method& method = methodNamed(kMethods, options.method);
+  const Method method = methodOf(options.method);
   requireTreated(scene, Command::kSimulate);
   require(options.duration > 0 && std::isfinite(options.duration), "duration", options.duration,
           "positive");
@@ -223,7 +298,7 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
           "between 0 and 1");
   require(options.baumgarte_rate >= 0 && std::isfinite(options.baumgarte_rate), "Baumgarte's rate",
           options.baumgarte_rate, "zero or more");
-  if (options.formulation != Formulation::kIndex1 && !method.implicit)
+  if (options.formulation != Formulation::kIndex1 && method.way != Way::kFormulations)
     throw scene::InputError(
         {}, fmt::format("method '{}' with index 2 or 3, allowed: radau_iia_5, radau_iia_3, "
                         "implicit_euler; {} solves index 1 only",
@@ -239,8 +314,8 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
         fmt::format("formulation {} solves for phi = 0, which closures of rates alone (skate, "
                     "rolling) do not have, allowed: index1, index2",
                     name(options.formulation)));
-  if (method.implicit && !(options.step > 0 && std::isfinite(options.step) &&
-                           options.duration / options.step <= kMostSteps))
+  if (method.way != Way::kAdaptive && !(options.step > 0 && std::isfinite(options.step) &&
+                                        options.duration / options.step <= kMostSteps))
     throw scene::InputError(
         {},
         fmt::format("step is {} s, allowed: positive, and at least the duration of {} s over {}",
@@ -269,30 +344,32 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
                     out.start_residual, std::max(motion.phi(), motion.phiRateSize())));
   out.rank_lowest = out.rank_highest = motion.rank();
   motion.evaluations = 0;
-  method.integrate(motion, y, options, &out);
+  if (method.integrate != nullptr)
+    method.integrate(motion, y, options, &out);
+  else
+    integrateInSteps(motion, scene, y, options, &out);
   out.evaluations = motion.evaluations;
   return out;
 }
 
 MotionGap gapBetween(const Simulation& a, const Simulation& b) {
-  const auto worse = [](double* worst, const std::vector<double>& x, const std::vector<double>& y) {
-    for (std::size_t i = 0; i < x.size(); ++i)
-      if (const double apart = std::abs(x[i] - y[i]); !(apart <= *worst)) *worst = apart;
-  };
   MotionGap gap;
   auto other = b.points.begin();
   for (const Simulation::Point& point : a.points) {
     while (other != b.points.end() && other->time < point.time) ++other;
     if (other == b.points.end() || other->time != point.time) continue;
-    worse(&gap.q, point.q, other->q);
-    worse(&gap.qd, point.qd, other->qd);
+    keepWorse(&gap.q, largestGap(point.q, other->q, point.q.size()));
+    keepWorse(&gap.qd, largestGap(point.qd, other->qd, point.qd.size()));
   }
   return gap;
 }
 
 SimulateOptions finer(const SimulateOptions& options) {
   SimulateOptions out = options;
-  (isImplicit(options.method) ? out.step : out.step_error) /= 2;
+  (hasEqualSteps(options.method) ? out.step : out.step_error) /= 2;
+  if (!hasEqualSteps(options.method))
+    out.method =
+        options.method == "runge_kutta_dopri5" ? "runge_kutta_fehlberg78" : "runge_kutta_dopri5";
   out.outputs *= 2;  // steps end at outputs, and may be no longer than that asks
   return out;
 }

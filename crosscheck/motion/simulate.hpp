@@ -41,16 +41,16 @@ struct SimulateOptions {
   Stabilisation stabilisation = Stabilisation::kProjection;
   double baumgarte_rate = 20;  ///< w [1/s]
   Formulation formulation = Formulation::kIndex1;
-  double step = 0.001;  ///< of implicit methods, whose steps are equal [s]
+  double step = 0.001;                             ///< of methods whose steps are equal [s]
   std::function<void(double time)> progress = {};  ///< called after each step
 };
 
-/// Adaptive explicit integrators of Boost.odeint, and Radau IIA (implicit.hpp).
-std::vector<std::string> simulateMethods();
-/// Whether a method of simulate() has the step that is asked for; the others choose theirs by an
-/// error.
+/// Methods are integrators() by name. Whether this one has the step that is asked for;
+/// runge_kutta_fehlberg78 and runge_kutta_dopri5 choose theirs by an error.
 /// @throws scene::InputError  there is none of that name
-bool isImplicit(const std::string& method);
+bool hasEqualSteps(const std::string& method);
+/// Whether it solves index 2 and 3, too: Radau IIA (implicit.hpp).
+bool knowsFormulations(const std::string& method);
 
 struct Simulation {
   struct Point {
@@ -84,8 +84,10 @@ struct MotionGap {
 };
 MotionGap gapBetween(const Simulation& a, const Simulation& b);
 
-/// The options of a run that is asked for half the error of a step, or steps of half the length,
-/// and for twice as many outputs: all its steps are shorter.
+/// The options of another run: by the other method that chooses its steps, for half the error of a
+/// step (a method that is wrong and says that it succeeded may be so again at half the error), or
+/// with steps of half the length; and with twice as many outputs, so that all its steps are
+/// shorter.
 SimulateOptions finer(const SimulateOptions& options);
 
 /// Accelerations and multipliers at a state of the closed mechanism, without other joint forces.

@@ -78,6 +78,36 @@ class Comparison {
   static bool isSame(const Vector3d& a, const Vector3d& b, double size) {
     return (a - b).norm() <= roundingOf(0) * std::max({a.norm(), b.norm(), size});
   }
+  struct Way {
+    double length = 0;  ///< [m]
+    int joints = 0;
+  };
+  /// From the root of the model to the joint of a body, link by link.
+  Way fromRoot(std::size_t b) const {
+    Way way;
+    for (int i = static_cast<int>(b); i >= 0; ++way.joints) {
+      const ReadBody& body = ours_.bodies[static_cast<std::size_t>(i)];
+      way.length += body.placement.translation().norm();
+      i = body.parent;
+    }
+    return way;
+  }
+  /// What a reader that places links in the frame of the whole model rounds there [m].
+  double slip(std::size_t b) const {
+    const Way way = fromRoot(b);
+    return roundingOf(way.joints) * way.length;
+  }
+  /// The largest difference of two readings of a body, as a share of what it is made of; 1 where
+  /// what is seen is no number.
+  static double shareOf(const MassMoments& a, const MassMoments& b) {
+    const double mass = std::max(std::abs(a.mass), std::abs(b.mass));
+    const double reach2 = std::max(a.reach2, b.reach2);
+    if (mass == 0 || reach2 == 0) return 1;
+    if (!std::isfinite(b.mass) || !b.first.allFinite() || !b.second.allFinite()) return 1;
+    return std::max({std::abs(a.mass - b.mass) / mass,
+                     (a.first - b.first).norm() / std::sqrt(mass * reach2),
+                     (a.second - b.second).norm() / reach2});
+  }
   void add(Misreading finding) {
     const std::vector<std::string>& left_out = reading_.not_kept;
     if (std::find(left_out.begin(), left_out.end(), finding.quantity) == left_out.end())
@@ -123,10 +153,11 @@ class Comparison {
       compareAxis(b, seen, where);
       compareNumbers(b, seen, where);
     }
-    if (!crosscheck::isSame(body.moments, seen.moments, body.links, seen_.unturned)) {
+    if (!crosscheck::isSame(body.moments, seen.moments, body.links, seen_.unturned, slip(b))) {
       ReadBody changed = body;
       changed.moments = seen.moments;
-      const NamedMistakes why = explanation(file_, b, seen.moments, seen_.unturned);
+      NamedMistakes why = explanation(file_, b, seen.moments, seen_.unturned);
+      if (why.words.empty()) why.words = digitsLost(shareOf(body.moments, seen.moments));
       Misreading finding{body.link,           "inertia",           why.words,
                          shown(body.moments), shown(seen.moments), where};
       finding.read = seen.moments;
@@ -146,13 +177,18 @@ class Comparison {
       const int frames = body.links + 1;
       return (X.linear() - seen.placement.linear()).norm() <= roundingOf(frames) &&
              (X.translation() - seen.placement.translation()).norm() <=
-                 roundingOf(frames) * std::max(X.translation().norm(), file_.reach(b));
+                 roundingOf(frames) * std::max(X.translation().norm(), file_.reach(b)) + slip(b);
     };
     if (fits(body.placement)) return;
     std::string rule;
     for (const JointReading& one : jointMisreadings(file_, b))
       if (rule.empty() && one.quantity == std::string("origin") && fits(one.body.placement))
         rule = one.words;
+    if (rule.empty())
+      rule =
+          digitsLost(std::max((body.placement.linear() - seen.placement.linear()).norm(),
+                              (body.placement.translation() - seen.placement.translation()).norm() /
+                                  (fromRoot(b).length + file_.reach(b))));
     ReadBody changed = body;
     changed.placement = seen.placement;
     addWithEffect({body.link, "origin", rule, shown(body.placement), shown(seen.placement), where},

@@ -2,6 +2,7 @@
 #include "crosscheck/readers/rules.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Eigenvalues>
 #include <boost/math/constants/constants.hpp>
@@ -590,14 +591,22 @@ double FileParts::reach(std::size_t body) const {
   return sum;
 }
 
-bool isSame(const MassMoments& a, const MassMoments& b, int links, double unturned) {
+bool isSame(const MassMoments& a, const MassMoments& b, int links, double unturned, double slip) {
   const double unit = roundingOf(links);
   const double mass = std::max(std::abs(a.mass), std::abs(b.mass));
   const double reach2 = std::max(a.reach2, b.reach2);
   return std::abs(a.mass - b.mass) <= unit * mass &&
-         (a.first - b.first).norm() <= unit * std::sqrt(mass * reach2) &&
+         (a.first - b.first).norm() <= unit * std::sqrt(mass * reach2) + mass * slip &&
          (a.second - b.second).norm() <=
-             unit * reach2 + unturned * (links + 1.0) * a.aboutCom().cwiseAbs().trace();
+             unit * reach2 + unturned * (links + 1.0) * a.aboutCom().cwiseAbs().trace() +
+                 2 * a.first.norm() * slip + mass * slip * slip;
+}
+
+std::string digitsLost(double share) {
+  constexpr double kFewest = 4;  // chosen: half of float's digits
+  if (!(share > 0) || !std::isfinite(share)) return "";
+  const double digits = -std::log10(share);
+  return digits >= kFewest ? fmt::format("digits are lost: {:.1f} are left", digits) : "";
 }
 
 NamedMistakes explanation(const FileParts& file, std::size_t body, const MassMoments& seen,

@@ -131,8 +131,14 @@ class FileParts {
 FileParts readParts(const std::string& text, const std::filesystem::path& file);
 
 /// Whether two readings of a body are the same but for rounding and what the reader's principal
-/// axes lose; depth: joints from the world.
-bool isSame(const MassMoments& a, const MassMoments& b, int links, double unturned);
+/// axes lose. slip: how far a reader that places all links in one frame may misplace this one [m].
+bool isSame(const MassMoments& a, const MassMoments& b, int links, double unturned,
+            double slip = 0);
+
+/// "digits are lost: 7.2 are left" of a difference that is a small share of what is read and that
+/// no mistake explains which is tried. Empty: none, no number, or one that leaves fewer than four
+/// digits, half of float's, which is where we chose to call it no loss of digits.
+std::string digitsLost(double share);
 
 struct NamedMistakes {
   std::string words;  ///< "the rpy of <inertial> is dropped (link_3)"; empty: none that is tried

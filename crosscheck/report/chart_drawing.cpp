@@ -7,16 +7,18 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/chart/methods.hpp"
+#include "crosscheck/chart/timed_apart.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/report/text.hpp"
 
 namespace dynwitness::crosscheck {
 
 std::string chartCsv(const std::vector<Chart>& charts) {
-  std::string quantities, left_out, rows;
+  std::string quantities, left_out, own_calls, rows;
   for (const Chart& chart : charts) {
     quantities += (quantities.empty() ? "" : ", ") + chart.quantity;
+    for (const std::string& words : chart.own_calls)
+      own_calls += fmt::format("# {} by {}\n", chart.quantity, oneLine(words));
     for (const std::string& method : chart.left_out)
       left_out += fmt::format("# left out of {}: {}\n", chart.quantity, oneLine(method));
     for (const ChartPoint& p : chart.points)
@@ -30,11 +32,14 @@ std::string chartCsv(const std::vector<Chart>& charts) {
         "# scene: {}\n# quantity: {}\n# states: {}, seed {}\n"
         "# error: largest |entry - truth| / largest |truth| of a state; the truth is certified by "
         "ball arithmetic to 2^-{}\n"
-        "# time: CPU time of one evaluation, cosines and sines included; fastest, median and 90 % "
-        "of {} batches, up to {} times\n# machine: {}\n",
+        "# time: CPU time of one evaluation, from joint positions as numbers: cosines, sines and "
+        "position kinematics included; fastest, median and 90 % of {} batches, up to {} times\n"
+        "# lanes: all states of a batch in one call, its time divided by their number\n"
+        "# engines: timed by their own calls; \"by its witness\": with our copies and conversions\n"
+        "# machine: {}\n",
         oneLine(charts.front().scene), quantities, charts.front().states, charts.front().seed,
         kChartTruthBits, kChartBatches, kChartRounds, oneLine(charts.front().machine));
-  return about + left_out +
+  return about + own_calls + left_out +
          "quantity,method,scalar,error_worst,error_median,time_min_ns,time_median_ns,"
          "time_high_ns\n" +
          rows;
@@ -50,9 +55,12 @@ int lineType(const std::string& method) {
                                                    {MethodName::kCompositeBody, 4},
                                                    {MethodName::kCompositeBodySolved, 4},
                                                    {MethodName::kArticulatedBody, 5},
-                                                   {MethodName::kKernel, 6}};
+                                                   {MethodName::kKernel, 6},
+                                                   {kFastMethod, 7},
+                                                   {kLanesMethod, 8}};
   const auto found = known.find(method);
-  return found != known.end() ? found->second : lineTypeOfEngine(method).value_or(16);
+  const std::string engine = method.substr(0, method.find(kByItsWitness));
+  return found != known.end() ? found->second : lineTypeOfEngine(engine).value_or(16);
 }
 
 /// What is seen of the points: decades of error and of time [s]; an exact answer, which has no
@@ -144,7 +152,10 @@ std::string chartScript(const Chart& chart, const std::string& name, const std::
       "set multiplot\n"
       "set label 1 {4} at screen 0.5, screen 0.96 center textcolor rgb ink font ',15'\n"
       "set label 2 {5} at screen 0.5, screen 0.025 center textcolor rgb soft font ',11'\n"
-      "set tmargin at screen 0.86\nset bmargin at screen 0.28\n"
+      "set label 3 'sines and position kinematics are in each time; engines by their own calls, but for "
+      "those by their witness, whose conversions are in it' at screen 0.5, screen 0.92 center "
+      "textcolor rgb soft font ',11'\n"
+      "set tmargin at screen 0.825\nset bmargin at screen 0.28\n"
       "set logscale xy\nset format x '1e%T'\nset format y '%.0s %cs'\nset micro\nunset mxtics\n"
       "seen(error) = error > border ? error : border\n"
       "among(scalar) = scalar eq 'double' || scalar eq 'long double'\n"

@@ -66,8 +66,10 @@ void putChart(std::string* page, const SceneFiles& files) {
   }
   put(page,
       "<figcaption>tau, inverse dynamics: each method's time and its worst error against the "
-      "certified truth; lower left is better. Times are of this machine and of this run, and "
-      "nothing here is judged by them. Data: <a href=\"{}\">all methods</a>; <a "
+      "certified truth; lower left is better. A time starts at joint positions as numbers, so that "
+      "sines and position kinematics are in it; engines are timed by their own calls where their "
+      "name stands alone. Times are of this machine and of this run, and nothing here is judged by "
+      "them. Data: <a href=\"{}\">all methods</a>; <a "
       "href=\"{}\">gnuplot "
       "script</a>.</figcaption>\n</figure>\n",
       files.chart_csv, files.chart_script);

@@ -60,6 +60,7 @@ std::string quantityWords(const std::string& quantity) {
       {"mechanism lambda", "lambda of the whole mechanism, closures"},
       {"mechanism nu", "nu of the whole mechanism, acceleration constraints"},
       {"mechanism drive force", "forces of the drives of the whole mechanism"},
+      {"mechanism reactions", "reactions of the whole mechanism, what its joints transmit"},
       {"placements", "placements, read a second time"},
       {"masses", "masses, read a second time"},
       {"numbers", "other numbers, read a second time"},

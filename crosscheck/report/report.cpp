@@ -106,12 +106,26 @@ void inThreads(const std::vector<std::function<void()>>& tasks) {
   for (std::future<void>& worker : workers) worker.get();
 }
 
+/// The audit's page, where it lies in the report's folder, or how to have it there.
+std::string chapterSection(const std::filesystem::path& folder) {
+  std::string page =
+      "<section aria-labelledby=\"chapter\">\n<h2 id=\"chapter\">The textbook chapter</h2>\n<p>H. "
+      "Bruyninckx, <i>Dynamics of robots</i>, whose letters the sweeps use: which of its equations "
+      "hold, and what is so where they do not, with numbers for the board.</p>\n<p>";
+  page += std::filesystem::is_regular_file(folder / "audit" / "index.html")
+              ? "<a href=\"audit/index.html\">The audit, equation by equation</a>, as "
+                "<code>dynwitness audit --report FOLDER/audit</code> left it (FOLDER: this page's)."
+              : "<code>dynwitness audit --report FOLDER/audit</code>, FOLDER being this page's, "
+                "writes the page in two seconds, and the next report links to it.";
+  return page + "</p>\n</section>\n";
+}
+
 }  // namespace
 
 void writeReport(const CrosscheckResult& result, const Environment& environment,
                  const std::filesystem::path& folder, const std::vector<Chart>& charts,
                  const BenchResult* bench, const std::vector<std::string>& views,
-                 const PairTable* pairs) {
+                 const PairTable* pairs, const std::string& atlas) {
   if (!charts.empty() && charts.size() != result.scenes.size())
     throw std::invalid_argument(fmt::format("writeReport: charts: expected none or {}, got {}",
                                             result.scenes.size(), charts.size()));
@@ -154,8 +168,9 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
   out.write("digits.md", digitsTable(result, environment));
   out.write("index.html",
             reportPage(result, environment, files,
-                       (pairs ? pairsSection(*pairs) : std::string()) +
-                           (bench ? benchSection(*bench, bench_files) : std::string())));
+                       atlas + (pairs ? pairsSection(*pairs) : std::string()) +
+                           (bench ? benchSection(*bench, bench_files) : std::string()) +
+                           chapterSection(folder)));
   out.moveIntoPlace("index.html");
 }
 

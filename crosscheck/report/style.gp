@@ -23,6 +23,8 @@ set linetype 3 linecolor rgb green  linewidth 2 dashtype (6,3)   pointtype 9 poi
 set linetype 4 linecolor rgb purple linewidth 2 dashtype (2,3)   pointtype 11 pointsize 0.9
 set linetype 5 linecolor rgb amber  linewidth 2 dashtype (12,3,2,3) pointtype 13 pointsize 0.9
 set linetype 6 linecolor rgb sky    linewidth 2 dashtype (6,3,2,3)  pointtype 6 pointsize 0.8
+set linetype 7 linecolor rgb blue   linewidth 2 dashtype (2,3)  pointtype 10 pointsize 1.0   # fast sweeps
+set linetype 8 linecolor rgb sky    linewidth 2 dashtype (2,3)  pointtype 2  pointsize 1.0   # the kernel in lanes
 set linetype cycle 6
 # outside engines: hollow markers, and none has the shape of ours in the same colour
 set linetype 11 linecolor rgb sky    linewidth 2 dashtype 1 pointtype 14 pointsize 1.0   # simbody

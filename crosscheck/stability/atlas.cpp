@@ -72,8 +72,7 @@ Method witnessMethod(const WitnessKind& kind) {
   if (method.is_ours)
     method.warns = [kind](const Case& given, Quantity quantity) {
       const Answer answer = witnessOf(kind, given, quantity)->answer(quantity, given.state);
-      const double certain = wrongFrom() * answer.value.cwiseAbs().maxCoeff();
-      return !(answer.bound.maxCoeff() < certain);  // infinite and no number included
+      return certainDigits(answer) <= kFewestDigits;
     };
   return method;
 }

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "crosscheck/witnesses/certain_digits.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/scene.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::crosscheck::stability {
 
-/// Fewer decimal digits than this, and a method is said to have broken.
-inline constexpr int kFewestDigits = 3;
+using crosscheck::kFewestDigits;  // with fewer, a method is said to have broken
 /// How many mechanisms, alike but for their numbers, stand at one severity: a rounding that happens
 /// to be exact in one of them is not in all. The worst counts.
 inline constexpr int kVariants = 3;

@@ -28,6 +28,7 @@ std::vector<Asked> quantitiesOf(const scene::Mechanism& mechanism) {
   if (is_closed) out.push_back(Asked::kLambda);
   if (is_held) out.push_back(Asked::kNu);
   if (mechanism.isDriven()) out.push_back(Asked::kDrive);
+  if (mechanism.links.size() > 1) out.push_back(Asked::kReactions);
   return out;
 }
 
@@ -43,8 +44,36 @@ const char* words(Asked quantity) {
       return "nu of the acceleration constraints";
     case Asked::kDrive:
       return "force of the drives";
+    case Asked::kReactions:
+      return "reactions of the joints of the whole mechanism";
   }
   return "?";
+}
+
+/// Whose reactions redundant closures leave open: "reactions of a, b"; of every joint all six or
+/// some of them: "reactions of all joints", "some reactions of all joints".
+std::string openReactions(const scene::Mechanism& mechanism, const std::vector<char>& determined) {
+  std::string names;
+  std::size_t joint = 0, open = 0;
+  const bool are_all = std::find(determined.begin(), determined.end(), 1) == determined.end();
+  for (const scene::Link& link : mechanism.links) {
+    if (link.parent < 0) continue;
+    const auto from = determined.begin() + static_cast<std::ptrdiff_t>(6 * joint++);
+    if (std::find(from, from + 6, 0) == from + 6) continue;
+    ++open;
+    names += (names.empty() ? "" : ", ") + link.joint.name;
+  }
+  if (open == joint) names = "all joints";
+  return (open == joint && !are_all ? "some reactions of " : "reactions of ") + names;
+}
+
+/// Those that are determined.
+Eigen::VectorXd determinedOf(const Eigen::VectorXd& all, const std::vector<char>& determined) {
+  if (determined.empty()) return all;
+  std::vector<double> kept;
+  for (std::size_t i = 0; i < determined.size(); ++i)
+    if (determined[i]) kept.push_back(all(static_cast<Eigen::Index>(i)));
+  return Eigen::Map<const Eigen::VectorXd>(kept.data(), static_cast<Eigen::Index>(kept.size()));
 }
 
 /// What one road says at one state.
@@ -56,8 +85,9 @@ struct Said {
 /// Roads that some quantity is asked of, pair by pair.
 class Pairs {
  public:
-  Pairs(Asked quantity, const std::vector<NamedRoad>& roads, const Options& options)
-      : quantity_(quantity) {
+  Pairs(Asked quantity, const scene::Mechanism& mechanism, const std::vector<NamedRoad>& roads,
+        const Options& options)
+      : quantity_(quantity), mechanism_(mechanism) {
     for (std::size_t a = 0; a < roads.size(); ++a)
       for (std::size_t b = a + 1; b < roads.size(); ++b) {
         CheckResult check;
@@ -98,7 +128,23 @@ class Pairs {
       }
       if (x.value.size() == 0 || y.value.size() == 0) continue;
       pair.is_asked = true;
-      pair.tally.add(index, x.value, y.value, x.bound + y.bound);
+      if (quantity_ != Asked::kReactions) {
+        pair.tally.add(index, x.value, y.value, x.bound + y.bound);
+        continue;
+      }
+      const std::vector<char>& determined = at.state.determined;
+      const Eigen::VectorXd left_of = determinedOf(x.value, determined);
+      if (left_of.size() < x.value.size()) {
+        // what is open at one state is not always compared
+        if (pair.determined.empty()) pair.determined = determined;
+        for (std::size_t i = 0; i < determined.size(); ++i)
+          if (!determined[i]) pair.determined[i] = 0;
+      }
+      if (left_of.size() == 0)
+        pair.tally.fail(index, "", openWords(determined));
+      else
+        pair.tally.add(index, left_of, determinedOf(y.value, determined),
+                       determinedOf(x.bound + y.bound, determined));
     }
   }
 
@@ -106,13 +152,18 @@ class Pairs {
     for (const Pair& pair : pairs_) {
       if (!pair.is_asked && pair.a > 0) continue;  // said once
       checks.push_back(pair.tally.result());
+      if (!pair.determined.empty())
+        checks.back().statement += " (" + openWords(pair.determined) + ")";
       if (pair.is_asked) continue;
       CheckResult& untold = checks.back();
       untold.kind = CheckKind::kRefusal;
       untold.left = std::exchange(untold.right, "");
       untold.statement = fmt::format("{} tells {}", untold.left, words(quantity_));
       untold.verdict = Verdict::kNotAnswerable;
-      untold.reason = "an engine's multipliers are in units of its own; J' lambda is compared";
+      untold.reason =
+          quantity_ == Asked::kReactions || quantity_ == Asked::kDrive
+              ? "beside rotors its system is solved here, without it"
+              : "an engine's multipliers are in units of its own; J' lambda is compared";
     }
   }
 
@@ -121,8 +172,15 @@ class Pairs {
     std::size_t a, b;
     Tally tally;
     bool is_asked;
+    std::vector<char> determined = {};  ///< at every state, by reaction; empty: all are
   };
+  std::string openWords(const std::vector<char>& determined) const {
+    return fmt::format(
+        "redundant closures leave {} open, and those that they leave determined are compared",
+        openReactions(mechanism_, determined));
+  }
   Asked quantity_;
+  const scene::Mechanism& mechanism_;
   std::vector<Pair> pairs_;
 };
 
@@ -153,10 +211,15 @@ class Truths {
       }
       const auto& x = said[i].answer[quantity_];
       if (x.value.size() == 0 || exact.value.size() == 0) continue;  // the pairs say why
-      tallies_[i].tally.add(at.state.index, x.value, exact.value, x.bound + exact.bound);
-      const double size = exact.value.cwiseAbs().maxCoeff();
+      const auto kept = [&](const Eigen::VectorXd& all) {
+        return quantity_ == Asked::kReactions ? determinedOf(all, at.state.determined) : all;
+      };
+      const Eigen::VectorXd value = kept(x.value), truth_value = kept(exact.value);
+      if (value.size() == 0) continue;
+      tallies_[i].tally.add(at.state.index, value, truth_value, kept(x.bound + exact.bound));
+      const double size = truth_value.cwiseAbs().maxCoeff();
       if (!(size > 0)) continue;
-      const double off = (x.value - exact.value).cwiseAbs().maxCoeff() / size,
+      const double off = (value - truth_value).cwiseAbs().maxCoeff() / size,
                    digits = off > 0 ? -std::log10(off) : std::numeric_limits<double>::max_digits10;
       std::optional<double>& fewest = tallies_[i].digits;
       fewest = std::min(fewest.value_or(std::numeric_limits<double>::max_digits10), digits);
@@ -243,7 +306,7 @@ std::vector<CheckResult> compareRoads(const PreparedScene& scene,
   std::vector<Pairs> all;
   std::vector<Truths> truths;
   for (const Asked quantity : quantitiesOf(scene.mechanism())) {
-    all.emplace_back(quantity, standing, options);
+    all.emplace_back(quantity, scene.mechanism(), standing, options);
     truths.emplace_back(quantity, standing, options);
   }
   const std::shared_ptr<MechanismRoad> certified = certifiedMechanism(scene);

@@ -20,6 +20,7 @@
 #include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/own_file.hpp"
+#include "crosscheck/witnesses/own_steps.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -38,6 +39,7 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <boost/math/constants/constants.hpp>
 
@@ -103,7 +105,10 @@ SkeletonPtr loaded(const std::string& urdf) {
   return skeleton;
 }
 
-class DartWitness : public Witness, public FileReader {
+/// A time step in which springs push as they stand [s].
+constexpr double kNoTime = 1e-100;
+
+class DartWitness : public Witness, public FileReader, public OwnSteps {
  public:
   explicit DartWitness(const PreparedScene& scene)
       : friction_(scene.mechanism()), bound_(scene, 1, Attitude::kRotationVector) {
@@ -114,7 +119,7 @@ class DartWitness : public Witness, public FileReader {
     const scene::Mechanism& mechanism = scene.mechanism();
     requirePlainRotors(mechanism);
     const RealNumbers<double> number(mechanism);
-    skeleton_->setTimeStep(1e-100);
+    skeleton_->setTimeStep(kNoTime);
     skeleton_->setGravity(mechanism.has_gravity ? vector(mechanism.gravity, number)
                                                 : Vector3d::Zero());
     for (const scene::Link& link : mechanism.links) findLink(link, number);
@@ -129,6 +134,38 @@ class DartWitness : public Witness, public FileReader {
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
   bool readsOwnFile() const override { return own_file_; }
+
+  /// As World::step does where nothing is in contact: semi-implicit Euler, springs implicit.
+  OwnMotion ownMotion(const scene::State<double>& start, double step, long steps,
+                      long every) override {
+    if (has_rotors_)
+      throw std::runtime_error("DART has no rotors: their inertia is not in its own steps");
+    for (const Joint& joint : joints_)
+      if (!isPlain(joint.kind) && joint.kind != JointKind::kHelical)
+        throw std::runtime_error("joints of several axes are not moved by its own steps here");
+    setState(start, true);
+    OwnMotion out;
+    out.by = fmt::format("dart, semi-implicit Euler, steps of {} s", step);
+    for (long k = 0;; ++k) {
+      if (k % every == 0) {
+        skeleton_->computeForwardDynamics();
+        OwnMotion::Moment moment{static_cast<double>(k) * step, {}, {}, {}};
+        for (const Joint& joint : joints_) {
+          moment.q.push_back(joint.joint->getPosition());
+          moment.qd.push_back(joint.joint->getVelocity());
+          moment.qdd.push_back(joint.joint->getAcceleration());
+        }
+        out.moments.push_back(std::move(moment));
+      }
+      if (k == steps) break;
+      skeleton_->setTimeStep(step);
+      skeleton_->computeForwardDynamics();
+      skeleton_->integrateVelocities(step);
+      skeleton_->integratePositions(step);
+      skeleton_->setTimeStep(kNoTime);
+    }
+    return out;
+  }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), bound_(quantity, state)};

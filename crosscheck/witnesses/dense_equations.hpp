@@ -16,6 +16,7 @@
 #include "symbolic/closures.hpp"
 #include "symbolic/equations.hpp"
 #include "symbolic/program.hpp"
+#include "symbolic/reactions.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -55,6 +56,18 @@ struct DerivedConstraints {
   symbolic::Program program;
   int n = 0, closure_rows = 0, frames = 0;
 };
+
+/// What holds every joint on its link, by cutting it (symbolic::reactionsAlong): its frames are
+/// those of DerivedConstraints with springs.
+struct DerivedReactions {
+  DerivedReactions(const scene::Mechanism& mechanism, bool fold_parameters);
+  symbolic::Program program;
+  int count = 0, closure_rows = 0, frames = 0;
+};
+
+/// Frames that acceleration constraints, and springs, are about.
+std::vector<scene::Attachment> constrainedFrames(const scene::Mechanism& mechanism,
+                                                 bool with_springs);
 
 namespace detail {
 
@@ -103,6 +116,45 @@ VectorOf<T> againstSprings(const Frames<T>& frames, Eigen::Index first,
   return out;
 }
 
+/// What a spring between points pulls, by length: of its length squared, and l l'.
+template <typename Numbers, typename T>
+T pullByLength(const scene::Spring& spring, const Numbers& number, const T& l2, const T& l_l_rate) {
+  using std::sqrt;
+  const T l = sqrt(l2);
+  return (number(spring.stiffness) * (l - number(spring.rest)) +
+          number(spring.damping) * (l_l_rate / l)) /
+         l;
+}
+
+/** What acceleration constraint i sees of frames that change so: with x'' of the point and e_a'' of
+    the axes,  u . x'' + d . w',   w' = sum of e_a x e_a'' / 2 */
+template <typename Numbers, typename T = typename Numbers::Scalar>
+struct SeenByConstraint {
+  using V3 = Eigen::Matrix<T, 3, 1>;
+  SeenByConstraint(const scene::AccelerationConstraint& held, int i, const Numbers& number,
+                   const MatrixOf<T>& place)
+      : first(12 * i) {
+    const auto numbers = [&number](const scene::Vector& v) {
+      return V3(number(v[0]), number(v[1]), number(v[2]));
+    };
+    for (int a = 0; a < 3; ++a) axes[a] = place.col(0).template segment<3>(first + 3 + 3 * a);
+    u = numbers(held.direction);
+    d = numbers(held.rotation);
+    if (held.axes != scene::AccelerationConstraint::Axes::kLink) return;
+    u = (axes[0] * u(0) + axes[1] * u(1) + axes[2] * u(2)).eval();
+    d = (axes[0] * d(0) + axes[1] * d(1) + axes[2] * d(2)).eval();
+  }
+  template <typename Column>
+  T operator()(const Column& column) const {
+    T sum = u.dot(V3(column.template segment<3>(first)));
+    for (int a = 0; a < 3; ++a)
+      sum += d.dot(axes[a].cross(V3(column.template segment<3>(first + 3 + 3 * a)))) / T(2);
+    return sum;
+  }
+  int first;
+  V3 axes[3], u, d;
+};
+
 }  // namespace detail
 
 /// @tparam kSprings  they ask for a square root, which a field need not have
@@ -129,26 +181,8 @@ DenseEquations<T> derivedEquations(const DerivedConstraints& derived,
   frames.place = detail::take(from, 12 * derived.frames, 1);
   frames.J = detail::take(from, 12 * derived.frames, n);
   frames.gamma = detail::take(from, 12 * derived.frames, 1);
-  using V3 = Eigen::Matrix<T, 3, 1>;
-  const auto numbers = [&number](const scene::Vector& v) {
-    return V3(number(v[0]), number(v[1]), number(v[2]));
-  };
   for (int i = 0; i < k; ++i) {
-    V3 u = numbers(held[i].direction), d = numbers(held[i].rotation);
-    const auto axis = [&](int a) {
-      return V3(frames.place.col(0).template segment<3>(12 * i + 3 + 3 * a));
-    };
-    if (held[i].axes == scene::AccelerationConstraint::Axes::kLink) {
-      u = (axis(0) * u(0) + axis(1) * u(1) + axis(2) * u(2)).eval();
-      d = (axis(0) * d(0) + axis(1) * d(1) + axis(2) * d(2)).eval();
-    }
-    // u . x'' + d . w',  w' = sum of e_a x e_a'' / 2
-    const auto seen = [&](const auto& column) {
-      T sum = u.dot(V3(column.template segment<3>(12 * i)));
-      for (int a = 0; a < 3; ++a)
-        sum += d.dot(axis(a).cross(V3(column.template segment<3>(12 * i + 3 + 3 * a)))) / T(2);
-      return sum;
-    };
+    const detail::SeenByConstraint<Numbers> seen(held[i], i, number, frames.place);
     for (int j = 0; j < n; ++j) out.J(m + i, j) = seen(frames.J.col(j));
     out.b(m + i) = number(held[i].value) - seen(frames.gamma.col(0));
     out.C(m + i) = number(held[i].compliance);
@@ -157,13 +191,46 @@ DenseEquations<T> derivedEquations(const DerivedConstraints& derived,
     out.bias += detail::againstSprings(
         frames, k, mechanism, number, state.qd,
         [&number](const scene::Spring& spring, const T& l2, const T& l_l_rate) {
-          using std::sqrt;
-          const T l = sqrt(l2);
-          return T((number(spring.stiffness) * (l - number(spring.rest)) +
-                    number(spring.damping) * (l_l_rate / l)) /
-                   l);
+          return detail::pullByLength(spring, number, l2, l_l_rate);
         });
   out.frames = frames;
+  return out;
+}
+
+/** Reactions of all joints, 6 a link but the root, from Lagrange's equations of the mechanism whose
+    joints are cut and the cuts closed (symbolic::Reactions):
+
+        lambda_cuts - (forces of constraints and springs along the rates of the cuts)
+
+    @param e       derivedEquations() with springs, of the same state
+    @param state   qdd that of the whole mechanism
+    @param forces  of all equations: rows of closures, then of acceleration constraints */
+template <typename Numbers, typename T = typename Numbers::Scalar>
+VectorOf<T> derivedReactions(const DerivedReactions& derived, const DenseEquations<T>& e,
+                             const scene::Mechanism& mechanism, const Numbers& number,
+                             const scene::State<T>& state, const VectorOf<T>& forces) {
+  const std::vector<T> values = symbolic::ProgramRun<T>(derived.program, number)(state);
+  const T* from = values.data();
+  VectorOf<T> out = detail::take(from, derived.count, 1);
+  const MatrixOf<T> by_closure = detail::take(from, derived.closure_rows, derived.count);
+  const detail::Frames<T> cuts{
+      e.frames.place, detail::take(from, 12 * derived.frames, derived.count), {}};
+  const auto& held = mechanism.acceleration_constraints;
+  const int k = static_cast<int>(held.size()), m = derived.closure_rows;
+  out -= by_closure.transpose() * forces.head(m);
+  for (int i = 0; i < k; ++i) {
+    const detail::SeenByConstraint<Numbers> seen(held[i], i, number, cuts.place);
+    for (int j = 0; j < derived.count; ++j) out(j) -= seen(cuts.J.col(j)) * forces(m + i);
+  }
+  Eigen::Index end = k;
+  for (const scene::Spring& spring : mechanism.springs) {
+    const detail::SpringGeometry<T> moved(e.frames, end), cut(cuts, end);
+    end += 2;
+    T l_l_rate = T(0);
+    for (std::size_t j = 0; j < state.qd.size(); ++j)
+      l_l_rate += moved.along(static_cast<Eigen::Index>(j)) * state.qd[j];
+    out += cut.along * detail::pullByLength(spring, number, cut.l2, l_l_rate);
+  }
   return out;
 }
 
@@ -204,6 +271,46 @@ DenseEquations<T> sweptEquations(const scene::Mechanism& mechanism, const Number
   out.bias = column(bias) - column(pull);
   out.M = MatrixOf<T>(n, n);
   recursive::massMatrix(model, state.x, ws, out.M);
+  return out;
+}
+
+/** Reactions of all joints by sweeps through the mechanism whose joints are cut (symbolic::freed),
+    as the joint forces of the cuts:  M qdd + bias - J' forces  there.
+    @param qdd     of the whole mechanism
+    @param forces  of all equations: rows of closures, then of acceleration constraints */
+template <typename Numbers, typename T = typename Numbers::Scalar>
+VectorOf<T> cutForces(const symbolic::Freed& cut, const Numbers& number,
+                      const scene::State<T>& state, const VectorOf<T>& qdd,
+                      const VectorOf<T>& forces) {
+  const scene::Mechanism& mechanism = cut.mechanism;
+  const auto model = recursive::buildModel(mechanism, number);
+  recursive::Workspace<T> ws(model);
+  auto closures = recursive::buildConstraints(mechanism, number, model);
+  const int n = model.dof(), m = closures.rows();
+  scene::State<T> let_go;
+  const std::vector<scene::Number> rest = mechanism.restPosition();
+  for (std::size_t i = 0; i < cut.slot.size(); ++i)
+    let_go.x.push_back(cut.slot[i] < 0 ? scene::JointPosition<T>{number(rest[i]), T(1), T(0)}
+                                       : state.x[static_cast<std::size_t>(cut.slot[i])]);
+  for (const int rate : cut.rate) {
+    let_go.qd.push_back(rate < 0 ? T(0) : state.qd[static_cast<std::size_t>(rate)]);
+    let_go.qdd.push_back(rate < 0 ? T(0) : qdd(rate));
+  }
+  std::vector<T> pull(n, T(0)), all(n, T(0));
+  recursive::constraintEquations(model, let_go.x, let_go.qd, ws, closures);
+  recursive::addSpringForces(model, recursive::buildPointSprings(mechanism, number, model),
+                             closures.X_W, ws, pull);
+  const auto held =
+      recursive::accelerationConstraints(mechanism, number, model, let_go.x, let_go.qd, ws);
+  recursive::MatrixX<T> J_held(static_cast<Eigen::Index>(held.size()), n);
+  if (!held.empty()) recursive::taskJacobian(model, held, ws, J_held);
+  recursive::inverseDynamics(model, let_go.x, let_go.qd, let_go.qdd, ws, all);
+  const VectorOf<T> left = column(all) - column(pull) - closures.J.transpose() * forces.head(m) -
+                           J_held.transpose() * forces.tail(J_held.rows());
+  VectorOf<T> out(std::count(cut.rate.begin(), cut.rate.end(), -1));
+  Eigen::Index at = 0;
+  for (int i = 0; i < n; ++i)
+    if (cut.rate[static_cast<std::size_t>(i)] < 0) out(at++) = left(i);
   return out;
 }
 

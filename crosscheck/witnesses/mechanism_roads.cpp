@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "crosscheck/witnesses/dense_equations.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "recursive/closed_dynamics.hpp"
+#include "recursive/constrained_reactions.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 
 namespace dynwitness::recursive::detail {
@@ -34,8 +36,36 @@ const char* name(MechanismQuantity quantity) {
       return "mechanism nu";
     case MechanismQuantity::kDrive:
       return "mechanism drive force";
+    case MechanismQuantity::kReactions:
+      return "mechanism reactions";
   }
   return "?";
+}
+
+std::vector<scene::Attachment> constrainedFrames(const scene::Mechanism& mechanism,
+                                                 bool with_springs) {
+  std::vector<scene::Attachment> points;
+  for (const scene::AccelerationConstraint& held : mechanism.acceleration_constraints)
+    points.push_back({held.link, held.at, {}});
+  if (with_springs)
+    for (const scene::Spring& spring : mechanism.springs)
+      for (const scene::Attachment* end : {&spring.a, &spring.b})
+        points.push_back({end->link, end->xyz, {}});
+  return points;
+}
+
+DerivedReactions::DerivedReactions(const scene::Mechanism& mechanism, bool fold_parameters) {
+  symbolic::Options options;
+  options.fold_parameters = fold_parameters;
+  const symbolic::Reactions cut =
+      symbolic::reactionsAlong(mechanism, options, constrainedFrames(mechanism, true));
+  count = static_cast<int>(cut.lambda.size());
+  closure_rows = static_cast<int>(cut.by_closure.size());
+  frames = static_cast<int>(cut.by_frame.size()) / 12;
+  std::vector<symbolic::Node> outputs = cut.lambda;
+  for (const auto* rows : {&cut.by_closure, &cut.by_frame})
+    for (const auto& row : *rows) outputs.insert(outputs.end(), row.begin(), row.end());
+  program = symbolic::compile(cut.graph, outputs);
 }
 
 DerivedConstraints::DerivedConstraints(const scene::Mechanism& mechanism, bool fold_parameters,
@@ -44,13 +74,7 @@ DerivedConstraints::DerivedConstraints(const scene::Mechanism& mechanism, bool f
   options.fold_parameters = fold_parameters;
   symbolic::Equations e = symbolic::derive(mechanism, options);
   const symbolic::ClosureEquations closures = symbolic::closureEquations(mechanism, options, e);
-  std::vector<scene::Attachment> points;
-  for (const scene::AccelerationConstraint& held : mechanism.acceleration_constraints)
-    points.push_back({held.link, held.at, {}});
-  if (with_springs)
-    for (const scene::Spring& spring : mechanism.springs)
-      for (const scene::Attachment* end : {&spring.a, &spring.b})
-        points.push_back({end->link, end->xyz, {}});
+  const std::vector<scene::Attachment> points = constrainedFrames(mechanism, with_springs);
   const symbolic::ClosureEquations places = symbolic::frameEquations(mechanism, options, points, e);
   n = e.dof();
   closure_rows = static_cast<int>(closures.phi.size());
@@ -91,47 +115,84 @@ VectorOf<T> ofDriven(const std::vector<char>& driven, const VectorOf<T>& all) {
 
 /// The dense system of a whole mechanism, solved for the rows that stand for all.
 template <typename T>
-PartsOf<T> solved(DenseEquations<T> e, const scene::Mechanism& mechanism, const MechanismState& at,
-                  const scene::State<T>& state) {
-  const int k = static_cast<int>(mechanism.acceleration_constraints.size()),
-            m = static_cast<int>(e.J.rows()) - k;
-  std::vector<int> rows = at.rows;
-  for (int i = 0; i < k; ++i) rows.push_back(m + i);
-  keepRows(rows, e);
-  const std::vector<char> driven = recursive::drivenRates(mechanism);
-  const DenseSolution<T> x = solveDense(e, driven, state.tau, state.qdd);
-  const int chosen = static_cast<int>(at.rows.size());
-  PartsOf<T> out;
-  part(out, MechanismQuantity::kQdd) = x.qdd;
-  part(out, MechanismQuantity::kConstraintForce) = e.J.transpose() * x.nu;
-  if (!at.is_redundant) part(out, MechanismQuantity::kLambda) = x.nu.head(chosen);
-  part(out, MechanismQuantity::kNu) = x.nu.tail(k);
-  part(out, MechanismQuantity::kDrive) = ofDriven(driven, x.tau);
-  return out;
+struct Solved {
+  Solved(DenseEquations<T> e, const scene::Mechanism& mechanism, const MechanismState& at,
+         const scene::State<T>& state)
+      : forces(VectorOf<T>::Constant(e.J.rows(), T(0))) {
+    const int k = static_cast<int>(mechanism.acceleration_constraints.size()),
+              m = static_cast<int>(e.J.rows()) - k;
+    std::vector<int> rows = at.rows;
+    for (int i = 0; i < k; ++i) rows.push_back(m + i);
+    keepRows(rows, e);
+    const std::vector<char> driven = recursive::drivenRates(mechanism);
+    const DenseSolution<T> x = solveDense(e, driven, state.tau, state.qdd);
+    const int chosen = static_cast<int>(at.rows.size());
+    qdd = x.qdd;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      forces(rows[i]) = x.nu(static_cast<Eigen::Index>(i));
+    part(parts, MechanismQuantity::kQdd) = x.qdd;
+    part(parts, MechanismQuantity::kConstraintForce) = e.J.transpose() * x.nu;
+    if (!at.is_redundant) part(parts, MechanismQuantity::kLambda) = x.nu.head(chosen);
+    part(parts, MechanismQuantity::kNu) = x.nu.tail(k);
+    part(parts, MechanismQuantity::kDrive) = ofDriven(driven, x.tau);
+  }
+  PartsOf<T> parts;         ///< without reactions
+  VectorOf<T> qdd, forces;  ///< n; of all equations, 0 of those that others stand for
+};
+
+/// Newton and Euler with the wrenches of constraints as outer loads.
+template <typename Numbers, typename T = typename Numbers::Scalar>
+VectorOf<T> reactionsUnder(const scene::Mechanism& mechanism, const Numbers& number,
+                           const scene::State<T>& state, const std::vector<T>& qdd,
+                           const VectorOf<T>& lambda, const VectorOf<T>& nu) {
+  recursive::MechanismOfJoints<T> of(mechanism, number);
+  std::vector<T> out(6 * (mechanism.links.size() - 1), T(0));
+  recursive::constrainedReactions(mechanism, number, state.x, state.qd, qdd, lambda, nu, of, out);
+  return column(out);
 }
 
 struct LagrangeMultipliers {
   static constexpr const char* kName = "lagrange_multipliers";
   explicit LagrangeMultipliers(const scene::Mechanism& mechanism)
-      : derived(std::make_shared<DerivedConstraints>(mechanism, true, true)) {}
+      : derived(std::make_shared<DerivedConstraints>(mechanism, true, true)),
+        cut(std::make_shared<DerivedReactions>(mechanism, true)) {}
 
   template <typename Numbers, typename T = typename Numbers::Scalar>
   PartsOf<T> operator()(const scene::Mechanism& mechanism, const Numbers& number,
                         const MechanismState& at, const scene::State<T>& state) const {
-    return solved(derivedEquations<true>(*derived, mechanism, number, state), mechanism, at, state);
+    const DenseEquations<T> e = derivedEquations<true>(*derived, mechanism, number, state);
+    Solved<T> x(e, mechanism, at, state);
+    scene::State<T> moving = state;
+    moving.qdd.assign(x.qdd.begin(), x.qdd.end());
+    part(x.parts, MechanismQuantity::kReactions) =
+        derivedReactions(*cut, e, mechanism, number, moving, x.forces);
+    return x.parts;
   }
   std::shared_ptr<const DerivedConstraints> derived;
+  std::shared_ptr<const DerivedReactions> cut;
 };
 
 struct DenseSystem {
   static constexpr const char* kName = "dense_system";
-  explicit DenseSystem(const scene::Mechanism&) {}
+  explicit DenseSystem(const scene::Mechanism& mechanism) {
+    if (!mechanism.hasMimics()) cut = symbolic::freed(mechanism);
+  }
 
   template <typename Numbers, typename T = typename Numbers::Scalar>
   PartsOf<T> operator()(const scene::Mechanism& mechanism, const Numbers& number,
                         const MechanismState& at, const scene::State<T>& state) const {
-    return solved(sweptEquations(mechanism, number, state), mechanism, at, state);
+    Solved<T> x(sweptEquations(mechanism, number, state), mechanism, at, state);
+    const auto k = static_cast<Eigen::Index>(mechanism.acceleration_constraints.size());
+    part(x.parts, MechanismQuantity::kReactions) =
+        cut ? cutForces(*cut, number, state, x.qdd, x.forces)
+            : reactionsUnder(mechanism, number, state, std::vector<T>(x.qdd.begin(), x.qdd.end()),
+                             VectorOf<T>(x.forces.head(x.forces.size() - k)),
+                             VectorOf<T>(x.forces.tail(k)));
+    return x.parts;
   }
+  /// None where joints follow others: no sweep that solves holds these, and lagrange_multipliers
+  /// would be compared with its own cuts alone.
+  std::optional<symbolic::Freed> cut;
 };
 
 /// What both sweeps start from: the model, the closures' equations, the springs' pull.
@@ -187,6 +248,8 @@ struct LoopsEliminated {
     recursive::inverseDynamics(s.model, state.x, state.qd, swept.qdd, s.ws, taken);
     part(out, MechanismQuantity::kDrive) =
         ofDriven<T>(s.driven, column(taken) - column(s.pull) - force);
+    part(out, MechanismQuantity::kReactions) =
+        reactionsUnder(mechanism, number, state, swept.qdd, swept.lambda, VectorOf<T>());
     return out;
   }
 };
@@ -212,6 +275,8 @@ struct HybridSweep {
     part(out, MechanismQuantity::kConstraintForce) = J.transpose() * cws.nu;
     part(out, MechanismQuantity::kNu) = cws.nu;
     part(out, MechanismQuantity::kDrive) = ofDriven<T>(s.driven, column(tau) - column(s.pull));
+    part(out, MechanismQuantity::kReactions) =
+        reactionsUnder(mechanism, number, state, qdd, VectorOf<T>(), VectorOf<T>(cws.nu));
     return out;
   }
 };
@@ -262,7 +327,7 @@ class OwnRoad : public MechanismRoad {
 /** Simbody solves as the dense system does, for multipliers by J M^-1 J', in axes of its own, where
     a turn stands for each of ours kEngineTurns times (engine_bound.hpp): its limit is that of the
     dense system so many times. In other axes entries mix, so that each gets the largest of its
-    kind. */
+    kind; of reactions, forces and moments are two. */
 class SimbodyRoad : public MechanismRoad {
  public:
   explicit SimbodyRoad(const PreparedScene& scene)
@@ -275,8 +340,15 @@ class SimbodyRoad : public MechanismRoad {
     MechanismAnswer out;
     for (std::size_t q = 0; q < values.size(); ++q) {
       if (values[q].size() == 0) continue;
-      const double largest = kEngineTurns * dense.parts[q].bound.maxCoeff();
-      out.parts[q] = {values[q], Eigen::VectorXd::Constant(values[q].size(), largest)};
+      const Eigen::VectorXd& bound = dense.parts[q].bound;
+      out.parts[q] = {values[q],
+                      Eigen::VectorXd::Constant(values[q].size(), kEngineTurns * bound.maxCoeff())};
+      if (kMechanismQuantities[q] != MechanismQuantity::kReactions) continue;
+      double largest[] = {0, 0};
+      for (Eigen::Index i = 0; i < bound.size(); ++i)
+        largest[i / 3 % 2] = std::max(largest[i / 3 % 2], bound(i));
+      for (Eigen::Index i = 0; i < bound.size(); ++i)
+        out.parts[q].bound(i) = kEngineTurns * largest[i / 3 % 2];
     }
     return out;
   }

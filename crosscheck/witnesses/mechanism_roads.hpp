@@ -22,17 +22,19 @@ namespace dynwitness::crosscheck {
         M qdd + c + g + friction = tau + Q + springs + J' lambda,    J qdd + gamma = 0 (= value)
 
     kConstraintForce is J' lambda of all constraints together, n, which is unique also where
-    redundant closures leave lambda undetermined. */
+    redundant closures leave lambda undetermined. kReactions are what the joints of the tree transmit,
+    as Witness::answer has it, with the wrenches of all these forces on the links. */
 enum class MechanismQuantity {
   kQdd,              ///< n [rad/s^2, m/s^2]
   kConstraintForce,  ///< n [N m, N]
   kLambda,           ///< one a closure equation
   kNu,               ///< one an acceleration constraint
   kDrive,            ///< one a driven joint's rate [N m, N]: what the drive takes
+  kReactions,        ///< 6 a link but the root [N, N m]
 };
 inline constexpr MechanismQuantity kMechanismQuantities[] = {
     MechanismQuantity::kQdd, MechanismQuantity::kConstraintForce, MechanismQuantity::kLambda,
-    MechanismQuantity::kNu, MechanismQuantity::kDrive};
+    MechanismQuantity::kNu,  MechanismQuantity::kDrive,           MechanismQuantity::kReactions};
 /// "mechanism qdd", "mechanism constraint force", "mechanism lambda", "mechanism nu", "mechanism
 /// drive force": quantities of a crosscheck without that word are those of the tree.
 const char* name(MechanismQuantity quantity);
@@ -43,6 +45,8 @@ struct MechanismState {
   /// Closure equations that stand for all; the others follow from them where phi = 0.
   std::vector<int> rows;
   bool is_redundant = false;  ///< rows are not all
+  /// By reaction: 0 where redundant constraints leave it open. Empty: all are determined.
+  std::vector<char> determined;
   int index = 0;
 };
 
@@ -80,7 +84,11 @@ struct NamedRoad {
       hybrid_sweep       no closures: hybrid dynamics, constraints by Popov and Vereshchagin
       lagrange_multipliers  one dense system, derived from T, V and the places of frames
       dense_system       the same made of M, bias, J and gamma of the sweeps
-      simbody            Simbody's own constraints, springs and prescribed motions */
+      simbody            Simbody's own constraints, springs and prescribed motions
+    Reactions: the first two by Newton and Euler with the constraints' wrenches as outer loads
+    (constrainedReactions()); lagrange_multipliers by multipliers of cut joints (symbolic::Reactions);
+    dense_system by sweeps through the mechanism whose joints are cut, and where joints follow others,
+    which the first two do not hold, as these; simbody by calcMobilizerReactionForces. */
 std::vector<NamedRoad> mechanismRoads(const PreparedScene& scene);
 
 /** The certified truth: Lagrange's dense system in balls, the precision doubled until the radius of
@@ -88,7 +96,8 @@ std::vector<NamedRoad> mechanismRoads(const PreparedScene& scene);
     middle to double may lose. */
 std::shared_ptr<MechanismRoad> certifiedMechanism(const PreparedScene& scene);
 
-/// What Simbody says (simbody.cpp), in the order of kMechanismQuantities; lambda and nu are empty.
+/// What Simbody says (simbody.cpp), in the order of kMechanismQuantities; lambda and nu are empty,
+/// and so are drives and reactions of a mechanism with rotors.
 using SimbodyMechanism = std::function<std::array<Eigen::VectorXd, std::size(kMechanismQuantities)>(
     const scene::State<double>&)>;
 /// @throws std::invalid_argument  the scene has what is not built there

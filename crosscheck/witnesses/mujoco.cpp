@@ -16,6 +16,7 @@
 #include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/own_file.hpp"
+#include "crosscheck/witnesses/own_steps.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
@@ -25,6 +26,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
@@ -190,7 +192,7 @@ int idOf(const mjModel* model, mjtObj kind, const std::string& name) {
 
 // -------------------------------------------------------------------------------- witness
 
-class MujocoWitness : public Witness, public FileReader {
+class MujocoWitness : public Witness, public FileReader, public OwnSteps {
  public:
   MujocoWitness(const PreparedScene& prepared, Inertias inertias)
       : name_(nameOf(inertias)),
@@ -246,6 +248,38 @@ class MujocoWitness : public Witness, public FileReader {
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
   bool readsOwnFile() const override { return own_file_; }
+
+  /// By mj_step with MuJoCo's default integrator: semi-implicit Euler.
+  OwnMotion ownMotion(const scene::State<double>& start, double step, long steps,
+                      long every) override {
+    if (!floating_.empty() || !quaternions_.empty())
+      throw std::runtime_error("joints with quaternions are not moved by its own steps here");
+    mjModel* m = model_.get();
+    mjData* d = data_.get();
+    const auto before = std::make_pair(m->opt.timestep, m->opt.disableflags);
+    m->opt.timestep = step;
+    m->opt.disableflags |= mjDSBL_CONSTRAINT;
+    setMotion(start, true);
+    setGravity(true);
+    OwnMotion out;
+    out.by = fmt::format("{}, Euler, steps of {} s", name_, step);
+    for (long k = 0;; ++k) {
+      if (k % every == 0) {
+        mj_forward(m, d);
+        OwnMotion::Moment moment{static_cast<double>(k) * step, {}, {}, {}};
+        for (const int at : positions_) moment.q.push_back(d->qpos[at]);
+        for (const int at : dofs_) {
+          moment.qd.push_back(d->qvel[at]);
+          moment.qdd.push_back(d->qacc[at]);
+        }
+        out.moments.push_back(std::move(moment));
+      }
+      if (k == steps) break;
+      mj_step(m, d);
+    }
+    std::tie(m->opt.timestep, m->opt.disableflags) = before;
+    return out;
+  }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), bound_(quantity, state)};

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 
 #include "crosscheck/witnesses/coupled.hpp"
@@ -15,6 +16,7 @@
 #include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/mechanism_roads.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/own_steps.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 #include "recursive/constrained_solver.hpp"
@@ -249,7 +251,7 @@ struct Joint {
   }
 };
 
-class SimbodyWitness : public Witness {
+class SimbodyWitness : public Witness, public OwnSteps {
  public:
   /// kTree: the tree alone, for all questions; kClosed: with the scene's closures, springs between
   /// points and driven joints, for qdd and what constraints and drives do; kPrescribed: the tree
@@ -308,6 +310,39 @@ class SimbodyWitness : public Witness {
     });
   }
 
+  /// By its Runge, Kutta and Merson's method, in equal steps.
+  OwnMotion ownMotion(const scene::State<double>& start, double step, long steps,
+                      long every) override {
+    if (has_rotors_) throw std::runtime_error("Simbody has no rotors: each is a body apart here");
+    for (const Joint& joint : joints_)
+      if (joint.turnsRates())
+        throw std::runtime_error("joints with quaternions are not moved by its own steps here");
+    loads_.clearAllForces(state_);
+    setMotion(start, true);
+    state_.setTime(0);
+    SimTK::RungeKuttaMersonIntegrator integrator(system_);
+    integrator.setFixedStepSize(step);
+    SimTK::TimeStepper stepper(system_, integrator);
+    stepper.initialize(state_);
+    OwnMotion out;
+    out.by = fmt::format("simbody, Runge-Kutta-Merson, steps of {} s", step);
+    for (long k = 0;; k += every) {
+      if (k > 0) stepper.stepTo(static_cast<double>(k) * step);
+      const SimTK::State& now = integrator.getState();
+      system_.realize(now, SimTK::Stage::Acceleration);
+      OwnMotion::Moment moment{now.getTime(), {}, {}, {}};
+      for (const Joint& joint : joints_)
+        for (int i = 0; i < joint.rates(); ++i) {
+          moment.q.push_back(joint.body.getOneQ(now, joint.place(i)));
+          moment.qd.push_back(joint.body.getOneU(now, joint.place(i)));
+          moment.qdd.push_back(joint.body.getOneUDot(now, joint.place(i)));
+        }
+      out.moments.push_back(std::move(moment));
+      if (k + every > steps) break;
+    }
+    return out;
+  }
+
   /// Of kClosed: in the order of kMechanismQuantities, lambda and nu empty.
   std::array<Eigen::VectorXd, std::size(kMechanismQuantities)> mechanism(
       const scene::State<double>& state) {
@@ -337,6 +372,7 @@ class SimbodyWitness : public Witness {
         drive.conservativeResize(drive.size() + 1);
         drive(drive.size() - 1) = of_motions(joints_[joint].dof + k);
       }
+    part(MechanismQuantity::kReactions) = transmitted();
     return out;
   }
 
@@ -513,6 +549,12 @@ class SimbodyWitness : public Witness {
         Constraint::Weld(a, X_A, b, X_B);
         break;
       case scene::ClosureKind::kSkate:  // material points of a and of b, at b's origin
+        // where a turns, what it asks of accelerations is not the derivative of what it asks of
+        // rates: random mechanisms show it against Lagrange's equations, which differentiate
+        if (!rests(scene_.mechanism(), closure.a.link))
+          throw std::invalid_argument(
+              "simbody: NoSlip1D over a link that itself moves (the closure's a) loses a part of "
+              "the acceleration");
         Constraint::NoSlip1D(b, X_B.p(), UnitVec3(X_B.y()), a, b);
         break;
       case scene::ClosureKind::kRolling:
@@ -648,6 +690,10 @@ class SimbodyWitness : public Witness {
   Eigen::VectorXd reactions(const std::vector<double>& qdd) {
     prescribed_ = speedRates(qdd);
     system_.realize(state_, SimTK::Stage::Acceleration);
+    return transmitted();
+  }
+  /// The same of what accelerations were realized.
+  Eigen::VectorXd transmitted() const {
     SimTK::Vector_<SimTK::SpatialVec> at_M;
     matter_.calcMobilizerReactionForces(state_, at_M);
     const RealNumbers<double> number(scene_.mechanism());

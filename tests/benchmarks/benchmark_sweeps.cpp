@@ -10,15 +10,16 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/chart/raw_engines.hpp"
+#include "crosscheck/chart/raw_mujoco.hpp"
+#include "crosscheck/chart/raw_simbody.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/system/processes.hpp"
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "tests/benchmarks/benchmark_kernels.hpp"
-#include "tests/benchmarks/benchmark_mujoco.hpp"
 #include "tests/benchmarks/benchmark_parts.hpp"
-#include "tests/benchmarks/benchmark_simbody.hpp"
 #include "tests/benchmarks/fast_by_compiler.hpp"
 
 namespace dynwitness::benchmarks {
@@ -206,51 +207,12 @@ void kernelMany(benchmark::State& run, const std::string& scene, Formula formula
 
 // ---- engines, called raw ------------------------------------------------------------------------
 
-/// The first state, with a floating link at rest and in the world's axes, where its rates are the
-/// same in everybody's conventions.
-scene::State<double> stateForCheck(const Arm& arm) {
-  scene::State<double> s = arm.states[0];
-  for (const recursive::LinkModel<double>& link : arm.setup.model.links) {
-    if (link.kind != recursive::JointKind::kFloating) continue;
-    for (int k = 3; k < 7; ++k) s.x[link.slot + k].q = k == 3 ? 1 : 0;
-    for (int k = 0; k < 6; ++k) s.qd[link.dof + k] = 0;
-  }
-  return s;
-}
-
-/// A wrong model would be timed in vain, and differs in the first digits. Later ones are the
-/// crosscheck's business: MuJoCo loses some when it reads the inertias.
-void requireSame(const std::vector<double>& ours, const std::vector<double>& its, const Arm& arm,
-                 const char* engine, const char* quantity) {
-  double difference = 0, largest = 0;
-  for (std::size_t i = 0; i < ours.size(); ++i) {
-    difference = std::max(difference, std::abs(ours[i] - its[i]));
-    largest = std::max(largest, std::abs(ours[i]));
-  }
-  if (!(difference < largest / 1000))
-    throw std::logic_error(
-        fmt::format("{}: {}: another model: {} differs by {:.2g}, the largest is {:.2g}",
-                    arm.scene.name, engine, quantity, difference, largest));
-}
-
-/// @param tau  of an engine at stateForCheck(), without rotors and springs
-void requireSameModel(const Arm& arm, const std::vector<double>& tau, const char* engine) {
-  recursive::Model<double> model = arm.setup.model;
-  for (recursive::LinkModel<double>& link : model.links) link.rotor = link.stiffness = 0;
-  recursive::Workspace<double> workspace(model);
-  const scene::State<double> s = stateForCheck(arm);
-  std::vector<scene::JointPosition<double>> x;
-  std::vector<double> ours(s.qd.size());
-  recursive::inverseDynamics(model, positions(s, x), s.qd, s.qdd, workspace, ours);
-  requireSame(ours, tau, arm, engine, "tau");
-}
-
 #ifdef DYNWITNESS_HAS_MUJOCO
 void mujocoRaw(benchmark::State& run, const std::string& scene, Formula formula) {
   Arm arm(scene);
   RawMujoco mujoco(arm.scene);
-  mujoco.inverseDynamics(stateForCheck(arm), arm.out.data());
-  requireSameModel(arm, arm.out, "MuJoCo");
+  mujoco.inverseDynamics(stateForCheck(arm.setup.model, arm.states[0]), arm.out.data());
+  requireSameModel(arm.setup.model, arm.states[0], arm.out, "MuJoCo");
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
     if (formula == Formula::kMassMatrix)
@@ -269,14 +231,14 @@ void simbodyRaw(benchmark::State& run, const std::string& scene, Formula formula
   Arm arm(scene);
   const std::vector<std::vector<double>> q = positionsOf(arm);
   RawSimbody simbody(arm.setup.model);
-  const scene::State<double> check = stateForCheck(arm);
+  const scene::State<double> check = stateForCheck(arm.setup.model, arm.states[0]);
   std::vector<double> x_check;
   for (const scene::JointPosition<double>& x : check.x) x_check.push_back(x.q);
   simbody.inverseDynamics(x_check.data(), check.qd.data(), check.qdd.data());
   const std::vector<double> tau = simbody.inModelOrder();
-  requireSameModel(arm, tau, "Simbody");
+  requireSameModel(arm.setup.model, arm.states[0], tau, "Simbody");
   simbody.forwardDynamics(x_check.data(), check.qd.data(), tau.data());
-  requireSame(check.qdd, simbody.inModelOrder(), arm, "Simbody", "qdd");
+  requireSame(check.qdd, simbody.inModelOrder(), "Simbody", "qdd");
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
     const double *x = q[arm.index].data(), *qd = s.qd.data();

@@ -1,7 +1,7 @@
 # The fuzz targets (tests/fuzz/run.sh builds and runs them), by clang with -D DYNWITNESS_FUZZ=ON: the
-# preset "fuzz". Of the project they need scene/ and the reader of states.
+# preset "check". Of the project they need scene/ and the reader of states.
 if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
-  message(FATAL_ERROR "DYNWITNESS_FUZZ: the compiler is ${CMAKE_CXX_COMPILER_ID}, allowed: clang (the preset \"fuzz\")")
+  message(FATAL_ERROR "DYNWITNESS_FUZZ: the compiler is ${CMAKE_CXX_COMPILER_ID}, allowed: clang (the preset \"check\")")
 endif()
 add_custom_target(fuzzers)
 function(dynwitness_fuzzer NAME)
@@ -20,3 +20,11 @@ foreach(format toml urdf mjcf)
   math(EXPR number "${number} + 1")
 endforeach()
 dynwitness_fuzzer(states SOURCES fuzz/fuzz_states.cpp LINK dynwitness::inputs)
+
+if(DYNWITNESS_TESTS)
+  add_dependencies(ground_floor_tests fuzzers)
+  # a quarter of a minute for each of four readers
+  add_test(NAME readers_under_a_fuzzer
+           COMMAND ${PROJECT_SOURCE_DIR}/tests/fuzz/run.sh ${PROJECT_BINARY_DIR} 15)
+  set_tests_properties(readers_under_a_fuzzer PROPERTIES SKIP_RETURN_CODE 77 LABELS ground_floor COST 100)
+endif()

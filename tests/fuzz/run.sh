@@ -19,7 +19,7 @@ if ! echo 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned 
 fi
 mkdir -p "$folder/found" || exit
 log=$folder/build.log
-if ! { cmake --preset fuzz -B "$folder" && cmake --build "$folder" -j "$(nproc)" --target fuzzers; } > "$log" 2>&1; then
+if ! { cmake --preset check -B "$folder" && cmake --build "$folder" -j "$(nproc)" --target fuzzers; } > "$log" 2>&1; then
   tail -n 40 "$log"
   exit 1
 fi

@@ -102,7 +102,7 @@ const std::vector<Rule> kRules = {
     {"chart",
      {"scene", "symbolic", "recursive", "system", "inputs", "scalars", "kernel", "witnesses",
       "verdicts"}},
-    {"report", {"scene", "system", "inputs", "verdicts", "chart"}},
+    {"report", {"scene", "system", "inputs", "motion", "verdicts", "chart"}},
     {"parameters", {"scene", "symbolic", "recursive", "inputs", "scalars", "witnesses", "report"}},
     {"readers", {"scene", "recursive", "system", "inputs", "scalars", "witnesses", "report"}},
     {"audit",
@@ -278,9 +278,13 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/verdicts/options.hpp", {"1e-30"}},         // default of --error-probability
       {"crosscheck/exact/exact.hpp", {"1e-30"}},              // the same
       {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same
-      {"crosscheck/audit/projections.cpp", {"1e-14"}},        // what is printed as 0 beside others
+      {"crosscheck/audit/board.hpp", {"1e-12"}},              // what is printed as 0 beside others
       {"crosscheck/motion/simulate.hpp", {"1e-10"}},          // default of --step-error
       {"crosscheck/motion/simulate.cpp", {"1e-12"}},  // a step [s] at which integration is given up
+      {"crosscheck/motion/step_advice.cpp",
+       {"1e-12", "1e-3", "1e-8"}},  // |R| - 1 that is a step's rounding; where scans begin
+      {"crosscheck/motion/work_precision.cpp",
+       {"1e-20", "1e-6", "1e-9"}},  // digits counted; from where differences must fall
       {"crosscheck/parameters/parameters.hpp", {"1e-30", "1e-9"}},  // chances of error, defaults
       {"crosscheck/inputs/states.cpp", {"0x1p-53"}},                // 53 random bits to [0, 1)
       {"crosscheck/parameters/uncertainty.cpp", {"1e-10"}},  // least uncertainty that is taken

@@ -81,6 +81,64 @@ BOOST_AUTO_TEST_CASE(every_entry_is_complete_and_points_at_a_file_that_is_there)
   }
 }
 
+/// What the chapter prints and what is not so: a lecturer puts it on the board.
+BOOST_AUTO_TEST_CASE(every_wrong_equation_has_a_counterexample_in_numbers_and_compares_our_code) {
+  int seen = 0;
+  for (const Entry& e : wholeAudit().entries) {
+    if (!e.isEquation() || e.holds == Holds::kTrue) continue;
+    BOOST_TEST_CONTEXT(e.id) {
+      const bool of_sizes = e.id == "eq60" || e.id == "eq68";  // no motion in them
+      if (e.id == "eq60") {                                    // the rows are the sides
+        BOOST_REQUIRE(e.numbers.has_value());
+        BOOST_TEST(e.numbers->rows[0].back() != e.numbers->rows[1].back());
+      } else if (e.id != "eq59") {
+        BOOST_REQUIRE(e.numbers.has_value());
+        const auto& head = e.numbers->head;
+        const auto column = [&](const char* word) {
+          const auto found = std::find_if(head.begin(), head.end(), [&](const std::string& cell) {
+            return cell.compare(0, 2, word, 2) == 0;
+          });
+          BOOST_REQUIRE(found != head.end() || e.id == "eq64");
+          return static_cast<std::size_t>(found - head.begin());
+        };
+        const std::size_t printed = column("printed"), so = column("so");
+        BOOST_TEST(
+            std::any_of(e.numbers->rows.begin(), e.numbers->rows.end(), [&](const auto& row) {
+              return e.id == "eq64" ? row.back().compare(0, 7, "neither") == 0
+                                    : row[printed] != row[so];
+            }));
+      }
+      if (e.implemented_in.compare(0, 10, "recursive/") == 0 && !of_sizes && e.id != "eq66")
+        BOOST_TEST(e.comparesOurCode());
+    }
+    ++seen;
+  }
+  BOOST_TEST(seen == 20);
+}
+
+/// Neither what is left open nor what readers may conclude is the chapter's error.
+BOOST_AUTO_TEST_CASE(what_the_chapter_does_not_print_is_not_counted) {
+  for (const char* id :
+       {"coriolis_choice", "spatial_recursion", "prismatic_acceleration", "plain_pseudo_inverse",
+        "shared_subtree", "E0_overconstrained", "force_signs", "six_joints"})
+    BOOST_TEST(!entry(id).isPrinted(), id);
+  for (const char* id : {"eq36", "gravity_start", "euler_pdes", "fully_equivalent"})
+    BOOST_TEST(entry(id).isPrinted(), id);
+  int equations = 0, sentences = 0, others = 0;
+  for (const Entry& e : wholeAudit().entries)
+    ++(!e.isPrinted() ? others : e.isEquation() ? equations : sentences);
+  const std::string said = wholeAudit().headline();
+  BOOST_TEST(said.find(std::to_string(sentences) + " sentences: ") != std::string::npos, said);
+  BOOST_TEST(said.find("not counted: " + std::to_string(others)) != std::string::npos, said);
+  BOOST_TEST(!wholeAudit().chapter.criterion.empty());
+}
+
+/// One rule: what a passage cites belongs to it, in (38) as in (40), in (45) as in (44) and (48).
+BOOST_AUTO_TEST_CASE(equations_of_one_passage_are_read_alike) {
+  for (const char* id : {"eq38", "eq40", "eq44", "eq45", "eq48", "eq69"})
+    BOOST_TEST((entry(id).holds == Holds::kTrue), id);
+}
+
 // ---- sentences and trials ----------------------------------------------------------------------
 
 BOOST_AUTO_TEST_CASE(every_statement_has_its_trials_and_every_trial_its_statement) {
@@ -95,9 +153,9 @@ BOOST_AUTO_TEST_CASE(every_statement_has_its_trials_and_every_trial_its_statemen
 namespace {
 
 const std::string kChapter =
-    "[chapter]\nauthor = \"a\"\ntitle = \"t\"\nyear = \"1\"\nsections = [\"one\", \"two\"]\n";
+    "[chapter]\nauthor = \"a\"\ntitle = \"t\"\nyear = \"1\"\ncriterion = [\"r\"]\nsections = [\"one\", \"two\"]\n";
 
-/// A statement of section 1 whose lines begin at line 7 of a file that starts with kChapter.
+/// A statement of section 1 whose lines begin at line 8 of a file that starts with kChapter.
 std::string statement(const std::string& id, const std::string& more = "") {
   return "\n[[statement]]\nid = \"" + id +
          "\"\nsection = \"1\"\ntitle = \"t\"\nprinted = \"p\"\nwhy = \"w\"\n"
@@ -128,20 +186,20 @@ BOOST_AUTO_TEST_CASE(sentences_that_do_not_fit_the_trials_are_refused) {
   const std::string a = kChapter + statement("a");
   refused(a, one, "not refused");
   refused(a + statement("b"), one,
-          "c.toml:15: statement \"b\": crosscheck/audit/ computes no such statement, allowed: "
+          "c.toml:16: statement \"b\": crosscheck/audit/ computes no such statement, allowed: "
           "none, each that it computes is there");
   refused(kChapter + statement("b"), one,
-          "c.toml:7: statement \"b\": crosscheck/audit/ computes no such statement, allowed: a");
+          "c.toml:8: statement \"b\": crosscheck/audit/ computes no such statement, allowed: a");
   refused(a, {one[0], trialsOf("b")},
           "c.toml: lacks statements that crosscheck/audit/ computes: b");
   refused(a + "corrected = \"c\"\n", one,
-          "c.toml:7: statement \"a\": has a correction that crosscheck/audit/ does not compute, "
+          "c.toml:8: statement \"a\": has a correction that crosscheck/audit/ does not compute, "
           "allowed: none");
   refused(a, {trialsOf("a").condition(neverZero())},
-          "c.toml:7: statement \"a\": has no condition, allowed: one, as crosscheck/audit/ "
+          "c.toml:8: statement \"a\": has no condition, allowed: one, as crosscheck/audit/ "
           "computes it");
   refused(a + "numbers_caption = \"c\"\n", {trialsOf("a").numbers(definitenessRows)},
-          "c.toml:7: statement \"a\": has no numbers_head, allowed: one, as crosscheck/audit/ "
+          "c.toml:8: statement \"a\": has no numbers_head, allowed: one, as crosscheck/audit/ "
           "computes it");
   BOOST_CHECK_THROW(joined(readChapter(a, "c.toml"), {one[0], one[0]}), std::logic_error);
 }
@@ -158,20 +216,25 @@ BOOST_AUTO_TEST_CASE(a_file_of_sentences_is_refused_with_file_and_line) {
     text.replace(text.rfind(from), from.size(), to);
     return text;
   };
-  refused(a + "whi = \"w\"\n", "c.toml:14: statement: unknown key \"whi\", allowed: id, section");
-  refused(a + "[[statment]]\n", "c.toml:14: file: unknown key \"statment\"");
-  refused(with("why = \"w\"\n", ""), "c.toml:7: statement: has no why, allowed: a text");
-  refused(with("\"w\"", "\" \""), "c.toml:12: statement: why: an empty string, allowed: a text");
-  refused(with("\"w\"", "7"), "c.toml:12: statement: why: an integer, allowed: a string");
-  refused(with("\"w\"", "\"`x\""), "c.toml:12: statement: why: an odd number of backticks");
-  refused(with("\"w\"", "w"), "c.toml:12: not TOML");
-  refused(with("\"1\"", "\"3\""), "c.toml:7: statement \"a\": section \"3\", allowed: 1 to 2");
-  refused(with("\"1\"", "\"1..2\""), "c.toml:7: statement \"a\": section \"1..2\", allowed");
-  refused(a + "left_open = 1\n", "c.toml:14: statement: left_open: an integer, allowed: true");
+  refused(a + "whi = \"w\"\n", "c.toml:15: statement: unknown key \"whi\", allowed: id, section");
+  refused(a + "[[statment]]\n", "c.toml:15: file: unknown key \"statment\"");
+  refused(with("why = \"w\"\n", ""), "c.toml:8: statement: has no why, allowed: a text");
+  refused(with("\"w\"", "\" \""), "c.toml:13: statement: why: an empty string, allowed: a text");
+  refused(with("\"w\"", "7"), "c.toml:13: statement: why: an integer, allowed: a string");
+  refused(with("\"w\"", "\"`x\""), "c.toml:13: statement: why: an odd number of backticks");
+  refused(with("\"w\"", "w"), "c.toml:13: not TOML");
+  refused(with("\"1\"", "\"3\""), "c.toml:8: statement \"a\": section \"3\", allowed: 1 to 2");
+  refused(with("\"1\"", "\"1..2\""), "c.toml:8: statement \"a\": section \"1..2\", allowed");
+  refused(a + "left_open = 1\n", "c.toml:15: statement: left_open: an integer, allowed: true");
   refused(with("\"1\"", "\"1.1\"") + statement("b"),
-          "c.toml:15: statement \"b\": section \"1\" after a later one");
-  refused(a + statement("a"), "c.toml:15: statement \"a\": a second one");
+          "c.toml:16: statement \"b\": section \"1\" after a later one");
+  refused(a + statement("a"), "c.toml:16: statement \"a\": a second one");
   refused(statement("a"), "c.toml");
+  for (const std::string key : {"criterion", "sections"}) {
+    std::string text = a;
+    text.replace(text.find(key), text.find('\n', text.find(key)) + 1 - text.find(key), "");
+    refused(text, "c.toml:1: chapter: has no " + key + ", allowed: an array of ");
+  }
   BOOST_TEST(
       readChapter(with("\"w\"", "\"\"\"\na\n  b `c\nd`\"\"\""), "c.toml").statements[0].why ==
       "a b `c d`");
@@ -268,6 +331,21 @@ BOOST_AUTO_TEST_CASE(holds_follows_from_the_residuals_alone) {
   BOOST_TEST(!made(neverZero(), neverZero(), {}).isSound());
   BOOST_TEST(!made(neverZero(), alwaysZero(), neverZero()).isSound());
   BOOST_CHECK_THROW(evaluate({{}, Trials("none")}, 1), std::logic_error);
+}
+
+// A fault of ours is not the chapter's.
+BOOST_AUTO_TEST_CASE(what_our_code_answers_decides_soundness_alone) {
+  for (const bool is_right : {true, false}) {
+    const Entry made = evaluate(
+        {{}, Trials("some").printed(alwaysZero()).ours(is_right ? alwaysZero() : neverZero())}, 1);
+    BOOST_TEST((made.holds == Holds::kTrue));
+    BOOST_TEST(made.isSound() == is_right);
+    BOOST_TEST(made.comparesOurCode());
+  }
+  for (const char* id : {"eq20", "eq21", "eq22", "eq25", "eq28"})
+    BOOST_TEST(!entry(id).comparesOurCode(), id);
+  for (const char* id : {"eq23", "eq26", "eq29", "eq31", "eq34", "eq49"})
+    BOOST_TEST(entry(id).comparesOurCode(), id);
 }
 
 BOOST_AUTO_TEST_CASE(a_trial_that_compares_nothing_is_refused) {

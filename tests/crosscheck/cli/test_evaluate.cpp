@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
 #include "tests/fixtures/program.hpp"
@@ -88,6 +90,48 @@ BOOST_AUTO_TEST_CASE(what_is_taken_is_told) {
                  "without joint forces (tau = 0)"));
 }
 
+// By hand: a block of 2 kg on an upright slide stands on a table, 0.1 m beside the slide, its
+// centre of mass 0.3 m beside it. The table holds the weight, the slide the moment of the two.
+BOOST_AUTO_TEST_CASE(reactions_of_a_closed_mechanism_are_those_of_its_joints) {
+  const Program program;
+  const std::string block = R"(
+title = "block"
+gravity = [0, 0, -9.81]
+[[link]]
+name = "base"
+[[link]]
+name = "block"
+parent = "base"
+mass = 2
+com = [0.3, 0, 0.2]
+inertia = { xx = 1, yy = 1, zz = 1 }
+joint = { name = "slide", kind = "prismatic" }
+[[closure]]
+kind = "plane"
+a = { link = "base" }
+b = { link = "block", xyz = [0.1, 0, 0] }
+)",
+                    foot = R"([[closure]]
+kind = "plane"
+a = { link = "base" }
+b = { link = "block", xyz = [0.5, 0, 0] }
+)";
+  program.write("block.toml", block);
+  program.write("two_feet.toml", block + foot);
+  const std::vector<double> row = numbers(
+      program.run("evaluate block.toml --quantity lambda,reactions --joint slide", "2>/dev/null")
+          .out);
+  BOOST_REQUIRE(row.size() == 7u);
+  BOOST_TEST(row[0] == 2 * 9.81, boost::test_tools::tolerance(1e-14));
+  for (const int zero : {1, 2, 3, 4, 6})
+    BOOST_TEST(std::abs(row[static_cast<std::size_t>(zero)]) < 1e-13);
+  BOOST_TEST(row[5] == -0.2 * 2 * 9.81, boost::test_tools::tolerance(1e-13));
+  refuses(program, "evaluate two_feet.toml --quantity reactions",
+          "reactions of slide at state 1 are not determined: redundant constraints");
+  refuses(program, "evaluate block.toml --quantity reactions --joint wheel",
+          "--joint wheel, expected the name of a joint");
+}
+
 // The drive of Kapitza's pendulum, asked for twice: as the tau of all joints, and as what the drive
 // takes.
 BOOST_AUTO_TEST_CASE(a_driven_scene_moves_with_its_constrained_accelerations) {
@@ -98,6 +142,110 @@ BOOST_AUTO_TEST_CASE(a_driven_scene_moves_with_its_constrained_accelerations) {
   BOOST_TEST(row[0] == row[2], boost::test_tools::tolerance(1e-13));
   BOOST_TEST(std::abs(row[1]) < 1e-13);  // nothing drives the rod
   BOOST_TEST(std::abs(row[0]) > 1);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+BOOST_AUTO_TEST_SUITE(states_of_the_command_line)
+
+BOOST_AUTO_TEST_CASE(a_state_by_options_is_that_of_a_file) {
+  const Program program;
+  program.write("s.csv", "q1,q2,qd1,qd2,qdd1,qdd2\n0.1,0.3,1,-2,0.5,1\n");
+  const std::string asked = "evaluate double_pendulum --quantity M,tau,reactions ";
+  const Outcome of_file = program.run(asked + "--states s.csv");
+  BOOST_REQUIRE(of_file.status == 0);
+  BOOST_TEST(program.run(asked + "--q 0.1,0.3 --qd 1,-2 --qdd 1/2,1").out == of_file.out);
+  BOOST_TEST(program.run(asked + "--q q2=0.3,q1=0.1 --qd 1,-2 --qdd 0.5,1").out == of_file.out);
+  BOOST_TEST(program.run(asked + "--q 0.1,0.31 --qd 1,-2 --qdd 0.5,1").out != of_file.out);
+  // with a torque instead, accelerations are found first, and the torque comes back
+  const std::vector<double> row = numbers(
+      program.run("evaluate double_pendulum --quantity tau --q 0.1,0.3 --tau 2,-1", "2>/dev/null")
+          .out);
+  BOOST_REQUIRE(row.size() == 2u);
+  BOOST_TEST(row[0] == 2, boost::test_tools::tolerance(1e-13));
+  BOOST_TEST(row[1] == -1, boost::test_tools::tolerance(1e-13));
+  refuses(program, "evaluate double_pendulum --quantity M --q 0.1", "1 values, allowed: 2");
+  refuses(program, "evaluate double_pendulum --quantity qdd --qdd 1,2", "--tau");
+  refuses(program, "evaluate double_pendulum --quantity M --q 0,0 --states s.csv",
+          "--states excludes --q");
+}
+
+BOOST_AUTO_TEST_CASE(random_states_stand_in_the_table) {
+  const Program program;
+  const std::string asked = "evaluate double_pendulum --quantity tau ";
+  const Outcome drawn = program.run(asked + "--random 1 --seed 7");
+  BOOST_TEST(program.run(asked + "--random 1 --seed 7").out == drawn.out);
+  BOOST_TEST(program.run(asked + "--random 1 --seed 8").out != drawn.out);
+  // its state, given back, has its torques
+  const std::vector<double> row = numbers(drawn.out);
+  BOOST_TEST(drawn.out.substr(0, drawn.out.find('\n')) == "q1,q2,qd1,qd2,qdd1,qdd2,tau1,tau2");
+  BOOST_REQUIRE(row.size() == 8u);
+  const auto two = [&](std::size_t at) {
+    return fmt::format("{:.17g},{:.17g}", row[at], row[at + 1]);
+  };
+  const std::vector<double> again =
+      numbers(program.run(asked + "--q=" + two(0) + " --qd=" + two(2) + " --qdd=" + two(4)).out);
+  BOOST_TEST(again == std::vector<double>(row.begin() + 6, row.end()));
+  // closed where there are closures
+  const Outcome closed = program.run("evaluate loop_on_arm --quantity M --random 4", "2>&1");
+  BOOST_TEST(closed.status == 0);
+  BOOST_TEST(!has(closed.out, "closures are open"));
+  // with the accelerations of drives, so that the table is a file of states
+  const std::string driven = "evaluate car_axis --quantity lambda ";
+  const Outcome first = program.run(driven + "--random 1");
+  BOOST_REQUIRE(first.status == 0);
+  const std::vector<double> all = numbers(first.out);
+  const std::size_t end = first.out.find(",lambda1");
+  const std::size_t count = std::count(first.out.begin(), first.out.begin() + end, ',') + 1;
+  std::string states = first.out.substr(0, end) + "\n";
+  for (std::size_t k = 0; k < count; ++k)
+    states += fmt::format("{}{:.17g}", k == 0 ? "" : ",", all[k]);
+  program.write("drawn.csv", states + "\n");
+  BOOST_TEST(numbers(program.run(driven + "--states drawn.csv").out) ==
+             std::vector<double>(all.begin() + count, all.end()));
+  refuses(program, "evaluate double_pendulum --quantity tau,qdd --random 2", "column qdd1");
+}
+
+// A compact body of 1e16 kg at the end of a straight arm: its mass drops out of the shoulder's
+// acceleration, as a difference of numbers 1e16 times as large.
+BOOST_AUTO_TEST_CASE(too_few_certain_digits_are_told) {
+  const Program program;
+  const std::string right =
+      program.run("evaluate cart_pole --quantity qdd --q 0,0.1 --warn", "2>&1 >/dev/null").out;
+  BOOST_TEST(has(
+      right,
+      "qdd by articulated_body: more than 3 digits of the largest entry are certain at each of 1 states"));
+  program.write("heavy.toml", R"(gravity = [0, -9.81, 0]
+[[link]]
+name = "base"
+[[link]]
+name = "arm"
+parent = "base"
+mass = 1
+com = [0.5, 0, 0]
+inertia = { about = "com", xx = 0.1, yy = 0.1, zz = 0.1 }
+[link.joint]
+name = "shoulder"
+kind = "revolute"
+axis = [0, 0, 1]
+[[link]]
+name = "tip"
+parent = "arm"
+mass = 1e16
+com = [0.5, 0, 0]
+inertia = { about = "com", xx = 0.1, yy = 0.1, zz = 0.1 }
+[link.joint]
+name = "elbow"
+kind = "revolute"
+axis = [0, 0, 1]
+xyz = [1, 0, 0]
+)");
+  const std::string heavy =
+      program.run("evaluate ./heavy.toml --quantity qdd --tau 1,0 --warn", "2>&1 >/dev/null").out;
+  BOOST_TEST(has(heavy, "at 1 of 1 states no more than 3 digits of the largest entry are certain"),
+             heavy);
+  refuses(program, "evaluate loop_on_arm --quantity lambda --warn", "without a bound");
+  // the acceleration that these belong to has lost its digits, which their own bound cannot know
+  refuses(program, "evaluate ./heavy.toml --quantity reactions --tau 1,0 --warn", "nobody vouches");
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -54,6 +54,7 @@ std::vector<NumberOption> numberOptions(const Program& program) {
 std::string callOf(const std::string& command) {
   if (command == "audit" || command == "growth") return command;
   if (command == "action") return command + " acrobot";  // it refuses joints with friction
+  if (command == "evaluate") return "evaluate gyroscopic_wrist --quantity M";
   return command + " gyroscopic_wrist";
 }
 

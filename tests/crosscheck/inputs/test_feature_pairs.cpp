@@ -99,7 +99,8 @@ BOOST_AUTO_TEST_CASE(pairs_that_once_hid_a_fault_are_wanted) {
 BOOST_AUTO_TEST_CASE(random_mechanisms_have_every_wanted_pair_between_them) {
   const std::vector<int> indices = randomMechanismsOfPairs(1, 12, 3000);
   PairTable pairs;
-  for (const int index : indices) pairs.add(randomScene(1, static_cast<std::uint64_t>(index), 12));
+  for (const int index : indices)
+    pairs.add(randomWholeScene(1, static_cast<std::uint64_t>(index), 12));
   for (const PairTable::Pair& pair : pairs.missing())
     BOOST_ERROR(name(pair.relation) << ": " << pair.row << "; " << pair.column);
   BOOST_TEST(indices.size() < 200u);  // far fewer than the pool

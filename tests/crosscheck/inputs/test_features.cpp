@@ -211,7 +211,7 @@ Call callOf(Command command) {
     case Command::kEvaluateJoints:
       return {"evaluate scene --quantity X,M_A,PF", ""};
     case Command::kEvaluateForces:
-      return {"evaluate scene --quantity reactions", ""};
+      return {"evaluate scene --quantity tau", ""};
     case Command::kEvaluateMotion:
       return {"evaluate scene --quantity qdd", ""};
     case Command::kEvaluateTasks:

@@ -82,6 +82,23 @@ BOOST_DATA_TEST_CASE(a_plain_mechanism_has_what_every_engine_builds, data::xrang
   BOOST_TEST(scene::writeSceneToml(scene) != scene::writeSceneToml(randomScene(1, index, 12)));
 }
 
+BOOST_DATA_TEST_CASE(a_whole_mechanism_is_the_same_tree_and_more, data::xrange(60), index) {
+  scene::Scene whole = randomWholeScene(1, index, 12);
+  const std::string text = scene::writeSceneToml(whole);
+  BOOST_TEST(scene::writeSceneToml(scene::readSceneToml(text, whole.file)) == text);
+  scene::Mechanism& m = whole.mechanism;
+  BOOST_TEST((m.closures.empty() || m.acceleration_constraints.empty()));
+  if (m.hasMimics()) BOOST_TEST((m.closures.empty() && !m.isDriven()));
+  m.links.erase(m.links.end() - static_cast<std::ptrdiff_t>(m.closures.size()), m.links.end());
+  m.closures.clear();
+  m.springs.clear();
+  m.acceleration_constraints.clear();
+  for (scene::Link& link : m.links) link.joint.motion.clear();
+  whole.start_q = m.restPosition();
+  whole.start_qd.assign(m.dof(), scene::Number(0));
+  BOOST_TEST(scene::writeSceneToml(whole) == scene::writeSceneToml(randomScene(1, index, 12)));
+}
+
 BOOST_AUTO_TEST_CASE(a_mechanism_without_joints_is_refused) {
   BOOST_CHECK_THROW(randomScene(1, 0, 0), std::invalid_argument);
 }

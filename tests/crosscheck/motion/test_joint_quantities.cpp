@@ -33,7 +33,8 @@ double off(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 
 /// Joint by joint, in the order of links: joint i - 1 moves link i.
 struct Shown {
-  Shown(const scene::Scene& of, const scene::State<double>& state) : scene(of), quantities(of, {}) {
+  Shown(const scene::Scene& of, const scene::State<double>& state, JointAxes in = JointAxes::kLink)
+      : scene(of), quantities(of, {}, in) {
     quantities.at(state);
     for (const scene::Link& link : scene.mechanism.links)
       if (link.parent >= 0) axes.push_back(scene::degreesOfFreedom(link.joint.kind));
@@ -72,12 +73,14 @@ scene::State<double> atRest(const scene::Scene& scene) {
 
 /// f = M_A a + F through every joint, a carried outward by X and Z: what X, Z, M_A and F say
 /// together of a mechanism that is let go at rest, against Newton and Euler.
-void requireReactions(const scene::Scene& scene) {
+void requireReactions(const scene::Scene& scene, JointAxes axes = JointAxes::kLink) {
   const scene::State<double> state = atRest(scene);
-  const Shown shown(scene, state);
+  const Shown shown(scene, state, axes);
   const PreparedScene prepared(scene);
+  TurnedAxes turned(scene, axes);
+  turned.at(state);
   const Eigen::MatrixXd reactions =
-      newtonEulerKind().make(prepared).value()->value(Quantity::kReactions, state);
+      turned.turned(newtonEulerKind().make(prepared).value()->value(Quantity::kReactions, state));
   const auto number = scene::RealNumbers<double>(scene.mechanism);
   Six a_0 = Six::Zero();
   if (scene.mechanism.has_gravity)
@@ -139,6 +142,59 @@ BOOST_DATA_TEST_CASE(inertias_follow_the_recursion_of_the_chapter,
 BOOST_DATA_TEST_CASE(so_they_do_in_mechanisms_that_nobody_chose, data::xrange(25), index) {
   requireReactions(randomTreeScene(11, static_cast<std::uint64_t>(index), 8));
   requireRecursions(randomTreeScene(11, static_cast<std::uint64_t>(index), 8));
+}
+
+// In other axes the same recursion holds; X turns nothing where all are the world's, and an axis
+// is e_z where they are the joint's.
+BOOST_DATA_TEST_CASE(other_axes_say_the_same, data::xrange(25), index) {
+  const scene::Scene scene = randomTreeScene(11, static_cast<std::uint64_t>(index), 8);
+  const scene::State<double> state = atRest(scene);
+  const Shown in_world(scene, state, JointAxes::kWorld), in_joints(scene, state, JointAxes::kJoint);
+  requireReactions(scene, JointAxes::kWorld);
+  requireReactions(scene, JointAxes::kJoint);
+  for (std::size_t i = 0; i < in_world.axes.size(); ++i) {
+    const Matrix6 X = in_world.matrix(JointQuantity::kX, i);
+    BOOST_TEST(off(X.topLeftCorner<3, 3>(), Eigen::Matrix3d::Identity()) < kLimit);
+    const scene::JointKind kind = scene.mechanism.links[i + 1].joint.kind;
+    if (kind == scene::JointKind::kRevolute) BOOST_TEST(off(in_joints.Z(i), Six::Unit(5)) < kLimit);
+    if (kind == scene::JointKind::kPrismatic)
+      BOOST_TEST(off(in_joints.Z(i), Six::Unit(2)) < kLimit);
+    if (kind != scene::JointKind::kRevolute && kind != scene::JointKind::kPrismatic &&
+        kind != scene::JointKind::kHelical)
+      BOOST_TEST((TurnedAxes(scene, JointAxes::kJoint).of(i + 1) == Matrix6::Identity()));
+  }
+}
+
+// Of a universal joint, a chain of two in the model, neither axis is the joint's.
+BOOST_AUTO_TEST_CASE(joints_of_several_axes_are_left_as_they_are) {
+  for (const char* kind : {"universal", "cylindrical", "planar", "revolute"}) {
+    const scene::Scene scene = scene::readSceneToml(
+        std::string("[[link]]\nname = \"base\"\n[[link]]\nname = \"a\"\nparent = \"base\"\n"
+                    "mass = 1\ninertia = { xx = 1, yy = 1, zz = 1 }\njoint = { kind = \"") +
+            kind + "\"" + (kind[0] == 'u' ? "" : ", axis = [1, 0, 0]") + " }\n",
+        "joints.toml");
+    const bool is_turned =
+        TurnedAxes(scene, JointAxes::kJoint).of(1) != recursive::Matrix6<double>::Identity();
+    BOOST_TEST(is_turned == (kind == std::string("revolute")), kind);
+  }
+}
+// The first joint of a scene holds all that it carries: in world axes, straight up.
+BOOST_AUTO_TEST_CASE(what_rests_is_held_up_along_the_axis_of_the_world) {
+  const scene::Scene scene = scene::findScene("puma_560");
+  scene::State<double> state = drawState(scene.mechanism, scene.name, 1, 0);
+  std::fill(state.qd.begin(), state.qd.end(), 0.0);
+  std::fill(state.qdd.begin(), state.qdd.end(), 0.0);
+  TurnedAxes turned(scene, JointAxes::kWorld);
+  turned.at(state);
+  const Eigen::MatrixXd reactions = turned.turned(
+      newtonEulerKind().make(PreparedScene(scene)).value()->value(Quantity::kReactions, state));
+  double mass = 0;
+  const scene::RealNumbers<double> number(scene.mechanism);
+  for (std::size_t i = 1; i < scene.mechanism.links.size(); ++i)
+    mass += number(scene.mechanism.links[i].inertia.mass);
+  const Eigen::Vector3d held = reactions.block<3, 1>(0, 0);
+  const Eigen::Vector3d weight(0, 0, mass * 9.81);
+  BOOST_TEST(off(held, weight) < kLimit);
 }
 
 // A' a = E_i' a_i + beta_i at every joint inboard of the constraint, whatever moves: in a chain of

@@ -424,6 +424,17 @@ BOOST_AUTO_TEST_CASE(defaults_of_the_reader_are_named) {
   BOOST_TEST(first([](Robot& r) { r.bodies[0].lower.reset(), r.bodies[0].upper.reset(); }) ==
              "arm: limits: they are ignored");
   BOOST_TEST(first([](Robot& r) { r.bodies[0].moments.mass *= 1.001; }) == "arm: inertia: ");
+  // small and by no mistake: digits, of which 1e-7 of what is read leaves 7
+  BOOST_TEST(first([](Robot& r) { r.bodies[0].moments.mass *= 1 + 1e-7; }) ==
+             "arm: inertia: digits are lost: 7.0 are left");
+  BOOST_TEST(first([](Robot& r) { r.bodies[0].placement.translation() *= 1 + 2e-7; }) ==
+             "arm: origin: digits are lost: 7.0 are left");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  BOOST_TEST(first([&](Robot& r) { r.bodies[0].moments.mass = nan; }) == "arm: inertia: ");
+  BOOST_TEST(first([&](Robot& r) { r.bodies[0].moments.second(0, 0) = nan; }) == "arm: inertia: ");
+  for (const double share : {0.0, nan, std::numeric_limits<double>::infinity(), 1.0, 2e-4})
+    BOOST_TEST(digitsLost(share) == "");
+  BOOST_TEST(digitsLost(1e-4) == "digits are lost: 4.0 are left");
   Arm follows;
   follows.mimic = "<mimic joint=\"shoulder\" multiplier=\"-2\"/>";
   const std::vector<Misreading> found = findingsOf(text(follows), readerOf(file));
@@ -452,6 +463,24 @@ BOOST_AUTO_TEST_CASE(an_answer_that_is_not_that_of_the_model_shown_is_found) {
 
 BOOST_AUTO_TEST_CASE(a_reader_of_the_file_has_no_finding) {
   BOOST_TEST(findingsOf(text(Arm()), readerOf(text(Arm()))).empty());
+}
+
+// A reader that keeps every link in the frame of the whole model rounds where the model is far
+// away; four times as much is another place.
+BOOST_AUTO_TEST_CASE(rounding_in_the_frame_of_the_whole_model_is_no_finding) {
+  Arm far;
+  far.arm_xyz = {300, 400, 0};
+  far.finger.com.setZero();
+  const auto slipped = [&](double by) {
+    return findingsOf(text(far), readerOf(text(far), [by](Robot& r) {
+                        ReadBody& finger = r.bodies[1];
+                        finger.moments = MassMoments::of(finger.moments.mass, {by, 0, 0},
+                                                         finger.moments.aboutCom());
+                      }));
+  };
+  const double rounded = 500 * 2 * roundingOf(0);
+  BOOST_TEST(slipped(rounded / 2).empty());
+  BOOST_TEST(slipped(rounded * 4).size() == 1u);
 }
 
 // By hand: a mass 1 on a lever of 1 m has M = 1; without its lever it has 0.

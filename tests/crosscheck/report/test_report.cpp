@@ -267,6 +267,18 @@ BOOST_FIXTURE_TEST_CASE(result_without_scenes_is_still_a_report, TemporaryFolder
   BOOST_TEST(contains(read(path / "report/index.html"), "0 scenes"));
 }
 
+BOOST_FIXTURE_TEST_CASE(the_audit_is_linked_where_it_lies, TemporaryFolder) {
+  const char* link = "<a href=\"audit/index.html\">";
+  writeReport(sample(), environment(), path / "report");
+  BOOST_TEST(!contains(read(path / "report/index.html"), link));
+  BOOST_TEST(contains(read(path / "report/index.html"), "dynwitness audit --report"));
+  fs::create_directories(path / "report/audit");
+  std::ofstream(path / "report/audit/index.html") << "the audit";
+  writeReport(sample(), environment(), path / "report");
+  BOOST_TEST(contains(read(path / "report/index.html"), link));
+  BOOST_TEST(read(path / "report/audit/index.html") == "the audit");
+}
+
 /// One a scene of the sample, with these times [ns].
 std::vector<Chart> charts(double time) {
   Chart chart;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Compiled with -UNDEBUG: Debian's Simbody was, and its headers change the layout of its classes
 // with it.
-#include "tests/benchmarks/benchmark_simbody.hpp"
+#include "crosscheck/chart/raw_simbody.hpp"
 
 #include <Simbody.h>
 
 #include <stdexcept>
 
-namespace dynwitness::benchmarks {
+namespace dynwitness::crosscheck {
 
 struct RawSimbody::Parts {
   SimTK::MultibodySystem system;
@@ -125,4 +125,4 @@ std::vector<double> RawSimbody::inModelOrder() const {
   return values;
 }
 
-}  // namespace dynwitness::benchmarks
+}  // namespace dynwitness::crosscheck

@@ -15,7 +15,7 @@
 #include "scene/scene.hpp"
 #include "scene/state.hpp"
 
-namespace dynwitness::benchmarks {
+namespace dynwitness::crosscheck {
 
 /// A scene in MuJoCo, links on fixed joints fused; springs and friction are left out. Joints keep
 /// the order of the file, which is that of the scene for a tree written depth first. Of a floating
@@ -87,5 +87,5 @@ class RawMujoco {
   std::unique_ptr<mjData, Deleter> data_;
 };
 
-}  // namespace dynwitness::benchmarks
+}  // namespace dynwitness::crosscheck
 #endif

@@ -8,7 +8,7 @@
 
 #include "recursive/model.hpp"
 
-namespace dynwitness::benchmarks {
+namespace dynwitness::crosscheck {
 
 /** A model in Simbody, from the model's own numbers: this is about time, the witness `simbody` is
    about trust. Rotors are left out, since Simbody has no figure for them and the bodies that would
@@ -34,4 +34,4 @@ class RawSimbody {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace dynwitness::benchmarks
+}  // namespace dynwitness::crosscheck

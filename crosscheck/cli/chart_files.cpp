@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/cli/chart_files.hpp"
+
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "crosscheck/report/assets.hpp"
+#include "crosscheck/report/plot.hpp"
+#include "crosscheck/system/files.hpp"
+
+namespace dynwitness::cli {
+
+using namespace crosscheck;
+namespace fs = std::filesystem;
+
+void writeCharts(const std::vector<ChartFiles>& charts, const fs::path& folder) {
+  const UnfinishedFolder work(folder);  // vanishes again
+  work.write(kChartStyle, kStyleGnuplot);
+  std::vector<std::string> files = {kChartStyle};
+  std::string problem;
+  for (const auto& [stem, csv, script] : charts) {
+    const std::vector<std::string> pictures = {stem + ".svg", stem + "_dark.svg"};
+    work.write(stem + ".csv", csv);
+    work.write(stem + ".gp", script);
+    files.insert(files.end(), {stem + ".csv", stem + ".gp"});
+    if (const auto failure = runGnuplot(work.path(), stem + ".gp", pictures))
+      problem = *failure;
+    else
+      files.insert(files.end(), pictures.begin(), pictures.end());
+  }
+  fs::create_directories(folder);
+  for (const std::string& file : files) {
+    std::ifstream stream(work.path() / file, std::ios::binary);
+    writeWholeFile(folder / file, std::string(std::istreambuf_iterator<char>(stream), {}));
+  }
+  if (!problem.empty())
+    throw std::runtime_error(
+        fmt::format("no picture: {}; data and script are in {}", problem, folder.string()));
+}
+
+}  // namespace dynwitness::cli

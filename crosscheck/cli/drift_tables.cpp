@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/cli/drift_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/inputs/states_file.hpp"
+#include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/motion/step_advice.hpp"
+#include "crosscheck/motion/tree_motion.hpp"
+#include "crosscheck/verdicts/own_motion.hpp"
+#include "crosscheck/witnesses/witness.hpp"
+
+namespace dynwitness::cli {
+
+using namespace crosscheck;
+
+int adviseSteps(const scene::Scene& scene, std::vector<std::string> methods, double duration,
+                double accuracy) {
+  requireTreated(scene, Command::kDrift);
+  const bool has_momenta = TreeMotion<double>(scene.mechanism).hasMomenta();
+  if (methods.empty())
+    for (const Integrator& method : integrators())
+      if (has_momenta || !method.needs_momenta) methods.emplace_back(method.name);
+  for (const std::string& method : methods) integratorNamed(method);
+  std::string table =
+      fmt::format("{:<25} {:>12} {:>22} {:>9} {:>12} {:>10}\n", "method", "stable h [s]",
+                  "lambda there [1/s]", "h|lambda|", "accurate [s]", "calls");
+  std::string cheapest, troubles;
+  double fewest = 0, step = 0;
+  {
+    Progress progress(static_cast<int>(methods.size()) + 1);
+    progress.stage("spectrum along the motion");
+    const SpectrumAlong spectrum = spectrumAlong(scene, duration);
+    for (const std::string& method : methods) {
+      progress.stage(method);
+      const StableStep stable = largestStableStep(spectrum, method);
+      const AccurateStep accurate =
+          accurateStep(scene, method, duration, accuracy, std::min(stable.step, duration));
+      const bool any = std::isinf(stable.step);
+      table += fmt::format(
+          "{:<25} {:>12} {:>22} {:>9} {:>12} {:>10}\n", method,
+          any ? "any" : roundedDown(stable.step, 3),
+          any ? "" : fmt::format("{:.3g}{:+.3g}i", stable.lambda.real(), stable.lambda.imag()),
+          any ? "" : fmt::format("{:.3g}", stable.step * std::abs(stable.lambda)),
+          accurate.step > 0 ? roundedDown(accurate.step, 3) : "not seen",
+          accurate.step > 0 ? fmt::format("{:.3g}", accurate.calls) : "");
+      if (!accurate.why.empty()) troubles += fmt::format("# {}: {}\n", method, accurate.why);
+      if (accurate.step > 0 && (cheapest.empty() || accurate.calls < fewest)) {
+        cheapest = method;
+        fewest = accurate.calls;
+        step = accurate.step;
+      }
+    }
+  }
+  fmt::print(
+      "# {}: {} s from the start; largest step at which energy does not double, by the spectrum "
+      "along the motion; step for an error of {:.3g} at the end [rad, m, rad/s, m/s]\n{}{}",
+      scene.name, duration, accuracy, table, troubles);
+  if (cheapest.empty())
+    fmt::print("cheapest     none: no method shows its order, allowed: a shorter --duration\n");
+  else
+    fmt::print("cheapest     {} with h = {} s: about {:.3g} calls of the equations\n", cheapest,
+               roundedDown(step, 3), fewest);
+  return 0;
+}
+
+namespace {
+
+constexpr int kMoments = 200;  // of a motion that an engine makes
+
+OwnMotion recorded(const scene::Scene& scene, const std::string& file) {
+  // what simulate --csv writes is one
+  StatesReader reader(
+      file, scene.mechanism,
+      {{"t", "time_s", "kinetic_J", "potential_J", "phi", "phi_rate", "energy_error_J"}, true});
+  const auto& others = reader.otherNames();
+  const auto time = std::find_if(others.begin(), others.end(), [](const std::string& column) {
+    return column == "t" || column == "time_s";
+  });
+  if (time == others.end() || !reader.gives("qd") || !reader.gives("qdd"))
+    throw scene::InputError({file, 1},
+                            "columns t (or time_s), q1.., qd1.. and qdd1.. are needed, some are "
+                            "not there");
+  OwnMotion motion;
+  motion.by = file;
+  scene::State<double> state;
+  while (reader.next(&state)) {
+    OwnMotion::Moment moment{
+        reader.others()[static_cast<std::size_t>(time - others.begin())], {}, state.qd, state.qdd};
+    for (const auto& x : state.x) moment.q.push_back(x.q);
+    motion.moments.push_back(std::move(moment));
+  }
+  if (motion.moments.size() < 2)
+    throw scene::InputError({file, 0},
+                            fmt::format("{} rows, allowed: two or more", motion.moments.size()));
+  return motion;
+}
+
+}  // namespace
+
+int judgeMotions(const scene::Scene& scene, const std::vector<std::string>& engines,
+                 const std::string& file, const DriftOptions& options) {
+  if (options.steps.size() > 1)
+    throw scene::InputError({},
+                            fmt::format("{} steps, allowed: one (--step)", options.steps.size()));
+  constexpr double kStep = 0.001;  // [s]: what these engines' examples take
+  const double step = options.steps.empty() ? kStep : options.steps.front();
+  constexpr double kMostSteps = 1e8;
+  if (!(step <= options.duration) || !(options.duration / step <= kMostSteps))
+    throw scene::InputError({}, fmt::format("step is {} s, allowed: at most the duration of {} s, "
+                                            "and at least a hundred millionth of it",
+                                            step, options.duration));
+  std::vector<OwnMotionVerdict> verdicts;
+  std::string troubles;
+  if (!file.empty()) verdicts.push_back(judgeOwnMotion(scene, recorded(scene, file)));
+  for (const std::string& engine : engines) {
+    const WitnessKind kind = selectWitnesses({engine}).front();
+    const MadeWitness made = kind.make(PreparedScene(scene));
+    if (made.isRefused()) {
+      troubles += fmt::format("# {}: not asked: {}\n", engine, made.refusal());
+      continue;
+    }
+    auto* steps = dynamic_cast<OwnSteps*>((*made).get());
+    if (steps == nullptr)
+      throw scene::InputError({}, fmt::format("'{}' has no integrator of its own, allowed: mujoco, "
+                                              "mujoco_principal, simbody, dart",
+                                              engine));
+    scene::State<double> start;
+    const scene::RealNumbers<double> number(scene.mechanism);
+    for (const scene::Number& q : scene.start_q) start.x.push_back(scene::jointPosition(number(q)));
+    for (const scene::Number& qd : scene.start_qd) start.qd.push_back(number(qd));
+    start.qdd.assign(start.qd.size(), 0.0);
+    start.tau = start.qdd;
+    const long count = std::lround(options.duration / step);
+    try {
+      verdicts.push_back(judgeOwnMotion(
+          scene, steps->ownMotion(start, step, count, std::max(1L, count / kMoments)),
+          (*made).get()));
+    } catch (const scene::InputError&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      troubles += fmt::format("# {}: not asked: {}\n", engine, error.what());
+    }
+  }
+  if (verdicts.empty()) {
+    fmt::print("{}# {}: nothing was judged: none of these moves it\n", troubles, scene.name);
+    return 1;
+  }
+  fmt::print("{}{}", ownMotionTable(scene, verdicts), troubles);
+  return std::any_of(verdicts.begin(), verdicts.end(),
+                     [](const OwnMotionVerdict& v) { return v.isModelWrong(); })
+             ? 1
+             : 0;
+}
+
+}  // namespace dynwitness::cli

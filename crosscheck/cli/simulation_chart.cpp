@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/cli/simulation_chart.hpp"
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/chart_files.hpp"
+#include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/inputs/features.hpp"
+#include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/report/text.hpp"
+#include "crosscheck/report/work_drawing.hpp"
+#include "crosscheck/system/environment.hpp"
+#include "crosscheck/system/files.hpp"
+
+namespace dynwitness::cli {
+
+using namespace crosscheck;
+
+std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command) {
+  auto arguments = std::make_shared<SimulationChartArguments>();
+  CLI::Option* simulate = command->add_flag(
+      "--simulate", arguments->is_asked,
+      "Whole simulations from the scene's start instead: calls and time against error of the end "
+      "and energy error, by steps of each integrator");
+  command
+      ->add_option("--method", arguments->options.methods,
+                   "With --simulate: integrators [all that know the scene]: " + integratorNames())
+      ->delimiter(',')
+      ->needs(simulate);
+  command->add_option("--duration", arguments->options.duration, "With --simulate: [s]")
+      ->check(positive())
+      ->capture_default_str()
+      ->needs(simulate);
+  return arguments;
+}
+
+int runSimulationChart(const std::string& scene_name, const SimulationChartArguments& arguments,
+                       const std::string& output) {
+  const scene::Scene scene = admitted(scene_name, Command::kDrift);
+  requireMotion(scene);
+  if (!output.empty()) requireWritableFolder(output);
+  WorkOptions options = arguments.options;
+  WorkPrecision work;
+  {
+    const auto methods = options.methods.empty() ? integrators().size() : options.methods.size();
+    Progress progress(static_cast<int>(methods) + 1);
+    options.progress = [&](const std::string& stage) { progress.stage(stage); };
+    work = measureWork(scene, options);
+  }
+  work.machine = cpuModel();
+  fmt::print("{}", workCsv(work));
+  if (output.empty()) return 0;
+  const std::string stem = safeName(scene.name) + "_simulate";
+  writeCharts({{stem, workCsv(work), workScript(work, stem, kChartStyle)}}, output);
+  return 0;
+}
+
+}  // namespace dynwitness::cli

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness chart --simulate: what the accuracy of whole simulations costs.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "crosscheck/motion/work_precision.hpp"
+
+namespace dynwitness::cli {
+
+struct SimulationChartArguments {
+  bool is_asked = false;
+  crosscheck::WorkOptions options;
+};
+
+/// --simulate, --method, --duration.
+std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command);
+
+/// @param output  folder for SCENE_simulate.csv, .gp, .svg and _dark.svg; "": none
+int runSimulationChart(const std::string& scene, const SimulationChartArguments& arguments,
+                       const std::string& output);
+
+}  // namespace dynwitness::cli

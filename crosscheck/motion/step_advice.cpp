@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/motion/step_advice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/generation.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+
+#include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/motion/state_gap.hpp"
+#include "crosscheck/motion/tree_motion.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+namespace odeint = boost::numeric::odeint;
+using Vector = std::vector<double>;
+using Complex = std::complex<double>;
+constexpr double kAny = std::numeric_limits<double>::infinity();
+
+std::vector<Complex> eigenvaluesAt(TreeMotion<double>& motion, const Vector& y, double time) {
+  const auto columns = columnsOfJacobian(motion, y, time);
+  const auto size = static_cast<Eigen::Index>(y.size()) - 1;  // work feeds nothing back
+  Eigen::MatrixXd J(size, size);
+  for (Eigen::Index j = 0; j < size; ++j)
+    for (Eigen::Index i = 0; i < size; ++i) J(i, j) = columns[j][i];
+  std::vector<Complex> out;
+  if (!J.allFinite())
+    throw std::runtime_error(
+        fmt::format("df/dy is not finite at t = {:.3g} s of the motion: no step can be advised, "
+                    "allowed: a shorter --duration",
+                    time));
+  const double least = std::cbrt(std::numeric_limits<double>::epsilon());  // of differences
+  const Eigen::VectorXcd all = J.eigenvalues();
+  const double largest = all.cwiseAbs().maxCoeff();
+  for (const Complex& lambda : all)
+    if (lambda.imag() >= 0 && std::abs(lambda) > least * largest) out.push_back(lambda);
+  return out;
+}
+
+/// Without the growth that is the motion's own.
+Complex settled(const Complex& lambda) {
+  return {std::min(lambda.real(), 0.0), lambda.imag()};
+}
+
+/// log |R(h lambda)|, zero where rounding is all that it grows by.
+double growth(const std::string& method, const Complex& lambda, double h) {
+  const Complex z = h * settled(lambda);
+  if (z == Complex(0)) return 0;
+  const double size = amplification(method, z.real(), z.imag());
+  return size > 1 + 1e-12 ? std::log(size) : 0;
+}
+
+struct Growth {
+  double all = 0, most = 0;  ///< along the motion; in one step
+  Complex lambda;
+  double time = 0;
+};
+Growth growthAlong(const SpectrumAlong& spectrum, const std::string& method, double h) {
+  Growth out;
+  for (const SpectrumAlong::Moment& moment : spectrum.moments) {
+    double here = 0;
+    for (const Complex& lambda : moment.fastest) {
+      const double now = growth(method, lambda, h);
+      here = std::max(here, now);
+      if (now > out.most) out = {out.all, now, lambda, moment.time};
+    }
+    out.all += here * moment.duration / h;
+  }
+  return out;
+}
+
+bool doubles(const Growth& growth) {
+  return !(2 * growth.all <= std::log(2.0));
+}
+
+Vector stateAfter(TreeMotion<double>& motion, const scene::Scene& scene, const std::string& method,
+                  double duration, long steps) {
+  Vector y = startOf<double>(scene);
+  const auto stepper = stepsOf<double>(method, motion);
+  const double h = duration / static_cast<double>(steps);
+  for (long k = 0; k < steps; ++k) stepper->step(&y, static_cast<double>(k) * h, h);
+  return y;
+}
+
+}  // namespace
+
+SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration) {
+  constexpr int kMoments = 200;
+  constexpr double kStepError = 1e-8;
+  constexpr int kMostSteps = 1000000;
+  TreeMotion<double> motion(scene.mechanism);
+  Vector y = startOf<double>(scene);
+  const auto rate = [&](const Vector& at, Vector& out, double t) { motion.rate(at, t, &out); };
+  auto stepper =
+      odeint::make_controlled(kStepError, kStepError, odeint::runge_kutta_dopri5<Vector>());
+  SpectrumAlong out;
+  double time = 0, step = duration / kMoments / 10;
+  int steps = 0;
+  for (int k = 0; k < kMoments; ++k) {
+    const double here = duration * k / kMoments, next = duration * (k + 1) / kMoments;
+    out.moments.push_back({here, next - here, eigenvaluesAt(motion, y, here)});
+    while (time < next) {
+      if (++steps > kMostSteps)
+        throw std::runtime_error(
+            fmt::format("{} steps that adapt and only {:.3g} of {:.3g} s done: no step can be "
+                        "advised, allowed: a shorter --duration",
+                        kMostSteps, time, duration));
+      double h = std::min(step, next - time);
+      const bool cut = h < step;
+      const bool taken = stepper.try_step(rate, y, time, h) == odeint::success;
+      if (!cut || !taken) step = h;
+      if (next - time <= next * std::numeric_limits<double>::epsilon()) time = next;
+    }
+  }
+  return out;
+}
+
+double stabilityLimit(const std::string& method, Complex lambda) {
+  constexpr double kFarthest = 1e6, kFiner = 1.05, kNearest = 1e-3;
+  const Complex direction = settled(lambda) / std::abs(settled(lambda));
+  if (!(std::abs(settled(lambda)) > 0)) return kAny;
+  double held = 0;
+  for (double r = kNearest; r < kFarthest; r *= kFiner) {
+    if (growth(method, direction, r) == 0) {
+      held = r;
+      continue;
+    }
+    if (held == 0) return 0;
+    double broken = r;
+    for (int k = 0; k < 40; ++k) {
+      const double middle = (held + broken) / 2;
+      (growth(method, direction, middle) == 0 ? held : broken) = middle;
+    }
+    return held;
+  }
+  return kAny;
+}
+
+StableStep largestStableStep(const SpectrumAlong& spectrum, const std::string& method) {
+  const double duration = spectrum.moments.back().time + spectrum.moments.back().duration;
+  StableStep out;
+  double held = 0, broken = 0;
+  constexpr double kFiner = 1.1;
+  double fastest = 0;
+  for (const auto& moment : spectrum.moments)
+    for (const Complex& lambda : moment.fastest) fastest = std::max(fastest, std::abs(lambda));
+  const Integrator& known = integratorNamed(method);
+  if (fastest == 0 || (std::isinf(known.imaginary_limit) && std::isinf(known.real_limit))) {
+    out.step = kAny;
+    return out;
+  }
+  // from below: regions of stability may have islands beyond their first border
+  double h = 0;
+  for (const double share : {0.05, 1e-3, 1e-8}) {
+    h = std::min(share / fastest, duration);
+    if (!doubles(growthAlong(spectrum, method, h))) break;
+  }
+  for (; h <= duration && broken == 0; h *= kFiner) {
+    if (doubles(growthAlong(spectrum, method, h)))
+      broken = h;
+    else
+      held = h;
+  }
+  if (broken == 0) {
+    out.step = kAny;
+    return out;
+  }
+  for (int k = 0; k < 30; ++k) {
+    const double middle = (held + broken) / 2;
+    (doubles(growthAlong(spectrum, method, middle)) ? broken : held) = middle;
+  }
+  const Growth there = growthAlong(spectrum, method, broken);
+  out.step = held;
+  out.lambda = there.lambda;
+  out.time = there.time;
+  out.limit = stabilityLimit(method, there.lambda);
+  return out;
+}
+
+AccurateStep accurateStep(const scene::Scene& scene, const std::string& method, double duration,
+                          double accuracy, double largest) {
+  constexpr long kMostSteps = 1L << 21;
+  const int order = integratorNamed(method).order;
+  TreeMotion<double> motion(scene.mechanism);
+  AccurateStep out;
+  Vector before;
+  double change_before = kAny;
+  long steps = std::max(16L, static_cast<long>(std::ceil(duration / std::min(largest, duration))));
+  for (; steps <= kMostSteps; steps *= 2) {
+    Vector now;
+    motion.calls = 0;
+    try {
+      now = stateAfter(motion, scene, method, duration, steps);
+    } catch (const scene::InputError&) {
+      throw;
+    } catch (const std::runtime_error&) {  // too long a step for an implicit method
+      continue;
+    }
+    if (before.empty()) {
+      before = now;
+      continue;
+    }
+    // the difference of h and h/2 is error(h) (1 - 2^-order)
+    const double change = largestGap(now, before, now.size() - 1),
+                 fine = change / (std::pow(2, order) - 1);
+    const double seen = std::log2(change_before / change);
+    before = now;
+    change_before = change;
+    if (!std::isfinite(change) || !(std::abs(seen - order) < 0.5)) continue;
+    out.step = duration / static_cast<double>(steps) * std::pow(accuracy / fine, 1.0 / order);
+    out.step = std::min(out.step, largest);
+    out.calls =
+        static_cast<double>(motion.calls) / static_cast<double>(steps) * duration / out.step;
+    // the law is trusted over a decade or two; nearer than that it is asked again
+    if (fine <= 10 * accuracy || steps == kMostSteps) return out;
+  }
+  if (out.step == 0) out.why = fmt::format("its order is not seen with up to {} steps", kMostSteps);
+  return out;
+}
+
+double energyLost(const scene::Scene& scene, const std::string& method, double duration,
+                  double step) {
+  TreeMotion<double> motion(scene.mechanism);
+  Vector y = startOf<double>(scene);
+  const double E_0 = motion.energy(y);
+  const long steps = std::max(1L, std::lround(duration / step));
+  // the largest kinetic energy by steps that follow the motion
+  double kinetic = 0, worst = 0;
+  {
+    Vector at = y;
+    const auto rate = [&](const Vector& x, Vector& out, double t) { motion.rate(x, t, &out); };
+    auto stepper = odeint::make_controlled(1e-8, 1e-8, odeint::runge_kutta_dopri5<Vector>());
+    double time = 0, h = duration / 1000;
+    for (int k = 0; time < duration && k < 1000000; ++k) {
+      h = std::min(h, duration - time);
+      if (time + h == time) break;
+      stepper.try_step(rate, at, time, h);
+      kinetic = std::max(kinetic, motion.kinetic(at));
+    }
+  }
+  const auto stepper = stepsOf<double>(method, motion);
+  try {
+    for (long k = 0; k < steps; ++k) {
+      stepper->step(&y, static_cast<double>(k) * step, step);
+      const double error = std::abs(motion.energy(y) - E_0);
+      if (!std::isfinite(error)) return kAny;
+      worst = std::max(worst, error);
+    }
+  } catch (const scene::InputError&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    return kAny;
+  }
+  return kinetic > 0 ? worst / kinetic : worst;
+}
+
+std::string roundedDown(double h, int digits) {
+  if (!(h > 0) || std::isinf(h)) return fmt::format("{}", h);
+  const double unit = std::pow(10, std::floor(std::log10(h)) + 1 - digits);
+  return fmt::format("{:.{}g}", std::floor(h / unit) * unit, digits);
+}
+
+std::string adviceAfterFailure(const scene::Scene& scene, const std::string& method,
+                               double duration, double step, double when) {
+  const std::string what =
+      when < 0
+          ? "the motion left the numbers"
+          : fmt::format("energy error reached the largest kinetic energy at t = {:.3g} s", when);
+  SpectrumAlong spectrum;
+  try {
+    spectrum = spectrumAlong(scene, duration);
+  } catch (const scene::InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    return fmt::format("{}: {}", what, error.what());
+  }
+  const StableStep stable = largestStableStep(spectrum, method);
+  if (step <= stable.step)
+    return fmt::format(
+        "{}: {} with h = {:.3g} s is too coarse here, not unstable{}: allowed: shorter steps", what,
+        method, step,
+        std::isinf(stable.step)
+            ? std::string()
+            : fmt::format(" (linear stability would allow {} s)", roundedDown(stable.step, 3)));
+  const Growth there = growthAlong(spectrum, method, step);
+  return fmt::format(
+      "{}: {} with h = {:.3g} s is unstable here (h |lambda| = {:.3g} at t = {:.3g} s, limit "
+      "{:.3g}): h <= {} s, or implicit_midpoint",
+      what, method, step, step * std::abs(there.lambda), there.time,
+      stabilityLimit(method, there.lambda), roundedDown(stable.step, 2));
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which step a motion bears: from its spectrum, and from two runs.
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "scene/scene.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// Eigenvalues of df/dy along a motion.
+struct SpectrumAlong {
+  struct Moment {
+    double time, duration;                      ///< [s]: and until the next
+    std::vector<std::complex<double>> fastest;  ///< [1/s], Im >= 0; none that is 0
+  };
+  std::vector<Moment> moments;
+};
+/** At equal times along the motion from the scene's start, which steps that adapt follow.
+    @throws std::runtime_error  df/dy is not finite there, or the steps grow too short to arrive */
+SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration);
+
+/** The largest step at which a method's energy does not double along this motion.
+
+    In a step of length h the part along an eigenvalue lambda grows by |R(h lambda)|, energy by its
+    square, so
+
+        sum over moments  (duration / h) max over lambda  2 log |R(h lambda)|  <=  log 2.
+
+    Where the motion itself grows (Re lambda > 0) its own growth is no instability of the step: such
+    lambda count with their imaginary part alone. */
+struct StableStep {
+  double step = 0;              ///< [s]; infinity: any up to the duration
+  std::complex<double> lambda;  ///< that grows most there [1/s]
+  double time = 0;              ///< when [s]
+  double limit = 0;             ///< h |lambda| of that direction at which one step grows
+};
+StableStep largestStableStep(const SpectrumAlong& spectrum, const std::string& method);
+
+/// h |lambda| in the direction of lambda up to which a step does not grow; infinity: any.
+double stabilityLimit(const std::string& method, std::complex<double> lambda);
+
+/** The step at which the error of the end [rad, m, rad/s, m/s] is `accuracy`, and its price: steps
+    halved from the largest stable one until the differences of two ends fall with the method's
+    order; then  error(h) = error(h_0) (h / h_0)^order. */
+struct AccurateStep {
+  double step = 0;   ///< [s]; 0: not found
+  double calls = 0;  ///< of the equations, at that step
+  std::string why;   ///< no step was found
+};
+AccurateStep accurateStep(const scene::Scene& scene, const std::string& method, double duration,
+                          double accuracy, double largest);
+
+/// Largest |E - E_0| of a run over the largest kinetic energy of a motion; infinity: it left the
+/// numbers, or an implicit step had no solution.
+double energyLost(const scene::Scene& scene, const std::string& method, double duration,
+                  double step);
+
+/// A step as text of some digits, not above it: what is stable is not rounded to what is not.
+std::string roundedDown(double h, int digits);
+
+/** What is to be said of a run that lost its motion's energy. "energy error reached the largest
+    kinetic energy at t = 3.1 s: runge_kutta4 with h = 0.05 s is unstable here (h |lambda| = 3.4 at
+    t = 0.2 s, limit 2.78): h <= 0.04 s, or implicit_midpoint"
+    @param when  it did [s]; negative: it left the numbers, nobody knows when */
+std::string adviceAfterFailure(const scene::Scene& scene, const std::string& method,
+                               double duration, double step, double when);
+
+}  // namespace dynwitness::crosscheck

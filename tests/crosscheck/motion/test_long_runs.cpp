@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Long runs: what is symplectic keeps its energy within bounds and the rest does not; a floating
+// mechanism keeps its momentum. DYNWITNESS_LONG=1 in the environment: 10^6 swings in place of 10^4.
+#include <cmath>
+#include <cstdlib>
+#include <ostream>
+
+#include <boost/test/data/monomorphic.hpp>
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+
+#include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/motion/tree_motion.hpp"
+#include "tests/fixtures/integrators.hpp"
+
+namespace data = boost::unit_test::data;
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+
+namespace {
+
+/// Largest |E - E_0| over the largest kinetic energy in the first and in the last tenth of a run.
+struct Bounds {
+  double first = 0, last = 0;
+};
+Bounds swung(const char* method, double swings) {
+  const scene::Scene scene = scene::findScene("simple_pendulum");
+  constexpr double kPeriod = 2.7546;  // [s]: from 120 degrees, 4 K(sin 60) / sqrt(9.81)
+  constexpr int kStepsOfSwing = 40;
+  TreeMotion<double> motion(scene.mechanism);
+  std::vector<double> y = startOf<double>(scene);
+  const double E_0 = motion.energy(y), kinetic = 1.5 * 9.81, h = kPeriod / kStepsOfSwing;
+  const auto stepper = stepsOf<double>(method, motion);
+  const auto steps = static_cast<long>(swings * kStepsOfSwing);
+  Bounds out;
+  for (long k = 0; k < steps; ++k) {
+    stepper->step(&y, 0, h);
+    double* part = k < steps / 10 ? &out.first : k >= steps - steps / 10 ? &out.last : nullptr;
+    if (part != nullptr) *part = std::max(*part, std::abs(motion.energy(y) - E_0) / kinetic);
+  }
+  return out;
+}
+
+}  // namespace
+
+BOOST_DATA_TEST_CASE(energy_of_a_pendulum_stays_within_bounds, data::make(integrators()), method) {
+  if (method.symplectic == Symplectic::kNo && std::string(method.name) != "runge_kutta4") return;
+  const bool is_long = std::getenv("DYNWITNESS_LONG") != nullptr;
+  const Bounds bounds = swung(method.name, is_long ? 1e6 : 1e4);
+  BOOST_TEST_MESSAGE(method.name << ": first tenth " << bounds.first << ", last " << bounds.last);
+  if (method.symplectic == Symplectic::kNo) {
+    BOOST_TEST(bounds.last > 2 * bounds.first);  // the control: it runs away
+    return;
+  }
+  // the same phases are met again and again; rounding may walk below the step's own error
+  BOOST_TEST(bounds.last <= 1.05 * bounds.first, bounds.first << ", " << bounds.last);
+}
+
+BOOST_AUTO_TEST_CASE(momentum_of_a_floating_humanoid_is_kept_to_rounding) {
+  scene::Scene scene = scene::findScene("humanoid_floating");
+  scene.mechanism.has_gravity = false;
+  TreeMotion<double> motion(scene.mechanism);
+  std::vector<double> y = startOf<double>(scene);
+  for (int i = 0; i < motion.dof(); ++i) y[motion.positions() + i] += 0.3 * std::sin(1.0 + i);
+  const auto before = motion.totalMomentum(y);
+  double size = 0;
+  for (const double p : before) size = std::max(size, std::abs(p));
+  constexpr int kSteps = 1000;
+  const auto stepper = stepsOf<double>("runge_kutta_fehlberg78", motion);
+  double worst = 0;
+  for (int k = 0; k < kSteps; ++k) {
+    stepper->step(&y, 0, 0.002);
+    const auto now = motion.totalMomentum(y);
+    for (std::size_t i = 0; i < now.size(); ++i)
+      worst = std::max(worst, std::abs(now[i] - before[i]) / size);
+  }
+  BOOST_TEST_MESSAGE("momentum moved by " << worst << " of its largest part");
+  // every step rounds the state anew
+  BOOST_TEST(worst <= kSteps * 2.3e-16 * motion.dof());
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Work against precision: what fails says so, and whole turns of a pendulum are kept.
+#include "crosscheck/motion/work_precision.hpp"
+
+#include <cmath>
+
+#include <boost/test/unit_test.hpp>
+
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+
+namespace {
+
+/// Two masses that know nothing of each other, 1000 and 1 rad/s.
+scene::Scene uncoupled() {
+  std::string text =
+      "title = \"Masses on springs\"\nsource = \"chosen here\"\n[[link]]\nname = \"base\"\n";
+  for (const std::string stiffness : {"1000000", "1"})
+    text += "[[link]]\nname = \"m" + stiffness +
+            "\"\nparent = \"base\"\nmass = 1\n[link.joint]\nname = \"j" + stiffness +
+            "\"\nkind = \"prismatic\"\naxis = [1, 0, 0]\nstiffness = " + stiffness + "\n";
+  return scene::readSceneToml(text + "[start]\nq = [1, 1]\nqd = [0, 0]\n", "springs.toml");
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_run_whose_first_entry_alone_is_lost_is_not_reached) {
+  WorkOptions options;
+  options.duration = 3;
+  options.methods = {"runge_kutta4", "runge_kutta4"};
+  const WorkPrecision work = measureWork(uncoupled(), options);
+  BOOST_TEST_REQUIRE(work.lines.size() == 1u);
+  bool fails = false, arrives = false;
+  for (const WorkPoint& point : work.lines[0].points) {
+    BOOST_TEST_CONTEXT("h = " << point.step << " s: " << point.failure) {
+      (point.failure.empty() ? arrives : fails) = true;
+      BOOST_TEST(std::isfinite(point.energy_error) == point.failure.empty());
+      BOOST_TEST((point.failure.empty() ? point.error < HUGE_VAL : point.error != 0));
+      BOOST_TEST(point.calls > 0);
+    }
+  }
+  BOOST_TEST(fails);
+  BOOST_TEST(arrives);
+  // two quarters of a period in which kinetic energy is all that the stiff spring had
+  BOOST_TEST(std::abs(work.reference.most_kinetic / (0.5e6 + 0.5) - 1) < 1e-2);
+}
+
+BOOST_AUTO_TEST_CASE(an_elliptic_pendulum_keeps_its_whole_turns) {
+  scene::Scene scene = scene::findScene("simple_pendulum");
+  for (const int start : {-10, -4, -2, 2, 4, 10}) {
+    scene.start_q[0] = scene::Number(start);
+    scene.start_qd[0] = scene::Number(0);
+    const ReferenceMotion reference = referenceMotion(scene, 2);
+    BOOST_TEST_CONTEXT("from " << start << " rad") {
+      BOOST_TEST_REQUIRE(reference.elliptic_error.has_value());
+      BOOST_TEST(*reference.elliptic_error < 1e-13);
+    }
+  }
+}
