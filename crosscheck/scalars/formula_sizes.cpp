@@ -13,8 +13,9 @@ namespace {
 
 /// At least log2 |n|, n not zero.
 double bitsOf(const scene::Integer& n) {
-  const auto bits = static_cast<double>(msb(abs(n)));
-  return abs(n) == scene::Integer(1) << msb(abs(n)) ? bits : bits + 1;
+  const scene::Integer size = abs(n);
+  const auto bits = static_cast<double>(msb(size));
+  return lsb(size) == msb(size) ? bits : bits + 1;  // a power of two, or more
 }
 
 }  // namespace
