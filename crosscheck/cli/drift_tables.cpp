@@ -38,15 +38,19 @@ int adviseSteps(const scene::Scene& scene, std::vector<std::string> methods, dou
     const SpectrumAlong spectrum = spectrumAlong(scene, duration);
     for (const std::string& method : methods) {
       progress.stage(method);
-      const StableStep stable = largestStableStep(spectrum, method);
+      const StableStep stable = largestStableStep(scene, spectrum, method);
       const AccurateStep accurate =
           accurateStep(scene, method, duration, accuracy, std::min(stable.step, duration));
       const bool any = std::isinf(stable.step);
       table += fmt::format(
           "{:<25} {:>12} {:>22} {:>9} {:>12} {:>10}\n", method,
           any ? "any" : roundedDown(stable.step, 3),
-          any ? "" : fmt::format("{:.3g}{:+.3g}i", stable.lambda.real(), stable.lambda.imag()),
-          any ? "" : fmt::format("{:.3g}", stable.step * std::abs(stable.lambda)),
+          any ? ""
+          : stable.by_spectrum
+              ? fmt::format("{:.3g}{:+.3g}i", stable.lambda.real(), stable.lambda.imag())
+              : "steps gain energy",
+          any || !stable.by_spectrum ? ""
+                                     : fmt::format("{:.3g}", stable.step * std::abs(stable.lambda)),
           accurate.step > 0 ? roundedDown(accurate.step, 3) : "not seen",
           accurate.step > 0 ? fmt::format("{:.3g}", accurate.calls) : "");
       if (!accurate.why.empty()) troubles += fmt::format("# {}: {}\n", method, accurate.why);
@@ -59,7 +63,7 @@ int adviseSteps(const scene::Scene& scene, std::vector<std::string> methods, dou
   }
   fmt::print(
       "# {}: {} s from the start; largest step at which energy does not double, by the spectrum "
-      "along the motion; step for an error of {:.3g} at the end [rad, m, rad/s, m/s]\n{}{}",
+      "and single steps along the motion; step for an error of {:.3g} at the end [rad, m, rad/s, m/s]\n{}{}",
       scene.name, duration, accuracy, table, troubles);
   if (cheapest.empty())
     fmt::print("cheapest     none: no method shows its order, allowed: a shorter --duration\n");
@@ -108,6 +112,10 @@ int judgeMotions(const scene::Scene& scene, const std::vector<std::string>& engi
   if (options.steps.size() > 1)
     throw scene::InputError({},
                             fmt::format("{} steps, allowed: one (--step)", options.steps.size()));
+  if (engines.empty() && !options.steps.empty())
+    throw scene::InputError({},
+                            "--step with --motion, whose steps are the file's, allowed: one of "
+                            "them, or --engine-steps as well");
   constexpr double kStep = 0.001;  // [s]: what these engines' examples take
   const double step = options.steps.empty() ? kStep : options.steps.front();
   constexpr double kMostSteps = 1e8;

@@ -62,11 +62,12 @@ std::string wordsOf(const EnclosedMode& mode) {
 }
 
 /// The joints that move in it, of positions alone; the largest 1.
-std::string shapeOf(const EnclosedMode& mode, const std::vector<std::string>& names) {
+std::string shapeOf(const EnclosedMode& mode, const Eigen::MatrixXd& along,
+                    const std::vector<std::string>& names) {
   constexpr double kLeast = 0.005;  // of the largest
   const auto n = static_cast<Eigen::Index>(names.size());
   if (mode.right.size() == 0) return "";
-  const Eigen::VectorXcd q = mode.right.head(n);
+  const Eigen::VectorXcd q = along * mode.right.head(along.cols());
   Eigen::Index largest = 0;
   const double most = q.cwiseAbs().maxCoeff(&largest);
   if (!(most > 0)) return "";
@@ -106,11 +107,47 @@ void printModes(const Linearization& at, const std::vector<std::string>& names) 
                                               : "+ ",
                                      std::abs(im)),
                boundText(std::max(mode.radius_re, mode.radius_im)), wordsOf(mode));
-    if (const std::string shape = shapeOf(mode, names); !shape.empty())
+    if (const std::string shape = shapeOf(mode, at.along, names); !shape.empty())
       fmt::print("                 moves {}\n", shape);
     if (mode.reached.size() > 0 && !(mode.reached.maxCoeff() > 0))
       fmt::print("                 not seen to be reached by the actuated joints\n");
   }
+}
+
+std::vector<std::string> chosen(const std::vector<std::string>& names, const std::vector<int>& of) {
+  std::vector<std::string> out;
+  for (const int i : of) out.push_back(names[static_cast<std::size_t>(i)]);
+  return out;
+}
+
+/// What may be 0 is written so.
+std::vector<double> zeroWithin(const Bounded& v) {
+  std::vector<double> out;
+  for (Eigen::Index i = 0; i < v.value.size(); ++i)
+    out.push_back(std::abs(v.value(i)) <= v.bound(i) ? 0 : v.value(i));
+  return out;
+}
+
+/// Whether (dq, dqd) of A are those of all rates.
+bool isOfAllRates(const Linearization& at, int n) {
+  return static_cast<int>(at.positions.size()) == n && static_cast<int>(at.rates.size()) == n;
+}
+
+void printMatrices(const Linearization& at, const std::vector<std::string>& names) {
+  const int n = static_cast<int>(names.size()), r = static_cast<int>(at.rates.size()),
+            p = static_cast<int>(at.positions.size());
+  if (!isOfAllRates(at, n))
+    fmt::print("independent  dq of {}; dqd of {}: the others' follow\n",
+               fmt::join(chosen(names, at.positions), ", "),
+               fmt::join(chosen(names, at.rates), ", "));
+  if (p > kMostShown || r > kMostShown) return;
+  if (at.positions == at.rates) {
+    print("dqdd/dq", "", at.A.value.bottomLeftCorner(r, p));
+    print("dqdd/dqd", "", at.A.value.bottomRightCorner(r, r));
+  } else {
+    print("A", "", at.A.value);
+  }
+  print("dqdd/dtau", "", at.B.value.bottomRows(r));
 }
 
 using cli::toJson;
@@ -137,33 +174,26 @@ int run(Arguments arguments) {
     requireFinite(what, m->bound);
   }
   progress->stage("exact checks");
-  const std::vector<CheckResult> checks = checkLinearizationExactly(scene, {});
+  std::vector<CheckResult> checks = checkLinearizationExactly(scene, {});
+  if (at.by_lagrange) checks.push_back(*at.by_lagrange);
   progress.reset();
 
   const std::vector<std::string> names = scene.mechanism.rateLabels();
-  const int n = scene.mechanism.dof();
   fmt::print(
       "{}: d/dt (dq, dqd) = A (dq, dqd) + B dtau{}\n", scene.name,
       at.newton_steps > 0 ? fmt::format(", equilibrium found in {} steps", at.newton_steps) : "");
   fmt::print("q            {:.10g}\n", fmt::join(at.q, ", "));
   const bool moves = std::any_of(at.qd.begin(), at.qd.end(), [](double v) { return v != 0; });
   if (moves) fmt::print("qd           {:.10g}\n", fmt::join(at.qd, ", "));
-  std::vector<double> tau;  // what may be 0 is written so
-  for (Eigen::Index i = 0; i < n; ++i)
-    tau.push_back(std::abs(at.tau.value(i)) <= at.tau.bound(i) ? 0 : at.tau.value(i));
+  const std::vector<double> tau = zeroWithin(at.tau);
   fmt::print("tau          {:.10g}\n", fmt::join(tau, ", "));
   if (!at.rests)
     fmt::print("qdd          {:.10g}   it does not stay there: A and its modes are of the moment\n",
-               fmt::join(at.qdd.value.data(), at.qdd.value.data() + at.qdd.value.size(), ", "));
-  if (n <= kMostShown) {
-    print("dqdd/dq", "", at.A.value.bottomLeftCorner(n, n));
-    print("dqdd/dqd", "", at.A.value.bottomRightCorner(n, n));
-    print("dqdd/dtau", "", at.B.value.bottomRows(n));
-  }
+               fmt::join(zeroWithin(at.qdd), ", "));
+  printMatrices(at, names);
   printModes(at, names);
   fmt::print("stability    {}\n", name(at.stability));
-  std::vector<std::string> actuated;
-  for (const int rate : at.actuated) actuated.push_back(names[static_cast<std::size_t>(rate)]);
+  const std::vector<std::string> actuated = chosen(names, at.actuated);
   const int size = static_cast<int>(at.A.value.rows());
   fmt::print("control      forces of {} reach {} of {} dimensions{}\n", fmt::join(actuated, ", "),
              at.reached, size,
@@ -176,6 +206,8 @@ int run(Arguments arguments) {
               {"qdd", toJson(at.qdd)},
               {"A", toJson(at.A)},
               {"B", toJson(at.B)},
+              {"independent_positions", chosen(names, at.positions)},
+              {"independent_rates", chosen(names, at.rates)},
               {"actuated", actuated},
               {"reached_dimension", at.reached},
               {"rests", at.rests},
@@ -211,7 +243,7 @@ int run(Arguments arguments) {
 Run addLinearize(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   LinearizationOptions& options = arguments->options;
-  command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
+  command->add_option("scene", arguments->scene, "Scene")->required();
   arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
   arguments->qd.emplace(command, StateOption::Part::kQd, "at rest", "--rates");
   command->add_flag("--equilibrium", options.seeks_equilibrium,
@@ -226,6 +258,9 @@ Run addLinearize(CLI::App* command) {
       "Examples:\n"
       "  dynwitness linearize acrobot --q pi,0 --actuated elbow\n"
       "  dynwitness linearize double_pendulum --equilibrium --q 0.3,-0.2\n"
+      "  dynwitness linearize bead_on_hoop --equilibrium --q 0,1\n"
+      "Under closures and drives A is about as many coordinates as are left; driven joints are where\n"
+      "their motions put them at t = 0, and q and qd are moved onto the closures.\n"
       "Entries and eigenvalues are enclosed in balls; the derivatives' laws are checked over a "
       "prime field\n"
       "for every state. Exit status 1: one fails.");

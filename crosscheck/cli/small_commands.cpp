@@ -187,7 +187,8 @@ Run addDrift(CLI::App* command) {
   CLI::Option* advise = command->add_option(
       "--advise", arguments->accuracy,
       "No runs, but which step: the largest stable one of each method (without --method, of all) "
-      "from the spectrum along the motion, and the one for this error of the end [rad, m, 1/s]");
+      "by spectrum and single steps along the motion, and the one for this error of the end "
+      "[rad, m, 1/s]");
   advise->check(positive());
   CLI::Option* engines = command->add_option(
       "--engine-steps", arguments->engines,

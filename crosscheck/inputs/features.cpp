@@ -113,7 +113,6 @@ struct Rules {
         {Command::kGeometry, followers, own_rates},
         {Command::kAction, followers, own_rates},
         {Command::kImpedance, followers, own_rates},
-        {Command::kLinearize, followers, own_rates},
         {Command::kSweep, followers, own_rates},
         {Command::kImpulse,
          followers,
@@ -277,15 +276,6 @@ struct Rules {
          prescribed,
          {Kind::kRefused, "the point does not move as its free joints say, allowed: free joints"}},
 
-        {Command::kLinearize,
-         closures + point_springs,
-         {Kind::kRefused,
-          "what is near a state of a closed mechanism has fewer coordinates, allowed: a tree of "
-          "links"}},
-        {Command::kLinearize,
-         prescribed,
-         {Kind::kRefused,
-          "prescribed motion is no state that may be another, allowed: free joints"}},
         {Command::kSweep, closures + point_springs + prescribed, of_the_tree},
         {Command::kLinearize,
          {Feature::kCoulombFriction},

@@ -67,6 +67,7 @@ class ClosedMotion {
 
   /// phi, J and gamma at this state.
   void equations(const State& y, double time);
+  const recursive::MatrixX<double>& jacobian() const { return constraints_.J; }
   double phi() const { return largest(constraints_.phi); }
   double phiRateSize() const { return largest(phiRate()); }
   int rank() const { return static_cast<int>(solver_.rank()); }

@@ -75,8 +75,27 @@ Growth growthAlong(const SpectrumAlong& spectrum, const std::string& method, dou
   return out;
 }
 
-bool doubles(const Growth& growth) {
-  return !(2 * growth.all <= std::log(2.0));
+bool growsAlong(const SpectrumAlong& spectrum, const std::string& method, double h) {
+  return !(2 * growthAlong(spectrum, method, h).all <= std::log(2.0));
+}
+
+/// (2): what single steps from states of the motion add to its energy.
+bool gainsAlong(TreeMotion<double>& motion, const SpectrumAlong& spectrum,
+                const std::string& method, double h, double most) {
+  const auto stepper = stepsOf<double>(method, motion);
+  double gained = 0;
+  for (const SpectrumAlong::Moment& moment : spectrum.moments) {
+    Vector y = moment.y;
+    stepper->forget();
+    try {
+      stepper->step(&y, moment.time, h);
+    } catch (const std::runtime_error&) {  // no solution: too long a step
+      return true;
+    }
+    gained += (motion.energy(y) - motion.energy(moment.y)) * moment.duration / h;
+    if (!(gained <= most * spectrum.most_kinetic)) return true;
+  }
+  return false;
 }
 
 Vector stateAfter(TreeMotion<double>& motion, const scene::Scene& scene, const std::string& method,
@@ -100,11 +119,12 @@ SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration) {
   auto stepper =
       odeint::make_controlled(kStepError, kStepError, odeint::runge_kutta_dopri5<Vector>());
   SpectrumAlong out;
+  out.most_kinetic = motion.kinetic(y);
   double time = 0, step = duration / kMoments / 10;
   int steps = 0;
   for (int k = 0; k < kMoments; ++k) {
     const double here = duration * k / kMoments, next = duration * (k + 1) / kMoments;
-    out.moments.push_back({here, next - here, eigenvaluesAt(motion, y, here)});
+    out.moments.push_back({here, next - here, y, eigenvaluesAt(motion, y, here)});
     while (time < next) {
       if (++steps > kMostSteps)
         throw std::runtime_error(
@@ -115,6 +135,7 @@ SpectrumAlong spectrumAlong(const scene::Scene& scene, double duration) {
       const bool cut = h < step;
       const bool taken = stepper.try_step(rate, y, time, h) == odeint::success;
       if (!cut || !taken) step = h;
+      if (taken) keepWorse(&out.most_kinetic, motion.kinetic(y));
       if (next - time <= next * std::numeric_limits<double>::epsilon()) time = next;
     }
   }
@@ -142,11 +163,10 @@ double stabilityLimit(const std::string& method, Complex lambda) {
   return kAny;
 }
 
-StableStep largestStableStep(const SpectrumAlong& spectrum, const std::string& method) {
+StableStep largestStableStep(const scene::Scene& scene, const SpectrumAlong& spectrum,
+                             const std::string& method) {
   const double duration = spectrum.moments.back().time + spectrum.moments.back().duration;
   StableStep out;
-  double held = 0, broken = 0;
-  constexpr double kFiner = 1.1;
   double fastest = 0;
   for (const auto& moment : spectrum.moments)
     for (const Complex& lambda : moment.fastest) fastest = std::max(fastest, std::abs(lambda));
@@ -155,28 +175,33 @@ StableStep largestStableStep(const SpectrumAlong& spectrum, const std::string& m
     out.step = kAny;
     return out;
   }
+  TreeMotion<double> motion(scene.mechanism);
+  const bool has_region = known.imaginary_limit > 0 || known.remembers;
+  const auto grows = [&](double h) { return has_region && growsAlong(spectrum, method, h); };
+  const bool sums = !known.remembers && known.symplectic != Symplectic::kYes;
+  const auto doubles = [&](double h) {
+    return grows(h) ||
+           (sums && gainsAlong(motion, spectrum, method, h, has_region ? 1 : std::log(2.0)));
+  };
   // from below: regions of stability may have islands beyond their first border
-  double h = 0;
+  constexpr double kFiner = 1.1;
+  double held = 0, broken = 0, h = 0;
   for (const double share : {0.05, 1e-3, 1e-8}) {
     h = std::min(share / fastest, duration);
-    if (!doubles(growthAlong(spectrum, method, h))) break;
+    if (!doubles(h)) break;
   }
-  for (; h <= duration && broken == 0; h *= kFiner) {
-    if (doubles(growthAlong(spectrum, method, h)))
-      broken = h;
-    else
-      held = h;
-  }
+  for (; h <= duration && broken == 0; h *= kFiner) (doubles(h) ? broken : held) = h;
   if (broken == 0) {
     out.step = kAny;
     return out;
   }
   for (int k = 0; k < 30; ++k) {
     const double middle = (held + broken) / 2;
-    (doubles(growthAlong(spectrum, method, middle)) ? broken : held) = middle;
+    (doubles(middle) ? broken : held) = middle;
   }
   const Growth there = growthAlong(spectrum, method, broken);
   out.step = held;
+  out.by_spectrum = grows(broken);
   out.lambda = there.lambda;
   out.time = there.time;
   out.limit = stabilityLimit(method, there.lambda);
@@ -224,40 +249,27 @@ AccurateStep accurateStep(const scene::Scene& scene, const std::string& method, 
   return out;
 }
 
-double energyLost(const scene::Scene& scene, const std::string& method, double duration,
-                  double step) {
+double energyGained(const scene::Scene& scene, const std::string& method, double duration,
+                    double step, double most_kinetic) {
   TreeMotion<double> motion(scene.mechanism);
   Vector y = startOf<double>(scene);
   const double E_0 = motion.energy(y);
   const long steps = std::max(1L, std::lround(duration / step));
-  // the largest kinetic energy by steps that follow the motion
-  double kinetic = 0, worst = 0;
-  {
-    Vector at = y;
-    const auto rate = [&](const Vector& x, Vector& out, double t) { motion.rate(x, t, &out); };
-    auto stepper = odeint::make_controlled(1e-8, 1e-8, odeint::runge_kutta_dopri5<Vector>());
-    double time = 0, h = duration / 1000;
-    for (int k = 0; time < duration && k < 1000000; ++k) {
-      h = std::min(h, duration - time);
-      if (time + h == time) break;
-      stepper.try_step(rate, at, time, h);
-      kinetic = std::max(kinetic, motion.kinetic(at));
-    }
-  }
   const auto stepper = stepsOf<double>(method, motion);
+  double most = 0;
   try {
     for (long k = 0; k < steps; ++k) {
       stepper->step(&y, static_cast<double>(k) * step, step);
-      const double error = std::abs(motion.energy(y) - E_0);
-      if (!std::isfinite(error)) return kAny;
-      worst = std::max(worst, error);
+      const double gained = motion.energy(y) - E_0;
+      if (!std::isfinite(gained)) return kAny;
+      most = std::max(most, gained);
     }
   } catch (const scene::InputError&) {
     throw;
   } catch (const std::runtime_error&) {
     return kAny;
   }
-  return kinetic > 0 ? worst / kinetic : worst;
+  return most_kinetic > 0 ? most / most_kinetic : most;
 }
 
 std::string roundedDown(double h, int digits) {
@@ -280,14 +292,19 @@ std::string adviceAfterFailure(const scene::Scene& scene, const std::string& met
   } catch (const std::runtime_error& error) {
     return fmt::format("{}: {}", what, error.what());
   }
-  const StableStep stable = largestStableStep(spectrum, method);
+  const StableStep stable = largestStableStep(scene, spectrum, method);
   if (step <= stable.step)
     return fmt::format(
         "{}: {} with h = {:.3g} s is too coarse here, not unstable{}: allowed: shorter steps", what,
         method, step,
         std::isinf(stable.step)
             ? std::string()
-            : fmt::format(" (linear stability would allow {} s)", roundedDown(stable.step, 3)));
+            : fmt::format(" (stability would allow {} s)", roundedDown(stable.step, 3)));
+  if (!stable.by_spectrum)
+    return fmt::format(
+        "{}: {} with h = {:.3g} s is unstable here (single steps along the motion add to its "
+        "energy): h <= {} s, or implicit_midpoint",
+        what, method, step, roundedDown(stable.step, 2));
   const Growth there = growthAlong(spectrum, method, step);
   return fmt::format(
       "{}: {} with h = {:.3g} s is unstable here (h |lambda| = {:.3g} at t = {:.3g} s, limit "

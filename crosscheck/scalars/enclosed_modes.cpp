@@ -155,21 +155,34 @@ class Decomposition {
       if (!acb_is_finite(values[k]))
         failure = "some are too near to each other, or entries known too loosely";
     if (failure.empty()) return;
-    for (Eigen::Index k = 0; k < n; ++k)
-      if (acb_is_finite(near_values_[k]))
-        acb_set(values[k], near_values_[k]);
-      else
-        acb_zero(values[k]);  // what is no number has no place in an order
+    for (Eigen::Index k = 0; k < n; ++k) encloseAlone(a, near_right, k);
   }
+  bool isEnclosed(Eigen::Index k) const { return failure.empty() || is_alone_[k] != 0; }
 
   const Eigen::Index n;
   ComplexVector values;
   ComplexMatrix left, right;  ///< by row, by column; where they are simple
   bool are_simple = false;
-  std::string failure;  ///< values are approximations
+  std::string failure;  ///< values are approximations, but for those that isEnclosed()
 
  private:
+  /// What cannot be enclosed with all may be by itself (Rump), however near others are.
+  void encloseAlone(ComplexMatrix& a, ComplexMatrix& near_right, Eigen::Index k) {
+    if (!acb_is_finite(near_values_[k])) {
+      acb_zero(values[k]);  // what is no number has no place in an order
+      return;
+    }
+    ComplexMatrix near_vector(n, 1), vector(n, 1);
+    for (Eigen::Index i = 0; i < n; ++i) acb_set(near_vector(i, 0), near_right(i, k));
+    acb_mat_eig_enclosure_rump(values[k], nullptr, vector.get(), a.get(), near_values_[k],
+                               near_vector.get(), kBits);
+    is_alone_[k] = acb_is_finite(values[k]) != 0;
+    if (!is_alone_[k]) acb_set(values[k], near_values_[k]);
+  }
+
   ComplexVector near_values_;
+  Eigen::Matrix<char, Eigen::Dynamic, 1> is_alone_ =
+      Eigen::Matrix<char, Eigen::Dynamic, 1>::Zero(n);
 };
 
 /// The conjugate of an eigenvalue is one too: where the conjugate of an enclosure meets no other
@@ -184,8 +197,9 @@ void makeReal(ComplexVector& values, Eigen::Index k, Eigen::Index n) {
 }
 
 /// Puts a mode of A in.
-void add(EnclosedModes& out, const acb_t value, Eigen::VectorXcd right, Eigen::VectorXd reached) {
-  EnclosedMode mode = modeOf(value, out.failure.empty());
+void add(EnclosedModes& out, const acb_t value, bool is_enclosed, Eigen::VectorXcd right,
+         Eigen::VectorXd reached) {
+  EnclosedMode mode = modeOf(value, is_enclosed);
   if (out.are_simple) {
     mode.is_real = arb_is_zero(acb_imagref(value)) != 0;
     mode.right = std::move(right);
@@ -243,7 +257,8 @@ EnclosedModes wholeModes(const Bounded& A, const Bounded& B) {
   set(b, B);
   for (Eigen::Index k = 0; k < d.n; ++k) {
     if (d.are_simple) makeReal(d.values, k, d.n);
-    add(out, d.values[k], shapeOf(d.right, k, d.n), reachOf(d, k, b, B.value.cols()));
+    add(out, d.values[k], d.isEnclosed(k), shapeOf(d.right, k, d.n),
+        reachOf(d, k, b, B.value.cols()));
   }
   sort(out);
   return out;
@@ -288,7 +303,7 @@ EnclosedModes wholeOscillations(const Bounded& K, const Bounded& B) {
       whole << v, lambda * v;
       Eigen::Index largest = 0;
       whole.cwiseAbs().maxCoeff(&largest);
-      add(out, root.get(), whole / whole(largest), reached);
+      add(out, root.get(), d.isEnclosed(k), whole / whole(largest), reached);
       acb_neg(root.get(), root.get());
     }
   }

@@ -33,7 +33,8 @@ struct EnclosedModes {
     then certified as a whole (Arb's acb_mat_eig_simple), and where eigenvalues are
     multiple, or too near to each other for what the entries leave open, Rump's enclosures of
     clusters (acb_mat_eig_multiple), of each block by itself that zeros of A leave: coordinates that
-    drive each other in a circle.
+    drive each other in a circle. Where a cluster defies that, each eigenvalue by itself (Rump again),
+    and those of the cluster are approximations.
     @param B  rows as A, any number of columns
     @see J. van der Hoeven, B. Mourrain, Efficient certification of numeric solutions to
          eigenproblems (2017); S. M. Rump, Computational error bounds for multiple or nearly multiple eigenvalues, Linear

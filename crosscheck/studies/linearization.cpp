@@ -4,13 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <Eigen/QR>
 
 #include "crosscheck/inputs/features.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/scalars/ball.hpp"
+#include "crosscheck/studies/bounded_balls.hpp"
+#include "crosscheck/studies/constrained_linearization.hpp"
 #include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/linearization_model.hpp"
 
@@ -21,19 +25,10 @@ using Balls = recursive::MatrixX<Ball>;
 
 constexpr long kMostBits = 4096;
 
-Bounded rounded(const Balls& m) {
-  Bounded out{Eigen::MatrixXd(m.rows(), m.cols()), Eigen::MatrixXd(m.rows(), m.cols())};
-  for (Eigen::Index i = 0; i < m.rows(); ++i)
-    for (Eigen::Index j = 0; j < m.cols(); ++j) {
-      out.value(i, j) = m(i, j).mid();
-      out.bound(i, j) = (m(i, j) - Ball(out.value(i, j))).atMost();
-    }
-  return out;
-}
 Bounded rounded(const std::vector<Ball>& v) {
   Balls column(static_cast<Eigen::Index>(v.size()), 1);
   for (std::size_t i = 0; i < v.size(); ++i) column(static_cast<Eigen::Index>(i), 0) = v[i];
-  return rounded(column);
+  return boundedBalls(column);
 }
 
 scene::State<Ball> stateAt(const scene::Mechanism& mechanism, const std::vector<double>& q,
@@ -100,7 +95,7 @@ class Equilibrium {
     const scene::State<Ball> state =
         stateAt(scene_.mechanism, q, std::vector<double>(balls_.n(), 0.0));
     g_ = rounded(balls_.inverse(state)).value;
-    K_ = rounded(balls_.ofInverse(state, MovedPart::kPosition)).value;
+    K_ = boundedBalls(balls_.ofInverse(state, MovedPart::kPosition)).value;
   }
   Eigen::VectorXd left(const std::vector<double>& q) const {
     double largest = 1;
@@ -117,25 +112,6 @@ class Equilibrium {
   int steps_ = 0;
 };
 
-/// Where rates are no derivatives of coordinates, dq turns with the body as it moves.
-void requireSmooth(const scene::Scene& scene, const std::vector<double>& qd) {
-  int rate = 0;
-  for (const scene::Link& link : scene.mechanism.links) {
-    const scene::Joint& joint = link.joint;
-    const int first = rate;
-    rate += joint.ownRates();
-    const auto isMoving = [&](int k) { return qd[static_cast<std::size_t>(k)] != 0; };
-    for (int k = first; k < rate; ++k) {
-      if (isMoving(k) && !scene::ratesArePositionDerivatives(joint.kind))
-        throw scene::InputError(
-            {scene.file.string(), 0},
-            fmt::format("joint '{}' is {} and moves, allowed: its rates 0 where motion is "
-                        "linearized (they are no derivatives of coordinates)",
-                        joint.name, scene::name(joint.kind)));
-    }
-  }
-}
-
 std::vector<int> actuatedRates(const scene::Scene& scene, const std::vector<std::string>& names) {
   std::vector<int> out;
   std::vector<std::string> known;
@@ -143,6 +119,10 @@ std::vector<int> actuatedRates(const scene::Scene& scene, const std::vector<std:
   int rate = 0;
   for (const scene::Link& link : scene.mechanism.links) {
     if (link.joint.ownRates() == 0) continue;
+    if (!link.joint.motion.empty()) {  // its drive's force is no input
+      rate += link.joint.ownRates();
+      continue;
+    }
     known.push_back(link.joint.name);
     bool is_meant = names.empty();
     for (std::size_t k = 0; k < names.size(); ++k)
@@ -155,9 +135,10 @@ std::vector<int> actuatedRates(const scene::Scene& scene, const std::vector<std:
   }
   for (std::size_t k = 0; k < names.size(); ++k)
     if (!found[k])
-      throw scene::InputError({scene.file.string(), 0},
-                              fmt::format("--actuated: no joint '{}' that moves, allowed: {}",
-                                          names[k], fmt::join(known, ", ")));
+      throw scene::InputError(
+          {scene.file.string(), 0},
+          fmt::format("--actuated: no joint '{}' that is free to move, allowed: {}", names[k],
+                      fmt::join(known, ", ")));
   return out;
 }
 
@@ -188,8 +169,12 @@ void differentiate(const scene::Scene& scene, const LinearizationOptions& option
   Balls B = Balls::Constant(2 * n, static_cast<Eigen::Index>(out.actuated.size()), Ball(0));
   for (Eigen::Index j = 0; j < B.cols(); ++j)
     B.block(n, j, n, 1) = by_force.col(out.actuated[static_cast<std::size_t>(j)]);
-  out.A = rounded(A);
-  out.B = rounded(B);
+  out.A = boundedBalls(A);
+  out.B = boundedBalls(B);
+  out.positions.resize(static_cast<std::size_t>(n));
+  std::iota(out.positions.begin(), out.positions.end(), 0);
+  out.rates = out.positions;
+  out.along = Eigen::MatrixXd::Identity(n, n);
 }
 
 /// Off by no more than what rounding to double takes from the largest entry.
@@ -214,38 +199,75 @@ const char* name(Stability stability) {
   return "";
 }
 
+namespace {
+
+/// Oscillators' enclosures are of [0 1; K 0]; what else A is, the general ones.
+EnclosedModes modesOf(const Linearization& at) {
+  const auto isZero = [](const Bounded& m, const auto& part) {
+    return (part(m.value).array() == 0).all() && (part(m.bound).array() == 0).all();
+  };
+  const auto p = static_cast<Eigen::Index>(at.positions.size()),
+             r = static_cast<Eigen::Index>(at.rates.size());
+  const bool oscillates =
+      at.positions == at.rates &&
+      isZero(at.A, [p](const Eigen::MatrixXd& m) { return m.topLeftCorner(p, p); }) &&
+      isZero(at.A, [r](const Eigen::MatrixXd& m) { return m.bottomRightCorner(r, r); });
+  if (!oscillates) return enclosedModes(at.A, at.B);
+  const auto lower = [r](const Bounded& m, Eigen::Index columns) {
+    return Bounded{m.value.bottomLeftCorner(r, columns), m.bound.bottomLeftCorner(r, columns)};
+  };
+  return enclosedOscillations(lower(at.A, p), lower(at.B, at.B.value.cols()));
+}
+
+/// Rates that nobody gives: of driven joints their own at t = 0, of the others none.
+std::vector<double> restingRates(const scene::Scene& scene) {
+  const ConstrainedQuantities at_start(scene);
+  std::vector<double> qd = at_start.start().qd;
+  const std::vector<const scene::Expression*> motions = scene.mechanism.motions();
+  for (std::size_t i = 0; i < qd.size(); ++i)
+    if (motions[i] == nullptr) qd[i] = 0;
+  return qd;
+}
+
+}  // namespace
+
 Linearization linearize(const scene::Scene& scene, const LinearizationOptions& options) {
   const scene::Mechanism& mechanism = scene.mechanism;
   requireTreated(scene, Command::kLinearize);
   requireMotion(scene);
-  const auto n = static_cast<Eigen::Index>(mechanism.dof());
   Linearization out;
   out.q = givenOr("--q", options.q, inDouble(scene, scene.start_q));
-  out.qd = givenOr("--qd", options.qd, std::vector<double>(scene.start_qd.size(), 0.0));
+  out.qd = givenOr("--qd", options.qd, restingRates(scene));
   out.actuated = actuatedRates(scene, options.actuated);
+  if (options.seeks_equilibrium) out.qd = restingRates(scene);
 
-  if (options.seeks_equilibrium) {
-    out.qd.assign(out.qd.size(), 0.0);
+  std::optional<ConstrainedLinearization> constrained;
+  if (ConstrainedLinearization::isNeeded(mechanism, out.qd)) constrained.emplace(scene);
+  if (options.seeks_equilibrium && constrained) {
+    out.newton_steps = constrained->seekEquilibrium(&out.q, &out.qd);
+  } else if (options.seeks_equilibrium) {
     LinearizationModel<Ball> model(mechanism, BallNumbers(mechanism));
     Equilibrium equilibrium(scene, model);
     out.q = equilibrium.from(out.q);
     out.newton_steps = equilibrium.steps();
+  } else if (constrained) {
+    constrained->close(&out.q, &out.qd);
   }
-  requireSmooth(scene, out.qd);
+  LinearizationOptions there = options;  // nothing holds an equilibrium that was found
+  there.has_no_forces = options.has_no_forces || (options.seeks_equilibrium && constrained);
   // long chains lose bits link by link
   for (long bits = 128; bits <= kMostBits; bits *= 2) {
     const BallPrecision precision(bits);
-    differentiate(scene, options, out);
-    if (isSharp(out.A) && isSharp(out.B)) break;
+    if (constrained)
+      constrained->differentiate(there, &out);
+    else
+      differentiate(scene, there, out);
+    const bool is_sharp = isSharp(out.A) && isSharp(out.B);
+    if (constrained && (is_sharp || 2 * bits > kMostBits))
+      out.by_lagrange = constrained->compared();
+    if (is_sharp) break;
   }
-  const auto isZero = [](const Eigen::MatrixXd& m) { return (m.array() == 0).all(); };
-  const auto lower = [n](const Bounded& m, Eigen::Index columns) {
-    return Bounded{m.value.bottomLeftCorner(n, columns), m.bound.bottomLeftCorner(n, columns)};
-  };
-  if (isZero(out.A.value.bottomRightCorner(n, n)) && isZero(out.A.bound.bottomRightCorner(n, n)))
-    out.modes = enclosedOscillations(lower(out.A, n), lower(out.B, out.B.value.cols()));
-  else
-    out.modes = enclosedModes(out.A, out.B);
+  out.modes = modesOf(out);
   out.rests = std::all_of(out.qd.begin(), out.qd.end(), [](double v) { return v == 0; }) &&
               (options.seeks_equilibrium ||
                (out.qdd.value.cwiseAbs().array() <= out.qdd.bound.array()).all());

@@ -26,29 +26,37 @@ enum class Stability { kStable, kUnstable, kUndecided };
 const char* name(Stability stability);
 
 /** d/dt (dq, dqd) = A (dq, dqd) + B dtau  near a state. dq is along the rates' axes: where these
-    are no derivatives of coordinates, along body axes. */
+    are no derivatives of coordinates, along body axes.
+
+    Under closures and drives dq and dqd are those of some rates, on which the others depend
+    (constrained_linearization.hpp): p positions and r rates, p = r where no closure is about rates
+    alone. Otherwise p = r = n. */
 struct Linearization {
   std::vector<double> q, qd;
-  Bounded tau;                ///< n x 1: joint forces there
-  Bounded qdd;                ///< n x 1: what they make; 0 where they hold it
-  Bounded A;                  ///< 2n x 2n: [0 1; dqdd/dq dqdd/dqd]
-  Bounded B;                  ///< 2n x m: [0; dqdd/dtau] of the actuated joints
-  std::vector<int> actuated;  ///< rates, by column of B
+  Bounded tau;  ///< n x 1: joint forces there, of driven joints what the drive takes
+  Bounded qdd;  ///< n x 1: what they make; 0 where they hold it
+  Bounded A;    ///< p + r square: [0 1; dqdd/dq dqdd/dqd] of a tree at rest
+  Bounded B;    ///< p + r x m: [0; dqdd/dtau] of the actuated joints
+  std::vector<int> positions, rates;  ///< that A is about
+  Eigen::MatrixXd along;              ///< n x p: dq of all rates by those of A
+  std::vector<int> actuated;          ///< rates, by column of B
   EnclosedModes modes;
   Stability stability = Stability::kUndecided;
   int reached = 0;     ///< dimension that the actuated joints' forces reach, at least, of 2n
   bool rests = false;  ///< it stays there: qd = 0, qdd = 0. Elsewhere A is that of the moment
   int newton_steps = 0;
+  std::optional<CheckResult> by_lagrange;  ///< derivatives by the other road, of whole mechanisms
 };
 
 /** Entries of A and B in balls of as many bits as that takes, rounded to double with what that
     leaves open; modes enclosed for everything within (enclosed_modes.hpp). Stability is that of the linearized motion
     where it rests, and decided where every enclosure is left of the axis, or one is right of it.
+    Driven joints are where their motions put them at t = 0, q and qd are moved onto the closures.
     @throws scene::InputError  what Command::kLinearize refuses; sizes and names that do not fit;
-      a quasi-velocity that is not 0; no equilibrium found */
+      closures that no small change closes; no equilibrium found */
 Linearization linearize(const scene::Scene& scene, const LinearizationOptions& options);
 
-/** Over the field, for every state:
+/** Of the tree, its joints free, over the field, for every state:
       M dqdd/dq = - dtau/dq,  M dqdd/dqd = - dtau/dqd     qdd by articulated bodies, M by composite
                                                           bodies, tau by Lagrange's equations
       M dqdd/dtau = 1

@@ -455,6 +455,7 @@ BOOST_AUTO_TEST_CASE(a_state_is_given_by_place_by_name_and_in_the_scenes_paramet
   refuses(program, "sweep double_pendulum --q wrist=1", "allowed: q1 to q2, shoulder, elbow");
   refuses(program, "sweep double_pendulum --q 1,nan", "--q: read 'nan', allowed: a finite number");
   refuses(program, "linearize double_pendulum --qd 1,1 --equilibrium", "--qd with --equilibrium");
+  refuses(program, "drift double_pendulum --motion none.csv --step 0.1", "--step with --motion");
 }
 
 // Each looks at one scene, says what its checks found and writes the same as JSON.

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <ostream>
+#include <utility>
 
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
@@ -42,10 +44,12 @@ scene::Scene sceneOf(const std::string& name) {
   return name == "springs" ? springs() : scene::findScene(name);
 }
 
-/// Largest step up to which no run loses as much energy as the motion has.
-double bisected(const scene::Scene& scene, const std::string& method, double duration,
-                double guess) {
-  const auto holds = [&](double h) { return energyLost(scene, method, duration, h) < 1; };
+/// Largest step up to which no run gains as much energy as the motion has.
+double bisected(const scene::Scene& scene, const std::string& method, double duration, double guess,
+                double most_kinetic) {
+  const auto holds = [&](double h) {
+    return energyGained(scene, method, duration, h, most_kinetic) < 1;
+  };
   double held = 0, broken = 0;
   for (double h = guess / 8; h < 16 * guess && h <= duration; h *= 1.05) {
     if (!holds(h)) {
@@ -70,14 +74,17 @@ std::ostream& operator<<(std::ostream& out, const Asked& asked) {
   return out << asked.scene << ", " << asked.method << ", " << asked.duration << " s";
 }
 
-// Linear stability is what breaks these. Semi-implicit Euler's energy swings by as much as the
-// motion has before that, and Runge-Kutta 4 loses the elastic pendulum's at 0.55 of the advice.
+// Of the last three, the first loses 1.1 of the motion's energy at half of that step, which is no
+// instability; the others' nonlinear terms add energy well below what eigenvalues allow.
 const Asked kStable[] = {
     {"springs", "runge_kutta4", 10},
     {"springs", "stormer_verlet", 10},
     {"springs", "euler", 0.2},
     {"springs", "runge_kutta_fehlberg78", 10},
     {"elastic_pendulum", "stormer_verlet", 10},
+    {"elastic_pendulum", "runge_kutta4", 10},
+    {"double_pendulum", "runge_kutta_dopri5", 5},
+    {"acrobot", "runge_kutta_fehlberg78", 5},
 };
 
 }  // namespace
@@ -99,29 +106,51 @@ BOOST_DATA_TEST_CASE(limits_follow_from_the_direction, data::make(integrators())
 
 BOOST_DATA_TEST_CASE(the_largest_stable_step_is_what_bisection_finds, data::make(kStable), asked) {
   const scene::Scene scene = sceneOf(asked.scene);
-  const StableStep advised = largestStableStep(spectrumAlong(scene, asked.duration), asked.method);
-  const double found = bisected(scene, asked.method, asked.duration, advised.step);
+  const SpectrumAlong spectrum = spectrumAlong(scene, asked.duration);
+  const StableStep advised = largestStableStep(scene, spectrum, asked.method);
+  const double found =
+      bisected(scene, asked.method, asked.duration, advised.step, spectrum.most_kinetic);
   BOOST_TEST_MESSAGE(asked << ": advised " << advised.step << " s, found " << found << " s");
   BOOST_TEST(advised.step <= kWithin * found);
   BOOST_TEST(advised.step >= found / kWithin);
 }
 
+/* All bundled trees of up to 9 rates, 5 s each. Measured: within a factor 1.5 at 22 of 22 scenes
+   with runge_kutta_dopri5 and runge_kutta_fehlberg78, 21 with bulirsch_stoer8, 19 with runge_kutta4
+   and lie_runge_kutta4, where the worst advice is 1.61 of what is found (kuka_iiwa_14) and 0.45 of
+   it (puck_on_slope); 14 of 19 with stormer_verlet, whose Newton's method or nonlinear terms end it
+   earlier in the arms that swing freely (franka_panda: 5.4 of what is found). */
 BOOST_AUTO_TEST_CASE(all_scenes_where_it_is_asked_for) {
   if (std::getenv("DYNWITNESS_LONG") == nullptr) return;
+  constexpr double kDuration = 5;
+  constexpr int kMostOutside = 3;                     // as measured
+  std::map<std::string, std::pair<int, int>> within;  // of how many
   for (const auto& file : scene::bundledScenes()) {
     const scene::Scene scene = scene::readScene(file);
     if (!refusals(scene, Command::kDrift).empty() || scene.mechanism.dof() > 9) continue;
-    for (const char* method : {"runge_kutta4", "stormer_verlet", "runge_kutta_fehlberg78"}) {
-      constexpr double kDuration = 5;
-      if (integratorNamed(method).needs_momenta &&
-          !TreeMotion<double>(scene.mechanism).hasMomenta())
-        continue;
-      const StableStep advised = largestStableStep(spectrumAlong(scene, kDuration), method);
+    const SpectrumAlong spectrum = spectrumAlong(scene, kDuration);
+    const bool has_momenta = TreeMotion<double>(scene.mechanism).hasMomenta();
+    for (const Integrator& method : integrators()) {
+      if (method.needs_momenta && !has_momenta) continue;
+      const StableStep advised = largestStableStep(scene, spectrum, method.name);
       if (std::isinf(advised.step)) continue;
-      const double found = bisected(scene, method, kDuration, advised.step);
-      BOOST_TEST_MESSAGE(scene.name << ", " << method << ": advised " << advised.step << ", found "
-                                    << found << ", ratio " << advised.step / found);
+      const double found =
+          bisected(scene, method.name, kDuration, advised.step, spectrum.most_kinetic);
+      const double ratio = advised.step / found;
+      BOOST_TEST_MESSAGE("stable " << scene.name << " " << method.name << " " << advised.step << " "
+                                   << found << " " << ratio);
+      within[method.name].second += 1;
+      within[method.name].first += ratio <= kWithin && ratio >= 1 / kWithin ? 1 : 0;
     }
+  }
+  const std::pair<const char*, int> outside[] = {
+      // as measured
+      {"runge_kutta4", 3},    {"runge_kutta_dopri5", 0}, {"runge_kutta_fehlberg78", 0},
+      {"bulirsch_stoer8", 1}, {"lie_runge_kutta4", 3},   {"stormer_verlet", 5}};
+  for (const auto& [method, most] : outside) {
+    const auto [near, all] = within[method];
+    BOOST_TEST(all >= 19, method << ": " << all << " scenes");
+    BOOST_TEST(near >= all - most, method << ": " << near << " of " << all);
   }
 }
 
