@@ -110,6 +110,22 @@ void sayWhatIsRead(std::vector<WitnessInfo>& witnesses) {
   }
 }
 
+/// A line a published motion: how many values, and how near the limit.
+void printMotions(const CrosscheckResult& result) {
+  for (const SceneResult& scene : result.scenes)
+    for (const PublishedMotion& motion : scene.motions) {
+      if (!motion.failure.empty()) continue;  // a disagreement, which is told with the others
+      const auto fewest =
+          std::min_element(motion.entries.begin(), motion.entries.end(),
+                           [](const auto& a, const auto& b) { return a.digits < b.digits; });
+      fmt::print(
+          "\npublished motion in {}: {}: {} values {}, {:.1f} digits or more, {:.0f}% of the limit{}",
+          scene.name, motion.title, motion.values, motion.ratio <= 1 ? "agree" : "DISAGREE",
+          fewest->digits, 100 * motion.ratio,
+          motion.own.empty() ? "" : " (figures by another road of ours)");
+    }
+}
+
 /// What of the scenes was read a second time, and who read a file of the user's own.
 void printReading(const CrosscheckResult& result) {
   int again = 0, off = 0;
@@ -192,6 +208,7 @@ void printTable(const CrosscheckResult& result) {
       fmt::print("\n{}: not answerable by {}: {}", scene.name, names, reason);
   }
   printReading(result);
+  printMotions(result);
   for (const CrosscheckResult::KnownLoss& loss : result.knownLosses())
     fmt::print("\nknown loss of {}, {} scene{}; worst in {}\n  cause: {}\n  remedy: {}\n",
                loss.witness->name, loss.scenes, loss.scenes == 1 ? "" : "s", loss.worst->text,
@@ -463,7 +480,8 @@ Run addCrosscheck(CLI::App* command) {
   command->add_option("--processes", arguments->processes, "How many processes share the work")
       ->capture_default_str()
       ->check(whole(1, 1024));
-  command->add_flag("!--no-drift", arguments->options.drift, "Leave out the 10 s simulations");
+  command->add_flag("!--no-drift", arguments->options.drift,
+                    "Leave out the 10 s simulations and the published motions");
   command->add_flag("!--no-charts", arguments->charts,
                     "Leave out the charts of speed against accuracy, the only part that a clock "
                     "measures");

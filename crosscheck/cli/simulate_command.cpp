@@ -53,8 +53,10 @@ SimulateOptions completed(const Arguments& arguments, const std::vector<MotionTa
   for (const Stabilisation stabilisation : kStabilisations)
     if (arguments.stabilisation == name(stabilisation)) options.stabilisation = stabilisation;
   for (const MotionTable& table : tables) {
-    if (table.step_error > 0) options.step_error = std::min(options.step_error, table.step_error);
-    for (const MotionTable::Row& row : table.rows) options.more_times.push_back(row.time);
+    const SimulateOptions asked = optionsFor(table);
+    options.step_error = std::min(options.step_error, asked.step_error);
+    options.more_times.insert(options.more_times.end(), asked.more_times.begin(),
+                              asked.more_times.end());
   }
   if (arguments.step_error != 0) options.step_error = arguments.step_error;
   return options;

@@ -40,10 +40,14 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Finding, kind, scene, quantity, witness, text
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Drift::Path, step, worst, time, error)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Drift, method, method_order, duration, scale, observed_order,
                                    paths)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PublishedMotion::Entry, of, time, published, ours, difference,
+                                   limit, digits)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PublishedMotion, title, source, own, note, moved, method,
+                                   duration, step_error, steps, values, ratio, entries, failure)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Equations, summary, kinetic, potential, lines)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SceneResult, name, title, source, file, dof, links, link_names,
                                    joint_labels, parents, not_modelled, equations, checks, digits,
-                                   findings, controls, drift)
+                                   findings, controls, drift, motions)
 
 namespace {
 

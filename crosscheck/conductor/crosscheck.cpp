@@ -20,6 +20,7 @@
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
 #include "crosscheck/verdicts/check_mechanism.hpp"
+#include "crosscheck/verdicts/check_motions.hpp"
 #include "crosscheck/verdicts/check_reading.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/control.hpp"
@@ -95,7 +96,7 @@ SceneResult exactly(const PreparedScene& scene, const std::vector<WitnessKind>& 
   return result;
 }
 
-/// Against what is no witness of dynamics: the scene's own file, and published numbers.
+/// Against what is no witness of dynamics: the scene's own file, published numbers and motions.
 SceneResult byTables(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
                      const Options& options) {
   SceneResult result;
@@ -106,6 +107,7 @@ SceneResult byTables(const PreparedScene& scene, const std::vector<WitnessKind>&
     for (Control& control : controlOfTable(table, scene))
       result.controls.push_back(std::move(control));
   }
+  if (options.drift) result.motions = publishedMotions(scene.scene());
   return result;
 }
 
@@ -185,6 +187,8 @@ SceneResult assembled(const PreparedScene& scene, std::vector<SceneResult> parts
                                            findTableDisputes(result.name, result.checks)})
     result.findings.insert(result.findings.end(), more.begin(), more.end());
   result.controls = joinedControls({witnesses.controls, exact.controls, tables.controls});
+  result.motions = std::move(tables.motions);
+  for (const PublishedMotion& motion : result.motions) result.checks.push_back(checkMotion(motion));
   if (result.drift) {
     result.checks.push_back(checkDrift(scene, *result.drift));
     const bool moves = !result.drift->paths.empty();

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <tuple>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "crosscheck/motion/state_gap.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::crosscheck {
@@ -46,8 +48,12 @@ MotionTable::Column readColumn(const json& given, const scene::Mechanism& mechan
         allowed += fmt::format("{}{}1 to {}{}", allowed.empty() ? "" : ", ", letter, letter, count);
     }
     if (column.index < 0) fail(file, fmt::format("column '{}', allowed: {}", name, allowed));
-    if (!given.is_string() && given.contains("scale"))
-      column.scale = scene::RealNumbers<double>(mechanism)(number(given.at("scale")));
+    column.name = name;
+    if (!given.is_string() && given.contains("scale")) {
+      const scene::Number scale = number(given.at("scale"));
+      column.scale = scene::RealNumbers<double>(mechanism)(scale);
+      column.name = fmt::format("{} {}", scale.text(), name);
+    }
     return column;
   }
   const std::string link = given.at("link").get<std::string>();
@@ -61,41 +67,54 @@ MotionTable::Column readColumn(const json& given, const scene::Mechanism& mechan
   if (axis != "x" && axis != "y" && axis != "z")
     fail(file, "axis '" + axis + "', allowed: x, y, z");
   column.axis = axis[0] - 'x';
+  column.name = fmt::format("{} ({}, {}, {}) {}", link, column.point.xyz[0].text(),
+                            column.point.xyz[1].text(), column.point.xyz[2].text(), axis);
   return column;
 }
 
-MotionTable readTable(const json& given, const scene::Mechanism& mechanism, const fs::path& file) {
+MotionTable readTable(const json& given, const scene::Scene& scene, const fs::path& file) {
   MotionTable table;
+  table.scene = scene;
   table.title = given.at("title").get<std::string>();
   table.source = given.at("source").get<std::string>();
+  table.own = given.value("own", "");
+  table.note = given.value("note", "");
   table.absolute = given.value("absolute", 0.0);
   table.relative = given.value("relative", 0.0);
   table.step_error = given.value("step_error", 0.0);
   if (!(table.absolute + table.relative > 0)) fail(file, "no limit, allowed: absolute or relative");
   for (const json& column : given.at("columns"))
-    table.columns.push_back(readColumn(column, mechanism, file));
+    table.columns.push_back(readColumn(column, scene.mechanism, file));
   for (const json& row : given.at("rows")) {
     std::vector<double> values = row.get<std::vector<double>>();
     if (values.size() != table.columns.size() + 1)
       fail(file, fmt::format("a row of {} numbers, allowed: a time and {} values", values.size(),
                              table.columns.size()));
+    if (!table.rows.empty() && !(values[0] > table.rows.back().time))
+      fail(file, fmt::format("a row at t = {} s after one at {} s, allowed: rising times",
+                             values[0], table.rows.back().time));
     table.rows.push_back({values[0], {values.begin() + 1, values.end()}});
   }
   if (table.rows.empty() || table.columns.empty()) fail(file, "no rows or no columns");
   return table;
 }
 
-/// Bundled scenes and families are known by their files: the user's own may have the same name.
-bool isAbout(const std::string& name, const scene::Scene& scene) {
+bool isFile(const fs::path& file, const scene::Scene& scene) {
   std::error_code error;
-  const fs::path bundled = scene::dataFolder() / "scenes" / (name + ".toml");
-  return fs::exists(bundled, error) ? fs::equivalent(bundled, scene.file, error)
-                                    : scene.file == fs::path(name);
+  return fs::exists(file, error) && fs::equivalent(file, scene.file, error);
 }
 
-}  // namespace
+/// Bundled scenes and families are known by their files: the user's own may have the same name.
+bool isAbout(const std::string& name, const scene::Scene& scene) {
+  const fs::path bundled = scene::dataFolder() / "scenes" / (name + ".toml");
+  std::error_code error;
+  return fs::exists(bundled, error) ? isFile(bundled, scene) : scene.file == fs::path(name);
+}
 
-std::vector<MotionTable> motionTables(const scene::Scene& scene) {
+/// What a table has to do with a scene.
+enum class Standing { kMoves, kIsReportedIn };
+
+std::vector<MotionTable> tablesOf(const scene::Scene& scene, Standing standing) {
   std::vector<fs::path> files;
   std::error_code error;
   for (const auto& entry :
@@ -108,8 +127,14 @@ std::vector<MotionTable> motionTables(const scene::Scene& scene) {
     if (!in) fail(file, "cannot be read");
     try {
       const json given = json::parse(in);
-      if (isAbout(given.at("scene").get<std::string>(), scene))
-        tables.push_back(readTable(given, scene.mechanism, file));
+      const bool is_named = isAbout(given.at("scene").get<std::string>(), scene);
+      if (!given.contains("scene_file")) {
+        if (is_named) tables.push_back(readTable(given, scene, file));
+        continue;
+      }
+      const fs::path own = file.parent_path() / given.at("scene_file").get<std::string>();
+      if (standing == Standing::kMoves ? isFile(own, scene) : is_named)
+        tables.push_back(readTable(given, scene::readScene(own), file));
     } catch (const json::exception& problem) {
       fail(file, problem.what());
     }
@@ -117,22 +142,51 @@ std::vector<MotionTable> motionTables(const scene::Scene& scene) {
   return tables;
 }
 
+/// NaN is the worst of all.
+bool isWorse(double a, double b) {
+  return !std::isnan(b) && !(a <= b);
+}
+
+}  // namespace
+
+double MotionTable::duration() const {
+  return rows.back().time;
+}
+
+std::vector<MotionTable> motionTables(const scene::Scene& scene) {
+  return tablesOf(scene, Standing::kMoves);
+}
+std::vector<MotionTable> reportedMotionTables(const scene::Scene& scene) {
+  return tablesOf(scene, Standing::kIsReportedIn);
+}
+
+double MotionVerdict::Entry::difference() const {
+  return std::abs(simulated - printed);
+}
+double MotionVerdict::Entry::digits() const {
+  constexpr double kAll = std::numeric_limits<double>::max_digits10;
+  return std::clamp(-std::log10(difference() / largest), 0.0, kAll);
+}
+
 MotionVerdict compareMotion(const scene::Scene& scene, const Simulation& simulation,
                             const MotionTable& table) {
-  std::vector<std::vector<std::array<double, 3>>> paths;  // one a column; empty for coordinates
-  for (const MotionTable::Column& column : table.columns) {
-    paths.emplace_back();
-    if (column.of == MotionTable::Column::Of::kPoint)
-      paths.back() = pathOf(scene, simulation, column.point);
-  }
   MotionVerdict verdict;
-  for (std::size_t k = 0; k < simulation.points.size(); ++k) {
-    const Simulation::Point& point = simulation.points[k];
-    const auto row = std::find_if(table.rows.begin(), table.rows.end(),
-                                  [&](const MotionTable::Row& r) { return r.time == point.time; });
-    if (row == table.rows.end()) continue;
-    for (std::size_t i = 0; i < table.columns.size(); ++i) {
-      const MotionTable::Column& column = table.columns[i];
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    const MotionTable::Column& column = table.columns[i];
+    std::vector<std::array<double, 3>> path;
+    if (column.of == MotionTable::Column::Of::kPoint)
+      path = pathOf(scene, simulation, column.point);
+    MotionVerdict::Entry closest;
+    closest.column = static_cast<int>(i);
+    bool has_values = false;
+    for (const MotionTable::Row& row : table.rows)
+      closest.largest = std::max(closest.largest, std::abs(row.values[i]));
+    for (std::size_t k = 0; k < simulation.points.size(); ++k) {
+      const Simulation::Point& point = simulation.points[k];
+      const auto row =
+          std::find_if(table.rows.begin(), table.rows.end(),
+                       [&](const MotionTable::Row& r) { return r.time == point.time; });
+      if (row == table.rows.end()) continue;
       const auto ours = [&]() -> double {
         switch (column.of) {
           case MotionTable::Column::Of::kPosition:
@@ -144,19 +198,33 @@ MotionVerdict compareMotion(const scene::Scene& scene, const Simulation& simulat
           case MotionTable::Column::Of::kPoint:
             break;
         }
-        return paths[i][k][column.axis];
+        return path[k][column.axis];
       };
-      const double value = column.scale * ours();
-      const double error = std::abs(value - row->values[i]);
-      const double ratio = error / (table.absolute + table.relative * std::abs(row->values[i]));
+      MotionVerdict::Entry entry = closest;
+      entry.time = point.time;
+      entry.printed = row->values[i];
+      entry.simulated = column.scale * ours();
+      entry.limit = table.absolute + table.relative * std::abs(entry.printed);
       ++verdict.values;
-      if (!(error <= verdict.worst)) verdict.worst = error;  // NaN is the worst
-      if (ratio <= verdict.ratio) continue;
-      verdict.ratio = ratio;
-      verdict.worst_time = point.time;
+      keepWorse(&verdict.worst, entry.difference());
+      if (!has_values || isWorse(entry.ratio(), closest.ratio())) closest = entry;
+      has_values = true;
     }
+    if (!has_values) continue;
+    verdict.entries.push_back(closest);
+    if (!isWorse(closest.ratio(), verdict.ratio)) continue;
+    verdict.ratio = closest.ratio();
+    verdict.worst_time = closest.time;
   }
   return verdict;
+}
+
+SimulateOptions optionsFor(const MotionTable& table) {
+  SimulateOptions options;
+  options.duration = table.duration();
+  if (table.step_error > 0) options.step_error = std::min(options.step_error, table.step_error);
+  for (const MotionTable::Row& row : table.rows) options.more_times.push_back(row.time);
+  return options;
 }
 
 }  // namespace dynwitness::crosscheck

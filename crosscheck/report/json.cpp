@@ -141,6 +141,33 @@ Json toJson(const Drift& drift) {
   return json;
 }
 
+Json toJson(const PublishedMotion& motion) {
+  Json json{{"title", cleanText(motion.title)}, {"source", cleanText(motion.source)}};
+  putText(&json, "own", motion.own);
+  putText(&json, "note", motion.note);
+  putText(&json, "moved", motion.moved);
+  json["method"] = cleanText(motion.method);
+  json["step_error"] = number(motion.step_error);
+  json["duration"] = number(motion.duration);
+  if (!motion.failure.empty()) {
+    putText(&json, "failure", motion.failure);
+    return json;
+  }
+  json["steps"] = motion.steps;
+  json["values"] = motion.values;
+  json["ratio"] = number(motion.ratio);
+  json["entries"] = Json::array();
+  for (const PublishedMotion::Entry& entry : motion.entries)
+    json["entries"].push_back({{"of", cleanText(entry.of)},
+                               {"time", number(entry.time)},
+                               {"published", number(entry.published)},
+                               {"ours", number(entry.ours)},
+                               {"difference", number(entry.difference)},
+                               {"limit", number(entry.limit)},
+                               {"digits", number(entry.digits)}});
+  return json;
+}
+
 Json toJson(const SceneResult& scene) {
   Json json{{"name", cleanText(scene.name)}};
   putText(&json, "title", scene.title);
@@ -164,6 +191,10 @@ Json toJson(const SceneResult& scene) {
     for (const Control& control : scene.controls) json["controls"].push_back(toJson(control));
   }
   if (scene.drift) json["drift"] = toJson(*scene.drift);
+  if (!scene.motions.empty()) {
+    json["motions"] = Json::array();
+    for (const PublishedMotion& motion : scene.motions) json["motions"].push_back(toJson(motion));
+  }
   return json;
 }
 

@@ -182,6 +182,7 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
   putChecks(page, scene);
   putControls(page, scene);
   putDigits(page, scene);
+  putMotions(page, scene);
   putDrift(page, scene, files);
   putChart(page, files);
   put(page, "<p class=\"top\"><a href=\"#scenes\">All scenes</a></p>\n</section>\n");

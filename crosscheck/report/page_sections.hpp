@@ -26,6 +26,8 @@ void putWitnesses(std::string* page, const CrosscheckResult& result);
 // page_scene.cpp, and parts of it in files of their own
 void putScene(std::string* page, const SceneResult& scene, const SceneFiles& files);
 void putChecks(std::string* page, const SceneResult& scene);  ///< page_checks.cpp
+/// What is published, what came out, and how far apart they are.
+void putMotions(std::string* page, const SceneResult& scene);  ///< page_motions.cpp
 // page_charts.cpp
 void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& files);
 /// No number of the chart is on the page: times differ from run to run, and the page does not.

@@ -50,6 +50,7 @@ std::string quantityWords(const std::string& quantity) {
       {"tau", "tau, inverse dynamics"},
       {"qdd", "qdd, forward dynamics"},
       {"energy", "energy along simulated motion"},
+      {"motion", "simulated motion against published ones"},
       {"kinetic", "kinetic energy"},
       {"potential", "potential energy"},
       {"momentum", "momentum"},

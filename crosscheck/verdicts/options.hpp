@@ -14,7 +14,7 @@ struct Options {
   std::uint64_t seed = 1;
   int states = 100;
   std::vector<std::string> witnesses;  ///< names to ask; empty: all that are present
-  bool drift = true;                   ///< simulate 10 s and watch the energy
+  bool drift = true;                   ///< simulate 10 s and watch the energy; published motions
   double error_probability = 1e-30;  ///< chance at most that an exact check passes a wrong formula
   Parameters parameters = Parameters::kAsWritten;  ///< in exact checks: the scene's, or any
 };

@@ -231,6 +231,28 @@ struct Equations {
   std::vector<std::string> lines;  ///< MathML, one equation each: M entries, c, g
 };
 
+/** A published motion of a scene, or one found by another road of our own where none is,
+    beside what simulate() makes of it. */
+struct PublishedMotion {
+  /// Of one column: the value that lies closest to its limit, or passes it furthest.
+  struct Entry {
+    std::string of;  ///< "q2", "rod3 (0, 0, l) x"
+    double time = 0, published = 0, ours = 0, difference = 0, limit = 0;
+    double digits = 0;  ///< decimal ones to which they agree, of the largest published
+  };
+  std::string title, source;
+  std::string own;     ///< by which road we found the figures; empty: they are printed
+  std::string note;    ///< why the limit
+  std::string moved;   ///< file that is moved in place of the scene, beside the table; empty: none
+  std::string method;  ///< of the simulation
+  double duration = 0, step_error = 0;
+  long steps = 0;
+  int values = 0;    ///< compared
+  double ratio = 0;  ///< largest difference / limit of all values
+  std::vector<Entry> entries;
+  std::string failure;  ///< why there is no motion to compare; empty: there is
+};
+
 struct SceneResult {
   std::string name, title, source, file;
   int dof = 0, links = 0;
@@ -243,6 +265,7 @@ struct SceneResult {
   std::vector<Finding> findings;
   std::vector<Control> controls;  ///< by quantity
   std::optional<Drift> drift;
+  std::vector<PublishedMotion> motions;
 };
 
 struct CrosscheckResult {
