@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -29,6 +30,19 @@ constexpr double kMostDigits = 17;   // of a double in decimals
 constexpr long kDistanceBits = 256;  // an answer and a truth that both carry more than 53
 constexpr int kStepOfCompiled = 4;   // of severities, for methods that compile
 constexpr const char* kTold = "digits: ";
+constexpr const char* kSimbody = "simbody";
+
+/// With all equations of its closures: none of a family's follows from the others.
+MechanismState closedAt(const Case& given) {
+  int rows = 0;
+  for (const scene::Closure& closure : given.scene.mechanism.closures)
+    rows += scene::equationCount(closure.kind);
+  MechanismState at;
+  at.state = given.state;
+  at.rows.resize(static_cast<std::size_t>(rows));
+  std::iota(at.rows.begin(), at.rows.end(), 0);
+  return at;
+}
 
 double wrongFrom() {
   return std::pow(10.0, -kFewestDigits);
@@ -39,6 +53,10 @@ Road roadOf(const std::string& name) {
   static const std::map<std::string, Road> known = {{"composite_body", Road::kMassMatrix},
                                                     {"lagrange", Road::kMassMatrix},
                                                     {"recursive_lagrange", Road::kMassMatrix},
+                                                    {"lagrange_multipliers", Road::kMassMatrix},
+                                                    {"dense_system", Road::kMassMatrix},
+                                                    {"hybrid_sweep", Road::kSweep},
+                                                    {"loops_eliminated", Road::kSweep},
                                                     {"mujoco", Road::kMassMatrix},
                                                     {"mujoco_principal", Road::kMassMatrix},
                                                     {"kdl", Road::kMassMatrix},
@@ -96,6 +114,44 @@ Method floatMethod(const char* name, Quantity quantity, Sweep sweep) {
   return method;
 }
 
+Method roadMethod(const std::string& name, MechanismQuantity asked) {
+  Method method;
+  method.name = name;
+  method.is_ours = name != kSimbody;
+  if (method.is_ours) method.road = roadOf(name);  // on loops Simbody goes a road of its own
+  const auto part = [name, asked](const Case& given) {
+    for (const NamedRoad& road : given.roads) {
+      if (road.name != name) continue;
+      if (road.road.isRefused()) throw std::runtime_error(road.road.refusal());
+      MechanismAnswer::Part out = (*road.road)->answer(closedAt(given))[asked];
+      if (out.value.size() == 0)
+        throw std::runtime_error(fmt::format("does not answer {}", crosscheck::name(asked)));
+      return out;
+    }
+    throw std::runtime_error("does not hold such mechanisms");
+  };
+  method.value = [part](const Case& given, Quantity) -> MatrixOf<Ball> {
+    return part(given).value.unaryExpr([](double x) { return Ball(x); });
+  };
+  if (method.is_ours)
+    method.warns = [part](const Case& given, Quantity) {
+      const MechanismAnswer::Part said = part(given);
+      return certainDigits({said.value, said.bound}) <= kFewestDigits;
+    };
+  return method;
+}
+
+/// Those who answer for whole mechanisms; the engine among them where it is among `chosen`.
+std::vector<Method> roadMethods(const Family& family, const std::vector<Method>& chosen) {
+  const bool has_engine =
+      std::any_of(chosen.begin(), chosen.end(), [](const Method& m) { return m.name == kSimbody; });
+  const Case harmless = family.make(decimalOf(family.from, family.is_whole), 0);
+  std::vector<Method> out;
+  for (const NamedRoad& road : mechanismRoads(PreparedScene(harmless.scene)))
+    if (has_engine || road.name != kSimbody) out.push_back(roadMethod(road.name, *family.whole));
+  return out;
+}
+
 /// Decimal digits of the answer's entry that is farthest off, as a share of the largest entry.
 double digitsOf(const MatrixOf<Ball>& answer, const MatrixOf<Ball>& truth) {
   if (answer.rows() != truth.rows() || answer.cols() != truth.cols())
@@ -135,12 +191,14 @@ class Dial {
     if (!is_new) return it->second;
     for (int variant = 0; variant < kVariants; ++variant) {
       Case given = family_.make(severity, variant);
-      Certified truth = Truth(given.scene.mechanism)(family_.quantity, given.state);
-      if (!truth.exists())
+      try {
+        it->second.truths.push_back(truthOf(family_, given));
+      } catch (const std::exception& none) {
         throw std::runtime_error(
-            fmt::format("{} at {}: no certified truth: {}", family_.name, severity, truth.reason));
+            fmt::format("{} at {}: no certified truth: {}", family_.name, severity, none.what()));
+      }
+      if (family_.whole) given.roads = mechanismRoads(PreparedScene(given.scene));
       it->second.cases.push_back(std::move(given));
-      it->second.truths.push_back(std::move(truth.value));
     }
     return it->second;
   }
@@ -325,22 +383,23 @@ Course courseOf(const std::string& method, const Arithmetic& numbers, bool is_ou
   return course;
 }
 
-/// Steps are taken here: they neither crash nor hang.
-Course courseInTime(const Family& family, const MotionMethod& method,
-                    const std::vector<double>& severities) {
-  Course course = courseOf(method.name, inDouble(), true);
+/// Measured here: our own code neither crashes nor hangs.
+Course courseOf(const Family& family, const Measure& method,
+                const std::vector<double>& severities) {
+  Course course = courseOf(method.name, *method.numbers, true);
   course.has_theory = course.is_step = true;
   course.predicted = firstBroken(family, method.theory);
   const auto ask = [&](double severity) {
     Point point;
     point.severity = severity;
-    const double error = method.measured(severity);
-    if (std::isfinite(error)) {
-      point.digits = std::clamp(-std::log10(error), 0.0, kMostDigits);
-    } else {
-      point.digits = kNone;
-      point.stop = "not a number";
+    double error = kNone;
+    try {
+      error = method.measured(severity);
+    } catch (const std::exception& what) {
+      point.stop = what.what();
     }
+    point.digits = std::isfinite(error) ? std::clamp(-std::log10(error), 0.0, kMostDigits) : kNone;
+    if (!std::isfinite(error) && point.stop.empty()) point.stop = "not a number";
     return point;
   };
   followDial(family, severities, 1, ask, course);
@@ -349,23 +408,35 @@ Course courseInTime(const Family& family, const MotionMethod& method,
 
 }  // namespace
 
-Turned turn(const Family& family, const std::vector<Method>& methods, const Settings& settings) {
+MatrixOf<Ball> truthOf(const Family& family, const Case& given) {
+  if (family.whole) {
+    const MechanismAnswer answer =
+        certifiedMechanism(PreparedScene(given.scene))->answer(closedAt(given));
+    return answer[*family.whole].value.unaryExpr([](double x) { return Ball(x); });
+  }
+  Certified truth = Truth(given.scene.mechanism)(family.quantity, given.state);
+  if (!truth.exists()) throw std::runtime_error(truth.reason);
+  return std::move(truth.value);
+}
+
+Turned turn(const Family& family, const std::vector<Method>& chosen, const Settings& settings) {
   Turned out{family.name, {}};
   const std::vector<double> severities = severitiesOf(family, settings.severities);
-  if (!family.motion_methods.empty()) {
-    scene::Work work("methods", static_cast<double>(family.motion_methods.size()), 1);
-    for (const MotionMethod& method : family.motion_methods) {
-      out.courses.push_back(courseInTime(family, method, severities));
+  if (!family.measures.empty()) {
+    scene::Work work("methods", static_cast<double>(family.measures.size()), 1);
+    for (const Measure& method : family.measures) {
+      out.courses.push_back(courseOf(family, method, severities));
       work.done();
     }
     return out;
   }
+  const std::vector<Method> methods = family.whole ? roadMethods(family, chosen) : chosen;
   Dial dial(family);
   scene::Work work("methods", static_cast<double>(methods.size()), 1);
   for (const Method& method : methods) {
     Course course = courseOf(method.name, *method.numbers, method.is_ours);
-    const Theory* const theory =
-        theoryFor(family, family.quantity == Quantity::kQdd ? method.road : Road::kAny);
+    const Theory* const theory = theoryFor(
+        family, family.whole || family.quantity == Quantity::kQdd ? method.road : Road::kAny);
     course.has_theory = theory != nullptr;
     if (theory) course.predicted = predictedBreak(family, *theory, *method.numbers);
     if (family.is_large && method.is_derived) {

@@ -48,7 +48,7 @@ struct Point {
 struct Course {
   std::string method, numbers;
   bool is_ours = false;
-  bool is_step = false;       ///< of fixed length: it has nothing to tell by
+  bool is_step = false;       ///< a Measure, and no answer: it has nothing to tell by
   std::string left_out;       ///< why it was not asked, or did not answer where all is harmless
   std::vector<Point> points;  ///< by severity
   double breaks_at = 0;       ///< smallest severity seen to break it; not-a-number: none
@@ -77,11 +77,17 @@ struct Settings {
   double patience = 20;  ///< [s] for one method at one severity; then it is killed and has stopped
 };
 
+/// What is right of what a family asks. Not of one that has measures.
+/// @throws std::runtime_error  nothing can be certified
+MatrixOf<Ball> truthOf(const Family& family, const Case& given);
+
 /** All methods at all severities of a family, each in a copy of this process; between the last
     severity that it held and the first that it did not, bisection until they are within
     family.narrow.
+    @param chosen  of families of trees; whole mechanisms have roads of their own, and of the engines
+                   only those that are chosen
     @throws std::runtime_error  no truth can be certified */
-Turned turn(const Family& family, const std::vector<Method>& methods, const Settings& settings);
+Turned turn(const Family& family, const std::vector<Method>& chosen, const Settings& settings);
 
 /// Severity from which an error leaves fewer than kFewestDigits; not-a-number: none up to the last.
 double firstBroken(const Family& family, const std::function<double(double)>& error);

@@ -74,7 +74,7 @@ void putGlance(std::string* page, const std::vector<Turned>& atlas) {
     std::string theory;
     for (const Theory& t : family.theories)
       theory += (theory.empty() ? "" : " / ") + severityText(predictedBreak(family, t, inDouble()));
-    for (const MotionMethod& method : family.motion_methods)
+    for (const Measure& method : family.measures)
       theory += (theory.empty() ? "" : " / ") + severityText(firstBroken(family, method.theory));
     put(page,
         "<tr{}><th scope=\"row\"><a href=\"#{}\">{}</a></th><td>{}{}</td><td "
@@ -100,7 +100,7 @@ void putFamily(std::string* page, const Turned& turned) {
         : theory.road == Road::kSweep    ? " of sweeps"
                                          : "",
         esc(theory.formula));
-  for (const MotionMethod& method : family.motion_methods)
+  for (const Measure& method : family.measures)
     put(page, "<p><strong>Theory of {}.</strong> {}.</p>\n", esc(method.name), esc(method.formula));
   put(page,
       "<figure>\n<div class=\"charts scroll\" tabindex=\"0\" role=\"group\" aria-label=\"{0}: "

@@ -21,7 +21,8 @@ using Json = nlohmann::ordered_json;
 
 /// What is asked.
 std::string askedOf(const Family& family) {
-  return family.motion_methods.empty() ? crosscheck::name(family.quantity) : "eigenvalue";
+  if (!family.measures.empty()) return family.measured;
+  return family.whole ? crosscheck::name(*family.whole) : crosscheck::name(family.quantity);
 }
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -73,6 +74,10 @@ Look lookOf(const std::string& method) {
                                                     {"recursive_lagrange", {5}},
                                                     {"kernel", {6}},
                                                     {"kernel_lanes", {16, "pt 1"}},
+                                                    {"hybrid_sweep", {3}},
+                                                    {"loops_eliminated", {3}},
+                                                    {"lagrange_multipliers", {1}},
+                                                    {"dense_system", {2}},
                                                     {"newton_euler float", {2, "dt 3 pt 4"}},
                                                     {"composite_body float", {2, "dt 3 pt 4"}},
                                                     {"articulated_body float", {3, "dt 3 pt 8"}},
@@ -219,7 +224,7 @@ std::string csvOf(const Turned& turned) {
         text += fmt::format("{:.6g},{},{:.2f},0,0\n", s, theoryName(theory, *numbers),
                             std::clamp(-std::log10(theory.error(s, *numbers)), 0.0, kMostDigits));
       }
-  for (const MotionMethod& method : family.motion_methods)
+  for (const Measure& method : family.measures)
     for (int k = 0; k <= kSamples; ++k) {
       const double s =
           family.from * std::pow(family.to / family.from, static_cast<double>(k) / kSamples);
@@ -248,10 +253,10 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
         add(fmt::format("{} with lines lt 20 dt {} title {}", rows(name, "1", "3"),
                         numbers == &inFloat() ? "(2,4)" : "(8,4)", gnuplotString(name)));
       }
-    for (const MotionMethod& method : family.motion_methods)
+    for (const Measure& method : family.measures)
       if (ours)
         add(fmt::format("{} with lines lt 20 {}", rows("theory: " + method.name, "1", "3"),
-                        &method == &family.motion_methods.front() ? "title 'theory'" : "notitle"));
+                        &method == &family.measures.front() ? "title 'theory'" : "notitle"));
     for (const Course& course : turned.courses) {
       if (course.is_ours != ours || course.points.empty()) continue;
       const Look look = lookOf(course.method);
@@ -288,14 +293,12 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
          fmt::format(
              "set lmargin at screen 0.06\nset rmargin at screen {}\n"
              "set key at screen {}, screen 0.125 center center vertical Left reverse maxrows 5 width -6 samplen 2\n"
-             "set title '{}' textcolor rgb soft\n",
-             family.motion_methods.empty() ? 0.485 : 0.985,
-             family.motion_methods.empty() ? 0.26 : 0.5,
-             family.motion_methods.empty()
-                 ? fmt::format("Ours: digits of {}", crosscheck::name(family.quantity))
-                 : "Digits of the largest eigenvalue of a step or period, which should be 1 in size") +
+             "set title {} textcolor rgb soft\n",
+             family.measures.empty() ? 0.485 : 0.985, family.measures.empty() ? 0.26 : 0.5,
+             gnuplotString((family.measures.empty() ? "Ours: digits of " : "Digits of ") +
+                           askedOf(family))) +
          panel(true) +
-         (!family.motion_methods.empty()
+         (!family.measures.empty()
               ? std::string()
               : "\nunset label 1\nset key at screen 0.77, screen 0.125\nset lmargin at screen 0.56\nset rmargin at screen 0.985\n"
                 "set title 'Outside engines' textcolor rgb soft\n" +
@@ -333,7 +336,7 @@ std::string atlasJson(const std::vector<Turned>& atlas, const std::string& versi
            {"formula", theory.formula},
            {"breaks_double", numberOrNull(predictedBreak(family, theory, inDouble()))},
            {"breaks_float", numberOrNull(predictedBreak(family, theory, inFloat()))}});
-    for (const MotionMethod& method : family.motion_methods)
+    for (const Measure& method : family.measures)
       theories.push_back({{"methods", method.name},
                           {"formula", method.formula},
                           {"breaks_double", numberOrNull(firstBroken(family, method.theory))},

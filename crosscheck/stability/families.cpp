@@ -79,8 +79,8 @@ Case caseOf(const std::string& family, const std::vector<LinkWords>& links, cons
 const std::vector<Family>& families() {
   static const std::vector<Family> all = [] {
     std::vector<Family> out;
-    for (auto* part :
-         {familiesOfMasses, familiesOfShapes, familiesOfPoses, familiesOfMotions, familiesInTime}) {
+    for (auto* part : {familiesOfMasses, familiesOfShapes, familiesOfPoses, familiesOfMotions,
+                       familiesOfConstraints, familiesOfLaws, familiesInTime}) {
       std::vector<Family> more = part();
       std::move(more.begin(), more.end(), std::back_inserter(out));
     }

@@ -19,6 +19,9 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
+constexpr const char* kEigenvalue =
+    "the largest eigenvalue of a step or period, which should be 1 in size";
+
 /// Position and rate, and the acceleration at a time.
 using Acceleration = std::function<double(double t, double q, double qd)>;
 using Stepper = std::function<Vector2d(const Acceleration&, double t, const Vector2d& x, double h)>;
@@ -80,8 +83,8 @@ Acceleration springAcceleration() {
   };
 }
 
-MotionMethod onSpring(const std::string& name, const Stepper& step, const std::string& formula,
-                      const std::function<double(double)>& radius) {
+Measure onSpring(const std::string& name, const Stepper& step, const std::string& formula,
+                 const std::function<double(double)>& radius) {
   return {
       name, formula, [radius](double z) { return std::abs(radius(z) - 1); },
       [step](double z) { return std::abs(spectralRadius(step, springAcceleration(), z, 1) - 1); }};
@@ -101,8 +104,9 @@ Family stiffSpring() {
   f.dial = "h omega, step times natural frequency";
   f.from = 0.01, f.to = 1000;
   f.narrow = 1.001;
+  f.measured = kEigenvalue;
   const auto symplectic = [](double z) { return ofTrace(2 - z * z); };
-  f.motion_methods = {
+  f.measures = {
       onSpring("explicit_euler", explicitEuler, "|1 + i z| = (1 + z^2)^(1/2): grows at every step",
                [](double z) { return std::abs(Complex(1, z)); }),
       onSpring("runge_kutta4", rungeKutta4,
@@ -167,6 +171,7 @@ Family kapitza() {
   f.title = "Kapitza's pendulum, upright on a shaken pivot";
   f.dial = "(2 g l)^(1/2) over the speed a omega of the shaken pivot (a = l / 2)";
   f.from = 0.55, f.to = 2;
+  f.measured = kEigenvalue;
   f.narrow = 1.001;
   // A = -4 g / (l omega^2) = a_0(Q), Q = 2 a / l; s = l / a (-A / 2)^(1/2)
   const double threshold = std::sqrt(-mathieu0(2 * kShake) / 2) / kShake;
@@ -183,8 +188,8 @@ Family kapitza() {
   const char* formula =
       "-4 g / (l omega^2) = a_0(2 a / l), Mathieu's characteristic number, by the eigenvalue of "
       "its Fourier series; to first order in a / l this is s = 1, which is 5 % too high here";
-  f.motion_methods = {{"verlet", formula, error, measured(verlet)},
-                      {"runge_kutta4", formula, error, measured(rungeKutta4)}};
+  f.measures = {{"verlet", formula, error, measured(verlet)},
+                {"runge_kutta4", formula, error, measured(rungeKutta4)}};
   f.mechanism =
       "Here the motion fails, and every method should see where: a pivot that is shaken too slowly "
       "no longer holds the pendulum upright. Over one period of the pivot the linearized motion "

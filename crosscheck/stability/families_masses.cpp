@@ -105,6 +105,35 @@ Family lightCart() {
   return f;
 }
 
+Family vanishingRotor() {
+  Family f;
+  f.name = "vanishing_rotor";
+  f.title = "A massless link with a small rotor before a body on the same axis";
+  f.dial = "1 kg m^2 over the rotor's inertia";
+  f.from = 1, f.to = 1e17;
+  f.make = [](const std::string& s, int v) {
+    LinkWords light, body;
+    constexpr const char* kRotor[kVariants] = {"1", "1.13", "0.87"};
+    light.rotor = std::string(kRotor[v]) + "/(" + s + ")";
+    body.parent = 1, body.mass = "1", body.com = {kLever[v], "0.1", "0"};
+    body.moments = {"0.1", "0.3", "0.3"};
+    return caseOf("vanishing_rotor", {light, body}, gravitySideways(), {0.3, 0.4}, {0.2, -0.5},
+                  {1, 0.5});
+  };
+  f.theories = {{Road::kAny,
+                 "(J + 1/s) - J^2 / J cancels the body's J = 0.3 + 0.25 + 0.01 down to the rotor's "
+                 "1/s: error u s J, of some three roundings",
+                 [](double s, const Arithmetic& a) { return rounded(3, a) * s * 0.56; }}};
+  f.mechanism =
+      "What turns the first joint without the second is the rotor alone; a simulation with links "
+      "left massless, or rotors made small to be left out, has to find it as a difference of the "
+      "body's inertia with itself.";
+  f.survivor =
+      "A sweep whose articulated inertia about the shared axis is exactly 0 adds the rotor to it "
+      "and loses nothing.";
+  return f;
+}
+
 Family lightToHeavy() {
   Family f;
   f.name = "light_to_heavy";
@@ -202,7 +231,8 @@ Family gears() {
 }  // namespace
 
 std::vector<Family> familiesOfMasses() {
-  return {heavyTip(), lightCart(), lightToHeavy(), heavyToLight(), longChain(), gears()};
+  return {heavyTip(),     lightCart(), vanishingRotor(), lightToHeavy(),
+          heavyToLight(), longChain(), gears()};
 }
 
 }  // namespace dynwitness::crosscheck::stability

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "crosscheck/witnesses/certain_digits.hpp"
+#include "crosscheck/witnesses/mechanism_roads.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/scene.hpp"
 #include "scene/state.hpp"
@@ -33,6 +35,7 @@ const Arithmetic& inFloat();
 struct Case {
   scene::Scene scene;
   scene::State<double> state;
+  std::vector<NamedRoad> roads = {};  ///< of a family that asks for a MechanismQuantity
 };
 
 /// By which road a method comes to qdd; a theory may be about one of them.
@@ -46,11 +49,13 @@ struct Theory {
   std::function<double(double severity, const Arithmetic&)> error;
 };
 
-/// One that steps through time, with what it should keep, and its own theory.
-struct MotionMethod {
+/// What should hold and is measured, with its own theory: of a step through time, of a projector.
+struct Measure {
   std::string name, formula;
-  std::function<double(double severity)> theory;    ///< error as theory has it
-  std::function<double(double severity)> measured;  ///< error of the steps that were taken
+  std::function<double(double severity)> theory;  ///< error as theory has it
+  /// Error of what was computed; what it throws is why it stopped.
+  std::function<double(double severity)> measured;
+  const Arithmetic* numbers = &inDouble();
 };
 
 struct Family {
@@ -63,11 +68,15 @@ struct Family {
   /// Too large for what derives or compiles an equation a mechanism.
   bool is_large = false;
   Quantity quantity = Quantity::kQdd;
+  /// Of a whole mechanism: this is asked in place of `quantity`, by mechanismRoads().
+  std::optional<MechanismQuantity> whole = {};
   /// @param s  the severity as an exact decimal; the mechanism's numbers are decimals in it
   std::function<Case(const std::string& s, int variant)> make;
   std::vector<Theory> theories;  ///< the first that is about a method's road counts; none: none
-  /// Of a family over time: these are asked, in place of `make`, `quantity` and `theories`.
-  std::vector<MotionMethod> motion_methods;
+  /// Of a family that measures what should hold: these, in place of `make`, `quantity` and
+  /// `theories`; and what their digits are of.
+  std::vector<Measure> measures;
+  std::string measured;   ///< "the largest eigenvalue of a step, which should be 1 in size"
   double narrow = 1.1;    ///< between held and broken, where bisection ends
   std::string mechanism;  ///< a paragraph: why digits are lost
   std::string survivor;   ///< which method survives, and why
@@ -84,6 +93,8 @@ std::vector<Family> familiesOfMasses();
 std::vector<Family> familiesOfShapes();
 std::vector<Family> familiesOfPoses();
 std::vector<Family> familiesOfMotions();
+std::vector<Family> familiesOfConstraints();
+std::vector<Family> familiesOfLaws();
 std::vector<Family> familiesInTime();
 
 }  // namespace dynwitness::crosscheck::stability

@@ -51,6 +51,15 @@ inline double untilItsSquareOverflows(double s, const Arithmetic& numbers) {
   return s > std::sqrt(numbers.largest) ? 1 : numbers.unit;
 }
 
+/// The worst error of the variants; what is no number is worst.
+template <typename Error>
+double worstOf(const Error& error) {
+  double worst = 0;
+  for (int v = 0; v < kVariants && !std::isnan(worst); ++v)
+    if (const double one = error(v); !(one <= worst)) worst = one;
+  return worst;
+}
+
 inline Words noGravity() {
   return {"0", "0", "0"};
 }

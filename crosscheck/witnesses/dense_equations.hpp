@@ -4,7 +4,13 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <type_traits>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "crosscheck/witnesses/bounded_answer.hpp"
 #include "recursive/acceleration_constraints.hpp"
@@ -337,6 +343,22 @@ void keepRows(const std::vector<int>& rows, DenseEquations<T>& e) {
   e = kept;
 }
 
+/** Whether the pivots of K = L D L' are more than their own rounding: one of j products lies within
+    (j + 2) u of the sum of its terms' sizes, |K_jj| + sum_k L_jk^2 |D_k|. Where one does not, its
+    sign and size are chance, and no limit of first order knows.
+    @throws std::runtime_error  naming the unknown */
+inline void requirePivots(const Eigen::MatrixXd& K, const Eigen::MatrixXd& LDL, Eigen::Index n) {
+  constexpr double kUnit = std::numeric_limits<double>::epsilon() / 2;
+  for (Eigen::Index j = 0; j < K.rows(); ++j) {
+    double terms = std::abs(K(j, j));
+    for (Eigen::Index k = 0; k < j; ++k) terms += LDL(j, k) * LDL(j, k) * std::abs(LDL(k, k));
+    if (std::abs(LDL(j, j)) > static_cast<double>(j + 2) * kUnit * terms) continue;
+    throw std::runtime_error(fmt::format(
+        "{} {}: its pivot {:.1e} is no more than the rounding of terms that sum to {:.1e}",
+        j < n ? "free rate" : "constraint equation", (j < n ? j : j - n) + 1, LDL(j, j), terms));
+  }
+}
+
 /** One symmetric system in all unknowns, [M J'; J -C] (qdd, -nu) = (tau - bias, b), driven joints'
     columns on the right; then the forces of the driven joints from their rows. By L D L': M is
     positive definite and what is left of it, -(J M^-1 J' + C), negative, where rows of J are
@@ -366,7 +388,9 @@ DenseSolution<T> solveDense(const DenseEquations<T>& e, const std::vector<char>&
     K(f + k, f + k) = -e.C(k);
     x(f + k) = e.b(k) - given(k);
   }
+  const MatrixOf<T> before = K;
   recursive::factorize(K);
+  if constexpr (std::is_same_v<T, double>) requirePivots(before, K, f);
   recursive::solve(K, x);
   for (int i = 0; i < f; ++i) out.qdd(free[i]) = x(i);
   for (int k = 0; k < m; ++k) out.nu(k) = -x(f + k);

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "crosscheck/scalars/adjoint_error.hpp"
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/scalars/rounded_state.hpp"
@@ -225,6 +227,16 @@ void requireOwnRates(const scene::Mechanism& mechanism) {
         "pass it");
 }
 
+/// A sweep counts its equations by pivots, and leaves out what it takes for dependent: fewer than
+/// were asked for are another mechanism's.
+void requireAll(int counted, int asked) {
+  if (counted < asked)
+    throw std::runtime_error(fmt::format(
+        "of {} constraint equations the sweep can tell {} apart: the next pivot of N_0 is below "
+        "cbrt(eps)^2 of the first",
+        asked, counted));
+}
+
 struct LoopsEliminated {
   static constexpr const char* kName = "loops_eliminated";
   explicit LoopsEliminated(const scene::Mechanism& mechanism) {
@@ -239,6 +251,7 @@ struct LoopsEliminated {
     Swept<Numbers> s(mechanism, number, state);
     const auto swept = recursive::closedForwardDynamics(
         s.model, state.x, state.qd, s.tau, s.closures, s.ws, false, s.driven, state.qdd);
+    requireAll(swept.rank, static_cast<int>(at.rows.size()));
     PartsOf<T> out;
     part(out, MechanismQuantity::kQdd) = column(swept.qdd);
     const VectorOf<T> force = s.closures.J.transpose() * swept.lambda;
@@ -268,6 +281,7 @@ struct HybridSweep {
     recursive::ConstraintWorkspace<T> cws(s.model, k);
     std::vector<T> qdd = state.qdd, tau = s.tau;
     recursive::hybridDynamics(s.model, state.x, state.qd, s.driven, held, s.ws, cws, qdd, tau);
+    requireAll(cws.of_N.rank(), k);
     recursive::MatrixX<T> J(k, s.model.dof());
     if (k > 0) recursive::taskJacobian(s.model, held, s.ws, J);
     PartsOf<T> out;
