@@ -2,6 +2,7 @@
 #include "scene/scene.hpp"
 #include "scene/families.hpp"
 #include "scene/mjcf.hpp"
+#include "scene/nearest_name.hpp"
 #include "scene/text_file.hpp"
 
 #include <algorithm>
@@ -123,11 +124,10 @@ std::vector<fs::path> bundledScenes() {
 }
 
 Scene findScene(const std::string& name_or_path) {
-  std::string names;
+  std::vector<std::string> names;
   for (const fs::path& file : bundledScenes()) {
-    const std::string name = file.stem().string();
-    if (normalized(name) == normalized(name_or_path)) return readScene(file);
-    names += (names.empty() ? "" : ", ") + name;
+    names.push_back(file.stem().string());
+    if (normalized(names.back()) == normalized(name_or_path)) return readScene(file);
   }
   std::error_code error;
   if (fs::exists(name_or_path, error)) return readScene(name_or_path);
@@ -139,14 +139,12 @@ Scene findScene(const std::string& name_or_path) {
   int windows = 0;
   if (isFourBars(normalized(name_or_path), &windows)) return fourBars(windows);
   if (Scene family; findFamily(normalized(name_or_path), &family)) return family;
-  throw InputError(
-      {}, "no scene and no file is called \"" + name_or_path + "\", allowed: " +
-              (names.empty()
-                   ? ""
-                   : names + ", four_bars_N with N from 1 to " + std::to_string(kMostWindows) +
-                         ", chain_N, flat_chain_N or tree_N with N from 1 to " +
-                         std::to_string(kMostFamilyLinks) + ", or ") +
-              "the path of a file");
+  throw InputError({}, "no scene and no file is called \"" + name_or_path + "\"" +
+                           didYouMean(normalized(name_or_path), names) + ", allowed: " +
+                           (names.empty() ? ""
+                                          : "one of the " + std::to_string(names.size()) +
+                                                " that `dynwitness scenes` lists, or ") +
+                           "the path of a file");
 }
 
 }  // namespace dynwitness::scene

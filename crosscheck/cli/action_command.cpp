@@ -114,28 +114,26 @@ int run(Arguments arguments) {
 Run addAction(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
-  command->add_option("--duration", arguments->options.duration, "Time between the end points [s]")
+  command->add_option("--duration", arguments->options.duration, "Duration [s]: between the end points")
       ->check(positive())
       ->capture_default_str();
-  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
-  arguments->qd.emplace(command, StateOption::Part::kQd, "the scene's start", "--velocity");
+  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start");
+  arguments->qd.emplace(command, StateOption::Part::kQd, "the scene's start");
   command
-      ->add_option("--damping", arguments->options.damping,
-                   "Friction of every joint, force -damping qd [N m s/rad, N s/m]")
+      ->add_option("--friction", arguments->options.damping,
+                   "Of every joint, force -friction qd [N m s/rad, N s/m]")
       ->check(nonNegative())
       ->capture_default_str();
   command->add_option("--paths", arguments->options.paths, "How many varied paths")
       ->check(whole(1, 10000))
       ->capture_default_str();
-  command->add_option("--seed", arguments->options.seed, "Seed of the varied paths")
-      ->check(seed())
-      ->capture_default_str();
-  command->add_option("--json", arguments->json, "Write the result to this file");
+  addSeed(*command, arguments->options.seed, "of the varied paths");
+  addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
       "  dynwitness action simple_pendulum --duration 1    less than half a period: S is least\n"
       "  dynwitness action simple_pendulum --duration 2    beyond the conjugate time: a saddle\n"
-      "  dynwitness action double_pendulum --damping 0.1   d'Alembert and Lagrange: dS + Q' eta = "
+      "  dynwitness action double_pendulum --friction 0.1   d'Alembert and Lagrange: dS + Q' eta = "
       "0\n"
       "Exit status 1: a check found a disagreement.");
   return [arguments] { return run(*arguments); };

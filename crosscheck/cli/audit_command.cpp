@@ -140,14 +140,11 @@ Run addAudit(CLI::App* command) {
       ->add_option("--equation", arguments->ids, "These entries only, e.g. 15, eq15 or eq15,eq16")
       ->delimiter(',');
   command->add_option("--only", arguments->only, "Entries to print: all, wrong, condition or true")
-      ->check(CLI::IsMember({"all", "wrong", "condition", "true"}))
+      ->check(oneOf({"all", "wrong", "condition", "true"}))
       ->capture_default_str();
-  command->add_option("--json", arguments->json, "Write the entries to this file");
-  command->add_option("--report", arguments->report,
-                      "Write a page and audit.json into this folder");
-  command->add_option("--seed", arguments->seed, "Seed of the random points")
-      ->check(seed())
-      ->capture_default_str();
+  addJson(*command, arguments->json);
+  addOutput(*command, arguments->report, "folder for a page and audit.json");
+  addSeed(*command, arguments->seed, "of the random points");
   command->footer(
       "Every verdict is computed when the command runs: both sides of an equation at random points "
       "of a\n"

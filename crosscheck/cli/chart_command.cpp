@@ -86,25 +86,21 @@ Run addChart(CLI::App* command) {
   allowed.push_back(kAll);
   command
       ->add_option("--quantity", arguments->quantities,
-                   "Mass matrix, inverse dynamics, forward dynamics; several with commas")
+                   "Quantities: mass matrix, inverse dynamics, forward dynamics; several with commas")
       ->capture_default_str()
       ->delimiter(',')
-      ->check(CLI::IsMember(allowed));
-  command->add_option("--states", arguments->states, "Seeded states that each method is run at")
-      ->capture_default_str()
-      ->check(whole(1, 100000));
-  command->add_option("--seed", arguments->seed, "Seed of the states")
-      ->capture_default_str()
-      ->check(seed());
+      ->check(oneOf(allowed));
+  addRandom(*command, arguments->states, 100000, "each method is run at these");
+  addSeed(*command, arguments->seed, "of the states");
   command
       ->add_option("--witness", arguments->witnesses,
-                   "Outside engines beside our own methods; without: all that are there")
+                   "Witnesses: outside engines beside our own methods; without: all that are there")
       ->delimiter(',');
   addEngineOptions(*command, arguments->engines, arguments->limits);
-  for (const char* of_questions : {"--quantity", "--states", "--seed", "--witness", "--engine"})
+  for (const char* of_questions : {"--quantity", "--random", "--seed", "--witness", "--engine"})
     command->get_option(of_questions)->excludes(command->get_option("--simulate"));
-  command->add_option("-o,--output", arguments->output,
-                      "Folder for SCENE_QUANTITY (or _simulate) .csv, .gp, .svg and _dark.svg");
+  addOutput(*command, arguments->output,
+            "folder for SCENE_QUANTITY (or _simulate) .csv, .gp, .svg and _dark.svg");
   return [arguments, simulation] {
     return simulation->is_asked
                ? runSimulationChart(arguments->scene, *simulation, arguments->output)

@@ -83,22 +83,19 @@ Run addCheck(CLI::App* command) {
           ->excludes(engine);
   command
       ->add_option("--states", arguments->states,
-                   "CSV file of the states of these answers, row by row, where they do not stand "
+                   "States, a CSV file: of these answers, row by row, where they do not stand "
                    "beside them (qdd1.. may be answers then, too: of tau1.. here)")
       ->needs(answers);
   command
       ->add_option("--scalar", arguments->scalar,
                    "Arithmetic whose roundings are allowed: of double or of single precision")
       ->capture_default_str()
-      ->check(CLI::IsMember({"double", "float"}));
-  command->add_option("--seed", arguments->options.seed, "Seed of the states")
-      ->check(seed())
-      ->excludes(answers)
-      ->capture_default_str();
-  command->add_option("--format", arguments->format, "How to write it")
+      ->check(oneOf({"double", "float"}));
+  addSeed(*command, arguments->options.seed, "of the states")->excludes(answers);
+  command->add_option("--format", arguments->format, "How it is written")
       ->capture_default_str()
-      ->check(CLI::IsMember({"text", "json"}));
-  command->add_option("-o,--output", arguments->output, "File; without: standard output");
+      ->check(oneOf({"text", "json"}));
+  addOutput(*command, arguments->output, "file; without: standard output");
   command
       ->add_option("--smallest", arguments->smallest,
                    "Where nothing on record explains it: write the smallest scene that is still "

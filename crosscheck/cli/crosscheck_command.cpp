@@ -53,7 +53,7 @@ struct Arguments {
   std::string parameters = kAsWritten;
   std::vector<std::string> engines;  ///< commands
   Limits limits;                     ///< of each of these programs
-  int random = 0, joints = 12;       ///< random mechanisms instead of scenes
+  int mechanisms = 0, joints = 12;   ///< random mechanisms instead of scenes
   bool pairs = false;                ///< those that have every pair of features
   bool states_given = false, joints_given = false;
   int processes = availableProcessors();
@@ -83,7 +83,7 @@ std::string reproduce(const Arguments& arguments) {
   std::string command = "dynwitness crosscheck";
   for (const std::string& name : arguments.scenes) command += fmt::format(" '{}'", name);
   command +=
-      fmt::format(" --states {} --seed {}", arguments.options.states, arguments.options.seed);
+      fmt::format(" --random {} --seed {}", arguments.options.states, arguments.options.seed);
   for (const std::string& name : arguments.options.witnesses) command += " --witness " + name;
   for (const std::string& engine : arguments.engines) command += " --engine " + shellWord(engine);
   if (!arguments.engines.empty() && arguments.limits.seconds != Limits().seconds)
@@ -230,11 +230,11 @@ CampaignOptions campaignOptions(const Arguments& arguments) {
   return options;
 }
 
-/// --random, --pairs: mechanisms instead of scenes, and no report.
+/// --mechanisms, --pairs: mechanisms instead of scenes, and no report.
 int runRandom(const Arguments& arguments) {
   if (!arguments.scenes.empty())
     throw scene::InputError({}, fmt::format("{} draws its own mechanisms: leave the scenes out",
-                                            arguments.pairs ? "--pairs" : "--random"));
+                                            arguments.pairs ? "--pairs" : "--mechanisms"));
   requireWritableFile(arguments.json);
   const CampaignOptions options = campaignOptions(arguments);
   // the rarest pairs are in a few of so many; what none has is MISSING
@@ -251,11 +251,11 @@ int runRandom(const Arguments& arguments) {
       arguments.pairs ? pairs.missing() : std::vector<PairTable::Pair>();
   RandomCampaign campaign;
   {
-    CampaignProgress progress(arguments.pairs ? pairs.mechanisms() : arguments.random);
+    CampaignProgress progress(arguments.pairs ? pairs.mechanisms() : arguments.mechanisms);
     const auto show = [&](int done) { progress.show(done); };
     campaign = arguments.pairs ? crosscheckRandomOf(indices, arguments.joints, options,
                                                     arguments.processes, show)
-                               : crosscheckRandom(arguments.random, arguments.joints, options,
+                               : crosscheckRandom(arguments.mechanisms, arguments.joints, options,
                                                   arguments.processes, show);
   }
   if (!arguments.json.empty())
@@ -315,9 +315,9 @@ std::vector<std::string> viewsOf(const std::vector<scene::Scene>& scenes) {
 
 int run(const Arguments& arguments) {
   tellMissingKernels();
-  if (arguments.random > 0 || arguments.pairs) return runRandom(arguments);
+  if (arguments.mechanisms > 0 || arguments.pairs) return runRandom(arguments);
   if (arguments.joints_given)
-    throw scene::InputError({}, "--joints without --random or --pairs, allowed: with one of them");
+    throw scene::InputError({}, "--most-joints without --mechanisms or --pairs, allowed: with one of them");
   const std::vector<WitnessKind> kinds = selectWitnesses(arguments.options.witnesses);
   const std::vector<scene::Scene> scenes = scenesOf(arguments);
   for (const scene::Scene& scene : scenes) {
@@ -418,9 +418,8 @@ Run addCrosscheck(CLI::App* command) {
       "motion. An error bound that runs away or a witness that fails at a state is held against "
       "the run.");
   command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
-  command->add_option("--report", arguments->report, "Folder of the report")->capture_default_str();
-  command->add_option("--json", arguments->json,
-                      "Write report.json to this file as well; with --random, its result");
+  addOutput(*command, arguments->report, "folder of the report")->capture_default_str();
+  addJson(*command, arguments->json, "report.json, that is; with --mechanisms or --pairs theirs");
   command->add_option("--bench", arguments->bench,
                       "Show speed as well: a bench.json that `./dynwitness bench` wrote");
   command->add_option(
@@ -429,23 +428,16 @@ Run addCrosscheck(CLI::App* command) {
       "wrote");
   command
       ->add_option("--witness", arguments->options.witnesses,
-                   "Compare these witnesses only; laws of mechanics are tested on our sweeps "
+                   "Witnesses: only these are compared; laws of mechanics are tested on our sweeps "
                    "whoever is named")
       ->delimiter(',');
   CLI::Option* engine = addEngineOptions(*command, arguments->engines, arguments->limits);
   engine->description(engine->get_description() + "; several times for several");
-  const CLI::Option* states =
-      command
-          ->add_option(
-              "--states", arguments->options.states,
-              "Seeded states a check. Of more than 64 joints or links fewer are taken where this "
-              "is not given, of more than 128 joints witnesses alone are compared, and both are "
-              "told")
-          ->capture_default_str()
-          ->check(whole(1, 1000000));
-  command->add_option("--seed", arguments->options.seed, "Seed of the states")
-      ->capture_default_str()
-      ->check(seed());
+  const CLI::Option* states = addRandom(
+      *command, arguments->options.states, 1000000,
+      "for each check. Of more than 64 joints or links fewer are taken where this is not given, of "
+      "more than 128 joints witnesses alone are compared, and both are told");
+  addSeed(*command, arguments->options.seed, "of the states");
   command
       ->add_option("--error-probability", arguments->options.error_probability,
                    "Chance at most that an exact check passes a wrong formula")
@@ -457,12 +449,12 @@ Run addCrosscheck(CLI::App* command) {
           "Parameters in exact checks: the scene's values, or random elements of the field, so "
           "that the verdict covers every robot with that structure")
       ->capture_default_str()
-      ->check(CLI::IsMember({kAsWritten, kRandom}));
+      ->check(oneOf({kAsWritten, kRandom}));
   command
       ->add_option(
-          "--random", arguments->random,
+          "--mechanisms", arguments->mechanisms,
           "Check this many random mechanisms, exactly and with all witnesses in double at 3 states "
-          "each (or --states), instead of scenes; no report. Kernels take part when --witness "
+          "each (or --random), instead of scenes; no report. Kernels take part when --witness "
           "names them")
       ->excludes("--parameters", "--bench", "--stability", "--engine")
       ->check(whole(1, 100000000));
@@ -472,14 +464,12 @@ Run addCrosscheck(CLI::App* command) {
           "The same about those random mechanisms that have, between them, every pair of "
           "features (joint kinds inboard and outboard, rotors, springs, turned frames, ...); "
           "exit status 1 if a pair is missing")
-      ->excludes("--random", "--parameters", "--bench", "--stability", "--engine");
+      ->excludes("--mechanisms", "--parameters", "--bench", "--stability", "--engine");
   const CLI::Option* joints =
-      command->add_option("--joints", arguments->joints, "Most joints of a random mechanism")
+      command->add_option("--most-joints", arguments->joints, "Most joints of a random mechanism")
           ->capture_default_str()
           ->check(whole(1, 1000));
-  command->add_option("--processes", arguments->processes, "How many processes share the work")
-      ->capture_default_str()
-      ->check(whole(1, 1024));
+  addProcesses(*command, arguments->processes);
   command->add_flag("!--no-drift", arguments->options.drift,
                     "Leave out the 10 s simulations and the published motions");
   command->add_flag("!--no-charts", arguments->charts,
@@ -487,6 +477,10 @@ Run addCrosscheck(CLI::App* command) {
                     "measures");
   return [arguments, states, joints] {
     arguments->states_given = states->count() > 0;
+    if (arguments->states_given && arguments->scenes.empty() && arguments->mechanisms == 0 &&
+        !arguments->pairs)
+      tell("dynwitness crosscheck: all bundled scenes, at as many states as --random says; random "
+           "mechanisms, so called until 0.1.0, are --mechanisms now\n");
     arguments->joints_given = joints->count() > 0;
     if (arguments->parameters == kRandom) arguments->options.parameters = Parameters::kRandom;
     return run(*arguments);

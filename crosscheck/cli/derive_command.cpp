@@ -140,17 +140,17 @@ int run(const Arguments& arguments) {
 Run addDerive(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene")->required();
-  command->add_option("--format", arguments->format, "How to write it")
+  command->add_option("--format", arguments->format, "How it is written")
       ->capture_default_str()
-      ->check(CLI::IsMember({"text", "latex", "html", "c", "python"}));
-  command->add_option("--quantity", arguments->quantity, "Which steps to show")
+      ->check(oneOf({"text", "latex", "html", "c", "python"}));
+  command->add_option("--quantity", arguments->quantity, "Quantities: whose steps are shown")
       ->capture_default_str()
-      ->check(CLI::IsMember({"M", "c", "g", "all"}));
+      ->check(oneOf({"M", "c", "g", "all"}));
   command
       ->add_flag("--operations", arguments->operations,
                  "How many operations the programs for ID, M, c, g and FD take, by each road")
       ->excludes("--format", "--quantity");
-  command->add_option("-o,--output", arguments->output, "File; without: standard output");
+  addOutput(*command, arguments->output, "file; without: standard output");
   return [arguments] { return run(*arguments); };
 }
 

@@ -788,7 +788,7 @@ Run addEvaluate(CLI::App* command) {
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option(
       "--states", arguments->states,
-      "CSV file, or - for standard input: q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "
+      "States, a CSV file: or - for standard input; q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "
       "reactions) or tau1..taun (of qdd, lambda, nu, ..., and of reactions under closures, springs "
       "between points or acceleration constraints; for tau and others' reactions qdd is found first); "
       "joints that follow others have none of these. Without: the scene's start, no joint forces. "
@@ -798,15 +798,10 @@ Run addEvaluate(CLI::App* command) {
   arguments->qd.emplace(command, Part::kQd, "the scene's start");
   arguments->qdd.emplace(command, Part::kQdd, "found from tau");
   arguments->tau.emplace(command, Part::kTau, "none");
-  CLI::Option* random =
-      command
-          ->add_option("--random", arguments->random,
-                       "So many seeded states, closed where there are closures; the table has them")
-          ->check(whole(1, 1000000000));
-  command->add_option("--seed", arguments->seed, "Seed of these")
-      ->capture_default_str()
-      ->check(seed())
-      ->needs(random);
+  CLI::Option* random = addRandom(*command, arguments->random, 1000000000,
+                                  "closed where there are closures; the table has them");
+  random->default_str("");  // none
+  addSeed(*command, arguments->seed, "of the states")->needs(random);
   for (const char* name : {"--q", "--qd", "--qdd", "--tau", "--random"})
     command->get_option(name)->excludes("--states");
   for (const char* name : {"--q", "--qd", "--qdd", "--tau"})
@@ -814,7 +809,7 @@ Run addEvaluate(CLI::App* command) {
   command
       ->add_option(
           "--quantity", arguments->quantities,
-          "M, c, g, tau, qdd, kinetic, potential, momentum, reactions; with closures, driven "
+          "Quantities: M, c, g, tau, qdd, kinetic, potential, momentum, reactions; with closures, driven "
           "joints or acceleration "
           "constraints: qdd and reactions under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
           "Lambda "
@@ -837,12 +832,12 @@ Run addEvaluate(CLI::App* command) {
           "joint (z along the joint's axis, as in the chapter), world; always about the "
           "origin of the moved joint frame")
       ->capture_default_str()
-      ->check(CLI::IsMember({"link", "joint", "world"}));
+      ->check(oneOf({"link", "joint", "world"}));
   command
       ->add_option("--format", arguments->format,
-                   "csv, or json: an object a state, on a line of its own")
+                   "How it is written: csv, or json, an object a state on a line of its own")
       ->capture_default_str()
-      ->check(CLI::IsMember({"csv", "json"}));
+      ->check(oneOf({"csv", "json"}));
   command
       ->add_flag("--units", arguments->units,
                  "With units in the names: \"elbow.M_A44 [kg m^2]\"")
@@ -852,11 +847,11 @@ Run addEvaluate(CLI::App* command) {
       fmt::format("Say at how many states the rounding of the sweep, bounded as it goes, "
                   "leaves no more than {} digits; some 20 times slower",
                   kFewestDigits));
-  command->add_option("--witness", arguments->witness, "Who answers; without: the usual sweep");
+  command->add_option("--witness", arguments->witness, "Witnesses: who answers; without: the usual sweep");
   addEngineOptions(*command, arguments->engines, arguments->limits)
       ->excludes("--witness")
       ->expected(1);
-  command->add_option("-o,--output", arguments->output, "File; without: standard output");
+  addOutput(*command, arguments->output, "file; without: standard output");
   return [arguments] { return run(*arguments); };
 }
 

@@ -13,10 +13,14 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "crosscheck/cli/help.hpp"
+#include "crosscheck/cli/old_spellings.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/system/leaving.hpp"
 #include "scene/error.hpp"
+#include "scene/nearest_name.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -64,6 +68,51 @@ int become(const Command& command, char** argv) {
   return kBadInput;
 }
 
+std::vector<std::string> optionNames(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// That the command is one, and has the options: CLI11 complains of what they leave out first.
+void requireKnown(const std::vector<std::string>& words, const CLI::App& app,
+                  const std::vector<Command>& commands) {
+  if (words.empty())
+    throw scene::InputError({}, "no command, allowed: one of those that `dynwitness --help` lists");
+  if (words[0][0] == '-') return;
+  std::vector<std::string> names;
+  for (const Command& command : commands) names.push_back(command.name);
+  if (std::find(names.begin(), names.end(), words[0]) == names.end())
+    throw scene::InputError({}, fmt::format("\"{}\" is no command{}, allowed: {}", words[0],
+                                            scene::didYouMean(words[0], names),
+                                            fmt::join(names, ", ")));
+  const std::vector<std::string> options = optionNames(*app.get_subcommand(words[0]));
+  for (std::size_t k = 1; k < words.size() && words[k] != "--"; ++k) {
+    const std::string option = words[k].substr(0, words[k].find('='));
+    if (option.compare(0, 2, "--") != 0 || option == "--help" || option == "--help-all" ||
+        std::find(options.begin(), options.end(), option) != options.end())
+      continue;
+    throw scene::InputError({}, fmt::format("{} has no option {}{}, allowed: those that "
+                                            "`dynwitness {} --help` lists",
+                                            words[0], option, scene::didYouMean(option, options),
+                                            words[0]));
+  }
+}
+
+/// Runs the one that was parsed, here or in its own program.
+int runParsed(const CLI::App& app, const std::vector<Command>& commands,
+              const std::vector<Run>& runs, char** argv) {
+  for (std::size_t k = 0; k < commands.size(); ++k)
+    if (app.got_subcommand(commands[k].name)) {
+      if (!runs[k]) return become(commands[k], argv);
+      const int status = runs[k]();
+      requireOutputWritten();
+      return status;
+    }
+  return kOwnFailure;
+}
+
 }  // namespace
 
 int front(int argc, char** argv, const std::vector<Command>& commands) {
@@ -75,22 +124,28 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
   CLI::App app("Independent computations of a mechanism's dynamics testify against each other.",
                "dynwitness");
   app.require_subcommand(1);
+  app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_all_flag("--help-all", "Help of all subcommands");
   app.footer(
       "The wrapper ./dynwitness knows two more words: test builds and runs all tests, bench the "
-      "benchmarks.\n"
-      "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file, "
-      "a\n"
-      "URDF or an MJCF file. Exit status: 0 all agree; 1 a disagreement was found, or too little could be "
-      "compared;\n"
-      "2 bad usage or bad input; 3 a failure of dynwitness itself.");
+      "benchmarks.\n\n"
+      "SCENE is the name of a bundled scene ('dynwitness scenes' lists them), a TOML scene file, a "
+      "URDF or an MJCF file. Exit status: 0 all agree; 1 a disagreement was found, or too little "
+      "could be compared; 2 bad usage or bad input; 3 a failure of dynwitness itself.");
   std::vector<Run> runs;
   for (const Command& command : commands) {
     CLI::App* word = app.add_subcommand(command.name, command.description);
     runs.push_back(command.add ? command.add(word) : Run());
   }
+  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
   try {
-    app.parse(argc, argv);
+    const int known = orFailure([&] {
+      if (!words.empty()) words = inTodaysSpelling(words);
+      requireKnown(words, app, commands);
+      return 0;
+    });
+    if (known != 0) return known;
+    app.parse({words.rbegin(), words.rend()});
   } catch (const CLI::Success& help) {
     return orFailure([&] {
       const int status = app.exit(help);
@@ -98,19 +153,10 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
       return status;
     });
   } catch (const CLI::ParseError& error) {
-    app.exit(error);
+    tell(fmt::format("dynwitness {}: {} (dynwitness {} --help)\n", words[0], error.what(), words[0]));
     return kBadInput;
   }
-  return orFailure([&] {
-    for (std::size_t k = 0; k < commands.size(); ++k)
-      if (app.got_subcommand(commands[k].name)) {
-        if (!runs[k]) return become(commands[k], argv);
-        const int status = runs[k]();
-        requireOutputWritten();
-        return status;
-      }
-    return kOwnFailure;
-  });
+  return orFailure([&] { return runParsed(app, commands, runs, argv); });
 }
 
 }  // namespace dynwitness::cli

@@ -136,13 +136,13 @@ int run(Arguments arguments) {
 Run addGeometry(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
-  arguments->given_q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
+  arguments->given_q.emplace(command, StateOption::Part::kQ, "the scene's start");
   arguments->given_qd.emplace(command, StateOption::Part::kQd,
-                              "of the geodesic's start; the scene's, or 1 each", "--velocity");
-  command->add_option("--duration", arguments->geodesic.duration, "Of the geodesic [s]")
+                              "of the geodesic's start; the scene's, or 1 each");
+  command->add_option("--duration", arguments->geodesic.duration, "Duration [s]: of the geodesic")
       ->check(positive())
       ->capture_default_str();
-  command->add_option("--json", arguments->json, "Write the result to this file");
+  addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
       "  dynwitness geometry double_pendulum --q 0,1.2\n"

@@ -173,7 +173,7 @@ int run(Arguments arguments) {
 Run addGolden(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scenes, "Scenes");
-  command->add_flag("--all", arguments->all,
+  command->add_flag("--all-scenes", arguments->all,
                     "All bundled scenes; those that cannot be told are named");
   std::vector<std::string> quantities, formats;
   for (const Quantity quantity : kGoldenQuantities) quantities.push_back(name(quantity));
@@ -181,22 +181,18 @@ Run addGolden(CLI::App* command) {
   command
       ->add_option(
           "--quantity", arguments->quantities,
-          "Several with commas; without: all, of more than 64 rates all but M, kinetic, qdd, reactions")
+          "Quantities: several with commas; without: all, of more than 64 rates all but M, kinetic, qdd, reactions")
       ->delimiter(',')
-      ->check(CLI::IsMember(quantities));
-  command->add_option("--states", arguments->options.states, "States of a group, at most")
-      ->capture_default_str()
-      ->check(whole(1, 1000));
-  command->add_option("--seed", arguments->options.seed, "Seed of the states")
-      ->capture_default_str()
-      ->check(seed());
+      ->check(oneOf(quantities));
+  addRandom(*command, arguments->options.states, 1000, "at most, of a group");
+  addSeed(*command, arguments->options.seed, "of the states");
   command
       ->add_option("--format", arguments->formats,
-                   "Several with commas; without: json on standard output, all in a folder")
+                   "How it is written: several with commas; without: json on standard output, all in a folder")
       ->delimiter(',')
-      ->check(CLI::IsMember(formats));
-  command->add_option("-o,--output", arguments->output,
-                      "Folder for SCENE.json, .csv and .h, index.json, and verifiers");
+      ->check(oneOf(formats));
+  addOutput(*command, arguments->output,
+            "folder for SCENE.json, .csv and .h, index.json, and verifiers");
   command->footer(
       "dynwitness golden puma_560 -o golden; then in that folder, with answers in lines "
       "state,quantity,row,column,value:\n"

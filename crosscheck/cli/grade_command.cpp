@@ -64,11 +64,8 @@ Run addGrade(CLI::App* command) {
   command->add_option("folder", arguments->folder, "Folder: one submission a file or sub-folder");
   command->add_option("--rubric", arguments->rubric,
                       "TOML file: how submissions are started, scenes, marks");
-  command->add_option("-o,--output", arguments->output, "Folder for the results")
-      ->capture_default_str();
-  command->add_option("--jobs", arguments->jobs, "Submissions at a time")
-      ->capture_default_str()
-      ->check(whole(1, 1024));
+  addOutput(*command, arguments->output, "folder for the results")->capture_default_str();
+  addProcesses(*command, arguments->jobs, "a submission each at a time");
   command->add_flag("--again", arguments->again, "Run those, too, that were run before");
   command->add_flag("--example", arguments->example, "Print a rubric, with comments");
   command->footer(

@@ -96,7 +96,7 @@ Run addGrowth(CLI::App* command) {
                    "Chains, binary trees; both with a comma")
       ->capture_default_str()
       ->delimiter(',')
-      ->check(CLI::IsMember({"chain", "tree"}));
+      ->check(oneOf({"chain", "tree"}));
   command
       ->add_option("--links", arguments->options.most_links,
                    "Most links; smaller ones by powers of 4")
@@ -113,16 +113,14 @@ Run addGrowth(CLI::App* command) {
           "CPU time [s] for an engine at one size; one that needs more is asked for no larger one")
       ->capture_default_str()
       ->check(between(1, 100000));
-  command->add_option("--seed", arguments->options.seed, "Seed of the state")
-      ->capture_default_str()
-      ->check(seed());
+  addSeed(*command, arguments->options.seed, "of the state");
   command
       ->add_option("--witness", arguments->witnesses,
-                   "Outside engines beside our own sweeps; without: all that are there")
+                   "Witnesses: outside engines beside our own sweeps; without: all that are there")
       ->delimiter(',');
-  command->add_option("-o,--output", arguments->output,
-                      "Folder for growth.csv and chain, tree .gp, .svg and _dark.svg");
-  command->add_option("--json", arguments->json, "Write the result to this file");
+  addOutput(*command, arguments->output,
+            "folder for growth.csv and chain, tree .gp, .svg and _dark.svg");
+  addJson(*command, arguments->json);
   command->footer(
       "Examples:\n  dynwitness growth --family chain --links 4096\n"
       "  dynwitness growth --links 1000000 -o growth --json growth.json\n"

@@ -99,8 +99,8 @@ int run(Arguments arguments) {
 Run addImpedance(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
-  command->add_option("--link", arguments->options.link, "Link (default: the last)");
-  command->add_option("--at", arguments->at, "Point of the link, its frame [m]")
+  command->add_option("--link", arguments->options.link, "Link: whose point it is (default: the last)");
+  command->add_option("--at", arguments->at, "Point of the link, its frame [m]: where spring and damper act")
       ->check(finite())
       ->delimiter(',');
   command
@@ -122,8 +122,8 @@ Run addImpedance(CLI::App* command) {
                    "Of the joints [rad/(N m), m/N] (default: 1 each)")
       ->check(finite())
       ->delimiter(',');
-  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
-  command->add_option("--json", arguments->json, "Write the result to this file");
+  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start");
+  addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
       "  dynwitness impedance puma_560 --q 0.1,0.2,0.3,0.4,0.5,0.6 --stiffness "

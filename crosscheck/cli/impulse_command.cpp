@@ -132,8 +132,8 @@ int run(Arguments arguments) {
 Run addImpulse(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene")->required();
-  command->add_option("--link", arguments->options.link, "Link that is struck (default: the last)");
-  command->add_option("--at", arguments->at, "Point of the link, its frame [m], e.g. 0,0,0.1")
+  command->add_option("--link", arguments->options.link, "Link: that is struck (default: the last)");
+  command->add_option("--at", arguments->at, "Point of the link, its frame [m]: where it is struck, e.g. 0,0,0.1")
       ->check(finite())
       ->delimiter(',');
   command->add_option("--impulse", arguments->force, "Impulse at the point, world axes [N s]")
@@ -142,7 +142,7 @@ Run addImpulse(CLI::App* command) {
   command->add_option("--moment", arguments->moment, "Impulse of a moment, world axes [N m s]")
       ->check(finite())
       ->delimiter(',');
-  command->add_option("--joints", arguments->options.joints, "Impulses of the joints [N m s, N s]")
+  command->add_option("--joint-impulses", arguments->options.joints, "Impulses of the joints [N m s, N s]")
       ->check(finite())
       ->delimiter(',');
   command
@@ -155,10 +155,9 @@ Run addImpulse(CLI::App* command) {
                    "Of the impact: 0 plastic, 1 elastic")
       ->check(between(0, 1))
       ->capture_default_str();
-  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
-  arguments->qd.emplace(command, StateOption::Part::kQd, "before the blow; the scene's start",
-                        "--velocity");
-  command->add_option("--json", arguments->json, "Write the result to this file");
+  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start");
+  arguments->qd.emplace(command, StateOption::Part::kQd, "before the blow; the scene's start");
+  addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
       "  dynwitness impulse double_pendulum --at 0,0,-0.4 --impulse 1,0,0\n"

@@ -244,8 +244,8 @@ Run addLinearize(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   LinearizationOptions& options = arguments->options;
   command->add_option("scene", arguments->scene, "Scene")->required();
-  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
-  arguments->qd.emplace(command, StateOption::Part::kQd, "at rest", "--rates");
+  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start");
+  arguments->qd.emplace(command, StateOption::Part::kQd, "at rest");
   command->add_flag("--equilibrium", options.seeks_equilibrium,
                     "Go from there to where it is at rest without joint forces");
   command->add_flag("--free", options.has_no_forces,
@@ -253,7 +253,7 @@ Run addLinearize(CLI::App* command) {
   command
       ->add_option("--actuated", options.actuated, "Joints whose forces are at hand (default: all)")
       ->delimiter(',');
-  command->add_option("--json", arguments->json, "Write the result to this file");
+  addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
       "  dynwitness linearize acrobot --q pi,0 --actuated elbow\n"

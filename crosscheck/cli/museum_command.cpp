@@ -55,11 +55,8 @@ Run addMuseum(CLI::App* command) {
   command->add_option("exhibit", arguments->exhibits,
                       "Exhibits by name, each shown in full, with its link and what the check "
                       "says; without: all, as a table");
-  command->add_option("--json", arguments->json, "Write the result to this file");
-  command
-      ->add_option("--processes,--jobs", arguments->processes, "How many processes share the work")
-      ->capture_default_str()
-      ->check(whole(1, 1024));
+  addJson(*command, arguments->json);
+  addProcesses(*command, arguments->processes);
   command->footer(
       "Examples:\n"
       "  dynwitness museum\n"

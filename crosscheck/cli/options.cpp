@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/cli/options.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <functional>
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "scene/nearest_name.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -66,6 +70,41 @@ CLI::Validator seed() {
       [](std::uint64_t) { return true; },
       fmt::format("whole numbers from 0 to {}", std::numeric_limits<std::uint64_t>::max()),
       "0 to 2^64-1");
+}
+CLI::Validator oneOf(const std::vector<std::string>& words) {
+  return CLI::Validator(
+      [words](std::string& text) {
+        if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+        return fmt::format("read '{}'{}, allowed: {}", text, scene::didYouMean(text, words),
+                           fmt::join(words, ", "));
+      },
+      fmt::format("{{{}}}", fmt::join(words, ",")));
+}
+
+CLI::Option* addRandom(CLI::App& command, int& states, int most, const std::string& what_for) {
+  return command.add_option("--random", states, "So many seeded states: " + what_for)
+      ->capture_default_str()
+      ->check(whole(1, most));
+}
+CLI::Option* addSeed(CLI::App& command, std::uint64_t& seed_value, const std::string& of_what) {
+  return command.add_option("--seed", seed_value, "Seed: " + of_what)
+      ->capture_default_str()
+      ->check(seed());
+}
+CLI::Option* addJson(CLI::App& command, std::string& file, const std::string& detail) {
+  return command.add_option("--json", file,
+                            "The result for programs, into this file" +
+                                (detail.empty() ? "" : ": " + detail));
+}
+CLI::Option* addOutput(CLI::App& command, std::string& path, const std::string& what) {
+  return command.add_option("-o,--output", path, "Where to: " + what);
+}
+CLI::Option* addProcesses(CLI::App& command, int& processes, const std::string& detail) {
+  return command
+      .add_option("--processes", processes,
+                  "How many processes share the work" + (detail.empty() ? "" : ": " + detail))
+      ->capture_default_str()
+      ->check(whole(1, 1024));
 }
 
 }  // namespace dynwitness::cli

@@ -42,12 +42,8 @@ Run addParameters(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   crosscheck::ParametersOptions& options = arguments->options;
   command->add_option("scene", arguments->scene, "Scene")->required();
-  command->add_option("--states", options.states, "Seeded states to stack Y over")
-      ->check(whole(1, 10000))
-      ->capture_default_str();
-  command->add_option("--seed", options.seed, "Seed of points, states and draws")
-      ->check(seed())
-      ->capture_default_str();
+  addRandom(*command, options.states, 10000, "Y is stacked over these");
+  addSeed(*command, options.seed, "of points, states and draws");
   command->add_option(
       "--uncertainty", options.uncertainty,
       "Standard deviations: NAME=NUMBER,... of mass, inertia, rotor (relative), com, xyz [m], "
@@ -55,7 +51,7 @@ Run addParameters(CLI::App* command) {
   command->add_option("--samples", options.samples, "Monte Carlo draws for --uncertainty")
       ->check(whole(100, 10000000))
       ->capture_default_str();
-  command->add_option("--json", arguments->json, "Write the result to this file");
+  addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
       "  dynwitness parameters double_pendulum\n"

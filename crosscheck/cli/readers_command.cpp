@@ -100,15 +100,11 @@ int run(const Arguments& arguments) {
 Run addReaders(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("file", arguments->file, "URDF or MJCF file")->required();
-  command->add_flag("--all", arguments->all, "All links in the table, not only what differs");
-  command->add_option("--states", arguments->states, "Seeded states for M and g")
-      ->check(whole(1, 10000))
-      ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Seed of the states")
-      ->check(seed())
-      ->capture_default_str();
+  command->add_flag("--all-links", arguments->all, "All links in the table, not only what differs");
+  addRandom(*command, arguments->states, 10000, "for M and g");
+  addSeed(*command, arguments->seed, "of the states");
   addEngineOptions(*command, arguments->engines, arguments->limits);
-  command->add_option("--json", arguments->json, "Write the result to this file");
+  addJson(*command, arguments->json);
   command->add_option("--html", arguments->html,
                       "Write the result as a page, one file; and a picture beside it, .view.html");
   command->add_option("--mend", arguments->mend,
@@ -120,7 +116,7 @@ Run addReaders(CLI::App* command) {
       "Examples:\n"
       "  dynwitness readers my_arm.urdf\n"
       "  dynwitness readers my_arm.xml\n"
-      "  dynwitness readers my_arm.urdf --all --json readers.json --html readers.html\n"
+      "  dynwitness readers my_arm.urdf --all-links --json readers.json --html readers.html\n"
       "  dynwitness readers my_arm.urdf --engine \"python3 my_reader.py\"\n"
       "  dynwitness readers my_arm.urdf --mend mended.urdf\n"
       "Exit status: 0 every engine that reads the file has its robot; 1 one has another robot, "

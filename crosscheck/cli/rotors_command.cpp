@@ -73,16 +73,12 @@ int run(const Arguments& arguments) {
 Run addRotors(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene with rotors")->required();
-  command->add_option("--states", arguments->states, "Random states")
-      ->check(whole(1, 1000000))
-      ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Seed of the states")
-      ->check(seed())
-      ->capture_default_str();
-  command->add_option("--json", arguments->json, "The table for programs, as a file");
+  addRandom(*command, arguments->states, 1000000, "where the coupling is measured");
+  addSeed(*command, arguments->seed, "of the states");
+  addJson(*command, arguments->json);
   command->footer(
       "Examples:\n  dynwitness rotors puma_560\n"
-      "  dynwitness rotors gyroscopic_wrist --states 1000 --json rotors.json");
+      "  dynwitness rotors gyroscopic_wrist --random 1000 --json rotors.json");
   return [arguments] { return run(*arguments); };
 }
 

@@ -35,13 +35,9 @@ Run addSame(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("a", arguments->a, "Scene, TOML, URDF or MJCF file")->required();
   command->add_option("b", arguments->b, "The other one")->required();
-  command->add_option("--states", arguments->states, "Seeded states for what a difference does")
-      ->check(whole(1, 10000))
-      ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Seed of points and states")
-      ->check(seed())
-      ->capture_default_str();
-  command->add_option("--json", arguments->json, "Write the result to this file");
+  addRandom(*command, arguments->states, 10000, "for what a difference does");
+  addSeed(*command, arguments->seed, "of points and states");
+  addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"
       "  dynwitness same my_arm.urdf my_arm.toml\n"

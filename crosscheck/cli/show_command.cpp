@@ -69,10 +69,9 @@ int run(const Arguments& arguments) {
 Run addShow(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene")->required();
-  command->add_option("-o,--output", arguments->page,
-                      "Write the picture: one HTML file that needs no network");
-  command->add_option("--format", arguments->format, "What is printed: text or json")
-      ->check(CLI::IsMember({"text", "json"}))
+  addOutput(*command, arguments->page, "of the picture, one HTML file that needs no network");
+  command->add_option("--format", arguments->format, "How it is written: what is printed")
+      ->check(oneOf({"text", "json"}))
       ->capture_default_str();
   command->footer(
       "Examples:\n"

@@ -314,7 +314,7 @@ Run addSimulate(CLI::App* command) {
       "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
       "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare");
   command->add_option("scene", arguments->scene, "Scene")->required();
-  command->add_option("--duration", arguments->options.duration, "Simulated time [s]")
+  command->add_option("--duration", arguments->options.duration, "Duration [s]: simulated time")
       ->check(positive())
       ->capture_default_str();
   command
@@ -323,10 +323,10 @@ Run addSimulate(CLI::App* command) {
           "Which form of the closures is solved: index1 (phi'' = 0), index2 (phi' = 0), index3 "
           "(phi = 0), ggl (the last two, Gear, Leimkuhler and Gupta)")
       ->capture_default_str()
-      ->check(CLI::IsMember({"index1", "index2", "index3", "ggl"}));
+      ->check(oneOf({"index1", "index2", "index3", "ggl"}));
   command->add_option(
       "--method", arguments->method,
-      "Integrator: " + integratorNames() +
+      "Integrators: one of " + integratorNames() +
           " [runge_kutta_fehlberg78, which with runge_kutta_dopri5 chooses its steps by "
           "--step-error; radau_iia_5 where the formulation is not index1]");
   command
@@ -335,14 +335,14 @@ Run addSimulate(CLI::App* command) {
           "Error of a step of methods that choose theirs, relative and absolute [1e-10, or what a published "
           "motion of the scene takes]")
       ->check(positive());
-  command->add_option("--step", arguments->options.step, "Step of the other methods [s]")
+  command->add_option("--step", arguments->options.step, "Step size [s]: of the other methods")
       ->check(positive())
       ->capture_default_str();
   command
       ->add_option("--stabilisation", arguments->stabilisation,
                    "How index 1 keeps closures: none, baumgarte, or projection after each step "
                    "[projection; none for the others]")
-      ->check(CLI::IsMember({"none", "baumgarte", "projection"}));
+      ->check(oneOf({"none", "baumgarte", "projection"}));
   command
       ->add_option("--baumgarte-rate", arguments->options.baumgarte_rate,
                    "w [1/s] in phi'' + 2 w phi' + w^2 phi = 0")
@@ -351,15 +351,15 @@ Run addSimulate(CLI::App* command) {
   command->add_flag(
       "--compare", arguments->compare,
       "All formulations in one table: cost, drift, energy, errors of q, qd and multipliers");
-  command->add_option("--json", arguments->json,
-                      "File: ranks, drift, cost and published motions; with --compare its table");
+  addJson(*command, arguments->json,
+          "ranks, drift, cost and published motions; with --compare its table");
   command
       ->add_option("--outputs", arguments->options.outputs,
                    "Rows of the CSV file, and states of --view")
       ->check(whole(1, 1000000))
       ->capture_default_str();
   command->add_option("--csv", arguments->csv,
-                      "File: time, q, qd, qdd, multipliers, energies, drift");
+                      "Table as a CSV file: time, q, qd, qdd, multipliers, energies, drift");
   command
       ->add_flag(
           "--once", arguments->runs_once,

@@ -26,10 +26,10 @@ std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command) 
       "and energy error, by steps of each integrator");
   command
       ->add_option("--method", arguments->options.methods,
-                   "With --simulate: integrators [all that know the scene]: " + integratorNames())
+                   "Integrators: with --simulate [all that know the scene]; " + integratorNames())
       ->delimiter(',')
       ->needs(simulate);
-  command->add_option("--duration", arguments->options.duration, "With --simulate: [s]")
+  command->add_option("--duration", arguments->options.duration, "Duration [s]: with --simulate")
       ->check(positive())
       ->capture_default_str()
       ->needs(simulate);

@@ -182,7 +182,7 @@ Run addDrift(CLI::App* command) {
   auto arguments = std::make_shared<DriftArguments>();
   command->add_option("scene", arguments->scene, "Scene")->required();
   CLI::Option* method = command->add_option("--method", arguments->methods,
-                                            "Integrators [runge_kutta4]: " + integratorNames());
+                                            "Integrators: [runge_kutta4] " + integratorNames());
   method->delimiter(',');
   CLI::Option* advise = command->add_option(
       "--advise", arguments->accuracy,
@@ -206,16 +206,16 @@ Run addDrift(CLI::App* command) {
       "real axis that does not grow");
   command
       ->add_option("--step", arguments->options.steps,
-                   "Step sizes [s]; without any: 0.01 halved until the order shows")
+                   "Step size [s]: several with commas; without any 0.01, halved until the order shows")
       ->check(positive())
       ->delimiter(',')
       ->excludes(advise);
-  command->add_option("--duration", arguments->options.duration, "Simulated time [s]")
+  command->add_option("--duration", arguments->options.duration, "Duration [s]: simulated time")
       ->check(positive())
       ->capture_default_str();
   CLI::Option* plot =
       command->add_option("--plot", arguments->plot, "Chart of the first method, as SVG");
-  CLI::Option* csv = command->add_option("--csv", arguments->csv, "The printed table, as a file");
+  CLI::Option* csv = command->add_option("--csv", arguments->csv, "Table as a CSV file: the printed one");
   for (CLI::Option* ours : {plot, csv}) ours->excludes(advise)->excludes(engines)->excludes(motion);
   return [arguments] { return runDrift(*arguments); };
 }

@@ -135,12 +135,10 @@ Run addStability(CLI::App* command) {
       ->delimiter(',');
   command
       ->add_option("--witness", arguments->witnesses,
-                   "Witnesses in double beside our sweeps in float; without: all that are there")
+                   "Witnesses: in double beside our sweeps in float; without: all that are there")
       ->delimiter(',');
-  command
-      ->add_option("-o,--output", arguments->output,
-                   "Folder for index.html, stability.json, and data, script and picture of each "
-                   "family")
+  addOutput(*command, arguments->output,
+            "folder for index.html, stability.json, and data, script and picture of each family")
       ->capture_default_str();
   command->add_flag("--list", arguments->list, "The families and their dials");
   command->add_flag("--quick", arguments->quick, "Fewer severities, and nothing that is compiled");

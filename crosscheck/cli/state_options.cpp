@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -40,8 +39,7 @@ double numberOf(const std::string& option, const std::string& text, const scene:
 
 }  // namespace
 
-StateOption::StateOption(CLI::App* command, Part part, const std::string& otherwise,
-                         const std::string& old)
+StateOption::StateOption(CLI::App* command, Part part, const std::string& otherwise)
     : part_(part), words_(std::make_shared<std::vector<std::string>>()) {
   const std::string name = nameOf(part);
   command
@@ -50,18 +48,6 @@ StateOption::StateOption(CLI::App* command, Part part, const std::string& otherw
                                kMeanings[static_cast<int>(part)], otherwise))
       ->delimiter(',')
       ->type_name("FLOAT:finite ...");
-  if (old.empty()) return;
-  const auto words = words_;
-  command
-      ->add_option_function<std::vector<std::string>>(
-          old,
-          [words, name, old](const std::vector<std::string>& given) {
-            fmt::print(stderr, "{} is --{} now, and goes with the next release\n", old, name);
-            *words = given;
-          },
-          "")
-      ->delimiter(',')
-      ->group("");  // not in --help
 }
 
 /// Two a number where a joint has one name for it: by joint and by place ("elbow", "q3").

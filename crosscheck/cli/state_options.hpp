@@ -24,9 +24,7 @@ class StateOption {
   enum class Part { kQ, kQd, kQdd, kTau };
 
   /// @param otherwise  what stands there without the option, for --help
-  /// @param old  how it was called until 0.1.0: still taken, with a notice
-  StateOption(CLI::App* command, Part part, const std::string& otherwise,
-              const std::string& old = "");
+  StateOption(CLI::App* command, Part part, const std::string& otherwise);
 
   bool isGiven() const { return !words_->empty(); }
   /** One number a position slot (of q) or degree of freedom: what is given, and otherwise these.

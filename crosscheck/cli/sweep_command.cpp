@@ -207,11 +207,11 @@ int run(const Arguments& arguments) {
 Run addSweep(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene")->required();
-  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start", "--state");
-  arguments->qd.emplace(command, StateOption::Part::kQd, "the scene's start", "--rates");
-  arguments->qdd.emplace(command, StateOption::Part::kQdd, "0", "--accelerations");
-  command->add_option("--link", arguments->link, "This link, or joint, alone");
-  command->add_option("--json", arguments->json, "Write all of it to this file");
+  arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start");
+  arguments->qd.emplace(command, StateOption::Part::kQd, "the scene's start");
+  arguments->qdd.emplace(command, StateOption::Part::kQdd, "0");
+  command->add_option("--link", arguments->link, "Link: this, or that of this joint, alone");
+  addJson(*command, arguments->json);
   command->footer(
       "Example:\n"
       "  dynwitness sweep double_pendulum --q 0.3,0.4 --qd 1,2 --qdd 0.5,-0.5\n"

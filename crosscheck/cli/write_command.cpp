@@ -49,11 +49,10 @@ int run(const Arguments& arguments) {
 Run addWrite(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene, TOML, URDF or MJCF file")->required();
-  command->add_option("--format", arguments->format, "toml, urdf or mjcf")
+  command->add_option("--format", arguments->format, "How it is written")
       ->required()
-      ->check(CLI::IsMember({"toml", "urdf", "mjcf"}));
-  command->add_option("-o,--output", arguments->output,
-                      "File; without, the text goes to standard output");
+      ->check(oneOf({"toml", "urdf", "mjcf"}));
+  addOutput(*command, arguments->output, "file; without: standard output");
   command->add_flag("--lossy", arguments->lossy,
                     "Leave out what the format cannot hold, each as a comment");
   command->footer(

@@ -29,7 +29,7 @@ Plan planFor(const scene::Scene& scene, const Options& options) {
     plan.states = std::max(kFewestStates, static_cast<int>(usual * share * share));
     plan.told.push_back(fmt::format(
         "{} of the usual {} states: each costs n^2 operations, and n = {} {}; any other "
-        "number that --states names is kept",
+        "number that --random names is kept",
         plan.states, usual, size, size > n ? "links" : "joints"));
   }
   if (!plan.whole)

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "crosscheck/system/processes.hpp"
 #include "crosscheck/system/shell.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
+#include "scene/nearest_name.hpp"
 #include "scene/scene.hpp"
 #include "scene/text_file.hpp"
 #include "scene/text_tables.hpp"
@@ -76,22 +76,6 @@ MuseumPiece pieceOf(const scene::TextTable& table) {
                                       "name first, [\"com_dropped:link_4\"]");
   out.named = named->second;
   return out;
-}
-
-/// Letters to insert, delete or exchange (Levenshtein).
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t corner = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t above = row[j + 1];
-      row[j + 1] = std::min({above + 1, row[j] + 1, corner + (a[i] == b[j] ? 0 : 1)});
-      corner = above;
-    }
-  }
-  return row.back();
 }
 
 /// "rule:link", or "rule" where it is everywhere; of a pair both.
@@ -221,18 +205,17 @@ Museum bundledMuseum() {
 
 std::vector<MuseumPiece> selectPieces(const Museum& museum, const std::vector<std::string>& ids) {
   if (ids.empty()) return museum.pieces;
+  std::vector<std::string> known;
+  for (const MuseumPiece& piece : museum.pieces) known.push_back(piece.id);
   std::vector<MuseumPiece> out;
   for (const std::string& id : ids) {
-    const MuseumPiece& nearest = *std::min_element(museum.pieces.begin(), museum.pieces.end(),
-                                                   [&](const MuseumPiece& a, const MuseumPiece& b) {
-                                                     return distance(a.id, id) < distance(b.id, id);
-                                                   });
-    if (nearest.id != id)
-      throw InputError({}, fmt::format("no exhibit is called \"{}\", the nearest name is \"{}\"; "
-                                       "`dynwitness museum` shows all {}",
-                                       id, nearest.id, museum.pieces.size()));
+    const auto at = std::find(known.begin(), known.end(), id);
+    if (at == known.end())
+      throw InputError({}, fmt::format("no exhibit is called \"{}\"{}, allowed: one of the {} that "
+                                       "`dynwitness museum` shows",
+                                       id, scene::didYouMean(id, known), known.size()));
     if (std::none_of(out.begin(), out.end(), [&](const MuseumPiece& x) { return x.id == id; }))
-      out.push_back(nearest);
+      out.push_back(museum.pieces[static_cast<std::size_t>(at - known.begin())]);
   }
   return out;
 }

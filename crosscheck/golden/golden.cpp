@@ -80,7 +80,7 @@ class Questions {
     if (out_.numbers() > kMostNumbers)
       throw scene::InputError(
           {out_.scene.file.string()},
-          fmt::format("{} numbers to certify, allowed: {}; fewer with --states and --quantity",
+          fmt::format("{} numbers to certify, allowed: {}; fewer with --random and --quantity",
                       out_.numbers(), kMostNumbers));
     return std::move(out_);
   }

@@ -165,7 +165,7 @@ std::string readersPage(const ReadersResult& result, const Environment& environm
   for (const ReaderResult& reader : result.readers) putReader(&page, reader);
   put(&page,
       "</main>\n<footer>\n<h2>Read it again</h2>\n<pre tabindex=\"0\"><code>dynwitness readers {} "
-      "--states {} --seed {}</code></pre>\n<dl class=\"meta\">\n<dt>dynwitness</dt><dd>{}{}</dd>\n"
+      "--random {} --seed {}</code></pre>\n<dl class=\"meta\">\n<dt>dynwitness</dt><dd>{}{}</dd>\n"
       "<dt>Date</dt><dd>{}</dd>\n</dl>\n</footer>\n</body>\n</html>\n",
       esc(result.file), result.states, result.seed, esc(environment.version),
       environment.commit.empty() ? "" : ", commit " + esc(environment.commit),

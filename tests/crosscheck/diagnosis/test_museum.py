@@ -81,7 +81,7 @@ def main():
         expect("one id twice", 2, "each id once", exhibits=[EXHIBIT, EXHIBIT])
         expect("a scene that is not there", 2, 'exhibit "webots_inertia_point"', exhibits=but(scene="pendulum_of_foucault"))
         expect("an empty list", 2, "no exhibit", exhibits=())
-        expect("an exhibit that is not there", 2, 'the nearest name is "webots_inertia_point"', arguments=["webots_inertia"])
+        expect("an exhibit that is not there", 2, '(did you mean webots_inertia_point?)', arguments=["webots_inertia"])
     if failed:
         sys.exit("\n".join(failed))
 

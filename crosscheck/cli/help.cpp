@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/cli/help.hpp"
+
+#include <sstream>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace dynwitness::cli {
+namespace {
+
+constexpr std::size_t kColumns = 80;
+
+/// Lines of at most so many letters, but for words that are longer.
+std::vector<std::string> broken(const std::string& paragraph, std::size_t letters) {
+  std::vector<std::string> lines;
+  std::istringstream words(paragraph);
+  for (std::string word; words >> word;)
+    if (!lines.empty() && lines.back().size() + 1 + word.size() <= letters)
+      lines.back() += ' ' + word;
+    else
+      lines.push_back(word);
+  return lines;
+}
+
+bool staysAsItIs(const std::string& line) {
+  return line.empty() || line[0] == ' ' || line.compare(0, 11, "dynwitness ") == 0;
+}
+
+}  // namespace
+
+std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positional) const {
+  const std::string name =
+      "  " + make_option_name(option, is_positional) + make_option_opts(option);
+  const std::size_t width = column_width_;
+  std::string out = name.size() < width ? fmt::format("{:<{}}", name, width)
+                                        : name + "\n" + std::string(width, ' ');
+  const std::vector<std::string> lines = broken(make_option_desc(option), kColumns - width);
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    out += (k == 0 ? "" : "\n" + std::string(width, ' ')) + lines[k];
+  return out + "\n";
+}
+
+std::string HelpFormatter::make_footer(const CLI::App* app) const {
+  std::istringstream lines(app->get_footer());
+  std::string out, paragraph;
+  const auto flow = [&] {
+    for (const std::string& line : broken(paragraph, kColumns)) out += "\n" + line;
+    paragraph.clear();
+  };
+  for (std::string line; std::getline(lines, line);) {
+    if (!staysAsItIs(line)) {
+      paragraph += ' ' + line;
+      continue;
+    }
+    flow();
+    out += "\n" + line;
+  }
+  flow();
+  return out.empty() ? out : out + "\n";
+}
+
+}  // namespace dynwitness::cli
