@@ -139,7 +139,7 @@ def crosscheck(scene, *options):
     with _Files() as files:
         report = files.path / "report.json"
         run("crosscheck", files.scene(scene), "--no-charts", "--no-drift", *options,
-            "--report", files.path / "report", "--json", report, agreed_only=False)
+            "-o", files.path / "report", "--json", report, agreed_only=False)
         return json.loads(report.read_text())
 
 

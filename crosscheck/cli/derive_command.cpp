@@ -8,6 +8,7 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/kernel/roads.hpp"

@@ -145,7 +145,7 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
       return 0;
     });
     if (known != 0) return known;
-    app.parse({words.rbegin(), words.rend()});
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::Success& help) {
     return orFailure([&] {
       const int status = app.exit(help);

@@ -59,7 +59,7 @@ std::vector<Format> formatsOf(const Arguments& arguments) {
   throw scene::InputError({}, what);
 }
 
-/// The scenes that were asked for, and of --all those that are refused, with the reasons.
+/// The scenes that were asked for, and of --all-scenes those that are refused, with the reasons.
 struct Admitted {
   std::vector<scene::Scene> scenes;
   std::vector<std::vector<std::string>> left_out;  ///< one a scene
@@ -67,8 +67,8 @@ struct Admitted {
 };
 Admitted admitAll(const Arguments& arguments) {
   if (arguments.all != arguments.scenes.empty())
-    refuse(arguments.all ? "scenes beside --all, allowed: one or the other"
-                         : "no scene, allowed: SCENE... or --all");
+    refuse(arguments.all ? "scenes beside --all-scenes, allowed: one or the other"
+                         : "no scene, allowed: SCENE... or --all-scenes");
   Admitted out;
   const auto take = [&](const scene::Scene& scene) {
     admit(scene, {Command::kGolden});

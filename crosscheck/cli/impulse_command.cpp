@@ -60,7 +60,7 @@ int run(Arguments arguments) {
       (!arguments.force.empty() || !arguments.moment.empty() || !options.joints.empty()))
     throw scene::InputError({},
                             "--wall seeks the impulse itself, allowed: without --impulse, --moment "
-                            "and --joints");
+                            "and --joint-impulses");
   if (is_impact && options.direction == std::array<double, 3>{})
     throw scene::InputError({}, "--wall: 0,0,0 is no direction");
   if (!is_impact && arguments.force.empty() && arguments.moment.empty() && options.joints.empty() &&

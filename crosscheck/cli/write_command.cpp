@@ -6,6 +6,7 @@
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/formats.hpp"

@@ -239,7 +239,7 @@ struct Rules {
         {Command::kAction,
          friction,
          {Kind::kRefused,
-          "forces that depend on rates are given by --damping alone, the same for every joint"}},
+          "forces that depend on rates are given by --friction alone, the same for every joint"}},
         {Command::kAction,
          closures + point_springs,
          {Kind::kRefused, "varied paths would have to keep them, allowed: a tree of links"}},

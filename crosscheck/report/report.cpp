@@ -114,8 +114,8 @@ std::string chapterSection(const std::filesystem::path& folder) {
       "hold, and what is so where they do not, with numbers for the board.</p>\n<p>";
   page += std::filesystem::is_regular_file(folder / "audit" / "index.html")
               ? "<a href=\"audit/index.html\">The audit, equation by equation</a>, as "
-                "<code>dynwitness audit --report FOLDER/audit</code> left it (FOLDER: this page's)."
-              : "<code>dynwitness audit --report FOLDER/audit</code>, FOLDER being this page's, "
+                "<code>dynwitness audit -o FOLDER/audit</code> left it (FOLDER: this page's)."
+              : "<code>dynwitness audit -o FOLDER/audit</code>, FOLDER being this page's, "
                 "writes the page in two seconds, and the next report links to it.";
   return page + "</p>\n</section>\n";
 }

@@ -71,7 +71,7 @@ void crosscheckOf(benchmark::State& run, const char* scene) {
     const pid_t process = fork();
     if (process == 0) {
       if (std::freopen(log.c_str(), "w", stdout) && std::freopen(log.c_str(), "a", stderr))
-        execl(DYNWITNESS_PROGRAM, "dynwitness", "crosscheck", scene, "--report", report.c_str(),
+        execl(DYNWITNESS_PROGRAM, "dynwitness", "crosscheck", scene, "-o", report.c_str(),
               static_cast<char*>(nullptr));
       _exit(127);
     }

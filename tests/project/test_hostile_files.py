@@ -260,7 +260,7 @@ def only_what_is_asked():
 
 def unwritable():
     write('file', '')
-    for words in [('crosscheck', 'chain_100', '--report'), ('audit', '--report'), ('chart', 'chain_100', '-o'),
+    for words in [('crosscheck', 'chain_100', '-o'), ('audit', '-o'), ('chart', 'chain_100', '-o'),
                   ('growth', '-o'), ('stability', '-o')]:
         refuses('file', *words, 'file', seconds=5)
         refuses('file', *words, 'file/below', seconds=5)

@@ -28,7 +28,7 @@ grep -q double_pendulum "$work/scenes" || fail "no scenes in it: $(<"$work/scene
 echo 'title = "x"' >"$work/root/usr/share/dynwitness/scenes/double_pendulum.toml"
 ! run show double_pendulum >"$work/out" 2>&1 || fail 'the program reads the data of the sources'
 grep -q "root/usr/share/dynwitness/scenes/double_pendulum.toml" "$work/out" || fail "$(<"$work/out")"
-run crosscheck simple_pendulum --states 5 --no-charts --no-drift --report "$work/report" >"$work/out" 2>&1 ||
+run crosscheck simple_pendulum --random 5 --no-charts --no-drift -o "$work/report" >"$work/out" 2>&1 ||
   fail "a crosscheck by the packaged program: $(<"$work/out")"
 run sweep acrobot >/dev/null || fail 'a command that is in another program'
 

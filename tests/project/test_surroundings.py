@@ -24,7 +24,7 @@ import traceback
 
 PROGRAM = os.path.abspath(sys.argv[1])
 CASES = []
-QUICK = ["crosscheck", "simple_pendulum", "--states", "2", "--no-drift", "--no-charts", "--processes", "1"]
+QUICK = ["crosscheck", "simple_pendulum", "--random", "2", "--no-drift", "--no-charts", "--processes", "1"]
 KERNEL = QUICK + ["--witness", "newton_euler,kernel"]
 
 
@@ -391,10 +391,10 @@ def without_a_home_kernels_are_left_out(place):
 def a_full_disk_leaves_the_last_report_whole(place):
     with mounts() as prefix:
         script = """mount -t tmpfs -o size=400k none work; mkdir work/x; cd work
-            "$0" "$@" --seed 1 --report report >/dev/null
+            "$0" "$@" --seed 1 -o report >/dev/null
             cp -r report ../before
             head -c 1000000 /dev/zero > filler || true
-            status=0; "$0" "$@" --seed 2 --report report >/dev/null 2>../said || status=$?
+            status=0; "$0" "$@" --seed 2 -o report >/dev/null 2>../said || status=$?
             ls -A . >../left; diff -r report ../before >../difference; echo $status"""
         done = subprocess.run([*prefix, script, PROGRAM, *QUICK, "--witness", "newton_euler"],
                               cwd=place.folder, env=place.environment, capture_output=True, text=True)
@@ -442,7 +442,7 @@ def a_lack_of_stack_is_mended_or_told(place):
 
 @case
 def a_limit_of_processor_time_is_told(place):
-    place.fails(["crosscheck", "humanoid", "--states", "100000", "--processes", "1", "--no-charts"], -signal.SIGXCPU,
+    place.fails(["crosscheck", "humanoid", "--random", "100000", "--processes", "1", "--no-charts"], -signal.SIGXCPU,
                 "processor time", limits=[(resource.RLIMIT_CPU, 1)])
     check(not place.report.exists(), "a report of what was not done")
     place.requireNothingLeft()
@@ -473,7 +473,7 @@ def without_standard_error_the_work_is_done(place):
 
 @case
 def no_file_gets_the_number_of_a_standard_file_that_is_closed(place):
-    process = place.start(["crosscheck", "humanoid", "--states", "100000", "--no-charts", "--processes", "1"],
+    process = place.start(["crosscheck", "humanoid", "--random", "100000", "--no-charts", "--processes", "1"],
                           shell="<&- >&- 2>&-")
     try:
         seen, end = set(), time.time() + 2
@@ -504,7 +504,7 @@ def numbers_are_the_same_in_a_locale_with_decimal_commas(place):
                           capture_output=True) if shutil.which("localedef") else None
     if made is None or not (folder / "de_DE.UTF-8").exists():
         raise Skipped("no localedef, or nothing for it to read")
-    words = ["crosscheck", "double_pendulum", "--states", "2", "--no-charts"]
+    words = ["crosscheck", "double_pendulum", "--random", "2", "--no-charts"]
     drift = ["drift", "simple_pendulum", "--duration", "1", "--plot", "drift.svg"]
     plain = place.agrees(words), place.agrees(drift)
     picture = (place.work / "drift.svg").read_bytes() if shutil.which("gnuplot") else b""
@@ -536,7 +536,7 @@ def signalled(place, words, number, ready):
 
 @case
 def signals_end_the_work_and_its_copies(place):
-    words = ["crosscheck", "humanoid", "puma_560", "--states", "100000", "--no-charts", "--processes", "2"]
+    words = ["crosscheck", "humanoid", "puma_560", "--random", "100000", "--no-charts", "--processes", "2"]
     place.agrees(QUICK)  # with which the compiler was tried
     shutil.rmtree(place.report)
     for number, text in ((signal.SIGINT, "interrupted"), (signal.SIGTERM, "terminated"), (signal.SIGHUP, "hung up"),
@@ -624,7 +624,7 @@ def a_kill_at_any_change_of_files_leaves_one_report_whole(place):
 
 @case
 def signals_at_random_moments_leave_one_report_whole(place):
-    words = ["crosscheck", "simple_pendulum", "--states", "2", "--processes", "2"]
+    words = ["crosscheck", "simple_pendulum", "--random", "2", "--processes", "2"]
     place.agrees(words + ["--seed", "1"])
     begin = time.time()
     place.agrees(words + ["--seed", "2"])

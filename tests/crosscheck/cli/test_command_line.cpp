@@ -25,7 +25,7 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   const Program program;
   refuses(program, "", "subcommand");
   refuses(program, "crosschek", "subcommand");
-  refuses(program, "crosscheck --states 0", "--states");
+  refuses(program, "crosscheck --random 0", "--random");
   refuses(program, "crosscheck 'no such scene'", "double_pendulum");  // the names that exist
   refuses(program, "crosscheck missing.toml", "missing.toml");
   refuses(program, "crosscheck acrobot --witness simbdy", "newton_euler");
@@ -49,10 +49,10 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   refuses(program, "impedance acrobot --stiffness 1,2", "--stiffness: 2 values, allowed: 6");
   refuses(program, "chart", "scene");
   refuses(program, "chart acrobot --quantity tau,c", "qdd");
-  refuses(program, "chart acrobot --states 0", "--states");
+  refuses(program, "chart acrobot --random 0", "--random");
   refuses(program, "chart acrobot --witness simbdy", "simbody");
   refuses(program, "parameters acrobot --uncertainty mas=1 --json p.json", "mass, inertia, rotor");
-  refuses(program, "parameters acrobot --states 0", "--states");
+  refuses(program, "parameters acrobot --random 0", "--random");
   BOOST_TEST(program.fileCount() == 0u);  // and nothing was written
 }
 
@@ -105,11 +105,11 @@ BOOST_AUTO_TEST_CASE(a_bad_states_file_is_refused_with_its_line) {
 BOOST_AUTO_TEST_CASE(an_unwritable_report_folder_is_refused_before_any_work) {
   const Program program;
   program.write("file", "");
-  refuses(program, "crosscheck acrobot --report file/report", "file");
-  refuses(program, "crosscheck acrobot --report /proc/report", "/proc");
+  refuses(program, "crosscheck acrobot -o file/report", "file");
+  refuses(program, "crosscheck acrobot -o /proc/report", "/proc");
   // 100000 states would take minutes
-  refuses(program, "chart humanoid --states 100000 -o file/charts", "file");
-  refuses(program, "chart humanoid --states 100000 -o /proc/charts", "/proc");
+  refuses(program, "chart humanoid --random 100000 -o file/charts", "file");
+  refuses(program, "chart humanoid --random 100000 -o /proc/charts", "/proc");
 }
 
 BOOST_AUTO_TEST_CASE(an_unwritable_file_is_refused_before_any_work) {
@@ -132,7 +132,7 @@ BOOST_AUTO_TEST_CASE(an_unwritable_file_is_refused_before_any_work) {
 BOOST_AUTO_TEST_CASE(a_file_may_lie_in_the_folder_of_the_report) {
   const Program program;
   const std::string words =
-      "crosscheck acrobot --no-drift --states 1 --report new --json new/a.json";
+      "crosscheck acrobot --no-drift --random 1 -o new --json new/a.json";
   BOOST_TEST(program.run(words).status == 0);
   BOOST_TEST(program.read("new/a.json") == program.read("new/report.json"));
 }
@@ -212,17 +212,17 @@ BOOST_AUTO_TEST_CASE(evaluate_names_the_reactions_of_each_joint) {
 
 BOOST_AUTO_TEST_CASE(rotors_shows_what_n_squared_J_leaves_out) {
   const Program program;
-  const Outcome outcome = program.run("rotors gyroscopic_wrist --states 5 --json r.json");
+  const Outcome outcome = program.run("rotors gyroscopic_wrist --random 5 --json r.json");
   BOOST_TEST(outcome.status == 0);
   BOOST_TEST(outcome.out.find("largest tau") != std::string::npos);
   BOOST_TEST(program.fileCount() == 1u);
   refuses(program, "rotors acrobot", "has no rotor");
-  refuses(program, "rotors gyroscopic_wrist --states 0", "--states");
+  refuses(program, "rotors gyroscopic_wrist --random 0", "--random");
 }
 
 BOOST_AUTO_TEST_CASE(the_same_scene_and_seed_give_the_same_bytes) {
   const Program program;
-  const std::string words = "crosscheck furuta_pendulum cart_pole --states 20 --report ";
+  const std::string words = "crosscheck furuta_pendulum cart_pole --random 20 -o ";
   const std::string fixed_date = "SOURCE_DATE_EPOCH=0 ";
   for (const char* folder : {"a --processes 1", "b --processes 2"})
     BOOST_TEST(
@@ -248,7 +248,7 @@ BOOST_AUTO_TEST_CASE(a_motion_without_integration_error_agrees) {
       "title = \"x\"\nsource = \"x\"\ngravity = [0, 0, -9.81]\n[[link]]\nname = \"base\"\n"
       "[[link]]\nname = \"slide\"\nparent = \"base\"\nmass = 1\n"
       "[link.joint]\nkind = \"prismatic\"\n");
-  const Outcome outcome = program.run("crosscheck fall.toml --states 5");
+  const Outcome outcome = program.run("crosscheck fall.toml --random 5");
   BOOST_TEST_CONTEXT(outcome.out) BOOST_TEST(outcome.status == 0);
 }
 
@@ -262,7 +262,7 @@ BOOST_AUTO_TEST_CASE(a_singular_mass_matrix_is_no_disagreement) {
       "[[link]]\nname = \"weight\"\nparent = \"shuttle\"\nmass = 2\n"
       "joint = { kind = \"prismatic\" }\n");
   const Outcome outcome = program.run(
-      "crosscheck sliders.toml --states 5 --witness "
+      "crosscheck sliders.toml --random 5 --witness "
       "lagrange,newton_euler,composite_body,articulated_body");
   BOOST_TEST_CONTEXT(outcome.out) {
     BOOST_TEST(outcome.status == 0);
@@ -279,14 +279,14 @@ BOOST_AUTO_TEST_CASE(a_scene_with_a_bundled_name_is_not_held_to_the_table) {
                 "title = \"x\"\nsource = \"x\"\ngravity = [0, 0, -1]\n[[link]]\nname = \"base\"\n"
                 "[[link]]\nname = \"bob\"\nparent = \"base\"\nmass = 3\ncom = [0, 0, -2]\n"
                 "[link.joint]\nkind = \"revolute\"\naxis = [0, 1, 0]\n[start]\nq = [1]\n");
-  const Outcome outcome = program.run("crosscheck ./simple_pendulum.toml --states 5");
+  const Outcome outcome = program.run("crosscheck ./simple_pendulum.toml --random 5");
   BOOST_TEST_CONTEXT(outcome.out) BOOST_TEST(outcome.status == 0);
 }
 
 // The parameters are named in the scene, so random ones are other inputs of larger formulas.
 BOOST_AUTO_TEST_CASE(exact_checks_take_the_parameters_as_asked_and_say_so) {
   const Program program;
-  const std::string words = "crosscheck double_pendulum --no-drift --states 2 --report ";
+  const std::string words = "crosscheck double_pendulum --no-drift --random 2 -o ";
   BOOST_TEST(program.run(words + "written").status == 0);
   BOOST_TEST(program.run(words + "random --parameters random").status == 0);
   const std::string written = program.read("written/report.json"),
@@ -297,13 +297,13 @@ BOOST_AUTO_TEST_CASE(exact_checks_take_the_parameters_as_asked_and_say_so) {
   BOOST_TEST(random.find("\"parameters\": \"as written\"") == std::string::npos);
   BOOST_TEST(random.find("--parameters random") != std::string::npos);  // the command of the report
   refuses(program, "crosscheck acrobot --parameters none", "as-written");
-  refuses(program, "crosscheck --random 1 --parameters random", "--parameters");
+  refuses(program, "crosscheck --mechanisms 1 --parameters random", "--parameters");
 }
 
 BOOST_AUTO_TEST_CASE(campaigns_say_the_same_in_words_and_as_json_however_many_processes) {
   const Program program;
   const std::string words =
-      "crosscheck --random 12 --joints 3 --states 2 --witness newton_euler,composite_body,simbody ";
+      "crosscheck --mechanisms 12 --most-joints 3 --random 2 --witness newton_euler,composite_body,simbody ";
   const Outcome one = program.run(words + "--processes 1 --json one.json"),
                 three = program.run(words + "--processes 3 --json three.json");
   BOOST_TEST(one.status == 0);
@@ -325,7 +325,7 @@ BOOST_AUTO_TEST_CASE(another_seed_draws_other_states) {
   const Program program;
   for (const char* seed : {"1", "2"})
     program.run(std::string("version > /dev/null; SOURCE_DATE_EPOCH=0 ") + DYNWITNESS_PROGRAM +
-                " crosscheck acrobot --no-drift --states 20 --report r" + seed + " --seed " + seed);
+                " crosscheck acrobot --no-drift --random 20 -o r" + seed + " --seed " + seed);
   BOOST_TEST(program.read("r1/report.json") != program.read("r2/report.json"));
 }
 
@@ -366,7 +366,7 @@ BOOST_AUTO_TEST_CASE(simulate_says_drift_cost_and_whether_the_published_motion_a
 
 BOOST_AUTO_TEST_CASE(chart_prints_a_table_and_draws_each_quantity) {
   const Program program;
-  const std::string words = "chart cart_pole --states 20 --seed 3 --witness simbody --quantity ";
+  const std::string words = "chart cart_pole --random 20 --seed 3 --witness simbody --quantity ";
   const Outcome outcome = program.run(words + "qdd,M,qdd -o 'new/my charts'", "2>/dev/null");
   BOOST_TEST_CONTEXT(outcome.out) {
     BOOST_TEST(outcome.status == 0);
@@ -401,9 +401,9 @@ BOOST_AUTO_TEST_CASE(chart_prints_a_table_and_draws_each_quantity) {
 BOOST_AUTO_TEST_CASE(a_report_has_charts_unless_they_are_left_out) {
   const Program program;
   const std::string words =
-      "crosscheck acrobot --states 5 --no-drift --witness newton_euler,lagrange";
-  BOOST_TEST(program.run(words + " --report with").status == 0);
-  BOOST_TEST(program.run(words + " --no-charts --report without").status == 0);
+      "crosscheck acrobot --random 5 --no-drift --witness newton_euler,lagrange";
+  BOOST_TEST(program.run(words + " -o with").status == 0);
+  BOOST_TEST(program.run(words + " --no-charts -o without").status == 0);
   BOOST_TEST(program.exists("with/scenes/acrobot/speed.svg"));
   BOOST_TEST(!program.exists("without/scenes/acrobot/speed.csv"));
   BOOST_TEST(program.read("without/report.json").find("--no-charts") != std::string::npos);
@@ -424,7 +424,7 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_CASE(audit_prints_an_equation_and_refuses_one_that_is_not_there) {
   const Program program;
-  const Outcome outcome = program.run("audit --equation 32,eq1 --json a.json --report pages");
+  const Outcome outcome = program.run("audit --equation 32,eq1 --json a.json -o pages");
   BOOST_TEST(outcome.status == 0, outcome.out);
   BOOST_TEST(outcome.out.find("eq32, section 7.1") != std::string::npos, outcome.out);
   BOOST_TEST(outcome.out.find("WRONG") != std::string::npos, outcome.out);

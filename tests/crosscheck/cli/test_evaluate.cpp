@@ -318,7 +318,7 @@ BOOST_AUTO_TEST_CASE(evaluate_simulate_and_crosscheck_tell_them) {
   BOOST_TEST(simulate.status == 0);
   BOOST_TEST(has(simulate.out, "the start leaves closures open, |phi| = 0.00025, |J qd| = 0"),
              simulate.out);
-  const std::string words = " --witness newton_euler,lagrange --states 2 --no-charts --report r";
+  const std::string words = " --witness newton_euler,lagrange --random 2 --no-charts -o r";
   const Outcome crosscheck = program.run("crosscheck open.toml" + words);
   BOOST_TEST(crosscheck.status == 1);
   BOOST_TEST(has(crosscheck.out, "but closures are open at the start of "), crosscheck.out);

@@ -453,8 +453,8 @@ def noticed_by_crosscheck(options, folder):
         if not planted:
             missed.append("%s has no room anywhere" % mistake)
             continue
-        done = subprocess.run([options.program, "crosscheck", subject.argument, "--witness", "newton_euler", "--states", "3",
-                               "--no-drift", "--no-charts", "--report", os.path.join(folder, "report"), "--engine-seconds",
+        done = subprocess.run([options.program, "crosscheck", subject.argument, "--witness", "newton_euler", "--random", "3",
+                               "--no-drift", "--no-charts", "-o", os.path.join(folder, "report"), "--engine-seconds",
                                "300", "--engine", engine_words("--mistake", planted)], capture_output=True, text=True)
         print("%-60s %-40s exit %d" % (planted, subject.name, done.returncode), flush=True)
         if done.returncode != 1:

@@ -486,9 +486,9 @@ def twice_a_limit_fails_and_half_of_it_does_not(place):
 
 @case
 def what_cannot_be_told_is_refused_with_status_2(place):
-    for words, part in (((), "--all"), (("--all", "puma_560"), "one or the other"), (("four_bars_2",), "taken for those of"),
+    for words, part in (((), "--all-scenes"), (("--all-scenes", "puma_560"), "one or the other"), (("four_bars_2",), "taken for those of"),
                         (("puma_560", "acrobot"), "a folder"), (("puma_560", "--format", "csv,c"), "a folder"),
-                        (("puma_560", "--states", "0"), "--states"), (("puma_560", "--quantity", "jacobian"), "--quantity"),
+                        (("puma_560", "--random", "0"), "--random"), (("puma_560", "--quantity", "jacobian"), "--quantity"),
                         (("chain_1000", "--quantity", "M"), "numbers to certify, allowed"),
                         (("kapitza_pendulum", "-o", place.folder / "refused"), "is driven")):
         said = golden(*words, status=2)
@@ -498,7 +498,7 @@ def what_cannot_be_told_is_refused_with_status_2(place):
 
 @case
 def a_long_chain_is_answered_and_says_what_it_leaves_out(place):
-    done = subprocess.run([PROGRAM, "golden", "chain_1000", "--states", "1", "--format", "csv"], capture_output=True, text=True)
+    done = subprocess.run([PROGRAM, "golden", "chain_1000", "--random", "1", "--format", "csv"], capture_output=True, text=True)
     check(done.returncode == 0 and "M, kinetic, qdd: n^2" in done.stderr and "n = 1000" in done.stderr, done.stderr)
     rows = [line for line in done.stdout.splitlines() if ",wanted," in line]
     check(len(rows) > 10000 and not any(line.endswith(",") for line in rows), len(rows), done.stderr)

@@ -221,7 +221,7 @@ BOOST_AUTO_TEST_CASE(hostile_submissions_get_no_marks_but_a_reason_and_take_nobo
   course.handIn("zz_right.py", stranger(""));
   fs::create_directory(course.path() / "submissions/nothing");
   fs::create_symlink("/etc/passwd", course.path() / "submissions/link.py");
-  const Outcome outcome = course.grade("--jobs 3");
+  const Outcome outcome = course.grade("--processes 3");
   BOOST_TEST(outcome.status == 0, outcome.out);
   const auto lines = course.lines();
   for (const Hostile& hostile : kHostile) {
@@ -249,7 +249,7 @@ BOOST_AUTO_TEST_CASE(a_submission_that_kills_all_it_can_kills_itself,
   const Course course;
   course.handIn("kills_all.py", "import os, time\nos.kill(-1, 9)\ntime.sleep(1000)\n");
   course.handIn("right.py", stranger(""));
-  const Outcome outcome = course.grade("--jobs 2");
+  const Outcome outcome = course.grade("--processes 2");
   BOOST_TEST(outcome.status == 0, outcome.out);
   BOOST_TEST(contains(course.lines().at("kills_all.py"), ",0,10,0,0,0,0,could not be run,"));
   BOOST_TEST(contains(course.lines().at("right.py"), ",10,10,"));
@@ -351,7 +351,7 @@ BOOST_AUTO_TEST_CASE(killed_it_goes_on_and_late_changes_are_graded_again) {
   };
   const pid_t grader = fork();
   if (grader == 0) {
-    const std::string command = course.command("--jobs 1 > /dev/null 2>&1");
+    const std::string command = course.command("--processes 1 > /dev/null 2>&1");
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }
@@ -365,10 +365,10 @@ BOOST_AUTO_TEST_CASE(killed_it_goes_on_and_late_changes_are_graded_again) {
   BOOST_TEST(!fs::exists(course.path() / "grades/grades.csv"));
   BOOST_TEST(fixtures::running(course.path().string(), 300) == 0);
 
-  const Outcome again = course.grade("--jobs 2");
+  const Outcome again = course.grade("--processes 2");
   BOOST_TEST(again.status == 0, again.out);
   BOOST_TEST(contains(again.out, fmt::format("{} kept from before", there)), again.out);
-  const Outcome fresh = course.grade("-o fresh --jobs 1");
+  const Outcome fresh = course.grade("-o fresh --processes 1");
   BOOST_TEST(contains(fresh.out, "0 kept from before"), fresh.out);
   BOOST_TEST((course.tree("grades") == course.tree("fresh")));
 
@@ -538,7 +538,7 @@ BOOST_AUTO_TEST_CASE(bad_use_is_status_2) {
   course.write("mine/thesis.tex", "");
   refuses("-o mine", "is not empty and holds no records of dynwitness grade");
   BOOST_TEST(!fs::exists(course.path() / "mine/records"));
-  refuses("--jobs 0", "allowed: whole numbers");
+  refuses("--processes 0", "allowed: whole numbers");
   course.write("rubric.toml", kCommand);
   refuses("", "rubric.toml: rubric: has no [[task]]");
   fs::remove(course.path() / "rubric.toml");

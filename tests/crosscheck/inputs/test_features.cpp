@@ -190,14 +190,14 @@ Call callOf(Command command) {
   switch (command) {
     case Command::kCrosscheck:
       return {
-          "crosscheck scene --witness newton_euler,lagrange --states 2 --no-charts "
+          "crosscheck scene --witness newton_euler,lagrange --random 2 --no-charts "
           "--error-probability 0.5 "
-          "--processes 1 --report report",
+          "--processes 1 -o report",
           "report/report.json"};
     case Command::kCheck:
       return {"check scene --engine 'python3 engine.py' --engine-seconds 200 --format json", ""};
     case Command::kGolden:
-      return {"golden scene --states 2 --format csv", ""};
+      return {"golden scene --random 2 --format csv", ""};
     case Command::kGrade:
       return {"grade submissions --rubric rubric.toml", "grades/gradescope/arm.py/results.json"};
     case Command::kDerive:
@@ -219,13 +219,13 @@ Call callOf(Command command) {
     case Command::kDrift:
       return {"drift scene --duration 0.1 --step 0.01,0.005", ""};
     case Command::kChart:
-      return {"chart scene --states 20 --witness simbody", ""};
+      return {"chart scene --random 20 --witness simbody", ""};
     case Command::kSimulate:
       return {"simulate scene --duration 0.05 --outputs 2 --csv motion.csv", "motion.csv"};
     case Command::kRotors:
-      return {"rotors scene --states 2", ""};
+      return {"rotors scene --random 2", ""};
     case Command::kParameters:
-      return {"parameters scene --states 3", ""};
+      return {"parameters scene --random 3", ""};
     case Command::kGeometry:
       return {"geometry scene --duration 0.1", ""};
     case Command::kAction:

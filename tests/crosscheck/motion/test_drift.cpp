@@ -106,15 +106,15 @@ BOOST_AUTO_TEST_CASE(the_program_says_which_steps_do_not_follow_a_motion) {
   const Outcome some = program.run("drift heavier.toml --step 0.1,0.0001 --duration 1");
   BOOST_TEST(some.out.find(",nan") == std::string::npos, some.out);
   const Outcome crosscheck =
-      program.run("crosscheck light.toml --witness newton_euler,lagrange --states 2 --no-charts");
+      program.run("crosscheck light.toml --witness newton_euler,lagrange --random 2 --no-charts");
   BOOST_TEST(crosscheck.out.find("DISAGREE") == std::string::npos, crosscheck.out);
 }
 
 BOOST_AUTO_TEST_CASE(what_has_no_constant_energy_is_told_in_the_report) {
   const Program program;
   program.run(
-      "crosscheck kapitza_pendulum --witness newton_euler,lagrange --states 2 --no-charts "
-      "--report r");
+      "crosscheck kapitza_pendulum --witness newton_euler,lagrange --random 2 --no-charts "
+      "-o r");
   const std::string report = program.read("r/report.json");
   BOOST_TEST(report.find("energy along a motion: joint 'pivot' is driven") != std::string::npos);
   BOOST_TEST(report.find("\"drift\"") == std::string::npos);

@@ -589,7 +589,7 @@ BOOST_AUTO_TEST_CASE(the_command_has_its_exit_status_table_and_json) {
                std::string::npos);
   }
   BOOST_TEST(program.exists("r.json"));
-  BOOST_TEST(program.run("readers plain.urdf --all").status == 0);
+  BOOST_TEST(program.run("readers plain.urdf --all-links").status == 0);
   BOOST_TEST(program.run("same trap.urdf plain.urdf").status == 0);
   fixtures::refuses(program, "readers none.urdf", "none.urdf: cannot be read");
   program.write("x.toml", "title = \"x\"\n");

@@ -208,7 +208,7 @@ BOOST_FIXTURE_TEST_CASE(the_program_refuses_another_file_before_it_works, BenchF
   const fs::path other = file("{\"headline\": \"a report\"}");
   const std::string command = std::string(DYNWITNESS_PROGRAM) +
                               " crosscheck simple_pendulum --bench " + other.string() +
-                              " --report " + (path / "report").string() + " >" +
+                              " -o " + (path / "report").string() + " >" +
                               (path / "out").string() + " 2>" + (path / "err").string();
   const int status = std::system(command.c_str());
   BOOST_TEST((WIFEXITED(status) && WEXITSTATUS(status) == 2));

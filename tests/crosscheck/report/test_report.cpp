@@ -271,7 +271,7 @@ BOOST_FIXTURE_TEST_CASE(the_audit_is_linked_where_it_lies, TemporaryFolder) {
   const char* link = "<a href=\"audit/index.html\">";
   writeReport(sample(), environment(), path / "report");
   BOOST_TEST(!contains(read(path / "report/index.html"), link));
-  BOOST_TEST(contains(read(path / "report/index.html"), "dynwitness audit --report"));
+  BOOST_TEST(contains(read(path / "report/index.html"), "dynwitness audit -o"));
   fs::create_directories(path / "report/audit");
   std::ofstream(path / "report/audit/index.html") << "the audit";
   writeReport(sample(), environment(), path / "report");

@@ -165,7 +165,7 @@ BOOST_AUTO_TEST_CASE(nothing_judged_is_no_success_and_no_option_is_ignored) {
         "drift acrobot --motion a.csv --plot a.svg",
         "drift acrobot --engine-steps mujoco --method euler",
         "drift acrobot --advise 0.1 --step 0.1", "drift acrobot --advise 0.1 --csv a.csv",
-        "chart acrobot --simulate --quantity M", "chart acrobot --simulate --states 3",
+        "chart acrobot --simulate --quantity M", "chart acrobot --simulate --random 3",
         "chart acrobot --simulate --seed 3"})
     BOOST_TEST(program.run(words).status == 2, words);
 }

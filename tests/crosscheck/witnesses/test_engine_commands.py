@@ -57,12 +57,12 @@ for a, b in zip(in_batches.splitlines()[1:], ours.splitlines()[1:]):
         assert abs(float(x) - float(y)) <= 1e-12 * max(1, abs(float(y))), (x, y)
 
 # hostile ones
-crosscheck = ["crosscheck", "simple_pendulum", "--states", "2", "--no-drift", "--no-charts", "--witness",
-              "newton_euler,composite_body", "--report",
+crosscheck = ["crosscheck", "simple_pendulum", "--random", "2", "--no-drift", "--no-charts", "--witness",
+              "newton_euler,composite_body", "-o",
               os.path.join(FOLDER.name, "report")]
 commands = {"evaluate": ["evaluate", "simple_pendulum", "--quantity", "M"], "check": ["check", "simple_pendulum"],
             "crosscheck": crosscheck,
-            "chart": ["chart", "simple_pendulum", "--quantity", "M", "--states", "2", "--witness", "newton_euler"]}
+            "chart": ["chart", "simple_pendulum", "--quantity", "M", "--random", "2", "--witness", "newton_euler"]}
 hostile = {  # expected of evaluate, check, crosscheck and chart
     "fails": ("import sys; sys.exit(4)", (1, 1, 1, 0)),
     "is no program": (None, (1, 1, 1, 0)),
@@ -94,8 +94,8 @@ def heard_of_gripper(name, *changes):
         assert text.count(old) == 1, (name, old)
         text = text.replace(old, new)
     report = os.path.join(FOLDER.name, name)
-    status, out, said = run("crosscheck", "gripper", "--states", "2", "--no-drift", "--no-charts", "--witness",
-                            "newton_euler,composite_body", "--report", report, "--engine",
+    status, out, said = run("crosscheck", "gripper", "--random", "2", "--no-drift", "--no-charts", "--witness",
+                            "newton_euler,composite_body", "-o", report, "--engine",
                             "PYTHONPATH=" + ENGINES + " " + script(name, text))
     with open(os.path.join(report, "report.json")) as file:
         checks = json.load(file)["scenes"][0]["checks"]
@@ -114,13 +114,13 @@ status, out, heard = heard_of_gripper("no_M", ('{"M": M, "c"', '{"c"'))
 assert status == 0 and heard["M"] == "not answerable" and "qdd is solved from M and tau" in out, (heard, out)
 
 # a chart has the program's time and error, or why not
-status, out, said = run("chart", "double_pendulum", "--states", "40", "--witness", "newton_euler", "--engine",
+status, out, said = run("chart", "double_pendulum", "--random", "40", "--witness", "newton_euler", "--engine",
                         "python3 " + os.path.join(ENGINES, "double_pendulum.py"))
 row = [line for line in out.splitlines() if "double_pendulum_by_hand (a program: wall time)" in line]
 assert status == 0 and len(row) == 1, out + said
 error, nanoseconds = float(row[0].split(",")[3]), float(row[0].split(",")[5])
 assert 0 < error < 1e-12 and nanoseconds > 0, row
-status, out, said = run("chart", "simple_pendulum", "--quantity", "M", "--states", "2", "--witness", "newton_euler",
+status, out, said = run("chart", "simple_pendulum", "--quantity", "M", "--random", "2", "--witness", "newton_euler",
                         "--engine", "exit 4")
 assert "engine_1" in out and "it failed with status 4" in out, out
 print("right")

@@ -276,7 +276,7 @@ BOOST_AUTO_TEST_SUITE(whole_program)
 namespace {
 
 const std::string kShort =
-    " --states 20 --no-drift --no-charts --witness newton_euler,lagrange,simbody ";
+    " --random 20 --no-drift --no-charts --witness newton_euler,lagrange,simbody ";
 
 /// A script that changes what open_chain.py says.
 std::string changed(const Program& program, const std::string& change) {
