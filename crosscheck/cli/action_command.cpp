@@ -114,7 +114,9 @@ int run(Arguments arguments) {
 Run addAction(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
-  command->add_option("--duration", arguments->options.duration, "Duration [s]: between the end points")
+  command
+      ->add_option("--duration", arguments->options.duration,
+                   "Duration [s]: between the end points")
       ->check(positive())
       ->capture_default_str();
   arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start");

@@ -85,8 +85,9 @@ Run addChart(CLI::App* command) {
   for (const Quantity quantity : chartedQuantities()) allowed.push_back(name(quantity));
   allowed.push_back(kAll);
   command
-      ->add_option("--quantity", arguments->quantities,
-                   "Quantities: mass matrix, inverse dynamics, forward dynamics; several with commas")
+      ->add_option(
+          "--quantity", arguments->quantities,
+          "Quantities: mass matrix, inverse dynamics, forward dynamics; several with commas")
       ->capture_default_str()
       ->delimiter(',')
       ->check(oneOf(allowed));

@@ -317,7 +317,8 @@ int run(const Arguments& arguments) {
   tellMissingKernels();
   if (arguments.mechanisms > 0 || arguments.pairs) return runRandom(arguments);
   if (arguments.joints_given)
-    throw scene::InputError({}, "--most-joints without --mechanisms or --pairs, allowed: with one of them");
+    throw scene::InputError(
+        {}, "--most-joints without --mechanisms or --pairs, allowed: with one of them");
   const std::vector<WitnessKind> kinds = selectWitnesses(arguments.options.witnesses);
   const std::vector<scene::Scene> scenes = scenesOf(arguments);
   for (const scene::Scene& scene : scenes) {
@@ -479,8 +480,9 @@ Run addCrosscheck(CLI::App* command) {
     arguments->states_given = states->count() > 0;
     if (arguments->states_given && arguments->scenes.empty() && arguments->mechanisms == 0 &&
         !arguments->pairs)
-      tell("dynwitness crosscheck: all bundled scenes, at as many states as --random says; random "
-           "mechanisms, so called until 0.1.0, are --mechanisms now\n");
+      tell(
+          "dynwitness crosscheck: all bundled scenes, at as many states as --random says; random "
+          "mechanisms, so called until 0.1.0, are --mechanisms now\n");
     arguments->joints_given = joints->count() > 0;
     if (arguments->parameters == kRandom) arguments->options.parameters = Parameters::kRandom;
     return run(*arguments);

@@ -847,7 +847,8 @@ Run addEvaluate(CLI::App* command) {
       fmt::format("Say at how many states the rounding of the sweep, bounded as it goes, "
                   "leaves no more than {} digits; some 20 times slower",
                   kFewestDigits));
-  command->add_option("--witness", arguments->witness, "Witnesses: who answers; without: the usual sweep");
+  command->add_option("--witness", arguments->witness,
+                      "Witnesses: who answers; without: the usual sweep");
   addEngineOptions(*command, arguments->engines, arguments->limits)
       ->excludes("--witness")
       ->expected(1);

@@ -84,19 +84,19 @@ void requireKnown(const std::vector<std::string>& words, const CLI::App& app,
   std::vector<std::string> names;
   for (const Command& command : commands) names.push_back(command.name);
   if (std::find(names.begin(), names.end(), words[0]) == names.end())
-    throw scene::InputError({}, fmt::format("\"{}\" is no command{}, allowed: {}", words[0],
-                                            scene::didYouMean(words[0], names),
-                                            fmt::join(names, ", ")));
+    throw scene::InputError(
+        {}, fmt::format("\"{}\" is no command{}, allowed: {}", words[0],
+                        scene::didYouMean(words[0], names), fmt::join(names, ", ")));
   const std::vector<std::string> options = optionNames(*app.get_subcommand(words[0]));
   for (std::size_t k = 1; k < words.size() && words[k] != "--"; ++k) {
     const std::string option = words[k].substr(0, words[k].find('='));
     if (option.compare(0, 2, "--") != 0 || option == "--help" || option == "--help-all" ||
         std::find(options.begin(), options.end(), option) != options.end())
       continue;
-    throw scene::InputError({}, fmt::format("{} has no option {}{}, allowed: those that "
-                                            "`dynwitness {} --help` lists",
-                                            words[0], option, scene::didYouMean(option, options),
-                                            words[0]));
+    throw scene::InputError(
+        {}, fmt::format("{} has no option {}{}, allowed: those that "
+                        "`dynwitness {} --help` lists",
+                        words[0], option, scene::didYouMean(option, options), words[0]));
   }
 }
 
@@ -153,7 +153,8 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
       return status;
     });
   } catch (const CLI::ParseError& error) {
-    tell(fmt::format("dynwitness {}: {} (dynwitness {} --help)\n", words[0], error.what(), words[0]));
+    tell(fmt::format("dynwitness {}: {} (dynwitness {} --help)\n", words[0], error.what(),
+                     words[0]));
     return kBadInput;
   }
   return orFailure([&] { return runParsed(app, commands, runs, argv); });

@@ -187,19 +187,21 @@ Run addGolden(CLI::App* command) {
   addRandom(*command, arguments->options.states, 1000, "at most, of a group");
   addSeed(*command, arguments->options.seed, "of the states");
   command
-      ->add_option("--format", arguments->formats,
-                   "How it is written: several with commas; without: json on standard output, all in a folder")
+      ->add_option(
+          "--format", arguments->formats,
+          "How it is written: several with commas; without: json on standard output, all in a folder")
       ->delimiter(',')
       ->check(oneOf(formats));
   addOutput(*command, arguments->output,
             "folder for SCENE.json, .csv and .h, index.json, and verifiers");
   command->footer(
-      "dynwitness golden puma_560 -o golden; then in that folder, with answers in lines "
-      "state,quantity,row,column,value:\n"
-      "  python3 verify.py puma_560.csv answers.csv      (or node verify.mjs, or verify.cpp "
-      "compiled: no other files needed)\n"
-      "The same seed gives the same bytes. As one file that has the same bytes, too:\n"
-      "  tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -cf golden.tar golden");
+      "dynwitness golden puma_560 -o golden\n"
+      "Then in that folder, with answers in lines state,quantity,row,column,value:\n"
+      "  python3 verify.py puma_560.csv answers.csv\n"
+      "or node verify.mjs, or verify.cpp compiled: no other files are needed. The same seed gives the "
+      "same bytes. As one file that has the same bytes, too:\n"
+      "  tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner \\\n"
+      "    -cf golden.tar golden");
   return [arguments] { return run(*arguments); };
 }
 

@@ -33,12 +33,18 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positi
   const std::string name =
       "  " + make_option_name(option, is_positional) + make_option_opts(option);
   const std::size_t width = column_width_;
-  std::string out = name.size() < width ? fmt::format("{:<{}}", name, width)
-                                        : name + "\n" + std::string(width, ' ');
+  std::string out = name.size() + 2 <= width ? fmt::format("{:<{}}", name, width)
+                                             : name + "\n" + std::string(width, ' ');
   const std::vector<std::string> lines = broken(make_option_desc(option), kColumns - width);
   for (std::size_t k = 0; k < lines.size(); ++k)
     out += (k == 0 ? "" : "\n" + std::string(width, ' ')) + lines[k];
   return out + "\n";
+}
+
+std::string HelpFormatter::make_description(const CLI::App* app) const {
+  std::string out;
+  for (const std::string& line : broken(app->get_description(), kColumns)) out += line + "\n";
+  return out;
 }
 
 std::string HelpFormatter::make_footer(const CLI::App* app) const {

@@ -99,8 +99,11 @@ int run(Arguments arguments) {
 Run addImpedance(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
-  command->add_option("--link", arguments->options.link, "Link: whose point it is (default: the last)");
-  command->add_option("--at", arguments->at, "Point of the link, its frame [m]: where spring and damper act")
+  command->add_option("--link", arguments->options.link,
+                      "Link: whose point it is (default: the last)");
+  command
+      ->add_option("--at", arguments->at,
+                   "Point of the link, its frame [m]: where spring and damper act")
       ->check(finite())
       ->delimiter(',');
   command

@@ -132,8 +132,11 @@ int run(Arguments arguments) {
 Run addImpulse(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("scene", arguments->scene, "Scene")->required();
-  command->add_option("--link", arguments->options.link, "Link: that is struck (default: the last)");
-  command->add_option("--at", arguments->at, "Point of the link, its frame [m]: where it is struck, e.g. 0,0,0.1")
+  command->add_option("--link", arguments->options.link,
+                      "Link: that is struck (default: the last)");
+  command
+      ->add_option("--at", arguments->at,
+                   "Point of the link, its frame [m]: where it is struck, e.g. 0,0,0.1")
       ->check(finite())
       ->delimiter(',');
   command->add_option("--impulse", arguments->force, "Impulse at the point, world axes [N s]")
@@ -142,7 +145,9 @@ Run addImpulse(CLI::App* command) {
   command->add_option("--moment", arguments->moment, "Impulse of a moment, world axes [N m s]")
       ->check(finite())
       ->delimiter(',');
-  command->add_option("--joint-impulses", arguments->options.joints, "Impulses of the joints [N m s, N s]")
+  command
+      ->add_option("--joint-impulses", arguments->options.joints,
+                   "Impulses of the joints [N m s, N s]")
       ->check(finite())
       ->delimiter(',');
   command

@@ -42,7 +42,7 @@ std::string optionOf(const std::string& word) {
   return word.substr(0, word.find('='));
 }
 
-/// Mechanisms were what crosscheck drew at random, states what it had a number of: beside one of the
+/// Mechanisms were what crosscheck drew at random, and of states it had a number: beside one of the
 /// old names --random is the old one, too.
 const OldSpelling* oldRandom(const std::vector<std::string>& words) {
   static const OldSpelling random = {"--random", "--mechanisms", {"crosscheck"}};
@@ -67,9 +67,10 @@ std::vector<std::string> inTodaysSpelling(std::vector<std::string> words) {
         continue;
       words[k].replace(0, name.size(), spelling.now);
       if (told.insert(name).second)
-        tell(fmt::format("dynwitness {}: {} is called {} now; the old name goes with the next "
-                         "release\n",
-                         words[0], spelling.old, spelling.now));
+        tell(
+            fmt::format("dynwitness {}: {} is called {} now; the old name goes with the next "
+                        "release\n",
+                        words[0], spelling.old, spelling.now));
       break;
     }
   }

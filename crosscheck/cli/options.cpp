@@ -92,9 +92,9 @@ CLI::Option* addSeed(CLI::App& command, std::uint64_t& seed_value, const std::st
       ->check(seed());
 }
 CLI::Option* addJson(CLI::App& command, std::string& file, const std::string& detail) {
-  return command.add_option("--json", file,
-                            "The result for programs, into this file" +
-                                (detail.empty() ? "" : ": " + detail));
+  return command.add_option(
+      "--json", file,
+      "The result for programs, into this file" + (detail.empty() ? "" : ": " + detail));
 }
 CLI::Option* addOutput(CLI::App& command, std::string& path, const std::string& what) {
   return command.add_option("-o,--output", path, "Where to: " + what);

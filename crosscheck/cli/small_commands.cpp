@@ -205,8 +205,9 @@ Run addDrift(CLI::App* command) {
       "h|i w|, h|-a|: largest step times eigenvalue on the imaginary and on the negative "
       "real axis that does not grow");
   command
-      ->add_option("--step", arguments->options.steps,
-                   "Step size [s]: several with commas; without any 0.01, halved until the order shows")
+      ->add_option(
+          "--step", arguments->options.steps,
+          "Step size [s]: several with commas; without any 0.01, halved until the order shows")
       ->check(positive())
       ->delimiter(',')
       ->excludes(advise);
@@ -215,7 +216,8 @@ Run addDrift(CLI::App* command) {
       ->capture_default_str();
   CLI::Option* plot =
       command->add_option("--plot", arguments->plot, "Chart of the first method, as SVG");
-  CLI::Option* csv = command->add_option("--csv", arguments->csv, "Table as a CSV file: the printed one");
+  CLI::Option* csv =
+      command->add_option("--csv", arguments->csv, "Table as a CSV file: the printed one");
   for (CLI::Option* ours : {plot, csv}) ours->excludes(advise)->excludes(engines)->excludes(motion);
   return [arguments] { return runDrift(*arguments); };
 }

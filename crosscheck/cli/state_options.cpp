@@ -44,7 +44,7 @@ StateOption::StateOption(CLI::App* command, Part part, const std::string& otherw
   const std::string name = nameOf(part);
   command
       ->add_option("--" + name, *words_,
-                   fmt::format("{}, in the order of `show` or by joint, elbow=0.3 [{}]",
+                   fmt::format("{}, in the order of `show` or by joint, elbow=0.3; without: {}",
                                kMeanings[static_cast<int>(part)], otherwise))
       ->delimiter(',')
       ->type_name("FLOAT:finite ...");

@@ -71,7 +71,8 @@ constexpr std::size_t kMostRows = 200, kMostFindings = 100;
 
 void putMore(std::string* page, std::size_t all, std::size_t most, const char* what) {
   if (all > most)
-    put(page, "<p class=\"soft\">{} of {} {}; all of them: <code>--all-links --json FILE</code></p>\n",
+    put(page,
+        "<p class=\"soft\">{} of {} {}; all of them: <code>--all-links --json FILE</code></p>\n",
         most, all, what);
 }
 

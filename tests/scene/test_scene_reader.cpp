@@ -609,7 +609,8 @@ BOOST_AUTO_TEST_CASE(scenes_are_found_by_name_by_path_and_by_content) {
            "scenes` lists, or the path of a file";
   });
   BOOST_CHECK_EXCEPTION(findScene("Double pendulm"), InputError, [](const InputError& error) {
-    return std::string(error.what()).find("\"Double pendulm\" (did you mean double_pendulum?), allowed") !=
+    return std::string(error.what())
+               .find("\"Double pendulm\" (did you mean double_pendulum?), allowed") !=
            std::string::npos;
   });
   ::unsetenv("DYNWITNESS_DATA");

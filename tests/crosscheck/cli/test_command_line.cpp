@@ -131,8 +131,7 @@ BOOST_AUTO_TEST_CASE(an_unwritable_file_is_refused_before_any_work) {
 // What is asked for first, the report's folder, need not exist for a file in it.
 BOOST_AUTO_TEST_CASE(a_file_may_lie_in_the_folder_of_the_report) {
   const Program program;
-  const std::string words =
-      "crosscheck acrobot --no-drift --random 1 -o new --json new/a.json";
+  const std::string words = "crosscheck acrobot --no-drift --random 1 -o new --json new/a.json";
   BOOST_TEST(program.run(words).status == 0);
   BOOST_TEST(program.read("new/a.json") == program.read("new/report.json"));
 }

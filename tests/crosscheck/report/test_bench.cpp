@@ -207,9 +207,9 @@ BOOST_FIXTURE_TEST_CASE(the_section_is_there_when_asked_for_and_only_then, Bench
 BOOST_FIXTURE_TEST_CASE(the_program_refuses_another_file_before_it_works, BenchFolder) {
   const fs::path other = file("{\"headline\": \"a report\"}");
   const std::string command = std::string(DYNWITNESS_PROGRAM) +
-                              " crosscheck simple_pendulum --bench " + other.string() +
-                              " -o " + (path / "report").string() + " >" +
-                              (path / "out").string() + " 2>" + (path / "err").string();
+                              " crosscheck simple_pendulum --bench " + other.string() + " -o " +
+                              (path / "report").string() + " >" + (path / "out").string() + " 2>" +
+                              (path / "err").string();
   const int status = std::system(command.c_str());
   BOOST_TEST((WIFEXITED(status) && WEXITSTATUS(status) == 2));
   BOOST_TEST(contains(read(path / "err"), other.string() +
