@@ -139,12 +139,17 @@ Scene findScene(const std::string& name_or_path) {
   int windows = 0;
   if (isFourBars(normalized(name_or_path), &windows)) return fourBars(windows);
   if (Scene family; findFamily(normalized(name_or_path), &family)) return family;
-  throw InputError({}, "no scene and no file is called \"" + name_or_path + "\"" +
-                           didYouMean(normalized(name_or_path), names) + ", allowed: " +
-                           (names.empty() ? ""
-                                          : "one of the " + std::to_string(names.size()) +
-                                                " that `dynwitness scenes` lists, or ") +
-                           "the path of a file");
+  throw InputError(
+      {},
+      "no scene and no file is called \"" + name_or_path + "\"" +
+          didYouMean(normalized(name_or_path), names) + ", allowed: " +
+          (names.empty() ? ""
+                         : "one of the " + std::to_string(names.size()) +
+                               " that `dynwitness scenes` lists, four_bars_N with N from 1 to " +
+                               std::to_string(kMostWindows) +
+                               ", chain_N, flat_chain_N or tree_N with N from 1 to " +
+                               std::to_string(kMostFamilyLinks) + ", or ") +
+          "the path of a file");
 }
 
 }  // namespace dynwitness::scene

@@ -96,7 +96,7 @@ void printCampaign(const RandomCampaign& campaign, const CampaignOptions& option
 std::string campaignJson(const RandomCampaign& campaign, const CampaignOptions& options,
                          int max_joints, const std::string& pairs) {
   Json json{{"dynwitness", DYNWITNESS_VERSION},
-            {"command", pairs.empty() ? "crosscheck --random" : "crosscheck --pairs"},
+            {"command", pairs.empty() ? "crosscheck --mechanisms" : "crosscheck --pairs"},
             {"seed", options.exact.seed},
             {"most_joints", max_joints},
             {"states", options.states},

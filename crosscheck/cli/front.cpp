@@ -153,8 +153,8 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
       return status;
     });
   } catch (const CLI::ParseError& error) {
-    tell(fmt::format("dynwitness {}: {} (dynwitness {} --help)\n", words[0], error.what(),
-                     words[0]));
+    const std::string who = words[0][0] == '-' ? "dynwitness" : "dynwitness " + words[0];
+    tell(fmt::format("{}: {} ({} --help)\n", who, error.what(), who));
     return kBadInput;
   }
   return orFailure([&] { return runParsed(app, commands, runs, argv); });

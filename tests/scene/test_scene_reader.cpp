@@ -606,7 +606,8 @@ BOOST_AUTO_TEST_CASE(scenes_are_found_by_name_by_path_and_by_content) {
   BOOST_CHECK_EXCEPTION(findScene("triple"), InputError, [](const InputError& error) {
     return std::string(error.what()) ==
            "no scene and no file is called \"triple\", allowed: one of the 2 that `dynwitness "
-           "scenes` lists, or the path of a file";
+           "scenes` lists, four_bars_N with N from 1 to 200, chain_N, flat_chain_N or tree_N with "
+           "N from 1 to 1000000, or the path of a file";
   });
   BOOST_CHECK_EXCEPTION(findScene("Double pendulm"), InputError, [](const InputError& error) {
     return std::string(error.what())
