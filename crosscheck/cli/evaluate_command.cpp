@@ -25,6 +25,7 @@
 #include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/joint_axes.hpp"
 #include "crosscheck/motion/joint_quantities.hpp"
+#include "crosscheck/motion/uncertain_quantities.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/growing_file.hpp"
 #include "crosscheck/witnesses/certain_digits.hpp"
@@ -45,6 +46,7 @@ struct Arguments {
   std::vector<std::string> joints;  ///< of these alone, what is asked of joints; none: of all
   std::string format = "csv", axes = name(JointAxes::kLink);
   bool units = false, warn = false;
+  std::string uncertainty;  ///< readUncertainty(); empty: none
   std::optional<StateOption> q, qd, qdd, tau;
   int random = 0;  ///< so many seeded states; 0: none
   std::uint64_t seed = 1;
@@ -430,6 +432,7 @@ struct Column {
   ConstrainedQuantity constrained = ConstrainedQuantity::kQdd;  ///< without a witness
   std::optional<JointQuantity> of_joints = {};                  ///< then it is this, and no other
   std::vector<Eigen::Index> rows = {};  ///< of these numbers alone; none: all of them
+  bool is_deviation = false;            ///< of the column before, by --uncertainty
 
   bool isOfConstrained(ConstrainedQuantity asked) const {
     return !witness && !of_joints && constrained == asked;
@@ -454,6 +457,7 @@ struct Sources {
   Constrained& constrained;
   std::optional<JointQuantities> joints;  ///< none: nothing of joints is asked
   std::optional<TurnedAxes> axes;         ///< of reactions; none: they are as they come
+  std::optional<UncertainQuantities> uncertain;
 };
 
 /// That program failed, or has no value at a state.
@@ -478,12 +482,48 @@ void requireDetermined(const Column& column, const Eigen::MatrixXd& reactions,
                         joints, row));
 }
 
+Eigen::VectorXd deviationOf(const Column& column, const UncertainQuantities& uncertain,
+                            const scene::State<double>& state) {
+  const Deviations of = column.of_joints ? uncertain.joints(*column.of_joints, state)
+                        : column.quantity == Quantity::kTau ? uncertain.tau(state)
+                                                            : uncertain.qdd(state);
+  return of.together();
+}
+
+/// A column of deviations after each of those that have one. @throws scene::InputError  one has none
+void addDeviations(const scene::Scene& scene, const Arguments& arguments, Sources& sources,
+                   std::vector<Column>& columns) {
+  std::vector<Column> all;
+  for (Column& column : columns) {
+    const bool of_the_tree =
+        column.witness && !column.is_engines &&
+        (column.quantity == Quantity::kTau || column.quantity == Quantity::kQdd);
+    if (!column.of_joints && !of_the_tree)
+      throw scene::InputError(
+          {scene.file.string(), 0},
+          fmt::format(
+              "--uncertainty with {}{}, allowed: tau and qdd of a tree by our sweeps, X, M_i, "
+              "M_C, M_A, P, PM, Z, F, PF",
+              column.name, column.witness ? "" : " under closures, drives or constraints"));
+    Column deviation{column.quantity,    nullptr,         column.name, false,
+                     column.constrained, column.of_joints};
+    deviation.is_deviation = true;
+    all.push_back(std::move(column));
+    all.push_back(std::move(deviation));
+  }
+  columns = std::move(all);
+  sources.uncertain.emplace(scene, readUncertainty(arguments.uncertainty),
+                            sources.joints ? &*sources.joints : nullptr);
+}
+
 /// One quantity at one state, finite.
 Eigen::MatrixXd valueOf(Column& column, const Sources& sources, const scene::State<double>& state,
                         long row) {
   Eigen::MatrixXd value;
   try {
-    if (column.of_joints)
+    if (column.is_deviation)
+      value = deviationOf(column, *sources.uncertain, state);
+    else if (column.of_joints)
       value = sources.joints->value(*column.of_joints);
     else
       value = column.witness ? column.witness->value(column.quantity, state)
@@ -644,6 +684,36 @@ void writeRows(const scene::Scene& scene, const Arguments& arguments, States& st
   if (arguments.warn) uncertain.tell(columns, row);
 }
 
+/// The names of a column's numbers, with units where they are asked for.
+std::vector<std::string> headings(const Column& column, const scene::Scene& scene,
+                                  const Arguments& arguments, States& states,
+                                  const Sources& sources) {
+  std::vector<std::string> names, units;
+  if (column.of_joints) {
+    names = sources.joints->columns(*column.of_joints);
+    if (arguments.units) units = sources.joints->units(*column.of_joints);
+  } else if (column.witness || column.is_deviation) {
+    names = chosen(columnNames(column.quantity, scene.mechanism), column.rows);
+    if (arguments.units) units = chosen(columnUnits(column.quantity, scene.mechanism), column.rows);
+  } else if (column.isOfConstrained(ConstrainedQuantity::kReactions)) {
+    names = chosen(columnNames(Quantity::kReactions, scene.mechanism), column.rows);
+    if (arguments.units)
+      units = chosen(columnUnits(column.constrained, scene.mechanism), column.rows);
+  } else {
+    if (arguments.units) units = columnUnits(column.constrained, scene.mechanism);
+    const Eigen::MatrixXd shape =
+        states.current() == nullptr
+            ? Eigen::MatrixXd()
+            : sources.constrained->answer(column.constrained, *states.current());
+    names = columnNames(column.constrained, shape.rows(), shape.cols());
+  }
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (column.is_deviation) names[k] += " +-";
+    if (arguments.units) names[k] += fmt::format(" [{}]", units[k]);
+  }
+  return names;
+}
+
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.output);
   const scene::Scene scene = readScene(arguments.scene);
@@ -655,7 +725,7 @@ int run(const Arguments& arguments) {
   if (!arguments.engines.empty())
     engine = engineKinds(arguments.engines, arguments.limits, scene).front();
   std::vector<Column> columns;
-  Sources sources{scene.mechanism, constrained, std::nullopt, std::nullopt};
+  Sources sources{scene.mechanism, constrained, std::nullopt, std::nullopt, std::nullopt};
   const JointAxes axes = *jointAxesNamed(arguments.axes);
   for (const std::string& text : arguments.quantities) {
     if (const std::optional<JointQuantity> of_joints = jointQuantityNamed(text)) {
@@ -721,6 +791,7 @@ int run(const Arguments& arguments) {
                             "M_C, M_A, P, PM, Z, F, PF, E, beta, reactions");
   if (arguments.warn)
     for (const Column& column : columns) requireBound(column);
+  if (!arguments.uncertainty.empty()) addDeviations(scene, arguments, sources, columns);
   const bool finds_qdd = findsQddFirst(scene, arguments, states->given());
   admitFor(scene, arguments.quantities);
   if (arguments.warn && finds_qdd)
@@ -731,30 +802,9 @@ int run(const Arguments& arguments) {
   if (arguments.random > 0)
     all_names =
         stateColumns(scene.mechanism, usedBy(arguments.quantities, scene.mechanism, finds_qdd));
-  for (const Column& column : columns) {
-    std::vector<std::string> names, units;
-    if (column.of_joints) {
-      names = sources.joints->columns(*column.of_joints);
-      if (arguments.units) units = sources.joints->units(*column.of_joints);
-    } else if (column.witness) {
-      names = chosen(columnNames(column.quantity, scene.mechanism), column.rows);
-      if (arguments.units)
-        units = chosen(columnUnits(column.quantity, scene.mechanism), column.rows);
-    } else if (column.isOfConstrained(ConstrainedQuantity::kReactions)) {
-      names = chosen(columnNames(Quantity::kReactions, scene.mechanism), column.rows);
-      if (arguments.units)
-        units = chosen(columnUnits(column.constrained, scene.mechanism), column.rows);
-    } else {
-      if (arguments.units) units = columnUnits(column.constrained, scene.mechanism);
-      const Eigen::MatrixXd shape =
-          states->current() == nullptr
-              ? Eigen::MatrixXd()
-              : constrained->answer(column.constrained, *states->current());
-      names = columnNames(column.constrained, shape.rows(), shape.cols());
-    }
-    for (std::size_t k = 0; k < names.size(); ++k)
-      all_names.push_back(arguments.units ? fmt::format("{} [{}]", names[k], units[k]) : names[k]);
-  }
+  for (const Column& column : columns)
+    for (std::string& name : headings(column, scene, arguments, *states, sources))
+      all_names.push_back(std::move(name));
   for (const char* asked : {"qdd1", "tau1"})
     if (arguments.random > 0 && std::count(all_names.begin(), all_names.end(), asked) > 1)
       throw scene::InputError({},
@@ -784,6 +834,7 @@ Run addEvaluate(CLI::App* command) {
       "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
       "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
       "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
+      "dynwitness evaluate puma_560 --quantity M_A,P,qdd --uncertainty mass=0.05,rpy=0.001 --units\n"
       "dynwitness evaluate two_handed --quantity E,beta --format json");
   command->add_option("scene", arguments->scene, "Scene")->required();
   command->add_option(
@@ -847,6 +898,13 @@ Run addEvaluate(CLI::App* command) {
       fmt::format("Say at how many states the rounding of the sweep, bounded as it goes, "
                   "leaves no more than {} digits; some 20 times slower",
                   kFewestDigits));
+  command
+      ->add_option(
+          "--uncertainty", arguments->uncertainty,
+          "Standard deviations: NAME=NUMBER,... of mass, inertia, rotor (relative), com, "
+          "xyz [m], rpy [rad]; after each of tau, qdd and what is asked of joints stand its "
+          "own, \"NAME +-\", of first order")
+      ->excludes("--warn");
   command->add_option("--witness", arguments->witness,
                       "Witnesses: who answers; without: the usual sweep");
   addEngineOptions(*command, arguments->engines, arguments->limits)

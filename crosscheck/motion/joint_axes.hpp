@@ -27,6 +27,7 @@ class TurnedAxes {
  public:
   TurnedAxes(const scene::Scene& scene, JointAxes axes);
 
+  JointAxes axes() const { return axes_; }
   void at(const scene::State<double>& state);
   /// From the axes of the frame that a link's joint moves to those asked for, for both parts of a
   /// six-vector; 1 for the root.

@@ -3,6 +3,7 @@
 // bias forces.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -55,6 +56,14 @@ class JointQuantities {
   void at(const scene::State<double>& state);
   /// Of the state, row by row, one column of columns() an entry.
   Eigen::VectorXd value(JointQuantity quantity) const;
+
+  JointAxes axes() const;
+  /// The links that the joints move, by index of the scene's.
+  std::vector<std::size_t> links() const;
+  /// In the order of value(), what somebody else says of the joints at the state: `of` the k-th of
+  /// links(), row by row, in the axes of its moved frame.
+  Eigen::VectorXd arranged(JointQuantity quantity,
+                           const std::function<Eigen::MatrixXd(std::size_t)>& of) const;
 
  private:
   struct Parts;

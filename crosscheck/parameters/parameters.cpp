@@ -8,6 +8,7 @@
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/inputs/states.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/regressor.hpp"
 #include "scene/work.hpp"
 
@@ -26,6 +27,55 @@ std::optional<double> conditionOf(const Eigen::MatrixXd& W) {
   if (!(condition * std::numeric_limits<double>::epsilon() * static_cast<double>(W.rows()) < 1))
     return {};
   return condition;
+}
+
+double squareOf(const Eigen::VectorXd& matrices, Eigen::Index joint, int row, int column) {
+  double sum = 0;  // of a three by three block, row by row of six
+  for (Eigen::Index i = 0; i < 3; ++i)
+    sum += matrices.segment<3>(36 * joint + 6 * (row + i) + column).squaredNorm();
+  return sum;
+}
+
+/// Accelerations at the forces of the states, and what the joints pass on.
+void propagateMotion(const scene::Scene& scene, const std::vector<scene::State<double>>& states,
+                     UncertaintyResult* out) {
+  const auto model =
+      recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+  recursive::Workspace<double> ws(model);
+  std::optional<JointQuantities> joints;
+  if (refusals(scene, Command::kEvaluateJoints).empty())
+    joints.emplace(scene, std::vector<std::string>());
+  const UncertainQuantities uncertain(scene, out->given, joints ? &*joints : nullptr);
+  out->qdd = out->of_qdd.by_inertia = out->of_qdd.by_placement = Eigen::VectorXd::Zero(model.dof());
+  if (joints)
+    for (const std::size_t link : joints->links())
+      out->joints.push_back({scene.mechanism.links[link].joint.name, {}, {}});
+  for (const scene::State<double>& state : states) {
+    std::vector<double> qdd(static_cast<std::size_t>(model.dof()));
+    recursive::forwardDynamics(model, state.x, state.qd, state.tau, ws, qdd);
+    out->qdd += Eigen::Map<const Eigen::VectorXd>(qdd.data(), model.dof()).cwiseAbs2();
+    const Deviations of_qdd = uncertain.qdd(state);
+    out->of_qdd.by_inertia += of_qdd.by_inertia.cwiseAbs2();
+    out->of_qdd.by_placement += of_qdd.by_placement.cwiseAbs2();
+    if (!joints) continue;
+    joints->at(state);
+    const Eigen::VectorXd M_A = uncertain.joints(JointQuantity::kM_A, state).together(),
+                          P = uncertain.joints(JointQuantity::kP, state).together();
+    for (std::size_t k = 0; k < out->joints.size(); ++k) {
+      const auto joint = static_cast<Eigen::Index>(k);
+      for (int block = 0; block < 3; ++block)
+        out->joints[k].M_A[block] += squareOf(M_A, joint, block == 2 ? 3 : 0, block == 0 ? 0 : 3);
+      for (int block = 0; block < 4; ++block)
+        out->joints[k].P[block] += squareOf(P, joint, 3 * (block / 2), 3 * (block % 2));
+    }
+  }
+  const auto count = static_cast<double>(states.size());
+  for (Eigen::VectorXd* v : {&out->qdd, &out->of_qdd.by_inertia, &out->of_qdd.by_placement})
+    *v = (*v / count).cwiseSqrt();
+  for (JointDeviation& joint : out->joints) {
+    for (double& square : joint.M_A) square = std::sqrt(square / count);
+    for (double& square : joint.P) square = std::sqrt(square / count);
+  }
 }
 
 UncertaintyResult propagate(const ParametersResult& result,
@@ -48,6 +98,9 @@ UncertaintyResult propagate(const ParametersResult& result,
   }
   for (Eigen::VectorXd* v : {&out.by_inertia, &out.by_geometry, &out.tau})
     *v = (*v / static_cast<double>(states.size())).cwiseSqrt();
+
+  propagateMotion(result.scene, states, &out);
+  out.follows = accelerationsFollowForces(result.scene, options.seed);
 
   // the same by drawing, at the first state
   const auto compare = [&](const Eigen::MatrixXd& effect, const Eigen::MatrixXd& sampled) {
@@ -81,7 +134,7 @@ bool ParametersResult::agrees() const {
   if (energy_rank != base.count() || (closed_form && *closed_form != base.countWithoutRotors()))
     return false;
   if (!uncertainty) return true;
-  return (!uncertainty->inertia || uncertainty->inertia->agrees()) &&
+  return uncertainty->follows && (!uncertainty->inertia || uncertainty->inertia->agrees()) &&
          (uncertainty->geometry.empty() || uncertainty->geometry.front().check.agrees());
 }
 

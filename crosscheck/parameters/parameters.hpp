@@ -26,11 +26,23 @@ struct GeometryRow {
   CovarianceCheck check;
 };
 
+/// Of M_A and P of one joint: root mean squares of the sums of squares in each block of three by
+/// three, which no turn of the axes changes.
+struct JointDeviation {
+  std::string joint;
+  double M_A[3];  ///< masses [kg], first moments [kg m], inertias [kg m^2]
+  double P[4];    ///< force of force [1], of moment [1/m], moment of force [m], of moment [1]
+};
+
 struct UncertaintyResult {
   Uncertainty given;
   Eigen::VectorXd by_inertia, by_geometry, tau;  ///< root mean squares over the states [N m, N]
-  std::optional<CovarianceCheck> inertia;        ///< draws at state 0, where inertias are uncertain
-  std::vector<GeometryRow> geometry;             ///< the same where placements are, by size
+  Deviations of_qdd;                             ///< the same of accelerations [rad/s^2, m/s^2]
+  Eigen::VectorXd qdd;
+  std::vector<JointDeviation> joints;      ///< none of scenes that evaluate refuses M_A of
+  bool follows = false;                    ///< accelerationsFollowForces()
+  std::optional<CovarianceCheck> inertia;  ///< draws at state 0, where inertias are uncertain
+  std::vector<GeometryRow> geometry;       ///< the same where placements are, by size
 };
 
 struct ParametersResult {

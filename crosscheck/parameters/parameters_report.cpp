@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/report/text.hpp"
+#include "crosscheck/witnesses/column_names.hpp"
 #include "scene/units.hpp"
 
 namespace dynwitness::crosscheck {
@@ -26,18 +27,6 @@ const char* keyword(Status status) {
   return status == Status::kAlone           ? "alone"
          : status == Status::kInCombination ? "combination"
                                             : "none";
-}
-
-/// Joints that slide count forces, all others moments.
-std::vector<std::string> forceUnits(const scene::Mechanism& mechanism) {
-  std::vector<std::string> units;
-  for (const int i : mechanism.movingLinks()) {
-    const scene::JointKind kind = mechanism.links[i].joint.kind;
-    if (mechanism.links[i].joint.mimic) continue;
-    for (std::size_t k = 0; k < scene::rateNames(kind).size(); ++k)
-      units.emplace_back(scene::slides(kind, k) ? "N" : "N m");
-  }
-  return units;
 }
 
 /// A sum in lines of 100 columns, broken before its signs, the later lines indented.
@@ -70,46 +59,84 @@ std::string ratios(const CovarianceCheck& check) {
                                    : "beyond all limits";
 }
 
-std::string uncertaintyText(const ParametersResult& result) {
-  const UncertaintyResult& u = *result.uncertainty;
+/// Deviations of one number a rate, by inertia, by placement and together, beside the number.
+std::string ratesTable(const ParametersResult& result, Quantity quantity,
+                       const Deviations& deviations, const Eigen::VectorXd& itself) {
   const std::vector<std::string> labels = result.scene.mechanism.rateLabels();
-  const std::vector<std::string> units = forceUnits(result.scene.mechanism);
+  const std::vector<std::string> units = columnUnits(quantity, result.scene.mechanism);
   std::size_t width = 5;
   for (const std::string& label : labels) width = std::max(width, label.size());
-  std::string out = fmt::format(
-      "\nStandard deviations of tau for {}, root mean squares over {} states:\n\n"
-      "{:<{}}  {:>12}  {:>12}  {:>12}  {:>12}  unit\n",
-      result.options.uncertainty, result.options.states, "joint", width, "by inertia",
-      "by placement", "together", "tau itself");
+  std::string out =
+      fmt::format("{:<{}}  {:>12}  {:>12}  {:>12}  {:>12}  unit\n", "joint", width, "by inertia",
+                  "by placement", "together", std::string(name(quantity)) + " itself");
+  const Eigen::VectorXd together = deviations.together();
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     out += fmt::format("{:<{}}  {:>12.4g}  {:>12.4g}  {:>12.4g}  {:>12.4g}  {}\n", labels[i], width,
-                       u.by_inertia(k), u.by_geometry(k),
-                       std::hypot(u.by_inertia(k), u.by_geometry(k)), u.tau(k), units[i]);
+                       deviations.by_inertia(k), deviations.by_placement(k), together(k), itself(k),
+                       units[i]);
   }
-  out +=
-      "Inertia: Y Sigma Y', exact, for tau is linear in pi. Placement: first order, by dual "
-      "numbers.\n";
+  return out;
+}
+
+/// What the joints pass on, block by block.
+std::string jointsTable(const std::vector<JointDeviation>& joints) {
+  std::size_t width = 5;
+  for (const JointDeviation& joint : joints) width = std::max(width, joint.joint.size());
+  std::string out = fmt::format(
+      "\nThe same of M_A and P of each joint, of the roots of sums of squares of blocks of three by "
+      "three:\n\n{:<{}}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}\n{:<{}}",
+      "joint", width, "M_A", "M_A", "M_A", "P, f of f", "P, f of m", "P, m of f", "P, m of m", "",
+      width);
+  for (const char* unit : {"kg", "kg m", "kg m^2", "1", "1/m", "m", "1"})
+    out += fmt::format("  {:>10}", unit);
+  out += "\n";
+  for (const JointDeviation& joint : joints) {
+    out += fmt::format("{:<{}}", joint.joint, width);
+    for (const double deviation : joint.M_A) out += fmt::format("  {:>10.4g}", deviation);
+    for (const double deviation : joint.P) out += fmt::format("  {:>10.4g}", deviation);
+    out += "\n";
+  }
+  return out + "Entry by entry: dynwitness evaluate SCENE --quantity M_A,P --uncertainty ...\n";
+}
+
+/// What was drawn, beside what was computed.
+std::string drawsText(const ParametersResult& result) {
+  const UncertaintyResult& u = *result.uncertainty;
+  if (!u.inertia && u.geometry.empty()) return "";
+  std::string out = fmt::format(
+      "\nDrawn instead, {} times at state 0 of seed {}: sampled / computed deviations of tau\n",
+      result.options.samples, result.options.seed);
   if (u.inertia)
-    out += fmt::format(
-        "\nDrawn instead, {} times at state 0 of seed {}: sampled / computed deviations\n"
-        "  inertia                      {}   {:.4f} to {:.4f} allowed: {}\n",
-        result.options.samples, result.options.seed, ratios(*u.inertia), u.inertia->low,
-        u.inertia->high, u.inertia->agrees() ? "agree" : "DISAGREE");
+    out += fmt::format("  inertia                      {}   {:.4f} to {:.4f} allowed: {}\n",
+                       ratios(*u.inertia), u.inertia->low, u.inertia->high,
+                       u.inertia->agrees() ? "agree" : "DISAGREE");
   if (u.geometry.empty()) return out;
-  if (!u.inertia)
-    out += fmt::format(
-        "\nDrawn instead, {} times at state 0 of seed {}: sampled / computed deviations\n",
-        result.options.samples, result.options.seed);
   for (const GeometryRow& row : u.geometry)
     out += fmt::format("  placement {:>8.3g} m, {:>8.3g} rad   {}   {}\n", row.scale * u.given.xyz,
                        row.scale * u.given.rpy, ratios(row.check),
                        row.check.agrees() ? "first order agrees" : "first order breaks down");
-  out += fmt::format(
-      "Allowed is what chi-square quantiles leave to normal draws: outside with a chance of "
-      "{:.0e}.\n",
-      result.options.chance);
-  return out;
+  return out + fmt::format(
+                   "Allowed is what chi-square quantiles leave to normal draws: outside with a "
+                   "chance of {:.0e}.\n",
+                   result.options.chance);
+}
+
+std::string uncertaintyText(const ParametersResult& result) {
+  const UncertaintyResult& u = *result.uncertainty;
+  std::string out =
+      fmt::format("\nStandard deviations of tau for {}, root mean squares over {} states:\n\n",
+                  result.options.uncertainty, result.options.states);
+  out += ratesTable(result, Quantity::kTau, {u.by_inertia, u.by_geometry}, u.tau);
+  out +=
+      "Inertia: Y Sigma Y', exact, for tau is linear in pi. Placement: first order, by dual "
+      "numbers.\n\nThe same of qdd at the joint forces of these states, all of first order:\n\n";
+  out += ratesTable(result, Quantity::kQdd, u.of_qdd, u.qdd);
+  out +=
+      fmt::format("M dqdd = -dtau over a prime field, each inertial parameter and placement: {}\n",
+                  u.follows ? "agree" : "DISAGREE");
+  if (!u.joints.empty()) out += jointsTable(u.joints);
+  return out + drawsText(result);
 }
 
 }  // namespace
@@ -200,6 +227,22 @@ Json toJson(const CovarianceCheck& check) {
           {"agrees", check.agrees()}};
 }
 
+Json ratesJson(const scene::Mechanism& mechanism, Quantity quantity, const Deviations& deviations,
+               const Eigen::VectorXd& itself) {
+  Json out = Json::array();
+  const std::vector<std::string> labels = mechanism.rateLabels(),
+                                 units = columnUnits(quantity, mechanism);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    out.push_back({{"joint", cleanText(labels[i])},
+                   {"unit", units[i]},
+                   {"by_inertia", deviations.by_inertia(k)},
+                   {"by_placement", deviations.by_placement(k)},
+                   {name(quantity), itself(k)}});
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string parametersJson(const ParametersResult& result, const std::string& version) {
@@ -249,25 +292,22 @@ std::string parametersJson(const ParametersResult& result, const std::string& ve
                        {"unit_columns", toJson(result.scaled_condition)}};
   if (result.uncertainty) {
     const UncertaintyResult& u = *result.uncertainty;
-    Json joints = Json::array();
-    const std::vector<std::string> labels = mechanism.rateLabels(), units = forceUnits(mechanism);
-    for (std::size_t i = 0; i < labels.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      joints.push_back({{"joint", cleanText(labels[i])},
-                        {"unit", units[i]},
-                        {"by_inertia", u.by_inertia(k)},
-                        {"by_placement", u.by_geometry(k)},
-                        {"tau", u.tau(k)}});
-    }
+    Json passed_on = Json::array();
+    for (const JointDeviation& joint : u.joints)
+      passed_on.push_back({{"joint", cleanText(joint.joint)}, {"M_A", joint.M_A}, {"P", joint.P}});
     Json rows = Json::array();
     for (const GeometryRow& row : u.geometry)
       rows.push_back({{"scale", row.scale}, {"check", toJson(row.check)}});
-    json["uncertainty"] = {{"given", cleanText(result.options.uncertainty)},
-                           {"joints", joints},
-                           {"samples", result.options.samples},
-                           {"chance", result.options.chance},
-                           {"inertia", u.inertia ? toJson(*u.inertia) : Json()},
-                           {"placement", rows}};
+    json["uncertainty"] = {
+        {"given", cleanText(result.options.uncertainty)},
+        {"joints", ratesJson(mechanism, Quantity::kTau, {u.by_inertia, u.by_geometry}, u.tau)},
+        {"accelerations", ratesJson(mechanism, Quantity::kQdd, u.of_qdd, u.qdd)},
+        {"accelerations_follow_forces", u.follows},
+        {"passed_on", passed_on},
+        {"samples", result.options.samples},
+        {"chance", result.options.chance},
+        {"inertia", u.inertia ? toJson(*u.inertia) : Json()},
+        {"placement", rows}};
   }
   json["agrees"] = result.agrees();
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

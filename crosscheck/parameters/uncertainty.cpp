@@ -4,19 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
-#include <fmt/format.h>
 #include <boost/math/distributions/chi_squared.hpp>
 
 #include "crosscheck/inputs/states.hpp"
-#include "crosscheck/parameters/placement_errors.hpp"
+#include "crosscheck/motion/parameter_errors.hpp"
+#include "crosscheck/scalars/prime_field.hpp"
 #include "recursive/regressor.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
-
-using Kind = scene::InertialParameter::Kind;
 
 /// Standard normal numbers in pairs (Box and Muller).
 class NormalStream {
@@ -67,79 +64,7 @@ Eigen::VectorXd asVector(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
-double largestMomentAboutCom(const double* ten) {
-  if (ten[0] == 0) return std::max({ten[4], ten[5], ten[6]});
-  const double xx = ten[1] * ten[1] / ten[0], yy = ten[2] * ten[2] / ten[0],
-               zz = ten[3] * ten[3] / ten[0];
-  return std::max({ten[4] - yy - zz, ten[5] - xx - zz, ten[6] - xx - yy});
-}
-
 }  // namespace
-
-Uncertainty readUncertainty(const std::string& text) {
-  // draws in double see a relative deviation of 1e-10 to six digits, and squares of 1e10 times
-  // any parameter of a scene are numbers
-  constexpr double kLeast = 1e-10, kMost = 1e10;
-  Uncertainty out;
-  const std::pair<const char*, double*> known[] = {{"mass", &out.mass},       {"com", &out.com},
-                                                   {"inertia", &out.inertia}, {"rotor", &out.rotor},
-                                                   {"xyz", &out.xyz},         {"rpy", &out.rpy}};
-  const auto refuse = [&](const std::string& read) {
-    throw scene::InputError(
-        {}, fmt::format(
-                "--uncertainty: read '{}'; allowed is NAME=NUMBER[,...] with 0 or a number from {} "
-                "to {} and the names mass, inertia, rotor (relative), com, xyz [m], rpy [rad]",
-                read, kLeast, kMost));
-  };
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    const std::string item = text.substr(at, end - at);
-    const std::size_t equals = item.find('=');
-    const auto* const it = std::find_if(std::begin(known), std::end(known), [&](const auto& k) {
-      return equals != std::string::npos && item.substr(0, equals) == k.first;
-    });
-    if (it == std::end(known)) refuse(item);
-    const std::string digits = item.substr(equals + 1);
-    std::size_t used = 0;
-    try {
-      *it->second = std::stod(digits, &used);
-    } catch (const std::exception&) {
-      refuse(item);
-    }
-    const double value = *it->second;
-    if (used != digits.size() || !(value == 0 || (value >= kLeast && value <= kMost))) refuse(item);
-    at = end + 1;
-  }
-  return out;
-}
-
-Eigen::MatrixXd parameterFactor(const scene::Mechanism& mechanism,
-                                const std::vector<scene::InertialParameter>& parameters,
-                                const Uncertainty& uncertainty) {
-  const auto p = static_cast<Eigen::Index>(parameters.size());
-  const std::vector<double> pi =
-      recursive::inertialValues(mechanism, parameters, scene::RealNumbers<double>(mechanism));
-  std::vector<Eigen::VectorXd> columns;
-  const auto add = [&](Eigen::Index j, double size) {
-    if (size != 0) columns.push_back(Eigen::VectorXd::Unit(p, j) * size);
-  };
-  for (Eigen::Index j = 0; j < p; ++j) {
-    const Kind kind = parameters[j].kind;
-    if (kind == Kind::kRotor) add(j, uncertainty.rotor * pi[j]);
-    if (kind != Kind::kMass) continue;
-    if (uncertainty.mass > 0) {
-      columns.push_back(Eigen::VectorXd::Zero(p));
-      for (int k = 0; k < scene::kInertialParametersOfLink; ++k)
-        columns.back()(j + k) = uncertainty.mass * pi[j + k];
-    }
-    for (int k = 1; k <= 3; ++k) add(j + k, uncertainty.com * pi[j]);
-    for (int k = 4; k < scene::kInertialParametersOfLink; ++k)
-      add(j + k, uncertainty.inertia * largestMomentAboutCom(&pi[j]));
-  }
-  Eigen::MatrixXd factor(p, columns.size());
-  for (std::size_t k = 0; k < columns.size(); ++k) factor.col(k) = columns[k];
-  return factor;
-}
 
 Eigen::MatrixXd placementEffect(const scene::Mechanism& mechanism,
                                 const scene::State<double>& state, const Uncertainty& uncertainty) {
@@ -158,6 +83,36 @@ Eigen::MatrixXd regressorAt(const scene::Mechanism& mechanism,
   Eigen::MatrixXd Y(model.dof(), parameters.size());
   recursive::regressor(model, parameters, state.x, state.qd, state.qdd, ws, Y);
   return Y;
+}
+
+bool accelerationsFollowForces(const scene::Scene& scene, std::uint64_t seed) {
+  using F = PrimeField;
+  const PrimeField::Modulus modulus(drawPrime(scene.name, seed, 0));
+  const FieldSource source("uncertainty of " + scene.name, seed, 0);
+  const FieldNumbers number(scene.mechanism, source);
+  const ErroneousModels<FieldNumbers> models(scene.mechanism, number);
+  const auto model = recursive::buildModel(scene.mechanism, number, recursive::FixedJoints::kKept);
+  recursive::Workspace<F> ws(model);
+  scene::State<F> state = indeterminateState(scene.mechanism, source);
+  recursive::forwardDynamics(model, state.x, state.qd, state.tau, ws, state.qdd);
+  recursive::MatrixX<F> M(model.dof(), model.dof()), Y(model.dof(), models.parameters().size());
+  recursive::massMatrix(model, state.x, ws, M);
+  recursive::regressor(model, models.parameters(), state.x, state.qd, state.qdd, ws, Y);
+  const scene::State<Dual<F>> at = constantState(state);
+  const auto follows = [&](const recursive::VectorX<F>& qdd, const recursive::VectorX<F>& tau) {
+    const recursive::VectorX<F> rest = M * qdd + tau;
+    return std::all_of(rest.begin(), rest.end(), [](const F& x) { return x.isZero(); });
+  };
+  for (Eigen::Index j = 0; j < Y.cols(); ++j) {
+    std::vector<F> direction(models.parameters().size(), F(0));
+    direction[static_cast<std::size_t>(j)] = F(1);
+    if (!follows(changeOfQdd(models.misweighed(direction), at), Y.col(j))) return false;
+  }
+  for (int k = 0; k < models.placements(); ++k) {
+    const auto misplaced = models.misplaced(k);
+    if (!follows(changeOfQdd(misplaced, at), changeOfTau(misplaced, at))) return false;
+  }
+  return true;
 }
 
 Eigen::MatrixXd sampledByInertia(const scene::Mechanism& mechanism,

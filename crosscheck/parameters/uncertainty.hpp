@@ -3,42 +3,18 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "crosscheck/motion/uncertain_quantities.hpp"
 #include "scene/inertial_parameters.hpp"
 #include "scene/scene.hpp"
 #include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
 
-/** Standard deviations of independent, normally distributed errors. */
-struct Uncertainty {
-  double mass = 0;  ///< of each link, relative: its density, so m, h and I grow together
-  double com = 0;   ///< of each centre of mass, along each axis [m]: h by m times that
-  double inertia =
-      0;  ///< of each of the six numbers of I, as a share of the largest moment about the
-          ///< centre of mass
-  double rotor = 0;  ///< of each rotor inertia, relative
-  double xyz = 0;    ///< of each joint's place, along each axis [m]
-  double rpy = 0;    ///< of each joint's orientation, about each axis [rad]
-
-  bool ofInertia() const { return mass > 0 || com > 0 || inertia > 0 || rotor > 0; }
-  bool ofGeometry() const { return xyz > 0 || rpy > 0; }
-};
-
-/// Reads "mass=0.05,com=0.002,rpy=0.001". @throws scene::InputError naming what was read, what is
-/// allowed
-Uncertainty readUncertainty(const std::string& text);
-
-/** F with Sigma_pi = F F': the effect on pi of each independent error of size one deviation. */
-Eigen::MatrixXd parameterFactor(const scene::Mechanism& mechanism,
-                                const std::vector<scene::InertialParameter>& parameters,
-                                const Uncertainty& uncertainty);
-
-/// The same for placements: J F, with J = dtau/d(errors) by dual numbers [n x errors].
+/// J F for placements, with J = dtau/d(errors) by dual numbers [n x errors].
 Eigen::MatrixXd placementEffect(const scene::Mechanism& mechanism,
                                 const scene::State<double>& state, const Uncertainty& uncertainty);
 
@@ -46,6 +22,16 @@ Eigen::MatrixXd placementEffect(const scene::Mechanism& mechanism,
 Eigen::MatrixXd regressorAt(const scene::Mechanism& mechanism,
                             const std::vector<scene::InertialParameter>& parameters,
                             const scene::State<double>& state);
+
+/** Whether, at a random point of a prime field, changes of qdd at given tau (by dual numbers through
+    the articulated-body sweep) are those of tau at given qdd: for every inertial parameter and every
+    error of a placement,
+
+        M d qdd + d tau = 0
+
+    with M by composite bodies and d tau by the regressor, or by dual numbers through Newton's and
+    Euler's sweep. */
+bool accelerationsFollowForces(const scene::Scene& scene, std::uint64_t seed);
 
 /** Covariance of tau over `samples` draws: the whole sweep, on a model with every number changed.
     Draw k is a pure function of (seed, k), so that sizes of errors are compared on the same draws.

@@ -103,7 +103,8 @@ const std::vector<Rule> kRules = {
      {"scene", "symbolic", "recursive", "system", "inputs", "scalars", "kernel", "witnesses",
       "verdicts"}},
     {"report", {"scene", "system", "inputs", "motion", "verdicts", "chart"}},
-    {"parameters", {"scene", "symbolic", "recursive", "inputs", "scalars", "witnesses", "report"}},
+    {"parameters",
+     {"scene", "symbolic", "recursive", "inputs", "scalars", "witnesses", "motion", "report"}},
     {"readers", {"scene", "recursive", "system", "inputs", "scalars", "witnesses", "report"}},
     {"audit",
      {"scene", "symbolic", "recursive", "system", "inputs", "scalars", "studies", "report"}},
@@ -289,7 +290,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
        {"1e-20", "1e-6", "1e-9"}},  // digits counted; from where differences must fall
       {"crosscheck/parameters/parameters.hpp", {"1e-30", "1e-9"}},  // chances of error, defaults
       {"crosscheck/inputs/states.cpp", {"0x1p-53"}},                // 53 random bits to [0, 1)
-      {"crosscheck/parameters/uncertainty.cpp", {"1e-10"}},  // least uncertainty that is taken
+      {"crosscheck/motion/uncertain_quantities.cpp", {"1e-10"}},  // least uncertainty that is taken
       {"crosscheck/conductor/plan.cpp",
        {"1.2e-5", "2e-4", "9e-4"}},  // seconds that a run is said to take
       {"crosscheck/witnesses/dart.cpp",

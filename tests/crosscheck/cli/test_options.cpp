@@ -158,6 +158,12 @@ BOOST_AUTO_TEST_CASE(numbers_inside_words_are_finite_too) {
   for (const char* value : {"nan", "inf", "1e400", "-1", "abc"})
     refuses(program, std::string("parameters acrobot --uncertainty mass=") + value,
             "--uncertainty: read");
+  refuses(program, "evaluate acrobot --quantity P --uncertainty mass=nan", "--uncertainty: read");
+  refuses(program, "evaluate acrobot --quantity M --uncertainty mass=0.1", "--uncertainty with M");
+  refuses(program, "evaluate andrews_squeezer --quantity qdd --uncertainty mass=0.1",
+          "qdd under closures, drives or constraints");
+  refuses(program, "evaluate acrobot --quantity P --axes world --uncertainty rpy=0.1",
+          "--axes link or joint");
   refuses(program, "impulse acrobot --impulse 1,nan,0", "--impulse: read 'nan'");
   refuses(program, "simulate acrobot --step-error 1", "between 0 and 1");
   refuses(program, "drift acrobot --duration 1e300", "allowed: up to");

@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/inputs/states.hpp"
+#include "crosscheck/motion/parameter_errors.hpp"
 #include "crosscheck/parameters/parameters.hpp"
 #include "crosscheck/parameters/parameters_report.hpp"
-#include "crosscheck/parameters/placement_errors.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
 
 namespace data = boost::unit_test::data;
