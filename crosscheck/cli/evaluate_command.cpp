@@ -490,7 +490,8 @@ Eigen::VectorXd deviationOf(const Column& column, const UncertainQuantities& unc
   return of.together();
 }
 
-/// A column of deviations after each of those that have one. @throws scene::InputError  one has none
+/// A column of deviations after each of those that have one.
+/// @throws scene::InputError  one has none
 void addDeviations(const scene::Scene& scene, const Arguments& arguments, Sources& sources,
                    std::vector<Column>& columns) {
   std::vector<Column> all;

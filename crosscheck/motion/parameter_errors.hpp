@@ -117,8 +117,8 @@ recursive::VectorX<T> changeOfTau(const recursive::Model<Dual<T>>& model,
   return derivatives(tau);
 }
 
-/** d qdd by the model's error, at the joint forces of the state, by the articulated-body sweep. With
-    d tau at the accelerations that belong to these forces it is  M d qdd = -d tau. */
+/** d qdd by the model's error, at the joint forces of the state, by the articulated-body sweep.
+    With d tau at the accelerations that belong to these forces it is  M d qdd = -d tau. */
 template <typename T>
 recursive::VectorX<T> changeOfQdd(const recursive::Model<Dual<T>>& model,
                                   const scene::State<Dual<T>>& state) {
