@@ -66,12 +66,14 @@ int run(const Arguments& arguments) {
   }
   fmt::print("{}", chartCsv(charts));
   if (arguments.output.empty()) return 0;
-  std::vector<ChartFiles> files;
+  std::vector<ChartData> data;
+  std::vector<ChartScript> scripts;
   for (const Chart& chart : charts) {
     const std::string stem = safeName(chart.scene) + "_" + chart.quantity;
-    files.push_back({stem, chartCsv({chart}), chartScript(chart, stem, kChartStyle)});
+    data.push_back({stem, chartCsv({chart})});
+    scripts.push_back({stem, chartScript(chart, stem, kChartStyle)});
   }
-  writeCharts(files, arguments.output);
+  writeCharts(data, scripts, arguments.output);
   return 0;
 }
 

@@ -15,16 +15,20 @@ namespace dynwitness::cli {
 using namespace crosscheck;
 namespace fs = std::filesystem;
 
-void writeCharts(const std::vector<ChartFiles>& charts, const fs::path& folder) {
+void writeCharts(const std::vector<ChartData>& data, const std::vector<ChartScript>& scripts,
+                 const fs::path& folder) {
   const UnfinishedFolder work(folder);  // vanishes again
   work.write(kChartStyle, kStyleGnuplot);
   std::vector<std::string> files = {kChartStyle};
   std::string problem;
-  for (const auto& [stem, csv, script] : charts) {
-    const std::vector<std::string> pictures = {stem + ".svg", stem + "_dark.svg"};
+  for (const auto& [stem, csv] : data) {
     work.write(stem + ".csv", csv);
+    files.push_back(stem + ".csv");
+  }
+  for (const auto& [stem, script] : scripts) {
+    const std::vector<std::string> pictures = {stem + ".svg", stem + "_dark.svg"};
     work.write(stem + ".gp", script);
-    files.insert(files.end(), {stem + ".csv", stem + ".gp"});
+    files.push_back(stem + ".gp");
     if (const auto failure = runGnuplot(work.path(), stem + ".gp", pictures))
       problem = *failure;
     else
@@ -37,7 +41,7 @@ void writeCharts(const std::vector<ChartFiles>& charts, const fs::path& folder) 
   }
   if (!problem.empty())
     throw std::runtime_error(
-        fmt::format("no picture: {}; data and script are in {}", problem, folder.string()));
+        fmt::format("no picture: {}; data and scripts are in {}", problem, folder.string()));
 }
 
 }  // namespace dynwitness::cli

@@ -9,6 +9,7 @@
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/inputs/states_file.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/motion/step_advice.hpp"
 #include "crosscheck/motion/tree_motion.hpp"
@@ -138,12 +139,7 @@ int judgeMotions(const scene::Scene& scene, const std::vector<std::string>& engi
       throw scene::InputError({}, fmt::format("'{}' has no integrator of its own, allowed: mujoco, "
                                               "mujoco_principal, simbody, dart",
                                               engine));
-    scene::State<double> start;
-    const scene::RealNumbers<double> number(scene.mechanism);
-    for (const scene::Number& q : scene.start_q) start.x.push_back(scene::jointPosition(number(q)));
-    for (const scene::Number& qd : scene.start_qd) start.qd.push_back(number(qd));
-    start.qdd.assign(start.qd.size(), 0.0);
-    start.tau = start.qdd;
+    const scene::State<double> start = ConstrainedQuantities(scene).start();
     const long count = std::lround(options.duration / step);
     try {
       verdicts.push_back(judgeOwnMotion(

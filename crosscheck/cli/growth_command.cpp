@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness growth: time, memory and digits against the number of links.
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
 
+#include "crosscheck/cli/chart_files.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/growth/growth.hpp"
 #include "crosscheck/growth/ours.hpp"
-#include "crosscheck/report/assets.hpp"
-#include "crosscheck/report/plot.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/families.hpp"
@@ -22,40 +18,18 @@ namespace dynwitness::cli {
 namespace {
 
 using namespace crosscheck;
-namespace fs = std::filesystem;
-
 struct Arguments {
   GrowthOptions options;
   std::vector<std::string> witnesses;
   std::string output, json;
 };
 
-/// Data, scripts and pictures, whole files or none.
 void writeGrowth(const std::vector<GrowthPoint>& points, const GrowthOptions& options, double cache,
-                 const fs::path& folder) {
-  const UnfinishedFolder work(folder);  // vanishes again
-  const std::string style = "dynwitness_style.gp";
-  work.write(style, kStyleGnuplot);
-  work.write("growth.csv", growthCsv(points, options, cache));
-  std::vector<std::string> files = {style, "growth.csv"};
-  std::string problem;
-  for (const std::string& family : options.families) {
-    work.write(family + ".gp", growthScript(points, family, cache, style));
-    files.push_back(family + ".gp");
-    const std::vector<std::string> pictures = {family + ".svg", family + "_dark.svg"};
-    if (const auto failure = runGnuplot(work.path(), family + ".gp", pictures))
-      problem = *failure;
-    else
-      files.insert(files.end(), pictures.begin(), pictures.end());
-  }
-  fs::create_directories(folder);
-  for (const std::string& file : files) {
-    std::ifstream stream(work.path() / file, std::ios::binary);
-    writeWholeFile(folder / file, std::string(std::istreambuf_iterator<char>(stream), {}));
-  }
-  if (!problem.empty())
-    throw std::runtime_error(
-        fmt::format("no picture: {}; data and scripts are in {}", problem, folder.string()));
+                 const std::string& folder) {
+  std::vector<ChartScript> scripts;
+  for (const std::string& family : options.families)
+    scripts.push_back({family, growthScript(points, family, cache, kChartStyle)});
+  writeCharts({{"growth", growthCsv(points, options, cache)}}, scripts, folder);
 }
 
 int run(const Arguments& arguments) {

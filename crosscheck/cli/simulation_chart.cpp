@@ -53,7 +53,7 @@ int runSimulationChart(const std::string& scene_name, const SimulationChartArgum
   fmt::print("{}", workCsv(work));
   if (output.empty()) return 0;
   const std::string stem = safeName(scene.name) + "_simulate";
-  writeCharts({{stem, workCsv(work), workScript(work, stem, kChartStyle)}}, output);
+  writeCharts({{stem, workCsv(work)}}, {{stem, workScript(work, stem, kChartStyle)}}, output);
   return 0;
 }
 

@@ -2,6 +2,8 @@
 #include "crosscheck/motion/closed_motion.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/joint_forces.hpp"
@@ -45,6 +47,11 @@ ClosedMotion::State ClosedMotion::start(const scene::Scene& scene) const {
   y.push_back(0);
   impose(0, &y);
   return y;
+}
+
+bool ClosedMotion::isClosed() const {
+  const double least = std::sqrt(std::numeric_limits<double>::epsilon());
+  return phi() <= least && phiRateSize() <= least;
 }
 
 void ClosedMotion::impose(double time, State* y) const {

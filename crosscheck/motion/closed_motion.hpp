@@ -70,6 +70,9 @@ class ClosedMotion {
   const recursive::MatrixX<double>& jacobian() const { return constraints_.J; }
   double phi() const { return largest(constraints_.phi); }
   double phiRateSize() const { return largest(phiRate()); }
+  /// Whether projections have arrived at closed positions and rates. Newton's method squares what
+  /// is left with each step: from below the root of eps [m, rad, 1/s] the next ends at rounding.
+  bool isClosed() const;
   int rank() const { return static_cast<int>(solver_.rank()); }
 
   /** What Newton and Euler leave of  M qdd + bias - Q - J' lambda  at any qdd and lambda, and the

@@ -107,12 +107,6 @@ class EnergyRounding {
 
 }  // namespace
 
-std::vector<std::pair<std::string, int>> driftMethods() {
-  std::vector<std::pair<std::string, int>> out;
-  for (const Integrator& method : integrators()) out.emplace_back(method.name, method.order);
-  return out;
-}
-
 Drift measureDrift(const PreparedScene& scene, const DriftOptions& options) {
   const Integrator& method = integratorNamed(options.method);
   requireTreated(scene.scene(), Command::kDrift);

@@ -33,9 +33,6 @@ struct DriftOptions {
   const scene::Mechanism* moved_by = nullptr;
 };
 
-/// Fixed-step integrators of Boost.odeint: name and order.
-std::vector<std::pair<std::string, int>> driftMethods();
-
 /** Simulates the scene from its start state with the articulated-body sweep, no joint forces, and
     follows E = T + V; with viscous friction, what it has taken, the integral of its power, is
     added. A path ends where it leaves the numbers; its `worst` is not finite then.

@@ -333,10 +333,7 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
   motion.choose(y, 0);
   motion.project(&y, 0);
   motion.choose(y, 0);
-  // Newton's method squares what is left with each step: from below the root of eps [m, rad, 1/s]
-  // the next one ends at rounding; where it stays above, it did not arrive
-  const double kOnConstraints = std::sqrt(std::numeric_limits<double>::epsilon());
-  if (!(motion.phi() <= kOnConstraints) || !(motion.phiRateSize() <= kOnConstraints))
+  if (!motion.isClosed())
     throw scene::InputError(
         {scene.file.string(), 0},
         fmt::format("start: the closures are {:.3g} apart and no small change of q and qd closes "

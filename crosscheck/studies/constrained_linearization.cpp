@@ -333,9 +333,7 @@ void ConstrainedLinearization::close(std::vector<double>* q, std::vector<double>
   motion.choose(y, 0);
   motion.project(&y, 0);
   motion.choose(y, 0);
-  // as simulate() has it: from below the root of eps one more step ends at rounding
-  const double kOnConstraints = std::sqrt(std::numeric_limits<double>::epsilon());
-  if (!(motion.phi() <= kOnConstraints) || !(motion.phiRateSize() <= kOnConstraints))
+  if (!motion.isClosed())
     throw scene::InputError(
         {parts_->scene.file.string(), 0},
         fmt::format("closures are {:.3g} apart at this state and no small change of q and qd "

@@ -9,6 +9,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/numbers.hpp"
 #include "tests/fixtures/program.hpp"
@@ -36,12 +37,7 @@ std::unique_ptr<Witness> witnessOf(const std::string& engine, const scene::Scene
 
 /// By an engine's own steps from the scene's start, 200 moments in a second.
 OwnMotion moved(Witness& witness, const scene::Scene& scene, double step) {
-  scene::State<double> start;
-  const scene::RealNumbers<double> number(scene.mechanism);
-  for (const scene::Number& q : scene.start_q) start.x.push_back(scene::jointPosition(number(q)));
-  for (const scene::Number& qd : scene.start_qd) start.qd.push_back(number(qd));
-  start.qdd.assign(start.qd.size(), 0.0);
-  start.tau = start.qdd;
+  const scene::State<double> start = ConstrainedQuantities(scene).start();
   const long steps = std::lround(1 / step);
   return dynamic_cast<OwnSteps&>(witness).ownMotion(start, step, steps, steps / 200);
 }
