@@ -123,7 +123,6 @@ BOOST_DATA_TEST_CASE(the_largest_stable_step_is_what_bisection_finds, data::make
 BOOST_AUTO_TEST_CASE(all_scenes_where_it_is_asked_for) {
   if (std::getenv("DYNWITNESS_LONG") == nullptr) return;
   constexpr double kDuration = 5;
-  constexpr int kMostOutside = 3;                     // as measured
   std::map<std::string, std::pair<int, int>> within;  // of how many
   for (const auto& file : scene::bundledScenes()) {
     const scene::Scene scene = scene::readScene(file);
