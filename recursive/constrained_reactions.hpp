@@ -66,6 +66,28 @@ void takeOffInboard(const Model<T>& model, std::vector<Force<T>> on_links, Works
   }
 }
 
+/// constrainedReactions() with springs as `addSprings(tau)` has them: it leaves their wrenches,
+/// carried inward, in of.ws.f.
+template <typename Numbers, typename AddSprings, typename T = typename Numbers::Scalar>
+void reactionsUnder(const scene::Mechanism& mechanism, const Numbers& number,
+                    const std::vector<JointPosition<T>>& x, const std::vector<T>& qd,
+                    const std::vector<T>& qdd, const VectorX<T>& lambda, const VectorX<T>& nu,
+                    const AddSprings& addSprings, MechanismOfJoints<T>& of, std::vector<T>& out) {
+  std::vector<T> tau(of.model.dof(), T(0));
+  const auto held = accelerationConstraints(mechanism, number, of.model, x, qd, of.ws);
+  constraintEquations(of.model, x, qd, of.ws, of.closures);
+  addSprings(tau);
+  // of springs already carried inward, which is how their joint forces are found
+  const std::vector<Force<T>> of_springs = of.ws.f;
+  inverseDynamics(of.model, x, qd, qdd, of.ws, tau);
+  if (!of.springs.empty())
+    for (std::size_t i = 0; i < of_springs.size(); ++i) of.ws.f[i] = of.ws.f[i] - of_springs[i];
+  std::vector<Force<T>> on_links(of.model.links.size(), Force<T>::zero());
+  addConstraintWrenches(of.closures, held, lambda, nu, on_links);
+  takeOffInboard(of.model, on_links, of.ws);
+  jointReactions(of.model, of.ws, out);
+}
+
 }  // namespace detail
 
 /** The wrench that the parent exerts on the link through each joint of the tree, where closures,
@@ -86,19 +108,12 @@ void constrainedReactions(const scene::Mechanism& mechanism, const Numbers& numb
                           const std::vector<JointPosition<T>>& x, const std::vector<T>& qd,
                           const std::vector<T>& qdd, const VectorX<T>& lambda, const VectorX<T>& nu,
                           MechanismOfJoints<T>& of, std::vector<T>& out) {
-  std::vector<T> tau(of.model.dof(), T(0));
-  const auto held = accelerationConstraints(mechanism, number, of.model, x, qd, of.ws);
-  constraintEquations(of.model, x, qd, of.ws, of.closures);
-  addSpringForces(of.model, of.springs, of.closures.X_W, of.ws, tau);
-  // of springs already carried inward, which is how their joint forces are found
-  const std::vector<Force<T>> of_springs = of.ws.f;
-  inverseDynamics(of.model, x, qd, qdd, of.ws, tau);
-  if (!of.springs.empty())
-    for (std::size_t i = 0; i < of_springs.size(); ++i) of.ws.f[i] = of.ws.f[i] - of_springs[i];
-  std::vector<Force<T>> on_links(of.model.links.size(), Force<T>::zero());
-  detail::addConstraintWrenches(of.closures, held, lambda, nu, on_links);
-  detail::takeOffInboard(of.model, on_links, of.ws);
-  jointReactions(of.model, of.ws, out);
+  detail::reactionsUnder(
+      mechanism, number, x, qd, qdd, lambda, nu,
+      [&of](std::vector<T>& tau) {
+        addSpringForces(of.model, of.springs, of.closures.X_W, of.ws, tau);
+      },
+      of, out);
 }
 
 /** Which of these numbers the equations of motion determine. Redundant constraints leave

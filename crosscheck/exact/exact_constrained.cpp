@@ -6,6 +6,7 @@
 #include "crosscheck/exact/inquiry.hpp"
 #include "crosscheck/witnesses/dense_equations.hpp"
 #include "recursive/closed_dynamics.hpp"
+#include "recursive/constrained_reactions.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 #include "recursive/least_constraint.hpp"
 #include "recursive/operational_space.hpp"
@@ -179,9 +180,22 @@ Inquiry baseProblem(const scene::Mechanism& mechanism,
   return inquiry;
 }
 
-/** Springs between points. A field has no square root for their length l, so that another pull is
-    put in place of theirs,  (stiffness l^2 + damping l l') d,  which asks the same of the points,
-    their distance and its rate. */
+/** A field has no square root for the length l of springs between points, so that another pull is put
+    in place of theirs,  (stiffness l^2 + damping l l') d,  which asks the same of the points, their
+    distance and its rate. Here for the sweeps. */
+recursive::Vector3<PrimeField> fieldPull(const recursive::PointSpring<PrimeField>& s,
+                                         const recursive::Vector3<PrimeField>& d,
+                                         const recursive::Vector3<PrimeField>& d_rate) {
+  return d * PrimeField(s.stiffness * d.dot(d) + s.damping * d.dot(d_rate));
+}
+/// And by length, for what is derived.
+auto fieldPullByLength(const FieldNumbers& number) {
+  return [&number](const scene::Spring& spring, const PrimeField& l2, const PrimeField& l_l_rate) {
+    return number(spring.stiffness) * l2 + number(spring.damping) * l_l_rate;
+  };
+}
+
+/// Springs between points, as fieldPull() has them.
 Inquiry springs(const scene::Mechanism& mechanism,
                 std::shared_ptr<const DerivedConstraints> dense) {
   Inquiry inquiry;
@@ -198,22 +212,55 @@ Inquiry springs(const scene::Mechanism& mechanism,
       auto closures = recursive::buildConstraints(mechanism, number, model);
       recursive::constraintEquations(model, state.x, state.qd, ws, closures);
       std::vector<T> tau(model.dof(), T(0));
-      recursive::detail::addPulls(
-          model, recursive::buildPointSprings(mechanism, number, model), closures.X_W, ws, tau,
-          [](const recursive::PointSpring<T>& s, const recursive::Vector3<T>& d,
-             const recursive::Vector3<T>& d_rate) {
-            return recursive::Vector3<T>(d * T(s.stiffness * d.dot(d) + s.damping * d.dot(d_rate)));
-          });
+      recursive::detail::addPulls(model, recursive::buildPointSprings(mechanism, number, model),
+                                  closures.X_W, ws, tau, fieldPull);
       const DenseEquations<T> e = derivedEquations<false>(*dense, mechanism, number, state);
       all[0].left =
           detail::againstSprings(
               e.frames, static_cast<Eigen::Index>(mechanism.acceleration_constraints.size()),
-              mechanism, number, state.qd,
-              [&number](const scene::Spring& spring, const T& l2, const T& l_l_rate) {
-                return number(spring.stiffness) * l2 + number(spring.damping) * l_l_rate;
-              }) *
+              mechanism, number, state.qd, fieldPullByLength(number)) *
           T(-1);
       all[0].right = column(tau);
+    });
+  };
+  return inquiry;
+}
+
+/** Reactions of all joints under closures, springs and acceleration constraints. Both sides are
+    formulas in qdd and the multipliers, whatever these are: any will do, and so redundant closures
+    do, which leave them open. */
+Inquiry reactions(const scene::Mechanism& mechanism,
+                  std::shared_ptr<const DerivedConstraints> dense,
+                  std::shared_ptr<const DerivedReactions> cut) {
+  Inquiry inquiry;
+  inquiry.checks = {question(
+      "reactions of the whole mechanism", "reactions",
+      "reactions by the sweeps, for any qdd and multipliers, springs pulling (stiffness l^2 + "
+      "damping l l') d = multipliers of cut joints")};
+  inquiry.ask = [dense, cut, &mechanism](const FieldNumbers& number,
+                                         const scene::State<PrimeField>& state) {
+    using T = PrimeField;
+    return answered(1, [&](SidesOfAll& all) {
+      const auto held = static_cast<Eigen::Index>(mechanism.acceleration_constraints.size());
+      VectorOf<T> forces(dense->closure_rows + held);
+      for (Eigen::Index i = 0; i < forces.size(); ++i) {
+        const auto n = static_cast<Eigen::Index>(state.tau.size());
+        forces(i) = state.tau[static_cast<std::size_t>(i % n)] * T(1 + static_cast<int>(i / n));
+      }
+      const DenseEquations<T> e = derivedEquations<false>(*dense, mechanism, number, state);
+      all[0].left =
+          derivedReactions(*cut, e, mechanism, number, state, forces, fieldPullByLength(number));
+      recursive::MechanismOfJoints<T> of(mechanism, number);
+      std::vector<T> swept(6 * (mechanism.links.size() - 1), T(0));
+      recursive::detail::reactionsUnder(
+          mechanism, number, state.x, state.qd, state.qdd,
+          VectorOf<T>(forces.head(dense->closure_rows)), VectorOf<T>(forces.tail(held)),
+          [&of](std::vector<T>& tau) {
+            recursive::detail::addPulls(of.model, of.springs, of.closures.X_W, of.ws, tau,
+                                        fieldPull);
+          },
+          of, swept);
+      all[0].right = column(swept);
     });
   };
   return inquiry;
@@ -230,46 +277,50 @@ bool holdsItsBase(const scene::Mechanism& mechanism) {
          });
 }
 
+/// No sweep answers, and why.
+CheckResult unanswered(const char* law, const char* quantity, const char* statement,
+                       const char* reason, const ExactOptions& options) {
+  CheckResult check = question(law, quantity, statement);
+  check.seed = options.seed;
+  check.verdict = Verdict::kNotAnswerable;
+  check.reason = reason;
+  return check;
+}
+
 }  // namespace
 
 std::vector<CheckResult> checkConstrainedExactly(const scene::Scene& scene,
                                                  const ExactOptions& options,
                                                  const scene::Mechanism* derived) {
   const scene::Mechanism& mechanism = scene.mechanism;
-  const bool is_held = mechanism.isDriven() || !mechanism.acceleration_constraints.empty();
+  const bool is_held = mechanism.isDriven() || !mechanism.acceleration_constraints.empty(),
+             is_closed = !mechanism.closures.empty();
   if (mechanism.isOpenTree() && !is_held) return {};
-  if (mechanism.hasMimics() && (!mechanism.closures.empty() || is_held)) {
-    CheckResult check = question("closed and hybrid dynamics", "qdd",
-                                 "constrained motion by the sweeps = one dense system");
-    check.seed = options.seed;
-    check.verdict = Verdict::kNotAnswerable;
-    check.reason =
-        "joints follow others (mimic), and the constrained sweeps solve for each joint where they "
-        "pass it";
-    return {check};
-  }
-  const auto dense = std::make_shared<const DerivedConstraints>(
-      derived ? *derived : mechanism, options.parameters == Parameters::kAsWritten, true);
+  const scene::Mechanism& of = derived ? *derived : mechanism;
+  const bool fold = options.parameters == Parameters::kAsWritten;
+  const auto dense = std::make_shared<const DerivedConstraints>(of, fold, true);
   std::vector<CheckResult> checks;
-  if (!mechanism.closures.empty()) checks = decide(scene, loops(mechanism, dense), options);
-  if (!mechanism.springs.empty())
-    for (const CheckResult& check : decide(scene, springs(mechanism, dense), options))
-      checks.push_back(check);
-  if (!mechanism.closures.empty() && !mechanism.acceleration_constraints.empty()) {
-    CheckResult check = question("closed loops", "nu",
-                                 "closed loops under acceleration constraints by the sweeps = one "
-                                 "dense system");
-    check.seed = options.seed;
-    check.verdict = Verdict::kNotAnswerable;
-    check.reason = "no sweep eliminates loops under acceleration constraints";
-    checks.push_back(check);
+  const auto ask = [&](const Inquiry& inquiry) {
+    for (const CheckResult& check : decide(scene, inquiry, options)) checks.push_back(check);
+  };
+  ask(reactions(mechanism, dense, std::make_shared<const DerivedReactions>(of, fold)));
+  if (!mechanism.springs.empty()) ask(springs(mechanism, dense));
+  if (mechanism.hasMimics() && (is_closed || is_held)) {
+    checks.push_back(unanswered(
+        "closed and hybrid dynamics", "qdd", "constrained motion by the sweeps = one dense system",
+        "joints follow others (mimic), and the constrained sweeps solve for each joint where they "
+        "pass it",
+        options));
+    return checks;
   }
-  if (is_held)
-    for (const CheckResult& check : decide(scene, hybrid(mechanism, dense), options))
-      checks.push_back(check);
-  if (holdsItsBase(mechanism))
-    for (const CheckResult& check : decide(scene, baseProblem(mechanism, dense), options))
-      checks.push_back(check);
+  if (is_closed) ask(loops(mechanism, dense));
+  if (is_closed && !mechanism.acceleration_constraints.empty())
+    checks.push_back(
+        unanswered("closed loops", "nu",
+                   "closed loops under acceleration constraints by the sweeps = one dense system",
+                   "no sweep eliminates loops under acceleration constraints", options));
+  if (is_held) ask(hybrid(mechanism, dense));
+  if (holdsItsBase(mechanism)) ask(baseProblem(mechanism, dense));
   return checks;
 }
 

@@ -53,6 +53,19 @@ struct DenseEquations {
   detail::Frames<T> frames;  ///< by derivation: of acceleration constraints, then of springs' ends
 };
 
+/// What a spring between points pulls, by length: of its length squared, and l l'.
+template <typename Numbers>
+auto pullByLength(const Numbers& number) {
+  using T = typename Numbers::Scalar;
+  return [&number](const scene::Spring& spring, const T& l2, const T& l_l_rate) {
+    using std::sqrt;
+    const T l = sqrt(l2);
+    return T((number(spring.stiffness) * (l - number(spring.rest)) +
+              number(spring.damping) * (l_l_rate / l)) /
+             l);
+  };
+}
+
 // ---- by derivation ------------------------------------------------------------------------------
 
 /// The equations from T, V and the places of frames in the world, as a program.
@@ -122,16 +135,6 @@ VectorOf<T> againstSprings(const Frames<T>& frames, Eigen::Index first,
   return out;
 }
 
-/// What a spring between points pulls, by length: of its length squared, and l l'.
-template <typename Numbers, typename T>
-T pullByLength(const scene::Spring& spring, const Numbers& number, const T& l2, const T& l_l_rate) {
-  using std::sqrt;
-  const T l = sqrt(l2);
-  return (number(spring.stiffness) * (l - number(spring.rest)) +
-          number(spring.damping) * (l_l_rate / l)) /
-         l;
-}
-
 /** What acceleration constraint i sees of frames that change so: with x'' of the point and e_a'' of
     the axes,  u . x'' + d . w',   w' = sum of e_a x e_a'' / 2 */
 template <typename Numbers, typename T = typename Numbers::Scalar>
@@ -194,11 +197,8 @@ DenseEquations<T> derivedEquations(const DerivedConstraints& derived,
     out.C(m + i) = number(held[i].compliance);
   }
   if constexpr (kSprings)
-    out.bias += detail::againstSprings(
-        frames, k, mechanism, number, state.qd,
-        [&number](const scene::Spring& spring, const T& l2, const T& l_l_rate) {
-          return detail::pullByLength(spring, number, l2, l_l_rate);
-        });
+    out.bias +=
+        detail::againstSprings(frames, k, mechanism, number, state.qd, pullByLength(number));
   out.frames = frames;
   return out;
 }
@@ -210,11 +210,13 @@ DenseEquations<T> derivedEquations(const DerivedConstraints& derived,
 
     @param e       derivedEquations() with springs, of the same state
     @param state   qdd that of the whole mechanism
-    @param forces  of all equations: rows of closures, then of acceleration constraints */
-template <typename Numbers, typename T = typename Numbers::Scalar>
+    @param forces  of all equations: rows of closures, then of acceleration constraints
+    @param pull    of springs: pullByLength(), or what stands for it */
+template <typename Numbers, typename Pull, typename T = typename Numbers::Scalar>
 VectorOf<T> derivedReactions(const DerivedReactions& derived, const DenseEquations<T>& e,
                              const scene::Mechanism& mechanism, const Numbers& number,
-                             const scene::State<T>& state, const VectorOf<T>& forces) {
+                             const scene::State<T>& state, const VectorOf<T>& forces,
+                             const Pull& pull) {
   const std::vector<T> values = symbolic::ProgramRun<T>(derived.program, number)(state);
   const T* from = values.data();
   VectorOf<T> out = detail::take(from, derived.count, 1);
@@ -235,7 +237,7 @@ VectorOf<T> derivedReactions(const DerivedReactions& derived, const DenseEquatio
     T l_l_rate = T(0);
     for (std::size_t j = 0; j < state.qd.size(); ++j)
       l_l_rate += moved.along(static_cast<Eigen::Index>(j)) * state.qd[j];
-    out += cut.along * detail::pullByLength(spring, number, cut.l2, l_l_rate);
+    out += cut.along * T(pull(spring, cut.l2, l_l_rate));
   }
   return out;
 }

@@ -167,7 +167,7 @@ struct LagrangeMultipliers {
     scene::State<T> moving = state;
     moving.qdd.assign(x.qdd.begin(), x.qdd.end());
     part(x.parts, MechanismQuantity::kReactions) =
-        derivedReactions(*cut, e, mechanism, number, moving, x.forces);
+        derivedReactions(*cut, e, mechanism, number, moving, x.forces, pullByLength(number));
     return x.parts;
   }
   std::shared_ptr<const DerivedConstraints> derived;
