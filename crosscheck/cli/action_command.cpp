@@ -24,7 +24,8 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, json;
+  GivenScene scene;
+  std::string json;
   std::optional<StateOption> q, qd;
   ActionOptions options;
 };
@@ -113,7 +114,7 @@ int run(Arguments arguments) {
 
 Run addAction(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
+  addScene(*command, arguments->scene, "Scene, a tree of links");
   command
       ->add_option("--duration", arguments->options.duration,
                    "Duration [s]: between the end points")

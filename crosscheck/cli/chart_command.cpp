@@ -28,7 +28,8 @@ using namespace crosscheck;
 constexpr const char* kAll = "all";
 
 struct Arguments {
-  std::string scene, output;
+  GivenScene scene;
+  std::string output;
   std::vector<std::string> quantities = {name(Quantity::kTau)}, witnesses, engines;
   Limits limits;  ///< of these programs
   int states = 1000;
@@ -81,7 +82,7 @@ int run(const Arguments& arguments) {
 
 Run addChart(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   const auto simulation = addSimulationChart(command);
   std::vector<std::string> allowed;
   for (const Quantity quantity : chartedQuantities()) allowed.push_back(name(quantity));

@@ -24,7 +24,8 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, scalar = "double", format = "text", output, smallest, answers, states;
+  GivenScene scene;
+  std::string scalar = "double", format = "text", output, smallest, answers, states;
   std::vector<std::string> engines;
   Limits limits;
   CheckOptions options;
@@ -70,7 +71,7 @@ int run(Arguments arguments) {
 
 Run addCheck(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   CLI::Option* const engine =
       addEngineOptions(*command, arguments->engines, arguments->limits)->expected(1);
   CLI::Option* const answers =

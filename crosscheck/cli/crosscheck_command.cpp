@@ -48,6 +48,7 @@ constexpr const char *kAsWritten = "as-written", *kRandom = "random";
 
 struct Arguments {
   std::vector<std::string> scenes;
+  std::string root;
   std::string report = "report", json, bench, stability;
   Options options;
   std::string parameters = kAsWritten;
@@ -67,7 +68,7 @@ constexpr int kMostChartStates = 100;
 std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
   std::vector<scene::Scene> scenes;
   for (const std::string& name : arguments.scenes) {
-    scenes.push_back(readScene(name));
+    scenes.push_back(readScene({name, arguments.root}));
     for (const std::string& what : scenes.back().not_modelled)
       tell(fmt::format("{}: {}\n", scenes.back().name, what));
   }
@@ -418,7 +419,9 @@ Run addCrosscheck(CLI::App* command) {
       "resolve the\n"
       "motion. An error bound that runs away or a witness that fails at a state is held against "
       "the run.");
-  command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
+  CLI::Option* scenes =
+      command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
+  addRoot(*command, arguments->root)->needs(scenes);
   addOutput(*command, arguments->report, "folder of the report")->capture_default_str();
   addJson(*command, arguments->json, "report.json, that is; with --mechanisms or --pairs theirs");
   command->add_option("--bench", arguments->bench,

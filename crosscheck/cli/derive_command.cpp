@@ -23,7 +23,8 @@ namespace dynwitness::cli {
 namespace {
 
 struct Arguments {
-  std::string scene, output, format = "text", quantity = "all";
+  GivenScene scene;
+  std::string output, format = "text", quantity = "all";
   bool operations = false;
 };
 
@@ -140,7 +141,7 @@ int run(const Arguments& arguments) {
 
 Run addDerive(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   command->add_option("--format", arguments->format, "How it is written")
       ->capture_default_str()
       ->check(oneOf({"text", "latex", "html", "c", "python"}));

@@ -39,7 +39,8 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, states, witness, output;
+  GivenScene scene;
+  std::string states, witness, output;
   std::vector<std::string> engines;  ///< a command, or none
   Limits limits;                     ///< of that program
   std::vector<std::string> quantities;
@@ -837,7 +838,7 @@ Run addEvaluate(CLI::App* command) {
       "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
       "dynwitness evaluate puma_560 --quantity M_A,P,qdd --uncertainty mass=0.05,rpy=0.001 --units\n"
       "dynwitness evaluate two_handed --quantity E,beta --format json");
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   command->add_option(
       "--states", arguments->states,
       "States, a CSV file: or - for standard input; q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "

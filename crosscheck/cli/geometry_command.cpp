@@ -26,7 +26,8 @@ using namespace crosscheck;
 constexpr int kMostShown = 4;  // joints whose Christoffel symbols are printed
 
 struct Arguments {
-  std::string scene, json;
+  GivenScene scene;
+  std::string json;
   std::optional<StateOption> given_q, given_qd;
   ActionOptions geodesic;
 };
@@ -135,7 +136,7 @@ int run(Arguments arguments) {
 
 Run addGeometry(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
+  addScene(*command, arguments->scene, "Scene, a tree of links");
   arguments->given_q.emplace(command, StateOption::Part::kQ, "the scene's start");
   arguments->given_qd.emplace(command, StateOption::Part::kQd,
                               "of the geodesic's start; the scene's, or 1 each");

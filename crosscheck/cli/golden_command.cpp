@@ -41,7 +41,7 @@ constexpr const char* kVerifiers[] = {"verify.py", "verify.cpp", "verify.mjs"};
 struct Arguments {
   std::vector<std::string> scenes, quantities, formats;
   bool all = false;
-  std::string output;
+  std::string root, output;
   GoldenOptions options;
 };
 
@@ -78,7 +78,7 @@ Admitted admitAll(const Arguments& arguments) {
     if (scene.mechanism.hasMimics())  // where followers start is no start of the tree
       out.scenes.back().start_q = out.scenes.back().mechanism.restPosition();
   };
-  for (const std::string& name : arguments.scenes) take(readScene(name));
+  for (const std::string& name : arguments.scenes) take(readScene({name, arguments.root}));
   if (arguments.all)
     for (const fs::path& file : scene::bundledScenes()) {
       const scene::Scene scene = scene::readScene(file);
@@ -172,7 +172,8 @@ int run(Arguments arguments) {
 
 Run addGolden(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scenes, "Scenes");
+  addRoot(*command, arguments->root)
+      ->needs(command->add_option("scene", arguments->scenes, "Scenes"));
   command->add_flag("--all-scenes", arguments->all,
                     "All bundled scenes; those that cannot be told are named");
   std::vector<std::string> quantities, formats;

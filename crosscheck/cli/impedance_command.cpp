@@ -22,7 +22,8 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, json;
+  GivenScene scene;
+  std::string json;
   std::optional<StateOption> q;
   std::vector<double> at, stiffness, damping, stretch;
   ImpedanceOptions options;
@@ -98,7 +99,7 @@ int run(Arguments arguments) {
 
 Run addImpedance(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene, a tree of links")->required();
+  addScene(*command, arguments->scene, "Scene, a tree of links");
   command->add_option("--link", arguments->options.link,
                       "Link: whose point it is (default: the last)");
   command

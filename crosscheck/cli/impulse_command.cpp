@@ -23,7 +23,8 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, json;
+  GivenScene scene;
+  std::string json;
   std::optional<StateOption> q, qd;
   std::vector<double> at, force, moment, direction;
   ImpulseOptions options;
@@ -131,7 +132,7 @@ int run(Arguments arguments) {
 
 Run addImpulse(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   command->add_option("--link", arguments->options.link,
                       "Link: that is struck (default: the last)");
   command

@@ -25,7 +25,8 @@ using namespace crosscheck;
 constexpr int kMostShown = 4;  // joints whose A and B are printed
 
 struct Arguments {
-  std::string scene, json;
+  GivenScene scene;
+  std::string json;
   std::optional<StateOption> q, qd;
   LinearizationOptions options;
 };
@@ -243,7 +244,7 @@ int run(Arguments arguments) {
 Run addLinearize(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   LinearizationOptions& options = arguments->options;
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start");
   arguments->qd.emplace(command, StateOption::Part::kQd, "at rest");
   command->add_flag("--equilibrium", options.seeks_equilibrium,

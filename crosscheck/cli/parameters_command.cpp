@@ -18,7 +18,8 @@ namespace dynwitness::cli {
 namespace {
 
 struct Arguments {
-  std::string scene, json;
+  GivenScene scene;
+  std::string json;
   crosscheck::ParametersOptions options;
 };
 
@@ -41,7 +42,7 @@ int run(const Arguments& arguments) {
 Run addParameters(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
   crosscheck::ParametersOptions& options = arguments->options;
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   addRandom(*command, options.states, 10000, "Y is stacked over these");
   addSeed(*command, options.seed, "of points, states and draws");
   command->add_option(

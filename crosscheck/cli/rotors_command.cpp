@@ -20,7 +20,8 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, json;
+  GivenScene scene;
+  std::string json;
   int states = Options().states;
   std::uint64_t seed = Options().seed;
 };
@@ -72,7 +73,7 @@ int run(const Arguments& arguments) {
 
 Run addRotors(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene with rotors")->required();
+  addScene(*command, arguments->scene, "Scene with rotors");
   addRandom(*command, arguments->states, 1000000, "where the coupling is measured");
   addSeed(*command, arguments->seed, "of the states");
   addJson(*command, arguments->json);

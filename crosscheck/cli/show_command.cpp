@@ -18,7 +18,8 @@ namespace {
 using crosscheck::Shown;
 
 struct Arguments {
-  std::string scene, page, format = "text";
+  GivenScene scene;
+  std::string page, format = "text";
 };
 
 /// The text of the URDF that a file is; empty: it is none.
@@ -32,14 +33,14 @@ std::string urdfText(const std::filesystem::path& file) {
 }
 
 /// The scene; a URDF that no motion can be computed of is shown as it is written, and why.
-Shown read(const std::string& name) {
+Shown read(const GivenScene& given) {
   Shown shown;
   try {
-    shown.scene = readScene(name);
+    shown.scene = readScene(given);
   } catch (const scene::InputError& error) {
-    const std::string text = urdfText(name);
+    const std::string text = given.root.empty() ? urdfText(given.name) : std::string();
     if (text.empty()) throw;
-    scene::Urdf urdf = scene::readUrdfAsWritten(text, name);
+    scene::Urdf urdf = scene::readUrdfAsWritten(text, given.name);
     shown = {std::move(urdf.scene), std::move(urdf.parts), {}};
     shown.warnings = scene::impossibleInertias(shown.scene);
     if (shown.warnings.empty()) shown.warnings.emplace_back(error.what());
@@ -69,7 +70,7 @@ int run(const Arguments& arguments) {
 
 Run addShow(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   addOutput(*command, arguments->page, "of the picture, one HTML file that needs no network");
   command->add_option("--format", arguments->format, "How it is written: what is printed")
       ->check(oneOf({"text", "json"}))

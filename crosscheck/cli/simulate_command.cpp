@@ -28,7 +28,8 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, csv, json, view, stabilisation, formulation = "index1", method;
+  GivenScene scene;
+  std::string csv, json, view, stabilisation, formulation = "index1", method;
   double step_error = 0;  ///< 0: not given
   bool compare = false, runs_once = false;
   SimulateOptions options;
@@ -313,7 +314,7 @@ Run addSimulate(CLI::App* command) {
       "dynwitness simulate car_axis --duration 3\n"
       "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
       "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare");
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   command->add_option("--duration", arguments->options.duration, "Duration [s]: simulated time")
       ->check(positive())
       ->capture_default_str();

@@ -36,9 +36,9 @@ std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command) 
   return arguments;
 }
 
-int runSimulationChart(const std::string& scene_name, const SimulationChartArguments& arguments,
+int runSimulationChart(const GivenScene& given, const SimulationChartArguments& arguments,
                        const std::string& output) {
-  const scene::Scene scene = admitted(scene_name, Command::kDrift);
+  const scene::Scene scene = admitted(given, Command::kDrift);
   requireMotion(scene);
   if (!output.empty()) requireWritableFolder(output);
   WorkOptions options = arguments.options;

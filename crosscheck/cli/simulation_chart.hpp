@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "crosscheck/cli/door.hpp"
 #include "crosscheck/motion/work_precision.hpp"
 
 namespace dynwitness::cli {
@@ -20,7 +21,7 @@ struct SimulationChartArguments {
 std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command);
 
 /// @param output  folder for SCENE_simulate.csv, .gp, .svg and _dark.svg; "": none
-int runSimulationChart(const std::string& scene, const SimulationChartArguments& arguments,
+int runSimulationChart(const GivenScene& scene, const SimulationChartArguments& arguments,
                        const std::string& output);
 
 }  // namespace dynwitness::cli

@@ -67,7 +67,8 @@ Run addVersion(CLI::App*) {
 namespace {
 
 struct DriftArguments {
-  std::string scene, plot, csv, motion;
+  GivenScene scene;
+  std::string plot, csv, motion;
   std::vector<std::string> methods, engines;  ///< methods empty: runge_kutta4, or all for advice
   double accuracy = 0;                        ///< of --advise; 0: not asked
   DriftOptions options;
@@ -180,7 +181,7 @@ int runDrift(const DriftArguments& arguments) {
 
 Run addDrift(CLI::App* command) {
   auto arguments = std::make_shared<DriftArguments>();
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   CLI::Option* method = command->add_option("--method", arguments->methods,
                                             "Integrators: [runge_kutta4] " + integratorNames());
   method->delimiter(',');

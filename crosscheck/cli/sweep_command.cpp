@@ -23,7 +23,8 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, json, link;
+  GivenScene scene;
+  std::string json, link;
   std::optional<StateOption> q, qd, qdd;
 };
 
@@ -206,7 +207,7 @@ int run(const Arguments& arguments) {
 
 Run addSweep(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene")->required();
+  addScene(*command, arguments->scene, "Scene");
   arguments->q.emplace(command, StateOption::Part::kQ, "the scene's start");
   arguments->qd.emplace(command, StateOption::Part::kQd, "the scene's start");
   arguments->qdd.emplace(command, StateOption::Part::kQdd, "0");

@@ -15,7 +15,8 @@ namespace dynwitness::cli {
 namespace {
 
 struct Arguments {
-  std::string scene, format, output;
+  GivenScene scene;
+  std::string format, output;
   bool lossy = false;
 };
 
@@ -49,7 +50,7 @@ int run(const Arguments& arguments) {
 
 Run addWrite(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("scene", arguments->scene, "Scene, TOML, URDF or MJCF file")->required();
+  addScene(*command, arguments->scene, "Scene, TOML, URDF or MJCF file");
   command->add_option("--format", arguments->format, "How it is written")
       ->required()
       ->check(oneOf({"toml", "urdf", "mjcf"}));
