@@ -180,9 +180,9 @@ Inquiry baseProblem(const scene::Mechanism& mechanism,
   return inquiry;
 }
 
-/** A field has no square root for the length l of springs between points, so that another pull is put
-    in place of theirs,  (stiffness l^2 + damping l l') d,  which asks the same of the points, their
-    distance and its rate. Here for the sweeps. */
+/** A field has no square root for the length l of springs between points, so that another pull is
+    put in place of theirs,  (stiffness l^2 + damping l l') d,  which asks the same of the points,
+    their distance and its rate. Here for the sweeps. */
 recursive::Vector3<PrimeField> fieldPull(const recursive::PointSpring<PrimeField>& s,
                                          const recursive::Vector3<PrimeField>& d,
                                          const recursive::Vector3<PrimeField>& d_rate) {

@@ -257,8 +257,8 @@ class Rooting {
     const scene::RealNumbers<double> number(m_);
     const auto model = recursive::buildModel(m_, number);
     recursive::Workspace<double> ws(model);
-    // driven joints are where their motion is, the others where the start has them, at quarter turns
-    // exactly
+    // driven joints are where their motion is, the others where the start has them: at quarter
+    // turns exactly
     scene::State<double> at = ConstrainedQuantities(from_).start();
     for (std::size_t k = 0; k < at.x.size(); ++k) {
       const auto angle = number.angle(from_.start_q[k]);

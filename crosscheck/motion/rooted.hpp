@@ -14,16 +14,16 @@ namespace dynwitness::crosscheck {
         X_J(q)^-1 = X_-J(q):   a turn about, or a slide along, the opposite axis by the same q
 
     so that its q, rates, force, spring, rotor, friction and function of time stay as they are. A
-    spherical joint turned round has the conjugate quaternion, and -R w as its rate. Where the former
-    tree floats in the world by its first joint, that joint is the new start's now. Otherwise what
-    rested in the world hangs on the tree, and a weld holds it there: six coordinates more, and six
-    equations. Loads, closures, springs and constraints stay on their links; massless links between
-    two fixed joints put a placement together that one joint has no words for. The start is the same pose and
-    motion, in doubles.
+    spherical joint turned round has the conjugate quaternion, and -R w as its rate. Where the
+    former tree floats in the world by its first joint, that joint is the new start's now. Otherwise
+    what rested in the world hangs on the tree, and a weld holds it there: six coordinates more, and
+    six equations. Loads, closures, springs and constraints stay on their links; massless links on
+    fixed joints put a placement together that one joint has no words for. The start is the same
+    pose and motion, in doubles.
 
-    @throws scene::InputError  there is no such link; it rests in the world; a joint on the way cannot
-      be turned round (universal, planar, floating; one with a gyroscopic rotor, which would sit on
-      its child); what rested in the world has no mass, and M would be singular */
+    @throws scene::InputError  there is no such link; it rests in the world; a joint on the way
+      cannot be turned round (universal, planar, floating; one with a gyroscopic rotor, which would
+      sit on its child); what rested in the world has no mass, and M would be singular */
 scene::Scene rooted(const scene::Scene& scene, const std::string& link);
 
 }  // namespace dynwitness::crosscheck

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include <fmt/format.h>
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
@@ -119,9 +121,37 @@ bool isFinite(const State& y) {
   return std::all_of(y.begin(), y.end(), [](double v) { return std::isfinite(v); });
 }
 
+/** One trial step of *dt from *t. What rejects it, besides its error: a state on the way that has
+    no finite accelerations, which one of a shorter step may have.
+    @return  "" where it was taken; otherwise why not, *dt the step to try next and y as it was */
+template <typename Controlled, typename Category>
+std::string tryStep(Controlled& stepper, Category category, ClosedMotion& motion, State* y,
+                    double* t, double* dt) {
+  constexpr double kShrink = 5;  // odeint's own limit for errors, however large
+  const State before = *y;
+  const double from = *t, asked = *dt;
+  std::string why;
+  try {
+    if (stepper.try_step(std::ref(motion), *y, *t, *dt) != odeint::success)
+      return "its error is larger than asked for";
+    if (isFinite(*y)) return {};
+    why = "its end is not finite";
+  } catch (const std::domain_error& no_answer) {
+    why = no_answer.what();
+  } catch (const std::runtime_error& no_answer) {
+    why = no_answer.what();
+  }
+  *y = before;
+  *t = from;
+  *dt = asked / kShrink;
+  forgetDerivative(stepper, category);
+  return why;
+}
+
 template <typename Stepper>
 void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Simulation* out) {
   auto stepper = odeint::make_controlled(options.step_error, options.step_error, Stepper());
+  const typename Stepper::stepper_category category{};
   Watch watch(motion, y, options, out);
   double time = 0, step = options.duration / options.outputs / 100;
   for (const double end : outputTimes(options)) {
@@ -129,12 +159,12 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
       // the last step before an output is cut to it, and does not teach the next one its size
       const bool cut = time + step >= end;
       double dt = cut ? end - time : step, t = time;
-      if (stepper.try_step(std::ref(motion), y, t, dt) != odeint::success || !isFinite(y)) {
+      if (const std::string why = tryStep(stepper, category, motion, &y, &t, &dt); !why.empty()) {
         ++out->rejected;
         step = dt;
         if (!(step > kSmallestStep))
-          throw std::runtime_error(
-              fmt::format("simulate: the step fell below {} s at t = {} s", kSmallestStep, time));
+          throw std::runtime_error(fmt::format("simulate: the step fell below {} s at t = {} s: {}",
+                                               kSmallestStep, time, why));
         continue;
       }
       watch.stepped(time);
@@ -144,7 +174,7 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
       if (options.stabilisation == Stabilisation::kProjection && motion.rows() > 0) {
         motion.project(&y, time);
         motion.choose(y, time);
-        forgetDerivative(stepper, typename Stepper::stepper_category());
+        forgetDerivative(stepper, category);
         watch.settled();
       }
       watch.look(y, time, cut);

@@ -157,8 +157,8 @@ BOOST_DATA_TEST_CASE(of_random_driven_and_constrained_trees, data::xrange(8u), s
   requireAgree(checkConstrainedExactly(scene, {}), 5, true);
 }
 
-// Bricard's redundant circle too, whose motion no system decides: any multipliers will do. And a fault of
-// one side is seen: each in one number of what acts on links.
+// Bricard's redundant circle too, whose motion no system decides: any multipliers will do. And a
+// fault of one side is seen: each in one number of what acts on links.
 BOOST_AUTO_TEST_CASE(reactions_of_whole_mechanisms) {
   const auto verdictOf = [](const scene::Scene& scene, const scene::Mechanism* derived) {
     for (const CheckResult& check : checkConstrainedExactly(scene, {}, derived))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A scene from another of its links: the same mechanism. Its M is held, through the map of rates that
-// the two starts show, to that of the scene itself, by Lagrange's equations from T; V, and how the
-// whole mechanism accelerates, with a weld that replaces the floor where there was one, to the
+// A scene from another of its links: the same mechanism. Its M is held, through the map of rates
+// that the two starts show, to that of the scene itself, by Lagrange's equations from T; V, and how
+// the whole mechanism accelerates, with a weld that replaces the floor where there was one, to the
 // scene's.
 #include "crosscheck/motion/rooted.hpp"
 
