@@ -3,6 +3,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -126,6 +127,55 @@ BOOST_AUTO_TEST_CASE(wrong_sentences_have_numbers_on_both_sides) {
                            [](const auto& row) { return row[row.size() - 2] != row.back(); }),
                e.id);
   }
+}
+
+// The figures of boards by hand: both sides, from masses, lengths and angles of the scenes' files.
+BOOST_AUTO_TEST_CASE(boards_show_what_comes_out_by_hand) {
+  // all columns but the first, row by row; a board has four digits
+  const auto has = [](const std::string& id, const std::vector<std::vector<double>>& expected) {
+    BOOST_TEST_CONTEXT(id) {
+      const Rows& rows = entry(id).numbers.value().rows;
+      BOOST_REQUIRE(rows.size() == expected.size());
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        for (std::size_t k = 0; k < expected[i].size(); ++k) {
+          const std::string& cell = rows[i][rows[i].size() - expected[i].size() + k];
+          BOOST_TEST(
+              std::abs(std::stod(cell) - expected[i][k]) <= 5.1e-4 * std::abs(expected[i][k]),
+              cell << " for " << expected[i][k]);
+        }
+    }
+  };
+  const double g = 9.81, l_1 = 0.5, l_2 = 0.4, m_1 = 1, m_2 = 0.8, s = std::sin(0.5),
+               c = std::cos(0.5);
+  has("eq14", {{-l_1, -l_1, 0}, {0, 0, 0}, {0, 0, 0}});
+  has("eq17", {{0, 0.539 - 0.52}, {0, 0.126 - 0.539}, {0, 0.52 - 0.126}});
+  const double about_middle = m_1 * l_1 * l_1 / 12, about_end = m_1 * l_1 * l_1 / 3;
+  has("eq19", {{about_middle, about_middle, about_end}, {about_middle, about_middle, about_end}});
+  has("eq66", {{0, -2}, {0, -4}});
+  has("eq68", {{0.5, 0.5 + 0.1 - 0.4, 0.6}, {0.5, 0.5 + 0.1 - 0.4, 0.1}});
+  has("eq74", {{0.001, 0.0011}, {0, 0.001}});
+  has("centripetal", {{m_1 * l_1 / 2, -m_1 * l_1 / 2}});
+  has("tip_inertia", {{0, m_2 * l_2 * l_2 / 3}});
+  const double elbow = m_2 * g * l_2 / 2 * std::sin(1.0),
+               shoulder = (m_1 * l_1 / 2 + m_2 * l_1) * g * s + elbow;
+  has("gravity_start", {{-shoulder, shoulder}, {-elbow, elbow}});
+  const double push = (l_2 / 2) / (l_2 * l_2 / 3);  // across the lower rod, for 1 N m at the elbow
+  has("id_order", {{0, -push * s}, {0, push * c}, {0, 1 + l_1 * push * c}});
+  has("b_curvature", {{0, -1 / 0.5}});
+  has("other_impedances", {{-90, -100}, {90, 100}, {0, 100}, {100, 110}, {0, -100}, {100, 110}});
+  // and where a board has what its sides are made of
+  for (const auto& row : entry("eq33").numbers.value().rows) {
+    const double d = std::stod(row[1]), link = std::stod(row[2]);
+    BOOST_TEST(std::abs(std::stod(row[3]) - (link - d)) <= 1e-3 * (link + d), row[0]);
+    BOOST_TEST(std::abs(std::stod(row[4]) - (link + d)) <= 1e-3 * (link + d), row[0]);
+  }
+  for (const auto& row : entry("eq36").numbers.value().rows) {
+    const double d = std::stod(row[1]), link = std::stod(row[2]);
+    BOOST_TEST(row[3] == "0");
+    BOOST_TEST(std::abs(std::stod(row[4]) - d / (d + link)) <= 1e-3, row[0]);
+  }
+  for (const auto& row : entry("eq63").numbers.value().rows)
+    BOOST_TEST(std::abs(std::stod(row[1]) - 2 * std::stod(row[2])) <= 1e-3 * std::stod(row[1]));
 }
 
 /// Neither what is left open nor what readers may conclude is the chapter's error.
