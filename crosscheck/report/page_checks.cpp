@@ -123,7 +123,7 @@ void putNotAsked(std::string* page, const SceneResult& scene) {
 }  // namespace
 
 void putChecks(std::string* page, const SceneResult& scene) {
-  put(page, "<h3>Checks</h3>\n");
+  put(page, "<h2>Checks</h2>\n");
   Rows rows;
   for (const CheckResult& check : scene.checks)
     if (answered(check)) rows.push_back(&check);
