@@ -24,8 +24,9 @@ struct SceneFiles {
   std::string chart_csv, chart_script, chart_light, chart_dark, no_chart_reason;
 };
 
-/** The report's first page: verdict, disagreements, table of scenes, each with a link to its own page,
-    and the footer with all that is needed to compute it again. No scripts, no fonts and no network.
+/** The report's first page: verdict, disagreements, table of scenes, each with a link to its own
+    page, and the footer with all that is needed to compute it again. No scripts, no fonts and no
+    network.
 
     @param files  as many as there are scenes
     @param more   sections more, as HTML (pairsSection(), benchSection()); may be empty */
