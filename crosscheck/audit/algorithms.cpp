@@ -40,7 +40,11 @@ Trials tipInertia() {
         const auto robot = anyRobot(at, {kTurn});
         const SixVectors six(robot);
         at.equal("inertia about the last joint", six.D[0], robot.massMatrix()(0, 0));
-      }));
+      }))
+      .numbers([] {
+        const OnTheBoard arm("double_pendulum");
+        return Rows{{"elbow", "0", onBoard(arm.ws.D[1])}};
+      });
 }
 
 Trials eq51() {
@@ -119,7 +123,14 @@ Trials idOrder() {
         at.equal("F_1", with,
                  Vector6<T>(six.biasForces()[0] +
                             six.X[1].transpose() * six.M_A[1] * six.Z[1] * (tau_2 / six.D[1])));
-      }));
+      }))
+      .numbers([] {
+        OnTheBoard arm("double_pendulum");
+        const Vector6<double> without = arm.F(0);
+        arm.tau[1] = 1;
+        arm.move();
+        return componentRows(kForceNames, without, arm.F(0));
+      });
 }
 
 Trials sixJoints() {
@@ -215,7 +226,22 @@ Trials gravityStart() {
         const auto robot = anyRobot(at, kTurns);
         const SixVectors<T> six(robot);
         at.equal("tau", newtonEuler<T>(six, six.gravityAtBase()), robot.forces(robot.qdd));
-      }));
+      }))
+      .numbers([] {
+        OnTheBoard arm("double_pendulum");
+        const auto torques = [&](double sign) {
+          recursive::Model<double> model = arm.model;
+          model.gravity *= sign;
+          std::vector<double> tau(arm.n());
+          recursive::inverseDynamics(model, arm.x, arm.qd, arm.qd, arm.ws, tau);
+          return tau;
+        };
+        const std::vector<double> printed = torques(-1), so = torques(1);
+        Rows rows;
+        for (std::size_t i = 0; i < arm.n(); ++i)
+          rows.push_back({std::to_string(i + 1), onBoard(printed[i]), onBoard(so[i])});
+        return rows;
+      });
 }
 
 Trials inertiaSweepShared() {

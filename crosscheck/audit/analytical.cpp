@@ -24,21 +24,9 @@ VectorX<T> scaled(const VectorX<T>& v, const T& s) {
 
 /// qd' M qd / divisor against the sum of m v^2 / 2 over the points and d qd^2 / 2 over the rotors.
 void compareEnergy(Point& at, const Robot<T>& robot, int divisor) {
-  T energy = T(0);
-  const auto paths = robot.paths(robot.qd, robot.zeros());
-  for (int i = 0; i < robot.n(); ++i) {
-    energy += robot.rotor[i] * robot.qd[i] * robot.qd[i];
-    for (std::size_t k = 0; k < robot.body[i].m.size(); ++k) {
-      const Vector3<T> v = rate<T, 3, 1>(paths[i].place(robot.body[i].r[k]));
-      energy += robot.body[i].m[k] * v.dot(v);
-    }
-  }
   const VectorX<T> qd = Robot<T>::column(robot.qd);
-  const MatrixX<T> M = compositeMassMatrix<T>(robot.model(), robot.x);
-  at.equal("T", T(qd.dot(VectorX<T>(M * qd)) / T(divisor)), T(energy / T(2)));
-  const recursive::Model<T> model = robot.model();
-  recursive::Workspace<T> ws(model);
-  at.equal("our code", recursive::kineticEnergy(model, robot.x, robot.qd, ws), T(energy / T(2)));
+  at.equal("T", T(qd.dot(VectorX<T>(robot.massMatrix() * qd)) / T(divisor)),
+           energiesOf(robot, robot.qd).first);
 }
 
 Trials linearTerms() {
@@ -104,20 +92,28 @@ Trials parameterLinearity() {
 }
 
 Trials eq61() {
-  return Trials("eq61").printed(exact([](Point& at) {
-    const auto robot = anyRobot(at, kMixed);
-    const recursive::Model<T> model = robot.model();
-    recursive::Workspace<T> ws(model);
-    std::vector<T> c = robot.zeros(), g = robot.zeros();
-    recursive::inverseDynamics(model, robot.x, robot.qd, robot.zeros(), ws, c,
-                               recursive::Terms::none());
-    recursive::inverseDynamics(model, robot.x, robot.zeros(), robot.zeros(), ws, g,
-                               recursive::Terms::potential());
-    const MatrixX<T> M = compositeMassMatrix<T>(model, robot.x);
-    at.equal(
-        "our code: tau", robot.forces(robot.qdd),
-        VectorX<T>(M * Robot<T>::column(robot.qdd) + Robot<T>::column(c) + Robot<T>::column(g)));
-  }));
+  return Trials("eq61")
+      .printed(exact([](Point& at) {
+        const auto robot = anyRobot(at, kMixed);
+        const VectorX<T> c = robot.forces(robot.qd, robot.zeros(), Vector3<T>::Zero()),
+                         g = robot.forces(robot.zeros(), robot.zeros(), robot.gravity);
+        at.equal("tau", robot.forces(robot.qdd),
+                 VectorX<T>(robot.massMatrix() * Robot<T>::column(robot.qdd) + c + g));
+      }))
+      .ours(exact([](Point& at) {
+        const auto robot = anyRobot(at, kMixed);
+        const recursive::Model<T> model = robot.model();
+        recursive::Workspace<T> ws(model);
+        std::vector<T> c = robot.zeros(), g = robot.zeros();
+        recursive::inverseDynamics(model, robot.x, robot.qd, robot.zeros(), ws, c,
+                                   recursive::Terms::none());
+        recursive::inverseDynamics(model, robot.x, robot.zeros(), robot.zeros(), ws, g,
+                                   recursive::Terms::potential());
+        const MatrixX<T> M = compositeMassMatrix<T>(model, robot.x);
+        at.equal("our code: tau", robot.forces(robot.qdd),
+                 VectorX<T>(M * Robot<T>::column(robot.qdd) + Robot<T>::column(c) +
+                            Robot<T>::column(g)));
+      }));
 }
 
 Trials eq62() {
@@ -342,7 +338,7 @@ Trial explicitAgainstSweep(Form form, Composite is) {
     const double operations = form == Form::kNamed ? formulas.named : formulas.written;
     const double sweep = static_cast<double>(costOf(6).inverse);
     return {(operations > sweep) == (is == Composite::kDearer),
-            fmt::format("PUMA 560: {:.3g} operations, Newton-Euler sweep of six joints {:.3g}",
+            fmt::format("PUMA 560: {:.0f} operations, Newton-Euler sweep of six joints {:.0f}",
                         operations, sweep)};
   });
 }

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/audit/ours.hpp"
 #include "scene/error.hpp"
 
 namespace dynwitness::audit {
@@ -43,8 +44,7 @@ std::string Entry::kind() const {
 }
 
 bool Entry::comparesOurCode() const {
-  return residual_printed.our_code || (residual_corrected && residual_corrected->our_code) ||
-         residual_ours;
+  return residual_ours || (residual_corrected && residual_corrected->our_code);
 }
 
 bool Entry::isSound() const {
@@ -62,7 +62,14 @@ Entry evaluate(const Claim& claim, std::uint64_t seed) {
   entry.residual_printed = trials.printed_trial(name, seed);
   if (trials.corrected_trial) entry.residual_corrected = trials.corrected_trial(name, seed);
   if (trials.condition_trial) entry.residual_condition = trials.condition_trial(name, seed);
-  if (trials.ours_trial) entry.residual_ours = trials.ours_trial(name, seed);
+  for (const Outcome* outcome :
+       {&entry.residual_printed, entry.residual_condition ? &*entry.residual_condition : nullptr})
+    if (outcome && outcome->our_code)
+      throw std::logic_error(trials.id + ": our code decides what the chapter says");
+  const bool has_its_own = entry.residual_corrected && entry.residual_corrected->our_code;
+  const Trial ours =
+      trials.ours_trial || has_its_own ? trials.ours_trial : oursOf(entry.implemented_in);
+  if (ours) entry.residual_ours = ours(name, seed);
   if (trials.rows_of_numbers)
     entry.numbers = Numbers{entry.numbers_caption, entry.numbers_head, trials.rows_of_numbers()};
   if (entry.numbers)

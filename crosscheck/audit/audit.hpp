@@ -93,7 +93,10 @@ struct Entry : Statement {
 
 /** Computes a claim. `holds` follows from the residuals of what is said and from nothing else:
     printed zero is true; not zero, and zero under the condition, is "under condition"; else
-    false. */
+    false. What our code answers is held to the truth beside it: by ours(), or by oursOf() of the
+    file that the entry names.
+    @throws std::logic_error  the answer of our code decides what the chapter says, or nothing is
+    there to compute */
 Entry evaluate(const Claim& claim, std::uint64_t seed);
 
 // The trials, a file a group of sections.

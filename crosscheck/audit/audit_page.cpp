@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <iterator>
 #include <string>
+#include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -102,6 +105,37 @@ void putSide(std::string* page, const char* css, const char* label, const std::s
       css, label, textWithMath(text), escapeMarkup(outcome.residual), escapeMarkup(outcome.method));
 }
 
+/// A whole cell of figures: "-0.5", "4e-05".
+bool isNumber(const std::string& cell) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  return error == std::errc() && end == cell.data() + cell.size();
+}
+
+/// Figures stand to the right, under a head that does.
+void putNumbers(std::string* page, const Entry& entry) {
+  const audit::Numbers& numbers = *entry.numbers;
+  put(page,
+      "<dt>In numbers</dt><dd id=\"{0}-numbers\">{1}</dd>\n<dd class=\"numbers\"><table "
+      "aria-labelledby=\"{0}-numbers\">\n<thead><tr>",
+      escapeMarkup(entry.id), textWithUnits(numbers.caption));
+  std::vector<const char*> css;
+  for (std::size_t k = 0; k < numbers.head.size(); ++k) {
+    const bool figures = k > 0 && std::all_of(numbers.rows.begin(), numbers.rows.end(),
+                                              [&](const auto& row) { return isNumber(row[k]); });
+    css.push_back(figures ? " class=\"n\"" : "");
+    put(page, "<th scope=\"col\"{}>{}</th>", css[k], textWithUnits(numbers.head[k]));
+  }
+  put(page, "</tr></thead>\n<tbody>\n");
+  for (const auto& row : numbers.rows) {
+    put(page, "<tr>");
+    for (std::size_t k = 0; k < row.size(); ++k)
+      put(page, "<td{}>{}</td>", css[k], textWithUnits(row[k]));
+    put(page, "</tr>\n");
+  }
+  put(page, "</tbody></table></dd>\n");
+}
+
 void putEntry(std::string* page, const Audit& audit, const Entry& entry) {
   put(page,
       "<article class=\"entry {}\" id=\"{}\">\n<h3><span "
@@ -122,21 +156,7 @@ void putEntry(std::string* page, const Audit& audit, const Entry& entry) {
   if (!entry.residual_corrected) putStatement(page, printed, entry.printed, entry.residual_printed);
   if (entry.residual_condition)
     putStatement(page, "Holds if", entry.condition, *entry.residual_condition);
-  if (entry.numbers) {
-    put(page,
-        "<dt>In numbers</dt><dd id=\"{0}-numbers\">{1}</dd>\n<dd class=\"numbers\"><table "
-        "aria-labelledby=\"{0}-numbers\">\n<thead><tr>",
-        escapeMarkup(entry.id), textWithUnits(entry.numbers->caption));
-    for (const std::string& cell : entry.numbers->head)
-      put(page, "<th scope=\"col\">{}</th>", textWithUnits(cell));
-    put(page, "</tr></thead>\n<tbody>\n");
-    for (const auto& row : entry.numbers->rows) {
-      put(page, "<tr>");
-      for (const std::string& cell : row) put(page, "<td>{}</td>", textWithUnits(cell));
-      put(page, "</tr>\n");
-    }
-    put(page, "</tbody></table></dd>\n");
-  }
+  if (entry.numbers) putNumbers(page, entry);
   put(page, "<dt>Why</dt><dd>{}</dd>\n<dt>Code</dt><dd><code>{}</code>{}</dd>\n</dl>\n</article>\n",
       textWithLinks(audit, entry.why), escapeMarkup(entry.implemented_in),
       std::string(entry.comparesOurCode() ? ", whose answer was compared, too" : "") +
@@ -160,7 +180,8 @@ void putIndex(std::string* page, const Audit& audit, const char* heading, const 
 
 }  // namespace
 
-std::string auditPage(const Audit& audit, const Environment& environment) {
+std::string auditPage(const Audit& audit, const Environment& environment,
+                      const std::string& report) {
   std::string page = pageHead("Audit: " + audit.headline(), environment.version, "", "entries",
                               "Skip to the entries");
   const std::string headline = audit.headline();
@@ -219,11 +240,14 @@ std::string auditPage(const Audit& audit, const Environment& environment) {
       "{}</code></pre>\n<dl "
       "class=\"meta\">\n<dt>dynwitness</dt><dd>{}{}</dd>\n<dt>Date</dt><dd>{}</dd>\n"
       "<dt>For programs</dt><dd><a "
-      "href=\"audit.json\">audit.json</a></dd>\n</dl>\n</footer>\n</body>\n"
+      "href=\"audit.json\">audit.json</a></dd>\n{}</dl>\n</footer>\n</body>\n"
       "</html>\n",
       audit.seed, escapeMarkup(environment.version),
       environment.commit.empty() ? "" : ", commit " + escapeMarkup(environment.commit),
-      escapeMarkup(environment.date));
+      escapeMarkup(environment.date),
+      report.empty() ? ""
+                     : "<dt>Report</dt><dd><a href=\"" + escapeMarkup(report) +
+                           "\">of the crosscheck</a></dd>\n");
   return page;
 }
 
@@ -232,7 +256,9 @@ void writeAudit(const Audit& audit, const Environment& environment,
   requireWritable(folder);
   UnfinishedFolder out(folder);
   out.write("audit.json", auditJson(audit, environment));
-  out.write("index.html", auditPage(audit, environment));
+  // where the report looks for this page
+  const bool beside = std::filesystem::is_regular_file(folder / ".." / "report.json");
+  out.write("index.html", auditPage(audit, environment, beside ? "../index.html" : ""));
   out.moveIntoPlace("index.html");
 }
 

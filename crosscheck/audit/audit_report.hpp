@@ -15,9 +15,12 @@ namespace dynwitness::crosscheck {
 std::string auditJson(const audit::Audit& audit, const Environment& environment);
 
 /// The audit as one HTML page: what is wrong, then every entry. No scripts and no network.
-std::string auditPage(const audit::Audit& audit, const Environment& environment);
+/// @param report  where the crosscheck's report lies, seen from the page; empty: there is none
+std::string auditPage(const audit::Audit& audit, const Environment& environment,
+                      const std::string& report);
 
-/// index.html and audit.json in a folder; files of others in it stay.
+/// index.html and audit.json in a folder; files of others in it stay. In a report's folder the page
+/// links back to the report.
 /// @throws scene::InputError  the folder cannot be written to or is somebody else's
 void writeAudit(const audit::Audit& audit, const Environment& environment,
                 const std::filesystem::path& folder);

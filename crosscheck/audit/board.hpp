@@ -82,11 +82,13 @@ struct OnTheBoard {
   std::vector<double> qd, qdd, tau;
 };
 
-/// The double pendulum, whose elbow is held along the x axis of the lower rod, and what holds it.
+/// The double pendulum, whose elbow is held along the x axis of the lower rod (or whose lower rod
+/// along another of the six directions), and what holds it.
 struct HeldElbow {
-  explicit HeldElbow(double rate) : arm("double_pendulum", rate), cws(arm.model, 1) {
+  explicit HeldElbow(double rate, int direction = 0)
+      : arm("double_pendulum", rate), cws(arm.model, 1) {
     held.link = 1;
-    held.A = recursive::Vector6<double>::Unit(0);
+    held.A = recursive::Vector6<double>::Unit(direction);
     held.b = VectorXd::Zero(1);
     recursive::constrainedForwardDynamics(arm.model, arm.x, arm.qd, arm.tau, {held}, arm.ws, cws,
                                           arm.qdd);

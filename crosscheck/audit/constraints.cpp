@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sections 11 to 13: constrained robots by sweeps, their base, tasks as constraints.
 #include "crosscheck/audit/constraints.hpp"
+#include "crosscheck/audit/ours.hpp"
 
 #include "crosscheck/audit/board.hpp"
 
@@ -47,7 +48,11 @@ Trials bCurvature() {
         const Vector3<T> xdd = secondRate<T, 3, 1>(x);
         at.equal("b", T(n.dot(xdd)), T(-v.dot(v) / rho));
         at.zero("tangential acceleration", Vector3<T>(xdd - n * n.dot(xdd)));
-      }));
+      }))
+      .numbers([] {
+        const double speed = 1, radius = 0.5;
+        return Rows{{"`b` [m/s^2]", "0", onBoard(-speed * speed / radius)}};
+      });
 }
 
 Trials eq54() {
@@ -148,14 +153,15 @@ Trials eq56() {
 }
 
 Trials eq57() {
-  return Trials("eq57").printed(exact([](Point& at) {
-    const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
-    const auto held = anyConstraint<2>(at, 2);
-    const MatrixX<T> J = held.A.transpose() * robot.jacobian(2);
-    const MatrixX<T> N_0 = -(J * inverseDense<T>(robot.massMatrix()) * J.transpose());
-    at.equal("N_0", carriedInward(SixVectors<T>(robot), held).N_0, N_0);
-    at.equal("our code", MatrixX<T>(-Swept<T>(robot, {held}).N), N_0);
-  }));
+  return Trials("eq57")
+      .printed(exact([](Point& at) {
+        const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
+        const auto held = anyConstraint<2>(at, 2);
+        const MatrixX<T> J = held.A.transpose() * robot.jacobian(2);
+        const MatrixX<T> N_0 = -(J * inverseDense<T>(robot.massMatrix()) * J.transpose());
+        at.equal("N_0", carriedInward(SixVectors<T>(robot), held).N_0, N_0);
+      }))
+      .ours(ourConstraints());
 }
 
 Trials balance() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sections 2 and 5: frames, and how forces, velocities and accelerations are carried between them.
 #include "crosscheck/audit/board.hpp"
+#include "crosscheck/audit/ours.hpp"
 #include "crosscheck/audit/truths.hpp"
 #include "recursive/newton_euler.hpp"
 
@@ -76,14 +77,15 @@ Matrix3<T> none() {
 // ---- forces ------------------------------------------------------------------------------------
 
 Trials eq1() {
-  return Trials("eq1").printed(exact([](Point& at) {
-    const auto system = anyForces(at);
-    const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
-    const Force<T> F_1 = system.about(p_1), F_2 = system.about(p_2);
-    at.equal("force", F_1.force, F_2.force);
-    at.equal("moment", F_1.moment, F_2.moment + r_12.cross(F_2.force));
-    at.equal("our code", F_1, Transform<T>{one<T>(), -r_12} * F_2);
-  }));
+  return Trials("eq1")
+      .printed(exact([](Point& at) {
+        const auto system = anyForces(at);
+        const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
+        const Force<T> F_1 = system.about(p_1), F_2 = system.about(p_2);
+        at.equal("force", F_1.force, F_2.force);
+        at.equal("moment", F_1.moment, F_2.moment + r_12.cross(F_2.force));
+      }))
+      .ours(ourTransformations());
 }
 
 Trials eq2() {
@@ -103,35 +105,41 @@ Trials eq2() {
 }
 
 Trials eq3() {
-  return Trials("eq3").printed(exact([](Point& at) {
-    const auto system = anyForces(at);
-    const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
-    const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
-    at.equal("F_1", system.about(p_1).vector(), T_F * system.about(p_2).vector());
-    at.equal("our code", T_F, Transform<T>{one<T>(), -r_12}.forceMatrix());
-  }));
+  return Trials("eq3")
+      .printed(exact([](Point& at) {
+        const auto system = anyForces(at);
+        const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
+        const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
+        at.equal("F_1", system.about(p_1).vector(), T_F * system.about(p_2).vector());
+      }))
+      .ours(ourTransformations());
 }
 
 Trials eq4() {
-  return Trials("eq4").printed(exact([](Point& at) {
-    const Vector3<T> r = at.vector(), x = at.vector();
-    Matrix3<T> hat;
-    hat << T(0), -r.z(), r.y(), r.z(), T(0), -r.x(), -r.y(), r.x(), T(0);
-    at.equal("hat(r) x", Vector3<T>(hat * x), r.cross(x));
-    at.equal("our code", hat, skew<T>(r));
-  }));
+  return Trials("eq4")
+      .printed(exact([](Point& at) {
+        const Vector3<T> r = at.vector(), x = at.vector();
+        Matrix3<T> hat;
+        hat << T(0), -r.z(), r.y(), r.z(), T(0), -r.x(), -r.y(), r.x(), T(0);
+        at.equal("hat(r) x", Vector3<T>(hat * x), r.cross(x));
+      }))
+      .ours(exact([](Point& at) {
+        const Vector3<T> r = at.vector(), x = at.vector();
+        at.equal("our code: hat(r) x", Vector3<T>(skew<T>(r) * x), r.cross(x));
+      }));
 }
 
 Trials eq5() {
-  return Trials("eq5").printed(exact([](Point& at) {
-    const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
-    const Vector3<T> r_21 = p_1 - p_2;
-    const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
-    const Matrix6<T> back = blocks<T>(one<T>(), none<T>(), -skew<T>(r_12), one<T>());
-    at.equal("product", T_F * back, Matrix6<T>::Identity());
-    at.equal("our code", back, Transform<T>{one<T>(), r_12}.forceMatrix());
-    at.equal("second form", back, blocks<T>(one<T>(), none<T>(), skew<T>(r_21), one<T>()));
-  }));
+  return Trials("eq5")
+      .printed(exact([](Point& at) {
+        const Vector3<T> p_1 = at.vector(), p_2 = at.vector(), r_12 = p_2 - p_1;
+        const Vector3<T> r_21 = p_1 - p_2;
+        const Matrix6<T> T_F = blocks<T>(one<T>(), none<T>(), skew<T>(r_12), one<T>());
+        const Matrix6<T> back = blocks<T>(one<T>(), none<T>(), -skew<T>(r_12), one<T>());
+        at.equal("product", T_F * back, Matrix6<T>::Identity());
+        at.equal("second form", back, blocks<T>(one<T>(), none<T>(), skew<T>(r_21), one<T>()));
+      }))
+      .ours(ourTransformations());
 }
 
 Trials inverseReason() {
@@ -153,28 +161,29 @@ Trials inverseReason() {
 }
 
 Trials eq6() {
-  return Trials("eq6").printed(exact([](Point& at) {
-    const auto system = anyForces(at);
-    const auto frames = anyFrames(at);
-    const Matrix3<T> R = frames.R_12();
-    const Matrix6<T> T_F = blocks<T>(R, none<T>(), skew<T>(frames.r_12()) * R, R);
-    at.equal("F_1", frames.in_1(system.about(frames.p_1)),
-             T_F * frames.in_2(system.about(frames.p_2)));
-    const Transform<T> X_21{R.transpose(), frames.r_12()};
-    at.equal("our code", T_F, X_21.inverse().forceMatrix());
-  }));
+  return Trials("eq6")
+      .printed(exact([](Point& at) {
+        const auto system = anyForces(at);
+        const auto frames = anyFrames(at);
+        const Matrix3<T> R = frames.R_12();
+        const Matrix6<T> T_F = blocks<T>(R, none<T>(), skew<T>(frames.r_12()) * R, R);
+        at.equal("F_1", frames.in_1(system.about(frames.p_1)),
+                 T_F * frames.in_2(system.about(frames.p_2)));
+      }))
+      .ours(ourTransformations());
 }
 
 Trials eq7() {
-  return Trials("eq7").printed(exact([](Point& at) {
-    const auto system = anyForces(at);
-    const auto frames = anyFrames(at);
-    const Matrix3<T> R_T = frames.R_12().transpose();
-    const Matrix6<T> T_F = blocks<T>(R_T, none<T>(), -(R_T * skew<T>(frames.r_12())), R_T);
-    at.equal("F_2", frames.in_2(system.about(frames.p_2)),
-             T_F * frames.in_1(system.about(frames.p_1)));
-    at.equal("our code", T_F, Transform<T>{R_T, frames.r_12()}.forceMatrix());
-  }));
+  return Trials("eq7")
+      .printed(exact([](Point& at) {
+        const auto system = anyForces(at);
+        const auto frames = anyFrames(at);
+        const Matrix3<T> R_T = frames.R_12().transpose();
+        const Matrix6<T> T_F = blocks<T>(R_T, none<T>(), -(R_T * skew<T>(frames.r_12())), R_T);
+        at.equal("F_2", frames.in_2(system.about(frames.p_2)),
+                 T_F * frames.in_1(system.about(frames.p_1)));
+      }))
+      .ours(ourTransformations());
 }
 
 Trials momentumTransformation() {
@@ -189,23 +198,24 @@ Trials momentumTransformation() {
       momenta.places.push_back(now<T, 3, 1>(x));
       momenta.forces.push_back(rate<T, 3, 1>(x) * body.m[k]);
     }
-    const Transform<T> X_21{frames.R_12().transpose(), frames.r_12()};
+    const Matrix3<T> R = frames.R_12();
+    const Matrix6<T> T_F = blocks<T>(R, none<T>(), skew<T>(frames.r_12()) * R, R);
     at.equal("momentum", frames.in_1(momenta.about(frames.p_1)),
-             X_21.inverse().forceMatrix() * frames.in_2(momenta.about(frames.p_2)));
+             T_F * frames.in_2(momenta.about(frames.p_2)));
   }));
 }
 
 // ---- motions -----------------------------------------------------------------------------------
 
 Trials eq8() {
-  return Trials("eq8").printed(exact([](Point& at) {
-    const Path<T> path = anyPath(at);
-    const Vector3<Jet<T>> x_1 = path.place(at.vector()), x_2 = path.place(at.vector());
-    const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1), w = path.omega();
-    at.equal("v_1", rate<T, 3, 1>(x_1), rate<T, 3, 1>(x_2) + r_12.cross(w));
-    at.equal("our code", rate<T, 3, 1>(x_1),
-             (Transform<T>{one<T>(), -r_12} * Motion<T>{rate<T, 3, 1>(x_2), w}).linear);
-  }));
+  return Trials("eq8")
+      .printed(exact([](Point& at) {
+        const Path<T> path = anyPath(at);
+        const Vector3<Jet<T>> x_1 = path.place(at.vector()), x_2 = path.place(at.vector());
+        const Vector3<T> r_12 = now<T, 3, 1>(x_2) - now<T, 3, 1>(x_1), w = path.omega();
+        at.equal("v_1", rate<T, 3, 1>(x_1), rate<T, 3, 1>(x_2) + r_12.cross(w));
+      }))
+      .ours(ourTransformations());
 }
 
 Trials eq9() {
@@ -227,66 +237,84 @@ void velocityBlocks(Point& at, bool turned) {
   const Matrix3<T> R = frames.R_12();
   const Matrix6<T> T_V = blocks<T>(R, skew<T>(frames.r_12()) * R, none<T>(), R);
   at.equal(turned ? "link frames" : "parallel axes", x_1, T_V * x_2);
-  at.equal("our code", T_V, Transform<T>{R.transpose(), frames.r_12()}.inverse().motionMatrix());
 }
 
 Trials eq10() {
-  return Trials("eq10").printed(exact([](Point& at) {
-    // a linear map of the velocities: the columns are found from six motions, and a seventh must
-    // follow
-    const auto frames = anyFrames(at);
-    const auto seen = [&](const Path<T>& path, bool from_1) {
-      const Vector3<T> w = path.omega();
-      const Vector3<T> p = from_1 ? frames.p_1 : frames.p_2;
-      const Motion<T> x{path.velocity().linear + w.cross(p - path.origin()), w};
-      return from_1 ? frames.in_1(x) : frames.in_2(x);
-    };
-    const Transform<T> X_21{frames.R_12().transpose(), frames.r_12()};
-    const Path<T> path = anyPath(at);
-    at.equal("our code: Xd_1", seen(path, true), X_21.inverse().motionMatrix() * seen(path, false));
-  }));
+  return Trials("eq10")
+      .printed(exact([](Point& at) {
+        // a linear map of velocities: that of a sum of motions is the sum of theirs
+        const auto frames = anyFrames(at);
+        const auto seen = [&](const Vector6<T>& motion_in_2) {
+          // a body with this velocity at frame 2, at frame 1's origin and in its axes
+          const Vector3<T> v = frames.R_2 * Vector3<T>(motion_in_2.template head<3>()),
+                           w = frames.R_2 * Vector3<T>(motion_in_2.template tail<3>());
+          return frames.in_1(Motion<T>{v + w.cross(frames.p_1 - frames.p_2), w});
+        };
+        const Vector6<T> x = at.vector6(), y = at.vector6();
+        const T s = at.number();
+        at.equal("Xd_1", seen(Vector6<T>(x + y * s)), seen(x) + seen(y) * s);
+      }))
+      .ours(ourTransformations());
 }
 
 Trials eq11() {
-  return Trials("eq11").printed(exact([](Point& at) {
-    velocityBlocks(at, false);
-    velocityBlocks(at, true);
-  }));
+  return Trials("eq11")
+      .printed(exact([](Point& at) {
+        velocityBlocks(at, false);
+        velocityBlocks(at, true);
+      }))
+      .ours(ourTransformations());
 }
 
 Trials eq12() {
-  return Trials("eq12").printed(exact([](Point& at) {
-    const Matrix3<T> R = at.rotation();
-    const Vector3<T> r = at.vector();
-    const Matrix6<T> T_V = blocks<T>(R, skew<T>(r) * R, none<T>(), R);
-    const Matrix6<T> back =
-        blocks<T>(R.transpose(), -(R.transpose() * skew<T>(r)), none<T>(), R.transpose());
-    at.equal("product", T_V * back, Matrix6<T>::Identity());
-    at.equal("our code", back, Transform<T>{R.transpose(), r}.motionMatrix());
-  }));
+  return Trials("eq12")
+      .printed(exact([](Point& at) {
+        const Matrix3<T> R = at.rotation();
+        const Vector3<T> r = at.vector();
+        const Matrix6<T> T_V = blocks<T>(R, skew<T>(r) * R, none<T>(), R);
+        const Matrix6<T> back =
+            blocks<T>(R.transpose(), -(R.transpose() * skew<T>(r)), none<T>(), R.transpose());
+        at.equal("product", T_V * back, Matrix6<T>::Identity());
+      }))
+      .ours(ourTransformations());
 }
 
+/// T_F_12 and T_V_12 of (6) and (11).
+template <typename T>
+struct Transformations {
+  explicit Transformations(const TwoFrames<T>& frames)
+      : F(blocks<T>(frames.R_12(), none<T>(), skew<T>(frames.r_12()) * frames.R_12(),
+                    frames.R_12())),
+        V(blocks<T>(frames.R_12(), skew<T>(frames.r_12()) * frames.R_12(), none<T>(),
+                    frames.R_12())) {}
+  Matrix6<T> F, V;
+};
+
 Trials eq13() {
-  return Trials("eq13").printed(exact([](Point& at) {
-    const Transform<T> X_21 = at.transform();
-    const Transform<T> X_12 = X_21.inverse();
-    at.equal("our code: first", X_21.forceMatrix(), X_12.motionMatrix().transpose());
-    at.equal("our code: second", X_21.motionMatrix(), X_12.forceMatrix().transpose());
-    // what it rests on: power does not depend on the frame
-    const Force<T> F_1 = at.force();
-    const Motion<T> x_1 = at.motion();
-    at.equal("power", dot(X_21 * x_1, X_21 * F_1), dot(x_1, F_1));
-  }));
+  return Trials("eq13")
+      .printed(exact([](Point& at) {
+        const auto frames = anyFrames(at);
+        const Transformations<T> T_12(frames),
+            T_21(TwoFrames<T>{frames.R_2, frames.R_1, frames.p_2, frames.p_1});
+        at.equal("T_F_21", T_21.F, T_12.V.transpose());
+        at.equal("T_V_21", T_21.V, T_12.F.transpose());
+        // what it rests on: power does not depend on the frame
+        const Vector6<T> F_2 = at.vector6(), x_2 = at.vector6();
+        at.equal("power", T((T_12.V * x_2).dot(T_12.F * F_2)), T(x_2.dot(F_2)));
+      }))
+      .ours(ourTransformations());
 }
 
 Trials velocityOrder() {
   return Trials("velocity_order").printed(exact([](Point& at) {
-    const Transform<T> X = at.transform();
-    const Motion<T> x = at.motion(), y = X * x;
-    Vector6<T> w_v_x, w_v_y;
-    w_v_x << x.angular, x.linear;
-    w_v_y << y.angular, y.linear;
-    at.equal("(w, v)", w_v_y, X.forceMatrix() * w_v_x);
+    const Transformations<T> T_12(anyFrames(at));
+    const Vector6<T> x = at.vector6(), y = T_12.V * x;
+    const auto angularFirst = [](const Vector6<T>& v) {
+      Vector6<T> out;
+      out << v.template tail<3>(), v.template head<3>();
+      return out;
+    };
+    at.equal("(w, v)", angularFirst(y), T_12.F * angularFirst(x));
   }));
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sections 16.1 and 17: impedances in other frames, and the geometry of the mass matrix.
+#include <Eigen/Eigenvalues>
+
 #include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/lifted.hpp"
 
@@ -65,6 +67,54 @@ Trials eq73() {
   }));
 }
 
+/// A gripper that gives way by 1 mm/N and 0.01 rad/(N m) at frame i, and frame f 0.1 m further
+/// along x.
+struct Gripper {
+  Gripper() {
+    C_i.diagonal() << 0.001, 0.001, 0.001, 0.01, 0.01, 0.01;
+    const Transform<double> X{Matrix3<double>::Identity(), {0.1, 0, 0}};
+    S = X.motionMatrix();
+    S_back = X.inverse().motionMatrix();
+  }
+  Matrix6<double> C_i = Matrix6<double>::Zero(), S, S_back;
+};
+
+Rows complianceRows() {
+  const Gripper gripper;
+  const Vector6<double> w = Vector6<double>::Unit(1);
+  const std::array<const char*, 6> names = {"x [m]",   "y [m]",   "z [m]",
+                                            "x [rad]", "y [rad]", "z [rad]"};
+  return componentRows(names, Vector6<double>(gripper.S * gripper.C_i * gripper.S_back * w),
+                       Vector6<double>(gripper.S * gripper.C_i * gripper.S.transpose() * w));
+}
+
+/// The eigenvalues of the gripper's compliance, which the chapter leaves unchanged.
+Rows eigenvalueRows() {
+  const Gripper gripper;
+  const Matrix6<double> C_f = gripper.S * gripper.C_i * gripper.S.transpose();
+  const Eigen::SelfAdjointEigenSolver<Matrix6<double>> in_i(gripper.C_i), in_f(C_f);
+  Rows rows;
+  for (int k = 0; k < 6; ++k)
+    rows.push_back(
+        {std::to_string(k + 1), onBoard(in_i.eigenvalues()(k)), onBoard(in_f.eigenvalues()(k))});
+  return rows;
+}
+
+/// The gripper's stiffness at frame f, entry by entry.
+Rows stiffnessRows() {
+  const Gripper gripper;
+  const Matrix6<double> K_i = gripper.C_i.diagonal().cwiseInverse().asDiagonal(),
+                        printed = gripper.S * K_i * gripper.S_back,
+                        so = gripper.S_back.transpose() * K_i * gripper.S_back;
+  Rows rows;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j)
+      if (onBoard(printed(i, j)) != onBoard(so(i, j)))
+        rows.push_back(
+            {fmt::format("{} {}", i + 1, j + 1), onBoard(printed(i, j)), onBoard(so(i, j))});
+  return rows;
+}
+
 Trials eq74() {
   return Trials("eq74")
       .printed(exact([](Point& at) {
@@ -88,17 +138,7 @@ Trials eq74() {
         at.equal("our code: C_f", springs.seenFrom(X).compliance(),
                  Matrix6<T>(S * springs.compliance() * S.transpose()));
       }))
-      .numbers([] {
-        Matrix6<double> C_i = Matrix6<double>::Zero();
-        C_i.diagonal() << 0.001, 0.001, 0.001, 0.01, 0.01, 0.01;
-        const Transform<double> X{Matrix3<double>::Identity(), {0.1, 0, 0}};
-        const Matrix6<double> S = X.motionMatrix();
-        const Vector6<double> w = Vector6<double>::Unit(1);
-        const std::array<const char*, 6> names = {"x [m]",   "y [m]",   "z [m]",
-                                                  "x [rad]", "y [rad]", "z [rad]"};
-        return componentRows(names, Vector6<double>(S * C_i * X.inverse().motionMatrix() * w),
-                             Vector6<double>(S * C_i * S.transpose() * w));
-      });
+      .numbers(complianceRows);
 }
 
 Trials similarity() {
@@ -132,7 +172,8 @@ Trials similarity() {
                  const Transform<T> X = at.transform();
                  at.equal("sum of the eigenvalues of C", springs.seenFrom(X).compliance().trace(),
                           T(springs.compliance().trace()));
-               })));
+               })))
+      .numbers(eigenvalueRows);
 }
 
 Trials otherImpedances() {
@@ -156,7 +197,8 @@ Trials otherImpedances() {
                  Matrix6<T>(S_back.transpose() * springs.stiffness() * S_back));
         at.equal("M_f", massMatrix6(body.seenFrom(X.R, Vector3<T>(X.R * -X.p))),
                  Matrix6<T>(S_back.transpose() * massMatrix6(body) * S_back));
-      }));
+      }))
+      .numbers(stiffnessRows);
 }
 
 // ---- the metric M -------------------------------------------------------------------------------

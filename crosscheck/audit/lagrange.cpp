@@ -177,25 +177,50 @@ VectorX<T> eulerLagrange(const Function& L, const std::vector<T>& q, const std::
   return out;
 }
 
-/// T + sign V of a robot by the sweeps of recursive/energy.hpp, in q, qd.
-template <typename T>
+/// The robot over duals of its scalar: what is drawn is constant.
+template <typename S>
+Robot<S> robotOver(const Robot<T>& robot) {
+  const auto constant = [](const T& x) { return S(Dual<T>(x)); };
+  const auto vector = [&](const Vector3<T>& x) {
+    return Vector3<S>(constant(x(0)), constant(x(1)), constant(x(2)));
+  };
+  Robot<S> out;
+  out.parent = robot.parent;
+  out.kind = robot.kind;
+  for (int i = 0; i < robot.n(); ++i) {
+    Matrix3<S> R;
+    for (int k = 0; k < 9; ++k) R(k) = constant(robot.R[i](k));
+    out.R.push_back(R);
+    out.r.push_back(vector(robot.r[i]));
+    PointMasses<S> body;
+    for (const T& m : robot.body[i].m) body.m.push_back(constant(m));
+    for (const Vector3<T>& r : robot.body[i].r) body.r.push_back(vector(r));
+    out.body.push_back(body);
+    out.rotor.push_back(constant(robot.rotor[i]));
+  }
+  out.gravity = vector(robot.gravity);
+  out.base_velocity = Motion<S>::zero();
+  return out;
+}
+
+/// T + sign V of a robot's point masses and rotors, in q, qd.
 VectorX<T> robotEulerLagrange(const Robot<T>& robot, int sign) {
   using DD = Dual<Dual<T>>;
-  const recursive::Model<DD> model = lifted<DD>(robot.model());
-  recursive::Workspace<DD> ws(model);
+  Robot<DD> moved = robotOver<DD>(robot);
   std::vector<T> q;
   for (const auto& x : robot.x) q.push_back(x.q);
   const auto L = [&](const std::vector<DD>& q, const std::vector<DD>& qd) {
-    std::vector<scene::JointPosition<DD>> x;
+    moved.x.clear();
     for (int i = 0; i < robot.n(); ++i) {
       // cos and sin of a dual angle at a point of the circle: (c, s) moved by both its small parts
       const Dual<T>& now = q[i].value;
       const T &c = robot.x[i].c, &s = robot.x[i].s;
       const Dual<T> c_now(c, -s * now.derivative), s_now(s, c * now.derivative);
-      x.push_back({q[i], {c_now, -s_now * q[i].derivative}, {s_now, c_now * q[i].derivative}});
+      moved.x.push_back(
+          {q[i], {c_now, -s_now * q[i].derivative}, {s_now, c_now * q[i].derivative}});
     }
-    return recursive::kineticEnergy(model, x, qd, ws) +
-           recursive::potentialEnergy(model, x, ws) * DD(sign);
+    const auto [kinetic, potential] = energiesOf(moved, qd);
+    return kinetic + potential * DD(sign);
   };
   return eulerLagrange<T>(L, q, robot.qd, robot.qdd);
 }
@@ -307,7 +332,8 @@ Trials eq64() {
   return Trials("eq64")
       .printed(certified([](RealPoint& at) {
         const auto oscillator = anyOscillator(at, 3.3, 6);
-        at.positive("(slow) (fast)", oscillator.slow() * oscillator.fast());
+        at.positive("product of the changes that one slow and one fast variation make",
+                    oscillator.slow() * oscillator.fast());
       }))
       .condition(certified([](RealPoint& at) {
         const auto oscillator = anyOscillator(at, 0.5, 3.14);
@@ -336,7 +362,7 @@ Trials leastAction() {
 Trials eq65() {
   return Trials("eq65").printed(exact([](Point& at) {
     const auto robot = anyRobot(at, {kTurn, kSlide});
-    at.equal("our code: forces", robotEulerLagrange(robot, -1), robot.forces(robot.qdd));
+    at.equal("forces", robotEulerLagrange(robot, -1), robot.forces(robot.qdd));
   }));
 }
 
@@ -440,7 +466,8 @@ Trials fullyEquivalent() {
   return Trials("fully_equivalent")
       .printed(certified([](RealPoint& at) {
         const auto oscillator = anyOscillator(at, 3.3, 6);
-        at.positive("(slow) (fast)", oscillator.slow() * oscillator.fast());
+        at.positive("product of the changes that one slow and one fast variation make",
+                    oscillator.slow() * oscillator.fast());
       }))
       .condition(stationary())
       .corrected(
@@ -538,7 +565,7 @@ Trials eq72() {
     auto robot = anyRobot(at, {kTurn, kTurn});
     robot.tau = robot.zeros();
     robot.qdd = robot.accelerations();  // by virtual work
-    at.zero("our code: d/dt dL/dqd - dL/dq", VectorX<T>(robotEulerLagrange(robot, -1)));
+    at.zero("d/dt dL/dqd - dL/dq", VectorX<T>(robotEulerLagrange(robot, -1)));
   }));
 }
 

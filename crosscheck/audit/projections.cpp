@@ -5,15 +5,12 @@
 
 #include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/counting.hpp"
+#include "crosscheck/audit/ours.hpp"
 #include "crosscheck/audit/robot.hpp"
 #include "recursive/projection.hpp"
 
 namespace dynwitness::audit {
 namespace {
-
-using recursive::accelerationProjection;
-using recursive::forceProjection;
-using recursive::inertiaProjection;
 
 /// Any distal inertia (symmetric: a link alone or with more links beyond it), any axis, any Xdd_1.
 JointProblem<T> anyProblem(Point& at, bool with_motor = false) {
@@ -46,27 +43,6 @@ Vector6<T> axisZ() {
 }
 
 // ---- numbers for the board ---------------------------------------------------------------------
-
-/// What forwardDynamics() leaves of a chain of two links is held to dense matrices: M_A, P, P M of
-/// both joints, with or without rotors.
-void comparesSweep(Point& at, Rotors rotors) {
-  const Robot<T> robot = anyRobot(at, {kTurn, kTurn}, rotors);
-  const SixVectors<T> six(robot);
-  const recursive::Model<T> model = robot.model();
-  recursive::Workspace<T> ws(model);
-  std::vector<T> qdd = robot.zeros();
-  recursive::forwardDynamics(model, robot.x, robot.qd, robot.tau, ws, qdd);
-  at.equal("our code: qdd", Robot<T>::column(qdd), Robot<T>::column(robot.accelerations()));
-  for (int i = 0; i < 2; ++i) {
-    const auto swept = recursive::sweptProjection(model, robot.x, ws, i);
-    at.equal("our code: M_A", ws.M_A[i].matrix(), six.M_A[i]);
-    at.equal("our code: P", swept.P, six.P(i));
-    at.equal("our code: P M", swept.P_M.matrix(), Matrix6<T>(six.P(i) * six.M_A[i]));
-  }
-}
-Trial sweep(Rotors rotors) {
-  return exact([rotors](Point& at) { comparesSweep(at, rotors); });
-}
 
 /// (32): P M of the upper link of a double pendulum, entry by entry.
 Rows projectedInertiaRows() {
@@ -155,7 +131,7 @@ Trials eq23() {
         at.equal("qdd", solveJoint(problem).qdd,
                  -(problem.Z.dot(problem.M_2 * problem.Xdd_1)) / axisInertia(problem));
       }))
-      .ours(sweep(Rotors::kNone));
+      .ours(ourProjections(Rotors::kNone));
 }
 
 Trials eq24() {
@@ -168,7 +144,7 @@ Trials eq24() {
         at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted,
                  M_1 * problem.Xdd_1 + (problem.M_2 - loss) * problem.Xdd_1);
       }))
-      .ours(sweep(Rotors::kNone));
+      .ours(ourProjections(Rotors::kNone));
 }
 
 Trials eq25() {
@@ -196,7 +172,7 @@ Trials eq26() {
         at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted,
                  M_A1 * problem.Xdd_1);
       }))
-      .ours(sweep(Rotors::kNone));
+      .ours(ourProjections(Rotors::kNone));
 }
 
 Trials eq27() {
@@ -204,15 +180,15 @@ Trials eq27() {
       .printed(exact([](Point& at) {
         const auto problem = anyProblem(at);
         at.equal("force", solveJoint(problem).transmitted,
-                 forceProjection<T>(problem.M_2, problem.Z, T(0)) *
+                 projectionOf<T>(problem.M_2, problem.Z, T(0)) *
                      Vector6<T>(problem.M_2 * problem.Xdd_1));
       }))
-      .ours(sweep(Rotors::kNone));
+      .ours(ourProjections(Rotors::kNone));
 }
 
 Trials eq28() {
   return Trials("eq28").printed(exact([](Point& at) {
-    const Matrix6<T> P = forceProjection<T>(at.template symmetric<6>(), at.vector6(), T(0));
+    const Matrix6<T> P = projectionOf<T>(at.template symmetric<6>(), at.vector6(), T(0));
     at.equal("P P", P * P, P);
   }));
 }
@@ -221,13 +197,13 @@ Trials projectionSkew() {
   return Trials("projection_skew")
       .printed(both(differs([](Point& at) {
                       const Matrix6<T> P =
-                          forceProjection<T>(at.template symmetric<6>(), at.vector6(), T(0));
+                          projectionOf<T>(at.template symmetric<6>(), at.vector6(), T(0));
                       at.equal("P' and P", P.transpose(), P);
                     }),
                     exact([](Point& at) {
                       // M (P' M^-1) M = M P' and M (M^-1 P) M = P M
                       const Matrix6<T> M = at.template symmetric<6>();
-                      const Matrix6<T> P = forceProjection<T>(M, at.vector6(), T(0));
+                      const Matrix6<T> P = projectionOf<T>(M, at.vector6(), T(0));
                       at.equal("M P' and P M", M * P.transpose(), P * M);
                     })));
 }
@@ -237,18 +213,18 @@ Trials eq29() {
       .printed(exact([](Point& at) {
         const auto problem = anyProblem(at);
         const Matrix6<T> M_1 = at.template symmetric<6>();
-        const Matrix6<T> M_A1 = M_1 + inertiaProjection<T>(problem.M_2, problem.Z, T(0));
+        const Matrix6<T> M_A1 = M_1 + projectedInertia<T>(problem.M_2, problem.Z, T(0));
         at.equal("F_1", M_1 * problem.Xdd_1 + solveJoint(problem).transmitted,
                  M_A1 * problem.Xdd_1);
       }))
-      .ours(sweep(Rotors::kNone));
+      .ours(ourProjections(Rotors::kNone));
 }
 
 Trials eq30() {
   return Trials("eq30").printed(exact([](Point& at) {
     const Matrix6<T> M = at.template symmetric<6>();
     const Vector6<T> Z = at.vector6();
-    const Matrix6<T> P = forceProjection<T>(M, Z, T(0));
+    const Matrix6<T> P = projectionOf<T>(M, Z, T(0));
     at.equal("P M", P * M, P * M * P.transpose());
     at.equal("symmetric", P * M, (P * M).transpose());
   }));
@@ -258,7 +234,7 @@ Trials heavier() {
   return Trials("heavier").printed(both(
       exact([](Point& at) {
         const Vector6<T> Z = at.vector6();
-        at.zero("P M Z", Vector6<T>(inertiaProjection<T>(at.template symmetric<6>(), Z, T(0)) * Z));
+        at.zero("P M Z", Vector6<T>(projectedInertia<T>(at.template symmetric<6>(), Z, T(0)) * Z));
       }),
       certified([](RealPoint& at) {
         const RigidInertia<Ball> body = RigidInertia<Ball>::aboutCenterOfMass(
@@ -266,7 +242,7 @@ Trials heavier() {
         const Matrix6<Ball> M = massMatrix6<Ball>(body.mass, body.h, body.I.matrix());
         Vector6<Ball> x;
         for (int i = 0; i < 6; ++i) x(i) = at.number(-1, 1);
-        const Matrix6<Ball> P_M = inertiaProjection<Ball>(M, axisZ<Ball>(), Ball(0));
+        const Matrix6<Ball> P_M = projectedInertia<Ball>(M, axisZ<Ball>(), Ball(0));
         at.positive("x' P_2 M_2 x", x.dot(P_M * x));
       })));
 }
@@ -277,9 +253,9 @@ Trials eq31() {
         const Matrix6<T> M = at.template symmetric<6>();
         Matrix6<T> P = Matrix6<T>::Identity();
         for (int i = 0; i < 6; ++i) P(i, 5) = i < 5 ? -M(i, 5) / M(5, 5) : T(0);
-        at.equal("P", P, forceProjection<T>(M, axisZ<T>(), T(0)));
+        at.equal("P", P, projectionOf<T>(M, axisZ<T>(), T(0)));
       }))
-      .ours(sweep(Rotors::kNone));
+      .ours(ourProjections(Rotors::kNone));
 }
 
 Trials eq32() {
@@ -289,7 +265,7 @@ Trials eq32() {
         Matrix6<T> printed = M;
         printed.row(5).setConstant(T(0));
         printed.col(5).setConstant(T(0));
-        at.equal("P M", inertiaProjection<T>(M, axisZ<T>(), T(0)), printed);
+        at.equal("P M", projectedInertia<T>(M, axisZ<T>(), T(0)), printed);
       }))
       .corrected(exact([](Point& at) {
         const auto problem = [&] {
@@ -311,7 +287,7 @@ Trials eq32() {
         const Force<T> U{A.B.col(2), A.C.column(2)};
         at.equal("our code", A.minusOuter(U, T(1) / U.moment.z()).matrix(), P_M);
       }))
-      .ours(sweep(Rotors::kNone))
+      .ours(ourProjections(Rotors::kNone))
       .numbers(projectedInertiaRows);
 }
 
@@ -332,8 +308,7 @@ Trials freeProjection() {
                       exact([](Point& at) {
                         const Matrix6<T> M = at.template symmetric<6>();
                         Matrix6<T> P_M = projectThroughZ<T>(M, T(0), false);
-                        at.equal("what was counted", P_M,
-                                 inertiaProjection<T>(M, axisZ<T>(), T(0)));
+                        at.equal("what was counted", P_M, projectedInertia<T>(M, axisZ<T>(), T(0)));
                       })));
 }
 
@@ -420,7 +395,7 @@ Trials eq33() {
   return Trials("eq33")
       .printed(exact([](Point& at) { rotorForce(at, -1); }))
       .corrected(exact([](Point& at) { rotorForce(at, 1); }))
-      .ours(sweep(Rotors::kAll))
+      .ours(ourProjections(Rotors::kAll))
       .numbers(motorInertiaRows);
 }
 
@@ -434,7 +409,7 @@ Trials eq34() {
         at.equal("force that passes", solveJoint(problem).transmitted,
                  (problem.M_2 - loss) * problem.Xdd_1);
       }))
-      .ours(sweep(Rotors::kAll));
+      .ours(ourProjections(Rotors::kAll));
 }
 
 Trials eq35() {
@@ -443,22 +418,22 @@ Trials eq35() {
         const auto problem = anyProblem(at, true);
         at.equal(
             "force that passes", solveJoint(problem).transmitted,
-            inertiaProjection<T>(problem.M_2, problem.Z, rotorInertia(problem)) * problem.Xdd_1);
+            projectedInertia<T>(problem.M_2, problem.Z, rotorInertia(problem)) * problem.Xdd_1);
       }))
-      .ours(sweep(Rotors::kAll));
+      .ours(ourProjections(Rotors::kAll));
 }
 
 Trials rotorProjection() {
   return Trials("rotor_projection")
       .printed(exact([](Point& at) {
         const Matrix6<T> M = at.template symmetric<6>();
-        const Matrix6<T> P = forceProjection<T>(M, at.vector6(), at.number());
+        const Matrix6<T> P = projectionOf<T>(M, at.vector6(), at.number());
         at.equal("(28)", P * P, P);
         at.equal("(30)", P * M, P * M * P.transpose());
       }))
       .condition(exact([](Point& at) {
         const Matrix6<T> M = at.template symmetric<6>();
-        const Matrix6<T> P = forceProjection<T>(M, at.vector6(), T(0));
+        const Matrix6<T> P = projectionOf<T>(M, at.vector6(), T(0));
         at.equal("(28)", P * P, P);
         at.equal("(30)", P * M, P * M * P.transpose());
       }))
@@ -466,7 +441,7 @@ Trials rotorProjection() {
         const Matrix6<T> M = at.template symmetric<6>(), one = Matrix6<T>::Identity();
         const Vector6<T> Z = at.vector6(), M_Z = M * Z;
         const T d = at.number(), D = d + Z.dot(M_Z);
-        const Matrix6<T> P = forceProjection<T>(M, Z, d);
+        const Matrix6<T> P = projectionOf<T>(M, Z, d);
         at.zero("(P - 1)(P - d/D)", Matrix6<T>((P - one) * (P - one * (d / D))));
         at.equal("P M", P * M, P * M * P.transpose() + M_Z * M_Z.transpose() * (d / (D * D)));
         at.equal("symmetric", P * M, (P * M).transpose());
@@ -480,16 +455,16 @@ Trials eq36() {
         const T d = at.number();
         Matrix6<T> P = Matrix6<T>::Identity();
         for (int i = 0; i < 6; ++i) P(i, 5) = i < 5 ? -M(i, 5) / (d + M(5, 5)) : T(0);
-        at.equal("P", P, forceProjection<T>(M, axisZ<T>(), d));
+        at.equal("P", P, projectionOf<T>(M, axisZ<T>(), d));
       }))
       .corrected(exact([](Point& at) {
         const Matrix6<T> M = at.template symmetric<6>();
         const T d = at.number();
         Matrix6<T> P = Matrix6<T>::Identity();
         for (int i = 0; i < 6; ++i) P(i, 5) = (i < 5 ? -M(i, 5) : d) / (d + M(5, 5));
-        at.equal("P", P, forceProjection<T>(M, axisZ<T>(), d));
+        at.equal("P", P, projectionOf<T>(M, axisZ<T>(), d));
       }))
-      .ours(sweep(Rotors::kAll))
+      .ours(ourProjections(Rotors::kAll))
       .numbers(rotorShareRows);
 }
 
@@ -554,9 +529,8 @@ Trials eq38() {
 Trials eq39() {
   return Trials("eq39").printed(exact([](Point& at) {
     const auto problem = anyProblem(at, true);
-    at.equal(
-        "Xdd_2", solveJoint(problem).Xdd_2,
-        accelerationProjection<T>(problem.M_2, problem.Z, rotorInertia(problem)) * problem.Xdd_1);
+    const Matrix6<T> P = projectionOf<T>(problem.M_2, problem.Z, rotorInertia(problem));
+    at.equal("Xdd_2", solveJoint(problem).Xdd_2, P.transpose() * problem.Xdd_1);
   }));
 }
 
@@ -590,7 +564,7 @@ Trials eq41() {
     problem.Xdd_1 = Vector6<T>::Zero();
     problem.applied = at.vector6();
     at.equal("F_1", -solveJoint(problem).transmitted,
-             forceProjection<T>(problem.M_2, problem.Z, rotorInertia(problem)) * problem.applied);
+             projectionOf<T>(problem.M_2, problem.Z, rotorInertia(problem)) * problem.applied);
   }));
 }
 

@@ -5,6 +5,7 @@
 
 #include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/counting.hpp"
+#include "crosscheck/audit/ours.hpp"
 #include "crosscheck/audit/robot.hpp"
 #include "recursive/articulated_body.hpp"
 #include "recursive/newton_euler.hpp"
@@ -12,9 +13,6 @@
 
 namespace dynwitness::audit {
 namespace {
-
-using recursive::forceProjection;
-using recursive::inertiaProjection;
 
 // ---- motions -----------------------------------------------------------------------------------
 
@@ -68,24 +66,6 @@ void printedAcceleration(Point& at, Joint kind) {
                axis<T>(kind, links.z()) * links.joint.qdd + A);
 }
 
-/// What the sweeps of recursive/ carry outward and inward in a chain of two links, against places
-/// differentiated and dense matrices.
-Trial sweptChain() {
-  return exact([](Point& at) {
-    auto robot = anyRobot(at, {kTurn, kTurn});
-    robot.gravity = Vector3<T>::Zero();
-    const recursive::Model<T> model = robot.model();
-    recursive::Workspace<T> ws(model);
-    std::vector<T> tau = robot.zeros(), qdd = tau;
-    recursive::inverseDynamics(model, robot.x, robot.qd, robot.qdd, ws, tau);
-    const auto paths = robot.paths(robot.qd, robot.qdd);
-    at.equal("our code: Xd", ws.v[1].vector(), robot.velocityOf(paths[1]));
-    at.equal("our code: Xdd", ws.a[1].vector(), robot.accelerationOf(paths[1]));
-    recursive::forwardDynamics(model, robot.x, robot.qd, robot.tau, ws, qdd);
-    at.equal("our code: M_A", ws.M_A[0].matrix(), SixVectors<T>(robot).M_A[0]);
-  });
-}
-
 Trials positionRecursion() {
   return Trials("position_recursion").printed(exact([](Point& at) {
     // a revolute joint and a slide: our transforms, and 4 x 4 matrices multiplied
@@ -124,7 +104,7 @@ Trials eq42() {
         at.equal("v", links.next.velocity().linear,
                  Vector3<T>(links.i.velocity().linear + links.w().cross(links.r())));
       }))
-      .ours(sweptChain());
+      .ours(ourChain());
 }
 
 Trials eq43() {
@@ -133,7 +113,7 @@ Trials eq43() {
         const auto links = anyTwoLinks(at, Joint::kRevolute);
         at.equal("w", links.next.omega(), Vector3<T>(links.w() + links.z() * links.joint.qd));
       }))
-      .ours(sweptChain());
+      .ours(ourChain());
 }
 
 Trials eq44() {
@@ -144,7 +124,7 @@ Trials eq44() {
                  shiftOfVelocity<T>(links.r()) * links.i.velocity().vector() +
                      axis<T>(Joint::kRevolute, links.z()) * links.joint.qd);
       }))
-      .ours(sweptChain());
+      .ours(ourChain());
 }
 
 Trials prismaticVelocity() {
@@ -170,13 +150,14 @@ void outwardMatrix(Point& at, bool world_axes) {
   Matrix6<T> T_V = shiftOfVelocity<T>(r);
   if (!world_axes) T_V << R, -(R * skew<T>(r)), Matrix3<T>::Zero(), R;
   at.equal("Xd", seen(R_next, x_next), T_V * seen(R_i, x_i));
-  at.equal("our code", T_V, Transform<T>{R, r}.motionMatrix());
 }
 
 Trials eq45() {
   // in one set of axes, as printed; in the links' own, as the sentence about it says
-  return Trials("eq45").printed(both(exact([](Point& at) { outwardMatrix(at, true); }),
-                                     exact([](Point& at) { outwardMatrix(at, false); })));
+  return Trials("eq45")
+      .printed(both(exact([](Point& at) { outwardMatrix(at, true); }),
+                    exact([](Point& at) { outwardMatrix(at, false); })))
+      .ours(ourTransformations());
 }
 
 Trials eq46() {
@@ -197,7 +178,7 @@ Trials eq47() {
                  Vector3<T>(links.i.alpha() + links.z() * links.joint.qdd +
                             links.w().cross(links.z()) * links.joint.qd));
       }))
-      .ours(sweptChain());
+      .ours(ourChain());
 }
 
 Trials eq48() {
@@ -314,13 +295,13 @@ void articulated(Point& at, int children) {
   for (int k = 0; k < children; ++k) {
     all.push_back(anyChild(at, Loads::kNone));
     const Child<T>& child = all.back();
-    M_A += child.T_F() * inertiaProjection<T>(child.M, child.Z, child.d) * child.T_F().transpose();
+    M_A += child.T_F() * projectedInertia<T>(child.M, child.Z, child.d) * child.T_F().transpose();
   }
   at.equal("force on link i", neededForce<T>(M, none, none, all, Xdd), M_A * Xdd);
 }
 
 Trials eq49() {
-  return Trials("eq49").printed(exact([](Point& at) { articulated(at, 1); })).ours(sweptChain());
+  return Trials("eq49").printed(exact([](Point& at) { articulated(at, 1); })).ours(ourChain());
 }
 
 Trials branches() {
@@ -343,7 +324,7 @@ void inward(Point& at, const Recursion& recursion) {
 
 const auto printedForce = [](Point& at, const auto& child, const auto& F_next, const auto& F_b,
                              const auto& F_e, const auto& needed) {
-  const Vector6<T> passed = forceProjection<T>(child.M, child.Z, child.d) * F_next -
+  const Vector6<T> passed = projectionOf<T>(child.M, child.Z, child.d) * F_next -
                             child.M * child.Z * (child.tau / child.D());
   at.equal("F_i", needed, child.T_F() * passed + F_b + F_e);
 };
@@ -354,9 +335,9 @@ Trials eq50() {
       .corrected(exact([](Point& at) {
         inward(at, [](Point& at, const auto& child, const auto& F_next, const auto& F_b,
                       const auto& F_e, const auto& needed) {
-          const Vector6<T> passed = forceProjection<T>(child.M, child.Z, child.d) *
-                                        Vector6<T>(F_next + child.M * child.A) +
-                                    child.M * child.Z * (child.tau / child.D());
+          const Vector6<T> passed =
+              projectionOf<T>(child.M, child.Z, child.d) * Vector6<T>(F_next + child.M * child.A) +
+              child.M * child.Z * (child.tau / child.D());
           at.equal("F_i", needed, child.T_F() * passed + F_b - F_e);
         });
         // the sweep of forward dynamics: link 1 of two that move, with a load on link 2
@@ -393,7 +374,7 @@ Trials forceSigns() {
           const Matrix6<T> any = Matrix6<T>::Zero();  // Xdd = 0: no own inertia needed
           const Vector6<T> needed = neededForce<T>(any, F_b, F_e, {child}, none);
           const Vector6<T> F_next = child.F_e - child.F_b;
-          const Vector6<T> passed = forceProjection<T>(child.M, child.Z, child.d) * F_next -
+          const Vector6<T> passed = projectionOf<T>(child.M, child.Z, child.d) * F_next -
                                     child.M * child.Z * (child.tau / child.D());
           at.equal("F_i", Vector6<T>(-needed), child.T_F() * passed + F_b + F_e);
         });
@@ -406,7 +387,7 @@ Trials forceSigns() {
           const Matrix6<T> any = Matrix6<T>::Zero();
           const Vector6<T> needed = neededForce<T>(any, F_b, F_e, {child}, none);
           const Vector6<T> F_next = child.F_e - child.F_b;
-          const Vector6<T> passed = forceProjection<T>(child.M, child.Z, child.d) * F_next -
+          const Vector6<T> passed = projectionOf<T>(child.M, child.Z, child.d) * F_next -
                                     child.M * child.Z * (child.tau / child.D());
           at.equal("F_i", Vector6<T>(-needed), child.T_F() * passed - F_b + F_e);
         });
@@ -489,10 +470,10 @@ Trials rootChoice() {
     const T tau = at.number();
     const auto fromRoot = [&](const Matrix6<T>& M_r, const Matrix6<T>& M_o, const Vector6<T>& F_r,
                               const Vector6<T>& F_o, const Vector6<T>& axis) {
-      const Matrix6<T> M_A = M_r + inertiaProjection<T>(M_o, axis, T(0));
+      const Matrix6<T> M_A = M_r + projectedInertia<T>(M_o, axis, T(0));
       const Vector6<T> M_Z = M_o * axis;
       const Vector6<T> F =
-          F_r + forceProjection<T>(M_o, axis, T(0)) * F_o - M_Z * (tau / axis.dot(M_Z));
+          F_r + projectionOf<T>(M_o, axis, T(0)) * F_o - M_Z * (tau / axis.dot(M_Z));
       return Vector6<T>(solveDense<T>(M_A, F));
     };
     const Vector6<T> Xdd_1 = fromRoot(M_1, M_2, F_1, F_2, Z);
@@ -509,8 +490,8 @@ Trials sharedSubtree() {
       .printed(exact([](Point& at) {
         const Matrix6<T> M_3 = at.template symmetric<6>();
         const Vector6<T> Xdd_1 = at.vector6();
-        const Matrix6<T> P_M = inertiaProjection<T>(M_3, at.vector6(), T(0)) +
-                               inertiaProjection<T>(M_3, at.vector6(), T(0));
+        const Matrix6<T> P_M = projectedInertia<T>(M_3, at.vector6(), T(0)) +
+                               projectedInertia<T>(M_3, at.vector6(), T(0));
         // two joints with different axes between the same links leave no motion: Z_a qdd_a = Z_b
         // qdd_b only for 0
         at.equal("force that passes", M_3 * Xdd_1, P_M * Xdd_1);
@@ -530,7 +511,7 @@ Trials sharedSubtree() {
         problem.Z = Z_a;
         problem.Xdd_1 = Xdd_1;
         at.equal("one axis twice", solveJoint(problem).transmitted,
-                 inertiaProjection<T>(M_3, Z_a, T(0)) * Xdd_1);
+                 projectedInertia<T>(M_3, Z_a, T(0)) * Xdd_1);
       }));
 }
 

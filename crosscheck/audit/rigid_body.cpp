@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 6: one rigid body. The truth is a cloud of point masses that obeys Newton's law.
+#include <utility>
+
 #include "crosscheck/audit/board.hpp"
+#include "crosscheck/audit/ours.hpp"
 #include "crosscheck/audit/truths.hpp"
 
 namespace dynwitness::audit {
@@ -66,14 +69,13 @@ VectorX<T> offDiagonal(const Matrix6<T>& M) {
 }
 
 Trials eq15() {
-  return Trials("eq15").printed(exact([](Point& at) {
-    const auto moving = anyMoving(at);
-    at.equal("force", moving.force(),
-             moving.M() * moving.path.acceleration().vector() + moving.printedBias());
-    const RigidInertia<T> M = moving.inWorldAxes().inertia();
-    at.equal("our code: force", moving.force(),
-             (M * moving.spatialAcceleration() + biasForce(M, moving.path.velocity())).vector());
-  }));
+  return Trials("eq15")
+      .printed(exact([](Point& at) {
+        const auto moving = anyMoving(at);
+        at.equal("force", moving.force(),
+                 moving.M() * moving.path.acceleration().vector() + moving.printedBias());
+      }))
+      .ours(ourBodies());
 }
 
 void spatialBias(Point& at, const Path<T>& path) {
@@ -126,6 +128,58 @@ Trials linearInMass() {
   }));
 }
 
+/// m, r_c and I_c of a link.
+struct AboutCenter {
+  explicit AboutCenter(const RigidInertia<double>& M) : mass(M.mass), r_c(M.h / M.mass) {
+    I_c = M.I.matrix() + Matrix3<double>(skew<double>(r_c) * skew<double>(r_c)) * mass;
+  }
+  double mass;
+  Vector3<double> r_c;
+  Matrix3<double> I_c;
+};
+/// Link 2 of the PUMA 560 in its own axes at its centre of mass, where they are principal.
+AboutCenter heavyLink() {
+  return AboutCenter(OnTheBoard("puma_560").model.links[1].M);
+}
+Rows balancedRows() {
+  const Matrix3<double> I = heavyLink().I_c;
+  Rows rows;
+  for (int i = 0; i < 3; ++i) {
+    const Vector3<double> w = Vector3<double>::Unit(i), moment = w.cross(Vector3<double>(I * w));
+    rows.push_back({std::string(1, "xyz"[i]), onBoard(I(i, i)), "not 0", onBoard(moment.norm())});
+  }
+  return rows;
+}
+Rows centripetalRows() {
+  const OnTheBoard arm("double_pendulum");
+  const Motion<double> turning{Vector3<double>::Zero(), Vector3<double>::UnitZ()};
+  const double along = biasForce(arm.model.links[0].M, turning).force.x();
+  return {{"along the rod", onBoard(-along), onBoard(along)}};
+}
+Rows diagonalRows() {
+  const AboutCenter link = heavyLink();
+  const Matrix6<double> M = massMatrix6<double>(link.mass, Vector3<double>::Zero(), link.I_c);
+  const Matrix6<double> off = M - Matrix6<double>(M.diagonal().asDiagonal());
+  return {{"largest entry off the diagonal", "not 0", onBoard(off.cwiseAbs().maxCoeff())},
+          {"`I_xx`, `I_yy`, `I_zz` [kg m^2]", "all equal",
+           onBoard(M(3, 3)) + ", " + onBoard(M(4, 4)) + ", " + onBoard(M(5, 5))}};
+}
+Rows allNotZero(const SixNames& names, const Vector6<double>& so) {
+  Rows rows;
+  for (int i = 0; i < 6; ++i) rows.push_back({names[i], "not 0", onBoard(so(i))});
+  return rows;
+}
+Rows pushedRows() {
+  const AboutCenter link = heavyLink();
+  const Matrix6<double> M = massMatrix6<double>(link.mass, Vector3<double>::Zero(), link.I_c);
+  return allNotZero(kAccelerationNames, Vector6<double>(M.inverse().col(0)));
+}
+Rows acceleratedRows() {
+  const OnTheBoard arm("puma_560");
+  const Motion<double> x{Vector3<double>::UnitX(), Vector3<double>::Zero()};
+  return allNotZero(kForceNames, (arm.model.links[1].M * x).vector());
+}
+
 Trials biasVanishes() {
   return Trials("bias_vanishes")
       .printed(exact([](Point& at) {
@@ -150,7 +204,8 @@ Trials biasVanishes() {
             const Vector3<T> w = at.vector();
             const Matrix3<T> I = at.template symmetric<3>();
             at.zero("w x I w of any other w", Vector3<T>(w.cross(Vector3<T>(I * w))));
-          })));
+          })))
+      .numbers(balancedRows);
 }
 
 Trials centripetal() {
@@ -164,20 +219,26 @@ Trials centripetal() {
         const Vector3<Ball> w = at.vector(), h = at.vector();
         const Vector3<Ball> r = h - w * (w.dot(h) / w.dot(w));
         at.positive("-F_b . r", -w.cross(w.cross(h)).dot(r));
-      }));
+      }))
+      .numbers(centripetalRows);
 }
 
 Trials eq16() {
-  return Trials("eq16").printed(exact([](Point& at) {
-    const auto body = anyBody(at);
-    const Vector3<T> r_c = body.center();
-    const Matrix3<T> hat = skew<T>(r_c), I_c = body.inertiaAbout(r_c);
-    const Matrix3<T> I = body.inertiaAbout(Vector3<T>::Zero());
-    at.equal("I", I, I_c - Matrix3<T>(hat * hat) * body.mass());
-    at.equal("our code", I,
-             RigidInertia<T>::aboutCenterOfMass(body.mass(), r_c, Symmetric3<T>::fromUpper(I_c))
-                 .I.matrix());
-  }));
+  return Trials("eq16")
+      .printed(exact([](Point& at) {
+        const auto body = anyBody(at);
+        const Vector3<T> r_c = body.center();
+        const Matrix3<T> hat = skew<T>(r_c), I_c = body.inertiaAbout(r_c);
+        const Matrix3<T> I = body.inertiaAbout(Vector3<T>::Zero());
+        at.equal("I", I, I_c - Matrix3<T>(hat * hat) * body.mass());
+      }))
+      .ours(exact([](Point& at) {
+        const auto body = anyBody(at);
+        const Vector3<T> r_c = body.center();
+        const auto I_c = Symmetric3<T>::fromUpper(body.inertiaAbout(r_c));
+        at.equal("our code: I", body.inertiaAbout(Vector3<T>::Zero()),
+                 RigidInertia<T>::aboutCenterOfMass(body.mass(), r_c, I_c).I.matrix());
+      }));
 }
 
 void aboutCenter(Point& at, Start start, bool with_bias) {
@@ -202,15 +263,6 @@ void aboutCenter(Point& at, Start start, bool with_bias) {
   }
 }
 
-/// m, r_c and I_c of a link.
-struct AboutCenter {
-  explicit AboutCenter(const RigidInertia<double>& M) : mass(M.mass), r_c(M.h / M.mass) {
-    I_c = M.I.matrix() + Matrix3<double>(skew<double>(r_c) * skew<double>(r_c)) * mass;
-  }
-  double mass;
-  Vector3<double> r_c;
-  Matrix3<double> I_c;
-};
 Rows gyroscopicMomentRows() {
   const OnTheBoard arm("puma_560");
   const AboutCenter link(arm.model.links[1].M);
@@ -239,24 +291,34 @@ Trials eq17() {
       .numbers(gyroscopicMomentRows);
 }
 
+/// Momentum about the origin of the point masses, and twice their kinetic energy, at a velocity.
+std::pair<Force<T>, T> momentumOf(const PointMasses<T>& body, const Motion<T>& x) {
+  Force<T> momentum = Force<T>::zero();
+  T twice_energy = T(0);
+  for (std::size_t k = 0; k < body.m.size(); ++k) {
+    const Vector3<T> v = x.linear + x.angular.cross(body.r[k]);
+    const Vector3<T> p = v * body.m[k];
+    momentum = momentum + Force<T>{p, body.r[k].cross(p)};
+    twice_energy += v.dot(p);
+  }
+  return {momentum, twice_energy};
+}
+
 Trials eq18() {
-  return Trials("eq18").printed(exact([](Point& at) {
-    // momentum of the point masses under any velocity
-    const auto body = anyBody(at);
-    const Motion<T> x = at.motion();
-    Force<T> momentum = Force<T>::zero();
-    T twice_energy = T(0);
-    for (std::size_t k = 0; k < body.m.size(); ++k) {
-      const Vector3<T> v = x.linear + x.angular.cross(body.r[k]);
-      const Vector3<T> p = v * body.m[k];
-      momentum = momentum + Force<T>{p, body.r[k].cross(p)};
-      twice_energy += v.dot(p);
-    }
-    const Matrix6<T> M = massMatrix6(body);
-    at.equal("momentum", momentum.vector(), M * x.vector());
-    at.equal("kinetic energy", twice_energy, x.vector().dot(M * x.vector()));
-    at.equal("our code", momentum, body.inertia() * x);
-  }));
+  return Trials("eq18")
+      .printed(exact([](Point& at) {
+        const auto body = anyBody(at);
+        const Motion<T> x = at.motion();
+        const auto [momentum, twice_energy] = momentumOf(body, x);
+        const Matrix6<T> M = massMatrix6(body);
+        at.equal("momentum", momentum.vector(), M * x.vector());
+        at.equal("kinetic energy", twice_energy, x.vector().dot(M * x.vector()));
+      }))
+      .ours(exact([](Point& at) {
+        const auto body = anyBody(at);
+        const Motion<T> x = at.motion();
+        at.equal("our code: momentum", momentumOf(body, x).first, body.inertia() * x);
+      }));
 }
 
 Trials symmetricMass() {
@@ -302,7 +364,8 @@ Trials diagonalMass() {
             }
         at.zero("a cube in any axes",
                 offDiagonal<T>(massMatrix6(cube.seenFrom(at.rotation(), Vector3<T>::Zero()))));
-      }));
+      }))
+      .numbers(diagonalRows);
 }
 
 Trials couplingForce() {
@@ -328,7 +391,8 @@ Trials couplingForce() {
                  Matrix3<T>::Identity());
         at.zero("force to turning", Matrix3<T>(M_inverse.template block<3, 3>(3, 0)));
         at.zero("moment to acceleration", Matrix3<T>(M_inverse.template block<3, 3>(0, 3)));
-      }));
+      }))
+      .numbers(pushedRows);
 }
 
 Trials couplingAcceleration() {
@@ -348,7 +412,8 @@ Trials couplingAcceleration() {
           at.zero("moment about the same axis", M(3 + i, i));
           at.zero("force along the axis of turning", M(i, 3 + i));
         }
-      }));
+      }))
+      .numbers(acceleratedRows);
 }
 
 void rotated(Point& at, bool same_origin) {

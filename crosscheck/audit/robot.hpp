@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "crosscheck/audit/truths.hpp"
@@ -210,6 +211,24 @@ struct Robot {
     return out;
   }
 };
+
+/// T and V of a robot's point masses and rotors at the rates qd: sums of m v^2 / 2 and d qd^2 / 2,
+/// and of -m g' x.
+template <typename T>
+std::pair<T, T> energiesOf(const Robot<T>& robot, const std::vector<T>& qd) {
+  T twice_kinetic = T(0), potential = T(0);
+  const auto paths = robot.paths(qd, robot.zeros());
+  for (int i = 0; i < robot.n(); ++i) {
+    twice_kinetic += robot.rotor[i] * qd[i] * qd[i];
+    for (std::size_t k = 0; k < robot.body[i].m.size(); ++k) {
+      const Vector3<Jet<T>> place = paths[i].place(robot.body[i].r[k]);
+      const Vector3<T> v = rate<T, 3, 1>(place);
+      twice_kinetic += robot.body[i].m[k] * v.dot(v);
+      potential -= robot.body[i].m[k] * robot.gravity.dot(now<T, 3, 1>(place));
+    }
+  }
+  return {twice_kinetic / T(2), potential};
+}
 
 enum class Rotors { kNone, kAll };
 

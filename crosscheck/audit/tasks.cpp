@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sections 11.2 to 13: floating and constrained bases, tasks as constraints, consistent inverses.
+#include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/constraints.hpp"
 #include "recursive/operational_space.hpp"
 
@@ -85,19 +86,17 @@ Trials eq59() {
         const MatrixX<T> none(6, 0);
         const Floating<T> truth = denseFloating<T>(robot, held, none, VectorX<T>(0));
         const BaseProblem<T> base(robot, held);
-        const Vector6<T> load = base.F - base.six.fromBase(0).transpose() * (held.A * truth.nu);
+        const Vector6<T> load = base.F - base.inward.E_0 * truth.nu;
         at.equal("M_A,0 Xdd_0", Vector6<T>(base.M_A * truth.a_0), Vector6<T>(-load));
       }))
       .condition(exact([](Point& at) {
         auto robot = floatingRobot(at, {kTurn});
         robot.gravity = Vector3<T>::Zero();
         const auto held = anyConstraint<1>(at, 0);
-        LinkConstraint<T> none;
-        none.A = held.A.leftCols(0);
-        none.b = VectorX<T>(0);
-        const Floating<T> truth = denseFloating<T>(robot, none, MatrixX<T>(6, 0), VectorX<T>(0));
+        const Floating<T> truth = denseFloating<T>(robot, held, MatrixX<T>(6, 0), VectorX<T>(0));
         const BaseProblem<T> base(robot, held);
-        at.equal("M_A,0 Xdd_0", Vector6<T>(base.M_A * truth.a_0), Vector6<T>(-base.F));
+        at.equal("M_A,0 Xdd_0", Vector6<T>(base.M_A * truth.a_0),
+                 Vector6<T>(-(base.F - base.inward.E_0 * truth.nu)));
       }))
       .corrected(exact([](Point& at) {
         const auto robot = floatingRobot(at, {kTurn, kSlide});
@@ -208,7 +207,17 @@ MatrixX<T> one(Eigen::Index n) {
 Trials taskTorques() {
   return Trials("task_torques")
       .printed(exact([](Point& at) { compareTaskTorques(at, true); }))
-      .corrected(exact([](Point& at) { compareTaskTorques(at, false); }));
+      .corrected(exact([](Point& at) { compareTaskTorques(at, false); }))
+      .numbers([] {
+        const HeldElbow held(0, 5);
+        const double push = -held.nu();  // on the rod
+        Rows rows;
+        Vector6<double> A = held.held.A;
+        for (std::size_t i = held.arm.n(); i-- > 0; A = (held.arm.T_F(i) * A).eval())
+          rows.insert(rows.begin(),
+                      {std::to_string(i + 1), onBoard(held.E(i)(5) * push), onBoard(A(5) * push)});
+        return rows;
+      });
 }
 
 Trials nullTorque() {

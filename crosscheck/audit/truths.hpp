@@ -241,6 +241,19 @@ VectorX<T> solveDense(MatrixX<T> A, VectorX<T> b) {
   return b;
 }
 
+/// (27) and, with a rotor, (35), as the chapter writes them: 1 - M Z (d + Z' M Z)^-1 Z'.
+template <typename T>
+Matrix6<T> projectionOf(const Matrix6<T>& M, const Vector6<T>& Z, const T& d) {
+  const Vector6<T> M_Z = M * Z;
+  return Matrix6<T>::Identity() - Matrix6<T>(M_Z * Z.transpose()) / T(d + Z.dot(M_Z));
+}
+
+/// P M of (29).
+template <typename T>
+Matrix6<T> projectedInertia(const Matrix6<T>& M, const Vector6<T>& Z, const T& d) {
+  return projectionOf<T>(M, Z, d) * M;
+}
+
 /// A distal link on a joint, all in one frame, and what acts on it.
 template <typename T>
 struct JointProblem {

@@ -30,7 +30,8 @@ struct Arguments {
 
 /// Six digits; what is below the digits of the numbers beside it is 0.
 std::string number(double x, double beside) {
-  return fmt::format("{:>11.6g}", std::abs(x) <= 1e-14 * beside ? 0.0 : x);  // nor is it -0
+  // at most 12 characters, "-0.000123456", and a space; nor is it -0
+  return fmt::format("{:>13.6g}", std::abs(x) <= 1e-14 * beside ? 0.0 : x);
 }
 std::string row(const Eigen::VectorXd& v) {
   const double beside = v.size() == 0 ? 0 : v.cwiseAbs().maxCoeff();
@@ -70,29 +71,34 @@ void printOutward(const ShownSweep& sweep, const ShownLink& link) {
   line("p", link.p, "its origin there [m]");
   for (Eigen::Index k = 0; k < link.Z.cols(); ++k)
     line(k == 0 ? "Z" : "", link.Z.col(k), k == 0 ? "axis of the joint, linear part first" : "");
-  line("v", link.v, "= X v_p + Z qd");
-  line("a", link.a, "= X a_p + Z qdd + v x Z qd");
-  line("F", link.own, "= M a + v x* M v, without what acts on it from outside");
+  line("v", link.v, "= X v_p + Z qd [m/s, rad/s]");
+  line("a", link.a, "= X a_p + Z qdd + v x Z qd [m/s^2, rad/s^2]");
+  line("f own", link.own, "= M a + v x* M v, without what acts on it from outside [N, N m]");
 }
 
 void printInward(const ShownSweep& sweep, const ShownLink& link) {
   fmt::print("  {} to {} ({})\n", link.name, nameOf(sweep, link.parent),
              link.kind + " '" + link.joint + "'");
-  line("f", link.f, "= F + sum of X' f of what hangs on it: through the joint");
+  line("f", link.f, "= f own + sum of X' f of what hangs on it: through the joint [N, N m]");
   for (std::size_t k = 0; k < link.rates.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const auto at = static_cast<Eigen::Index>(link.first_rate) + i;
     const std::string gyroscopic =
         link.gyroscopic(i) == 0 ? ""
-                                : fmt::format(" + gyroscopic rotor {:.6g}", link.gyroscopic(i));
-    fmt::print("    tau {} = Z'f {:.6g} + rotor {:.6g}{} + springs, friction {:.6g} = {:.10g}\n",
-               link.rates[k], link.Z_f(i), link.rotor(i) + 0.0, gyroscopic, link.passive(i) + 0.0,
-               sweep.tau(at));
+                                : fmt::format(" + gyroscopic rotor ({:.6g})", link.gyroscopic(i));
+    fmt::print(
+        "    tau {} = Z'f ({:.6g}) + rotor ({:.6g}){} + springs, friction ({:.6g}) = {:.10g}\n",
+        link.rates[k], link.Z_f(i), link.rotor(i) + 0.0, gyroscopic, link.passive(i) + 0.0,
+        sweep.tau(at));
     std::string terms;
     for (Eigen::Index j = 0; j < sweep.M.cols(); ++j)
-      if (sweep.M(at, j) != 0)
-        terms += fmt::format("{}{:.6g} qdd_{}", terms.empty() ? "" : " + ", sweep.M(at, j), j + 1);
-    fmt::print("      Lagrange: {} + c {:.6g} + g {:.6g}{} = {:.10g}\n",
+      if (const double m = sweep.M(at, j); m != 0)
+        terms += fmt::format("{}{:.6g} qdd_{}",
+                             terms.empty() ? (m < 0 ? "-" : "")
+                             : m < 0       ? " - "
+                                           : " + ",
+                             std::abs(m), j + 1);
+    fmt::print("      Lagrange: {} + c ({:.6g}) + g ({:.6g}){} = {:.10g}\n",
                terms.empty() ? "0" : terms, sweep.c(at), sweep.g(at),
                sweep.has_more ? " + friction - loads" : "", sweep.lagrange(at));
   }
@@ -102,7 +108,7 @@ void printArticulated(const ShownLink& link) {
   fmt::print("  {} ({} '{}')\n", link.name, link.kind, link.joint);
   matrix("M", link.M, "of the link");
   matrix("M_C", link.M_C, "composite: of all that hangs on it, joints locked");
-  matrix("M_A", link.M_A, "articulated: joints outboard free");
+  matrix("M_A", link.M_A, "articulated: of all that hangs on it, joints outboard free");
   if (link.rates.empty()) return;
   matrix("D", link.D, "= d + Z' M_A Z");
   matrix("P", link.P, "= 1 - M_A Z D^-1 Z': what the parent feels of a force");
@@ -145,7 +151,7 @@ Json toJson(const ShownSweep& sweep) {
                             {"M_C", toJson(Eigen::MatrixXd(link.M_C))},
                             {"v", toJson(Eigen::VectorXd(link.v))},
                             {"a", toJson(Eigen::VectorXd(link.a))},
-                            {"F", toJson(Eigen::VectorXd(link.own))},
+                            {"f_own", toJson(Eigen::VectorXd(link.own))},
                             {"f", toJson(Eigen::VectorXd(link.f))},
                             {"M_A", toJson(Eigen::MatrixXd(link.M_A))},
                             {"D", toJson(link.D)},
@@ -183,15 +189,18 @@ int run(const Arguments& arguments) {
                                         arguments.link, fmt::join(names, ", ")));
   }
   fmt::print(
-      "{}: each link in the axes of its moved joint frame, about its origin; m, rad, s, kg, N\n",
+      "{}: each link in the axes of its moved joint frame, about its origin; linear part first\n",
       scene.name);
-  fmt::print("\noutward: motion; a_0 ={} is - gravity\n", row(sweep.a_0.head<3>()));
+  std::string rates;
+  for (std::size_t k = 0; k < sweep.rates.size(); ++k)
+    rates += fmt::format("{}qdd_{} of {}", k == 0 ? "" : ", ", k + 1, sweep.rates[k]);
+  fmt::print("\noutward: motion; a_0 ={} m/s^2 is - gravity\n", row(sweep.a_0.head<3>()));
   for (const ShownLink& link : sweep.links)
     if (isShown(link)) printOutward(sweep, link);
-  fmt::print("\ninward: force, and the same line of Lagrange's equations\n");
+  fmt::print("\ninward: force, and the same line of Lagrange's equations\n  {}\n", rates);
   for (auto link = sweep.links.rbegin(); link != sweep.links.rend(); ++link)
     if (isShown(*link)) printInward(sweep, *link);
-  fmt::print("\ninward: inertia\n");
+  fmt::print("\ninward: inertia [kg, kg m, kg m^2]\n");
   for (auto link = sweep.links.rbegin(); link != sweep.links.rend(); ++link)
     if (isShown(*link)) printArticulated(*link);
   fmt::print("\nback: qdd of these tau by articulated bodies\n");

@@ -12,6 +12,7 @@
 
 #include "crosscheck/motion/state_gap.hpp"
 #include "scene/numbers.hpp"
+#include "scene/units.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -25,6 +26,22 @@ namespace fs = std::filesystem;
 
 scene::Number number(const json& value) {
   return scene::Number::parse(value.is_string() ? value.get<std::string>() : value.dump());
+}
+
+/// The units of all q, or of all qd.
+std::vector<std::string> unitsOf(MotionTable::Column::Of of, const scene::Mechanism& mechanism) {
+  std::vector<std::string> units;
+  for (const scene::Link& link : mechanism.links) {
+    const scene::JointKind kind = link.joint.kind;
+    if (link.joint.mimic) continue;  // its positions and rates are no coordinates
+    if (of == MotionTable::Column::Of::kPosition)
+      for (const scene::SlotKind slot : scene::positionSlots(kind))
+        units.emplace_back(scene::unitOf(slot));
+    else
+      for (int i = 0; i < link.joint.ownRates(); ++i)
+        units.emplace_back(scene::slides(kind, static_cast<std::size_t>(i)) ? "m/s" : "rad/s");
+  }
+  return units;
 }
 
 MotionTable::Column readColumn(const json& given, const scene::Mechanism& mechanism,
@@ -49,10 +66,13 @@ MotionTable::Column readColumn(const json& given, const scene::Mechanism& mechan
     }
     if (column.index < 0) fail(file, fmt::format("column '{}', allowed: {}", name, allowed));
     column.name = name;
+    if (column.of != Of::kMultiplier)
+      column.unit = unitsOf(column.of, mechanism).at(static_cast<std::size_t>(column.index));
     if (!given.is_string() && given.contains("scale")) {
       const scene::Number scale = number(given.at("scale"));
       column.scale = scene::RealNumbers<double>(mechanism)(scale);
       column.name = fmt::format("{} {}", scale.text(), name);
+      column.unit.clear();
     }
     return column;
   }
@@ -67,6 +87,7 @@ MotionTable::Column readColumn(const json& given, const scene::Mechanism& mechan
   if (axis != "x" && axis != "y" && axis != "z")
     fail(file, "axis '" + axis + "', allowed: x, y, z");
   column.axis = axis[0] - 'x';
+  column.unit = "m";
   column.name = fmt::format("{} ({}, {}, {}) {}", link, column.point.xyz[0].text(),
                             column.point.xyz[1].text(), column.point.xyz[2].text(), axis);
   return column;

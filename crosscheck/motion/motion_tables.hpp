@@ -20,6 +20,7 @@ struct MotionTable {
     scene::Attachment point;  ///< a point of a link,
     int axis = 0;             ///< its x, y or z in the world
     double scale = 1;         ///< printed value = scale times ours
+    std::string unit;         ///< "rad", "m/s", "1" of a quaternion; "" of multipliers and scaled
   };
   struct Row {
     double time;

@@ -32,11 +32,12 @@ std::string op(std::string_view sign) {
   return tag("mo", escapeMarkup(sign));
 }
 
-constexpr std::array<std::pair<std::string_view, const char*>, 22> kLetters = {{
-    {"w", "ω"},     {"wd", "ω"},    {"tau", "τ"},     {"alpha", "α"}, {"beta", "β"}, {"nu", "ν"},
-    {"mu", "μ"},    {"rho", "ρ"},   {"lambda", "λ"},  {"theta", "θ"}, {"phi", "φ"},  {"Phi", "Φ"},
-    {"delta", "δ"}, {"eps", "ε"},   {"epsilon", "ε"}, {"omega", "ω"}, {"pi", "π"},   {"kappa", "κ"},
-    {"sigma", "σ"}, {"Delta", "Δ"}, {"xi", "ξ"},      {"eta", "η"},
+constexpr std::array<std::pair<std::string_view, const char*>, 23> kLetters = {{
+    {"w", "ω"},     {"wd", "ω"},  {"tau", "τ"},   {"alpha", "α"},  {"beta", "β"},
+    {"nu", "ν"},    {"mu", "μ"},  {"rho", "ρ"},   {"lambda", "λ"}, {"theta", "θ"},
+    {"phi", "φ"},   {"Phi", "Φ"}, {"delta", "δ"}, {"eps", "ε"},    {"epsilon", "ε"},
+    {"omega", "ω"}, {"pi", "π"},  {"kappa", "κ"}, {"sigma", "σ"},  {"Delta", "Δ"},
+    {"xi", "ξ"},    {"eta", "η"}, {"Gamma", "Γ"},
 }};
 const char* greek(std::string_view word) {
   const auto found = std::find_if(kLetters.begin(), kLetters.end(),
@@ -52,12 +53,21 @@ std::string nameOf(std::string_view word) {
   if (word == "wd") return dotted("ω", "˙");
   if (const char* letter = greek(word)) return tag("mi", letter);
   if (word.size() == 1) return tag("mi", std::string(word));
-  constexpr std::string_view kMove = "qvxXrRMpeTC";
+  constexpr std::string_view kMove = "qvxXrRMpeTCJ";
   if (word.size() <= 3 && kMove.find(word[0]) != std::string_view::npos) {
     const std::string base(word.substr(0, 1));
     if (word.substr(1) == "d") return dotted(base, "˙");
     if (word.substr(1) == "dd") return dotted(base, "¨");
   }
+  if (word.size() == 4 && word.substr(1) == "bar")
+    return "<mover accent=\"true\">" + tag("mi", std::string(word.substr(0, 1))) + op("¯") +
+           "</mover>";
+  if (word.substr(0, 2) == "d2" && word.size() <= 3) {  // d2L/(dqd_i dqd_j): a second one
+    const std::string d = "<msup>" + tag("mi", "d") + tag("mn", "2") + "</msup>";
+    return word.size() == 2 ? d : row(d + nameOf(word.substr(2)));
+  }
+  if (word == "dt2")
+    return row(tag("mi", "d") + "<msup>" + tag("mi", "t") + tag("mn", "2") + "</msup>");
   if (word[0] == 'd' && word.size() > 1) {  // dM/dt, dL/dqd: a differential
     const std::string_view of = word.substr(1);
     if (of.size() == 1 || of == "qd" || of == "qdd") return row(tag("mi", "d") + nameOf(of));
@@ -173,6 +183,10 @@ class Setter {
         const std::string_view name = text_.substr(start, at_ - start);
         const std::string whole = subscripted(name, hatted(nameOf(name)));
         if (eat(")")) return whole;
+      } else if (at_ > start && peek() == ')') {
+        const std::string letter = nameOf(text_.substr(start, at_ - start));
+        ++at_;
+        return hatted(letter);
       }
       at_ = start;
       const std::string inside = list(")");
@@ -273,6 +287,11 @@ class Setter {
           power = row(list(")"));
           eat(")");
         } else {
+          if (isLetter(peek()) && peek(1) == '_') {  // Gamma^i_jk: one index up, the others down
+            power = tag("mi", std::string(1, text_[at_++]));
+            base = "<msubsup>" + base + subscript() + power + "</msubsup>";
+            continue;
+          }
           if (eat("-")) power = op("−");
           power = row(power + (isAlnum(peek()) ? atom() : std::string()));
         }

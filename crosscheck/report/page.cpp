@@ -11,9 +11,12 @@
 namespace dynwitness::crosscheck {
 namespace {
 
+/// From a scene's page to the report's folder.
+const std::string kUp = "../../";
+
 void putHead(std::string* page, const CrosscheckResult& result, const Environment& environment) {
   const char* sign = exitStatus(result.verdict()) == 0 ? "✓" : "✗";
-  *page += pageHead(sign + (" " + result.headline()), environment.version, treeStyle(), "scenes",
+  *page += pageHead(sign + (" " + result.headline()), environment.version, "", "scenes",
                     "Skip to the scenes");
 }
 
@@ -45,7 +48,9 @@ void putVerdict(std::string* page, const CrosscheckResult& result, const Environ
       esc(result.controlLine().substr(std::string("control: ").size())));  // the badge says it
 }
 
-void putFooter(std::string* page, const CrosscheckResult& result, const Environment& environment) {
+/// @param root  the report's folder, seen from the page
+void putFooter(std::string* page, const CrosscheckResult& result, const Environment& environment,
+               const std::string& root) {
   put(page,
       "</main>\n<footer>\n<h2>Compute it again</h2>\n<pre tabindex=\"0\"><code>{}</code></pre>\n"
       "<dl class=\"meta\">\n<dt>dynwitness</dt><dd>{}{}</dd>\n",
@@ -61,11 +66,11 @@ void putFooter(std::string* page, const CrosscheckResult& result, const Environm
   put(page, "<dt>Libraries</dt><dd>{}</dd>\n<dt>CPU</dt><dd>{}</dd>\n<dt>Date</dt><dd>{}</dd>\n",
       libraries, esc(environment.cpu), esc(environment.date));
   put(page,
-      "<dt>Seed</dt><dd>{}</dd>\n<dt>States</dt><dd>{} a scene</dd>\n"
-      "<dt>For programs</dt><dd><a href=\"report.json\">report.json</a>, "
-      "<a href=\"junit.xml\">junit.xml</a>, "
-      "<a href=\"digits.md\">digits.md</a></dd>\n</dl>\n</footer>\n</body>\n</html>\n",
-      result.seed, result.states);
+      "<dt>Seed</dt><dd>{0}</dd>\n<dt>States</dt><dd>{1} a scene</dd>\n"
+      "<dt>For programs</dt><dd><a href=\"{2}report.json\">report.json</a>, "
+      "<a href=\"{2}junit.xml\">junit.xml</a>, "
+      "<a href=\"{2}digits.md\">digits.md</a></dd>\n</dl>\n</footer>\n</body>\n</html>\n",
+      result.seed, result.states, root);
 }
 
 }  // namespace
@@ -82,9 +87,22 @@ std::string reportPage(const CrosscheckResult& result, const Environment& enviro
   page += kHowToReadHtml;
   putWitnesses(&page, result);
   page += more;
-  for (std::size_t i = 0; i < result.scenes.size(); ++i)
-    putScene(&page, result.scenes[i], files[i]);
-  putFooter(&page, result, environment);
+  putFooter(&page, result, environment, "");
+  return page;
+}
+
+std::string scenePage(const CrosscheckResult& result, std::size_t k, const Environment& environment,
+                      const SceneFiles& files) {
+  const SceneResult& scene = result.scenes.at(k);
+  const char* sign = count(scene).disagree == 0 ? "✓ " : "✗ ";
+  std::string page = pageHead(sign + sceneTitle(scene), environment.version, treeStyle(),
+                              files.anchor, "Skip to the scene");
+  put(&page,
+      "<main>\n<header id=\"top\">\n<p class=\"eyebrow\"><strong>dynwitness</strong> crosscheck of "
+      "robot dynamics: <a href=\"{}index.html#scenes\">all scenes</a></p>\n</header>\n",
+      kUp);
+  putScene(&page, scene, files, kUp);
+  putFooter(&page, result, environment, kUp);
   return page;
 }
 

@@ -2,6 +2,7 @@
 // The page that people read.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -10,9 +11,10 @@
 
 namespace dynwitness::crosscheck {
 
-/// What the page links to, one a scene; paths are relative to the page.
+/// What the pages link to, one a scene; paths are relative to the scene's own page.
 struct SceneFiles {
-  std::string anchor;  ///< unique in the page
+  std::string page;    ///< the scene's own, relative to the report's folder; unique
+  std::string anchor;  ///< of its headline
   std::string tree;    ///< svg; empty: the tree is too large to draw
   std::string view;    ///< the picture that moves, a page of its own; empty: left out
   std::string drift_csv, drift_worst_csv, drift_script;  ///< empty: no drift was computed
@@ -22,12 +24,18 @@ struct SceneFiles {
   std::string chart_csv, chart_script, chart_light, chart_dark, no_chart_reason;
 };
 
-/** One HTML page: verdict, disagreements, table of scenes, a section for each scene, and the footer
-    with all that is needed to compute it again. No scripts, no fonts and no network.
+/** The report's first page: verdict, disagreements, table of scenes, each with a link to its own
+    page, and the footer with all that is needed to compute it again. No scripts, no fonts and no
+    network.
 
     @param files  as many as there are scenes
     @param more   sections more, as HTML (pairsSection(), benchSection()); may be empty */
 std::string reportPage(const CrosscheckResult& result, const Environment& environment,
                        const std::vector<SceneFiles>& files, const std::string& more = {});
+
+/// The page of one scene, two folders below the report's.
+/// @param k  which
+std::string scenePage(const CrosscheckResult& result, std::size_t k, const Environment& environment,
+                      const SceneFiles& files);
 
 }  // namespace dynwitness::crosscheck

@@ -11,7 +11,7 @@ namespace dynwitness::crosscheck {
 void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& files) {
   if (!scene.drift) return;
   const Drift& drift = *scene.drift;
-  put(page, "<h3>Energy drift</h3>\n");
+  put(page, "<h2>Energy drift</h2>\n");
   std::string sentence = fmt::format(
       "Largest |E − E₀| along a path of {} s, as a share of the largest kinetic energy "
       "({:.3g} J), integrated with {}.",
@@ -51,7 +51,7 @@ void putDrift(std::string* page, const SceneResult& scene, const SceneFiles& fil
 
 void putChart(std::string* page, const SceneFiles& files) {
   if (files.chart_csv.empty()) return;
-  put(page, "<h3>Speed against accuracy</h3>\n<figure class=\"charts\">\n");
+  put(page, "<h2>Speed against accuracy</h2>\n<figure class=\"charts\">\n");
   if (!files.chart_light.empty()) {
     openScroll(page, "Charts of speed against accuracy");
     put(page,

@@ -17,11 +17,9 @@ constexpr int kLongTable = 14;
 void putCheckHead(std::string* page, const std::string& caption) {
   put(page,
       "<table>\n<caption><span>{}</span></caption>\n<thead><tr><th scope=\"col\">Check</th>"
-      "<th scope=\"col\">Witnesses</th><th scope=\"col\" class=\"n\">Worst</th>"
-      "<th scope=\"col\" class=\"n\">Limit</th><th scope=\"col\">Unit</th>"
-      "<th scope=\"col\">Share of the limit</th>"
-      "<th scope=\"col\">Worst at</th><th scope=\"col\" class=\"n\">Seed</th>"
-      "<th scope=\"col\">Exactly</th><th scope=\"col\">Verdict</th></tr></thead>\n",
+      "<th scope=\"col\">Verdict</th><th scope=\"col\">Witnesses</th>"
+      "<th scope=\"col\">Worst, of its limit</th><th scope=\"col\">Worst at</th>"
+      "<th scope=\"col\">Exactly</th></tr></thead>\n",
       caption);
 }
 
@@ -48,13 +46,10 @@ void putCheckRow(std::string* page, const CheckResult& check) {
     put(page, "<span class=\"sub reason\">{}</span>", esc(check.reason));
   if (check.voided > 0) put(page, "<span class=\"sub\">{}</span>", esc(voidedText(check)));
   put(page,
-      "</th><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"unit\">{}</td>"
-      "<td class=\"share\">{}</td><td class=\"nowrap\">{}</td><td "
-      "class=\"n\">{}</td><td class=\"nowrap\">{}</td><td>{}</td></tr>\n",
-      witnessesOf(check), esc(readable(check.worst)), esc(limitText(check)),
-      esc(crosscheck::name(check.unit)), share(check), worstAt(check),
-      drawn(check) ? std::to_string(check.seed) : "–", exactly(check),
-      badge(check.verdict, crosscheck::name(check.verdict)));
+      "</th><td class=\"nowrap\">{}</td><td>{}</td><td class=\"share\">{}<span "
+      "class=\"sub\">{}</span></td><td class=\"at\">{}</td><td class=\"exactly\">{}</td></tr>\n",
+      badge(check.verdict, crosscheck::name(check.verdict)), witnessesOf(check), share(check),
+      esc(worstOfLimit(check)), worstAt(check), exactly(check));
 }
 
 using Rows = std::vector<const CheckResult*>;
@@ -74,7 +69,7 @@ void putCheckTable(std::string* page, const Rows& rows, const std::string& capti
     std::stable_sort(group.begin(), group.end(), [](const CheckResult* a, const CheckResult* b) {
       return severity(*a) > severity(*b);
     });
-    put(page, "<tbody>\n<tr class=\"group\"><th scope=\"rowgroup\" colspan=\"10\">{}</th></tr>\n",
+    put(page, "<tbody>\n<tr class=\"group\"><th scope=\"rowgroup\" colspan=\"6\">{}</th></tr>\n",
         esc(quantityWords(quantity)));
     for (const CheckResult* check : group) putCheckRow(page, *check);
     put(page, "</tbody>\n");
@@ -123,7 +118,7 @@ void putNotAsked(std::string* page, const SceneResult& scene) {
 }  // namespace
 
 void putChecks(std::string* page, const SceneResult& scene) {
-  put(page, "<h3>Checks</h3>\n");
+  put(page, "<h2>Checks</h2>\n");
   Rows rows;
   for (const CheckResult& check : scene.checks)
     if (answered(check)) rows.push_back(&check);

@@ -32,8 +32,8 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
         put(page, "No single witness stands alone");
       put(page,
           " <span class=\"soft\">in</span> {} <span class=\"soft\">of</span> "
-          "<a href=\"#{}\">{}</a></p><p>{}</p></div>\n",
-          esc(finding.quantity), files[i].anchor, esc(sceneTitle(scene)), esc(finding.text));
+          "<a href=\"{}\">{}</a></p><p>{}</p></div>\n",
+          esc(finding.quantity), files[i].page, esc(sceneTitle(scene)), esc(finding.text));
     }
   }
   struct Entry {
@@ -63,10 +63,10 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
   for (std::size_t k = 0; k < shown; ++k) {
     const CheckResult& check = *all[k].check;
     put(page,
-        "<tr><th scope=\"row\"><a href=\"#{}\">{}</a></th><td>{}<span class=\"sub\">{}</span></td>"
+        "<tr><th scope=\"row\"><a href=\"{}\">{}</a></th><td>{}<span class=\"sub\">{}</span></td>"
         "<td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"unit\">{}</td>"
         "<td class=\"n\">{}</td><td class=\"nowrap\">{}</td></tr>\n",
-        files[all[k].scene].anchor, esc(sceneTitle(result.scenes[all[k].scene])),
+        files[all[k].scene].page, esc(sceneTitle(result.scenes[all[k].scene])),
         esc(check.statement.empty() ? check.name() : check.statement),
         esc(quantityWords(check.quantity)), witnessesOf(check), esc(readable(check.worst)),
         esc(limitText(check)), esc(name(check.unit)), esc(shareOfLimit(check.ratio)),

@@ -32,10 +32,10 @@ void putEntries(std::string* page, const PublishedMotion& motion) {
 
 void putMotions(std::string* page, const SceneResult& scene) {
   if (scene.motions.empty()) return;
-  put(page, "<h3>Published motion</h3>\n");
+  put(page, "<h2>Published motion</h2>\n");
   for (const PublishedMotion& motion : scene.motions) {
     const bool agrees = motion.failure.empty() && motion.ratio <= 1;
-    put(page, "<h4>{} {}</h4>\n<dl class=\"meta\">\n", esc(motion.title),
+    put(page, "<h3>{} {}</h3>\n<dl class=\"meta\">\n", esc(motion.title),
         badge(agrees ? Verdict::kAgree : Verdict::kDisagree,
               agrees ? plural(motion.values, "value") + " agree" : "disagrees"));
     const auto row = [&](const char* term, const std::string& text) {

@@ -27,11 +27,11 @@ void putSceneTable(std::string* page, const CrosscheckResult& result,
                              : counts.agree > 0  ? "all agree"
                                                  : "not answerable";
     put(page,
-        "<tr{}><th scope=\"row\"><a href=\"#{}\">{}</a><span "
+        "<tr{}><th scope=\"row\"><a href=\"{}\">{}</a><span "
         "class=\"sub\">{}</span></th><td>{}</td>"
         "<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td>",
-        counts.disagree > 0 ? " class=\"bad\"" : "", files[i].anchor, esc(sceneTitle(scene)),
+        counts.disagree > 0 ? " class=\"bad\"" : "", files[i].page, esc(sceneTitle(scene)),
         esc(scene.name), badge(counts.verdict(), word), scene.dof, scene.links, counts.answered(),
         counts.not_answerable == 0 ? "–" : std::to_string(counts.not_answerable));
     if (counts.worst != nullptr)

@@ -26,7 +26,7 @@ std::string math(const std::string& formula) {
 
 void putTree(std::string* page, const SceneResult& scene, const SceneFiles& files) {
   const std::string svg = treeSvg(scene, SvgUse::kInPage);
-  put(page, "<h3>Mechanism</h3>\n");
+  put(page, "<h2>Mechanism</h2>\n");
   const std::string view =
       files.view.empty() ? ""
                          : fmt::format(" <a href=\"{}\">In space, to be moved</a>", files.view);
@@ -48,7 +48,7 @@ void putEquations(std::string* page, const SceneResult& scene) {
   const bool shown =
       !equations.kinetic.empty() || !equations.potential.empty() || !equations.lines.empty();
   if (!shown && equations.summary.empty()) return;
-  put(page, "<h3>Equations</h3>\n");
+  put(page, "<h2>Equations</h2>\n");
   if (!equations.summary.empty())
     put(page, "<p class=\"soft small\">{}{}</p>\n", esc(equations.summary),
         shown ? "" : "; too long to read, so they are not shown");
@@ -59,15 +59,15 @@ void putEquations(std::string* page, const SceneResult& scene) {
     put(page, "<div class=\"equation\">{}</div>\n", math(text));
   };
   if (!equations.kinetic.empty()) {
-    put(page, "<h4>Kinetic energy</h4>\n");
+    put(page, "<h3>Kinetic energy</h3>\n");
     formula(equations.kinetic);
   }
   if (!equations.potential.empty()) {
-    put(page, "<h4>Potential energy</h4>\n");
+    put(page, "<h3>Potential energy</h3>\n");
     formula(equations.potential);
   }
   if (!equations.lines.empty()) {
-    put(page, "<h4>M(q) q̈ + c(q, q̇) + g(q) = τ, with</h4>\n");
+    put(page, "<h3>M(q) q̈ + c(q, q̇) + g(q) = τ, with</h3>\n");
     for (const std::string& line : equations.lines) formula(line);
   }
   put(page, "</div>\n</div>\n");
@@ -123,7 +123,7 @@ void putDigits(std::string* page, const SceneResult& scene) {
   // what is judged comes first, then the other scalars
   std::stable_partition(rows.begin(), rows.end(),
                         [](const Row& row) { return row.second == Scalar::kDouble; });
-  put(page, "<h3>Digits kept</h3>\n");
+  put(page, "<h2>Digits kept</h2>\n");
   openScroll(page, "Table of digits");
   put(page,
       "<table class=\"digits\">\n"
@@ -150,7 +150,8 @@ void putDigits(std::string* page, const SceneResult& scene) {
 
 }  // namespace
 
-void putScene(std::string* page, const SceneResult& scene, const SceneFiles& files) {
+void putScene(std::string* page, const SceneResult& scene, const SceneFiles& files,
+              const std::string& root) {
   const SceneCounts counts = count(scene);
   std::string word =
       counts.disagree > 0
@@ -159,8 +160,8 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
                                               : fmt::format("{} checks, all agree", counts.agree))
                          : "not answerable";
   put(page,
-      "<section class=\"scene\" aria-labelledby=\"{0}\">\n<h2 id=\"{0}\">{1} <code>{2}</code> "
-      "{3}</h2>\n",
+      "<section class=\"scene\" aria-labelledby=\"{0}\">\n<h1 id=\"{0}\">{1} <code>{2}</code> "
+      "{3}</h1>\n",
       files.anchor, esc(sceneTitle(scene)), esc(scene.name), badge(counts.verdict(), word));
   put(page, "<dl class=\"meta\">\n<dt>Size</dt><dd>{}, {}</dd>\n",
       scene.dof == 1 ? "1 degree of freedom" : fmt::format("{} degrees of freedom", scene.dof),
@@ -176,7 +177,9 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
   for (const Finding& finding : scene.findings)
     put(page, "<div class=\"finding{}\"><p>{}{}</p></div>\n",
         finding.kind == Finding::Kind::kKnownLoss ? " loss" : "", esc(finding.text),
-        finding.kind == Finding::Kind::kKnownLoss ? " <a href=\"#losses\">Why</a>" : "");
+        finding.kind == Finding::Kind::kKnownLoss
+            ? " <a href=\"" + root + "index.html#losses\">Why</a>"
+            : "");
   putTree(page, scene, files);
   putEquations(page, scene);
   putChecks(page, scene);
@@ -185,7 +188,8 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
   putMotions(page, scene);
   putDrift(page, scene, files);
   putChart(page, files);
-  put(page, "<p class=\"top\"><a href=\"#scenes\">All scenes</a></p>\n</section>\n");
+  put(page, "<p class=\"top\"><a href=\"{}index.html#scenes\">All scenes</a></p>\n</section>\n",
+      root);
 }
 
 }  // namespace dynwitness::crosscheck

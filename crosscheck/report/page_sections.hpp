@@ -24,7 +24,9 @@ void putSceneTable(std::string* page, const CrosscheckResult& result,
 void putWitnesses(std::string* page, const CrosscheckResult& result);
 
 // page_scene.cpp, and parts of it in files of their own
-void putScene(std::string* page, const SceneResult& scene, const SceneFiles& files);
+/// @param root  the report's folder, seen from the page
+void putScene(std::string* page, const SceneResult& scene, const SceneFiles& files,
+              const std::string& root);
 void putChecks(std::string* page, const SceneResult& scene);  ///< page_checks.cpp
 /// What is published, what came out, and how far apart they are.
 void putMotions(std::string* page, const SceneResult& scene);  ///< page_motions.cpp

@@ -85,8 +85,8 @@ bool drawn(const CheckResult& check) {
 
 std::string worstAt(const CheckResult& check) {
   if (!drawn(check)) return "–";
-  return fmt::format("{}<span class=\"sub\">state {} of {}</span>", esc(check.worst_entry),
-                     check.worst_state, check.states);
+  return fmt::format("{}<span class=\"sub\">state {} of {}, seed {}</span>", esc(check.worst_entry),
+                     check.worst_state, check.states, check.seed);
 }
 
 std::string share(const CheckResult& check) {

@@ -27,39 +27,39 @@ namespace {
 /// Writes data, script and, where gnuplot can, the pictures.
 void writeDrift(const SceneResult& scene, const std::string& folder, const UnfinishedFolder& out,
                 SceneFiles* files) {
-  files->drift_csv = folder + "/drift.csv";
-  files->drift_worst_csv = folder + "/drift_worst.csv";
-  out.write(files->drift_csv, driftCsv(scene));
-  out.write(files->drift_worst_csv, driftWorstCsv(scene));
+  files->drift_csv = "drift.csv";
+  files->drift_worst_csv = "drift_worst.csv";
+  out.write(folder + "/drift.csv", driftCsv(scene));
+  out.write(folder + "/drift_worst.csv", driftWorstCsv(scene));
   const std::string script = driftScript(scene);
   if (script.empty()) {
     files->no_plot_reason = "no error above zero was seen, and the axis is logarithmic";
     return;
   }
-  files->drift_script = folder + "/drift.gp";
-  out.write(files->drift_script, script);
+  files->drift_script = "drift.gp";
+  out.write(folder + "/drift.gp", script);
   const auto problem = runGnuplot(out.path() / folder, "drift.gp", {"drift.svg", "drift_dark.svg"});
   if (problem) {
     files->no_plot_reason = *problem;
     return;
   }
-  files->drift_light = folder + "/drift.svg";
-  files->drift_dark = folder + "/drift_dark.svg";
+  files->drift_light = "drift.svg";
+  files->drift_dark = "drift_dark.svg";
 }
 
 void writeChart(const Chart& chart, const std::string& folder, const UnfinishedFolder& out,
                 SceneFiles* files) {
-  files->chart_csv = folder + "/speed.csv";
-  out.write(files->chart_csv, chartCsv({chart}));
-  files->chart_script = folder + "/speed.gp";
-  out.write(files->chart_script, chartScript(chart, "speed", "../style.gp"));
+  files->chart_csv = "speed.csv";
+  out.write(folder + "/speed.csv", chartCsv({chart}));
+  files->chart_script = "speed.gp";
+  out.write(folder + "/speed.gp", chartScript(chart, "speed", "../style.gp"));
   const auto problem = runGnuplot(out.path() / folder, "speed.gp", {"speed.svg", "speed_dark.svg"});
   if (problem) {
     files->no_chart_reason = *problem;
     return;
   }
-  files->chart_light = folder + "/speed.svg";
-  files->chart_dark = folder + "/speed_dark.svg";
+  files->chart_light = "speed.svg";
+  files->chart_dark = "speed_dark.svg";
 }
 
 }  // namespace
@@ -141,14 +141,15 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
   for (std::size_t i = 0; i < files.size(); ++i) {
     const SceneResult& scene = result.scenes[i];
     const std::string scene_folder = "scenes/" + names[i];
+    files[i].page = scene_folder + "/index.html";
     files[i].anchor = "scene-" + names[i];
     if (const std::string svg = treeSvg(scene, SvgUse::kFile); !svg.empty()) {
-      files[i].tree = scene_folder + "/tree.svg";
-      out.write(files[i].tree, svg);
+      files[i].tree = "tree.svg";
+      out.write(scene_folder + "/tree.svg", svg);
     }
     if (!views.empty() && !views[i].empty()) {
-      files[i].view = scene_folder + "/view.html";
-      out.write(files[i].view, views[i]);
+      files[i].view = "view.html";
+      out.write(scene_folder + "/view.html", views[i]);
     }
     if (scene.drift)
       drawings.push_back([&, i, scene_folder] { writeDrift(scene, scene_folder, out, &files[i]); });
@@ -166,6 +167,8 @@ void writeReport(const CrosscheckResult& result, const Environment& environment,
                        pairs ? pairsJson(*pairs) : std::string()));
   out.write("junit.xml", reportJUnit(result, environment));
   out.write("digits.md", digitsTable(result, environment));
+  for (std::size_t i = 0; i < files.size(); ++i)
+    out.write(files[i].page, scenePage(result, i, environment, files[i]));
   out.write("index.html",
             reportPage(result, environment, files,
                        atlas + (pairs ? pairsSection(*pairs) : std::string()) +

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The report: a folder that opens offline.
 //
-//     index.html                       what people read
+//     index.html                       what people read first: verdict, scenes, witnesses
+//     scenes/SCENE/index.html          a scene's equations, checks, digits, motions, drift, charts
 //     report.json, junit.xml           what programs read
 //     digits.md                        correct digits: a table a quantity
 //     contents.txt                     which files of the folder are the report's

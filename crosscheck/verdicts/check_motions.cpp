@@ -25,9 +25,12 @@ PublishedMotion reenacted(const MotionTable& table, const scene::Scene& reported
     const MotionVerdict verdict = compareMotion(table.scene, simulation, table);
     motion.values = verdict.values;
     motion.ratio = verdict.ratio;
-    for (const MotionVerdict::Entry& entry : verdict.entries)
-      motion.entries.push_back({table.columns[entry.column].name, entry.time, entry.printed,
-                                entry.simulated, entry.difference(), entry.limit, entry.digits()});
+    for (const MotionVerdict::Entry& entry : verdict.entries) {
+      const MotionTable::Column& column = table.columns[entry.column];
+      motion.entries.push_back(
+          {column.unit.empty() ? column.name : column.name + " [" + column.unit + "]", entry.time,
+           entry.printed, entry.simulated, entry.difference(), entry.limit, entry.digits()});
+    }
   } catch (const std::runtime_error& error) {
     motion.failure = error.what();
   }

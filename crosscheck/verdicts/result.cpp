@@ -398,8 +398,10 @@ std::string CrosscheckResult::headline() const {
   if (!unanswered.empty()) line += "; not answered: " + shortened(unanswered, 4);
   const auto [scene, check] = worst();
   if (check != nullptr)
-    line += fmt::format("; closest to its rounding limit {:.3g} of {:.3g} ulp: {}, {} ({}{}{})",
-                        check->worst, check->limit, scene->name, check->worst_entry, check->left,
+    line += fmt::format("; the largest difference is {} what rounding explains: {} of {} ({}{}{})",
+                        check->ratio <= 1 ? fmt::format("{:.0f}% of", 100 * check->ratio)
+                                          : fmt::format("{:.2g} times", check->ratio),
+                        check->worst_entry, scene->name, check->left,
                         check->right.empty() ? "" : " and ", check->right);
   return line;
 }

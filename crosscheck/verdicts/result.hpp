@@ -236,7 +236,7 @@ struct Equations {
 struct PublishedMotion {
   /// Of one column: the value that lies closest to its limit, or passes it furthest.
   struct Entry {
-    std::string of;  ///< "q2", "rod3 (0, 0, l) x"
+    std::string of;  ///< "q2 [rad]", "rod3 (0, 0, l) x [m]"
     double time = 0, published = 0, ours = 0, difference = 0, limit = 0;
     double digits = 0;  ///< decimal ones to which they agree, of the largest published
   };

@@ -4,7 +4,8 @@
 
     report_in_browser.py FOLDER [--screenshots FOLDER]
 
-Opens FOLDER/index.html from the disk, for light and dark readers and on a narrow screen. Exit status 1:
+Opens FOLDER/index.html and the pages of its scenes from the disk, for light and dark readers and on a
+narrow screen. Exit status 1:
 an error was logged, a picture is missing, a formula did not render, a link leads nowhere, something
 was asked from the network, or the page is wider than the screen. 77: there is no Chromium.
 """
@@ -13,6 +14,7 @@ import base64
 import fcntl
 import html
 import html.entities
+import itertools
 import json
 import os
 import re
@@ -222,13 +224,18 @@ def main():
         print("report_in_browser: skipped: no Chromium found (Debian: apt install chromium)")
         return SKIP
 
-    page = index.read_text(encoding="utf-8")
-    wrong = list(malformed_formulas(page))
-    if shutil.which("gnuplot"):
-        wrong += [f"missing picture: {reason}" for reason in re.findall(r"The plot was left out: gnuplot[^<]*", page)]
+    pages = [index, *sorted(index.parent.glob("scenes/*/index.html"))]
+    wrong, total = [], {"pictures": 0, "trees": 0, "formulas": 0}
+    for one in pages:
+        page = one.read_text(encoding="utf-8")
+        wrong += malformed_formulas(page)
+        if shutil.which("gnuplot"):
+            wrong += [f"missing picture: {why}" for why in re.findall(r"The plot was left out: gnuplot[^<]*", page)]
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         browser = Browser(program, profile)
-        for view, light, width in (("light", "light", 1280), ("dark", "dark", 1280), ("narrow", "light", 360)):
+        for one, (view, light, width) in itertools.product(
+                pages, (("light", "light", 1280), ("dark", "dark", 1280), ("narrow", "light", 360))):
+            where = f"{view}: " if one == index else f"{one.parent.name}, {view}: "
             target = browser.call("Target.createTarget", url="about:blank")["targetId"]
             session = browser.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
             browser.events.clear()
@@ -238,29 +245,32 @@ def main():
                          deviceScaleFactor=1, mobile=view == "narrow")
             browser.call("Emulation.setEmulatedMedia", session,
                          features=[{"name": "prefers-color-scheme", "value": light}])
-            browser.call("Page.navigate", session, url=index.as_uri())
+            browser.call("Page.navigate", session, url=one.as_uri())
             browser.wait_for("Page.loadEventFired")
             answer = browser.call("Runtime.evaluate", session, expression=LOOK, awaitPromise=True,
                                   returnByValue=True)
             if "exceptionDetails" in answer:
                 sys.exit(f"report_in_browser: {answer['exceptionDetails']}")
             found = answer["result"]["value"]
-            wrong += [f"{view}: {sentence}" for sentence in [*found["wrong"], *complaints(browser.events)]]
+            wrong += [where + sentence for sentence in [*found["wrong"], *complaints(browser.events)]]
             for link in found["files"]:
                 part = urllib.parse.urlsplit(link)
                 if part.scheme != "file" or not Path(urllib.parse.unquote(part.path)).is_file():
-                    wrong.append(f"{view}: link to nowhere: {link}")
+                    wrong.append(f"{where}link to nowhere: {link}")
+            if view == "light":
+                for kind in total:
+                    total[kind] += found[kind]
             if arguments.screenshots:
                 arguments.screenshots.mkdir(parents=True, exist_ok=True)
                 shot = browser.call("Page.captureScreenshot", session, captureBeyondViewport=True)
-                (arguments.screenshots / f"{view}.png").write_bytes(base64.b64decode(shot["data"]))
+                (arguments.screenshots / f"{'' if one == index else one.parent.name + '_'}{view}.png").write_bytes(base64.b64decode(shot["data"]))
             browser.call("Target.closeTarget", targetId=target)
         browser.close()
 
     for sentence in dict.fromkeys(wrong):
         print(f"report_in_browser: {sentence}")
-    print(f"report_in_browser: {index}: {found['pictures']} pictures, {found['trees']} trees, "
-          f"{found['formulas']} formulas: {'as they should be' if not wrong else 'NOT as they should be'}")
+    print(f"report_in_browser: {index}: {len(pages)} pages, {total['pictures']} pictures, "
+          f"{total['trees']} trees, {total['formulas']} formulas: {'as they should be' if not wrong else 'NOT as they should be'}")
     return 1 if wrong else 0
 
 

@@ -398,6 +398,19 @@ BOOST_AUTO_TEST_CASE(chart_prints_a_table_and_draws_each_quantity) {
   BOOST_TEST(program.read("new/my charts/mine.txt") == "mine");
 }
 
+// satellite_arm has figures of twelve characters beside each other, "0.00149240.000815303"
+BOOST_AUTO_TEST_CASE(a_sweep_keeps_its_figures_apart_and_reads_as_one_writes) {
+  const std::string out = Program().run("sweep satellite_arm").out;
+  std::istringstream words(out);
+  int figures = 0;
+  for (std::string word; words >> word; ++figures)
+    BOOST_TEST(std::count(word.begin(), word.end(), '.') < 2, word);
+  BOOST_TEST(figures > 500);
+  BOOST_TEST(out.find("+ -") == std::string::npos);
+  BOOST_TEST(out.find(" - 0.62879 qdd_3") != std::string::npos);
+  BOOST_TEST(out.find("qdd_9 of elbow") != std::string::npos);
+}
+
 BOOST_AUTO_TEST_CASE(a_report_has_charts_unless_they_are_left_out) {
   const Program program;
   const std::string words =

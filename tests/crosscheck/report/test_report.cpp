@@ -198,6 +198,25 @@ int countOf(const std::string& text, const std::string& part) {
   return n;
 }
 
+/// The first page and those of the scenes.
+std::string allPages(const fs::path& report) {
+  std::string pages = read(report / "index.html");
+  for (const auto& [file, text] : contents(report))
+    if (file.compare(0, 7, "scenes/") == 0 && file.size() > 11 &&
+        file.compare(file.size() - 11, 11, "/index.html") == 0)
+      pages += text;
+  return pages;
+}
+
+/// The same without a folder.
+std::string allPages(const CrosscheckResult& result) {
+  const std::vector<SceneFiles> files(result.scenes.size());
+  std::string pages = reportPage(result, environment(), files);
+  for (std::size_t k = 0; k < files.size(); ++k)
+    pages += scenePage(result, k, environment(), files[k]);
+  return pages;
+}
+
 /// While this lives no file can grow beyond `bytes`, as on a disk that is about to be full.
 struct FullDisk {
   rlimit before{};
@@ -227,13 +246,13 @@ BOOST_FIXTURE_TEST_CASE(all_files_are_there, TemporaryFolder) {
   const auto files = contents(path / "deep" / "report");
   for (const char* file :
        {"index.html", "report.json", "junit.xml", "digits.md", "contents.txt", "scenes/style.gp",
-        "scenes/pendulum/tree.svg", "scenes/pendulum/drift.csv", "scenes/pendulum/drift_worst.csv",
-        "scenes/pendulum/drift.gp"})
+        "scenes/pendulum/index.html", "scenes/pendulum/tree.svg", "scenes/pendulum/drift.csv",
+        "scenes/pendulum/drift_worst.csv", "scenes/pendulum/drift.gp"})
     BOOST_TEST(files.count(file) == 1, file);
   if (haveGnuplot()) {
     BOOST_TEST(files.count("scenes/pendulum/drift.svg") == 1);
     BOOST_TEST(files.count("scenes/pendulum/drift_dark.svg") == 1);
-    BOOST_TEST(!contains(files.at("index.html"), "The plot was left out"));
+    BOOST_TEST(!contains(allPages(path / "deep" / "report"), "The plot was left out"));
   }
   // nothing else next to it
   BOOST_TEST(std::distance(fs::directory_iterator(path), fs::directory_iterator()) == 1);
@@ -299,8 +318,9 @@ BOOST_FIXTURE_TEST_CASE(charts_are_drawn_and_their_times_stay_out_of_page_and_js
   writeReport(sample(), environment(), path / "one", charts(1e3));
   writeReport(sample(), environment(), path / "two", charts(7e6));
   const auto one = contents(path / "one"), two = contents(path / "two");
-  BOOST_TEST(countOf(one.at("index.html"), "<h3>Speed against accuracy</h3>") == 3);
-  for (const char* file : {"index.html", "report.json", "junit.xml", "contents.txt"})
+  BOOST_TEST(countOf(allPages(path / "one"), "<h2>Speed against accuracy</h2>") == 3);
+  for (const char* file :
+       {"index.html", "scenes/pendulum/index.html", "report.json", "junit.xml", "contents.txt"})
     BOOST_TEST(one.at(file) == two.at(file), file);
   BOOST_TEST(one.at("scenes/pendulum/speed.csv") != two.at("scenes/pendulum/speed.csv"));
   BOOST_TEST(one.count("scenes/pendulum/speed.gp") == 1);
@@ -325,7 +345,7 @@ BOOST_AUTO_TEST_SUITE(page)
 
 BOOST_FIXTURE_TEST_CASE(strings_are_escaped_and_there_is_no_script, TemporaryFolder) {
   writeReport(sample(), environment(), path / "report");
-  const std::string page = read(path / "report/index.html");
+  const std::string page = allPages(path / "report");
   BOOST_TEST(!contains(page, "<script"));
   BOOST_TEST(!contains(page, "a<b>"));
   BOOST_TEST(contains(page, "a&lt;b&gt; &amp; &quot;c&quot; &#39;d&#39; \xC3\xA9\xE2\x86\x92"));
@@ -350,11 +370,16 @@ BOOST_FIXTURE_TEST_CASE(verdict_comes_first_and_who_stands_alone_next, Temporary
   BOOST_TEST(contains(page, "1.5e+05 × limit"));
 }
 
-BOOST_FIXTURE_TEST_CASE(two_scenes_of_one_name_get_two_anchors, TemporaryFolder) {
+BOOST_FIXTURE_TEST_CASE(two_scenes_of_one_name_get_two_pages, TemporaryFolder) {
   writeReport(sample(), environment(), path / "report");
   const std::string page = read(path / "report/index.html");
-  for (const char* anchor : {"scene-pendulum", "scene-pendulum_2", "scene-___up____down_"})
-    BOOST_TEST(countOf(page, "id=\"" + std::string(anchor) + "\"") == 1, anchor);
+  for (const std::string name : {"pendulum", "pendulum_2", "___up____down_"}) {
+    const std::string own = "scenes/" + name + "/index.html";
+    BOOST_TEST(contains(page, "href=\"" + own + "\""), name);
+    BOOST_TEST(countOf(read(path / "report" / own), "id=\"scene-" + name + "\"") == 1, name);
+    BOOST_TEST(contains(read(path / "report" / own), "href=\"../../index.html#scenes\""), name);
+  }
+  BOOST_TEST(!contains(page, "id=\"scene-"));
 }
 
 BOOST_FIXTURE_TEST_CASE(reader_is_told_why_a_plot_is_missing, TemporaryFolder) {
@@ -363,7 +388,7 @@ BOOST_FIXTURE_TEST_CASE(reader_is_told_why_a_plot_is_missing, TemporaryFolder) {
   BOOST_TEST(gnuplotVersion() == "not found");
   writeReport(sample(), environment(), path / "report");
   setenv("PATH", search_path.c_str(), 1);
-  const std::string page = read(path / "report/index.html");
+  const std::string page = allPages(path / "report");
   BOOST_TEST(contains(page, "The plot was left out: gnuplot was not found"));
   BOOST_TEST(!contains(page, "<img"));
   BOOST_TEST(fs::exists(path / "report/scenes/pendulum/drift.csv"));
@@ -409,8 +434,7 @@ BOOST_AUTO_TEST_CASE(digits_and_known_losses_are_in_every_form) {
   BOOST_TEST(scene["findings"][1]["kind"] == "known loss");
   const std::string table = digitsTable(sample(), environment());
   BOOST_TEST(contains(table, "| ../up & <down> | 7.3 (15.2) | – |"), table);
-  const std::string page =
-      reportPage(sample(), environment(), std::vector<SceneFiles>(sample().scenes.size()));
+  const std::string page = allPages(sample());
   BOOST_TEST(contains(page, "Digits lost, and why"));
   BOOST_TEST(contains(page, "<td class=\"n\">7.3<span class=\"sub\">15.2</span></td>"));
 }
@@ -488,8 +512,7 @@ BOOST_AUTO_TEST_CASE(what_was_not_answered_and_the_control_are_in_every_form) {
   BOOST_REQUIRE(c != coverage.end());
   BOOST_TEST((*c)["not_answered"] == 3);  // one was not asked at all
   BOOST_TEST((*c)["excused"] == 2);
-  const std::string page =
-      reportPage(result, environment(), std::vector<SceneFiles>(result.scenes.size()));
+  const std::string page = allPages(result);
   for (const char* text :
        {"2 of 100 states not judged, the first 3: a bound ran away", "id=\"coverage\"",
         "found at 1e-08 by pairs, field", "nothing to plant: is zero", "absent: no compiler",
