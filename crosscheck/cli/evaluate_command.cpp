@@ -13,14 +13,11 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/engine_options.hpp"
+#include "crosscheck/cli/given_states.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
-#include "crosscheck/cli/state_options.hpp"
 #include "crosscheck/inputs/features.hpp"
-#include "crosscheck/inputs/states.hpp"
-#include "crosscheck/inputs/states_file.hpp"
-#include "crosscheck/motion/closed_states.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/joint_axes.hpp"
@@ -39,7 +36,8 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, states, witness, output;
+  std::string scene, witness, output;
+  StatesAsked states;
   std::vector<std::string> engines;  ///< a command, or none
   Limits limits;                     ///< of that program
   std::vector<std::string> quantities;
@@ -47,9 +45,6 @@ struct Arguments {
   std::string format = "csv", axes = name(JointAxes::kLink);
   bool units = false, warn = false;
   std::string uncertainty;  ///< readUncertainty(); empty: none
-  std::optional<StateOption> q, qd, qdd, tau;
-  int random = 0;  ///< so many seeded states; 0: none
-  std::uint64_t seed = 1;
 };
 
 /// nu1, nu2, ...; J11, J12, ... row by row (J1_1 where a number has two digits).
@@ -150,13 +145,6 @@ void admitFor(const scene::Scene& scene, const std::vector<std::string>& quantit
   admit(scene, commands);
 }
 
-/// Which groups of columns the states have; q is always there.
-struct GivenColumns {
-  bool qd = false, qdd = false, tau = false;
-  /// Of a state that no file has: what stands there though nobody gave it.
-  bool is_start = false, is_tau_zero = false;
-};
-
 /// What of a state the answers hang on.
 struct Used {
   bool qdd = false, tau = false;
@@ -175,8 +163,8 @@ Used usedBy(const std::vector<std::string>& quantities, const scene::Mechanism& 
     @throws scene::InputError  neither is given, or not what the quantities need */
 bool findsQddFirst(const scene::Scene& scene, const Arguments& arguments,
                    const GivenColumns& given) {
-  const scene::SourceLocation file{arguments.states, 0};
-  const bool from_file = !arguments.states.empty();
+  const scene::SourceLocation file{arguments.states.file, 0};
+  const bool from_file = !arguments.states.file.empty();
   bool first = false, asks_qdd = false, asks_tau = false;
   for (const std::string& quantity : arguments.quantities) {
     const Needs needs = needsOf(quantity, scene.mechanism);
@@ -294,123 +282,6 @@ class Constrained {
   const scene::Scene& scene_;
   std::optional<ConstrainedQuantities> built_;
 };
-
-/// The scene's start, and what --q, --qd, --qdd and --tau say otherwise.
-scene::State<double> givenState(const Arguments& arguments, const scene::Scene& scene,
-                                scene::State<double> start) {
-  std::vector<double> q;
-  for (const scene::JointPosition<double>& x : start.x) q.push_back(x.q);
-  q = arguments.q->values(scene, q);
-  for (std::size_t k = 0; k < q.size(); ++k) start.x[k] = scene::jointPosition(q[k]);
-  start.qd = arguments.qd->values(scene, start.qd);
-  start.qdd = arguments.qdd->values(scene, start.qdd);
-  start.tau = arguments.tau->values(scene, start.tau);
-  return start;
-}
-
-/// Where states come from.
-class States {
- public:
-  virtual ~States() = default;
-  /// The state that next() goes on from; nullptr: there is none left.
-  virtual scene::State<double>* current() = 0;
-  virtual void next() = 0;
-  virtual GivenColumns given() const = 0;
-  /// Somebody who writes the states may be waiting for answers.
-  virtual bool mayWait() const { return false; }
-  virtual double fraction() const = 0;  ///< of them that are past
-};
-
-/// Those of a file, one after the other.
-class StatesOfFile : public States {
- public:
-  StatesOfFile(const std::string& file, const scene::Mechanism& mechanism)
-      : reader_(file, mechanism) {}
-  scene::State<double>* current() override {
-    if (!is_read_) has_state_ = reader_.next(&state_);
-    is_read_ = true;
-    return has_state_ ? &state_ : nullptr;
-  }
-  void next() override { is_read_ = false; }
-  bool mayWait() const override { return reader_.mayWait(); }
-  GivenColumns given() const override {
-    return {reader_.gives("qd"), reader_.gives("qdd"), reader_.gives("tau")};
-  }
-  double fraction() const override { return reader_.fraction(); }
-
- private:
-  StatesReader reader_;
-  scene::State<double> state_;
-  bool is_read_ = false, has_state_ = true;
-};
-
-/// One that the command line gives.
-class GivenState : public States {
- public:
-  GivenState(const Arguments& arguments, const scene::Scene& scene, Constrained& constrained)
-      : state_(givenState(arguments, scene, constrained->start())) {
-    const bool tau = arguments.tau->isGiven(), qdd = arguments.qdd->isGiven();
-    given_ = {true, qdd, tau || !qdd,
-              !(arguments.q->isGiven() || arguments.qd->isGiven() || qdd || tau), !tau};
-  }
-  scene::State<double>* current() override { return is_past_ ? nullptr : &state_; }
-  void next() override { is_past_ = true; }
-  GivenColumns given() const override { return given_; }
-  double fraction() const override { return is_past_ ? 1 : 0; }
-
- private:
-  scene::State<double> state_;
-  GivenColumns given_;
-  bool is_past_ = false;
-};
-
-/// Seeded ones: the joints anywhere, and where there are closures, closed.
-class RandomStates : public States {
- public:
-  RandomStates(const Arguments& arguments, const scene::Scene& scene)
-      : scene_(scene), count_(arguments.random), seed_(arguments.seed) {
-    if (!scene.mechanism.closures.empty()) closed_.emplace(prepared_.emplace(scene));
-    draw();
-  }
-  scene::State<double>* current() override { return at_ < count_ ? &state_ : nullptr; }
-  void next() override {
-    ++at_;
-    draw();
-  }
-  /// Closed, accelerations are no free choice: those that belong to tau are found.
-  GivenColumns given() const override { return {true, !closed_, true}; }
-  double fraction() const override { return static_cast<double>(at_) / count_; }
-
- private:
-  void draw() {
-    if (at_ >= count_) return;
-    if (!closed_) {
-      state_ = drawState(scene_.mechanism, scene_.name, seed_, static_cast<std::uint64_t>(at_));
-      return;
-    }
-    const ClosedState drawn = closed_->draw(seed_, at_);
-    if (!drawn.failure.empty())
-      throw scene::InputError({}, fmt::format("--random: state {} of seed {}: {}; allowed: another "
-                                              "--seed, or --states",
-                                              at_ + 1, seed_, drawn.failure));
-    state_ = drawn.state.state;
-  }
-
-  const scene::Scene& scene_;
-  int count_, at_ = 0;
-  std::uint64_t seed_;
-  std::optional<PreparedScene> prepared_;
-  std::optional<ClosedStates> closed_;
-  scene::State<double> state_;
-};
-
-std::unique_ptr<States> statesOf(const Arguments& arguments, const scene::Scene& scene,
-                                 Constrained& constrained) {
-  if (!arguments.states.empty())
-    return std::make_unique<StatesOfFile>(arguments.states, scene.mechanism);
-  if (arguments.random > 0) return std::make_unique<RandomStates>(arguments, scene);
-  return std::make_unique<GivenState>(arguments, scene, constrained);
-}
 
 /// The parts of a state that a table shows, as a file of states has them.
 std::vector<std::string> stateColumns(const scene::Mechanism& mechanism, const Used& used) {
@@ -645,7 +516,7 @@ void writeRows(const scene::Scene& scene, const Arguments& arguments, States& st
       ++row;
       if (sources.joints) sources.joints->at(state);
       if (sources.axes) sources.axes->at(state);
-      if (arguments.random > 0) {
+      if (arguments.states.random > 0) {
         for (const scene::JointPosition<double>& x : state.x) table.append(x.q, &rows);
         for (const double x : state.qd) table.append(x, &rows);
         if (used.qdd)
@@ -720,7 +591,8 @@ int run(const Arguments& arguments) {
   const scene::Scene scene = readScene(arguments.scene);
   requireMotion(scene);
   Constrained constrained(scene);
-  const std::unique_ptr<States> states = statesOf(arguments, scene, constrained);
+  const std::unique_ptr<States> states =
+      statesOf(arguments.states, scene, [&] { return constrained->start(); });
 
   std::optional<WitnessKind> engine;
   if (!arguments.engines.empty())
@@ -800,21 +672,21 @@ int run(const Arguments& arguments) {
                             "--warn of what belongs to qdd that is found from tau first: nobody "
                             "vouches for that qdd; allowed: qdd given, or --quantity qdd");
   std::vector<std::string> all_names;
-  if (arguments.random > 0)
+  if (arguments.states.random > 0)
     all_names =
         stateColumns(scene.mechanism, usedBy(arguments.quantities, scene.mechanism, finds_qdd));
   for (const Column& column : columns)
     for (std::string& name : headings(column, scene, arguments, *states, sources))
       all_names.push_back(std::move(name));
   for (const char* asked : {"qdd1", "tau1"})
-    if (arguments.random > 0 && std::count(all_names.begin(), all_names.end(), asked) > 1)
+    if (arguments.states.random > 0 && std::count(all_names.begin(), all_names.end(), asked) > 1)
       throw scene::InputError({},
                               fmt::format("--random: column {} would be of the state and of the "
                                           "answer, allowed: tau and qdd in calls of their own",
                                           asked));
   Table table(all_names, arguments.format == "json");
   // a pipe may wait for the answer before it goes on
-  const std::size_t at_once = engine && arguments.states != "-" ? kEngineBatch : 1;
+  const std::size_t at_once = engine && arguments.states.file != "-" ? kEngineBatch : 1;
   try {
     writeRows(scene, arguments, *states, columns, sources, finds_qdd, at_once, table);
   } catch (const EngineFailed& failed) {
@@ -838,26 +710,13 @@ Run addEvaluate(CLI::App* command) {
       "dynwitness evaluate puma_560 --quantity M_A,P,qdd --uncertainty mass=0.05,rpy=0.001 --units\n"
       "dynwitness evaluate two_handed --quantity E,beta --format json");
   command->add_option("scene", arguments->scene, "Scene")->required();
-  command->add_option(
-      "--states", arguments->states,
+  addStates(
+      *command, arguments->states,
       "States, a CSV file: or - for standard input; q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "
       "reactions) or tau1..taun (of qdd, lambda, nu, ..., and of reactions under closures, springs "
       "between points or acceleration constraints; for tau and others' reactions qdd is found first); "
       "joints that follow others have none of these. Without: the scene's start, no joint forces. "
       "Read and answered row by row");
-  using Part = StateOption::Part;
-  arguments->q.emplace(command, Part::kQ, "the scene's start");
-  arguments->qd.emplace(command, Part::kQd, "the scene's start");
-  arguments->qdd.emplace(command, Part::kQdd, "found from tau");
-  arguments->tau.emplace(command, Part::kTau, "none");
-  CLI::Option* random = addRandom(*command, arguments->random, 1000000000,
-                                  "closed where there are closures; the table has them");
-  random->default_str("");  // none
-  addSeed(*command, arguments->seed, "of the states")->needs(random);
-  for (const char* name : {"--q", "--qd", "--qdd", "--tau", "--random"})
-    command->get_option(name)->excludes("--states");
-  for (const char* name : {"--q", "--qd", "--qdd", "--tau"})
-    command->get_option(name)->excludes(random);
   command
       ->add_option(
           "--quantity", arguments->quantities,
@@ -893,7 +752,7 @@ Run addEvaluate(CLI::App* command) {
   command
       ->add_flag("--units", arguments->units,
                  "With units in the names: \"elbow.M_A44 [kg m^2]\"")
-      ->excludes(random);  // whose table is a file of states as well
+      ->excludes("--random");  // whose table is a file of states as well
   command->add_flag(
       "--warn", arguments->warn,
       fmt::format("Say at how many states the rounding of the sweep, bounded as it goes, "
