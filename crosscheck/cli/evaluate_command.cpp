@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
@@ -22,6 +23,7 @@
 #include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/joint_axes.hpp"
 #include "crosscheck/motion/joint_quantities.hpp"
+#include "crosscheck/motion/point_quantities.hpp"
 #include "crosscheck/motion/uncertain_quantities.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/growing_file.hpp"
@@ -29,6 +31,7 @@
 #include "crosscheck/witnesses/column_names.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/witness.hpp"
+#include "scene/nearest_name.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -42,7 +45,9 @@ struct Arguments {
   Limits limits;                     ///< of that program
   std::vector<std::string> quantities;
   std::vector<std::string> joints;  ///< of these alone, what is asked of joints; none: of all
-  std::string format = "csv", axes = name(JointAxes::kLink);
+  std::vector<std::string> points;  ///< "LINK,x,y,z"; none: the origins of all links
+  std::string format = "csv";
+  std::string axes;  ///< empty: of joints the link's, of points the world's
   bool units = false, warn = false;
   std::string uncertainty;  ///< readUncertainty(); empty: none
 };
@@ -120,7 +125,7 @@ bool hasMoreThanItsTree(const scene::Mechanism& mechanism) {
 
 Needs needsOf(const std::string& quantity, const scene::Mechanism& mechanism) {
   if (quantity == "reactions" && hasMoreThanItsTree(mechanism)) return Needs::kTau;
-  for (const char* name : {"tau", "reactions"})
+  for (const char* name : {"tau", "reactions", "acceleration"})
     if (quantity == name) return Needs::kQdd;
   for (const char* name :
        {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque", "F", "PF", "beta"})
@@ -136,6 +141,7 @@ Command commandOf(const std::string& quantity) {
   for (const char* name : {"N", "Lambda", "J", "Jbar", "task_torque", "null_torque", "E", "beta"})
     if (quantity == name) return Command::kEvaluateTasks;
   if (jointQuantityNamed(quantity)) return Command::kEvaluateJoints;
+  if (pointQuantityNamed(quantity)) return Command::kEvaluatePoints;
   return Command::kEvaluateTree;
 }
 
@@ -302,11 +308,12 @@ struct Column {
   bool is_engines = false;  ///< the witness is a program of the user's
   ConstrainedQuantity constrained = ConstrainedQuantity::kQdd;  ///< without a witness
   std::optional<JointQuantity> of_joints = {};                  ///< then it is this, and no other
-  std::vector<Eigen::Index> rows = {};  ///< of these numbers alone; none: all of them
-  bool is_deviation = false;            ///< of the column before, by --uncertainty
+  std::vector<Eigen::Index> rows = {};          ///< of these numbers alone; none: all of them
+  bool is_deviation = false;                    ///< of the column before, by --uncertainty
+  std::optional<PointQuantity> of_points = {};  ///< then it is this, and no other
 
   bool isOfConstrained(ConstrainedQuantity asked) const {
-    return !witness && !of_joints && constrained == asked;
+    return !witness && !of_joints && !of_points && constrained == asked;
   }
   bool isOfReactions() const {
     return isOfConstrained(ConstrainedQuantity::kReactions) ||
@@ -329,6 +336,7 @@ struct Sources {
   std::optional<JointQuantities> joints;  ///< none: nothing of joints is asked
   std::optional<TurnedAxes> axes;         ///< of reactions; none: they are as they come
   std::optional<UncertainQuantities> uncertain;
+  std::optional<PointQuantities> points;  ///< none: nothing of points is asked
 };
 
 /// That program failed, or has no value at a state.
@@ -397,6 +405,8 @@ Eigen::MatrixXd valueOf(Column& column, const Sources& sources, const scene::Sta
       value = deviationOf(column, *sources.uncertain, state);
     else if (column.of_joints)
       value = sources.joints->value(*column.of_joints);
+    else if (column.of_points)
+      value = sources.points->value(*column.of_points);
     else
       value = column.witness ? column.witness->value(column.quantity, state)
                              : sources.constrained->answer(column.constrained, state);
@@ -516,6 +526,7 @@ void writeRows(const scene::Scene& scene, const Arguments& arguments, States& st
       ++row;
       if (sources.joints) sources.joints->at(state);
       if (sources.axes) sources.axes->at(state);
+      if (sources.points) sources.points->at(state);
       if (arguments.states.random > 0) {
         for (const scene::JointPosition<double>& x : state.x) table.append(x.q, &rows);
         for (const double x : state.qd) table.append(x, &rows);
@@ -564,6 +575,9 @@ std::vector<std::string> headings(const Column& column, const scene::Scene& scen
   if (column.of_joints) {
     names = sources.joints->columns(*column.of_joints);
     if (arguments.units) units = sources.joints->units(*column.of_joints);
+  } else if (column.of_points) {
+    names = sources.points->columns(*column.of_points);
+    if (arguments.units) units = sources.points->units(*column.of_points);
   } else if (column.witness || column.is_deviation) {
     names = chosen(columnNames(column.quantity, scene.mechanism), column.rows);
     if (arguments.units) units = chosen(columnUnits(column.quantity, scene.mechanism), column.rows);
@@ -586,6 +600,73 @@ std::vector<std::string> headings(const Column& column, const scene::Scene& scen
   return names;
 }
 
+/// @throws scene::InputError  it is none of all that can be asked
+void requireQuantity(const std::string& text) {
+  std::vector<std::string> all;
+  for (const Quantity quantity : kAllQuantities) all.emplace_back(name(quantity));
+  for (int k = 0; k <= static_cast<int>(ConstrainedQuantity::kReactions); ++k)
+    if (const std::string one = name(static_cast<ConstrainedQuantity>(k));
+        std::find(all.begin(), all.end(), one) == all.end())
+      all.push_back(one);
+  for (const std::string& one : pointQuantityNames()) all.push_back(one);
+  for (int k = 0; k <= static_cast<int>(JointQuantity::kBeta); ++k)
+    all.emplace_back(name(static_cast<JointQuantity>(k)));
+  if (std::find(all.begin(), all.end(), text) != all.end()) return;
+  throw scene::InputError({}, fmt::format("unknown quantity '{}'{}, allowed: {}", text,
+                                          scene::didYouMean(text, all), fmt::join(all, ", ")));
+}
+
+/// @throws scene::InputError  somebody else is asked
+void requireOurs(const Arguments& arguments, const std::string& quantity) {
+  if (arguments.witness.empty() && arguments.engines.empty()) return;
+  throw scene::InputError(
+      {}, fmt::format("--witness or --engine with {}, which is of our sweeps, allowed: without",
+                      quantity));
+}
+
+/// --point: "hand", "hand,0,0,l/2". @throws scene::InputError  no such link, or no place in it
+std::vector<FramePoint> pointsOf(const Arguments& arguments, const scene::Scene& scene) {
+  std::vector<FramePoint> out;
+  std::vector<std::string> links;
+  for (const scene::Link& link : scene.mechanism.links) links.push_back(link.name);
+  for (const std::string& text : arguments.points) {
+    std::vector<std::string> words(1);
+    for (const char letter : text)
+      if (letter == ',')
+        words.emplace_back();
+      else
+        words.back() += letter;
+    const auto link = std::find(links.begin(), links.end(), words[0]);
+    if (link == links.end())
+      throw scene::InputError(
+          {}, fmt::format("--point: no link '{}'{}, allowed: {}", words[0],
+                          scene::didYouMean(words[0], links), fmt::join(links, ", ")));
+    if (words.size() != 1 && words.size() != 4)
+      throw scene::InputError({},
+                              fmt::format("--point: read '{}', allowed: LINK or LINK,x,y,z", text));
+    FramePoint point;
+    point.link = static_cast<int>(link - links.begin());
+    for (std::size_t k = 1; k < words.size(); ++k)
+      point.at(static_cast<Eigen::Index>(k) - 1) = numberIn("--point", words[k], scene);
+    out.push_back(point);
+  }
+  return out;
+}
+
+JointAxes axesOfPoints(const Arguments& arguments) {
+  const JointAxes axes = jointAxesNamed(arguments.axes).value_or(JointAxes::kWorld);
+  if (axes == JointAxes::kJoint)
+    throw scene::InputError({}, "--axes joint of points, allowed: world, link");
+  return axes;
+}
+
+Column columnOf(PointQuantity quantity) {
+  Column column{};
+  column.name = name(quantity);
+  column.of_points = quantity;
+  return column;
+}
+
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.output);
   const scene::Scene scene = readScene(arguments.scene);
@@ -598,18 +679,22 @@ int run(const Arguments& arguments) {
   if (!arguments.engines.empty())
     engine = engineKinds(arguments.engines, arguments.limits, scene).front();
   std::vector<Column> columns;
-  Sources sources{scene.mechanism, constrained, std::nullopt, std::nullopt, std::nullopt};
-  const JointAxes axes = *jointAxesNamed(arguments.axes);
+  Sources sources{scene.mechanism, constrained, {}, {}, {}, {}};
+  const JointAxes axes = jointAxesNamed(arguments.axes).value_or(JointAxes::kLink);
   for (const std::string& text : arguments.quantities) {
+    requireQuantity(text);
     if (const std::optional<JointQuantity> of_joints = jointQuantityNamed(text)) {
-      if (!arguments.witness.empty() || engine)
-        throw scene::InputError(
-            {},
-            fmt::format("--witness or --engine with {}, which is of our sweeps, allowed: without",
-                        text));
+      requireOurs(arguments, text);
       if (!sources.joints) sources.joints.emplace(scene, arguments.joints, axes);
       columns.push_back(
           {Quantity::kQdd, nullptr, text, false, ConstrainedQuantity::kQdd, of_joints});
+      continue;
+    }
+    if (const std::optional<PointQuantity> of_points = pointQuantityNamed(text)) {
+      requireOurs(arguments, text);
+      if (!sources.points)
+        sources.points.emplace(scene, pointsOf(arguments, scene), axesOfPoints(arguments));
+      columns.push_back(columnOf(*of_points));
       continue;
     }
     const std::optional<ConstrainedQuantity> special = constrainedQuantityNamed(text);
@@ -649,10 +734,11 @@ int run(const Arguments& arguments) {
                        {},
                        rows});
   }
-  if (axes != JointAxes::kLink && !sources.joints && !sources.axes)
+  if (axes != JointAxes::kLink && !sources.joints && !sources.axes && !sources.points)
     throw scene::InputError(
-        {}, fmt::format("--axes {} without a quantity that has axes of joints, expected reactions "
-                        "or one of X, M_i, M_C, M_A, P, PM, Z, F, PF, E; those of lambda are the "
+        {}, fmt::format("--axes {} without a quantity that has axes of joints, expected reactions, "
+                        "velocity, acceleration, jacobian, jacobian_rate or one of X, M_i, M_C, "
+                        "M_A, P, PM, Z, F, PF, E; those of lambda are the "
                         "closure's (data/scenes/README.md)",
                         arguments.axes));
   const bool asks_of_joints =
@@ -662,6 +748,10 @@ int run(const Arguments& arguments) {
     throw scene::InputError({},
                             "--joint without a quantity of joints, expected one of X, M_i, "
                             "M_C, M_A, P, PM, Z, F, PF, E, beta, reactions");
+  if (!arguments.points.empty() && !sources.points)
+    throw scene::InputError({},
+                            fmt::format("--point without a quantity of points, expected one of {}",
+                                        fmt::join(pointQuantityNames(), ", ")));
   if (arguments.warn)
     for (const Column& column : columns) requireBound(column);
   if (!arguments.uncertainty.empty()) addDeviations(scene, arguments, sources, columns);
@@ -707,6 +797,7 @@ Run addEvaluate(CLI::App* command) {
       "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
       "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
       "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
+      "dynwitness evaluate acrobot --quantity position,jacobian --point lower,0,0,-2\n"
       "dynwitness evaluate puma_560 --quantity M_A,P,qdd --uncertainty mass=0.05,rpy=0.001 --units\n"
       "dynwitness evaluate two_handed --quantity E,beta --format json");
   command->add_option("scene", arguments->scene, "Scene")->required();
@@ -720,7 +811,10 @@ Run addEvaluate(CLI::App* command) {
   command
       ->add_option(
           "--quantity", arguments->quantities,
-          "Quantities: M, c, g, tau, qdd, kinetic, potential, momentum, reactions; with closures, driven "
+          "Quantities: M, c, g, tau, qdd, kinetic, potential, momentum (world axes, about the world's "
+          "origin), reactions; of points of links (--point): position, orientation (its columns are the "
+          "link's axes), quaternion (w, x, y, z), rpy, velocity, acceleration, jacobian (velocity = J qd), "
+          "jacobian_rate (dJ/dt); with closures, driven "
           "joints or acceleration "
           "constraints: qdd and reactions under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
           "Lambda "
@@ -738,11 +832,17 @@ Run addEvaluate(CLI::App* command) {
       ->delimiter(',');
   command
       ->add_option(
+          "--point", arguments->points,
+          "Of which points position, ..., jacobian_rate are: of this link, at x, y, z in its "
+          "axes [m] (without: its origin); again for more. Without: the origins of all links")
+      ->type_name("LINK[,x,y,z]");
+  command
+      ->add_option(
           "--axes", arguments->axes,
-          "Of reactions and of what is asked of each joint: link (the moved joint frame's), "
-          "joint (z along the joint's axis, as in the chapter), world; always about the "
-          "origin of the moved joint frame")
-      ->capture_default_str()
+          "Of reactions and of what is asked of each joint: link (the moved joint frame's, and "
+          "what is taken without), joint (z along the joint's axis, as in the chapter), world; "
+          "always about the origin of the moved joint frame. Of velocity, acceleration, jacobian "
+          "and jacobian_rate of points: world (what is taken without) or link")
       ->check(oneOf({"link", "joint", "world"}));
   command
       ->add_option("--format", arguments->format,
