@@ -32,7 +32,7 @@ PointMotion<T> moved(const scene::Mechanism& mechanism, const Numbers& number,
   return recursive::pointMotion<T>(model, state.x, state.qd, state.qdd, link, at, ws);
 }
 
-/// Two links of 1 m and 0.7 m in the xy plane, and a tool fixed to the second, turned by 90 degrees.
+/// Two links of 1 m and 0.7 m in the xy plane, and a tool fixed to the second, turned by pi/2.
 const char* const kArm = R"(
 title = "arm"
 [[link]]
@@ -87,8 +87,8 @@ BOOST_AUTO_TEST_CASE(an_arm_of_two_links_moves_as_its_formulas_say) {
   BOOST_TEST((tool.J_rate - J_rate).norm() < kLimit);
 }
 
-// The same sweep on dual numbers along the motion differentiates places and Jacobian without a step:
-// exactly what velocity and J_rate say by formulas of their own.
+// The same sweep on dual numbers along the motion differentiates places and Jacobian without a
+// step: exactly what velocity and J_rate say by formulas of their own.
 BOOST_DATA_TEST_CASE(rates_are_the_derivatives_of_what_they_are_rates_of, data::xrange(12), index) {
   const scene::Scene scene = randomScene(17, index, 8);
   const scene::Mechanism& m = scene.mechanism;

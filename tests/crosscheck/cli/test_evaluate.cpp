@@ -144,8 +144,8 @@ BOOST_AUTO_TEST_CASE(a_driven_scene_moves_with_its_constrained_accelerations) {
   BOOST_TEST(std::abs(row[0]) > 1);
 }
 
-// By hand: the acrobot's arms of 1 m and 2 m hang straight down at q = 0, and turn about y; with both
-// rates 1 the elbow moves at -1 m/s, and a point 2 m below it at -1 - 2 (1 + 1).
+// By hand: the acrobot's arms of 1 m and 2 m hang straight down at q = 0, and turn about y; with
+// both rates 1 the elbow moves at -1 m/s, and a point 2 m below it at -1 - 2 (1 + 1).
 BOOST_AUTO_TEST_CASE(points_are_where_the_chain_has_them) {
   const Program program;
   const std::string asked =

@@ -211,7 +211,7 @@ Call callOf(Command command) {
     case Command::kEvaluateJoints:
       return {"evaluate scene --quantity X,M_A,PF", ""};
     case Command::kEvaluatePoints:
-      return {"evaluate scene --quantity position,orientation,velocity,jacobian_rate", ""};
+      return {"evaluate scene --quantity position,velocity,jacobian,jacobian_rate", ""};
     case Command::kEvaluateForces:
       return {"evaluate scene --quantity tau", ""};
     case Command::kEvaluateMotion:
