@@ -7,24 +7,23 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/engine_options.hpp"
+#include "crosscheck/cli/given_states.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
-#include "crosscheck/cli/state_options.hpp"
 #include "crosscheck/inputs/features.hpp"
-#include "crosscheck/inputs/states.hpp"
-#include "crosscheck/inputs/states_file.hpp"
-#include "crosscheck/motion/closed_states.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/joint_axes.hpp"
 #include "crosscheck/motion/joint_quantities.hpp"
+#include "crosscheck/motion/point_quantities.hpp"
 #include "crosscheck/motion/uncertain_quantities.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/growing_file.hpp"
@@ -32,6 +31,7 @@
 #include "crosscheck/witnesses/column_names.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/witness.hpp"
+#include "scene/nearest_name.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -40,17 +40,17 @@ using namespace crosscheck;
 
 struct Arguments {
   GivenScene scene;
-  std::string states, witness, output;
+  StatesAsked states;
+  std::string witness, output;
   std::vector<std::string> engines;  ///< a command, or none
   Limits limits;                     ///< of that program
   std::vector<std::string> quantities;
   std::vector<std::string> joints;  ///< of these alone, what is asked of joints; none: of all
-  std::string format = "csv", axes = name(JointAxes::kLink);
+  std::vector<std::string> points;  ///< "LINK,x,y,z"; none: the origins of all links
+  std::string format = "csv";
+  std::string axes;  ///< empty: of joints the link's, of points the world's
   bool units = false, warn = false;
   std::string uncertainty;  ///< readUncertainty(); empty: none
-  std::optional<StateOption> q, qd, qdd, tau;
-  int random = 0;  ///< so many seeded states; 0: none
-  std::uint64_t seed = 1;
 };
 
 /// nu1, nu2, ...; J11, J12, ... row by row (J1_1 where a number has two digits).
@@ -126,7 +126,7 @@ bool hasMoreThanItsTree(const scene::Mechanism& mechanism) {
 
 Needs needsOf(const std::string& quantity, const scene::Mechanism& mechanism) {
   if (quantity == "reactions" && hasMoreThanItsTree(mechanism)) return Needs::kTau;
-  for (const char* name : {"tau", "reactions"})
+  for (const char* name : {"tau", "reactions", "acceleration"})
     if (quantity == name) return Needs::kQdd;
   for (const char* name :
        {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque", "F", "PF", "beta"})
@@ -142,6 +142,7 @@ Command commandOf(const std::string& quantity) {
   for (const char* name : {"N", "Lambda", "J", "Jbar", "task_torque", "null_torque", "E", "beta"})
     if (quantity == name) return Command::kEvaluateTasks;
   if (jointQuantityNamed(quantity)) return Command::kEvaluateJoints;
+  if (pointQuantityNamed(quantity)) return Command::kEvaluatePoints;
   return Command::kEvaluateTree;
 }
 
@@ -150,13 +151,6 @@ void admitFor(const scene::Scene& scene, const std::vector<std::string>& quantit
   for (const std::string& text : quantities) commands.push_back(commandOf(text));
   admit(scene, commands);
 }
-
-/// Which groups of columns the states have; q is always there.
-struct GivenColumns {
-  bool qd = false, qdd = false, tau = false;
-  /// Of a state that no file has: what stands there though nobody gave it.
-  bool is_start = false, is_tau_zero = false;
-};
 
 /// What of a state the answers hang on.
 struct Used {
@@ -176,8 +170,8 @@ Used usedBy(const std::vector<std::string>& quantities, const scene::Mechanism& 
     @throws scene::InputError  neither is given, or not what the quantities need */
 bool findsQddFirst(const scene::Scene& scene, const Arguments& arguments,
                    const GivenColumns& given) {
-  const scene::SourceLocation file{arguments.states, 0};
-  const bool from_file = !arguments.states.empty();
+  const scene::SourceLocation file{arguments.states.file, 0};
+  const bool from_file = !arguments.states.file.empty();
   bool first = false, asks_qdd = false, asks_tau = false;
   for (const std::string& quantity : arguments.quantities) {
     const Needs needs = needsOf(quantity, scene.mechanism);
@@ -296,123 +290,6 @@ class Constrained {
   std::optional<ConstrainedQuantities> built_;
 };
 
-/// The scene's start, and what --q, --qd, --qdd and --tau say otherwise.
-scene::State<double> givenState(const Arguments& arguments, const scene::Scene& scene,
-                                scene::State<double> start) {
-  std::vector<double> q;
-  for (const scene::JointPosition<double>& x : start.x) q.push_back(x.q);
-  q = arguments.q->values(scene, q);
-  for (std::size_t k = 0; k < q.size(); ++k) start.x[k] = scene::jointPosition(q[k]);
-  start.qd = arguments.qd->values(scene, start.qd);
-  start.qdd = arguments.qdd->values(scene, start.qdd);
-  start.tau = arguments.tau->values(scene, start.tau);
-  return start;
-}
-
-/// Where states come from.
-class States {
- public:
-  virtual ~States() = default;
-  /// The state that next() goes on from; nullptr: there is none left.
-  virtual scene::State<double>* current() = 0;
-  virtual void next() = 0;
-  virtual GivenColumns given() const = 0;
-  /// Somebody who writes the states may be waiting for answers.
-  virtual bool mayWait() const { return false; }
-  virtual double fraction() const = 0;  ///< of them that are past
-};
-
-/// Those of a file, one after the other.
-class StatesOfFile : public States {
- public:
-  StatesOfFile(const std::string& file, const scene::Mechanism& mechanism)
-      : reader_(file, mechanism) {}
-  scene::State<double>* current() override {
-    if (!is_read_) has_state_ = reader_.next(&state_);
-    is_read_ = true;
-    return has_state_ ? &state_ : nullptr;
-  }
-  void next() override { is_read_ = false; }
-  bool mayWait() const override { return reader_.mayWait(); }
-  GivenColumns given() const override {
-    return {reader_.gives("qd"), reader_.gives("qdd"), reader_.gives("tau")};
-  }
-  double fraction() const override { return reader_.fraction(); }
-
- private:
-  StatesReader reader_;
-  scene::State<double> state_;
-  bool is_read_ = false, has_state_ = true;
-};
-
-/// One that the command line gives.
-class GivenState : public States {
- public:
-  GivenState(const Arguments& arguments, const scene::Scene& scene, Constrained& constrained)
-      : state_(givenState(arguments, scene, constrained->start())) {
-    const bool tau = arguments.tau->isGiven(), qdd = arguments.qdd->isGiven();
-    given_ = {true, qdd, tau || !qdd,
-              !(arguments.q->isGiven() || arguments.qd->isGiven() || qdd || tau), !tau};
-  }
-  scene::State<double>* current() override { return is_past_ ? nullptr : &state_; }
-  void next() override { is_past_ = true; }
-  GivenColumns given() const override { return given_; }
-  double fraction() const override { return is_past_ ? 1 : 0; }
-
- private:
-  scene::State<double> state_;
-  GivenColumns given_;
-  bool is_past_ = false;
-};
-
-/// Seeded ones: the joints anywhere, and where there are closures, closed.
-class RandomStates : public States {
- public:
-  RandomStates(const Arguments& arguments, const scene::Scene& scene)
-      : scene_(scene), count_(arguments.random), seed_(arguments.seed) {
-    if (!scene.mechanism.closures.empty()) closed_.emplace(prepared_.emplace(scene));
-    draw();
-  }
-  scene::State<double>* current() override { return at_ < count_ ? &state_ : nullptr; }
-  void next() override {
-    ++at_;
-    draw();
-  }
-  /// Closed, accelerations are no free choice: those that belong to tau are found.
-  GivenColumns given() const override { return {true, !closed_, true}; }
-  double fraction() const override { return static_cast<double>(at_) / count_; }
-
- private:
-  void draw() {
-    if (at_ >= count_) return;
-    if (!closed_) {
-      state_ = drawState(scene_.mechanism, scene_.name, seed_, static_cast<std::uint64_t>(at_));
-      return;
-    }
-    const ClosedState drawn = closed_->draw(seed_, at_);
-    if (!drawn.failure.empty())
-      throw scene::InputError({}, fmt::format("--random: state {} of seed {}: {}; allowed: another "
-                                              "--seed, or --states",
-                                              at_ + 1, seed_, drawn.failure));
-    state_ = drawn.state.state;
-  }
-
-  const scene::Scene& scene_;
-  int count_, at_ = 0;
-  std::uint64_t seed_;
-  std::optional<PreparedScene> prepared_;
-  std::optional<ClosedStates> closed_;
-  scene::State<double> state_;
-};
-
-std::unique_ptr<States> statesOf(const Arguments& arguments, const scene::Scene& scene,
-                                 Constrained& constrained) {
-  if (!arguments.states.empty())
-    return std::make_unique<StatesOfFile>(arguments.states, scene.mechanism);
-  if (arguments.random > 0) return std::make_unique<RandomStates>(arguments, scene);
-  return std::make_unique<GivenState>(arguments, scene, constrained);
-}
-
 /// The parts of a state that a table shows, as a file of states has them.
 std::vector<std::string> stateColumns(const scene::Mechanism& mechanism, const Used& used) {
   std::vector<std::string> names;
@@ -432,11 +309,12 @@ struct Column {
   bool is_engines = false;  ///< the witness is a program of the user's
   ConstrainedQuantity constrained = ConstrainedQuantity::kQdd;  ///< without a witness
   std::optional<JointQuantity> of_joints = {};                  ///< then it is this, and no other
-  std::vector<Eigen::Index> rows = {};  ///< of these numbers alone; none: all of them
-  bool is_deviation = false;            ///< of the column before, by --uncertainty
+  std::vector<Eigen::Index> rows = {};          ///< of these numbers alone; none: all of them
+  bool is_deviation = false;                    ///< of the column before, by --uncertainty
+  std::optional<PointQuantity> of_points = {};  ///< then it is this, and no other
 
   bool isOfConstrained(ConstrainedQuantity asked) const {
-    return !witness && !of_joints && constrained == asked;
+    return !witness && !of_joints && !of_points && constrained == asked;
   }
   bool isOfReactions() const {
     return isOfConstrained(ConstrainedQuantity::kReactions) ||
@@ -459,6 +337,7 @@ struct Sources {
   std::optional<JointQuantities> joints;  ///< none: nothing of joints is asked
   std::optional<TurnedAxes> axes;         ///< of reactions; none: they are as they come
   std::optional<UncertainQuantities> uncertain;
+  std::optional<PointQuantities> points;  ///< none: nothing of points is asked
 };
 
 /// That program failed, or has no value at a state.
@@ -527,6 +406,8 @@ Eigen::MatrixXd valueOf(Column& column, const Sources& sources, const scene::Sta
       value = deviationOf(column, *sources.uncertain, state);
     else if (column.of_joints)
       value = sources.joints->value(*column.of_joints);
+    else if (column.of_points)
+      value = sources.points->value(*column.of_points);
     else
       value = column.witness ? column.witness->value(column.quantity, state)
                              : sources.constrained->answer(column.constrained, state);
@@ -646,7 +527,8 @@ void writeRows(const scene::Scene& scene, const Arguments& arguments, States& st
       ++row;
       if (sources.joints) sources.joints->at(state);
       if (sources.axes) sources.axes->at(state);
-      if (arguments.random > 0) {
+      if (sources.points) sources.points->at(state);
+      if (arguments.states.random > 0) {
         for (const scene::JointPosition<double>& x : state.x) table.append(x.q, &rows);
         for (const double x : state.qd) table.append(x, &rows);
         if (used.qdd)
@@ -694,6 +576,9 @@ std::vector<std::string> headings(const Column& column, const scene::Scene& scen
   if (column.of_joints) {
     names = sources.joints->columns(*column.of_joints);
     if (arguments.units) units = sources.joints->units(*column.of_joints);
+  } else if (column.of_points) {
+    names = sources.points->columns(*column.of_points);
+    if (arguments.units) units = sources.points->units(*column.of_points);
   } else if (column.witness || column.is_deviation) {
     names = chosen(columnNames(column.quantity, scene.mechanism), column.rows);
     if (arguments.units) units = chosen(columnUnits(column.quantity, scene.mechanism), column.rows);
@@ -716,29 +601,101 @@ std::vector<std::string> headings(const Column& column, const scene::Scene& scen
   return names;
 }
 
+/// @throws scene::InputError  it is none of all that can be asked
+void requireQuantity(const std::string& text) {
+  std::vector<std::string> all;
+  for (const Quantity quantity : kAllQuantities) all.emplace_back(name(quantity));
+  for (int k = 0; k <= static_cast<int>(ConstrainedQuantity::kReactions); ++k)
+    if (const std::string one = name(static_cast<ConstrainedQuantity>(k));
+        std::find(all.begin(), all.end(), one) == all.end())
+      all.push_back(one);
+  for (const std::string& one : pointQuantityNames()) all.push_back(one);
+  for (int k = 0; k <= static_cast<int>(JointQuantity::kBeta); ++k)
+    all.emplace_back(name(static_cast<JointQuantity>(k)));
+  if (std::find(all.begin(), all.end(), text) != all.end()) return;
+  throw scene::InputError({}, fmt::format("unknown quantity '{}'{}, allowed: {}", text,
+                                          scene::didYouMean(text, all), fmt::join(all, ", ")));
+}
+
+/// @throws scene::InputError  somebody else is asked
+void requireOurs(const Arguments& arguments, const std::string& quantity) {
+  if (arguments.witness.empty() && arguments.engines.empty()) return;
+  throw scene::InputError(
+      {}, fmt::format("--witness or --engine with {}, which is of our sweeps, allowed: without",
+                      quantity));
+}
+
+/// --point: "hand", "hand,0,0,l/2". @throws scene::InputError  no such link, or no place in it
+std::vector<FramePoint> pointsOf(const Arguments& arguments, const scene::Scene& scene) {
+  std::vector<FramePoint> out;
+  std::vector<std::string> links;
+  for (const scene::Link& link : scene.mechanism.links) links.push_back(link.name);
+  for (const std::string& text : arguments.points) {
+    std::vector<std::string> words(1);
+    for (const char letter : text)
+      if (letter == ',')
+        words.emplace_back();
+      else
+        words.back() += letter;
+    const auto link = std::find(links.begin(), links.end(), words[0]);
+    if (link == links.end())
+      throw scene::InputError(
+          {}, fmt::format("--point: no link '{}'{}, allowed: {}", words[0],
+                          scene::didYouMean(words[0], links), fmt::join(links, ", ")));
+    if (words.size() != 1 && words.size() != 4)
+      throw scene::InputError({},
+                              fmt::format("--point: read '{}', allowed: LINK or LINK,x,y,z", text));
+    FramePoint point;
+    point.link = static_cast<int>(link - links.begin());
+    for (std::size_t k = 1; k < words.size(); ++k)
+      point.at(static_cast<Eigen::Index>(k) - 1) = numberIn("--point", words[k], scene);
+    out.push_back(point);
+  }
+  return out;
+}
+
+JointAxes axesOfPoints(const Arguments& arguments) {
+  const JointAxes axes = jointAxesNamed(arguments.axes).value_or(JointAxes::kWorld);
+  if (axes == JointAxes::kJoint)
+    throw scene::InputError({}, "--axes joint of points, allowed: world, link");
+  return axes;
+}
+
+Column columnOf(PointQuantity quantity) {
+  Column column{};
+  column.name = name(quantity);
+  column.of_points = quantity;
+  return column;
+}
+
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.output);
   const scene::Scene scene = readScene(arguments.scene);
   requireMotion(scene);
   Constrained constrained(scene);
-  const std::unique_ptr<States> states = statesOf(arguments, scene, constrained);
+  const std::unique_ptr<States> states =
+      statesOf(arguments.states, scene, [&] { return constrained->start(); });
 
   std::optional<WitnessKind> engine;
   if (!arguments.engines.empty())
     engine = engineKinds(arguments.engines, arguments.limits, scene).front();
   std::vector<Column> columns;
-  Sources sources{scene.mechanism, constrained, std::nullopt, std::nullopt, std::nullopt};
-  const JointAxes axes = *jointAxesNamed(arguments.axes);
+  Sources sources{scene.mechanism, constrained, {}, {}, {}, {}};
+  const JointAxes axes = jointAxesNamed(arguments.axes).value_or(JointAxes::kLink);
   for (const std::string& text : arguments.quantities) {
+    requireQuantity(text);
     if (const std::optional<JointQuantity> of_joints = jointQuantityNamed(text)) {
-      if (!arguments.witness.empty() || engine)
-        throw scene::InputError(
-            {},
-            fmt::format("--witness or --engine with {}, which is of our sweeps, allowed: without",
-                        text));
+      requireOurs(arguments, text);
       if (!sources.joints) sources.joints.emplace(scene, arguments.joints, axes);
       columns.push_back(
           {Quantity::kQdd, nullptr, text, false, ConstrainedQuantity::kQdd, of_joints});
+      continue;
+    }
+    if (const std::optional<PointQuantity> of_points = pointQuantityNamed(text)) {
+      requireOurs(arguments, text);
+      if (!sources.points)
+        sources.points.emplace(scene, pointsOf(arguments, scene), axesOfPoints(arguments));
+      columns.push_back(columnOf(*of_points));
       continue;
     }
     const std::optional<ConstrainedQuantity> special = constrainedQuantityNamed(text);
@@ -778,10 +735,11 @@ int run(const Arguments& arguments) {
                        {},
                        rows});
   }
-  if (axes != JointAxes::kLink && !sources.joints && !sources.axes)
+  if (axes != JointAxes::kLink && !sources.joints && !sources.axes && !sources.points)
     throw scene::InputError(
-        {}, fmt::format("--axes {} without a quantity that has axes of joints, expected reactions "
-                        "or one of X, M_i, M_C, M_A, P, PM, Z, F, PF, E; those of lambda are the "
+        {}, fmt::format("--axes {} without a quantity that has axes of joints, expected reactions, "
+                        "velocity, acceleration, jacobian, jacobian_rate or one of X, M_i, M_C, "
+                        "M_A, P, PM, Z, F, PF, E; those of lambda are the "
                         "closure's (data/scenes/README.md)",
                         arguments.axes));
   const bool asks_of_joints =
@@ -791,6 +749,10 @@ int run(const Arguments& arguments) {
     throw scene::InputError({},
                             "--joint without a quantity of joints, expected one of X, M_i, "
                             "M_C, M_A, P, PM, Z, F, PF, E, beta, reactions");
+  if (!arguments.points.empty() && !sources.points)
+    throw scene::InputError({},
+                            fmt::format("--point without a quantity of points, expected one of {}",
+                                        fmt::join(pointQuantityNames(), ", ")));
   if (arguments.warn)
     for (const Column& column : columns) requireBound(column);
   if (!arguments.uncertainty.empty()) addDeviations(scene, arguments, sources, columns);
@@ -801,21 +763,21 @@ int run(const Arguments& arguments) {
                             "--warn of what belongs to qdd that is found from tau first: nobody "
                             "vouches for that qdd; allowed: qdd given, or --quantity qdd");
   std::vector<std::string> all_names;
-  if (arguments.random > 0)
+  if (arguments.states.random > 0)
     all_names =
         stateColumns(scene.mechanism, usedBy(arguments.quantities, scene.mechanism, finds_qdd));
   for (const Column& column : columns)
     for (std::string& name : headings(column, scene, arguments, *states, sources))
       all_names.push_back(std::move(name));
   for (const char* asked : {"qdd1", "tau1"})
-    if (arguments.random > 0 && std::count(all_names.begin(), all_names.end(), asked) > 1)
+    if (arguments.states.random > 0 && std::count(all_names.begin(), all_names.end(), asked) > 1)
       throw scene::InputError({},
                               fmt::format("--random: column {} would be of the state and of the "
                                           "answer, allowed: tau and qdd in calls of their own",
                                           asked));
   Table table(all_names, arguments.format == "json");
   // a pipe may wait for the answer before it goes on
-  const std::size_t at_once = engine && arguments.states != "-" ? kEngineBatch : 1;
+  const std::size_t at_once = engine && arguments.states.file != "-" ? kEngineBatch : 1;
   try {
     writeRows(scene, arguments, *states, columns, sources, finds_qdd, at_once, table);
   } catch (const EngineFailed& failed) {
@@ -836,33 +798,24 @@ Run addEvaluate(CLI::App* command) {
       "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
       "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
       "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
+      "dynwitness evaluate acrobot --quantity position,jacobian --point lower,0,0,-2\n"
       "dynwitness evaluate puma_560 --quantity M_A,P,qdd --uncertainty mass=0.05,rpy=0.001 --units\n"
       "dynwitness evaluate two_handed --quantity E,beta --format json");
   addScene(*command, arguments->scene, "Scene");
-  command->add_option(
-      "--states", arguments->states,
+  addStates(
+      *command, arguments->states,
       "States, a CSV file: or - for standard input; q1..q(positions), qd1..qdn, and qdd1..qddn (of tau, "
       "reactions) or tau1..taun (of qdd, lambda, nu, ..., and of reactions under closures, springs "
       "between points or acceleration constraints; for tau and others' reactions qdd is found first); "
       "joints that follow others have none of these. Without: the scene's start, no joint forces. "
       "Read and answered row by row");
-  using Part = StateOption::Part;
-  arguments->q.emplace(command, Part::kQ, "the scene's start");
-  arguments->qd.emplace(command, Part::kQd, "the scene's start");
-  arguments->qdd.emplace(command, Part::kQdd, "found from tau");
-  arguments->tau.emplace(command, Part::kTau, "none");
-  CLI::Option* random = addRandom(*command, arguments->random, 1000000000,
-                                  "closed where there are closures; the table has them");
-  random->default_str("");  // none
-  addSeed(*command, arguments->seed, "of the states")->needs(random);
-  for (const char* name : {"--q", "--qd", "--qdd", "--tau", "--random"})
-    command->get_option(name)->excludes("--states");
-  for (const char* name : {"--q", "--qd", "--qdd", "--tau"})
-    command->get_option(name)->excludes(random);
   command
       ->add_option(
           "--quantity", arguments->quantities,
-          "Quantities: M, c, g, tau, qdd, kinetic, potential, momentum, reactions; with closures, driven "
+          "Quantities: M, c, g, tau, qdd, kinetic, potential, momentum (world axes, about the world's "
+          "origin), reactions; of points of links (--point): position, orientation (its columns are the "
+          "link's axes), quaternion (w, x, y, z), rpy, velocity, acceleration, jacobian (velocity = J qd), "
+          "jacobian_rate (dJ/dt); with closures, driven "
           "joints or acceleration "
           "constraints: qdd and reactions under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
           "Lambda "
@@ -880,11 +833,17 @@ Run addEvaluate(CLI::App* command) {
       ->delimiter(',');
   command
       ->add_option(
+          "--point", arguments->points,
+          "Of which points position, ..., jacobian_rate are: of this link, at x, y, z in its "
+          "axes [m] (without: its origin); again for more. Without: the origins of all links")
+      ->type_name("LINK[,x,y,z]");
+  command
+      ->add_option(
           "--axes", arguments->axes,
-          "Of reactions and of what is asked of each joint: link (the moved joint frame's), "
-          "joint (z along the joint's axis, as in the chapter), world; always about the "
-          "origin of the moved joint frame")
-      ->capture_default_str()
+          "Of reactions and of what is asked of each joint: link (the moved joint frame's, and "
+          "what is taken without), joint (z along the joint's axis, as in the chapter), world; "
+          "always about the origin of the moved joint frame. Of velocity, acceleration, jacobian "
+          "and jacobian_rate of points: world (what is taken without) or link")
       ->check(oneOf({"link", "joint", "world"}));
   command
       ->add_option("--format", arguments->format,
@@ -894,7 +853,7 @@ Run addEvaluate(CLI::App* command) {
   command
       ->add_flag("--units", arguments->units,
                  "With units in the names: \"elbow.M_A44 [kg m^2]\"")
-      ->excludes(random);  // whose table is a file of states as well
+      ->excludes("--random");  // whose table is a file of states as well
   command->add_flag(
       "--warn", arguments->warn,
       fmt::format("Say at how many states the rounding of the sweep, bounded as it goes, "

@@ -17,6 +17,7 @@
 
 #include "crosscheck/cli/help.hpp"
 #include "crosscheck/cli/old_spellings.hpp"
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/system/leaving.hpp"
 #include "scene/error.hpp"
@@ -89,7 +90,7 @@ void requireKnown(const std::vector<std::string>& words, const CLI::App& app,
                         scene::didYouMean(words[0], names), fmt::join(names, ", ")));
   const std::vector<std::string> options = optionNames(*app.get_subcommand(words[0]));
   for (std::size_t k = 1; k < words.size() && words[k] != "--"; ++k) {
-    const std::string option = words[k].substr(0, words[k].find('='));
+    const std::string option = optionOf(words[k]);
     if (option.compare(0, 2, "--") != 0 || option == "--help" || option == "--help-all" ||
         std::find(options.begin(), options.end(), option) != options.end())
       continue;

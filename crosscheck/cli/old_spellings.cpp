@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 
 namespace dynwitness::cli {
@@ -35,11 +36,6 @@ const std::vector<OldSpelling>& oldSpellings() {
       {"--accelerations", "--qdd", {"sweep"}},
   };
   return all;
-}
-
-/// The option that a word is: "--states" of "--states=3".
-std::string optionOf(const std::string& word) {
-  return word.substr(0, word.find('='));
 }
 
 /// Mechanisms were what crosscheck drew at random, and of states it had a number: beside one of the

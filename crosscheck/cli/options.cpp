@@ -46,6 +46,10 @@ CLI::Validator finiteAnd(const std::function<bool(double)>& holds, const std::st
 
 }  // namespace
 
+std::string optionOf(const std::string& word) {
+  return word.substr(0, word.find('='));
+}
+
 CLI::Validator finite() {
   return finiteAnd([](double) { return true; }, "finite numbers", "finite");
 }

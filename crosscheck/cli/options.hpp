@@ -13,6 +13,9 @@
 
 namespace dynwitness::cli {
 
+/// The option that a word of a command line is: "--states" of "--states=3".
+std::string optionOf(const std::string& word);
+
 /// A finite number of double precision.
 CLI::Validator finite();
 /// A finite number above zero.

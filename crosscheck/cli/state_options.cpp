@@ -22,7 +22,9 @@ std::string nameOf(StateOption::Part part) {
   return kNames[static_cast<int>(part)];
 }
 
-double numberOf(const std::string& option, const std::string& text, const scene::Scene& scene) {
+}  // namespace
+
+double numberIn(const std::string& option, const std::string& text, const scene::Scene& scene) {
   std::string reason;
   try {
     const double value =
@@ -36,8 +38,6 @@ double numberOf(const std::string& option, const std::string& text, const scene:
                       "parameters and pi{}",
                       option, text, reason));
 }
-
-}  // namespace
 
 StateOption::StateOption(CLI::App* command, Part part, const std::string& otherwise)
     : part_(part), words_(std::make_shared<std::vector<std::string>>()) {
@@ -78,7 +78,7 @@ std::vector<double> StateOption::values(const scene::Scene& scene,
                                     "all, or those that are named");
   std::vector<double> values;
   if (!all_named) {
-    for (const std::string& word : *words_) values.push_back(numberOf(option, word, scene));
+    for (const std::string& word : *words_) values.push_back(numberIn(option, word, scene));
     if (values.size() != otherwise.size())
       throw scene::InputError(
           {}, fmt::format("{}: {} values, allowed: {}", option, values.size(), otherwise.size()));
@@ -106,7 +106,7 @@ std::vector<double> StateOption::values(const scene::Scene& scene,
                       short_name, short_name, values.size(), allowed.empty() ? "" : ", ",
                       fmt::join(allowed, ", "), more ? ", ... (dynwitness show lists them)" : ""));
     }
-    values[at] = numberOf(option, word.substr(equals + 1), scene);
+    values[at] = numberIn(option, word.substr(equals + 1), scene);
   }
   return values;
 }

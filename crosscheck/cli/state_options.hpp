@@ -12,6 +12,10 @@
 
 namespace dynwitness::cli {
 
+/// A number of an option: an expression in the scene's parameters and pi.
+/// @throws scene::InputError  it is none, or not finite
+double numberIn(const std::string& option, const std::string& text, const scene::Scene& scene);
+
 /** One of these options. Its numbers are expressions in the scene's parameters and pi, all of them
     in the order of `dynwitness show`, or some by name:
 

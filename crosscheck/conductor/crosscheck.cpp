@@ -21,6 +21,7 @@
 #include "crosscheck/verdicts/check_identities.hpp"
 #include "crosscheck/verdicts/check_mechanism.hpp"
 #include "crosscheck/verdicts/check_motions.hpp"
+#include "crosscheck/verdicts/check_points.hpp"
 #include "crosscheck/verdicts/check_reading.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/control.hpp"
@@ -74,6 +75,7 @@ SceneResult byLaws(const PreparedScene& scene, const Options& options, const Pla
   }
   result.equations = equationsOf(scene.mechanism());
   result.checks = checkIdentities(scene, options);
+  append(result.checks, checkPoints(scene, options));
   if (options.drift && refusals(scene.scene(), Command::kDrift).empty())
     result.drift = measureDrift(scene, {});
   return result;

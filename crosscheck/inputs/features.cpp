@@ -166,6 +166,10 @@ struct Rules {
          {Feature::kGravity},
          {Kind::kNoPart,
           "gravity is the world's acceleration -g in the sweeps, no force on a link"}},
+        {Command::kEvaluatePoints,
+         Features{Feature::kGravity, Feature::kRotor, Feature::kGyroscopicRotor} + friction +
+             spring_of_joint + wrenches + closures + point_springs + prescribed,
+         {Kind::kNoPart, "a point's motion is that of q, qd and qdd, whatever makes it"}},
         {Command::kEvaluateForces,
          closures + point_springs,
          {Kind::kRefused, "tau of the closed mechanism is not that of its tree"}},
@@ -409,6 +413,8 @@ const char* name(Command command) {
       return "evaluate (M, c, g, energies, momentum)";
     case Command::kEvaluateJoints:
       return "evaluate (X, M_A, P, F of joints)";
+    case Command::kEvaluatePoints:
+      return "evaluate (kinematics of points)";
     case Command::kEvaluateForces:
       return "evaluate (tau)";
     case Command::kEvaluateMotion:

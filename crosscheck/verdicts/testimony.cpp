@@ -80,10 +80,12 @@ std::vector<CheckResult> Hearing::dismissRefused() {
     // where joints follow others, a program knows the tree alone, and is heard about that
     const auto* const over = dynamic_cast<const OverTree*>(witness);
     Witness* const asked = over ? &over->ofTree() : witness;
-    if (auto* outside = dynamic_cast<OutsideWitness*>(asked)) {
-      std::vector<scene::State<double>> states;
-      for (int k = 0; k < options_.states; ++k)
-        states.push_back(over ? over->onTree(drawn(k)) : drawn(k));
+    auto* const outside = dynamic_cast<OutsideWitness*>(asked);
+    auto* const claims = dynamic_cast<OutsideClaims*>(asked);
+    std::vector<scene::State<double>> states;
+    for (int k = 0; (outside || claims) && k < options_.states; ++k)
+      states.push_back(over ? over->onTree(drawn(k)) : drawn(k));
+    if (outside)
       if (const std::string failure = outside->askedAhead(states); !failure.empty()) {
         refusals.push_back(refusal(CheckKind::kWitness, seat.name, "testifies", failure));
         CheckResult& check = refusals.back();
@@ -93,12 +95,11 @@ std::vector<CheckResult> Hearing::dismissRefused() {
         remarks_.emplace_back(seat.name, failure);
         continue;
       }
-      if (auto* claims = dynamic_cast<OutsideClaims*>(asked))
-        for (CheckResult& check :
-             claimsOf(*claims, seat.name, over ? scene_.tree() : scene_, states))
-          refusals.push_back(std::move(check));
+    if (claims)
+      for (CheckResult& check : claimsOf(*claims, seat.name, over ? scene_.tree() : scene_, states))
+        refusals.push_back(std::move(check));
+    if (outside)
       for (const std::string& remark : outside->remarks()) remarks_.emplace_back(seat.name, remark);
-    }
     if (const auto* partial = dynamic_cast<const PartialWitness*>(witness))
       for (const auto& [quantity, reason] : partial->leftOut()) {
         refusals.push_back(refusal(CheckKind::kWitness, seat.name,

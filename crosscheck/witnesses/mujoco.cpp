@@ -36,6 +36,7 @@
 #include "crosscheck/witnesses/engine_bound.hpp"
 #include "crosscheck/witnesses/mjcf.hpp"
 #include "crosscheck/witnesses/mujoco_model.hpp"
+#include "crosscheck/witnesses/outside_claims.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "crosscheck/witnesses/told_numbers.hpp"
 #endif
@@ -192,7 +193,7 @@ int idOf(const mjModel* model, mjtObj kind, const std::string& name) {
 
 // -------------------------------------------------------------------------------- witness
 
-class MujocoWitness : public Witness, public FileReader, public OwnSteps {
+class MujocoWitness : public Witness, public FileReader, public OwnSteps, public OutsideClaims {
  public:
   MujocoWitness(const PreparedScene& prepared, Inertias inertias)
       : name_(nameOf(inertias)),
@@ -248,6 +249,31 @@ class MujocoWitness : public Witness, public FileReader, public OwnSteps {
   const std::string& name() const override { return name_; }
   bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
   bool readsOwnFile() const override { return own_file_; }
+
+  std::optional<std::vector<BelievedLink>> believedLinks() const override { return std::nullopt; }
+  bool knowsJacobian() const override { return true; }
+  /// By mj_jac.
+  std::vector<SaidJacobian> jacobians(const FramePoint& point,
+                                      const std::vector<scene::State<double>>& states) override {
+    const int body = links_[static_cast<std::size_t>(point.link)];
+    using Jacobian = Eigen::Matrix<mjtNum, 3, Eigen::Dynamic, Eigen::RowMajor>;
+    Jacobian linear(3, model_->nv), angular(3, model_->nv);
+    std::vector<SaidJacobian> out;
+    for (const scene::State<double>& state : states) {
+      setMotion(state, false);
+      mj_fwdPosition(model_.get(), data_.get());
+      const RowMajor3 R = Eigen::Map<const RowMajor3>(data_->xmat + 9 * body);
+      const Vector3d at = Eigen::Map<const Vector3d>(data_->xpos + 3 * body) + R * point.at;
+      mj_jac(model_.get(), data_.get(), linear.data(), angular.data(), at.data(), body);
+      Eigen::MatrixXd J(6, dofs_.size());
+      for (std::size_t i = 0; i < dofs_.size(); ++i)
+        J.col(static_cast<Eigen::Index>(i)) << linear.col(dofs_[i]), angular.col(dofs_[i]);
+      for (const Floating& joint : floating_)
+        J.middleCols<3>(joint.dof) = (J.middleCols<3>(joint.dof) * joint.R).eval();
+      out.push_back({J, {}});
+    }
+    return out;
+  }
 
   /// By mj_step with MuJoCo's default integrator: semi-implicit Euler.
   OwnMotion ownMotion(const scene::State<double>& start, double step, long steps,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a program may say besides quantities of a state.
+// What a program or an engine may say besides quantities of a state.
 #pragma once
 
 #include <optional>

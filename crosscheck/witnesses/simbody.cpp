@@ -16,6 +16,7 @@
 #include "crosscheck/witnesses/joint_friction.hpp"
 #include "crosscheck/witnesses/mechanism_roads.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
+#include "crosscheck/witnesses/outside_claims.hpp"
 #include "crosscheck/witnesses/own_steps.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
@@ -251,7 +252,7 @@ struct Joint {
   }
 };
 
-class SimbodyWitness : public Witness, public OwnSteps {
+class SimbodyWitness : public Witness, public OwnSteps, public OutsideClaims {
  public:
   /// kTree: the tree alone, for all questions; kClosed: with the scene's closures, springs between
   /// points and driven joints, for qdd and what constraints and drives do; kPrescribed: the tree
@@ -292,6 +293,30 @@ class SimbodyWitness : public Witness, public OwnSteps {
 
   const std::string& name() const override { return name_; }
   bool answers(Quantity) const override { return true; }
+
+  std::optional<std::vector<BelievedLink>> believedLinks() const override { return std::nullopt; }
+  bool knowsJacobian() const override { return true; }
+  /// By calcFrameJacobian of a frame at the point, angular part first as Simbody has it.
+  std::vector<SaidJacobian> jacobians(const FramePoint& point,
+                                      const std::vector<scene::State<double>>& states) override {
+    std::vector<SaidJacobian> out;
+    for (const scene::State<double>& state : states) {
+      setMotion(state, false);
+      system_.realize(state_, SimTK::Stage::Position);
+      SimTK::Matrix full;
+      matter_.calcFrameJacobian(state_, links_[static_cast<std::size_t>(point.link)],
+                                {point.at(0), point.at(1), point.at(2)}, full);
+      Eigen::MatrixXd J(6, dof_);
+      for (int j = 0; j < dof_; ++j) {
+        std::vector<double> unit(static_cast<std::size_t>(dof_), 0.0);
+        unit[static_cast<std::size_t>(j)] = 1;
+        const SimTK::Vector column = full * expanded(unit);
+        for (int i = 0; i < 6; ++i) J(i, j) = column[(i + 3) % 6];
+      }
+      out.push_back({J, {}});
+    }
+    return out;
+  }
 
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), bound_(quantity, state)};

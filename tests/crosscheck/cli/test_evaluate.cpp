@@ -144,6 +144,33 @@ BOOST_AUTO_TEST_CASE(a_driven_scene_moves_with_its_constrained_accelerations) {
   BOOST_TEST(std::abs(row[0]) > 1);
 }
 
+// By hand: the acrobot's arms of 1 m and 2 m hang straight down at q = 0, and turn about y; with
+// both rates 1 the elbow moves at -1 m/s, and a point 2 m below it at -1 - 2 (1 + 1).
+BOOST_AUTO_TEST_CASE(points_are_where_the_chain_has_them) {
+  const Program program;
+  const std::string asked =
+      "evaluate acrobot --q 0,0 --qd 1,1 --point lower,0,0,-2 --quantity position,velocity";
+  const std::vector<double> row = numbers(program.run(asked, "2>/dev/null").out);
+  const std::vector<double> expected = {0, 0, -3, -5, 0, 0, 0, 2, 0};
+  BOOST_TEST(row == expected);
+  // the lower link has turned by a right angle: what is -x of the world is z of the link
+  const std::vector<double> turned =
+      numbers(program
+                  .run("evaluate acrobot --q pi/2,0 --qd 1,0 --point upper,0,0,-1 --axes link "
+                       "--quantity velocity,position",
+                       "2>/dev/null")
+                  .out);
+  BOOST_REQUIRE(turned.size() == 9u);
+  BOOST_TEST(turned[0] == -1, boost::test_tools::tolerance(1e-15));
+  BOOST_TEST(turned[6] == -1, boost::test_tools::tolerance(1e-15));
+  refuses(program, "evaluate acrobot --quantity position --point lowr", "did you mean lower?");
+  refuses(program, "evaluate acrobot --quantity position --point lower,1", "LINK or LINK,x,y,z");
+  refuses(program, "evaluate acrobot --quantity M --point lower", "--point without a quantity");
+  refuses(program, "evaluate acrobot --quantity positon", "did you mean position?");
+  refuses(program, "evaluate acrobot --quantity position --axes joint", "allowed: world, link");
+  refuses(program, "evaluate acrobot --quantity position --witness simbody", "of our sweeps");
+}
+
 BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_SUITE(states_of_the_command_line)
 

@@ -10,6 +10,7 @@
 #include "crosscheck/conductor/archive.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/laws/identities.hpp"
+#include "crosscheck/laws/point_laws.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
@@ -61,9 +62,9 @@ BOOST_AUTO_TEST_CASE(all_residuals_of_random_mechanisms_are_zero) {
   BOOST_TEST(campaign.joints >= 25);
   // pairs of five or six witnesses (one refuses gyroscopic rotors), the regressor and the
   // identities; some trees have no other root
-  BOOST_TEST(campaign.checks > 25 * (12 + Identities::kCount));
+  BOOST_TEST(campaign.checks > 25 * (12 + Identities::kCount + PointLaws::kCount));
   // and up to 15 about closures, springs between points, drives and constraints
-  BOOST_TEST(campaign.checks <= 25 * (41 + 15 + Identities::kCount));
+  BOOST_TEST(campaign.checks <= 25 * (41 + 15 + Identities::kCount + PointLaws::kCount));
   BOOST_TEST(campaign.not_answerable == 0);
   BOOST_TEST(campaign.error_probability <= 1e-30);
   BOOST_TEST(campaign.error_probability > 0);

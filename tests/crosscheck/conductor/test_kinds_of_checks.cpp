@@ -20,6 +20,7 @@
 #include "crosscheck/exact/regressor_checks.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/laws/compiled_identities.hpp"
+#include "crosscheck/laws/point_laws.hpp"
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/verdicts/check_drift.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
@@ -320,6 +321,35 @@ std::set<std::string> redByASideThatIsOff() {
   return kinds;
 }
 
+/// Of a point, by both roads: one number of the sweep's off, and then one of its Jacobian.
+std::set<std::string> redByAPointThatIsOff() {
+  const scene::Scene scene = scene::findScene("puma_560");
+  const RunningErrorNumbers number(scene.mechanism);
+  const PointOfMechanism<RunningError> right(
+      scene.mechanism, recursive::buildModel(scene.mechanism, number), number,
+      runningErrorState(drawState(scene.mechanism, scene.name, 1, 0)));
+  const auto told = [&](const PointOfMechanism<RunningError>& point) {
+    IdentityTallies tallies(PointLaws::words(scene.mechanism), 1);
+    tallies.add(0, PointLaws::sides(scene.mechanism, point), [](int) { return std::string(); });
+    return red(tallies.results());
+  };
+  BOOST_TEST(told(right).empty());
+  const RunningError off(1e-9);
+  std::set<std::string> kinds;
+  auto wrong = right;
+  wrong.swept.position(2) += off;
+  add(kinds, told(wrong));
+  BOOST_TEST(kinds.size() == 1u);
+  wrong = right;
+  wrong.swept.J_rate(5, 2) += off;
+  add(kinds, told(wrong));
+  BOOST_TEST(kinds.size() == 3u);
+  wrong = right;
+  wrong.swept.acceleration.angular(0) += off;
+  add(kinds, told(wrong));
+  return kinds;
+}
+
 /// The kinds that a report of all bundled scenes and of those of the tables holds.
 std::set<std::string> kindsOfReports() {
   std::vector<scene::Scene> scenes;
@@ -371,6 +401,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_check_that_a_report_holds_has_a_plant_that_tu
   add(red, redByAnotherReading());
   add(red, redByAWrongMotion());
   add(red, redByASideThatIsOff());
+  add(red, redByAPointThatIsOff());
   for (const char* name :
        {"car_axis", "andrews_squeezer", "two_handed", "satellite_held", "puma_560"})
     add(red, redByAnotherDerivation(name));

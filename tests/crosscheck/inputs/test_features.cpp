@@ -210,6 +210,8 @@ Call callOf(Command command) {
       return {"evaluate scene --quantity M,c,g,kinetic,potential,momentum", ""};
     case Command::kEvaluateJoints:
       return {"evaluate scene --quantity X,M_A,PF", ""};
+    case Command::kEvaluatePoints:
+      return {"evaluate scene --quantity position,velocity,jacobian,jacobian_rate", ""};
     case Command::kEvaluateForces:
       return {"evaluate scene --quantity tau", ""};
     case Command::kEvaluateMotion:

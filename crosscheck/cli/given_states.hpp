@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where the states of a command come from: a file, seeds, or the command line itself.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "crosscheck/cli/state_options.hpp"
+#include "scene/scene.hpp"
+#include "scene/state.hpp"
+
+namespace dynwitness::cli {
+
+/// What the command line says about states: --states, --random with --seed, or --q, --qd, --qdd
+/// and --tau.
+struct StatesAsked {
+  std::string file;  ///< of --states; empty: none
+  int random = 0;    ///< so many seeded states; 0: none
+  std::uint64_t seed = 1;
+  std::optional<StateOption> q, qd, qdd, tau;
+};
+
+/// Adds these options, which exclude each other. @param about_files  what --help says of --states
+void addStates(CLI::App& command, StatesAsked& asked, const std::string& about_files);
+
+/// Which groups of columns the states have; q is always there.
+struct GivenColumns {
+  bool qd = false, qdd = false, tau = false;
+  /// Of a state that no file has: what stands there though nobody gave it.
+  bool is_start = false, is_tau_zero = false;
+};
+
+/// States, one after the other.
+class States {
+ public:
+  virtual ~States() = default;
+  /// The state that next() goes on from; nullptr: there is none left.
+  virtual scene::State<double>* current() = 0;
+  virtual void next() = 0;
+  virtual GivenColumns given() const = 0;
+  /// Somebody who writes the states may be waiting for answers.
+  virtual bool mayWait() const { return false; }
+  virtual double fraction() const = 0;  ///< of them that are past; negative: nobody knows
+};
+
+/** @param start  what is not given is what this state says
+    @throws scene::InputError  a file, an option or a seed has no such states (also from next()) */
+std::unique_ptr<States> statesOf(const StatesAsked& asked, const scene::Scene& scene,
+                                 const std::function<scene::State<double>()>& start);
+
+}  // namespace dynwitness::cli
