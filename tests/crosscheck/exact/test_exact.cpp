@@ -15,6 +15,7 @@
 #include "crosscheck/conductor/exact_checks.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/laws/identities.hpp"
+#include "crosscheck/laws/point_laws.hpp"
 #include "crosscheck/verdicts/check_identities.hpp"
 #include "crosscheck/verdicts/options.hpp"
 
@@ -73,8 +74,10 @@ void requireAllZero(const scene::Mechanism& mechanism, const std::vector<CheckRe
     BOOST_TEST(count[identity.name] == 1u, identity.name);
   const bool constrained = !mechanism.isOpenTree() || mechanism.isDriven() ||
                            !mechanism.acceleration_constraints.empty();
+  const std::vector<LawWords> of_points = PointLaws::words(mechanism);
+  for (const LawWords& law : of_points) BOOST_TEST(count[law.name] == 1u, law.name);
   const std::size_t rest =
-      checks.size() - count["same"] - 1 - count["closures"] - Identities::kCount;
+      checks.size() - count["same"] - 1 - count["closures"] - Identities::kCount - of_points.size();
   BOOST_TEST((rest > 0) == constrained);
   for (const CheckResult& check : checks) {
     BOOST_TEST_CONTEXT(check.name() << " " << check.quantity << " " << check.left << " "
@@ -450,7 +453,8 @@ BOOST_AUTO_TEST_CASE(only_the_witnesses_asked_for_are_compared) {
   options.witnesses =
       selectWitnesses({"simbody", "newton_euler"});  // simbody computes in double only
   BOOST_TEST(exactChecks(scene::findScene("double_pendulum"), options).size() ==
-             static_cast<std::size_t>(Identities::kCount) + 1);  // and the regressor
+             static_cast<std::size_t>(Identities::kCount + PointLaws::kCount) +
+                 1);  // and the regressor
 }
 
 BOOST_AUTO_TEST_CASE(answers_of_other_shapes_disagree) {

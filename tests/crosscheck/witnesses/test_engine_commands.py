@@ -100,7 +100,7 @@ def heard_of_gripper(name, *changes):
     with open(os.path.join(report, "report.json")) as file:
         checks = json.load(file)["scenes"][0]["checks"]
     return status, out, {check["quantity"]: check["verdict"] for check in checks
-                         if check["quantity"] in ("model", "jacobian") or "does not know" in check.get("reason", "")}
+                         if check["check"] in ("model", "jacobian") or "does not know" in check.get("reason", "")}
 
 
 status, out, heard = heard_of_gripper("right")
