@@ -7,7 +7,7 @@
 namespace dynwitness::audit {
 namespace {
 
-const std::vector<JointKind> kTurns = {kTurn, kTurn, kTurn}, kMixed = {kTurn, kSlide, kTurn};
+const std::vector<JointKind> kTurns = {kTurn, kTurn, kTurn};
 
 /// tau by inward Newton-Euler with an initial acceleration of the base.
 template <typename T>

@@ -15,8 +15,6 @@
 namespace dynwitness::audit {
 namespace {
 
-const std::vector<JointKind> kMixed = {kTurn, kSlide, kTurn};
-
 template <typename T>
 VectorX<T> scaled(const VectorX<T>& v, const T& s) {
   return v * s;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "crosscheck/audit/robot.hpp"
+#include "recursive/operational_space.hpp"
 
 namespace dynwitness::audit {
 
@@ -76,6 +77,20 @@ struct Swept : Constrained<T> {
   MatrixX<T> N;
   std::vector<Eigen::Matrix<T, 6, Eigen::Dynamic>> E;  ///< what each link feels of unit forces
 };
+
+/// Jbar of one constraint, n x m, by recursive/operational_space.hpp.
+template <typename T>
+MatrixX<T> sweptConsistentInverse(const Robot<T>& robot, const LinkConstraint<T>& held) {
+  const recursive::Model<T> model = robot.model();
+  recursive::Workspace<T> ws(model);
+  recursive::ConstraintWorkspace<T> cws(model, static_cast<int>(held.A.cols()));
+  std::vector<T> qdd = robot.zeros();
+  recursive::forwardDynamics(model, robot.x, robot.qd, robot.tau, ws, qdd);
+  recursive::propagateConstraints(model, {held}, ws, cws);
+  MatrixX<T> Jbar(robot.n(), held.A.cols());
+  recursive::dynamicallyConsistentInverse(model, ws, cws, Jbar);
+  return Jbar;
+}
 
 /// E_0' column by column: the acceleration along the constraints that unit accelerations of the
 /// base cause when all joints are free and at rest, by point masses. 6 x m.

@@ -259,6 +259,7 @@ inline Robot<T> anyRobot(Point& at, const std::vector<JointKind>& kinds,
 }
 
 inline constexpr JointKind kTurn = JointKind::kRevolute, kSlide = JointKind::kPrismatic;
+inline const std::vector<JointKind> kMixed = {kTurn, kSlide, kTurn};
 
 /** The chapter's quantities of a robot as six-vectors and 6 x 6 matrices in link coordinates,
     linear part first, with spatial accelerations: X takes motions from parent to link (the

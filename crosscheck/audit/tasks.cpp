@@ -2,7 +2,6 @@
 // Sections 11.2 to 13: floating and constrained bases, tasks as constraints, consistent inverses.
 #include "crosscheck/audit/board.hpp"
 #include "crosscheck/audit/constraints.hpp"
-#include "recursive/operational_space.hpp"
 
 namespace dynwitness::audit {
 namespace {
@@ -338,14 +337,7 @@ Trials consistentInverse() {
     const auto robot = anyRobot(at, {kTurn, kSlide, kTurn});
     const auto held = anyConstraint<2>(at, 2);
     const Task<T> task = taskOf(robot, held);
-    const recursive::Model<T> model = robot.model();
-    recursive::Workspace<T> ws(model);
-    recursive::ConstraintWorkspace<T> cws(model, 2);
-    std::vector<T> qdd = robot.zeros();
-    recursive::forwardDynamics(model, robot.x, robot.qd, robot.tau, ws, qdd);
-    recursive::propagateConstraints(model, {held}, ws, cws);
-    MatrixX<T> Jbar(3, 2);
-    recursive::dynamicallyConsistentInverse(model, ws, cws, Jbar);
+    const MatrixX<T> Jbar = sweptConsistentInverse(robot, held);
     at.equal("by sweeps", Jbar, task.Jbar);
     at.equal("J Jbar", MatrixX<T>(task.J * Jbar), one<T>(2));
     at.zero(

@@ -12,6 +12,7 @@
 #include "recursive/build_model.hpp"
 #include "recursive/point_motion.hpp"
 #include "scene/turn.hpp"
+#include "scene/units.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -122,8 +123,7 @@ std::vector<std::string> PointQuantities::units(PointQuantity quantity) const {
     for (int k = 0; k < recursive::axisCount(link.kind); ++k)
       if (!link.follows)
         slides[static_cast<std::size_t>(link.dof + k)] =
-            link.kind == recursive::JointKind::kPrismatic ||
-            (link.kind == recursive::JointKind::kFloating && k < 3);
+            scene::slides(link.kind, static_cast<std::size_t>(k));
   std::vector<std::string> one;
   const std::string per = quantity == PointQuantity::kAcceleration ? "/s^2" : "/s";
   switch (quantity) {

@@ -250,7 +250,6 @@ class MujocoWitness : public Witness, public FileReader, public OwnSteps, public
   bool answers(Quantity quantity) const override { return quantity != Quantity::kReactions; }
   bool readsOwnFile() const override { return own_file_; }
 
-  std::optional<std::vector<BelievedLink>> believedLinks() const override { return std::nullopt; }
   bool knowsJacobian() const override { return true; }
   /// By mj_jac.
   std::vector<SaidJacobian> jacobians(const FramePoint& point,

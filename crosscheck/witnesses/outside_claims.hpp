@@ -31,7 +31,7 @@ class OutsideClaims {
   virtual ~OutsideClaims() = default;
 
   /// Its links, each at most once. Nothing: it does not say.
-  virtual std::optional<std::vector<BelievedLink>> believedLinks() const = 0;
+  virtual std::optional<std::vector<BelievedLink>> believedLinks() const { return std::nullopt; }
 
   struct SaidJacobian {
     Eigen::MatrixXd value;  ///< as FrameJacobian has it

@@ -294,7 +294,6 @@ class SimbodyWitness : public Witness, public OwnSteps, public OutsideClaims {
   const std::string& name() const override { return name_; }
   bool answers(Quantity) const override { return true; }
 
-  std::optional<std::vector<BelievedLink>> believedLinks() const override { return std::nullopt; }
   bool knowsJacobian() const override { return true; }
   /// By calcFrameJacobian of a frame at the point, angular part first as Simbody has it.
   std::vector<SaidJacobian> jacobians(const FramePoint& point,
