@@ -67,6 +67,7 @@ Run addEnvelope(CLI::App* command) {
   command->footer(
       "Examples:\n"
       "  dynwitness envelope puma_560\n"
+      "  dynwitness envelope kuka_iiwa_14 --ratio 1.5\n"
       "  dynwitness envelope planar_3r --all --ratio 1.05 --json envelope.json\n"
       "'at most' is a proven bound of |x| over all of the envelope, roundings\n"
       "included; 'at least' is what the sweeps answer at the worst state that was\n"

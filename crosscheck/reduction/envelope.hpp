@@ -43,7 +43,7 @@ struct EnvelopeBound {
 
 struct EnvelopeOptions {
   double ratio = 1.2;  ///< of certified to sampled, asked for
-  int boxes = 20000;   ///< at most, a quantity
+  int boxes = 200000;  ///< at most, a quantity
   bool all = false;    ///< M, c, g and T too, not tau alone
 
   int quantities(int dof) const;  ///< how many are bounded
