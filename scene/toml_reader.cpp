@@ -634,7 +634,8 @@ Scene readSceneToml(const std::string& text, const std::filesystem::path& file) 
   scene.file = file;
   scene.name = file.stem().string();
   validate(scene);
-  envelopeOf(text, scene);  // whatever is asked, a range that is none is said
+  // whatever is asked, a range that is none is said
+  if (top.contains("envelope")) envelopeOf(text, scene);
   return scene;
 }
 
