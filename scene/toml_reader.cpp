@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "scene/arrange.hpp"
+#include "scene/envelope.hpp"
 #include "scene/mimic.hpp"
 #include "scene/scene.hpp"
 #include "scene/text_file.hpp"
@@ -558,7 +559,7 @@ void TomlReader::readStart(const toml::node& node) {
 void TomlReader::readLike(const toml::node& node, const toml::table& top) {
   checkKeys(top, "a scene that is like another",
             {"title", "source", "like", "wrench", "closure", "spring", "acceleration_constraint",
-             "start"});
+             "start", "envelope"});
   const std::string name = string(node, "like");
   const std::filesystem::path other = std::filesystem::path(file_).parent_path() / (name + ".toml");
   if (name.empty() || name.find('/') != std::string::npos ||
@@ -585,7 +586,7 @@ Scene TomlReader::read(const toml::table& top) {
   else
     checkKeys(top, "scene",
               {"title", "source", "gravity", "parameters", "link", "wrench", "closure", "spring",
-               "acceleration_constraint", "start", "like"});
+               "acceleration_constraint", "start", "envelope", "like"});
   if (const std::string title = optionalString(top, "title"); !title.empty()) scene_.title = title;
   if (const std::string source = optionalString(top, "source"); !source.empty())
     scene_.source = source;
@@ -633,6 +634,8 @@ Scene readSceneToml(const std::string& text, const std::filesystem::path& file) 
   scene.file = file;
   scene.name = file.stem().string();
   validate(scene);
+  // whatever is asked, a range that is none is said
+  if (top.contains("envelope")) envelopeOf(text, scene);
   return scene;
 }
 

@@ -9,6 +9,7 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/system/files.hpp"
+#include "scene/envelope.hpp"
 #include "scene/formats.hpp"
 
 namespace dynwitness::cli {
@@ -37,6 +38,7 @@ int run(const Arguments& arguments) {
   }
   for (const std::string& what : scene.not_modelled)
     tell(fmt::format("{}: not read: {}\n", scene.name, what));
+  if (scene::hasEnvelope(scene)) tell(fmt::format("{}: not written: [envelope]\n", scene.name));
   for (const std::string& what : written.lost)
     tell(fmt::format("{}: lost: {}\n", scene.name, what));
   if (arguments.output.empty())

@@ -80,7 +80,7 @@ class TomlText {
  private:
   void readAll() {
     Keys top(top_, "the scene", &out_.not_read);
-    for (const char* words : {"title", "source"}) top.get(words);
+    for (const char* words : {"title", "source", "envelope"}) top.get(words);
     out_.format = "TOML";
     if (const std::string other = top.text("like"); !other.empty()) readLike(other);
     readParameters(top.table("parameters"));

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness envelope: guaranteed bounds over ranges of q, qd and qdd.
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/reduction/envelope.hpp"
+#include "crosscheck/system/files.hpp"
+#include "scene/envelope.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+using namespace crosscheck;
+
+struct Arguments {
+  std::string scene, json;
+  EnvelopeOptions options;
+};
+
+int run(const Arguments& arguments) {
+  requireWritableFile(arguments.json);
+  const scene::Scene scene = scene::findScene(arguments.scene);
+  const std::vector<scene::JointRanges> ranges = scene::readEnvelope(scene);
+  std::vector<EnvelopeBound> bounds;
+  {
+    Progress progress(arguments.options.quantities(scene.mechanism.dof()) + 1, 1.0);
+    bounds = envelopeBounds(scene, ranges, arguments.options,
+                            [&](const std::string& what) { progress.stage(what); });
+  }
+  fmt::print("{}", envelopeText(scene, bounds));
+  if (!arguments.json.empty())
+    writeWholeFile(arguments.json,
+                   envelopeJson(scene, ranges, bounds, arguments.options, DYNWITNESS_VERSION));
+  return std::all_of(bounds.begin(), bounds.end(),
+                     [](const EnvelopeBound& b) { return b.is_reached; })
+             ? 0
+             : 1;
+}
+
+}  // namespace
+
+Run addEnvelope(CLI::App* command) {
+  auto arguments = std::make_shared<Arguments>();
+  command
+      ->add_option("scene", arguments->scene,
+                   "Scene whose TOML file has [envelope]: a tree of turning and sliding joints")
+      ->required();
+  command
+      ->add_option("--ratio", arguments->options.ratio,
+                   "Of the bound to the largest that was seen: halve boxes until it is reached")
+      ->capture_default_str()
+      ->check(between(1.001, 1000));
+  command
+      ->add_option("--boxes", arguments->options.boxes,
+                   "Boxes at most, for each quantity: then the bound stands as it is")
+      ->capture_default_str()
+      ->check(whole(1, 100000000));
+  command->add_flag("--all", arguments->options.all,
+                    "Also bound M, c, g and the kinetic energy T, not tau alone");
+  addJson(*command, arguments->json);
+  command->footer(
+      "Examples:\n"
+      "  dynwitness envelope puma_560\n"
+      "  dynwitness envelope kuka_iiwa_14 --ratio 1.5\n"
+      "  dynwitness envelope planar_3r --all --ratio 1.05 --json envelope.json\n"
+      "'at most' is a proven bound of |x| over all of the envelope, roundings\n"
+      "included; 'at least' is what the sweeps answer at the worst state that was\n"
+      "seen. Exit status 1: the ratio was not reached within --boxes.");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli

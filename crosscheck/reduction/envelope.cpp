@@ -1,0 +1,594 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/reduction/envelope.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <queue>
+#include <set>
+#include <unordered_map>
+
+#include <fmt/format.h>
+#include <Eigen/Core>
+
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "scene/work.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using scene::JointRanges;
+using scene::Range;
+using Kind = EnvelopeQuantity::Kind;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Sums here have fewer than 2^16 terms (tabulate), each with fewer than 2^6 roundings of
+/// u = 2^-53: what is lost is below 2^-31 of the sum of the magnitudes.
+constexpr std::size_t kMostTerms = std::size_t{1} << 16;
+constexpr double kLost = RunningError::kUnitRoundoff * kMostTerms * 64;
+constexpr std::size_t kMostCorners = 100000;  ///< remembered at a time: 250 MB for seven joints
+
+/// A function of q, and what it is multiplied by: 1, qdd_j, or qd_j qd_k.
+struct Part {
+  Polynomial f;
+  int j = -1, k = -1;  ///< j alone: qdd_j; both: qd_j qd_k
+};
+
+/// The parts of a quantity, friction and springs apart.
+std::vector<Part> partsOf(const TrigonometricModel& model, const EnvelopeQuantity& quantity) {
+  const auto i = static_cast<std::size_t>(quantity.i), j = static_cast<std::size_t>(quantity.j);
+  const int n = model.dof;
+  std::vector<Part> parts(1);
+  if (quantity.kind == Kind::kM) parts[0].f = model.M[i][j];
+  if (quantity.kind == Kind::kG || quantity.kind == Kind::kTau) parts[0].f = model.gravity[i];
+  if (quantity.kind == Kind::kTau) {
+    add(model.loads[i], 1, &parts[0].f);
+    for (int a = 0; a < n; ++a) parts.push_back({model.M[i][static_cast<std::size_t>(a)], a, -1});
+  }
+  const auto M = [&](int a, int b) -> const Polynomial& {
+    return model.M[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  };
+  const auto d = [&](const Polynomial& f, int by) {
+    return derivative(f, by, model.slides[static_cast<std::size_t>(by)]);
+  };
+  for (int a = 0; a < n; ++a)
+    for (int b = a; b < n; ++b) {
+      Polynomial f;
+      if (quantity.kind == Kind::kT) {
+        add(M(a, b), a == b ? 0.5 : 1, &f);
+      } else if (quantity.kind == Kind::kTau || quantity.kind == Kind::kC) {
+        // c_i = sum (dM_ia/dq_b - dM_ab/dq_i / 2) qd_a qd_b, both orders of a pair together
+        add(d(M(quantity.i, a), b), 1, &f);
+        if (a != b) add(d(M(quantity.i, b), a), 1, &f);
+        add(d(M(a, b), quantity.i), a == b ? -0.5 : -1, &f);
+      }
+      if (!f.empty()) parts.push_back({f, a, b});
+    }
+  return parts;
+}
+
+/// What is known at one corner in q.
+struct Corner {
+  VectorXd values;     ///< of the parts
+  VectorXd curvature;  ///< sup |d^2/dq_k^2| over qd and qdd, by active joint
+};
+
+struct Box {
+  std::vector<Range> q, qd;  ///< of the active joints and rates
+  double bound = 0;
+  int split = -1;  ///< which of q, then qd adds most to the bound; -1: none adds anything
+};
+bool operator<(const Box& a, const Box& b) {
+  return a.bound < b.bound;
+}
+
+double half(const Range& r) {
+  return 0.5 * (r.high - r.low);
+}
+
+class Search {
+ public:
+  Search(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
+         const EnvelopeQuantity& quantity)
+      : model_(model), ranges_(ranges), quantity_(quantity), parts_(partsOf(model, quantity)) {
+    has_spring_ = quantity.kind == Kind::kTau || quantity.kind == Kind::kG;
+    has_friction_ = quantity.kind == Kind::kTau;
+    tabulate();
+    bound();
+    chooseActive();
+    boundDerivatives();
+  }
+
+  EnvelopeBound run(const EnvelopeOptions& options) {
+    EnvelopeBound out;
+    out.quantity = quantity_;
+    const scene::Work work("boxes", options.boxes);
+    Box whole;
+    for (const int k : active_) whole.q.push_back(at(k).q);
+    for (const int r : rates_) whole.qd.push_back(at(r).qd);
+    std::priority_queue<Box> queue;
+    judge(&whole);
+    queue.push(whole);
+    out.boxes = 1;
+    while (queue.top().split >= 0 && queue.top().bound > options.ratio * (seen_ - 2 * slack_) &&
+           out.boxes < options.boxes) {
+      const Box box = queue.top();
+      queue.pop();
+      for (const bool upper : {false, true}) {
+        Box part = box;
+        const auto s = static_cast<std::size_t>(box.split);
+        Range& r = s < box.q.size() ? part.q[s] : part.qd[s - box.q.size()];
+        (upper ? r.low : r.high) = r.low + half(r);
+        judge(&part);
+        // what holds for the whole holds for its part
+        part.bound = std::min(part.bound, box.bound);
+        queue.push(part);
+        ++out.boxes;
+      }
+    }
+    out.certified = queue.top().bound;
+    out.worst = worst_;
+    out.lost = slack_;
+    return out;
+  }
+
+ private:
+  const JointRanges& at(int k) const { return ranges_[static_cast<std::size_t>(k)]; }
+  bool slides(int k) const { return model_.slides[static_cast<std::size_t>(k)]; }
+  const RunningError& of(const std::vector<RunningError>& v) const {
+    return v[static_cast<std::size_t>(quantity_.i)];
+  }
+
+  /// The largest a part is multiplied by.
+  double weight(const Part& part) const {
+    if (part.j < 0) return 1;
+    if (part.k < 0) return at(part.j).qdd.most();
+    return at(part.j).qd.most() * at(part.k).qd.most();
+  }
+
+  static int harmonic(int digit) { return (digit + 1) / 2; }
+  /// sup |d^order/dq_k^order| of a monomial's factor k over the envelope; order 0, 2, 4.
+  double most(int digit, int k, int order) const {
+    if (slides(k)) {
+      if (order == 0) return std::pow(at(k).q.most(), digit);
+      return order == 2 && digit == 2 ? 2 : 0;
+    }
+    return std::pow(harmonic(digit), order);
+  }
+  /// The same of a monomial, differentiated twice by k and twice by l; -1: by none.
+  double most(const std::vector<int>& digits, int k, int l) const {
+    double product = 1;
+    for (int i = 0; i < model_.dof; ++i)
+      product *= most(digits[static_cast<std::size_t>(i)], i, 2 * (i == k) + 2 * (i == l));
+    return product;
+  }
+
+  /// Coefficients as a matrix; those that are within their bounds of zero go into the slack.
+  void tabulate() {
+    std::set<Monomial> monomials;
+    const auto counts = [](const RunningError& c) { return std::abs(c.value()) > c.bound(); };
+    for (const Part& part : parts_)
+      for (const auto& [m, c] : part.f)
+        if (counts(c)) monomials.insert(m);
+    if (monomials.size() * parts_.size() > kMostTerms * 64 || monomials.size() > kMostTerms / 2)
+      throw scene::InputError({}, fmt::format("envelope: {} has {} monomials, allowed: up to {}",
+                                              quantity_.name(), monomials.size(), kMostTerms / 2));
+    std::unordered_map<Monomial, Eigen::Index> column;
+    for (const Monomial m : monomials) {
+      column.emplace(m, static_cast<Eigen::Index>(digits_.size()));
+      std::vector<int> digits;
+      for (int k = 0; k < model_.dof; ++k) digits.push_back(digit(m, k));
+      digits_.push_back(digits);
+    }
+    coefficients_.setZero(static_cast<Eigen::Index>(parts_.size()),
+                          static_cast<Eigen::Index>(digits_.size()));
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      for (const auto& [m, c] : parts_[p].f) {
+        std::vector<int> digits;
+        for (int k = 0; k < model_.dof; ++k) digits.push_back(digit(m, k));
+        const double size = weight(parts_[p]) * most(digits, -1, -1);
+        if (counts(c)) {
+          coefficients_(static_cast<Eigen::Index>(p), column.at(m)) = c.value();
+          slack_ += size * (c.bound() + kLost * std::abs(c.value()));
+        } else {
+          slack_ += size * (c.bound() + std::abs(c.value()));
+        }
+      }
+  }
+
+  /// What springs and friction of the joint add to the slack.
+  void bound() {
+    const JointRanges& r = at(quantity_.i);
+    const auto lost = [](const RunningError& x, double by) {
+      return (x.bound() + kLost * std::abs(x.value())) * by;
+    };
+    if (has_spring_) {
+      const RunningError rest = of(model_.stiffness) * of(model_.rest);
+      slack_ += lost(of(model_.stiffness), r.q.most()) + lost(rest, 1);
+    }
+    if (has_friction_)
+      slack_ += lost(of(model_.viscous), r.qd.most()) + lost(of(model_.positive), 1) +
+                lost(of(model_.negative), 1);
+  }
+
+  void chooseActive() {
+    const auto isActive = [&](int k) {
+      if (has_spring_ && k == quantity_.i && of(model_.stiffness).value() != 0) return true;
+      return std::any_of(digits_.begin(), digits_.end(), [k](const std::vector<int>& d) {
+        return d[static_cast<std::size_t>(k)] != 0;
+      });
+    };
+    const auto isRate = [&](int r) {
+      if (has_friction_ && r == quantity_.i &&
+          (of(model_.viscous).value() != 0 || of(model_.positive).value() != 0 ||
+           of(model_.negative).value() != 0))
+        return true;
+      return std::any_of(parts_.begin(), parts_.end(),
+                         [r](const Part& p) { return p.k >= 0 && (p.j == r || p.k == r); });
+    };
+    for (int k = 0; k < model_.dof; ++k) {
+      if (isActive(k)) active_.push_back(k);
+      if (isRate(k)) rates_.push_back(k);
+    }
+    pairs_.setConstant(static_cast<Eigen::Index>(rates_.size()),
+                       static_cast<Eigen::Index>(rates_.size()), -1);
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      if (parts_[p].k < 0) continue;
+      const auto place = [&](int r) {
+        return std::find(rates_.begin(), rates_.end(), r) - rates_.begin();
+      };
+      const auto a = place(parts_[p].j), b = place(parts_[p].k);
+      pairs_(a, b) = pairs_(b, a) = static_cast<int>(p);
+    }
+  }
+
+  /** Bounds everywhere of second and fourth derivatives, and of the second ones of the squares'
+      coefficients. Monomials of the same harmonics are one group: they are the products of cos
+      or sin of each joint, whose squares add up to 1, so that a group is at most the root of
+      the sum of its coefficients' squares (Cauchy and Schwarz), and differentiating twice
+      multiplies all of it by the same number. */
+  void boundDerivatives() {
+    const auto m = static_cast<Eigen::Index>(active_.size());
+    const auto r = static_cast<Eigen::Index>(rates_.size());
+    second_.setZero(m);
+    fourth_.setZero(m, m);
+    of_squares_.setZero(r, m);
+    second_lost_.setZero(m);
+    squares_lost_.setZero(r);
+    std::map<std::vector<int>, VectorXd> groups;  // by harmonics: sums of squares, by part
+    for (std::size_t t = 0; t < digits_.size(); ++t) {
+      std::vector<int> group = digits_[t];
+      for (int k = 0; k < model_.dof; ++k)
+        if (!slides(k))
+          group[static_cast<std::size_t>(k)] = harmonic(group[static_cast<std::size_t>(k)]) * 2;
+      const VectorXd column = coefficients_.col(static_cast<Eigen::Index>(t)).cwiseAbs();
+      VectorXd& sum = groups.try_emplace(group, VectorXd::Zero(column.size())).first->second;
+      sum += column.cwiseAbs2();
+      for (Eigen::Index k = 0; k < m; ++k)
+        second_lost_(k) += kLost * sizes().dot(column) *
+                           most(digits_[t], active_[static_cast<std::size_t>(k)], -1);
+      for (Eigen::Index a = 0; a < r; ++a)
+        if (pairs_(a, a) >= 0)
+          squares_lost_(a) += kLost * column(pairs_(a, a)) * most(digits_[t], -1, -1);
+    }
+    for (const auto& [digits, squares] : groups) {
+      const VectorXd roots = squares.cwiseSqrt() * (1 + kLost);
+      const double weighted = sizes().dot(roots);
+      for (Eigen::Index k = 0; k < m; ++k) {
+        const int by = active_[static_cast<std::size_t>(k)];
+        second_(k) += weighted * most(digits, by, -1);
+        for (Eigen::Index l = 0; l < m; ++l)
+          fourth_(k, l) += weighted * most(digits, by, active_[static_cast<std::size_t>(l)]);
+        for (Eigen::Index a = 0; a < r; ++a)
+          if (pairs_(a, a) >= 0) of_squares_(a, k) += roots(pairs_(a, a)) * most(digits, by, -1);
+      }
+    }
+  }
+
+  /// The most that each part is multiplied by.
+  VectorXd sizes() const {
+    VectorXd all(static_cast<Eigen::Index>(parts_.size()));
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      all(static_cast<Eigen::Index>(p)) = weight(parts_[p]);
+    return all;
+  }
+
+  /// Values and curvatures at a corner.
+  const Corner& corner(const std::vector<double>& q) {
+    std::string key(q.size() * sizeof(double), '\0');
+    if (!q.empty()) std::memcpy(&key[0], q.data(), key.size());
+    if (const auto known = corners_.find(key); known != corners_.end()) return known->second;
+    if (corners_.size() >= kMostCorners) corners_.clear();
+    return corners_.emplace(key, computed(q)).first->second;
+  }
+
+  Corner computed(const std::vector<double>& q) const {
+    const std::size_t m = active_.size();
+    std::vector<std::array<double, kBasis>> f(m), f2(m);
+    for (std::size_t k = 0; k < m; ++k) {
+      const double x = q[k];
+      if (slides(active_[k])) {
+        f[k] = {1, x, x * x, 0, 0};
+        f2[k] = {0, 0, 2, 0, 0};
+      } else {
+        f[k] = {1, std::cos(x), std::sin(x), std::cos(2 * x), std::sin(2 * x)};
+        f2[k] = {0, -f[k][1], -f[k][2], -4 * f[k][3], -4 * f[k][4]};
+      }
+    }
+    MatrixXd products(digits_.size(), m + 1);
+    for (std::size_t t = 0; t < digits_.size(); ++t) {
+      const auto row = static_cast<Eigen::Index>(t);
+      for (std::size_t c = 0; c <= m; ++c) {
+        double product = 1;
+        for (std::size_t k = 0; k < m; ++k) {
+          const auto d = static_cast<std::size_t>(digits_[t][static_cast<std::size_t>(active_[k])]);
+          product *= c == k + 1 ? f2[k][d] : f[k][d];
+        }
+        products(row, static_cast<Eigen::Index>(c)) = product;
+      }
+    }
+    const MatrixXd all = coefficients_ * products;
+    Corner out{all.col(0), VectorXd::Zero(static_cast<Eigen::Index>(m))};
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      for (std::size_t k = 0; k < m; ++k)
+        out.curvature(static_cast<Eigen::Index>(k)) +=
+            weight(parts_[p]) *
+            std::abs(all(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(k + 1)));
+    return out;
+  }
+
+  /// The largest of sign (c + friction) over the corners of a box in qd.
+  double mostOfRates(const Corner& at_q, const Box& box, int sign,
+                     std::vector<double>* worst) const {
+    std::vector<double> v(rates_.size());
+    double best = -HUGE_VAL;
+    const auto add = [&](const auto& self, std::size_t a, double sum) -> void {
+      if (a == rates_.size()) {
+        if (sum > best) {
+          best = sum;
+          *worst = v;
+        }
+        return;
+      }
+      for (const double x : {box.qd[a].low, box.qd[a].high}) {
+        v[a] = x;
+        double slope = 0;
+        for (std::size_t b = 0; b <= a; ++b) {
+          const int p = pairs_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+          if (p >= 0) slope += at_q.values(p) * v[b];
+        }
+        if (has_friction_ && rates_[a] == quantity_.i) slope += of(model_.viscous).value();
+        self(self, a + 1, sum + sign * slope * x);
+        if (box.qd[a].low == box.qd[a].high) break;
+      }
+    };
+    add(add, 0, 0);
+    return best;
+  }
+
+  /// The most that dry friction adds, over the rates of a box.
+  double mostOfDryFriction(const Box& box, int sign) const {
+    const auto a = std::find(rates_.begin(), rates_.end(), quantity_.i) - rates_.begin();
+    if (!has_friction_ || a == static_cast<std::ptrdiff_t>(rates_.size())) return 0;
+    const Range& qd = box.qd[static_cast<std::size_t>(a)];
+    double best = qd.low <= 0 && qd.high >= 0 ? 0 : -HUGE_VAL;
+    if (qd.high > 0) best = std::max(best, sign * of(model_.positive).value());
+    if (qd.low < 0) best = std::max(best, -sign * of(model_.negative).value());
+    return best;
+  }
+
+  /// The bound of a box, and where it comes from; the largest that is seen at its corners.
+  void judge(Box* box) {
+    const std::size_t m = active_.size();
+    VectorXd curvature = VectorXd::Zero(static_cast<Eigen::Index>(m));
+    MatrixXd concave = MatrixXd::Constant(static_cast<Eigen::Index>(rates_.size()), 2, -HUGE_VAL);
+    double largest[] = {-HUGE_VAL, -HUGE_VAL};  // of f, of -f
+    std::vector<double> q(m), qd;
+    for (std::size_t bits = 0; bits < std::size_t{1} << m; ++bits) {
+      bool again = false;  // an edge of no length has one end
+      for (std::size_t k = 0; k < m; ++k) {
+        const bool upper = (bits >> k & 1) != 0;
+        q[k] = upper ? box->q[k].high : box->q[k].low;
+        again = again || (upper && box->q[k].high == box->q[k].low);
+      }
+      if (again) continue;
+      const Corner& at_q = corner(q);
+      curvature = curvature.cwiseMax(at_q.curvature);
+      for (std::size_t a = 0; a < rates_.size(); ++a) {
+        const auto row = static_cast<Eigen::Index>(a);
+        if (pairs_(row, row) >= 0)
+          for (const int sign : {1, -1})  // where sign f is concave in qd_a
+            concave(row, sign < 0) =
+                std::max(concave(row, sign < 0), -sign * at_q.values(pairs_(row, row)));
+      }
+      for (const int sign : {1, -1}) {
+        const double value = still(at_q, q, sign) + mostOfRates(at_q, *box, sign, &qd);
+        double& most = largest[sign < 0];
+        most = std::max(most, value + mostOfDryFriction(*box, sign));
+        remember(at_q, q, qd, sign, value);
+      }
+    }
+    box->bound = 0;
+    box->split = -1;
+    for (const int negative : {0, 1})
+      addInterpolation(curvature, concave.col(negative), largest[negative], box);
+  }
+
+  /// The largest of sign (f + spring + sum a_j qdd_j).
+  double still(const Corner& at_q, const std::vector<double>& q, int sign) const {
+    double value = sign * at_q.values(0);
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      if (parts_[p].j >= 0 && parts_[p].k < 0) {
+        const double a = sign * at_q.values(static_cast<Eigen::Index>(p));
+        value += std::max(a * at(parts_[p].j).qdd.low, a * at(parts_[p].j).qdd.high);
+      }
+    for (std::size_t k = 0; has_spring_ && k < active_.size(); ++k)
+      if (active_[k] == quantity_.i)
+        value += sign * of(model_.stiffness).value() * (q[k] - of(model_.rest).value());
+    return value;
+  }
+
+  /// @param value  without dry friction: that is put in by its sign here
+  void remember(const Corner& at_q, const std::vector<double>& q, const std::vector<double>& qd,
+                int sign, double value) {
+    for (std::size_t a = 0; has_friction_ && a < rates_.size(); ++a)
+      if (rates_[a] == quantity_.i && qd[a] != 0)
+        value += sign * (qd[a] > 0 ? of(model_.positive).value() : -of(model_.negative).value());
+    if (!(value > seen_)) return;
+    seen_ = value;
+    worst_ = {};
+    for (int k = 0; k < model_.dof; ++k) {
+      worst_.q.push_back(at(k).q.low);
+      worst_.qd.push_back(at(k).qd.low);
+      worst_.qdd.push_back(at(k).qdd.low);
+    }
+    for (std::size_t k = 0; k < q.size(); ++k)
+      worst_.q[static_cast<std::size_t>(active_[k])] = q[k];
+    for (std::size_t a = 0; a < qd.size(); ++a)
+      worst_.qd[static_cast<std::size_t>(rates_[a])] = qd[a];
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      if (parts_[p].j >= 0 && parts_[p].k < 0 &&
+          sign * at_q.values(static_cast<Eigen::Index>(p)) >= 0)
+        worst_.qdd[static_cast<std::size_t>(parts_[p].j)] = at(parts_[p].j).qdd.high;
+  }
+
+  /// What lies between the corners, by variable, of f or of -f.
+  void addInterpolation(const VectorXd& curvature, const VectorXd& concave, double largest,
+                        Box* box) const {
+    const auto m = static_cast<Eigen::Index>(active_.size());
+    VectorXd w2(m);  // half the square of half the width
+    for (Eigen::Index k = 0; k < m; ++k)
+      w2(k) = 0.5 * std::pow(half(box->q[static_cast<std::size_t>(k)]), 2);
+    VectorXd adds(m + static_cast<Eigen::Index>(rates_.size()));
+    adds.head(m) = w2.cwiseProduct((curvature + second_lost_ + fourth_ * w2).cwiseMin(second_));
+    const VectorXd squares = (concave + squares_lost_ + of_squares_ * w2).cwiseMax(0);
+    for (std::size_t a = 0; a < rates_.size(); ++a)
+      adds(m + static_cast<Eigen::Index>(a)) =
+          std::pow(half(box->qd[a]), 2) * squares(static_cast<Eigen::Index>(a));
+    const double between = adds.sum();
+    const double bound = largest + between + kLost * (std::abs(largest) + between) + slack_;
+    if (bound < box->bound) return;
+    box->bound = bound;
+    Eigen::Index most = 0;
+    box->split = adds.size() > 0 && adds.maxCoeff(&most) > 0 ? static_cast<int>(most) : -1;
+  }
+
+  const TrigonometricModel& model_;
+  const std::vector<JointRanges>& ranges_;
+  EnvelopeQuantity quantity_;
+  std::vector<Part> parts_;
+  bool has_spring_ = false, has_friction_ = false;
+  std::vector<std::vector<int>> digits_;  ///< of the monomials
+  MatrixXd coefficients_;                 ///< parts x monomials
+  double slack_ = 0;                      ///< coefficients not known, and roundings
+  std::vector<int> active_, rates_;       ///< joints whose q, and whose qd, it depends on
+  Eigen::MatrixXi pairs_;                 ///< part of qd_a qd_b; -1: none
+  VectorXd second_;                       ///< sup |d^2/dq_k^2| everywhere
+  /// The same of d^4/dq_k^2 dq_l^2, and of squares' coefficients (boundDerivatives).
+  MatrixXd fourth_, of_squares_;
+  VectorXd second_lost_, squares_lost_;  ///< roundings of curvatures
+  std::unordered_map<std::string, Corner> corners_;
+  double seen_ = 0;
+  EnvelopeState worst_;
+};
+
+std::vector<EnvelopeQuantity> quantitiesOf(int dof, bool all) {
+  std::vector<EnvelopeQuantity> out;
+  for (int i = 0; i < dof; ++i) out.push_back({Kind::kTau, i, 0});
+  if (!all) return out;
+  for (int i = 0; i < dof; ++i)
+    for (int j = i; j < dof; ++j) out.push_back({Kind::kM, i, j});
+  for (const Kind kind : {Kind::kC, Kind::kG})
+    for (int i = 0; i < dof; ++i) out.push_back({kind, i, 0});
+  out.push_back({Kind::kT, 0, 0});
+  return out;
+}
+
+}  // namespace
+
+std::string EnvelopeQuantity::name() const {
+  switch (kind) {
+    case Kind::kTau:
+      return fmt::format("tau_{}", i + 1);
+    case Kind::kM:
+      return fmt::format("M_{},{}", i + 1, j + 1);
+    case Kind::kC:
+      return fmt::format("c_{}", i + 1);
+    case Kind::kG:
+      return fmt::format("g_{}", i + 1);
+    case Kind::kT:
+      return "T";
+  }
+  return "";
+}
+
+int EnvelopeOptions::quantities(int dof) const {
+  return static_cast<int>(quantitiesOf(dof, all).size());
+}
+
+double EnvelopeBound::ratio() const {
+  if (sampled > 0) return certified / sampled;
+  return certified > 0 ? HUGE_VAL : 1;
+}
+
+RunningError sweptQuantity(const scene::Scene& scene, const EnvelopeQuantity& quantity,
+                           const EnvelopeState& state) {
+  const auto model = recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism));
+  recursive::Workspace<RunningError> ws(model);
+  std::vector<scene::JointPosition<RunningError>> x;
+  for (const double q : state.q) x.push_back(runningErrorPosition(q));
+  const auto numbers = [](const std::vector<double>& v) {
+    return std::vector<RunningError>(v.begin(), v.end());
+  };
+  const auto i = static_cast<std::size_t>(quantity.i);
+  std::vector<RunningError> tau(state.q.size()), zero(state.q.size());
+  switch (quantity.kind) {
+    case Kind::kTau:
+      recursive::inverseDynamics(model, x, numbers(state.qd), numbers(state.qdd), ws, tau);
+      return tau[i];
+    case Kind::kC:
+      recursive::inverseDynamics(model, x, numbers(state.qd), zero, ws, tau,
+                                 recursive::Terms::none());
+      return tau[i];
+    case Kind::kG:
+      recursive::inverseDynamics(model, x, zero, zero, ws, tau, recursive::Terms::potential());
+      return tau[i];
+    case Kind::kT:
+      return recursive::kineticEnergy(model, x, numbers(state.qd), ws);
+    case Kind::kM:
+      break;
+  }
+  recursive::MatrixX<RunningError> M(model.dof(), model.dof());
+  recursive::massMatrix(model, x, ws, M);
+  return M(quantity.i, quantity.j);
+}
+
+std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
+                                          const std::vector<JointRanges>& ranges,
+                                          const EnvelopeOptions& options,
+                                          const std::function<void(const std::string&)>& stage) {
+  if (ranges.empty() || static_cast<int>(ranges.size()) != scene.mechanism.dof())
+    throw scene::InputError({scene.file.string()},
+                            "no [envelope], allowed: a scene whose file gives ranges of q, qd and "
+                            "qdd for every joint (data/scenes/README.md)");
+  stage("M and g as polynomials");
+  const TrigonometricModel model = trigonometricModel(scene);
+  std::vector<EnvelopeBound> out;
+  for (const EnvelopeQuantity& quantity : quantitiesOf(model.dof, options.all)) {
+    stage(quantity.name());
+    EnvelopeBound bound = Search(model, ranges, quantity).run(options);
+    if (!bound.worst.q.empty()) {
+      const RunningError swept = sweptQuantity(scene, quantity, bound.worst);
+      bound.sampled = std::max(0.0, std::abs(swept.value()) - swept.bound());
+    }
+    bound.is_reached =
+        bound.certified <= options.ratio * bound.sampled || bound.certified <= 2 * bound.lost;
+    out.push_back(bound);
+  }
+  return out;
+}
+
+}  // namespace dynwitness::crosscheck

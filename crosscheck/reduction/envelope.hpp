@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Guaranteed bounds of joint forces and other quantities over ranges of q, qd and qdd.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "crosscheck/reduction/trigonometric.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** A quantity of the form
+
+        f(q) + k (q_i - rest) + sum a_j(q) qdd_j + sum_{j<=k} c_jk(q) qd_j qd_k + friction_i(qd_i)
+
+    which tau, M, c, g and T of a tree of turning and sliding joints all are. */
+struct EnvelopeQuantity {
+  enum class Kind { kTau, kM, kC, kG, kT };
+  Kind kind = Kind::kTau;
+  int i = 0, j = 0;  ///< of an entry
+
+  std::string name() const;  ///< "tau_2", "M_1,2", "c_1", "g_2", "T"
+};
+
+/// One state of the envelope.
+struct EnvelopeState {
+  std::vector<double> q, qd, qdd;
+};
+
+struct EnvelopeBound {
+  EnvelopeQuantity quantity;
+  double certified = 0;  ///< |x| is at most this everywhere in the envelope
+  double sampled = 0;    ///< |x| is at least this at `worst`, by the sweeps
+  EnvelopeState worst;
+  double lost = 0;  ///< of `certified`: what roundings may make
+  int boxes = 0;    ///< looked at
+  /// certified <= ratio sampled, or 0 but for `lost`; otherwise the budget ended
+  bool is_reached = false;
+
+  double ratio() const;  ///< certified / sampled; infinite where nothing but 0 was seen
+};
+
+struct EnvelopeOptions {
+  double ratio = 1.2;  ///< of certified to sampled, asked for
+  int boxes = 200000;  ///< at most, a quantity
+  bool all = false;    ///< M, c, g and T too, not tau alone
+
+  int quantities(int dof) const;  ///< how many are bounded
+};
+
+/** Bounds of |tau_i|, and of |M_ij|, |c_i|, |g_i| and T, over the box of the envelope.
+
+    A function f on a box is at most the largest of its values at the corners, plus sum_k w_k^2
+    / 2 sup |d^2 f / dx_k^2|, w_k being half the width: the error of linear interpolation in one
+    variable after the other. In qdd there is none, since tau is linear; in qd it is the
+    diagonal of the quadratic form where that is negative. In q the supremum is bounded in the
+    same way by its values at the corners and the fourth derivatives d^4 f / dq_k^2 dq_l^2,
+    these by their coefficients. Boxes are halved, the one with the largest bound first, across
+    the variable that adds most, until the ratio is reached or the budget is spent. Corners are
+    states, so the largest that was seen there is what the sweeps are asked about.
+    @throws scene::InputError  as trigonometricModel(); no envelope or one of another size */
+std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
+                                          const std::vector<scene::JointRanges>& ranges,
+                                          const EnvelopeOptions& options,
+                                          const std::function<void(const std::string&)>& stage);
+
+/// The quantity at one state by the sweeps of recursive/: value, and what rounding may have lost.
+RunningError sweptQuantity(const scene::Scene& scene, const EnvelopeQuantity& quantity,
+                           const EnvelopeState& state);
+
+/// For people, and for programs (crosscheck/reduction/envelope.schema.json).
+std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBound>& bounds);
+std::string envelopeJson(const scene::Scene& scene, const std::vector<scene::JointRanges>& ranges,
+                         const std::vector<EnvelopeBound>& bounds, const EnvelopeOptions& options,
+                         const std::string& version);
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crosscheck/reduction/envelope.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string row(const std::vector<double>& x) {
+  std::string text;
+  for (const double v : x) text += fmt::format("{}{:.4g}", text.empty() ? "" : ", ", v);
+  return text;
+}
+
+Json number(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+
+}  // namespace
+
+std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBound>& bounds) {
+  std::string text = fmt::format(
+      "{}: |x| over the envelope, SI units\n{:<8} {:>12} {:>12} {:>7} {:>7}  worst state seen\n",
+      scene.name, "", "at most", "at least", "ratio", "boxes");
+  for (const EnvelopeBound& b : bounds) {
+    // outward: what is printed is still a bound
+    const double shown = std::nextafter(b.certified * (1 + 5e-6), HUGE_VAL);
+    text += fmt::format("{:<8} {:>12.6g} {:>12.6g} {:>7.4g} {:>7}  ", b.quantity.name(), shown,
+                        b.sampled * (1 - 5e-6), b.ratio(), b.boxes);
+    text += b.worst.q.empty()
+                ? std::string(b.is_reached ? "0, but for roundings\n" : "nothing but 0 was seen\n")
+                : fmt::format("q = {}; qd = {}; qdd = {}\n", row(b.worst.q), row(b.worst.qd),
+                              row(b.worst.qdd));
+    if (!b.is_reached)
+      text += "         the ratio that was asked for was not reached: more --boxes\n";
+  }
+  return text;
+}
+
+std::string envelopeJson(const scene::Scene& scene, const std::vector<scene::JointRanges>& ranges,
+                         const std::vector<EnvelopeBound>& bounds, const EnvelopeOptions& options,
+                         const std::string& version) {
+  Json joints = Json::array(), rows = Json::array();
+  const std::vector<std::string> labels = scene.mechanism.rateLabels();
+  for (std::size_t k = 0; k < ranges.size(); ++k)
+    joints.push_back({{"joint", labels[k]},
+                      {"q", {ranges[k].q.low, ranges[k].q.high}},
+                      {"qd", {ranges[k].qd.low, ranges[k].qd.high}},
+                      {"qdd", {ranges[k].qdd.low, ranges[k].qdd.high}}});
+  for (const EnvelopeBound& b : bounds)
+    rows.push_back({{"quantity", b.quantity.name()},
+                    {"at_most", b.certified},
+                    {"at_least", b.sampled},
+                    {"ratio", number(b.ratio())},
+                    {"ratio_is_reached", b.is_reached},
+                    {"boxes", b.boxes},
+                    {"q", b.worst.q},
+                    {"qd", b.worst.qd},
+                    {"qdd", b.worst.qdd}});
+  return Json{{"dynwitness", version},       {"scene", scene.name}, {"ratio_asked", options.ratio},
+              {"most_boxes", options.boxes}, {"envelope", joints},  {"bounds", rows}}
+             .dump(2) +
+         "\n";
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/reduction/trigonometric.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "scene/work.hpp"
+
+namespace dynwitness::crosscheck {
+namespace {
+
+using scene::JointKind;
+using Tensor = std::vector<RunningError>;
+
+void requireWithin(const scene::Scene& scene) {
+  const scene::Mechanism& mechanism = scene.mechanism;
+  const auto refuse = [&](const std::string& what, const std::string& allowed) {
+    throw scene::InputError({scene.file.string()}, what + ", allowed: " + allowed);
+  };
+  for (const scene::Link& link : mechanism.links) {
+    const scene::Joint& joint = link.joint;
+    const std::string name = "envelope: joint '" + joint.name + "'";
+    if (joint.mimic) refuse(name + " follows another", "joints with rates of their own");
+    if (!joint.motion.empty()) refuse(name + " is driven", "free joints");
+    if (joint.kind != JointKind::kFixed && joint.kind != JointKind::kRevolute &&
+        joint.kind != JointKind::kPrismatic)
+      refuse(name + " is " + scene::name(joint.kind) +
+                 ": M is no polynomial of low degree in cosines and sines of one angle",
+             "revolute, prismatic and fixed joints");
+  }
+  if (!mechanism.isOpenTree() || !mechanism.acceleration_constraints.empty())
+    refuse("envelope: the scene has closures, springs between points or acceleration constraints",
+           "a tree of links, whose tau is a polynomial in qd and qdd");
+  if (mechanism.dof() == 0) refuse("envelope: no joint moves", "at least one that does");
+}
+
+/// cos and sin of 2 pi k / 5 and 2 pi k / 3, by the surds that they are.
+scene::CosSin<RunningError> rootOfUnity(int k, int of) {
+  const auto R = [](double x) { return RunningError(x); };
+  k = ((k % of) + of) % of;
+  if (k == 0) return {R(1), R(0)};
+  const bool lower = 2 * k > of;
+  const int j = lower ? of - k : k;
+  RunningError c, s;
+  if (of == 3) {
+    c = R(-0.5);
+    s = sqrt(R(3)) / R(2);
+  } else {
+    const RunningError five = sqrt(R(5));
+    c = j == 1 ? (five - R(1)) / R(4) : -((five + R(1)) / R(4));
+    s = j == 1 ? sqrt(R(10) + R(2) * five) / R(4) : sqrt(R(10) - R(2) * five) / R(4);
+  }
+  return {c, lower ? -s : s};
+}
+
+/// What of one joint's degree: how many values, and how they become coefficients.
+struct Axis {
+  int degree;
+  bool slides;
+  int size() const { return degree == 0 ? 1 : slides ? degree + 1 : 2 * degree + 1; }
+
+  scene::JointPosition<RunningError> at(int k) const {
+    if (degree == 0) return {RunningError(0), RunningError(1), RunningError(0)};
+    if (slides) return {RunningError(k == 2 ? -1 : k), RunningError(1), RunningError(0)};
+    const scene::CosSin<RunningError> cs = rootOfUnity(k, size());
+    return {RunningError(0), cs.c, cs.s};
+  }
+
+  /// Values to coefficients of 1, cos, sin, cos 2, sin 2, or of 1, q, q^2.
+  std::vector<RunningError> coefficients(const std::vector<RunningError>& f) const {
+    const int n = size();
+    if (n == 1) return f;
+    if (slides && degree == 1) return {f[0], f[1] - f[0]};
+    if (slides)
+      return {f[0], (f[1] - f[2]) / RunningError(2), (f[1] + f[2]) / RunningError(2) - f[0]};
+    std::vector<RunningError> out(static_cast<std::size_t>(n));
+    for (int b = 0; b < n; ++b) {
+      RunningError sum = 0;
+      for (int k = 0; k < n; ++k) {
+        const scene::CosSin<RunningError> cs = rootOfUnity((b + 1) / 2 * k, n);
+        sum += f[static_cast<std::size_t>(k)] * (b % 2 == 1 || b == 0 ? cs.c : cs.s);
+      }
+      out[static_cast<std::size_t>(b)] = (b == 0 ? sum : RunningError(2) * sum) / RunningError(n);
+    }
+    return out;
+  }
+};
+
+std::size_t sizeOf(const std::vector<Axis>& axes) {
+  std::size_t size = 1;
+  for (const Axis& axis : axes) size *= static_cast<std::size_t>(axis.size());
+  return size;
+}
+
+/// Joint 0 runs fastest.
+std::vector<int> indicesAt(const std::vector<Axis>& axes, std::size_t at) {
+  std::vector<int> k;
+  for (const Axis& axis : axes) {
+    const auto size = static_cast<std::size_t>(axis.size());
+    k.push_back(static_cast<int>(at % size));
+    at /= size;
+  }
+  return k;
+}
+
+Polynomial polynomialOf(Tensor values, const std::vector<Axis>& axes) {
+  std::size_t stride = 1;
+  for (const Axis& axis : axes) {
+    const auto size = static_cast<std::size_t>(axis.size());
+    std::vector<RunningError> line(size);
+    for (std::size_t at = 0; size > 1 && at < values.size(); ++at) {
+      if (at / stride % size != 0) continue;
+      for (std::size_t k = 0; k < size; ++k) line[k] = values[at + k * stride];
+      const std::vector<RunningError> turned = axis.coefficients(line);
+      for (std::size_t k = 0; k < size; ++k) values[at + k * stride] = turned[k];
+    }
+    stride *= size;
+  }
+  Polynomial out;
+  for (std::size_t at = 0; at < values.size(); ++at) {
+    if (values[at].value() == 0 && values[at].bound() == 0) continue;
+    Monomial m = 0, power = 1;
+    for (const int k : indicesAt(axes, at)) {
+      m += static_cast<Monomial>(k) * power;
+      power *= kBasis;
+    }
+    out.emplace(m, values[at]);
+  }
+  return out;
+}
+
+using Positions = std::vector<scene::JointPosition<RunningError>>;
+
+template <typename Visit>
+void onGrid(const std::vector<Axis>& axes, Visit visit) {
+  Positions x(axes.size());
+  for (std::size_t at = 0; at < sizeOf(axes); ++at) {
+    const std::vector<int> k = indicesAt(axes, at);
+    for (std::size_t i = 0; i < axes.size(); ++i) x[i] = axes[i].at(k[i]);
+    visit(at, x);
+  }
+}
+
+}  // namespace
+
+TrigonometricModel trigonometricModel(const scene::Scene& scene) {
+  requireWithin(scene);
+  const auto model = recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism));
+  recursive::Workspace<RunningError> ws(model);
+  TrigonometricModel out;
+  out.dof = model.dof();
+  const auto n = static_cast<std::size_t>(out.dof);
+  out.joints = scene.mechanism.rateLabels();
+  std::vector<Axis> of_M, of_g;
+  for (const int i : model.link_of_dof) {
+    const auto& link = model.links[static_cast<std::size_t>(i)];
+    const std::size_t k = out.slides.size();
+    const scene::SlotKind slot = scene.mechanism.slots()[k];
+    out.slides.push_back(slot == scene::SlotKind::kLength);
+    of_M.push_back({link.parent < 0 ? 0 : 2, out.slides.back()});
+    of_g.push_back({1, out.slides.back()});
+    out.stiffness.push_back(link.stiffness);
+    out.rest.push_back(link.rest);
+    out.viscous.push_back(link.viscous);
+    out.positive.push_back(link.positive);
+    out.negative.push_back(link.negative);
+  }
+  const std::size_t points = sizeOf(of_M);
+  if (points > kMostGridPoints)
+    throw scene::InputError(
+        {scene.file.string()},
+        fmt::format("envelope: M is asked at {} positions, allowed: up to {} (seven joints in a "
+                    "chain that turn)",
+                    points, kMostGridPoints));
+  const scene::Work work("M as a polynomial", 1);
+  std::vector<Tensor> M(n * n, Tensor(points));
+  recursive::MatrixX<RunningError> entries(out.dof, out.dof);
+  onGrid(of_M, [&](std::size_t at, const Positions& x) {
+    recursive::massMatrix(model, x, ws, entries);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i; j < n; ++j)
+        M[i * n + j][at] = entries(static_cast<int>(i), static_cast<int>(j));
+  });
+  out.M.assign(n, std::vector<Polynomial>(n));
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i; j < n; ++j)
+      out.M[i][j] = out.M[j][i] = polynomialOf(std::move(M[i * n + j]), of_M);
+
+  std::vector<Tensor> g(n, Tensor(sizeOf(of_g))), loads = g;
+  const std::vector<RunningError> zero(n);
+  std::vector<RunningError> tau(n);
+  const auto ask = [&](const Positions& x, recursive::Terms terms, std::size_t at,
+                       std::vector<Tensor>* into) {
+    recursive::inverseDynamics(model, x, zero, zero, ws, tau, terms);
+    for (std::size_t i = 0; i < n; ++i) (*into)[i][at] = tau[i];
+  };
+  onGrid(of_g, [&](std::size_t at, const Positions& x) {
+    ask(x, {true, false, false, false}, at, &g);
+    ask(x, {false, false, true, false}, at, &loads);
+  });
+  for (std::size_t i = 0; i < n; ++i) {
+    out.gravity.push_back(polynomialOf(std::move(g[i]), of_g));
+    out.loads.push_back(polynomialOf(std::move(loads[i]), of_g));
+  }
+  return out;
+}
+
+int digit(Monomial m, int k) {
+  for (; k > 0; --k) m /= kBasis;
+  return static_cast<int>(m % kBasis);
+}
+
+Polynomial derivative(const Polynomial& f, int k, bool slides) {
+  Monomial power = 1;
+  for (int i = 0; i < k; ++i) power *= kBasis;
+  Polynomial out;
+  for (const auto& [m, coefficient] : f) {
+    const int d = digit(m, k);
+    if (d == 0) continue;
+    const Monomial rest = m - static_cast<Monomial>(d) * power;
+    int to = 0, factor = 0;
+    if (slides) {  // q -> 1, q^2 -> 2 q
+      to = d - 1;
+      factor = d;
+    } else {  // cos h q -> -h sin h q, sin h q -> h cos h q
+      const int harmonic = (d + 1) / 2;
+      to = d % 2 == 1 ? d + 1 : d - 1;
+      factor = d % 2 == 1 ? -harmonic : harmonic;
+    }
+    out.emplace(rest + static_cast<Monomial>(to) * power, coefficient * RunningError(factor));
+  }
+  return out;
+}
+
+void add(const Polynomial& b, double factor, Polynomial* a) {
+  for (const auto& [m, coefficient] : b) (*a)[m] += coefficient * RunningError(factor);
+}
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// M, c and g of a scene as what they are: trigonometric polynomials in q, with certified
+// coefficients.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "crosscheck/scalars/running_error.hpp"
+#include "scene/envelope.hpp"
+#include "scene/scene.hpp"
+
+namespace dynwitness::crosscheck {
+
+/// Functions of one joint: 1, cos q, sin q, cos 2q, sin 2q where it turns; 1, q, q^2 where it
+/// slides.
+inline constexpr int kBasis = 5;
+/// A product of one function of each joint: digits in base 5, joint 0 the last.
+using Monomial = std::uint32_t;
+/// Coefficients, each with a bound of its error.
+using Polynomial = std::map<Monomial, RunningError>;
+
+/** M(q), and g(q) and the loads, as polynomials in cosines and sines of the joints that turn
+    and in the positions of those that slide. In the axes of its own link, a link's motion is of
+    degree 1 in every joint inboard of it and knows no other; so M is of degree 2 at most, and g
+    and loads of degree 1. A joint on the root changes nothing but the whole's place, and M does
+    not know it. A polynomial of degree d is what its values at 2 d + 1 equally spaced angles (3
+    places on a slide) say: `recursive/` is asked there in RunningError, and a discrete Fourier
+    transform in RunningError gives the coefficients. */
+struct TrigonometricModel {
+  int dof = 0;
+  std::vector<std::string> joints;                        ///< names of the rates
+  std::vector<bool> slides;                               ///< by rate
+  std::vector<std::vector<Polynomial>> M;                 ///< n x n
+  std::vector<Polynomial> gravity, loads;                 ///< n; springs are apart
+  std::vector<RunningError> stiffness, rest;              ///< of springs at the joints
+  std::vector<RunningError> viscous, positive, negative;  ///< friction
+};
+
+/// How many values of M are asked for at most: 5^6, an arm of seven joints that turn.
+inline constexpr int kMostGridPoints = 15625;
+
+/// @throws scene::InputError  a joint that neither turns nor slides, or follows another; closures,
+///   springs between points, driven joints, acceleration constraints; more than kMostGridPoints
+TrigonometricModel trigonometricModel(const scene::Scene& scene);
+
+/// d/dq_k.
+Polynomial derivative(const Polynomial& f, int k, bool slides);
+/// a + factor b, for factors that are powers of 2.
+void add(const Polynomial& b, double factor, Polynomial* a);
+/// The factor of joint k in a monomial: 0 to 4.
+int digit(Monomial m, int k);
+
+}  // namespace dynwitness::crosscheck

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bounds over an envelope: no sampled state exceeds them (the sweeps of recursive/ in double, which
+// know nothing of polynomials), the closed form of a pendulum,
+// refusals.
+#include "crosscheck/reduction/envelope.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <string>
+
+#include <boost/test/data/monomorphic.hpp>
+#include <boost/test/data/test_case.hpp>
+#include <boost/test/unit_test.hpp>
+
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
+
+namespace data = boost::unit_test::data;
+using namespace dynwitness;
+using namespace dynwitness::crosscheck;
+
+namespace {
+
+const auto kNoStage = [](const std::string&) {};
+
+std::vector<EnvelopeBound> boundsOf(const scene::Scene& scene,
+                                    const EnvelopeOptions& options = {}) {
+  return envelopeBounds(scene, scene::readEnvelope(scene), options, kNoStage);
+}
+
+/// The largest |tau_i| of so many states: half of them drawn from the envelope, half from its
+/// corners in qd and qdd, where forces are largest.
+std::vector<double> sampledWorst(const scene::Scene& scene, int states) {
+  const std::vector<scene::JointRanges> ranges = scene::readEnvelope(scene);
+  const auto model =
+      recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism));
+  recursive::Workspace<double> ws(model);
+  std::mt19937_64 random(16);
+  std::uniform_real_distribution<double> share(0, 1);
+  const auto draw = [&](const scene::Range& r, bool at_end) {
+    const double s = share(random);
+    return r.low + (at_end ? std::round(s) : s) * (r.high - r.low);
+  };
+  const std::size_t n = ranges.size();
+  std::vector<scene::JointPosition<double>> x(n);
+  std::vector<double> qd(n), qdd(n), tau(n), worst(n);
+  for (int s = 0; s < states; ++s) {
+    for (std::size_t k = 0; k < n; ++k) {
+      x[k] = scene::jointPosition(draw(ranges[k].q, false));
+      qd[k] = draw(ranges[k].qd, s % 2 == 0);
+      qdd[k] = draw(ranges[k].qdd, s % 2 == 0);
+    }
+    recursive::inverseDynamics(model, x, qd, qdd, ws, tau);
+    for (std::size_t k = 0; k < n; ++k) worst[k] = std::max(worst[k], std::abs(tau[k]));
+  }
+  return worst;
+}
+
+template <typename Call>
+void refused(Call call, const std::string& reason) {
+  BOOST_CHECK_EXCEPTION(call(), scene::InputError, [&](const scene::InputError& error) {
+    BOOST_TEST_MESSAGE(error.what());
+    return std::string(error.what()).find(reason) != std::string::npos;
+  });
+}
+
+scene::Scene pendulum(const std::string& envelope) {
+  return scene::readSceneToml(
+      "gravity = [0, 0, -9.81]\n[[link]]\nname = \"base\"\n"
+      "[[link]]\nname = \"rod\"\nparent = \"base\"\nmass = 2\ncom = [0, 0, -0.5]\n"
+      "[link.joint]\nname = \"hinge\"\nkind = \"revolute\"\naxis = [0, 1, 0]\n"
+      "friction = { viscous = 0.3, coulomb = 0.7 }\nstiffness = 4\nrest = 0.1\n" +
+          envelope,
+      "pendulum.toml");
+}
+
+}  // namespace
+
+BOOST_DATA_TEST_CASE(no_sampled_state_exceeds_a_bound,
+                     data::make(std::vector<std::string>{"planar_3r", "scara", "puma_560",
+                                                         "kuka_iiwa_14", "franka_panda"}),
+                     name) {
+  const scene::Scene scene = scene::findScene(name);
+  EnvelopeOptions options;
+  options.boxes = 2000;  // any number of boxes has to give a bound
+  const std::vector<EnvelopeBound> bounds = boundsOf(scene, options);
+  const bool is_long = std::getenv("DYNWITNESS_LONG") != nullptr;
+  const std::vector<double> worst = sampledWorst(scene, is_long ? 1000000 : 100000);
+  BOOST_TEST(bounds.size() == worst.size());
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    BOOST_TEST(worst[i] <= bounds[i].certified, bounds[i].quantity.name());
+    BOOST_TEST(bounds[i].sampled <= bounds[i].certified);
+    // were it smaller than what was seen, samples would show it: they come within a third
+    BOOST_TEST(worst[i] > 0.6 * bounds[i].sampled, bounds[i].quantity.name() << " " << worst[i]);
+  }
+}
+
+// M, c, g and T too: at the states of the other quantities' worst
+BOOST_AUTO_TEST_CASE(every_quantity_is_bounded_at_every_worst_state) {
+  const scene::Scene scene = scene::findScene("scara");
+  EnvelopeOptions options;
+  options.all = true;
+  const std::vector<EnvelopeBound> bounds = boundsOf(scene, options);
+  BOOST_TEST(bounds.size() == 4u + 10 + 4 + 4 + 1);
+  for (const EnvelopeBound& a : bounds)
+    for (const EnvelopeBound& b : bounds) {
+      if (b.worst.q.empty()) continue;
+      const RunningError x = sweptQuantity(scene, a.quantity, b.worst);
+      BOOST_TEST(std::abs(x.value()) <= a.certified + x.bound());
+    }
+}
+
+BOOST_DATA_TEST_CASE(the_ratio_that_is_asked_for_is_reached,
+                     data::make(std::vector<std::string>{"planar_3r", "scara", "puma_560"}), name) {
+  for (const EnvelopeBound& bound : boundsOf(scene::findScene(name))) {
+    BOOST_TEST(bound.is_reached);
+    BOOST_TEST(bound.ratio() <= 1.2);
+  }
+}
+
+// By hand, a point of 2 kg at 0.5 m: I = 0.5, tau = I qdd + 0.3 qd + 0.7 sign(qd)
+// + 9.81 sin q + 4 (q - 0.1), which is largest at the upper ends of q in [0, 1.5], qd and qdd.
+BOOST_AUTO_TEST_CASE(a_pendulum_by_hand) {
+  const scene::Scene scene = pendulum("");
+  const std::vector<scene::JointRanges> ranges = {{{0, 1.5}, {-1, 2}, {-3, 4}}};
+  EnvelopeOptions options;
+  options.ratio = 1.0001;
+  const EnvelopeBound tau = envelopeBounds(scene, ranges, options, kNoStage).at(0);
+  const double expected = 0.5 * 4 + 0.3 * 2 + 0.7 + 9.81 * std::sin(1.5) + 4 * 1.4;
+  BOOST_TEST(tau.certified >= expected * (1 - 1e-15));
+  BOOST_TEST(tau.certified <= expected * 1.0001);
+  BOOST_TEST(std::abs(tau.sampled - expected) <= 1e-14 * expected);
+  BOOST_TEST(tau.worst.q.at(0) == 1.5);
+}
+
+BOOST_AUTO_TEST_CASE(what_has_no_bound_is_refused_with_a_reason) {
+  const auto read = [](const std::string& envelope) { return pendulum("[envelope]\n" + envelope); };
+  refused([&] { read("hinge = { q = [0, 1], qd = [0, 1] }\n"); }, "qdd");
+  refused([&] { read("hinge = { q = [2, 1], qd = [0, 1], qdd = [0, 1] }\n"); }, "is empty");
+  refused([&] { read("hinge = { q = [0, inf], qd = [0, 1], qdd = [0, 1] }\n"); }, "not finite");
+  refused([&] { read("knee = { q = [0, 1], qd = [0, 1], qdd = [0, 1] }\n"); }, "knee");
+  refused([&] { envelopeBounds(pendulum(""), {}, {}, kNoStage); }, "no [envelope]");
+  refused([&] { trigonometricModel(scene::findScene("heavy_top")); }, "spherical");
+  refused([&] { trigonometricModel(scene::findScene("andrews_squeezer")); }, "closures");
+  refused([&] { trigonometricModel(scene::findScene("humanoid")); }, "positions");
+}
