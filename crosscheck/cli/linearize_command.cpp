@@ -156,12 +156,22 @@ Json toJson(double radius) {
   return std::isfinite(radius) ? Json(radius) : Json("inf");
 }
 
+/// What stands in qd where --qd names others: joints rest, driven ones start as the scene says.
+std::vector<double> atRestButDriven(const scene::Scene& scene) {
+  std::vector<double> qd = inDouble(scene, scene.start_qd);
+  const std::vector<const scene::Expression*> motions = scene.mechanism.motions();
+  for (std::size_t i = 0; i < qd.size(); ++i)
+    if (motions[i] == nullptr) qd[i] = 0;
+  return qd;
+}
+
 int run(Arguments arguments) {
   requireWritableFile(arguments.json);
   const scene::Scene scene = admitted(arguments.scene, Command::kLinearize);
   LinearizationOptions& options = arguments.options;
   options.q = arguments.q->values(scene, inDouble(scene, scene.start_q));
-  options.qd = arguments.qd->values(scene, std::vector<double>(scene.start_qd.size(), 0.0));
+  if (arguments.qd->isGiven())
+    options.qd = arguments.qd->values(scene, atRestButDriven(scene));
   if (options.seeks_equilibrium && arguments.qd->isGiven())
     throw scene::InputError({}, "--qd with --equilibrium, allowed: one of them");
   if (options.seeks_equilibrium && options.has_no_forces)
@@ -261,7 +271,7 @@ Run addLinearize(CLI::App* command) {
       "  dynwitness linearize double_pendulum --equilibrium --q 0.3,-0.2\n"
       "  dynwitness linearize bead_on_hoop --equilibrium --q 0,1\n"
       "Under closures and drives A is about as many coordinates as are left; driven joints are where\n"
-      "their motions put them at t = 0, and q and qd are moved onto the closures.\n"
+      "their motions put them at t = 0 (no --q, --qd says otherwise), and q and qd are moved onto the closures.\n"
       "Entries and eigenvalues are enclosed in balls; the derivatives' laws are checked over a "
       "prime field\n"
       "for every state. Exit status 1: one fails.");

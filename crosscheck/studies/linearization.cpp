@@ -220,13 +220,40 @@ EnclosedModes modesOf(const Linearization& at) {
 }
 
 /// Rates that nobody gives: of driven joints their own at t = 0, of the others none.
-std::vector<double> restingRates(const scene::Scene& scene) {
-  const ConstrainedQuantities at_start(scene);
-  std::vector<double> qd = at_start.start().qd;
+std::vector<double> restingRates(const scene::Scene& scene, std::vector<double> qd) {
   const std::vector<const scene::Expression*> motions = scene.mechanism.motions();
   for (std::size_t i = 0; i < qd.size(); ++i)
     if (motions[i] == nullptr) qd[i] = 0;
   return qd;
+}
+
+/** A drive leaves no choice: what is given for a driven joint is its motion's value at t = 0, or the
+    scene's start, which stands where nobody gives one.
+    @throws scene::InputError  another one is given */
+void requireDriven(const scene::Scene& scene, const Linearization& given,
+                   const scene::State<double>& driven) {
+  const std::vector<double> start_q = inDouble(scene, scene.start_q),
+                            start_qd = inDouble(scene, scene.start_qd);
+  const auto require = [&](const scene::Link& link, const char* option, double value, double start,
+                           double own) {
+    if (value == own || value == start) return;
+    throw scene::InputError(
+        link.where,
+        fmt::format("{}: read {:.10g} for joint '{}', which is driven: its motion puts it at {:.10g} "
+                    "at t = 0; allowed: this value, or the others by name ({} joint=value)",
+                    option, value, link.joint.name, own, option));
+  };
+  std::size_t slot = 0, rate = 0;
+  for (const scene::Link& link : scene.mechanism.links) {
+    const std::size_t slots = link.joint.mimic ? 1 : scene::positionSlots(link.joint.kind).size(),
+                      rates = static_cast<std::size_t>(link.joint.ownRates());
+    for (std::size_t k = 0; k < rates && !link.joint.motion.empty(); ++k) {
+      require(link, "--q", given.q[slot + k], start_q[slot + k], driven.x[slot + k].q);
+      require(link, "--qd", given.qd[rate + k], start_qd[rate + k], driven.qd[rate + k]);
+    }
+    slot += slots;
+    rate += rates;
+  }
 }
 
 }  // namespace
@@ -237,9 +264,11 @@ Linearization linearize(const scene::Scene& scene, const LinearizationOptions& o
   requireMotion(scene);
   Linearization out;
   out.q = givenOr("--q", options.q, inDouble(scene, scene.start_q));
-  out.qd = givenOr("--qd", options.qd, restingRates(scene));
+  const scene::State<double> driven = ConstrainedQuantities(scene).start();
+  out.qd = givenOr("--qd", options.qd, restingRates(scene, driven.qd));
   out.actuated = actuatedRates(scene, options.actuated);
-  if (options.seeks_equilibrium) out.qd = restingRates(scene);
+  requireDriven(scene, out, driven);
+  if (options.seeks_equilibrium) out.qd = restingRates(scene, driven.qd);
 
   std::optional<ConstrainedLinearization> constrained;
   if (ConstrainedLinearization::isNeeded(mechanism, out.qd)) constrained.emplace(scene);

@@ -469,6 +469,11 @@ BOOST_AUTO_TEST_CASE(a_state_is_given_by_place_by_name_and_in_the_scenes_paramet
   refuses(program, "sweep double_pendulum --q wrist=1", "allowed: q1 to q2, shoulder, elbow");
   refuses(program, "sweep double_pendulum --q 1,nan", "--q: read 'nan', allowed: a finite number");
   refuses(program, "linearize double_pendulum --qd 1,1 --equilibrium", "--qd with --equilibrium");
+  refuses(program, "linearize kapitza_pendulum --q 0.1,3",
+          "read 0.1 for joint 'pivot', which is driven: its motion puts it at 0 at t = 0");
+  refuses(program, "linearize kapitza_pendulum --qd pivot=0",
+          "--qd: read 0 for joint 'pivot', which is driven: its motion puts it at 4");
+  BOOST_TEST(program.run("linearize kapitza_pendulum --q rod=3").status == 0);
   refuses(program, "drift double_pendulum --motion none.csv --step 0.1", "--step with --motion");
 }
 
