@@ -170,8 +170,7 @@ int run(Arguments arguments) {
   const scene::Scene scene = admitted(arguments.scene, Command::kLinearize);
   LinearizationOptions& options = arguments.options;
   options.q = arguments.q->values(scene, inDouble(scene, scene.start_q));
-  if (arguments.qd->isGiven())
-    options.qd = arguments.qd->values(scene, atRestButDriven(scene));
+  if (arguments.qd->isGiven()) options.qd = arguments.qd->values(scene, atRestButDriven(scene));
   if (options.seeks_equilibrium && arguments.qd->isGiven())
     throw scene::InputError({}, "--qd with --equilibrium, allowed: one of them");
   if (options.seeks_equilibrium && options.has_no_forces)

@@ -227,8 +227,8 @@ std::vector<double> restingRates(const scene::Scene& scene, std::vector<double> 
   return qd;
 }
 
-/** A drive leaves no choice: what is given for a driven joint is its motion's value at t = 0, or the
-    scene's start, which stands where nobody gives one.
+/** A drive leaves no choice: what is given for a driven joint is its motion's value at t = 0, or
+    the scene's start, which stands where nobody gives one.
     @throws scene::InputError  another one is given */
 void requireDriven(const scene::Scene& scene, const Linearization& given,
                    const scene::State<double>& driven) {
@@ -239,9 +239,10 @@ void requireDriven(const scene::Scene& scene, const Linearization& given,
     if (value == own || value == start) return;
     throw scene::InputError(
         link.where,
-        fmt::format("{}: read {:.10g} for joint '{}', which is driven: its motion puts it at {:.10g} "
-                    "at t = 0; allowed: this value, or the others by name ({} joint=value)",
-                    option, value, link.joint.name, own, option));
+        fmt::format(
+            "{}: read {:.10g} for joint '{}', which is driven: its motion puts it at {:.10g} "
+            "at t = 0; allowed: this value, or the others by name ({} joint=value)",
+            option, value, link.joint.name, own, option));
   };
   std::size_t slot = 0, rate = 0;
   for (const scene::Link& link : scene.mechanism.links) {
