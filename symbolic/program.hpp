@@ -30,6 +30,7 @@ struct Program {
   struct Operations {
     int multiplications = 0, additions = 0;  ///< subtractions are additions; signs cost nothing
     int divisions = 0;
+    int all() const { return multiplications + additions + divisions; }
   };
 
   std::vector<Rational> constants;  ///< slots 0 ... constants.size() - 1

@@ -27,7 +27,7 @@ using namespace crosscheck;
 
 constexpr const char* kAll = "all";
 
-struct Arguments {
+struct ChartArguments {
   GivenScene scene;
   std::string output;
   std::vector<std::string> quantities = {name(Quantity::kTau)}, witnesses, engines;
@@ -37,7 +37,7 @@ struct Arguments {
 };
 
 /// Each quantity asked for once, in the order of the charts.
-std::vector<Quantity> quantitiesOf(const Arguments& arguments) {
+std::vector<Quantity> quantitiesOf(const ChartArguments& arguments) {
   const auto asked = [&](const char* text) {
     return std::count(arguments.quantities.begin(), arguments.quantities.end(), text) > 0;
   };
@@ -47,7 +47,7 @@ std::vector<Quantity> quantitiesOf(const Arguments& arguments) {
   return quantities;
 }
 
-int run(const Arguments& arguments) {
+int runChart(const ChartArguments& arguments) {
   const scene::Scene scene = admitted(arguments.scene, Command::kChart);
   requireMotion(scene);
   // without names the absent ones too: the table says that they are
@@ -81,7 +81,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Run addChart(CLI::App* command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ChartArguments>();
   addScene(*command, arguments->scene, "Scene");
   const auto simulation = addSimulationChart(command);
   std::vector<std::string> allowed;
@@ -108,7 +108,7 @@ Run addChart(CLI::App* command) {
   return [arguments, simulation] {
     return simulation->is_asked
                ? runSimulationChart(arguments->scene, *simulation, arguments->output)
-               : run(*arguments);
+               : runChart(*arguments);
   };
 }
 

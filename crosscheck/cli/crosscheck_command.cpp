@@ -46,7 +46,7 @@ using namespace crosscheck;
 
 constexpr const char *kAsWritten = "as-written", *kRandom = "random";
 
-struct Arguments {
+struct CrosscheckArguments {
   std::vector<std::string> scenes;
   std::string root;
   std::string report = "report", json, bench, stability;
@@ -65,7 +65,7 @@ struct Arguments {
 constexpr int kMostChartStates = 100;
 
 /// The scenes asked for, or all that are bundled with those of the tables.
-std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
+std::vector<scene::Scene> scenesOf(const CrosscheckArguments& arguments) {
   std::vector<scene::Scene> scenes;
   for (const std::string& name : arguments.scenes) {
     scenes.push_back(readScene({name, arguments.root}));
@@ -80,7 +80,7 @@ std::vector<scene::Scene> scenesOf(const Arguments& arguments) {
 }
 
 /// The words that give this result again.
-std::string reproduce(const Arguments& arguments) {
+std::string reproduce(const CrosscheckArguments& arguments) {
   std::string command = "dynwitness crosscheck";
   for (const std::string& name : arguments.scenes) command += fmt::format(" '{}'", name);
   command +=
@@ -218,7 +218,7 @@ void printTable(const CrosscheckResult& result) {
 }
 
 /// Witnesses that the options name, or all that are present but kernels, whose making is slow.
-CampaignOptions campaignOptions(const Arguments& arguments) {
+CampaignOptions campaignOptions(const CrosscheckArguments& arguments) {
   CampaignOptions options;
   options.exact.seed = arguments.options.seed;
   options.exact.error_probability = arguments.options.error_probability;
@@ -232,7 +232,7 @@ CampaignOptions campaignOptions(const Arguments& arguments) {
 }
 
 /// --mechanisms, --pairs: mechanisms instead of scenes, and no report.
-int runRandom(const Arguments& arguments) {
+int runRandom(const CrosscheckArguments& arguments) {
   if (!arguments.scenes.empty())
     throw scene::InputError({}, fmt::format("{} draws its own mechanisms: leave the scenes out",
                                             arguments.pairs ? "--pairs" : "--mechanisms"));
@@ -287,7 +287,7 @@ void tellMissingKernels() {
 
 /// What a run will do and about how long it takes, where that is longer than one likes to wait.
 void tellPlan(const std::vector<scene::Scene>& scenes, std::size_t witnesses,
-              const Arguments& arguments) {
+              const CrosscheckArguments& arguments) {
   constexpr double kWorthTelling_s = 5;
   double seconds = 0;
   for (const scene::Scene& scene : scenes) {
@@ -314,7 +314,7 @@ std::vector<std::string> viewsOf(const std::vector<scene::Scene>& scenes) {
   return pages;
 }
 
-int run(const Arguments& arguments) {
+int runCrosscheck(const CrosscheckArguments& arguments) {
   tellMissingKernels();
   if (arguments.mechanisms > 0 || arguments.pairs) return runRandom(arguments);
   if (arguments.joints_given)
@@ -401,7 +401,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Run addCrosscheck(CLI::App* command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CrosscheckArguments>();
   command->footer(
       "Exit status: 0 what can be compared was, and agrees; 1 a disagreement, or more than a "
       "tenth of the\n"
@@ -488,7 +488,7 @@ Run addCrosscheck(CLI::App* command) {
           "mechanisms, so called until 0.1.0, are --mechanisms now\n");
     arguments->joints_given = joints->count() > 0;
     if (arguments->parameters == kRandom) arguments->options.parameters = Parameters::kRandom;
-    return run(*arguments);
+    return runCrosscheck(*arguments);
   };
 }
 

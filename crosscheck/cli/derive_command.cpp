@@ -22,7 +22,7 @@
 namespace dynwitness::cli {
 namespace {
 
-struct Arguments {
+struct DeriveArguments {
   GivenScene scene;
   std::string output, format = "text", quantity = "all";
   bool operations = false;
@@ -30,19 +30,20 @@ struct Arguments {
 
 /// How many operations each road to each formula takes, the smallest marked.
 std::string operationsTable(const scene::Scene& scene) {
-  using namespace crosscheck::kernel;
+  namespace kernel = crosscheck::kernel;
   std::string text = fmt::format(
       "{}: multiplications/additions/divisions a call, for the scene's own numbers.\n"
       "Cosines and sines are not counted; * marks the smallest, which is the scene's kernel.\n\n",
       scene.name);
   bool first = true;
-  for (const Formula formula : kAllFormulas) {
-    const std::vector<Road> all = roads(scene.mechanism, formula);
-    const auto smallest = std::min_element(
-        all.begin(), all.end(),
-        [](const Road& a, const Road& b) { return a.operations() < b.operations(); });
+  for (const kernel::Formula formula : kernel::kAllFormulas) {
+    const std::vector<kernel::Road> all = kernel::roads(scene.mechanism, formula);
+    const auto smallest =
+        std::min_element(all.begin(), all.end(), [](const kernel::Road& a, const kernel::Road& b) {
+          return a.operations() < b.operations();
+        });
     std::string head = fmt::format("{:<10}", ""), row = fmt::format("{:<10}", name(formula));
-    for (const Road& road : all) {
+    for (const kernel::Road& road : all) {
       const symbolic::Program::Operations o = road.program.bodyOperations();
       head += fmt::format("{:>16}", name(road.kind));
       row += fmt::format("{:>16}", fmt::format("{}{}/{}/{}", &road == &*smallest ? "* " : "",
@@ -97,7 +98,7 @@ symbolic::Derivation only(symbolic::Derivation derivation, const std::string& qu
   return derivation;
 }
 
-int run(const Arguments& arguments) {
+int runDerive(const DeriveArguments& arguments) {
   crosscheck::requireWritableFile(arguments.output);
   const bool is_program = arguments.format == "c" || arguments.format == "python";
   using crosscheck::Command;
@@ -140,7 +141,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Run addDerive(CLI::App* command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DeriveArguments>();
   addScene(*command, arguments->scene, "Scene");
   command->add_option("--format", arguments->format, "How it is written")
       ->capture_default_str()
@@ -153,7 +154,7 @@ Run addDerive(CLI::App* command) {
                  "How many operations the programs for ID, M, c, g and FD take, by each road")
       ->excludes("--format", "--quantity");
   addOutput(*command, arguments->output, "file; without: standard output");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return runDerive(*arguments); };
 }
 
 }  // namespace dynwitness::cli

@@ -38,7 +38,7 @@ namespace {
 
 using namespace crosscheck;
 
-struct Arguments {
+struct EvaluateArguments {
   GivenScene scene;
   StatesAsked states;
   std::string witness, output;
@@ -168,7 +168,7 @@ Used usedBy(const std::vector<std::string>& quantities, const scene::Mechanism& 
 
 /** Whether qdd has to be found from tau before tau or reactions are asked about, and says so.
     @throws scene::InputError  neither is given, or not what the quantities need */
-bool findsQddFirst(const scene::Scene& scene, const Arguments& arguments,
+bool findsQddFirst(const scene::Scene& scene, const EvaluateArguments& arguments,
                    const GivenColumns& given) {
   const scene::SourceLocation file{arguments.states.file, 0};
   const bool from_file = !arguments.states.file.empty();
@@ -372,7 +372,7 @@ Eigen::VectorXd deviationOf(const Column& column, const UncertainQuantities& unc
 
 /// A column of deviations after each of those that have one.
 /// @throws scene::InputError  one has none
-void addDeviations(const scene::Scene& scene, const Arguments& arguments, Sources& sources,
+void addDeviations(const scene::Scene& scene, const EvaluateArguments& arguments, Sources& sources,
                    std::vector<Column>& columns) {
   std::vector<Column> all;
   for (Column& column : columns) {
@@ -483,7 +483,7 @@ void requireBound(const Column& column) {
 /** One row a state, into a file that is there only when all are.
     @param finds_qdd  what is asked needs qdd, which is found from tau first
     @param at_once    states that are read before they are answered */
-void writeRows(const scene::Scene& scene, const Arguments& arguments, States& states,
+void writeRows(const scene::Scene& scene, const EvaluateArguments& arguments, States& states,
                std::vector<Column>& columns, Sources& sources, bool finds_qdd, std::size_t at_once,
                Table& table) {
   constexpr std::size_t kPiece = std::size_t{1} << 18;
@@ -570,7 +570,7 @@ void writeRows(const scene::Scene& scene, const Arguments& arguments, States& st
 
 /// The names of a column's numbers, with units where they are asked for.
 std::vector<std::string> headings(const Column& column, const scene::Scene& scene,
-                                  const Arguments& arguments, States& states,
+                                  const EvaluateArguments& arguments, States& states,
                                   const Sources& sources) {
   std::vector<std::string> names, units;
   if (column.of_joints) {
@@ -618,7 +618,7 @@ void requireQuantity(const std::string& text) {
 }
 
 /// @throws scene::InputError  somebody else is asked
-void requireOurs(const Arguments& arguments, const std::string& quantity) {
+void requireOurs(const EvaluateArguments& arguments, const std::string& quantity) {
   if (arguments.witness.empty() && arguments.engines.empty()) return;
   throw scene::InputError(
       {}, fmt::format("--witness or --engine with {}, which is of our sweeps, allowed: without",
@@ -626,7 +626,7 @@ void requireOurs(const Arguments& arguments, const std::string& quantity) {
 }
 
 /// --point: "hand", "hand,0,0,l/2". @throws scene::InputError  no such link, or no place in it
-std::vector<FramePoint> pointsOf(const Arguments& arguments, const scene::Scene& scene) {
+std::vector<FramePoint> pointsOf(const EvaluateArguments& arguments, const scene::Scene& scene) {
   std::vector<FramePoint> out;
   std::vector<std::string> links;
   for (const scene::Link& link : scene.mechanism.links) links.push_back(link.name);
@@ -654,7 +654,7 @@ std::vector<FramePoint> pointsOf(const Arguments& arguments, const scene::Scene&
   return out;
 }
 
-JointAxes axesOfPoints(const Arguments& arguments) {
+JointAxes axesOfPoints(const EvaluateArguments& arguments) {
   const JointAxes axes = jointAxesNamed(arguments.axes).value_or(JointAxes::kWorld);
   if (axes == JointAxes::kJoint)
     throw scene::InputError({}, "--axes joint of points, allowed: world, link");
@@ -668,7 +668,7 @@ Column columnOf(PointQuantity quantity) {
   return column;
 }
 
-int run(const Arguments& arguments) {
+int runEvaluate(const EvaluateArguments& arguments) {
   requireWritableFile(arguments.output);
   const scene::Scene scene = readScene(arguments.scene);
   requireMotion(scene);
@@ -790,7 +790,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Run addEvaluate(CLI::App* command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<EvaluateArguments>();
   command->footer(
       "dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
       "dynwitness evaluate acrobot --q elbow=0.3 --qdd 1,0 --quantity tau,reactions --units\n"
@@ -872,7 +872,7 @@ Run addEvaluate(CLI::App* command) {
       ->excludes("--witness")
       ->expected(1);
   addOutput(*command, arguments->output, "file; without: standard output");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return runEvaluate(*arguments); };
 }
 
 }  // namespace dynwitness::cli

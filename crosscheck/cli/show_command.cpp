@@ -17,7 +17,7 @@ namespace {
 
 using crosscheck::Shown;
 
-struct Arguments {
+struct ShowArguments {
   GivenScene scene;
   std::string page, format = "text";
 };
@@ -51,7 +51,7 @@ Shown read(const GivenScene& given) {
   return shown;
 }
 
-int run(const Arguments& arguments) {
+int runShow(const ShowArguments& arguments) {
   crosscheck::requireWritableFile(arguments.page);
   const Shown shown = read(arguments.scene);
   admit(shown.scene, {crosscheck::Command::kShow});
@@ -69,7 +69,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Run addShow(CLI::App* command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ShowArguments>();
   addScene(*command, arguments->scene, "Scene");
   addOutput(*command, arguments->page, "of the picture, one HTML file that needs no network");
   command->add_option("--format", arguments->format, "How it is written: what is printed")
@@ -81,7 +81,7 @@ Run addShow(CLI::App* command) {
       "  dynwitness show my_arm.urdf -o my_arm.html\n"
       "A URDF that other commands refuse (inertias of no body, massless tips) is shown as it is\n"
       "written, with the reason.");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return runShow(*arguments); };
 }
 
 }  // namespace dynwitness::cli

@@ -27,7 +27,7 @@ namespace {
 
 using namespace crosscheck;
 
-struct Arguments {
+struct SimulateArguments {
   GivenScene scene;
   std::string csv, json, view, stabilisation, formulation = "index1", method;
   double step_error = 0;  ///< 0: not given
@@ -41,7 +41,8 @@ constexpr Formulation kFormulations[] = {Formulation::kIndex1, Formulation::kInd
                                          Formulation::kIndex3, Formulation::kGgl};
 
 /// What was not given follows from what was, and from what the published motions take.
-SimulateOptions completed(const Arguments& arguments, const std::vector<MotionTable>& tables) {
+SimulateOptions completed(const SimulateArguments& arguments,
+                          const std::vector<MotionTable>& tables) {
   SimulateOptions options = arguments.options;
   for (const Formulation formulation : kFormulations)
     if (arguments.formulation == name(formulation)) options.formulation = formulation;
@@ -213,7 +214,7 @@ std::string viewOfMotion(const scene::Scene& scene, const Simulation& simulation
   return showPage({scene}, view, DYNWITNESS_VERSION);
 }
 
-int run(const Arguments& arguments) {
+int runSimulate(const SimulateArguments& arguments) {
   for (const std::string& file : {arguments.csv, arguments.json, arguments.view})
     requireWritableFile(file);
   const scene::Scene scene = admitted(arguments.scene, Command::kSimulate);
@@ -309,7 +310,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Run addSimulate(CLI::App* command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SimulateArguments>();
   command->footer(
       "dynwitness simulate car_axis --duration 3\n"
       "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
@@ -371,7 +372,7 @@ Run addSimulate(CLI::App* command) {
       ->add_option("--view", arguments->view,
                    "File: a picture that plays the motion, energy beside it, as HTML")
       ->excludes("--compare");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return runSimulate(*arguments); };
 }
 
 }  // namespace dynwitness::cli

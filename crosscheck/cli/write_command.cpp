@@ -15,13 +15,13 @@
 namespace dynwitness::cli {
 namespace {
 
-struct Arguments {
+struct WriteArguments {
   GivenScene scene;
   std::string format, output;
   bool lossy = false;
 };
 
-int run(const Arguments& arguments) {
+int runWrite(const WriteArguments& arguments) {
   crosscheck::requireWritableFile(arguments.output);
   const scene::Scene scene = readScene(arguments.scene);
   scene::Format format = scene::Format::kToml;
@@ -51,7 +51,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Run addWrite(CLI::App* command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<WriteArguments>();
   addScene(*command, arguments->scene, "Scene, TOML, URDF or MJCF file");
   command->add_option("--format", arguments->format, "How it is written")
       ->required()
@@ -66,7 +66,7 @@ Run addWrite(CLI::App* command) {
       "What is read again is the same robot ('dynwitness same A B'). Exit status: 0 written; 2 the "
       "format cannot\n"
       "hold all of it, or bad usage or input.");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return runWrite(*arguments); };
 }
 
 }  // namespace dynwitness::cli

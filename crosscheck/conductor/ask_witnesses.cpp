@@ -11,13 +11,9 @@
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
-namespace {
-
 void append(std::vector<CheckResult>& all, std::vector<CheckResult> more) {
   std::move(more.begin(), more.end(), std::back_inserter(all));
 }
-
-}  // namespace
 
 DigitsFound askWitnesses(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,
                          const Options& options, std::vector<CheckResult>& checks,

@@ -11,6 +11,9 @@
 
 namespace dynwitness::crosscheck {
 
+/// Takes them behind those that are there.
+void append(std::vector<CheckResult>& all, std::vector<CheckResult> more);
+
 /// measureDigits(), and each pair of witnesses into `checks`; those that cannot hold the scene
 /// come first there. What became of the faults planted for control goes into `controls`.
 DigitsFound askWitnesses(const PreparedScene& scene, const std::vector<WitnessKind>& kinds,

@@ -32,10 +32,6 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-void append(std::vector<CheckResult>& all, std::vector<CheckResult> more) {
-  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-}
-
 /// Stands in the report where checks would stand that the plan leaves out.
 CheckResult leftOut(const Plan& plan, const char* what) {
   CheckResult check;

@@ -473,11 +473,6 @@ class Regrouping {
   long steps_ = 0;
 };
 
-int operations(const Program& program) {
-  const Program::Operations o = program.bodyOperations();
-  return o.multiplications + o.additions + o.divisions;
-}
-
 }  // namespace
 
 Program factored(Graph& graph, const std::vector<Node>& outputs, Effort effort, long* steps) {
@@ -488,7 +483,7 @@ Program factored(Graph& graph, const std::vector<Node>& outputs, Effort effort, 
     const bool is_small = regrouping.run();
     if (is_small) {
       Program small = symbolic::compile(graph, regrouping.nodes());
-      if (operations(small) < operations(best)) best = std::move(small);
+      if (small.bodyOperations().all() < best.bodyOperations().all()) best = std::move(small);
     }
     if (steps) *steps += regrouping.steps();
     if (!is_small) break;

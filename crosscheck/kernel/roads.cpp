@@ -70,11 +70,6 @@ std::vector<Node> nodes(const std::vector<Traced>& values) {
   return out;
 }
 
-int operations(const Program& program) {
-  const Program::Operations o = program.bodyOperations();
-  return o.multiplications + o.additions + o.divisions;
-}
-
 /** A model and its program, while better ones are looked for: each step of the search changes the
     origins, units or mass parameters of the best model so far, and is kept where the traced program
     becomes smaller. The function stays the same whatever the search decides. */
@@ -113,8 +108,8 @@ class LeanSearch {
   bool isSpent() const { return steps_ > kMostSteps; }
   std::vector<Node> outputs() const { return nodes(leanSweep(best_, formula_, state_, turning_)); }
   int cost(const LeanModel& model, Turning turning) const {
-    return operations(factored(Traced::graph(), nodes(leanSweep(model, formula_, state_, turning)),
-                               Effort::kQuick, &steps_));
+    const std::vector<Node> swept = nodes(leanSweep(model, formula_, state_, turning));
+    return factored(Traced::graph(), swept, Effort::kQuick, &steps_).bodyOperations().all();
   }
   void consider(const LeanModel& model) {
     if (isSpent()) return;
@@ -319,7 +314,7 @@ const char* name(RoadKind kind) {
 }
 
 int Road::operations() const {
-  return kernel::operations(program);
+  return program.bodyOperations().all();
 }
 
 std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula) {

@@ -6,12 +6,12 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-constexpr const char* kNames[] = {"link", "joint", "world"};
+constexpr const char* kAxesNames[] = {"link", "joint", "world"};
 
 }  // namespace
 
 const char* name(JointAxes axes) {
-  return kNames[static_cast<int>(axes)];
+  return kAxesNames[static_cast<int>(axes)];
 }
 
 std::optional<JointAxes> jointAxesNamed(const std::string& text) {

@@ -14,7 +14,8 @@ namespace {
 
 using Matrix6 = recursive::Matrix6<double>;
 
-constexpr const char* kNames[] = {"X", "M_i", "M_C", "M_A", "P", "PM", "Z", "F", "PF", "E", "beta"};
+constexpr const char* kJointNames[] = {"X", "M_i", "M_C", "M_A", "P",   "PM",
+                                       "Z", "F",   "PF",  "E",   "beta"};
 constexpr const char* kOfMotion[] = {"vx", "vy", "vz", "wx", "wy", "wz"};
 constexpr const char* kOfForce[] = {"fx", "fy", "fz", "mx", "my", "mz"};
 
@@ -35,12 +36,12 @@ std::string unitOf(JointQuantity quantity, int i, int j) {
 }  // namespace
 
 const char* name(JointQuantity quantity) {
-  return kNames[static_cast<int>(quantity)];
+  return kJointNames[static_cast<int>(quantity)];
 }
 
 std::optional<JointQuantity> jointQuantityNamed(const std::string& text) {
   for (int k = 0; k <= static_cast<int>(JointQuantity::kBeta); ++k)
-    if (text == kNames[k]) return static_cast<JointQuantity>(k);
+    if (text == kJointNames[k]) return static_cast<JointQuantity>(k);
   return std::nullopt;
 }
 

@@ -17,9 +17,9 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-constexpr std::array<const char*, 8> kNames = {"position", "orientation",  "quaternion",
-                                               "rpy",      "velocity",     "acceleration",
-                                               "jacobian", "jacobian_rate"};
+constexpr std::array<const char*, 8> kPointNames = {"position", "orientation",  "quaternion",
+                                                    "rpy",      "velocity",     "acceleration",
+                                                    "jacobian", "jacobian_rate"};
 constexpr std::array<const char*, 6> kOfMotion = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
 bool isJacobian(PointQuantity quantity) {
@@ -64,17 +64,17 @@ Eigen::VectorXd byRows(const Eigen::MatrixXd& m) {
 }  // namespace
 
 const char* name(PointQuantity quantity) {
-  return kNames[static_cast<std::size_t>(quantity)];
+  return kPointNames[static_cast<std::size_t>(quantity)];
 }
 
 std::optional<PointQuantity> pointQuantityNamed(const std::string& text) {
-  const auto found = std::find(kNames.begin(), kNames.end(), text);
-  if (found == kNames.end()) return std::nullopt;
-  return static_cast<PointQuantity>(found - kNames.begin());
+  const auto found = std::find(kPointNames.begin(), kPointNames.end(), text);
+  if (found == kPointNames.end()) return std::nullopt;
+  return static_cast<PointQuantity>(found - kPointNames.begin());
 }
 
 std::vector<std::string> pointQuantityNames() {
-  return {kNames.begin(), kNames.end()};
+  return {kPointNames.begin(), kPointNames.end()};
 }
 
 struct PointQuantities::Parts {

@@ -14,7 +14,7 @@
 namespace dynwitness::crosscheck {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 constexpr double kWidth = 240, kHeight = 22, kMargin = 6;  // of the drawing of a dial [px]
 

@@ -44,7 +44,7 @@ std::vector<Contender> timedContenders(const BenchResult& result) {
 }
 
 /// Colour and marker: an engine's as in the other charts; ours by what it is, whoever compiled it.
-int lineType(const std::string& contender) {
+int lineTypeOfContender(const std::string& contender) {
   const auto starts = [&](const char* word) { return contender.rfind(word, 0) == 0; };
   if (const auto engine = lineTypeOfEngine(contender.substr(0, contender.rfind("_raw"))))
     return *engine;
@@ -157,8 +157,8 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
             "\\\n     'bench.csv' using ({1} && strlen(strcol(5)) ? {5:g} : NaN):({3}):(sprintf($5 "
             "< 1 ? '%.2g' : $5 < 10 ? '%.1f' : '%.0f', $5)) with labels right font ',11' textcolor "
             "rgb ink notitle",
-            first ? "" : ", \\\n     ", chosen, kNanoseconds, i + 1, lineType(contenders[i].name),
-            most * 7 / kNanoseconds);
+            first ? "" : ", \\\n     ", chosen, kNanoseconds, i + 1,
+            lineTypeOfContender(contenders[i].name), most * 7 / kNanoseconds);
         first = false;
       }
       text += "\nunset label\n";

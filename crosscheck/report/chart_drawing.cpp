@@ -48,7 +48,7 @@ std::string chartCsv(const std::vector<Chart>& charts) {
 namespace {
 
 /// Colour and marker of a method, the same in every chart: a line type of style.gp.
-int lineType(const std::string& method) {
+int lineTypeOfMethod(const std::string& method) {
   static const std::map<std::string, int> known = {{MethodName::kNewtonEuler, 1},
                                                    {MethodName::kClosedForm, 2},
                                                    {MethodName::kProgram, 3},
@@ -112,7 +112,7 @@ std::string panel(const Chart& chart, const std::string& csv, bool only_double) 
       text += fmt::format(
           "'{}' using ({} ? seen($4) : NaN):(1e-9 * $7) with lines linetype {} dashtype 1 "
           "linewidth 1 notitle, \\\n     ",
-          csv, chosen, lineType(methods[i]));
+          csv, chosen, lineTypeOfMethod(methods[i]));
       // names stand where no other method can be: those lie above double, in double
       const std::pair<const char*, const char*> places[] = {
           {"among(strcol(3)) && $4 > border", "right offset -2.4,0"},
@@ -128,7 +128,7 @@ std::string panel(const Chart& chart, const std::string& csv, bool only_double) 
     text += fmt::format(
         "'{}' using ({} ? seen($4) : NaN):(1e-9 * $7):(seen($5)):(seen($4)):(1e-9 * $6):(1e-9 * "
         "$8) with xyerrorbars linetype {} dashtype 1 linewidth 1.5 {}",
-        csv, chosen, lineType(methods[i]),
+        csv, chosen, lineTypeOfMethod(methods[i]),
         only_double ? "title " + gnuplotString(methods[i]) : std::string("notitle"));
   }
   return text + "\n";

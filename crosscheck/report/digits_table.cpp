@@ -24,10 +24,6 @@ std::string column(const DigitsResult& digits) {
                                           : digits.witness + ", " + name(digits.scalar);
 }
 
-void addOnce(std::vector<std::string>& list, const std::string& text) {
-  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
-}
-
 }  // namespace
 
 std::string digitsTable(const CrosscheckResult& result, const Environment& environment) {

@@ -51,11 +51,6 @@ class HeavyWitness : public Witness {
   std::unique_ptr<Witness> inverse_, forward_;
 };
 
-template <typename T>
-void addOnce(std::vector<T>& list, const T& one) {
-  if (std::find(list.begin(), list.end(), one) == list.end()) list.push_back(one);
-}
-
 }  // namespace
 
 scene::Scene heavier(const scene::Scene& scene, int power, TooHeavy what) {

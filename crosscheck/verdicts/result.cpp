@@ -268,11 +268,6 @@ bool isTableAlone(const std::vector<Road>& roads) {
   return roads == std::vector<Road>{Road::kTable};
 }
 
-template <typename T>
-void addOnce(std::vector<T>& list, const T& text) {
-  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
-}
-
 /// At most `most` of them, and how many more there are.
 std::string shortened(std::vector<std::string> words, std::size_t most) {
   if (words.size() > most) {

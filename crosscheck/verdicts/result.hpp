@@ -2,6 +2,7 @@
 // What a crosscheck found: plain data, written by the checks, read by the report.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -302,5 +303,11 @@ struct CrosscheckResult {
   /// "14 scenes, 1212 checks, all agree; not answered: qdd 3 of 660 comparisons (..); closest .."
   std::string headline() const;
 };
+
+/// For lists whose order is that of first appearance.
+template <typename T>
+void addOnce(std::vector<T>& list, const T& one) {
+  if (std::find(list.begin(), list.end(), one) == list.end()) list.push_back(one);
+}
 
 }  // namespace dynwitness::crosscheck
