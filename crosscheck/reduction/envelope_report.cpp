@@ -17,6 +17,22 @@ std::string row(const std::vector<double>& x) {
   return text;
 }
 
+/// Of a tree of turning and sliding joints.
+std::string unitIn(const scene::Scene& scene, const EnvelopeQuantity& of) {
+  const std::vector<scene::SlotKind> slots = scene.mechanism.slots();
+  const auto turns = [&](int i) {
+    return slots[static_cast<std::size_t>(i)] == scene::SlotKind::kAngle;
+  };
+  switch (of.kind) {
+    case EnvelopeQuantity::Kind::kM:
+      return turns(of.i) && turns(of.j) ? "kg m^2" : turns(of.i) || turns(of.j) ? "kg m" : "kg";
+    case EnvelopeQuantity::Kind::kT:
+      return "J";
+    default:
+      return turns(of.i) ? "N m" : "N";
+  }
+}
+
 Json number(double x) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);
 }
@@ -25,13 +41,14 @@ Json number(double x) {
 
 std::string envelopeText(const scene::Scene& scene, const std::vector<EnvelopeBound>& bounds) {
   std::string text = fmt::format(
-      "{}: |x| over the envelope, SI units\n{:<8} {:>12} {:>12} {:>7} {:>7}  worst state seen\n",
-      scene.name, "", "at most", "at least", "ratio", "boxes");
+      "{}: |x| over the envelope\n{:<8} {:>12} {:>12} {:<6} {:>7} {:>7}  worst state seen (SI units)\n",
+      scene.name, "", "at most", "at least", "", "ratio", "boxes");
   for (const EnvelopeBound& b : bounds) {
     // outward: what is printed is still a bound
     const double shown = std::nextafter(b.certified * (1 + 5e-6), HUGE_VAL);
-    text += fmt::format("{:<8} {:>12.6g} {:>12.6g} {:>7.4g} {:>7}  ", b.quantity.name(), shown,
-                        b.sampled * (1 - 5e-6), b.ratio(), b.boxes);
+    text +=
+        fmt::format("{:<8} {:>12.6g} {:>12.6g} {:<6} {:>7.4g} {:>7}  ", b.quantity.name(), shown,
+                    b.sampled * (1 - 5e-6), unitIn(scene, b.quantity), b.ratio(), b.boxes);
     text += b.worst.q.empty()
                 ? std::string(b.is_reached ? "0, but for roundings\n" : "nothing but 0 was seen\n")
                 : fmt::format("q = {}; qd = {}; qdd = {}\n", row(b.worst.q), row(b.worst.qd),
@@ -54,6 +71,7 @@ std::string envelopeJson(const scene::Scene& scene, const std::vector<scene::Joi
                       {"qdd", {ranges[k].qdd.low, ranges[k].qdd.high}}});
   for (const EnvelopeBound& b : bounds)
     rows.push_back({{"quantity", b.quantity.name()},
+                    {"unit", unitIn(scene, b.quantity)},
                     {"at_most", b.certified},
                     {"at_least", b.sampled},
                     {"ratio", number(b.ratio())},
