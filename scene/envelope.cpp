@@ -71,6 +71,10 @@ class EnvelopeReader : TomlFile {
   ParameterValues values_;
 };
 
+bool isTomlFile(const Scene& scene) {
+  return scene.file.extension() == ".toml" && std::filesystem::exists(scene.file);
+}
+
 }  // namespace
 
 std::vector<JointRanges> envelopeOf(const std::string& text, const Scene& scene) {
@@ -80,15 +84,15 @@ std::vector<JointRanges> envelopeOf(const std::string& text, const Scene& scene)
   return node ? EnvelopeReader(scene, file).read(*node) : std::vector<JointRanges>();
 }
 
-bool hasEnvelope(const Scene& scene) {
-  if (scene.file.extension() != ".toml" || !std::filesystem::exists(scene.file)) return false;
-  const std::string text = readTextFile(scene.file, "a TOML scene");
-  return parsedToml(withoutMark(text), scene.file.string()).contains("envelope");
+std::vector<JointRanges> readEnvelope(const Scene& scene) {
+  if (!isTomlFile(scene)) return {};
+  return envelopeOf(readTextFile(scene.file, "a TOML scene"), scene);
 }
 
-std::vector<JointRanges> readEnvelope(const Scene& scene) {
-  if (!hasEnvelope(scene)) return {};
-  return envelopeOf(readTextFile(scene.file, "a TOML scene"), scene);
+bool hasEnvelope(const Scene& scene) {
+  if (!isTomlFile(scene)) return false;
+  const std::string text = readTextFile(scene.file, "a TOML scene");
+  return parsedToml(withoutMark(text), scene.file.string()).contains("envelope");
 }
 
 }  // namespace dynwitness::scene

@@ -156,21 +156,12 @@ Json toJson(double radius) {
   return std::isfinite(radius) ? Json(radius) : Json("inf");
 }
 
-/// What stands in qd where --qd names others: joints rest, driven ones start as the scene says.
-std::vector<double> atRestButDriven(const scene::Scene& scene) {
-  std::vector<double> qd = inDouble(scene, scene.start_qd);
-  const std::vector<const scene::Expression*> motions = scene.mechanism.motions();
-  for (std::size_t i = 0; i < qd.size(); ++i)
-    if (motions[i] == nullptr) qd[i] = 0;
-  return qd;
-}
-
 int run(Arguments arguments) {
   requireWritableFile(arguments.json);
   const scene::Scene scene = admitted(arguments.scene, Command::kLinearize);
   LinearizationOptions& options = arguments.options;
   options.q = arguments.q->values(scene, inDouble(scene, scene.start_q));
-  if (arguments.qd->isGiven()) options.qd = arguments.qd->values(scene, atRestButDriven(scene));
+  if (arguments.qd->isGiven()) options.qd = arguments.qd->values(scene, restingRates(scene));
   if (options.seeks_equilibrium && arguments.qd->isGiven())
     throw scene::InputError({}, "--qd with --equilibrium, allowed: one of them");
   if (options.seeks_equilibrium && options.has_no_forces)

@@ -96,6 +96,9 @@ class Search {
       : model_(model), ranges_(ranges), quantity_(quantity), parts_(partsOf(model, quantity)) {
     has_spring_ = quantity.kind == Kind::kTau || quantity.kind == Kind::kG;
     has_friction_ = quantity.kind == Kind::kTau;
+    sizes_.resize(static_cast<Eigen::Index>(parts_.size()));
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      sizes_(static_cast<Eigen::Index>(p)) = weight(parts_[p]);
     tabulate();
     bound();
     chooseActive();
@@ -189,7 +192,7 @@ class Search {
       for (const auto& [m, c] : parts_[p].f) {
         std::vector<int> digits;
         for (int k = 0; k < model_.dof; ++k) digits.push_back(digit(m, k));
-        const double size = weight(parts_[p]) * most(digits, -1, -1);
+        const double size = sizes_(static_cast<Eigen::Index>(p)) * most(digits, -1, -1);
         if (counts(c)) {
           coefficients_(static_cast<Eigen::Index>(p), column.at(m)) = c.value();
           slack_ += size * (c.bound() + kLost * std::abs(c.value()));
@@ -268,15 +271,15 @@ class Search {
       VectorXd& sum = groups.try_emplace(group, VectorXd::Zero(column.size())).first->second;
       sum += column.cwiseAbs2();
       for (Eigen::Index k = 0; k < m; ++k)
-        second_lost_(k) += kLost * sizes().dot(column) *
-                           most(digits_[t], active_[static_cast<std::size_t>(k)], -1);
+        second_lost_(k) +=
+            kLost * sizes_.dot(column) * most(digits_[t], active_[static_cast<std::size_t>(k)], -1);
       for (Eigen::Index a = 0; a < r; ++a)
         if (pairs_(a, a) >= 0)
           squares_lost_(a) += kLost * column(pairs_(a, a)) * most(digits_[t], -1, -1);
     }
     for (const auto& [digits, squares] : groups) {
       const VectorXd roots = squares.cwiseSqrt() * (1 + kLost);
-      const double weighted = sizes().dot(roots);
+      const double weighted = sizes_.dot(roots);
       for (Eigen::Index k = 0; k < m; ++k) {
         const int by = active_[static_cast<std::size_t>(k)];
         second_(k) += weighted * most(digits, by, -1);
@@ -286,14 +289,6 @@ class Search {
           if (pairs_(a, a) >= 0) of_squares_(a, k) += roots(pairs_(a, a)) * most(digits, by, -1);
       }
     }
-  }
-
-  /// The most that each part is multiplied by.
-  VectorXd sizes() const {
-    VectorXd all(static_cast<Eigen::Index>(parts_.size()));
-    for (std::size_t p = 0; p < parts_.size(); ++p)
-      all(static_cast<Eigen::Index>(p)) = weight(parts_[p]);
-    return all;
   }
 
   /// Values and curvatures at a corner.
@@ -335,7 +330,7 @@ class Search {
     for (std::size_t p = 0; p < parts_.size(); ++p)
       for (std::size_t k = 0; k < m; ++k)
         out.curvature(static_cast<Eigen::Index>(k)) +=
-            weight(parts_[p]) *
+            sizes_(static_cast<Eigen::Index>(p)) *
             std::abs(all(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(k + 1)));
     return out;
   }
@@ -480,6 +475,7 @@ class Search {
   const std::vector<JointRanges>& ranges_;
   EnvelopeQuantity quantity_;
   std::vector<Part> parts_;
+  VectorXd sizes_;  ///< the most that each part is multiplied by
   bool has_spring_ = false, has_friction_ = false;
   std::vector<std::vector<int>> digits_;  ///< of the monomials
   MatrixXd coefficients_;                 ///< parts x monomials

@@ -152,13 +152,11 @@ TrigonometricModel trigonometricModel(const scene::Scene& scene) {
   TrigonometricModel out;
   out.dof = model.dof();
   const auto n = static_cast<std::size_t>(out.dof);
-  out.joints = scene.mechanism.rateLabels();
+  const std::vector<scene::SlotKind> slots = scene.mechanism.slots();
   std::vector<Axis> of_M, of_g;
   for (const int i : model.link_of_dof) {
     const auto& link = model.links[static_cast<std::size_t>(i)];
-    const std::size_t k = out.slides.size();
-    const scene::SlotKind slot = scene.mechanism.slots()[k];
-    out.slides.push_back(slot == scene::SlotKind::kLength);
+    out.slides.push_back(slots[out.slides.size()] == scene::SlotKind::kLength);
     of_M.push_back({link.parent < 0 ? 0 : 2, out.slides.back()});
     of_g.push_back({1, out.slides.back()});
     out.stiffness.push_back(link.stiffness);

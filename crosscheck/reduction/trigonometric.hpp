@@ -31,7 +31,6 @@ using Polynomial = std::map<Monomial, RunningError>;
     transform in RunningError gives the coefficients. */
 struct TrigonometricModel {
   int dof = 0;
-  std::vector<std::string> joints;                        ///< names of the rates
   std::vector<bool> slides;                               ///< by rate
   std::vector<std::vector<Polynomial>> M;                 ///< n x n
   std::vector<Polynomial> gravity, loads;                 ///< n; springs are apart

@@ -219,7 +219,7 @@ EnclosedModes modesOf(const Linearization& at) {
   return enclosedOscillations(lower(at.A, p), lower(at.B, at.B.value.cols()));
 }
 
-/// Rates that nobody gives: of driven joints their own at t = 0, of the others none.
+/// restingRates() where the motions' own are known.
 std::vector<double> restingRates(const scene::Scene& scene, std::vector<double> qd) {
   const std::vector<const scene::Expression*> motions = scene.mechanism.motions();
   for (std::size_t i = 0; i < qd.size(); ++i)
@@ -258,6 +258,10 @@ void requireDriven(const scene::Scene& scene, const Linearization& given,
 }
 
 }  // namespace
+
+std::vector<double> restingRates(const scene::Scene& scene) {
+  return restingRates(scene, ConstrainedQuantities(scene).start().qd);
+}
 
 Linearization linearize(const scene::Scene& scene, const LinearizationOptions& options) {
   const scene::Mechanism& mechanism = scene.mechanism;

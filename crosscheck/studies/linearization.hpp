@@ -48,6 +48,9 @@ struct Linearization {
   std::optional<CheckResult> by_lagrange;  ///< derivatives by the other road, of whole mechanisms
 };
 
+/// Rates that nobody gives: of driven joints their own at t = 0, of the others none.
+std::vector<double> restingRates(const scene::Scene& scene);
+
 /** Entries of A and B in balls of as many bits as that takes, rounded to double with what that
     leaves open; modes enclosed for everything within (enclosed_modes.hpp). Stability is that of the linearized motion
     where it rests, and decided where every enclosure is left of the axis, or one is right of it.
