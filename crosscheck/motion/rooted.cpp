@@ -10,13 +10,15 @@
 #include <utility>
 #include <vector>
 
+#include <flint/nmod_mat.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <Eigen/Geometry>
 
 #include "crosscheck/motion/constrained_quantities.hpp"
-#include "recursive/build_model.hpp"
-#include "recursive/energy.hpp"
+#include "crosscheck/scalars/prime_field.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "recursive/hybrid_dynamics.hpp"
 #include "scene/arrange.hpp"
 #include "scene/nearest_name.hpp"
 #include "scene/state.hpp"
@@ -71,6 +73,50 @@ std::vector<Placement> placementsOf(const std::vector<Step>& steps) {
   return out;
 }
 
+/// M of the rates that no drive has, at the random state `index` of the prime field in scope.
+recursive::MatrixX<PrimeField> freeMass(const scene::Scene& scene, std::uint64_t index,
+                                        const std::vector<int>& free) {
+  const Mechanism& m = scene.mechanism;
+  const FieldSource source(scene.name, 1, index);
+  const auto model = recursive::buildModel(m, FieldNumbers(m, source));
+  recursive::Workspace<PrimeField> ws(model);
+  recursive::MatrixX<PrimeField> M(m.dof(), m.dof());
+  recursive::massMatrix(model, indeterminateState(m, source).x, ws, M);
+  return M(free, free);
+}
+
+/** The rates of a motion that moves no inertia in any state; none where M of the free rates is
+    regular but in some states. Decided in one random state over a random field: an entry of M turns
+    an inertia twice by each joint, so that det M has degree 4 n at most in each of the numbers drawn
+    (some ten a joint), and one that is not 0 everywhere is so there with a probability below
+    40 n^2 / 2^62 = 1e-17 n^2 (J. T. Schwartz, J. ACM 27 (1980) 701). */
+std::vector<int> idleMotion(const scene::Scene& scene) {
+  std::vector<int> free;
+  const std::vector<char> driven = recursive::drivenRates(scene.mechanism);
+  for (std::size_t i = 0; i < driven.size(); ++i)
+    if (driven[i] == 0) free.push_back(static_cast<int>(i));
+  for (std::uint64_t index = 0;; ++index) {
+    const PrimeField::Modulus modulus(drawPrime(scene.name, 1, index));
+    try {
+      const recursive::MatrixX<PrimeField> M = freeMass(scene, index, free);
+      nmod_mat_t entries, kernel;
+      nmod_mat_init(entries, M.rows(), M.cols(), PrimeField::modulus());
+      nmod_mat_init(kernel, M.rows(), M.cols(), PrimeField::modulus());
+      for (Eigen::Index i = 0; i < M.rows(); ++i)
+        for (Eigen::Index j = 0; j < M.cols(); ++j)
+          nmod_mat_entry(entries, i, j) = M(i, j).residue();
+      std::vector<int> idle;
+      if (nmod_mat_nullspace(kernel, entries) > 0)
+        for (Eigen::Index i = 0; i < M.rows(); ++i)
+          if (nmod_mat_entry(kernel, i, 0) != 0) idle.push_back(free[static_cast<std::size_t>(i)]);
+      nmod_mat_clear(entries);
+      nmod_mat_clear(kernel);
+      return idle;
+    } catch (const DivisionByZero&) {  // the prime divides a number of the scene: another one
+    }
+  }
+}
+
 /// Where a link is and how it moves, seen from a frame at rest.
 struct Pose {
   Eigen::Vector3d position;
@@ -120,6 +166,7 @@ class Rooting {
                       "to have mass and inertia: any, since it is held)",
                       error.what(), m_.links[0].name));
     }
+    requireInertia(out);
     return out;
   }
 
@@ -151,6 +198,32 @@ class Rooting {
       refuse(
           fmt::format("link \"{}\" rests in the world as \"{}\" does, allowed: a link that moves",
                       m_.links[index(way_[0])].name, m_.links[0].name));
+  }
+  /// That every motion of the new tree moves some: its coordinates are more than those of the old.
+  void requireInertia(const scene::Scene& out) const {
+    const std::vector<int> idle = idleMotion(out);
+    if (idle.empty()) return;
+    std::vector<const Link*> of_rate;
+    for (const Link& link : out.mechanism.links)
+      of_rate.insert(of_rate.end(), static_cast<std::size_t>(link.joint.ownRates()), &link);
+    const std::vector<std::string> labels = out.mechanism.rateLabels();
+    std::vector<std::string> words;
+    for (const int rate : idle)
+      words.push_back(
+          fmt::format("{} of link \"{}\"", labels[index(rate)], movedBy(*of_rate[index(rate)])));
+    refuse(fmt::format(
+        "a motion of {}{} moves no inertia in any state, and M would be singular (a thin rod has "
+        "none about itself), allowed: {} with inertia about every axis, or a root from which every "
+        "motion moves some",
+        fmt::join(words, " and "), words.size() > 1 ? " together" : " alone",
+        words.size() > 1 ? "links" : "a link"));
+  }
+  /// The link of the scene that a link's joint moves in the new tree.
+  std::string movedBy(const Link& link) const {
+    for (std::size_t k = 0; k + 1 < way_.size(); ++k)
+      if (m_.links[index(way_[k])].joint.name == link.joint.name)
+        return m_.links[index(way_[k + 1])].name;
+    return link.name;
   }
   /// A name that is not there yet.
   static std::string unused(const std::string& wanted, std::set<std::string>* names) {

@@ -23,7 +23,8 @@ namespace dynwitness::crosscheck {
 
     @throws scene::InputError  there is no such link; it rests in the world; a joint on the way
       cannot be turned round (universal, planar, floating; one with a gyroscopic rotor, which would
-      sit on its child); what rested in the world has no mass, and M would be singular */
+      sit on its child); what rested in the world has no mass, or some other motion of the new tree
+      moves no inertia in any state (a thin rod that now spins about itself): M would be singular */
 scene::Scene rooted(const scene::Scene& scene, const std::string& link);
 
 }  // namespace dynwitness::crosscheck

@@ -188,6 +188,35 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_the_root_is_refused_with_the_reason) {
   says(refusal(fixed, fixed.mechanism.links[1].name), "rests in the world as");
 }
 
+// By hand: the arm of the Furuta pendulum is a thin rod on the axis of its hinge, so that from the
+// pendulum it spins on the hinge freely, and from itself, while the hinge turns back. Given any
+// moment about that axis (0 <= xx <= yy + zz), it does not.
+BOOST_AUTO_TEST_CASE(a_root_from_which_a_motion_moves_no_inertia_is_refused) {
+  scene::Scene furuta = bundled("furuta_pendulum");
+  const auto refusal = [&](const std::string& link) {
+    try {
+      rooted(furuta, link);
+    } catch (const scene::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("taken");
+  };
+  const auto says = [](const std::string& text, const std::string& part) {
+    BOOST_TEST(text.find(part) != std::string::npos, text);
+  };
+  says(refusal("pendulum"),
+       "a motion of hinge of link \"arm\" alone moves no inertia in any state");
+  says(refusal("arm"),
+       "a motion of arm.in_the_world.wx of link \"arm\" and hinge of link \"pendulum\" together");
+  furuta.mechanism.links[1].inertia.xx = scene::Number::parse("m1*r^2/1000000");
+  BOOST_TEST(refusal("pendulum") == "taken");
+  BOOST_TEST(refusal("arm") == "taken");
+  // a drive holds the hinge, whatever it moves
+  furuta = bundled("furuta_pendulum");
+  furuta.mechanism.links[2].joint.motion = {scene::Expression::parseOfTime("sin(t)")};
+  BOOST_TEST(refusal("pendulum") == "taken");
+}
+
 BOOST_AUTO_TEST_CASE(the_root_that_it_has_changes_nothing) {
   const scene::Scene puma = bundled("puma_560"), humanoid = bundled("humanoid_floating");
   BOOST_TEST(scene::writeSceneToml(rooted(puma, "base")) == scene::writeSceneToml(puma));
