@@ -244,6 +244,24 @@ Trials gravityStart() {
       });
 }
 
+/// `tau_1` of a motion in which the elbow does not accelerate, with and without a rotor there.
+Rows elbowRotorRows() {
+  Rows rows;
+  for (const double rotor : {0.0, 0.1}) {
+    OnTheBoard arm("double_pendulum", 1);
+    arm.model.links[1].rotor = rotor;
+    arm.move();
+    auto motion = arm.ws;
+    const std::vector<double> qdd = {1, 0};
+    std::vector<double> tau(arm.n());
+    recursive::inverseDynamics(arm.model, arm.x, arm.qd, qdd, motion, tau);
+    const Vector6<double> by_51 =
+        arm.F(0) + arm.M_A(0) * (motion.a[0].vector() - arm.T_V(0) * arm.gravityAtBase());
+    rows.push_back({onBoard(rotor), onBoard(arm.M_A(0)(5, 5)), onBoard(by_51(5)), onBoard(tau[0])});
+  }
+  return rows;
+}
+
 Trials inertiaSweepShared() {
   return Trials("inertia_sweep_shared")
       .printed(differs([](Point& at) {
@@ -265,7 +283,8 @@ Trials inertiaSweepShared() {
                         auto other = robot;
                         other.rotor[1] = at.number();
                         at.equal("tau_1", robot.forces(robot.qdd)(0), other.forces(other.qdd)(0));
-                      })));
+                      })))
+      .numbers(elbowRotorRows);
 }
 
 }  // namespace

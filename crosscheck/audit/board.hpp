@@ -9,8 +9,9 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 
-#include "crosscheck/audit/audit.hpp"
+#include "crosscheck/audit/robot.hpp"
 #include "recursive/build_model.hpp"
 #include "recursive/constrained_dynamics.hpp"
 #include "scene/scene.hpp"
@@ -81,6 +82,45 @@ struct OnTheBoard {
   std::vector<scene::JointPosition<double>> x;
   std::vector<double> qd, qdd, tau;
 };
+
+/// A rigid body as point masses, not all of them positive: one at its centre of mass, and along the
+/// axes of its second moments `sum m x x'` a pair at a distance of 1 m.
+inline PointMasses<double> pointMassesOf(const RigidInertia<double>& body) {
+  const Vector3<double> c =
+      body.mass == 0 ? Vector3<double>::Zero() : Vector3<double>(body.h / body.mass);
+  const Matrix3<double> I = body.I.matrix();
+  const Matrix3<double> moments =
+      Matrix3<double>::Identity() * (I.trace() / 2) - I - c * body.h.transpose();
+  const Eigen::SelfAdjointEigenSolver<Matrix3<double>> axes(moments);
+  PointMasses<double> out{{body.mass - axes.eigenvalues().sum()}, {c}};
+  for (int k = 0; k < 3; ++k)
+    for (const int side : {-1, 1}) {
+      out.m.push_back(axes.eigenvalues()(k) / 2);
+      out.r.push_back(c + side * axes.eigenvectors().col(k));
+    }
+  return out;
+}
+
+/// The robot on the board as point masses on joints, which knows neither sweeps nor six-vectors:
+/// another road to what its columns say.
+inline Robot<double> pointMassesOf(const OnTheBoard& arm) {
+  Robot<double> robot;
+  for (std::size_t i = 0; i < arm.n(); ++i) {
+    const auto& link = arm.model.links[i];
+    robot.parent.push_back(link.parent);
+    robot.kind.push_back(link.kind);
+    robot.R.push_back(link.X_tree.R.transpose());
+    robot.r.push_back(link.X_tree.p);
+    robot.body.push_back(pointMassesOf(link.M));
+    robot.rotor.push_back(link.rotor);
+  }
+  robot.x = arm.x;
+  robot.qd = arm.qd;
+  robot.qdd = arm.qdd;
+  robot.tau = arm.tau;
+  robot.gravity = arm.model.gravity;
+  return robot;
+}
 
 /// The double pendulum, whose elbow is held along the x axis of the lower rod (or whose lower rod
 /// along another of the six directions), and what holds it.

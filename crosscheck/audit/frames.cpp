@@ -142,6 +142,23 @@ Trials eq5() {
       .ours(ourTransformations());
 }
 
+/// Matrices of each symmetry from one lever: `[1, 0; A, 1] [1, 0; -A, 1]`, computed.
+Rows inverseRows() {
+  const Matrix3<double> hat = skew<double>(OnTheBoard("double_pendulum").model.links[1].X_tree.p),
+                        zero = none<double>();
+  const auto row = [&](const char* name, const Matrix3<double>& A) {
+    const Matrix6<double> product = blocks<double>(one<double>(), zero, A, one<double>()) *
+                                    blocks<double>(one<double>(), zero, -A, one<double>());
+    const double off = (product - Matrix6<double>::Identity()).cwiseAbs().maxCoeff();
+    const bool is_antisymmetric = A.transpose() == -A;
+    return std::vector<std::string>{name, onBoard(A(1, 2)), onBoard(A(2, 1)),
+                                    is_antisymmetric ? "`1`" : "not `1`",
+                                    off == 0 ? "`1`" : "`1` but for " + onBoard(off)};
+  };
+  return {row("`hat(r_12)`, antisymmetric", hat), row("its magnitudes, symmetric", hat.cwiseAbs()),
+          row("its lower half, neither", hat.triangularView<Eigen::StrictlyLower>())};
+}
+
 Trials inverseReason() {
   return Trials("inverse_reason")
       .printed(differs([](Point& at) {
@@ -157,7 +174,8 @@ Trials inverseReason() {
         at.zero("square", Matrix6<T>(N * N));
         at.equal("product", (Matrix6<T>::Identity() + N) * (Matrix6<T>::Identity() - N),
                  Matrix6<T>::Identity());
-      }));
+      }))
+      .numbers(inverseRows);
 }
 
 Trials eq6() {

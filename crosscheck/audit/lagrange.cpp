@@ -178,7 +178,7 @@ VectorX<T> eulerLagrange(const Function& L, const std::vector<T>& q, const std::
 }
 
 /// The robot over duals of its scalar: what is drawn is constant.
-template <typename S>
+template <typename S, typename T>
 Robot<S> robotOver(const Robot<T>& robot) {
   const auto constant = [](const T& x) { return S(Dual<T>(x)); };
   const auto vector = [&](const Vector3<T>& x) {
@@ -204,6 +204,7 @@ Robot<S> robotOver(const Robot<T>& robot) {
 }
 
 /// T + sign V of a robot's point masses and rotors, in q, qd.
+template <typename T>
 VectorX<T> robotEulerLagrange(const Robot<T>& robot, int sign) {
   using DD = Dual<Dual<T>>;
   Robot<DD> moved = robotOver<DD>(robot);
@@ -416,6 +417,7 @@ Trials eq66() {
 // ---- what (72) is, and what it is enough for
 
 /// W = dE/dqdd and E(qdd = 0), E the left side of (72) at this state.
+template <typename T>
 struct SecondOrder {
   explicit SecondOrder(const Robot<T>& robot) : W(robot.n(), robot.n()) {
     Robot<T> still = robot;
@@ -434,11 +436,11 @@ Trials eulerPdes() {
   return Trials("euler_pdes")
       .printed(exact([](Point& at) {
         // were qdd open, W would be singular
-        at.zero("det W", determinant<T>(SecondOrder(anyRobot(at, {kTurn, kSlide})).W));
+        at.zero("det W", determinant<T>(SecondOrder<T>(anyRobot(at, {kTurn, kSlide})).W));
       }))
       .corrected(exact([](Point& at) {
         auto robot = anyRobot(at, {kTurn, kSlide});
-        const SecondOrder order(robot);
+        const SecondOrder<T> order(robot);
         at.equal("W", order.W, robot.massMatrix());
         at.equal("W qdd", VectorX<T>(order.W * Robot<T>::column(robot.qdd) + order.rest),
                  VectorX<T>(robotEulerLagrange(robot, -1)));
@@ -449,7 +451,15 @@ Trials eulerPdes() {
         recursive::forwardDynamics(model, robot.x, robot.qd, robot.tau, ws, qdd);
         at.equal("our code: qdd", Robot<T>::column(qdd),
                  solveDense<T>(order.W, VectorX<T>(-order.rest)));
-      }));
+      }))
+      .numbers([] {
+        const OnTheBoard arm("double_pendulum", 1);
+        const SecondOrder<double> order(pointMassesOf(arm));
+        const VectorX<double> qdd = solveDense<double>(order.W, VectorX<double>(-order.rest));
+        return Rows{{"`det W` [kg^2 m^4]", "0", onBoard(determinant<double>(order.W))},
+                    {"`qdd_1` [rad/s^2]", "open", onBoard(qdd(0))},
+                    {"`qdd_2` [rad/s^2]", "open", onBoard(qdd(1))}};
+      });
 }
 
 /// A polynomial path with the force that makes it obey (72): the first variation by definition and

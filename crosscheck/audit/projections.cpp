@@ -83,6 +83,27 @@ Rows rotorShareRows() {
   return rows;
 }
 
+/// What P M costs, counted: of one joint, and of all joints of robots.
+Rows freeProjectionRows() {
+  const Operations cost = projectionCost(false);
+  return {{"multiplications", "0", std::to_string(cost.multiplications)},
+          {"additions and subtractions", "0", std::to_string(cost.additions)},
+          {"divisions", "0", std::to_string(cost.divisions)}};
+}
+Rows rotorCostRows() {
+  Rows rows;
+  for (const char* name : {"double_pendulum", "puma_560"}) {
+    const OnTheBoard arm(name);
+    const bool with_rotors = arm.model.links[0].rotor != 0;
+    long all = 0;
+    for (const auto& link : arm.model.links) all += projectionCost(link.rotor != 0).total();
+    rows.push_back({name, std::to_string(arm.n()), with_rotors ? "yes" : "no", std::to_string(all),
+                    with_rotors ? "grows with N" : "0",
+                    std::to_string(projectionCost(with_rotors).total())});
+  }
+  return rows;
+}
+
 // ---- inertia -----------------------------------------------------------------------------------
 
 Trials eq20() {
@@ -309,7 +330,8 @@ Trials freeProjection() {
                         const Matrix6<T> M = at.template symmetric<6>();
                         Matrix6<T> P_M = projectThroughZ<T>(M, T(0), false);
                         at.equal("what was counted", P_M, projectedInertia<T>(M, axisZ<T>(), T(0)));
-                      })));
+                      })))
+      .numbers(freeProjectionRows);
 }
 
 // ---- several degrees of freedom, rotors --------------------------------------------------------
@@ -478,13 +500,16 @@ Trials rotorCost() {
                                          fmt::format("without a rotor {}; with one {}",
                                                      without.text(), with.text())};
                        }))
-      .corrected(decided("count of operations", [] {
-        const Operations without = projectionCost(false), with = projectionCost(true);
-        return Decision{
-            with.multiplications - without.multiplications == 7 &&
-                with.additions - without.additions == 1 && with.divisions == without.divisions,
-            fmt::format("without a rotor {}; with one {}", without.text(), with.text())};
-      }));
+      .corrected(decided(
+          "count of operations",
+          [] {
+            const Operations without = projectionCost(false), with = projectionCost(true);
+            return Decision{
+                with.multiplications - without.multiplications == 7 &&
+                    with.additions - without.additions == 1 && with.divisions == without.divisions,
+                fmt::format("without a rotor {}; with one {}", without.text(), with.text())};
+          }))
+      .numbers(rotorCostRows);
 }
 
 Trials rotorExplicit() {

@@ -77,6 +77,21 @@ Trial transposeFits(const MatrixX<double>& A_0) {
   });
 }
 
+/// A double pendulum at rest whose shoulder is cut loose: its upper rod is a base that floats.
+Rows looseShoulderRows() {
+  const HeldElbow elbow(0);
+  const OnTheBoard& arm = elbow.arm;
+  const Vector6<double> g = -(arm.T_V(0) * arm.gravityAtBase()), E = elbow.E(0);
+  const double e = elbow.E(1)(5), N = -e * e / arm.ws.D[1],  // the elbow's share, (57)
+      beta = 0;                                              // at rest, without torques
+  const auto M = arm.M_A(0).ldlt();
+  const Vector6<double> yields = M.solve(E);
+  const double shifted_b = elbow.held.b(0) - elbow.held.A.col(0).dot(arm.T_V(1) * g),
+               nu = (shifted_b + yields.dot(arm.F(0)) - beta) / (N - E.dot(yields));
+  const Vector6<double> printed = -M.solve(arm.F(0) + E * nu);
+  return componentRows(kAccelerationNames, printed, Vector6<double>(printed + g));
+}
+
 Trials eq59() {
   return Trials("eq59")
       .printed(exact([](Point& at) {
@@ -109,7 +124,8 @@ Trials eq59() {
         const VectorX<T> E_in = solveDense<T>(base.M_A, E.col(0));  // m = 1
         at.equal("nu", VectorX<T>(base.inward.N_0 * nu - E.transpose() * E_in * nu),
                  VectorX<T>(base.shifted_b + E_in.transpose() * base.F - base.inward.beta_0));
-      }));
+      }))
+      .numbers(looseShoulderRows);
 }
 
 Trials eq60() {
