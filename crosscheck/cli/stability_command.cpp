@@ -122,8 +122,8 @@ int run(const Arguments& arguments) {
   std::error_code others_are_in_it;
   fs::remove(kept, others_are_in_it);
   const int silent = stability::silentOf(atlas, true);
-  fmt::print("wrong without a word, in double: ours at {} severities, outside engines at {}\n",
-             silent, stability::silentOf(atlas, false));
+  fmt::print("wrong without a word: ours at {} severities, outside engines at {}\n", silent,
+             stability::silentOf(atlas, false));
   return silent == 0 ? 0 : 1;
 }
 
@@ -150,7 +150,7 @@ Run addStability(CLI::App* command) {
       "stops;\n"
       "the severity of that is found by bisection, to 10 %, and stands beside the one that theory "
       "says.\n"
-      "Exit status 1: a method of ours in double was wrong without a word.");
+      "Exit status 1: a method of ours, in double or in float, was wrong without a word.");
   return [arguments] { return run(*arguments); };
 }
 

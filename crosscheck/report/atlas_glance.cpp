@@ -85,11 +85,11 @@ void putFamily(std::string* page, const Json& family) {
              : is_ours  ? Mark::kOurs
                         : Mark::kOthers,
              method.at("breaks_at"), method.at("method").get<std::string>());
+    if (!method.at("is_step").get<bool>())
+      (is_ours ? silent_ours : silent_others) += method.at("silent").get<int>();
     if (!is_double) continue;
     ++asked;
     survive += method.at("breaks_at").is_null() ? 1 : 0;
-    if (!method.at("is_step").get<bool>())
-      (is_ours ? silent_ours : silent_others) += method.at("silent").get<int>();
   }
   const std::string unit = family.at("unit"), title = family.at("title");
   put(page,

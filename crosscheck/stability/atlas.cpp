@@ -20,6 +20,7 @@
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/system/children.hpp"
 #include "crosscheck/verdicts/truth.hpp"
+#include "crosscheck/witnesses/single_precision.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck::stability {
@@ -110,6 +111,10 @@ Method floatMethod(const char* name, Quantity quantity, Sweep sweep) {
         sweepInFloat(sweep, given.scene.mechanism, {given.state});
     in_float->run(0);
     return in_float->answer();
+  };
+  method.warns = [sweep_name = std::string(name)](const Case& given, Quantity asked) {
+    const SingleSweep bounded = sweepInSinglePrecision(sweep_name, given.scene.mechanism);
+    return certainDigits(bounded(asked, given.state)) <= kFewestDigits;
   };
   return method;
 }

@@ -76,14 +76,14 @@ void putGlance(std::string* page, const std::vector<Turned>& atlas) {
       theory += (theory.empty() ? "" : " / ") + severityText(predictedBreak(family, t, inDouble()));
     for (const Measure& method : family.measures)
       theory += (theory.empty() ? "" : " / ") + severityText(firstBroken(family, method.theory));
+    const int silent = ours.silent + in_float.silent;
     put(page,
         "<tr{}><th scope=\"row\"><a href=\"#{}\">{}</a></th><td>{}{}</td><td "
         "class=\"n\">{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td></tr>\n",
-        ours.silent > 0 ? " class=\"bad\"" : "", esc(family.name), esc(family.title),
-        esc(family.dial), family.unit.empty() ? "" : " [" + esc(family.unit) + "]",
-        theory.empty() ? "none" : theory, esc(ours.words()), esc(in_float.words()),
-        esc(engines.words()), ours.silent, engines.silent);
+        silent > 0 ? " class=\"bad\"" : "", esc(family.name), esc(family.title), esc(family.dial),
+        family.unit.empty() ? "" : " [" + esc(family.unit) + "]", theory.empty() ? "none" : theory,
+        esc(ours.words()), esc(in_float.words()), esc(engines.words()), silent, engines.silent);
   }
   put(page, "</tbody></table></div>\n");
 }
@@ -128,12 +128,10 @@ void putFamily(std::string* page, const Turned& turned) {
         "<tr{}><th scope=\"row\">{}</th><td>{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td><td class=\"n\">{}</td><td>{}<span class=\"sub\">{}</span></td><td "
         "class=\"which\">{}</td><td class=\"n\">{}</td></tr>\n",
-        course.is_ours && course.silent() > 0 && course.numbers == inDouble().name
-            ? " class=\"bad\""
-            : "",
-        esc(course.method), esc(course.numbers), severityText(course.breaks_at),
-        severityText(course.predicted), std::isfinite(ratio) ? fmt::format("{:.2g}", ratio) : "–",
-        esc(course.verdict()), esc(reasonOf(course)),
+        course.is_ours && course.silent() > 0 ? " class=\"bad\"" : "", esc(course.method),
+        esc(course.numbers), severityText(course.breaks_at), severityText(course.predicted),
+        std::isfinite(ratio) ? fmt::format("{:.2g}", ratio) : "–", esc(course.verdict()),
+        esc(reasonOf(course)),
         !course.breaks() ? "–" : esc(end.empty() ? "digits run out" : end.substr(0, 160)),
         course.silent());
   }
@@ -168,17 +166,17 @@ std::string atlasPage(const std::vector<Turned>& atlas, const std::string& versi
       "<main>\n<header id=\"top\">\n<p class=\"eyebrow\"><strong>dynwitness</strong> stability: "
       "where methods fail, and the theory that says so</p>\n<div class=\"verdict {}\">{}\n"
       "<h1><span>{} of {} breakdowns as theory predicts them</span> <span class=\"detail\">within "
-      "a factor of two, in {} families and {} courses; wrong without a word, in double: ours at {} "
-      "severities, outside engines at {}</span></h1></div>\n",
+      "a factor of two, in {} families and {} courses; wrong without a word: ours, in double and in "
+      "float, at {} severities, outside engines at {}</span></h1></div>\n",
       css, icon(css), as_predicted, theories, atlas.size(), asked, ours, others);
   put(&page,
       "<p>A family of mechanisms has one dial, its severity s. Digits are those that a method keeps "
       "of the certified truth (ball arithmetic, precision raised until it is certain), counted of "
       "the largest entry, the worst of {} mechanisms that differ in their numbers alone. A method "
       "has broken where fewer than {} are left or it stops: it throws, dies, or says what is no "
-      "number. A wrong answer is silent when nothing told so: ours in double tell by the bound of "
-      "their own rounding errors, which costs more than the answer itself (a run of the sweep "
-      "on numbers that carry their bounds); ours in float and the engines have none.</p>\n"
+      "number. A wrong answer is silent when nothing told so: ours tell, in double and in float, by "
+      "the bound of their own rounding errors, which costs more than the answer itself (a run of "
+      "the sweep on numbers that carry their bounds); the engines have none.</p>\n"
       "</header>\n",
       kVariants, kFewestDigits);
   putGlance(&page, atlas);

@@ -35,7 +35,7 @@ std::string atlasJson(const std::vector<Turned>& atlas, const std::string& versi
 std::string atlasPage(const std::vector<Turned>& atlas, const std::string& version,
                       const std::string& command);
 
-/// Severities at which a method's numbers in double were wrong without a word.
+/// Severities at which a method, of ours in double or in float, was wrong without a word.
 int silentOf(const std::vector<Turned>& atlas, bool ours);
 
 /// The family of this name. @throws scene::InputError listing the names that exist
