@@ -52,11 +52,12 @@ T largestGap(const std::vector<T>& a, const std::vector<T>& b, std::size_t count
   return worst;
 }
 
-/// Decimal digits that two answers share whose largest entries are `size`; the last of a double.
+/// Decimal digits that two answers share whose largest entry is `size` [rad, m, 1/s], up to those of a
+/// double: of 1 + size, as steps that adapt count, for at rest there is nothing but rounding.
 inline int sharedDigits(double gap, double size) {
   constexpr int kOfDouble = 16;
   if (gap == 0) return kOfDouble;
-  const double digits = std::floor(-std::log10(gap / size));
+  const double digits = std::floor(-std::log10(gap / (1 + size)));
   return std::isfinite(digits) ? std::clamp(static_cast<int>(digits), 0, kOfDouble) : 0;
 }
 /// "agree to 7 digits", "DISAGREE in the first digit"
