@@ -23,8 +23,8 @@ struct ReferenceMotion {
 
   int digits() const;  ///< decimal places to which the two agree
 };
-/// @throws std::runtime_error  one does not arrive, or they do not agree to six places, and to which
-///         digit they do: the motion is too long, or too wild
+/// @throws std::runtime_error  one does not arrive, or they do not agree to six places, and to
+///         which digit they do: the motion is too long, or too wild
 ReferenceMotion referenceMotion(const scene::Scene& scene, double duration);
 
 /// (q, qd) at a time of a pendulum that swings: one revolute joint, M constant, g = k sin(q - q_0).

@@ -201,7 +201,7 @@ Family kapitza() {
   return f;
 }
 
-/// The link's axes over the body's principal ones: integers over `over`, of a quaternion of integers.
+/// The link's axes over the body's principal ones: integers over `over`, by a quaternion.
 struct Turn {
   Eigen::Matrix3i numerators;
   int over;
@@ -217,8 +217,8 @@ Turn turnOf(int a, int b, int c, int d) {
 
 constexpr int kFlipStepsOfSecond = 64;
 
-/** A free body, I = (1, 2, 3) kg m^2, from w = (1/s, 1, 0) rad/s to the middle of its flip, where w is
-    (A, 0, -C):  w = (A dn, sn, C cn)(K + l t),  C^2 = 1/3,  A^2 = 1 + 1/s^2,  l^2 = A^2 / 3,
+/** A free body, I = (1, 2, 3) kg m^2, from w = (1/s, 1, 0) rad/s to the middle of its flip, where
+    w is (A, 0, -C):  w = (A dn, sn, C cn)(K + l t),  C^2 = 1/3,  A^2 = 1 + 1/s^2,  l^2 = A^2 / 3,
     k' = 1 / (s A),  reached at t = K / l; K = pi / (2 agm(1, k')).
     @return largest error of w, back in principal axes, at steps whose own error is below rounding */
 double flipError(const Turn& turn, double s) {
@@ -238,7 +238,7 @@ double flipError(const Turn& turn, double s) {
 
   const double A = std::hypot(1, 1 / s);
   double mean = 1, other = 1 / (s * A);
-  while (mean - other > 1e-15) {
+  for (int k = 0; k < 12; ++k) {  // digits double: eight would do from 1 and 1e-15
     const double product = mean * other;
     mean = (mean + other) / 2, other = std::sqrt(product);
   }
@@ -263,7 +263,8 @@ Family flip() {
       {"inclined axes",
        "every step of Fehlberg 7(8) rounds w seven times; along n = (1, 0, -3^(1/2)), which grows "
        "as e^(t / 3^(1/2)), that is u (7/3)^(1/2) (sum n'^2 w'^2)^(1/2), 1.24 in the worst of "
-       "three axes; all steps, each outgrown by those before, leave (3^(1/2) / 2h)^(1/2) of one, beside a tilt of 1/s",
+       "three axes; all steps, each outgrown by those before, leave "
+       "(3^(1/2) / 2h)^(1/2) of one, beside a tilt of 1/s",
        [](double s) {
          return rounded(7, inDouble()) * 1.24 * std::sqrt(std::sqrt(3.0) / 2 * kFlipStepsOfSecond) *
                 s;

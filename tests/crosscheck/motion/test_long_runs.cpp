@@ -43,8 +43,9 @@ Bounds swung(const char* method, double swings) {
 
 }  // namespace
 
-// Measured in 10^6 swings, first and last tenth: semi_implicit_euler 0.092958, stormer_verlet 0.00874397,
-// implicit_midpoint 0.00290434 in both, gauss_4 3.6451e-6 and 3.64508e-6; runge_kutta4 0.99 and 1.
+// Measured in 10^6 swings, first and last tenth: semi_implicit_euler 0.092958, stormer_verlet
+// 0.00874397, implicit_midpoint 0.00290434 in both; gauss_4 3.6451e-6 and 3.64508e-6; runge_kutta4
+// 0.99 and 1.
 BOOST_DATA_TEST_CASE(energy_of_a_pendulum_stays_within_bounds, data::make(integrators()), method) {
   if (method.symplectic == Symplectic::kNo && std::string(method.name) != "runge_kutta4") return;
   const bool is_long = std::getenv("DYNWITNESS_LONG") != nullptr;
@@ -58,8 +59,8 @@ BOOST_DATA_TEST_CASE(energy_of_a_pendulum_stays_within_bounds, data::make(integr
   BOOST_TEST(bounds.last <= 1.05 * bounds.first, bounds.first << ", " << bounds.last);
 }
 
-// Measured, in 10^5 steps: 2.1e-10 and 2.0e-10; the limit is 8.5e-10. Of the second, which is of order
-// 4, steps of 0.0001 s are as long as its own error stays below rounding (6.8e-11 in 1000 of 0.00025).
+// Measured, in 10^5 steps: 2.1e-10 and 2.0e-10; the limit is 8.5e-10. Of the second, of order 4,
+// steps of 0.0001 s lose less than rounding does (6.8e-11 in 1000 of 0.00025 s, which is more).
 BOOST_DATA_TEST_CASE(momentum_of_a_floating_humanoid_is_kept_to_rounding,
                      data::make({"runge_kutta_fehlberg78", "lie_runge_kutta4"}) ^
                          data::make({0.002, 0.0001}),
