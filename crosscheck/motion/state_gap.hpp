@@ -52,8 +52,8 @@ T largestGap(const std::vector<T>& a, const std::vector<T>& b, std::size_t count
   return worst;
 }
 
-/// Decimal digits that two answers share whose largest entry is `size` [rad, m, 1/s], up to those of
-/// a double: of 1 + size, as steps that adapt count, for at rest there is nothing but rounding.
+/// Decimal digits that two answers share whose largest entry is `size` [rad, m, 1/s], up to
+/// those of a double: of 1 + size, as steps that adapt count, for at rest only rounding is there.
 inline int sharedDigits(double gap, double size) {
   constexpr int kOfDouble = 16;
   if (gap == 0) return kOfDouble;
