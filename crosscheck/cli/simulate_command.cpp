@@ -17,6 +17,7 @@
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/motion/motion_tables.hpp"
+#include "crosscheck/motion/state_gap.hpp"
 #include "crosscheck/report/show.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/mimic.hpp"
@@ -279,16 +280,23 @@ int runSimulate(const SimulateArguments& arguments) {
       hasEqualSteps(options.method)
           ? "steps of half the length"
           : fmt::format("{}, half the error a step and twice the outputs", finer(options).method);
+  bool agree = true;
   if (off) {
-    fmt::print("accuracy     a run with {} is up to {:.2g} (rad, m) and {:.2g} (rad/s, m/s) away\n",
-               half, off->q, off->qd);
-    all["rerun"] = {{"with", half}, {"q", off->q}, {"qd", off->qd}};
+    double most = 0;
+    for (const Simulation::Point& point : result.points)
+      for (const double q : point.q) most = std::max(most, std::abs(q));
+    const int shared = sharedDigits(off->q, most);
+    agree = shared > 0;
+    fmt::print(
+        "accuracy     a run with {} is up to {:.2g} (rad, m) and {:.2g} (rad/s, m/s) away: positions "
+        "{}\n",
+        half, off->q, off->qd, agreementText(shared));
+    all["rerun"] = {{"with", half}, {"q", off->q}, {"qd", off->qd}, {"shared_digits", shared}};
   } else if (!no_rerun.empty()) {
     fmt::print("accuracy     not known, a run with {} fails: {}\n", half, no_rerun);
   }
   fmt::print("cost         {} steps and {} rejected, {} evaluations, {:.3g} s\n", result.steps,
              result.rejected, result.evaluations, result.cpu_s);
-  bool agree = true;
   for (const MotionTable& table : tables) {
     const MotionVerdict verdict = compareMotion(scene, result, table);
     if (verdict.values == 0) {

@@ -94,13 +94,6 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
   writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
 }
 
-/// When the error reached the largest kinetic energy [s]; negative: it is not seen on the path.
-double lossTime(const Drift::Path& path) {
-  for (std::size_t i = 0; i < path.time.size(); ++i)
-    if (path.error[i] >= 1) return path.time[i];
-  return -1;
-}
-
 /// What is to be said about a drift beside its numbers. @return false: its qdd is wrong
 bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift& drift,
             std::string* text) {
@@ -113,7 +106,7 @@ bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift&
   // steps that were asked for: why they do not follow, and which would
   if (!options.steps.empty())
     for (const Drift::Path& path : drift.paths)
-      if (!(path.worst < 1))
+      if (isLost(path))
         *text += fmt::format("# {}\n", adviceAfterFailure(scene, drift.method, options.duration,
                                                           path.step, lossTime(path)));
   const bool is_judged = drift.paths.size() > 1 || !std::isfinite(drift.paths.back().worst);
@@ -146,7 +139,7 @@ int runDrift(const DriftArguments& arguments) {
   if (methods.empty()) methods = {"runge_kutta4"};
   Progress progress(static_cast<int>(methods.size()));
   std::vector<Drift> drifts;
-  std::string remarks;
+  std::string remarks, ends;
   bool agree = true;
   for (const std::string& method : methods) {
     progress.stage(method);
@@ -156,6 +149,10 @@ int runDrift(const DriftArguments& arguments) {
     if (drifts.back().paths.empty()) throw scene::InputError({scene.file.string()}, kNoMotion);
     agree = remark(scene, options, drifts.back(), &remarks) && agree;
     eraseLostPaths(drifts.back());
+    std::string said;  // against the first that arrives
+    for (std::size_t k = 0; k + 1 < drifts.size() && said.empty(); ++k)
+      said = comparedEnds(scene, drifts[k], drifts.back());
+    if (!said.empty()) ends += fmt::format("# ends: {}\n", said);
   }
   std::string csv = fmt::format(
       "# {}: largest |E - E0| along {} s from the start state, over the largest kinetic energy\n"
@@ -171,7 +168,7 @@ int runDrift(const DriftArguments& arguments) {
         "no step follows the motion, allowed: shorter ones (--step), or 'dynwitness simulate', "
         "whose steps adapt\n" +
             remarks);
-  fmt::print("{}{}", csv, remarks);
+  fmt::print("{}{}{}", csv, remarks, ends);
   if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csv);
   if (!arguments.plot.empty()) plotDrift(scene, drifts.front(), arguments.plot);
   return agree ? 0 : 1;

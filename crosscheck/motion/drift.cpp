@@ -12,6 +12,7 @@
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/motion/state_gap.hpp"
 #include "crosscheck/motion/tree_motion.hpp"
 #include "crosscheck/scalars/rounded_state.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
@@ -27,6 +28,7 @@ constexpr int kChartPoints = 400;    // a path is thinned to about this many for
 constexpr double kFirstStep = 0.01;  // [s]
 constexpr int kMostHalvings = 9;
 constexpr double kMostSteps = 1e8;
+constexpr double kLost = 0.5;  // of the largest kinetic energy
 
 struct Trace {
   Drift::Path path;
@@ -57,12 +59,15 @@ Trace simulate(TreeMotion<double>& motion, const std::string& method, Vector y, 
     trace.path.worst = error <= trace.path.worst ? trace.path.worst : error;
     if (!std::isfinite(error)) break;
     most_since_point = error <= most_since_point ? most_since_point : error;
-    if (k % stride == 0) {  // the chart keeps the largest of each stretch, not a sample
+    if (k % stride == 0 ||
+        k == steps) {  // the chart keeps the largest of each stretch, not a sample
       trace.path.time.push_back(k * step);
       trace.path.error.push_back(most_since_point);
       most_since_point = 0;
     }
   }
+  trace.path.end_time = static_cast<double>(steps) * step;
+  if (std::isfinite(trace.path.worst)) trace.path.end = y;
   return trace;
 }
 
@@ -241,6 +246,37 @@ AdaptiveRun runAdaptively(const PreparedScene& scene, const DriftOptions& option
 bool isResolved(const Drift& drift) {
   return !drift.paths.empty() && drift.scale > 0 && isFinite(drift) &&
          (belowRounding(drift) || orderShows(drift));
+}
+
+std::string comparedEnds(const scene::Scene& scene, const Drift& a, const Drift& b) {
+  const auto arrives = [](const Drift::Path& path) { return !path.end.empty(); };
+  const auto one = std::find_if(a.paths.rbegin(), a.paths.rend(), arrives);
+  const auto other = std::find_if(b.paths.rbegin(), b.paths.rend(), arrives);
+  if (one == a.paths.rend() || other == b.paths.rend()) return "";
+  const double time = one->end_time;  // a product, rounded once
+  if (std::abs(other->end_time - time) > 2 * std::numeric_limits<double>::epsilon() * time)
+    return "";
+  const std::vector<long double> first = placed(scene.mechanism, one->end),
+                                 second = placed(scene.mechanism, other->end, first);
+  const auto gap = static_cast<double>(largestGap(first, second, first.size()));
+  long double size = 0;
+  for (const long double x : first) keepWorse(&size, std::abs(x));
+  for (const long double x : second) keepWorse(&size, std::abs(x));
+  return fmt::format(
+      "{} (h = {:.3g} s) and {} (h = {:.3g} s) {}: at t = {:.3g} s they are {:.2g} apart [rad, m, "
+      "rad/s, m/s]",
+      a.method, one->step, b.method, other->step,
+      agreementText(sharedDigits(gap, static_cast<double>(size))), time, gap);
+}
+
+double lossTime(const Drift::Path& path) {
+  for (std::size_t i = 0; i < path.time.size(); ++i)
+    if (path.error[i] >= kLost) return path.time[i];
+  return -1;
+}
+
+bool isLost(const Drift::Path& path) {
+  return !(path.worst < kLost);
 }
 
 void eraseLostPaths(Drift& drift) {

@@ -16,6 +16,8 @@ struct Drift {
     double worst = 0;           ///< largest |E - E0| / scale along the path
     std::vector<double> time;   ///< [s], thinned for charts
     std::vector<double> error;  ///< |E - E0| / scale at those times
+    double end_time = 0;        ///< [s]: whole steps, as near to the duration as they come
+    std::vector<double> end;    ///< (q, qd, work) then; empty: it left the numbers
   };
   std::string method;  ///< "runge_kutta4"
   int method_order = 0;
@@ -58,6 +60,17 @@ bool belowRounding(const Drift& drift);
 
 /// Whether the finest path stayed with the numbers.
 bool isFinite(const Drift& drift);
+
+/** What two methods, each at its finest steps that arrive, say of the end: "a (h = 0.01 s) and b
+    (h = 0.01 s) agree to 3 digits: at t = 0.5 s they are 2e-4 apart [..]". "": one of them does not
+    arrive, or not at the same time. Energy alone does not say where a motion is. */
+std::string comparedEnds(const scene::Scene& scene, const Drift& a, const Drift& b);
+
+/// When an error of half of the largest kinetic energy was reached [s]: where energy was gained,
+/// that is all that the motion itself had. Negative: it is not seen on the path.
+double lossTime(const Drift::Path& path);
+/// Whether a path lost or gained that much, or left the numbers.
+bool isLost(const Drift::Path& path);
 
 /// Takes out the paths that left the numbers: they have nothing to show.
 void eraseLostPaths(Drift& drift);

@@ -2,8 +2,12 @@
 // How far two states of a mechanism are apart.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "scene/scene.hpp"
 
@@ -46,6 +50,20 @@ T largestGap(const std::vector<T>& a, const std::vector<T>& b, std::size_t count
   T worst = 0;
   for (std::size_t i = 0; i < count; ++i) keepWorse(&worst, std::abs(a[i] - b[i]));
   return worst;
+}
+
+/// Decimal digits that two answers share whose largest entry is `size` [rad, m, 1/s], up to
+/// those of a double: of 1 + size, as steps that adapt count, for at rest only rounding is there.
+inline int sharedDigits(double gap, double size) {
+  constexpr int kOfDouble = 16;
+  if (gap == 0) return kOfDouble;
+  const double digits = std::floor(-std::log10(gap / (1 + size)));
+  return std::isfinite(digits) ? std::clamp(static_cast<int>(digits), 0, kOfDouble) : 0;
+}
+/// "agree to 7 digits", "DISAGREE in the first digit"
+inline std::string agreementText(int shared) {
+  if (shared == 0) return "DISAGREE in the first digit";
+  return fmt::format("agree to {} digit{}", shared, shared == 1 ? "" : "s");
 }
 
 }  // namespace dynwitness::crosscheck

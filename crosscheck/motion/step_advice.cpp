@@ -283,7 +283,8 @@ std::string adviceAfterFailure(const scene::Scene& scene, const std::string& met
   const std::string what =
       when < 0
           ? "the motion left the numbers"
-          : fmt::format("energy error reached the largest kinetic energy at t = {:.3g} s", when);
+          : fmt::format("energy error reached half of the largest kinetic energy at t = {:.3g} s",
+                        when);
   SpectrumAlong spectrum;
   try {
     spectrum = spectrumAlong(scene, duration);

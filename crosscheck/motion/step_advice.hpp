@@ -76,9 +76,9 @@ double energyGained(const scene::Scene& scene, const std::string& method, double
 /// A step as text of some digits, not above it: what is stable is not rounded to what is not.
 std::string roundedDown(double h, int digits);
 
-/** What is to be said of a run that lost its motion's energy. "energy error reached the largest
-    kinetic energy at t = 3.1 s: runge_kutta4 with h = 0.05 s is unstable here (h |lambda| = 3.4 at
-    t = 0.2 s, limit 2.78): h <= 0.04 s, or implicit_midpoint"
+/** What is to be said of a run that lost its motion's energy. "energy error reached half of the
+    largest kinetic energy at t = 3.1 s: runge_kutta4 with h = 0.05 s is unstable here (h |lambda| =
+    3.4 at t = 0.2 s, limit 2.78): h <= 0.04 s, or implicit_midpoint"
     @param when  it did [s]; negative: it left the numbers, nobody knows when */
 std::string adviceAfterFailure(const scene::Scene& scene, const std::string& method,
                                double duration, double step, double when);

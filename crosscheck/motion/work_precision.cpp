@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <boost/math/special_functions/ellint_1.hpp>
@@ -39,6 +40,12 @@ std::vector<T> ended(TreeMotion<T>& motion, const std::string& method, std::vect
 constexpr auto kNothing = [](const auto&) {};
 
 constexpr long kFirstSteps = 16;
+constexpr int kFewestDigits = 6;  // decimal places to which a reference is known
+/* An observed order is within a tenth of its limit where no more than half of that is another
+   error's and half the next power's. One part of rounding, or of the reference, in 30 of error moves it by
+   log2(1 + 1/30) = 0.047. A next term, smaller by h^k, k >= 1, moves it by less than it has changed
+   by at the last halving. */
+constexpr double kAboveRounding = 30, kSettled = 0.05;
 
 /// Steps halved until two ends are no nearer to each other than those before.
 struct Converged {
@@ -65,7 +72,7 @@ Converged converge(const scene::Scene& scene, const std::string& method, double 
         before.empty() ? std::numeric_limits<double>::infinity() : apart(now, before);
     before = now;
     // wild as long as the steps do not follow: there differences rise and fall
-    if (std::isfinite(best.change) && best.change < 1e-6 && !(change < best.change)) break;
+    if (best.change < std::pow(10, -kFewestDigits) && !(change < best.change)) break;
     if (change < best.change) best = {now, change, steps};
   }
   return best;
@@ -130,24 +137,55 @@ WorkPoint measuredPoint(const scene::Scene& scene, TreeMotion<double>& motion,
   return point;
 }
 
-/// What rounding of the state leaves after that many steps, as it adds up at worst.
-double roundingOf(const ReferenceMotion& reference, long steps) {
-  Real largest = 1;
-  for (const Real x : reference.y) largest = std::max(largest, std::abs(x));
-  return static_cast<double>(largest) * std::numeric_limits<double>::epsilon() *
-         std::sqrt(static_cast<double>(steps));
+/// What rounding does to the end: the same steps in long double. Infinity: it is not known.
+double roundingOf(const scene::Scene& scene, const std::string& method, double duration,
+                  long steps) {
+  TreeMotion<double> rounded(scene.mechanism);
+  TreeMotion<Real> exact(scene.mechanism);
+  try {
+    const auto there = placed(
+        scene.mechanism, ended(exact, method, startOf<Real>(scene), duration, steps, kNothing));
+    return apart(
+        placed(scene.mechanism,
+               ended(rounded, method, startOf<double>(scene), duration, steps, kNothing), there),
+        there);
+  } catch (const scene::InputError&) {
+    throw;
+  } catch (const std::runtime_error&) {  // an implicit step without a solution
+    return std::numeric_limits<double>::infinity();
+  }
 }
 
-double observedOrder(const WorkLine& line, const ReferenceMotion& reference, double duration) {
-  for (std::size_t k = line.points.size(); k-- > 1;) {
-    const WorkPoint &fine = line.points[k], &coarse = line.points[k - 1];
-    // a hundred times rounding moves an order by a hundredth
-    const double floor =
-        100 * std::max(reference.error, roundingOf(reference, std::lround(duration / fine.step)));
-    if (!fine.failure.empty() || !coarse.failure.empty() || !(fine.error > floor)) continue;
-    return std::log2(coarse.error / fine.error);
+/// Rounding adds up as the root of the number of steps, or faster: coarser steps have less of it.
+double observedOrder(const scene::Scene& scene, const WorkLine& line,
+                     const ReferenceMotion& reference, double duration) {
+  const auto& points = line.points;
+  const double step = points.back().step,
+               finest = roundingOf(scene, line.method, duration, std::lround(duration / step));
+  for (std::size_t k = points.size(); k-- > 2;) {
+    const double rounding = finest * std::sqrt(step / points[k].step);
+    if (!points[k].failure.empty() ||
+        !(points[k].error > kAboveRounding * std::max(reference.error, rounding)))
+      continue;
+    if (!points[k - 1].failure.empty() || !points[k - 2].failure.empty()) return 0;
+    const double before = std::log2(points[k - 2].error / points[k - 1].error),
+                 order = std::log2(points[k - 1].error / points[k].error);
+    return std::abs(order - before) <= kSettled ? order : 0;
   }
   return 0;
+}
+
+/// Why a reference is none.
+std::string disagreement(const char* first, const char* second, const Converged& one,
+                         const Converged& other) {
+  for (const auto& [method, run] : {std::pair{first, &one}, std::pair{second, &other}})
+    if (run->y.empty())
+      return fmt::format("{} in long double does not arrive with any step", method);
+  double size = 0;
+  for (const Real x : one.y) keepWorse(&size, static_cast<double>(std::abs(x)));
+  const double gap = apart(one.y, other.y);
+  return fmt::format("{} and {} in long double {}: they are {:.2g} apart", first, second,
+                     agreementText(sharedDigits(gap, size)), gap);
 }
 
 }  // namespace
@@ -157,7 +195,6 @@ int ReferenceMotion::digits() const {
 }
 
 ReferenceMotion referenceMotion(const scene::Scene& scene, double duration) {
-  constexpr int kFewestDigits = 6;
   ReferenceMotion out;
   TreeMotion<Real> motion(scene.mechanism);
   const bool canonical = motion.hasMomenta();
@@ -168,9 +205,8 @@ ReferenceMotion referenceMotion(const scene::Scene& scene, double duration) {
                                                : apart(one.y, other.y);
   if (!(out.digits() >= kFewestDigits))
     throw std::runtime_error(fmt::format(
-        "no reference: after {} s {} and {} in long double are {:.2g} apart, allowed: a shorter "
-        "--duration",
-        duration, first, second, out.error));
+        "no reference: after {} s {}; {} decimal places are needed, allowed: a shorter --duration",
+        duration, disagreement(first, second, one, other), kFewestDigits));
   out.y = one.y;
   out.by = fmt::format("{} and {}{} in long double", first, second,
                        canonical ? " of Hamilton's equations" : "");
@@ -241,17 +277,16 @@ WorkPrecision measureWork(const scene::Scene& scene, const WorkOptions& options)
           measuredPoint(scene, motion, method, out.reference, options.duration, steps));
       const WorkPoint& point = line.points.back();
       const bool ended_well = point.failure.empty();
-      if (ended_well &&
-          point.error <= std::max(out.reference.error, roundingOf(out.reference, steps)))
-        break;
+      if (ended_well && point.error <= out.reference.error) break;
       if (ended_well && 2 * point.seconds > options.longest_run) break;
-      // rounding is all that is left where errors rise again
+      // errors rise where steps do not follow yet, and where most of them is rounding
       const auto size = line.points.size();
-      if (size > 2 && ended_well && point.error < 1e-9 && line.points[size - 2].failure.empty() &&
-          point.error > line.points[size - 2].error)
+      if (size > 2 && ended_well && line.points[size - 2].failure.empty() &&
+          point.error > line.points[size - 2].error &&
+          point.error < 2 * roundingOf(scene, method, options.duration, steps))
         break;
     }
-    line.observed_order = observedOrder(line, out.reference, options.duration);
+    line.observed_order = observedOrder(scene, line, out.reference, options.duration);
     out.lines.push_back(line);
   }
   return out;
@@ -275,9 +310,9 @@ double convergedOrder(const scene::Scene& scene, const std::string& method, doub
       continue;
     }
     if (!std::isfinite(error)) continue;
-    if (!(error > 100 * reference.error)) break;  // which would move the order by a hundredth
+    if (!(error > kAboveRounding * reference.error)) break;
     const double now = before > 0 ? std::log2(before / error) : 0;
-    const bool settled = order > 0 && std::abs(now - order) <= 0.05;
+    const bool settled = order > 0 && std::abs(now - order) <= kSettled;
     before = error;
     order = now;
     if (settled) break;

@@ -23,7 +23,8 @@ struct ReferenceMotion {
 
   int digits() const;  ///< decimal places to which the two agree
 };
-/// @throws std::runtime_error  they do not agree to six places: the motion is too long, or too wild
+/// @throws std::runtime_error  one does not arrive, or they do not agree to six places, and to
+///         which digit they do: the motion is too long, or too wild
 ReferenceMotion referenceMotion(const scene::Scene& scene, double duration);
 
 /// (q, qd) at a time of a pendulum that swings: one revolute joint, M constant, g = k sin(q - q_0).
@@ -43,8 +44,11 @@ struct WorkPoint {
 
 struct WorkLine {
   std::string method;
-  int order = 0;              ///< by theory
-  double observed_order = 0;  ///< of the error between the two finest steps above rounding; 0: none
+  int order = 0;  ///< by theory
+  /** Of the error between the two finest steps above rounding, which is measured as what the method
+      does otherwise in long double. 0: there is no asymptotic range, the order between the two
+      before is another. */
+  double observed_order = 0;
   std::vector<WorkPoint> points;  ///< steps falling
   std::string left_out;           ///< why it was not run
 };

@@ -45,7 +45,7 @@ Look lookOf(const std::string& method) {
 }
 
 std::string orderText(double order) {
-  return order > 0 ? fmt::format("{:.2f}", order) : "not seen";
+  return order > 0 ? fmt::format("{:.2f}", order) : "no range";
 }
 
 /// Decades of what is drawn.
@@ -99,6 +99,8 @@ std::string workCsv(const WorkPrecision& work) {
       "# scene: {}\n# duration: {} s\n# reference: {}\n"
       "# error: largest |q - reference|, |qd - reference| at the end [rad, m, rad/s, m/s]\n"
       "# energy_error: largest |E - E0| after a step / {:.6g} J, the largest kinetic energy\n"
+      "# observed_order: between the two finest steps above rounding; 0: no asymptotic range, it has "
+      "changed by more than 0.05 since the step before\n"
       "# cpu_s: fastest of some runs; machine: {}\n",
       oneLine(work.scene), work.duration, referenceText(work.reference),
       work.reference.most_kinetic, oneLine(work.machine));
@@ -150,7 +152,7 @@ std::string workScript(const WorkPrecision& work, const std::string& name,
       gnuplotString(fmt::format("{}, {} s: lower left is better", title, work.duration)),
       gnuplotString("reference: " + referenceText(work.reference)),
       gnuplotString(fmt::format(
-          "order seen (and by theory); {}{}{}",
+          "order seen (and by theory), no range: none is asymptotic; {}{}{}",
           fails ? "crossed out at the right border: failed, the reason is in the data; " : "",
           left_out.empty() ? "" : "left out: " + left_out + "; ", work.machine)));
   struct Panel {

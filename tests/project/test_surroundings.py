@@ -647,6 +647,35 @@ def signals_at_random_moments_leave_one_report_whole(place):
 
 
 @case
+def an_atlas_that_was_killed_goes_on_to_the_same_bytes(place):
+    words = ["stability", "gimbal,spinning_ball,light_cart", "--quick", "--witness", "articulated_body,kdl"]
+    place.report = place.work / "stability"
+    place.agrees(words)
+    whole = place.snapshot()
+    shutil.rmtree(place.report)
+    kept = place.work / "stability.unfinished"
+    finished = lambda: sorted(file.name for file in kept.glob("*.json"))
+    for number in (signal.SIGKILL, signal.SIGTERM):
+        for families in (1, 2):
+            status, err = signalled(place, words, number, lambda _: len(finished()) >= families)
+            check(status == -number, number, status, err)
+            check(len(finished()) < 3 and not place.report.exists(), "killed too late:", finished())
+            place.agrees(words + ["--resume"])
+            check(place.snapshot() == whole, "not the same bytes:",
+                  [name for name, text in place.snapshot().items() if whole.get(name) != text])
+            check(not kept.exists(), "left behind:", finished())
+            shutil.rmtree(place.report)
+    # what is kept is what is shown: were all done anew, this would not be seen
+    signalled(place, words, signal.SIGKILL, lambda _: len(finished()) >= 1)
+    file = kept / "gimbal.json"
+    family = json.loads(file.read_text())
+    for course in family["methods"]:
+        course["breaks_at"] = 12345.0
+    file.write_text(json.dumps(family))
+    check("1.23e+04" in place.agrees(words + ["--resume"]), "gimbal was turned again")
+
+
+@case
 def files_of_others_stay_where_they_are(place):
     place.agrees(QUICK + ["--seed", "1"])
     (place.report / "mine.txt").write_text("mine")

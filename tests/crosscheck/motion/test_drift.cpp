@@ -4,6 +4,8 @@
 #include "crosscheck/motion/drift.hpp"
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <ostream>
 
 #include <boost/test/data/monomorphic.hpp>
@@ -108,6 +110,57 @@ BOOST_AUTO_TEST_CASE(the_program_says_which_steps_do_not_follow_a_motion) {
   const Outcome crosscheck =
       program.run("crosscheck light.toml --witness newton_euler,lagrange --random 2 --no-charts");
   BOOST_TEST(crosscheck.out.find("DISAGREE") == std::string::npos, crosscheck.out);
+}
+
+/* A cart of 1e-12 kg holds a bob of 1 kg by no force before the rod hangs straight down: the bob
+   falls freely, cos(angle) = g t^2 / (2 l), and is thrown back there at t = sqrt(2 l / g) = 0.4515 s, so
+   that the fall runs backwards on the other side. Steps of 0.01 s pass over that. */
+BOOST_AUTO_TEST_CASE(two_methods_expose_a_solver_that_arrives_with_a_wrong_answer) {
+  const Program program;
+  const std::string file = "light.toml";
+  std::ifstream in(std::string(DYNWITNESS_DATA_DIR) + "/reference/motion/light_cart_pole.toml");
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  const std::string mass = "M = 1e-6";
+  BOOST_TEST_REQUIRE(text.find(mass) != std::string::npos);
+  text.replace(text.find(mass), mass.size(), "M = 1e-12");
+  program.write(file, text);
+
+  const scene::Scene scene = scene::readSceneToml(text, file);
+  const auto drift = [&](const char* method, double duration) {
+    DriftOptions options;
+    options.method = method;
+    options.duration = duration;
+    options.steps = {0.01};
+    return measureDrift(scene, options);
+  };
+  const double g = 9.81, bottom = std::sqrt(2 / g);
+  const auto angle = [&](double t) { return std::acos(g * t * t / 2); };
+  const Drift a = drift("rosenbrock4", 0.4), b = drift("gauss_4", 0.4);
+  BOOST_TEST(std::abs(a.paths[0].end[1] - angle(0.4)) < 1e-4);
+  BOOST_TEST(comparedEnds(scene, a, b).find("agree to 5 digits") != std::string::npos,
+             comparedEnds(scene, a, b));
+  BOOST_TEST(!isLost(a.paths[0]));
+
+  const Drift wrong = drift("rosenbrock4", 0.5);
+  BOOST_TEST_REQUIRE(!wrong.paths[0].end.empty());  // it says nothing: it arrives
+  BOOST_TEST(std::abs(wrong.paths[0].end[1] + angle(2 * bottom - 0.5)) > 1);
+  BOOST_TEST(isLost(wrong.paths[0]));
+  const Outcome both = program.run(
+      "drift light.toml --duration 0.5 --step 0.01 --method "
+      "rosenbrock4,semi_implicit_euler");
+  for (const char* part :
+       {"DISAGREE in the first digit: at t = 0.5 s they are",
+        "energy error reached half of the largest kinetic energy at t = 0.49 s: rosenbrock4 with"})
+    BOOST_TEST(both.out.find(part) != std::string::npos, both.out);
+  const Outcome simulated = program.run("simulate light.toml --duration 2 --method rosenbrock4");
+  BOOST_TEST(simulated.status == 1);
+  BOOST_TEST(simulated.out.find("positions DISAGREE in the first digit") != std::string::npos,
+             simulated.out);
+  const Outcome chart = program.run("chart light.toml --simulate --duration 0.5 --method gauss_4");
+  BOOST_TEST(chart.status == 3);
+  BOOST_TEST(chart.out.find("no reference: after 0.5 s runge_kutta_fehlberg78 in long double does "
+                            "not arrive with any step") != std::string::npos,
+             chart.out);
 }
 
 BOOST_AUTO_TEST_CASE(what_has_no_constant_energy_is_told_in_the_report) {

@@ -43,6 +43,9 @@ Bounds swung(const char* method, double swings) {
 
 }  // namespace
 
+// Measured in 10^6 swings, first and last tenth: semi_implicit_euler 0.092958, stormer_verlet
+// 0.00874397, implicit_midpoint 0.00290434 in both; gauss_4 3.6451e-6 and 3.64508e-6; runge_kutta4
+// 0.99 and 1.
 BOOST_DATA_TEST_CASE(energy_of_a_pendulum_stays_within_bounds, data::make(integrators()), method) {
   if (method.symplectic == Symplectic::kNo && std::string(method.name) != "runge_kutta4") return;
   const bool is_long = std::getenv("DYNWITNESS_LONG") != nullptr;
@@ -56,7 +59,12 @@ BOOST_DATA_TEST_CASE(energy_of_a_pendulum_stays_within_bounds, data::make(integr
   BOOST_TEST(bounds.last <= 1.05 * bounds.first, bounds.first << ", " << bounds.last);
 }
 
-BOOST_AUTO_TEST_CASE(momentum_of_a_floating_humanoid_is_kept_to_rounding) {
+// Measured, in 10^5 steps: 2.1e-10 and 2.0e-10; the limit is 8.5e-10. Of the second, of order 4,
+// steps of 0.0001 s lose less than rounding does (6.8e-11 in 1000 of 0.00025 s, which is more).
+BOOST_DATA_TEST_CASE(momentum_of_a_floating_humanoid_is_kept_to_rounding,
+                     data::make({"runge_kutta_fehlberg78", "lie_runge_kutta4"}) ^
+                         data::make({0.002, 0.0001}),
+                     method, step) {
   scene::Scene scene = scene::findScene("humanoid_floating");
   scene.mechanism.has_gravity = false;
   TreeMotion<double> motion(scene.mechanism);
@@ -65,16 +73,16 @@ BOOST_AUTO_TEST_CASE(momentum_of_a_floating_humanoid_is_kept_to_rounding) {
   const auto before = motion.totalMomentum(y);
   double size = 0;
   for (const double p : before) size = std::max(size, std::abs(p));
-  constexpr int kSteps = 1000;
-  const auto stepper = stepsOf<double>("runge_kutta_fehlberg78", motion);
+  const int kSteps = std::getenv("DYNWITNESS_LONG") != nullptr ? 100000 : 1000;
+  const auto stepper = stepsOf<double>(method, motion);
   double worst = 0;
   for (int k = 0; k < kSteps; ++k) {
-    stepper->step(&y, 0, 0.002);
+    stepper->step(&y, 0, step);
     const auto now = motion.totalMomentum(y);
     for (std::size_t i = 0; i < now.size(); ++i)
       worst = std::max(worst, std::abs(now[i] - before[i]) / size);
   }
-  BOOST_TEST_MESSAGE("momentum moved by " << worst << " of its largest part");
+  BOOST_TEST_MESSAGE(method << ": momentum moved by " << worst << " of its largest part");
   // every step rounds the state anew
   BOOST_TEST(worst <= kSteps * 2.3e-16 * motion.dof());
 }
