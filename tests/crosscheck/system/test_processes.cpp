@@ -112,7 +112,7 @@ BOOST_AUTO_TEST_CASE(a_result_comes_back_whole) {
   scene.checks = {check, CheckResult()};
   scene.digits = {{"a", "M", Scalar::kFloat, 5, 6.5, 7.5, 4.5, 2, "M[2,2]"}, {}};
   scene.findings = {{Finding::Kind::kKnownLoss, "n", "M", "a", "a loses digits", 7.3}};
-  scene.drift = Drift{"runge_kutta4", 4, 10, 2.5, 3.9, {{0.01, 1e-9, {0, 0.01}, {0, 1e-9}}}};
+  scene.drift = Drift{"runge_kutta4", 4, 10, 2.5, 3.9, {{0.01, 1e-9, {0, 0.01}, {0, 1e-9}, 0, {}}}};
 
   const auto shown = [](const SceneResult& result) {
     CrosscheckResult all;
