@@ -315,9 +315,9 @@ double convergedOrder(const scene::Scene& scene, const std::string& method, doub
     const bool settled = order > 0 && std::abs(now - order) <= kSettled;
     before = error;
     order = now;
-    if (settled) break;
+    if (settled) return order;
   }
-  return order;
+  return 0;
 }
 
 }  // namespace dynwitness::crosscheck

@@ -74,7 +74,7 @@ struct WorkOptions {
 WorkPrecision measureWork(const scene::Scene& scene, const WorkOptions& options);
 
 /// Order of the error of the end, between two steps in long double, halved until it no longer
-/// changes by more than a twentieth; the last one found otherwise. 0: errors are the reference's.
+/// changes by more than a twentieth. 0: no such steps; before them errors are the reference's.
 double convergedOrder(const scene::Scene& scene, const std::string& method, double duration);
 
 }  // namespace dynwitness::crosscheck

@@ -92,13 +92,14 @@ BOOST_DATA_TEST_CASE(symplectic_is_what_is_said_to_be, data::make(integrators())
 BOOST_DATA_TEST_CASE(orders_are_within_a_tenth_of_theory, data::make(integrators()), method) {
   const std::string of = method.name;
   for (const std::string name : {"elastic_pendulum", "satellite_arm"}) {
-    // not seen within 2^14 steps: 1.19 of Euler's and 8.14 of Fehlberg's on the elastic pendulum;
-    // of order 8 on the satellite, whose errors are the reference's at once
-    if (name == "elastic_pendulum" && (of == "euler" || of == "runge_kutta_fehlberg78")) continue;
+    // not seen within 2^14 steps: Euler's on the elastic pendulum (1.19 there); of order 8 on the
+    // satellite, whose errors are the reference's at once
+    if (name == "elastic_pendulum" && of == "euler") continue;
     if (name == "satellite_arm" && method.order == 8) continue;
     const scene::Scene scene = scene::findScene(name);
     if (method.needs_momenta && !TreeMotion<double>(scene.mechanism).hasMomenta()) continue;
-    const double order = convergedOrder(scene, method.name, 1);
+    // after 1 s the errors of order 8 are the reference's before their order settles
+    const double order = convergedOrder(scene, method.name, method.order == 8 ? 4 : 1);
     BOOST_TEST(std::abs(order - method.order) <= 0.1, name << ", " << method.name << ": " << order);
   }
 }
