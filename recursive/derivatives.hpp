@@ -132,13 +132,13 @@ void turnedLoads(const Model<T>& model, DerivativesWorkspace<T>& room) {
         (2)  dv_i/dq  = psi,                        psi = (X v_p) x Z
         (3)  da_i/dq  = chi - v_i x psi,            chi = (X a_p) x Z + (X v_p) x psi
         (4)  dv_i/dqd = Z,   da_i/dqd = phi - v_i x Z,     phi = psi + v_k x Z
-    (in (3) and (4) the v_i x is that of link i; chi and phi are carried outward unchanged). Put into
+    (in (3) and (4) v_i x is that of link i; chi and phi are carried outward unchanged). Put into
     f, the terms with v_i x join dM/dt and the momentum h = M v:
         (5)  2 B y = M (-v x y) + y x* M v + v x* M y = dM/dt y + y x* h,   dM/dt = v x* M - M v x
         (6)  df_i/dq = M chi + 2 B psi,   df_i/dqd = M phi + 2 B Z,   df_i/dqdd = M Z
     M, dM/dt and h of all that is outboard add up, on the way inward, as if it were one rigid body:
         (7)  F = M_C Z,   F_q = M_C chi + 2 B_C psi,   F_qd = M_C phi + 2 B_C Z
-    are what the wrench through joint k changes by, and joints inboard feel them. They also feel that
+    are what the wrench through joint k changes by, and joints inboard feel them; they feel too that
     the wrench f_k itself turns with Z:
         (8)  F_q of link k's own frame; beyond it, F_q + Z x* f_k
         (9)  column k, joints j inboard:   dtau_j/dq_k = Z_j' F_q,   dtau_j/dqd_k = Z_j' F_qd
@@ -149,8 +149,8 @@ void turnedLoads(const Model<T>& model, DerivativesWorkspace<T>& room) {
     branches do not feel each other.
 
     Rotors, springs and viscous friction: d in M_kk, k in dtau_k/dq_k, viscous in dtau_k/dqd_k; a
-    sign of Coulomb friction does not change. A load in the link's axes turns with it: it is in f. One
-    in world axes is turned the other way as its link turns by Z, with W (0, w) = (w x F, w x n + r x
+    sign of Coulomb friction does not change. A load in the link's axes turns with it: it is in f.
+    One in world axes is turned the other way as its link turns by Z: W (0, w) = (w x F, w x n + r x
     (w x F)) of a force F at r and a moment n, in the link's axes:
        (12)  F_q also has W_C Z,   dtau_k/dq_j also Z' W_C Z_j
     A gyroscopic rotor (newton_euler.hpp, (5) and (6)) is carried by the parent, with the momentum
@@ -165,7 +165,7 @@ void turnedLoads(const Model<T>& model, DerivativesWorkspace<T>& room) {
     Joints that follow others (LinkModel): q, qd, qdd are the leaders', entries are sums.
     @throws std::invalid_argument  a vector is not of length n
     @see J. Carpentier and N. Mansard, Analytical Derivatives of Rigid Body Dynamics Algorithms,
-      Robotics: Science and Systems (2018); S. Singh, R. Russell and P. Wensing, Efficient Analytical
+      Robotics: Science and Systems (2018); S. Singh, R. Russell, P. Wensing, Efficient Analytical
       Derivatives of Rigid-Body Dynamics using Spatial Vector Algebra, IEEE RA-L 7 (2022) */
 template <typename T>
 void inverseDynamicsDerivatives(const Model<T>& model, const std::vector<JointPosition<T>>& x,

@@ -12,7 +12,7 @@ namespace dynwitness::recursive {
 template <typename T>
 using RowsX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/** For each rate the next one inboard, -1 where there is none: the rate before it of the same joint,
+/** For each rate the next one inboard, -1 where there is none: the rate before it of its joint,
     else the last one of the nearest link inboard that moves. M(i, j) is zero unless one of i and j
     is reached from the other that way.
     @throws std::invalid_argument  joints share a rate: its row knows several branches */

@@ -20,7 +20,7 @@ namespace dynwitness::crosscheck {
       dqdd_dq    of the qdd that the state's tau makes
       dqdd_dqd   whatever tau
       dqdd_dtau  1/M
-    Of spherical and floating joints q_j moves as it does at a unit rate qd_j: along the body's axes. */
+    Of spherical and floating joints q_j moves as at a unit rate qd_j: along the body's axes. */
 enum class DerivativeQuantity { kDtauDq, kDtauDqd, kDqddDq, kDqddDqd, kDqddDtau };
 const char* name(DerivativeQuantity quantity);
 std::optional<DerivativeQuantity> derivativeQuantityNamed(const std::string& name);

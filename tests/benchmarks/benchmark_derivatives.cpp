@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// First derivatives of tau (by q, qd and qdd) and of qdd (by q, qd and tau): sweeps of their own beside
+// First derivatives of tau (by q, qd, qdd) and of qdd (by q, qd, tau): sweeps of their own beside
 // the other sweeps on dual numbers, column by column, in one run on the same states.
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Derivatives of inverse and forward dynamics: by hand, and against the Lagrangian's own program and
+// Derivatives of inverse and forward dynamics: by hand, and against the Lagrangian's program and
 // forward dynamics on dual numbers, over the rationals.
 #include "recursive/derivatives.hpp"
 
@@ -57,7 +57,7 @@ struct Swept {
   ForwardDynamicsDerivatives<Q> of_qdd;
 };
 
-/// tau by Lagrange's equations, qdd by articulated bodies: no formula of the sweeps that are tested.
+/// tau by Lagrange's equations, qdd by articulated bodies: no formula of the tested sweeps.
 void requireDerivatives(Wrist w) {
   const Swept swept(w);
   const symbolic::Program program = w.program();
