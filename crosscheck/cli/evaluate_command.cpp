@@ -21,6 +21,7 @@
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
+#include "crosscheck/motion/derivative_quantities.hpp"
 #include "crosscheck/motion/joint_axes.hpp"
 #include "crosscheck/motion/joint_quantities.hpp"
 #include "crosscheck/motion/point_quantities.hpp"
@@ -127,10 +128,10 @@ bool hasMoreThanItsTree(const scene::Mechanism& mechanism) {
 
 Needs needsOf(const std::string& quantity, const scene::Mechanism& mechanism) {
   if (quantity == "reactions" && hasMoreThanItsTree(mechanism)) return Needs::kTau;
-  for (const char* name : {"tau", "reactions", "acceleration"})
+  for (const char* name : {"tau", "reactions", "acceleration", "dtau_dq"})
     if (quantity == name) return Needs::kQdd;
-  for (const char* name :
-       {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque", "F", "PF", "beta"})
+  for (const char* name : {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque", "F",
+                           "PF", "beta", "dqdd_dq"})
     if (quantity == name) return Needs::kTau;
   return Needs::kNothing;
 }
@@ -144,6 +145,7 @@ Command commandOf(const std::string& quantity) {
     if (quantity == name) return Command::kEvaluateTasks;
   if (jointQuantityNamed(quantity)) return Command::kEvaluateJoints;
   if (pointQuantityNamed(quantity)) return Command::kEvaluatePoints;
+  if (derivativeQuantityNamed(quantity)) return Command::kEvaluateDerivatives;
   return Command::kEvaluateTree;
 }
 
@@ -310,12 +312,14 @@ struct Column {
   bool is_engines = false;  ///< the witness is a program of the user's
   ConstrainedQuantity constrained = ConstrainedQuantity::kQdd;  ///< without a witness
   std::optional<JointQuantity> of_joints = {};                  ///< then it is this, and no other
-  std::vector<Eigen::Index> rows = {};          ///< of these numbers alone; none: all of them
-  bool is_deviation = false;                    ///< of the column before, by --uncertainty
-  std::optional<PointQuantity> of_points = {};  ///< then it is this, and no other
+  std::vector<Eigen::Index> rows = {};                ///< of these numbers alone; none: all of them
+  bool is_deviation = false;                          ///< of the column before, by --uncertainty
+  std::optional<PointQuantity> of_points = {};        ///< then it is this, and no other
+  std::optional<DerivativeQuantity> derivative = {};  ///< then it is this, and no other
 
+  bool isOfConstraints() const { return !witness && !of_joints && !of_points && !derivative; }
   bool isOfConstrained(ConstrainedQuantity asked) const {
-    return !witness && !of_joints && !of_points && constrained == asked;
+    return isOfConstraints() && constrained == asked;
   }
   bool isOfReactions() const {
     return isOfConstrained(ConstrainedQuantity::kReactions) ||
@@ -338,7 +342,8 @@ struct Sources {
   std::optional<JointQuantities> joints;  ///< none: nothing of joints is asked
   std::optional<TurnedAxes> axes;         ///< of reactions; none: they are as they come
   std::optional<UncertainQuantities> uncertain;
-  std::optional<PointQuantities> points;  ///< none: nothing of points is asked
+  std::optional<PointQuantities> points;                 ///< none: nothing of points is asked
+  std::optional<DerivativeQuantities> derivatives = {};  ///< none: none is asked
 };
 
 /// That program failed, or has no value at a state.
@@ -386,7 +391,8 @@ void addDeviations(const scene::Scene& scene, const EvaluateArguments& arguments
           fmt::format(
               "--uncertainty with {}{}, allowed: tau and qdd of a tree by our sweeps, X, M_i, "
               "M_C, M_A, P, PM, Z, F, PF",
-              column.name, column.witness ? "" : " under closures, drives or constraints"));
+              column.name,
+              column.isOfConstraints() ? " under closures, drives or constraints" : ""));
     Column deviation{column.quantity,    nullptr,         column.name, false,
                      column.constrained, column.of_joints};
     deviation.is_deviation = true;
@@ -399,7 +405,7 @@ void addDeviations(const scene::Scene& scene, const EvaluateArguments& arguments
 }
 
 /// One quantity at one state, finite.
-Eigen::MatrixXd valueOf(Column& column, const Sources& sources, const scene::State<double>& state,
+Eigen::MatrixXd valueOf(Column& column, Sources& sources, const scene::State<double>& state,
                         long row) {
   Eigen::MatrixXd value;
   try {
@@ -409,6 +415,8 @@ Eigen::MatrixXd valueOf(Column& column, const Sources& sources, const scene::Sta
       value = sources.joints->value(*column.of_joints);
     else if (column.of_points)
       value = sources.points->value(*column.of_points);
+    else if (column.derivative)
+      value = sources.derivatives->value(*column.derivative, state);
     else
       value = column.witness ? column.witness->value(column.quantity, state)
                              : sources.constrained->answer(column.constrained, state);
@@ -599,6 +607,9 @@ std::vector<std::string> headings(const Column& column, const scene::Scene& scen
   } else if (column.of_points) {
     names = sources.points->columns(*column.of_points);
     if (arguments.units) units = sources.points->units(*column.of_points);
+  } else if (column.derivative) {
+    names = sources.derivatives->columns(*column.derivative);
+    if (arguments.units) units = sources.derivatives->units(*column.derivative);
   } else if (column.witness || column.is_deviation) {
     names = chosen(columnNames(column.quantity, scene.mechanism), column.rows);
     if (arguments.units) units = chosen(columnUnits(column.quantity, scene.mechanism), column.rows);
@@ -630,6 +641,7 @@ void requireQuantity(const std::string& text) {
         std::find(all.begin(), all.end(), one) == all.end())
       all.push_back(one);
   for (const std::string& one : pointQuantityNames()) all.push_back(one);
+  for (const std::string& one : derivativeQuantityNames()) all.push_back(one);
   for (int k = 0; k <= static_cast<int>(JointQuantity::kBeta); ++k)
     all.emplace_back(name(static_cast<JointQuantity>(k)));
   if (std::find(all.begin(), all.end(), text) != all.end()) return;
@@ -716,6 +728,14 @@ int runEvaluate(const EvaluateArguments& arguments) {
       if (!sources.points)
         sources.points.emplace(scene, pointsOf(arguments, scene), axesOfPoints(arguments));
       columns.push_back(columnOf(*of_points));
+      continue;
+    }
+    if (const std::optional<DerivativeQuantity> derivative = derivativeQuantityNamed(text)) {
+      requireOurs(arguments, text);
+      if (!sources.derivatives) sources.derivatives.emplace(scene);
+      columns.emplace_back();
+      columns.back().name = text;
+      columns.back().derivative = derivative;
       continue;
     }
     const std::optional<ConstrainedQuantity> special = constrainedQuantityNamed(text);
@@ -819,6 +839,7 @@ Run addEvaluate(CLI::App* command) {
       "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
       "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
       "dynwitness evaluate acrobot --quantity position,jacobian --point lower,0,0,-2\n"
+      "dynwitness evaluate franka_panda --quantity dqdd_dq,dqdd_dqd,dqdd_dtau --units\n"
       "dynwitness evaluate puma_560 --quantity M_A,P,qdd --uncertainty mass=0.05,rpy=0.001 --units\n"
       "dynwitness evaluate two_handed --quantity E,beta --format json");
   addScene(*command, arguments->scene, "Scene");
@@ -835,9 +856,9 @@ Run addEvaluate(CLI::App* command) {
           "Quantities: M, c, g, tau, qdd, kinetic, potential, momentum (world axes, about the world's "
           "origin), reactions; of points of links (--point): position, orientation (its columns are the "
           "link's axes), quaternion (w, x, y, z), rpy, velocity, acceleration, jacobian (velocity = J qd), "
-          "jacobian_rate (dJ/dt); with closures, driven "
-          "joints or acceleration "
-          "constraints: qdd and reactions under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
+          "jacobian_rate (dJ/dt); of trees, dtau_dq, dtau_dqd, dqdd_dq, dqdd_dqd, dqdd_dtau (columns "
+          "dtau1_dq2; by M for dtau_dqdd; q of spherical and floating joints along the body's axes); "
+          "with closures, driven joints or acceleration constraints: qdd and reactions under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
           "Lambda "
           "(task inertia), J, Jbar, task_torque (tau the posture's), null_torque; of each joint, in "
           "the axes of its moved frame: X, M_i, M_C (composite), M_A (articulated), P, PM, Z, F "

@@ -179,6 +179,11 @@ struct Rules {
         {Command::kEvaluateTasks,
          closures + point_springs + Features{Feature::kDrivenJoint},
          {Kind::kTold, "tasks are those of the tree alone, a motor at each of its joints"}},
+        {Command::kEvaluateDerivatives,
+         closures + point_springs + prescribed,
+         {Kind::kRefused,
+          "derivatives would be those of the tree alone, all its joints free; under closures and "
+          "drives allowed: dynwitness linearize"}},
     };
   }
   std::vector<Rule> ofMotionAndParameters() const {
@@ -421,6 +426,8 @@ const char* name(Command command) {
       return "evaluate (qdd, lambda, nu, tau_drive, reactions)";
     case Command::kEvaluateTasks:
       return "evaluate (tasks)";
+    case Command::kEvaluateDerivatives:
+      return "evaluate (derivatives)";
     case Command::kDrift:
       return "drift";
     case Command::kChart:

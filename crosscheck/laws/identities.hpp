@@ -2,6 +2,7 @@
 // The laws that every mechanism's dynamics must obey.
 #pragma once
 
+#include "crosscheck/laws/derivative_laws.hpp"
 #include "crosscheck/laws/energy_laws.hpp"
 #include "crosscheck/laws/gauss_value.hpp"
 #include "crosscheck/laws/projection_laws.hpp"
@@ -17,6 +18,8 @@ using Identities =
          CoriolisMatrix, SkewSymmetry, GradientOfThePotential, LumpingFixedJoints,
          DualityOfTransformations, Projector, SymmetricProjectedInertia, ProjectedTwice,
          DualProjections, IndependenceOfTheRoot, ReactionsAlongAxes, ReactionsAtTheBase,
-         LinearInInertialParameters, ValueOfGauss>;
+         LinearInInertialParameters, ValueOfGauss, ForcesByPosition, ForcesByRate,
+         ForcesByAcceleration, AccelerationsByPosition, AccelerationsByRate, AccelerationsByForce,
+         SymmetricGravityGradient, CoriolisByRate>;
 
 }  // namespace dynwitness::crosscheck

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "crosscheck/laws/law.hpp"
-#include "crosscheck/scalars/dual.hpp"
+#include "crosscheck/scalars/moving_state.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "recursive/derivatives.hpp"
 #include "recursive/factorization.hpp"
 #include "recursive/joint_forces.hpp"
 #include "recursive/projection.hpp"
@@ -52,7 +53,7 @@ class SweptMechanism {
   SweptMechanism(const scene::Mechanism& mechanism, const Numbers& numbers,
                  recursive::Model<T> lumped, recursive::Model<T> kept);
 
-  /// To this state (its tau is not used).
+  /// To this state; its tau is any direction (alongTau()).
   SweptMechanism& at(scene::State<T> state);
 
   const scene::State<T>& state() const { return state_; }
@@ -94,6 +95,21 @@ class SweptMechanism {
   const MatrixX& potentialGradient();
   /// Of all links, about the world's origin.
   MatrixX momentumRate();
+  /// Of tau by Newton-Euler along a direction of q, qd and qdd.
+  MatrixX tauRate(const Direction<T>& along);
+  /// Of qdd by articulated bodies along a direction of q, qd and tau.
+  MatrixX qddRate(const Direction<T>& along);
+
+  // ---- derivatives by sweeps of their own -------------------------------------------------------
+
+  /// u: one number a rate, drawn for the state, that has no part in its motion. One direction of
+  /// numbers drawn at random says as much about a matrix as all its columns: what is wrong with it
+  /// is a polynomial in u as well.
+  const std::vector<T>& anyDirection() const { return state_.tau; }
+  const recursive::InverseDynamicsDerivatives<T>& ofInverse();
+  const recursive::ForwardDynamicsDerivatives<T>& ofForward();
+  /// dg/dq: at rest, of weights and springs alone.
+  MatrixX stiffness();
 
   // ---- with fixed joints kept -------------------------------------------------------------------
 
@@ -117,8 +133,11 @@ class SweptMechanism {
 
  private:
   /// Positions that move as they do at these rates.
-  std::vector<scene::JointPosition<Moving>> movingAt(const std::vector<T>& qd) const;
+  std::vector<scene::JointPosition<Moving>> movingAt(const std::vector<T>& qd) const {
+    return moving(model_, state_.x, qd);
+  }
   std::vector<Moving> movingRates() const;
+  static MatrixX derivatives(const std::vector<Moving>& v);
   /// Of a symmetric matrix.
   static MatrixX inverseOf(MatrixX D);
   /// @param swept  a copy of what the sweep of free_ left
@@ -131,6 +150,8 @@ class SweptMechanism {
     Kept<std::vector<recursive::Force<T>>> reactions;
     Kept<std::vector<T>> qdd_free;
     Kept<std::vector<PassedJoint<T>>> passed;
+    Kept<recursive::InverseDynamicsDerivatives<T>> of_inverse;
+    Kept<recursive::ForwardDynamicsDerivatives<T>> of_forward;
   };
 
   recursive::Model<T> model_, kept_;
@@ -139,6 +160,7 @@ class SweptMechanism {
   /// Those of kept_ and free_ hold one sweep each; the others serve whatever is asked.
   recursive::Workspace<T> ws_, ws_free_, ws_kept_;
   recursive::Workspace<Moving> ws_moving_;
+  recursive::DerivativesWorkspace<T> room_;
   std::vector<scene::InertialParameter> parameters_;
   std::vector<T> pi_;
   scene::State<T> state_;
@@ -161,6 +183,7 @@ SweptMechanism<T>::SweptMechanism(const scene::Mechanism& mechanism, const Numbe
       ws_free_(free_),
       ws_kept_(kept_),
       ws_moving_(moving_),
+      room_(model_),
       parameters_(scene::inertialParameters(mechanism)),
       pi_(recursive::inertialValues(mechanism, parameters_, numbers)) {}
 
@@ -283,6 +306,58 @@ recursive::MatrixX<T> SweptMechanism<T>::momentumRate() {
 }
 
 template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::derivatives(const std::vector<Moving>& v) {
+  MatrixX out(v.size(), 1);
+  for (std::size_t i = 0; i < v.size(); ++i) out(i, 0) = v[i].derivative;
+  return out;
+}
+
+template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::tauRate(const Direction<T>& along) {
+  const scene::State<Moving> at = moving(model_, state_, along);
+  std::vector<Moving> tau(n(), Moving(T(0)));
+  recursive::inverseDynamics(moving_, at.x, at.qd, at.qdd, ws_moving_, tau);
+  return derivatives(tau);
+}
+
+template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::qddRate(const Direction<T>& along) {
+  scene::State<T> state = state_;
+  state.tau.assign(tau().data(), tau().data() + n());
+  const scene::State<Moving> at = moving(model_, state, along);
+  std::vector<Moving> qdd(n(), Moving(T(0)));
+  recursive::forwardDynamics(moving_, at.x, at.qd, at.tau, ws_moving_, qdd);
+  return derivatives(qdd);
+}
+
+template <typename T>
+const recursive::InverseDynamicsDerivatives<T>& SweptMechanism<T>::ofInverse() {
+  return known_.of_inverse([&] {
+    recursive::InverseDynamicsDerivatives<T> out(model_);
+    recursive::inverseDynamicsDerivatives(model_, state_.x, state_.qd, state_.qdd, room_, out);
+    return out;
+  });
+}
+
+template <typename T>
+const recursive::ForwardDynamicsDerivatives<T>& SweptMechanism<T>::ofForward() {
+  return known_.of_forward([&] {
+    recursive::InverseDynamicsDerivatives<T> of_tau = ofInverse();
+    recursive::ForwardDynamicsDerivatives<T> out(model_);
+    recursive::solveForAccelerations(model_, room_, of_tau, out);
+    return out;
+  });
+}
+
+template <typename T>
+recursive::MatrixX<T> SweptMechanism<T>::stiffness() {
+  recursive::InverseDynamicsDerivatives<T> out(model_);
+  recursive::inverseDynamicsDerivatives(model_, state_.x, zeros(), zeros(), room_, out,
+                                        recursive::Terms::potential());
+  return out.dtau_dq;
+}
+
+template <typename T>
 const recursive::MatrixX<T>& SweptMechanism<T>::tauWithFixedJoints() {
   return known_.tau_kept([&] {
     std::vector<T> tau(kept_.dof(), T(0));
@@ -369,16 +444,6 @@ PassedJoint<T> SweptMechanism<T>::passedJoint(int i, recursive::Workspace<T>& sw
   joint.inverse_D = inverseOf(MatrixX(joint.d + MatrixX(joint.Z.transpose() * M_Z)));
   joint.leak = joint.d - MatrixX(joint.Z.transpose() * joint.G);
   return joint;
-}
-
-template <typename T>
-std::vector<scene::JointPosition<Dual<T>>> SweptMechanism<T>::movingAt(
-    const std::vector<T>& qd) const {
-  std::vector<T> rates(state_.x.size(), T(0));
-  recursive::positionRates(model_, state_.x, qd, rates);
-  std::vector<scene::JointPosition<Moving>> out;
-  for (std::size_t i = 0; i < state_.x.size(); ++i) out.push_back(moving(state_.x[i], rates[i]));
-  return out;
 }
 
 template <typename T>

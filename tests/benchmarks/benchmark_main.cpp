@@ -35,9 +35,9 @@ constexpr const char* kUsage =
 
 Times inverse dynamics (ID), the mass matrix (M) and forward dynamics (FD) of an arm and a humanoid by
 our sweeps and kernels, made by two compilers, beside the engines, all in one run on the same states;
-the derivation, with SymPy's beside it; making a kernel; a whole crosscheck. Counts operations of
-kernels. Prints ratios to MuJoCo and to Simbody, and for every goal whether it is reached or by how much
-it is missed. Takes some minutes.
+their first derivatives (dtau, dqdd) by sweeps and by dual numbers; the derivation, with SymPy's
+beside it; making a kernel; a whole crosscheck. Counts operations of kernels. Prints ratios to MuJoCo and to Simbody,
+and for every goal whether it is reached or by how much it is missed. Takes some minutes.
 
 Repetitions come in random order, so that a busy moment of the machine does not hit one contender
 alone, and the fastest counts.
@@ -54,7 +54,7 @@ alone, and the fastest counts.
   --help            this text
 
 Options of google-benchmark are passed on; these are the useful ones:
-  --benchmark_filter=REGEX     SCENE/FORMULA/CONTENDER, as franka_panda/ID/ or /fast
+  --benchmark_filter=REGEX     SCENE/FORMULA/CONTENDER, as franka_panda/ID/, /dtau/ or /fast
   --benchmark_list_tests=true  which there are
   --benchmark_repetitions=N    [{}]
   --benchmark_min_time=S       of a repetition [{}]
@@ -226,6 +226,7 @@ int run(int argc, char** argv) {
   // first: it asks how much memory a derivation takes, before there is some that lies idle
   benchmarks::registerDerivations(&result);
   benchmarks::registerSweeps(&result);
+  benchmarks::registerDerivatives(&result);
   benchmarks::registerStarts(&result);
   benchmarks::registerEngines(&result, engines_asked, limits);
 

@@ -11,89 +11,19 @@
 #include "recursive/closed_dynamics.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 #include "recursive/operational_space.hpp"
-#include "scene/mimic.hpp"
-#include "symbolic/equations.hpp"
-#include "symbolic/program.hpp"
-#include "tests/fixtures/compiled_sweeps.hpp"
-#include "tests/fixtures/fixtures.hpp"
+#include "tests/fixtures/wrist.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;
 using namespace dynwitness::recursive;
 using fixtures::mismatch;
 using fixtures::Q;
+using fixtures::wrist;
+using fixtures::Wrist;
 
 namespace {
 
 constexpr int kSeeds = 4;
-
-/** A random tree each joint of which has a gyroscopic rotor, a spring and friction of either
-    direction, with a load on every link.
-    @param helical    every second turning joint is a screw: the sweeps for all kinds of joints
-    @param followers  so many of the last joints follow others */
-scene::Mechanism wrist(std::uint64_t seed, int moving, bool helical = false, int followers = 0) {
-  fixtures::Sampler sample(seed + 77);
-  scene::Mechanism m = fixtures::randomTree(moving, seed).mechanism;
-  m.wrenches.clear();
-  int turning = 0;
-  std::vector<int> joints;
-  for (int i = 1; i < static_cast<int>(m.links.size()); ++i) {
-    scene::Wrench load;
-    load.link = i;
-    load.force = fixtures::vectorOf(sample.vector());
-    load.moment = fixtures::vectorOf(sample.vector());
-    load.at = fixtures::vectorOf(sample.vector());
-    load.axes = sample.pick(2) == 0 ? scene::Wrench::Axes::kLink : scene::Wrench::Axes::kWorld;
-    m.wrenches.push_back(load);
-    scene::Joint& joint = m.links[i].joint;
-    if (joint.kind == JointKind::kFixed) continue;
-    joint.gyroscopic = true;
-    joint.friction.viscous = fixtures::numberOf(sample.positive());
-    joint.friction.positive = fixtures::numberOf(sample.positive());
-    joint.friction.negative = fixtures::numberOf(sample.positive());
-    if (helical && joint.kind == JointKind::kRevolute && turning++ % 2 == 0) {
-      joint.kind = JointKind::kHelical;
-      joint.pitch = fixtures::numberOf(sample.rational());
-    }
-    joints.push_back(i);
-  }
-  for (int k = 0; k < followers; ++k) {
-    const int leader = joints[static_cast<std::size_t>(sample.pick(moving - followers))];
-    m.links[static_cast<std::size_t>(joints[joints.size() - 1 - static_cast<std::size_t>(k)])]
-        .joint.mimic =
-        scene::Mimic{m.links[static_cast<std::size_t>(leader)].joint.name,
-                     fixtures::numberOf(sample.rational()), fixtures::numberOf(sample.rational())};
-  }
-  return m;
-}
-
-struct Wrist {
-  Wrist(const scene::Mechanism& mechanism, std::uint64_t seed)
-      : m(mechanism),
-        number(m),
-        model(buildModel(m, number)),
-        ws(model),
-        state(fixtures::randomState(model.positions, seed)) {
-    const auto n = static_cast<std::size_t>(model.dof());
-    state.qd.resize(n);
-    state.qdd.resize(n);
-    state.tau.resize(n);
-    for (const scene::Follower& f : scene::followers(m))  // its spring knows where it is
-      state.x[f.slot].q = Q(f.multiplier) * state.x[f.leader_slot].q + number(f.offset);
-  }
-  /// tau of the state's qdd.
-  std::vector<Q> lagrange() const {
-    symbolic::Equations e = symbolic::derive(m);
-    const symbolic::Program program = symbolic::compile(e.graph, symbolic::inverseDynamics(e));
-    return symbolic::ProgramRun<Q>(program, number)(state);
-  }
-
-  scene::Mechanism m;
-  fixtures::RationalNumbers number;
-  Model<Q> model;
-  Workspace<Q> ws;
-  scene::State<Q> state;
-};
 
 void requireBothWays(Wrist wrist) {
   const std::vector<Q> lagrange = wrist.lagrange();

@@ -28,6 +28,7 @@ long allocations = 0;
 #include "recursive/composite_body.hpp"
 #include "recursive/constrained_dynamics.hpp"
 #include "recursive/constraints.hpp"
+#include "recursive/derivatives.hpp"
 #include "recursive/energy.hpp"
 #include "recursive/fast/dynamics.hpp"
 #include "recursive/newton_euler.hpp"
@@ -130,6 +131,17 @@ BOOST_DATA_TEST_CASE(the_mass_matrix_allocates_nothing, data::make(kScenes), sce
   Bench b(scene);
   BOOST_TEST(allocationsIn([&] { massMatrix(b.model, b.x, b.ws, b.M); }) == 0);
   BOOST_TEST(b.M(0, 0) > 0);
+}
+
+BOOST_DATA_TEST_CASE(derivatives_allocate_nothing, data::make(kScenes), scene) {
+  Bench b(scene);
+  DerivativesWorkspace<double> room(b.model);
+  InverseDynamicsDerivatives<double> of_tau(b.model);
+  ForwardDynamicsDerivatives<double> of_qdd(b.model);
+  BOOST_TEST(allocationsIn([&] {
+               forwardDynamicsDerivatives(b.model, b.x, b.qd, b.in, room, of_tau, of_qdd);
+             }) == 0);
+  BOOST_TEST(of_qdd.dqdd_dq.cwiseAbs().maxCoeff() > 0);
 }
 
 BOOST_DATA_TEST_CASE(the_fast_sweeps_allocate_nothing, data::make(kScenes), scene) {

@@ -218,6 +218,8 @@ Call callOf(Command command) {
       return {"evaluate scene --quantity qdd", ""};
     case Command::kEvaluateTasks:
       return {"evaluate scene --quantity Lambda,task_torque", ""};
+    case Command::kEvaluateDerivatives:
+      return {"evaluate scene --quantity dtau_dq,dtau_dqd,dqdd_dq,dqdd_dqd,dqdd_dtau", ""};
     case Command::kDrift:
       return {"drift scene --duration 0.1 --step 0.01,0.005", ""};
     case Command::kChart:

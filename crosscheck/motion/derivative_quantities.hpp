@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Derivatives of a tree's equations of motion that `evaluate` answers.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "scene/scene.hpp"
+#include "scene/state.hpp"
+
+namespace dynwitness::crosscheck {
+
+/** n x n each, row i of tau_i or qdd_i, column j by q_j, qd_j or tau_j; d tau/dqdd is M.
+      dtau_dq    of the tau that the state's qdd takes
+      dtau_dqd   whatever qdd
+      dqdd_dq    of the qdd that the state's tau makes
+      dqdd_dqd   whatever tau
+      dqdd_dtau  1/M
+    Of spherical and floating joints q_j moves as at a unit rate qd_j: along the body's axes. */
+enum class DerivativeQuantity { kDtauDq, kDtauDqd, kDqddDq, kDqddDqd, kDqddDtau };
+const char* name(DerivativeQuantity quantity);
+std::optional<DerivativeQuantity> derivativeQuantityNamed(const std::string& name);
+std::vector<std::string> derivativeQuantityNames();
+
+/// By the sweeps of recursive/derivatives.hpp.
+class DerivativeQuantities {
+ public:
+  /// @throws scene::InputError  what Command::kEvaluateDerivatives refuses
+  explicit DerivativeQuantities(const scene::Scene& scene);
+  ~DerivativeQuantities();
+
+  /// "dtau1_dq2", row by row.
+  std::vector<std::string> columns(DerivativeQuantity quantity) const;
+  /// Their units, "N m/rad".
+  std::vector<std::string> units(DerivativeQuantity quantity) const;
+
+  /// n x n. @param state  with the qdd or tau that the quantity hangs on
+  /// @throws scene::InputError  by a rate of a joint with Coulomb friction that rests, which has no
+  ///   derivative there
+  Eigen::MatrixXd value(DerivativeQuantity quantity, const scene::State<double>& state);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace dynwitness::crosscheck

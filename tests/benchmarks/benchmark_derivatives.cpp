@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// First derivatives of tau (by q, qd, qdd) and of qdd (by q, qd, tau): sweeps of their own beside
+// the other sweeps on dual numbers, column by column, in one run on the same states.
+#include <fmt/format.h>
+
+#include "crosscheck/inputs/states.hpp"
+#include "crosscheck/scalars/lifted.hpp"
+#include "crosscheck/scalars/moving_state.hpp"
+#include "recursive/articulated_body.hpp"
+#include "recursive/build_model.hpp"
+#include "recursive/derivatives.hpp"
+#include "recursive/newton_euler.hpp"
+#include "scene/scene.hpp"
+#include "tests/benchmarks/benchmark_parts.hpp"
+#include "tests/benchmarks/fast_by_compiler.hpp"
+
+namespace dynwitness::benchmarks {
+namespace {
+
+using namespace crosscheck;
+using recursive::Model;
+using Moving = Dual<double>;
+
+struct Arm {
+  explicit Arm(const std::string& name)
+      : scene(scene::findScene(name)),
+        model(recursive::buildModel(scene.mechanism, scene::RealNumbers<double>(scene.mechanism))) {
+    for (int k = 0; k < kStates; ++k)
+      states.push_back(
+          drawState(scene.mechanism, scene.name, kSeed, static_cast<std::uint64_t>(k)));
+  }
+  /// The next state; its cosines and sines are paid for here, as in the other benchmarks.
+  const scene::State<double>& next() {
+    scene::State<double>& state = states[index = (index + 1) % kStates];
+    for (scene::JointPosition<double>& x : state.x) x = scene::jointPosition(x.q);
+    return state;
+  }
+
+  scene::Scene scene;
+  Model<double> model;
+  std::vector<scene::State<double>> states;
+  std::size_t index = 0;
+};
+
+void swept(benchmark::State& run, const std::string& scene, bool of_accelerations) {
+  Arm arm(scene);
+  recursive::DerivativesWorkspace<double> room(arm.model);
+  recursive::InverseDynamicsDerivatives<double> of_tau(arm.model);
+  recursive::ForwardDynamicsDerivatives<double> of_qdd(arm.model);
+  std::vector<double> qdd(static_cast<std::size_t>(arm.model.dof()));
+  for (auto _ : run) {
+    const scene::State<double>& s = arm.next();
+    if (of_accelerations) {
+      recursive::forwardDynamics(arm.model, s.x, s.qd, s.tau, room.ws, qdd);
+      recursive::forwardDynamicsDerivatives(arm.model, s.x, s.qd, qdd, room, of_tau, of_qdd);
+    } else {
+      recursive::inverseDynamicsDerivatives(arm.model, s.x, s.qd, s.qdd, room, of_tau);
+    }
+    benchmark::DoNotOptimize(of_tau.M.data());
+    benchmark::ClobberMemory();
+  }
+}
+
+/// Each column a sweep: of M and of 1/M as well.
+void byDuals(benchmark::State& run, const std::string& scene, bool of_accelerations) {
+  Arm arm(scene);
+  const Model<Moving> model = lifted<Moving>(arm.model);
+  recursive::Workspace<Moving> ws(model);
+  const int n = model.dof();
+  std::vector<Moving> out(static_cast<std::size_t>(n), Moving(0.0));
+  Eigen::MatrixXd columns(n, 3 * n);
+  using Part = std::vector<double> Direction<double>::*;
+  const Part parts[] = {&Direction<double>::q, &Direction<double>::qd,
+                        of_accelerations ? &Direction<double>::tau : &Direction<double>::qdd};
+  for (auto _ : run) {
+    const scene::State<double>& s = arm.next();
+    for (int part = 0; part < 3; ++part)
+      for (int k = 0; k < n; ++k) {
+        Direction<double> unit;
+        (unit.*parts[part]).assign(static_cast<std::size_t>(n), 0.0);
+        (unit.*parts[part])[static_cast<std::size_t>(k)] = 1;
+        const scene::State<Moving> at = moving(arm.model, s, unit);
+        if (of_accelerations)
+          recursive::forwardDynamics(model, at.x, at.qd, at.tau, ws, out);
+        else
+          recursive::inverseDynamics(model, at.x, at.qd, at.qdd, ws, out);
+        for (int i = 0; i < n; ++i)
+          columns(i, part * n + k) = out[static_cast<std::size_t>(i)].derivative;
+      }
+    benchmark::DoNotOptimize(columns.data());
+    benchmark::ClobberMemory();
+  }
+}
+
+}  // namespace
+
+void registerDerivatives(BenchResult* result) {
+  const std::string own = kFastByOwn.compiler();
+  addContender(result, {"recursive", "textbook sweeps, " + own, true});
+  addContender(result, {"duals", "textbook sweeps on dual numbers, " + own, true});
+  for (const char* scene : kScenes)
+    for (const auto& [what, of_accelerations] : {std::pair("dtau", false), {"dqdd", true}})
+      for (const auto& [by, function] : {std::pair("recursive", swept), {"duals", byDuals}})
+        benchmark::RegisterBenchmark(
+            fmt::format("{}/{}/{}", scene, what, by).c_str(),
+            [=, function = function, of_accelerations = of_accelerations](benchmark::State& run) {
+              function(run, scene, of_accelerations);
+            });
+}
+
+}  // namespace dynwitness::benchmarks
