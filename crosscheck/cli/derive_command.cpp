@@ -67,13 +67,44 @@ std::string operationsTable(const scene::Scene& scene) {
 }
 
 std::string htmlPage(const std::string& title, const std::string& body) {
+  static constexpr const char* kStyle = R"(
+body { font: 1rem/1.6 serif; max-width: 46rem; margin: 2rem auto; padding: 0 1rem }
+summary { cursor: pointer }
+.step { margin: 1.2rem 0 } .step > summary { font-weight: bold }
+.equation { display: flex; align-items: center; gap: .6rem }
+.equation math { font-size: 1.1em; overflow-x: auto; overflow-y: hidden; padding: .2rem 0; flex: 1 }
+.equation button { font-size: .7rem; opacity: .6 }
+.holds, .fails { font-size: .9rem } .fails { font-weight: bold }
+@media print { .equation button, .holds { display: none } }
+)";
+  // a browser without a clipboard (a file opened from disk in some) shows no buttons
+  static constexpr const char* kScript = R"(
+if (navigator.clipboard) for (const line of document.querySelectorAll('.equation')) {
+  const button = document.createElement('button');
+  button.textContent = 'copy LaTeX';
+  button.onclick = () => navigator.clipboard.writeText(line.dataset.latex);
+  line.append(button);
+}
+)";
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<style>body {{ font: 1rem/1.6 serif; max-width: 46rem; margin: 2rem auto; padding: 0 1rem "
-      "}}\n"
-      "math {{ font-size: 1.1em; overflow-x: auto; padding: .2rem 0 }}</style></head>\n"
-      "<body><h1>{0}</h1>\n{1}</body></html>\n",
+      "<style>{2}</style></head>\n<body><h1>{0}</h1>\n{1}<script>{3}</script></body></html>\n",
+      title, body, kStyle, kScript);
+}
+
+std::string latexDocument(const std::string& title, const std::string& body) {
+  return fmt::format(
+      "\\documentclass{{article}}\n"
+      "\\usepackage[T1]{{fontenc}}\n\\usepackage[utf8]{{inputenc}}\n\\usepackage{{amsmath}}\n"
+      "\\usepackage[a4paper, margin=25mm]{{geometry}}\n"
+      "% an equation is a paragraph, so that long ones are broken at their signs\n"
+      "\\newcommand{{\\hangpara}}{{\\hangindent=2em\\hangafter=1\\noindent\\hspace*{{1em}}}}\n"
+      "\\binoppenalty=100 \\relpenalty=50 \\allowdisplaybreaks\n"
+      "\\setlength{{\\parindent}}{{0pt}}\\setlength{{\\parskip}}{{0.4em}}\n"
+      "\\title{{{0}}}\\date{{}}\n"
+      "\\begin{{document}}\n\\maketitle\\raggedright\n{1}\\end{{document}}\n",
       title, body);
 }
 
@@ -90,9 +121,7 @@ symbolic::Derivation only(symbolic::Derivation derivation, const std::string& qu
   if (quantity == "all") return derivation;
   std::vector<symbolic::Step> kept;
   for (const symbolic::Step& step : derivation.steps)
-    if (step.name.rfind(quantity + "_", 0) == 0 ||
-        (quantity == "c" && step.name.rfind("Christoffel", 0) == 0))
-      kept.push_back(step);
+    if (step.quantity == quantity) kept.push_back(step);
   if (kept.empty()) refuseOnly(quantity);
   derivation.steps = kept;
   return derivation;
@@ -124,10 +153,13 @@ int runDerive(const DeriveArguments& arguments) {
     holds = whole.holds();
     const symbolic::Derivation shown = only(whole, arguments.quantity);
     if (arguments.format == "html")
-      text = htmlPage(scene.title, symbolic::print(shown, symbolic::Style::kMathml));
+      text = htmlPage(symbolic::printText(scene.title, symbolic::Style::kMathml),
+                      symbolic::print(shown, symbolic::Style::kMathml));
+    else if (arguments.format == "latex")
+      text = latexDocument(symbolic::printText(scene.title, symbolic::Style::kLatex),
+                           symbolic::print(shown, symbolic::Style::kLatex));
     else
-      text = symbolic::print(
-          shown, arguments.format == "latex" ? symbolic::Style::kLatex : symbolic::Style::kText);
+      text = symbolic::print(shown, symbolic::Style::kText);
   }
   progress.reset();
   if (arguments.output.empty())
