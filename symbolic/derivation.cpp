@@ -29,19 +29,40 @@ std::string christoffelName(int i, int j, int k) {
 }
 
 /// M qdd + c + g = tau (+ Q), row i.
-Equation equationOfMotion(const Equations& e, int i) {
+StepEquation equationOfMotion(Equations& e, int i) {
+  Graph& graph = e.graph;
+  Node left_value = graph.add(e.c[i], e.g[i]);
   std::vector<Formula> left;
-  for (int j = 0; j < e.dof(); ++j)
-    if (!e.graph.isZero(e.M[i][j]))
-      left.push_back(
-          Formula::product({Formula::ofSymbol(numbered("M", std::min(i, j), std::max(i, j))),
-                            Formula::ofInput(Input::kAcceleration, j)}));
+  for (int j = 0; j < e.dof(); ++j) {
+    if (graph.isZero(e.M[i][j])) continue;
+    left.push_back(
+        Formula::product({Formula::ofSymbol(numbered("M", std::min(i, j), std::max(i, j))),
+                          Formula::ofInput(Input::kAcceleration, j)}));
+    left_value =
+        graph.add(left_value, graph.multiply(e.M[i][j], graph.input(Input::kAcceleration, j)));
+  }
   if (!e.graph.isZero(e.c[i])) left.push_back(Formula::ofSymbol(numbered("c", i)));
   if (!e.graph.isZero(e.g[i])) left.push_back(Formula::ofSymbol(numbered("g", i)));
-  std::vector<Formula> right{Formula::ofSymbol(numbered("tau", i))};
+  std::vector<Formula> right{Formula::ofInput(Input::kForce, i)};
   if (!e.graph.isZero(e.Q[i])) right.push_back(Formula::ofSymbol(numbered("Q", i)));
-  return {Formula::sum(left), Formula::sum(right)};
+  return {{Formula::sum(left), Formula::sum(right)},
+          left_value,
+          graph.add(graph.input(Input::kForce, i), e.Q[i])};
 }
+
+bool anyOf(const Graph& graph, const std::vector<Node>& nodes) {
+  return std::any_of(nodes.begin(), nodes.end(), [&](Node node) { return !graph.isZero(node); });
+}
+bool isLoaded(const Equations& e) {
+  return anyOf(e.graph, e.Q);
+}
+const char* loadsSentence(const Equations& e) {
+  return anyOf(e.graph, e.friction)
+             ? "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i - dR/dqd_i, "
+               "R = sum of viscous qd^2/2 + coulomb |qd|."
+             : "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i.";
+}
+constexpr const char* kLoadsCheck = "without -dR/dqd_i depends on the position alone";
 
 // ---- closed forms -------------------------------------------------------------------------------
 
@@ -94,8 +115,9 @@ class ClosedSteps {
   bool isZero(const Ex& x) { return algebra_.isZero(x); }
   bool equals(const Ex& x, Node node) { return isZero(x - algebra_.expression(node)); }
   Ex expression(const Value& value) { return algebra_.expression(value.node); }
-  Equation equation(const std::string& name, const Ex& x) {
-    return {Formula::ofSymbol(name), algebra_.formula(x)};
+  /// name = x, which the graph has as a node.
+  StepEquation equation(const std::string& name, const Ex& x, Node node) {
+    return {{Formula::ofSymbol(name), algebra_.formula(x)}, {}, node};
   }
   Ex velocity(int i) { return algebra_.input(Input::kVelocity, i); }
   Ex byPosition(const Ex& x, int i) { return algebra_.derivative(x, {Input::kPosition, i}); }
@@ -105,7 +127,19 @@ class ClosedSteps {
                      Step* step) {
     for (int k = 0; k < 3; ++k)
       if (const Ex x = expression(vector[k]); !isZero(x))
-        step->equations.push_back(equation(letter + std::string(1, "xyz"[k]) + "_" + link, x));
+        step->equations.push_back(
+            equation(letter + std::string(1, "xyz"[k]) + "_" + link, x, vector[k].node));
+  }
+
+  /// By the graph, from the matrix of the composite bodies.
+  Node christoffelSymbol(int i, int j, int k) {
+    const auto slope = [this](int row, int column, int by) {
+      return positionGradient(e_, e_.M[row][column])[by];
+    };
+    Graph& graph = e_.graph;
+    return graph.multiply(
+        graph.constant(Rational(1, 2)),
+        graph.subtract(graph.add(slope(i, j, k), slope(i, k, j)), slope(j, k, i)));
   }
 
   void positions();
@@ -183,7 +217,7 @@ void ClosedSteps::energies() {
     Ex twice = 0;
     for (int j = 0; j < n_; ++j) twice += velocity(j) * byVelocity(T, j);
     links.holds = links.holds && isZero(twice - 2 * T) && isZero(T - by_positions[i]);
-    links.equations.push_back(equation("T_" + e_.links[i], T));
+    links.equations.push_back(equation("T_" + e_.links[i], T, e_.link_kinetic[i]));
   }
   steps.back().holds = links.holds;  // of the velocities
   steps.push_back(links);
@@ -194,7 +228,7 @@ void ClosedSteps::energies() {
       quadratic += algebra_.expression(e_.M[i][j]) * velocity(i) * velocity(j) / 2;
   steps.push_back({"kinetic energy T",
                    "The sum over the links.",
-                   {equation("T", f_.kinetic)},
+                   {equation("T", f_.kinetic, e_.kinetic)},
                    "T = qd' M qd / 2, with M from the composite bodies outboard of each joint",
                    isZero(f_.kinetic - quadratic)});
 
@@ -205,7 +239,7 @@ void ClosedSteps::energies() {
     constant_difference = constant_difference && isZero(byPosition(f_.potential - shares, i));
   steps.push_back({"potential energy V",
                    "Minus gravity times the first moment of mass, and what the springs store.",
-                   {equation("V", f_.potential)},
+                   {equation("V", f_.potential, e_.potential)},
                    "V differs from the sum of the links' shares by a constant",
                    constant_difference});
 }
@@ -217,7 +251,7 @@ void ClosedSteps::momenta() {
             "GiNaC's derivative equals that of the program in reverse mode",
             true};
   for (int i = 0; i < n_; ++i) {
-    step.equations.push_back(equation(numbered("p", i), f_.p[i]));
+    step.equations.push_back(equation(numbered("p", i), f_.p[i], e_.p[i]));
     step.holds = step.holds && equals(f_.p[i], e_.p[i]);
   }
   steps.push_back(step);
@@ -235,7 +269,7 @@ void ClosedSteps::massMatrix() {
   for (int i = 0; i < n_; ++i) {
     for (int j = i; j < n_; ++j) {
       const std::string name = numbered("M", i, j);
-      step.equations.push_back(equation(name, f_.M[i][j]));
+      step.equations.push_back(equation(name, f_.M[i][j], e_.M[i][j]));
       step.holds = step.holds && isZero(f_.M[i][j] - f_.M[j][i]) && equals(f_.M[i][j], e_.M[i][j]);
       for (const int at : {i * n_ + j, j * n_ + i}) {
         entries[at] = step.equations.back().right;
@@ -246,8 +280,10 @@ void ClosedSteps::massMatrix() {
   }
   if (n_ > 1)
     step.equations.push_back(
-        {Formula::ofSymbol("M"), Formula::matrix(width * n_ <= kWidestMatrix ? entries : names,
-                                                 static_cast<std::size_t>(n_))});
+        {{Formula::ofSymbol("M"), Formula::matrix(width * n_ <= kWidestMatrix ? entries : names,
+                                                  static_cast<std::size_t>(n_))},
+         {},
+         {}});
   steps.push_back(step);
 }
 
@@ -266,7 +302,8 @@ void ClosedSteps::christoffelSymbols() {
         step.holds = step.holds && isZero(gamma - f_.Gamma[i][k][j]) &&
                      isZero(byPosition(f_.M[i][j], k) - gamma - f_.Gamma[j][i][k]);
         if (k >= j && !isZero(gamma))
-          step.equations.push_back(equation(christoffelName(i, j, k), gamma));
+          step.equations.push_back(
+              equation(christoffelName(i, j, k), gamma, christoffelSymbol(i, j, k)));
       }
     }
   }
@@ -287,9 +324,9 @@ void ClosedSteps::forces() {
                true,
                "g"};
   for (int i = 0; i < n_; ++i) {
-    coriolis.equations.push_back(equation(numbered("c", i), f_.c[i]));
+    coriolis.equations.push_back(equation(numbered("c", i), f_.c[i], e_.c[i]));
     coriolis.holds = coriolis.holds && equals(f_.c[i], e_.c[i]);
-    gravity.equations.push_back(equation(numbered("g", i), f_.g[i]));
+    gravity.equations.push_back(equation(numbered("g", i), f_.g[i], e_.g[i]));
     gravity.holds = gravity.holds && equals(f_.g[i], e_.g[i]);
   }
   steps.push_back(coriolis);
@@ -297,21 +334,14 @@ void ClosedSteps::forces() {
 }
 
 void ClosedSteps::loads() {
-  Step step{"loads Q", "", {}, "", true};
-  bool rubs = false;
+  if (!isLoaded(e_)) return;
+  Step step{"loads Q", loadsSentence(e_), {}, kLoadsCheck, true};
   for (int i = 0; i < n_; ++i) {
     if (e_.graph.isZero(e_.Q[i])) continue;
-    rubs = rubs || !e_.graph.isZero(e_.friction[i]);
     const Ex Q = algebra_.expression(e_.Q[i]), wrenches = Q + algebra_.expression(e_.friction[i]);
     for (int j = 0; j < n_; ++j) step.holds = step.holds && isZero(byVelocity(wrenches, j));
-    step.equations.push_back(equation(numbered("Q", i), Q));
+    step.equations.push_back(equation(numbered("Q", i), Q, e_.Q[i]));
   }
-  if (step.equations.empty()) return;
-  step.sentence = rubs ? "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i "
-                         "- dR/dqd_i, R = sum of viscous qd^2/2 + coulomb |qd|."
-                       : "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i.";
-  step.check =
-      rubs ? "without dR/dqd_i depends on the position alone" : "depends on the position alone";
   steps.push_back(step);
 }
 
@@ -322,8 +352,7 @@ void ClosedSteps::equationsOfMotion() {
             {},
             "the left side equals d/dt (dL/dqd_i) - dL/dq_i by GiNaC",
             true};
-  if (std::any_of(e_.Q.begin(), e_.Q.end(), [&](Node Q) { return !e_.graph.isZero(Q); }))
-    step.sentence += " Loads Q stand beside tau.";
+  if (isLoaded(e_)) step.sentence += " Loads Q stand beside tau.";
   for (int i = 0; i < n_; ++i) {
     Ex row = f_.c[i] + f_.g[i];
     std::vector<Formula> terms;
@@ -335,7 +364,7 @@ void ClosedSteps::equationsOfMotion() {
     }
     for (const Ex& x : {f_.c[i], f_.g[i]})
       if (!isZero(x)) terms.push_back(algebra_.formula(x));
-    Equation equation = equationOfMotion(e_, i);
+    StepEquation equation = equationOfMotion(e_, i);
     if (const Formula written_out = flatSum(terms); length(written_out) <= kLongestRow)
       equation.left = written_out;
     step.equations.push_back(equation);
@@ -475,6 +504,17 @@ Residuals residualsOf(Equations& e) {
   return r;
 }
 
+/// How Q without friction changes with the rates, in a direction of any numbers: not at all.
+std::vector<Node> rateSlopes(Equations& e) {
+  std::vector<Node> wrenches;
+  Direction any;
+  for (int i = 0; i < e.dof(); ++i) {
+    wrenches.push_back(e.graph.add(e.Q[i], e.friction[i]));
+    any.push_back({{Input::kVelocity, i}, e.graph.input(Input::kAcceleration, i)});
+  }
+  return e.graph.directionalDerivative(wrenches, any);
+}
+
 /// A result of the program, and the step that it belongs to.
 struct Result {
   std::string name;
@@ -504,21 +544,23 @@ void addLines(const Graph& graph, const std::vector<Result>& results, std::vecto
   }
   for (std::size_t i = 0; i < lines.size(); ++i)
     if (step_of[i] < steps->size())
-      (*steps)[step_of[i]].equations.push_back({Formula::ofSymbol(lines[i].name), lines[i].value});
+      (*steps)[step_of[i]].equations.push_back(
+          {{Formula::ofSymbol(lines[i].name), lines[i].value}, {}, {}});
   for (std::size_t r = 0; r < results.size(); ++r) {
     if (graph.isZero(results[r].node)) continue;
     const auto it = line_of.find(program.outputs[r]);
     const Formula value = it != line_of.end() ? Formula::ofSymbol(lines[it->second].name)
                                               : leafFormula(program, program.outputs[r]);
-    (*steps)[results[r].step].equations.push_back({Formula::ofSymbol(results[r].name), value});
+    (*steps)[results[r].step].equations.push_back(
+        {{Formula::ofSymbol(results[r].name), value}, {}, results[r].node});
   }
 }
 
 std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, int points) {
   const int n = e.dof();
   const std::string at = " at " + std::to_string(points) + " random rational points";
-  constexpr int kChecks = 7;
-  scene::Work work("checks of the steps at rational points", kChecks, 3);
+  const bool loaded = isLoaded(e);
+  scene::Work work("checks of the steps at rational points", loaded ? 8 : 7, 3);
   const auto check = [&](const std::vector<Node>& residuals) {
     const bool holds = vanish(e, residuals, mechanism, points);
     work.done();
@@ -549,6 +591,7 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
       r.force);
   add("gravity and springs g", quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
       "equals the derivative of the links' shares", r.gravity);
+  if (loaded) add("loads Q", loadsSentence(e), kLoadsCheck, rateSlopes(e));
   add("equations of motion",
       quasi ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)."
             : "Lagrange's equations.",
@@ -560,6 +603,7 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
     for (int j = i; j < n; ++j) results.push_back({numbered("M", i, j), e.M[i][j], base + 3});
   for (int i = 0; i < n; ++i) results.push_back({numbered("c", i), e.c[i], base + 4});
   for (int i = 0; i < n; ++i) results.push_back({numbered("g", i), e.g[i], base + 5});
+  for (int i = 0; i < n; ++i) results.push_back({numbered("Q", i), e.Q[i], base + 6});
   addLines(e.graph, results, &steps);
   for (int i = 0; i < n; ++i) steps.back().equations.push_back(equationOfMotion(e, i));
   return steps;
@@ -594,8 +638,11 @@ Derivation derivation(const scene::Mechanism& mechanism, int points) {
   Options options;
   options.regroup_inertias = false;  // the energy of a link is to be that link's
   scene::Work work("", 4);
-  Equations equations = derive(mechanism, options);
+  const auto whole = std::make_shared<Equations>(derive(mechanism, options));
+  Equations& equations = *whole;
   Derivation result;
+  result.mechanism = mechanism;
+  result.equations = whole;
   result.joints = equations.joints;
   result.closed_form = hasClosedForm(mechanism);
   result.steps = result.closed_form ? ClosedSteps(mechanism, options, equations).steps
@@ -641,8 +688,8 @@ std::string print(const Derivation& derivation, Style style) {
         text += "{\\small Check: " + verdict + ".}\n\n";
         break;
       case Style::kMathml:
-        text += "<details class=\"step\" open=\"open\"><summary>" + head + "</summary>\n<p>" + sentence +
-                "</p>\n";
+        text += "<details class=\"step\" open=\"open\"><summary>" + head + "</summary>\n<p>" +
+                sentence + "</p>\n";
         for (const Equation& e : step.equations)
           text += "<div class=\"equation\" data-latex=\"" +
                   printText(print(e, Style::kLatex), style) + "\">" + print(e, style) + "</div>\n";

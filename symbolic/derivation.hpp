@@ -3,6 +3,8 @@
 // exact check that it holds, made anew in every run.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,10 +14,15 @@
 
 namespace dynwitness::symbolic {
 
+/// An equation, and what its sides are in the graph, where they are more than a name.
+struct StepEquation : Equation {
+  std::optional<Node> left_value, right_value;
+};
+
 struct Step {
   std::string name;      ///< "kinetic energy", "c_1", ...
   std::string sentence;  ///< what is done, and from what
-  std::vector<Equation> equations;
+  std::vector<StepEquation> equations;
   std::string check;          ///< what was checked, exactly
   bool holds = false;         ///< its outcome in this run
   std::string quantity = {};  ///< "M", "c" or "g", where it leads to one of these
@@ -25,6 +32,8 @@ struct Derivation {
   std::vector<std::string> joints;
   bool closed_form = false;  ///< otherwise equations are lines of a straight-line program
   std::vector<Step> steps;
+  scene::Mechanism mechanism;
+  std::shared_ptr<const Equations> equations;  ///< what the steps are of
 
   bool holds() const;
 };

@@ -426,7 +426,8 @@ class Printer {
       case Input::kForce:
         return printName("tau" + k, style_);
       case Input::kDirection:
-        return function("sign", Formula::ofInput(Input::kVelocity, f.joint), 1);
+        return function(style_ == Style::kLatex ? "operatorname{sign}" : "sign",
+                        Formula::ofInput(Input::kVelocity, f.joint), 1, true);
       case Input::kRotation:
         return printName(rotation(f.joint), style_);
     }

@@ -18,6 +18,7 @@
 #include "scene/scene.hpp"
 #include "symbolic/derivation.hpp"
 #include "symbolic/print.hpp"
+#include "symbolic/read_back.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -25,7 +26,7 @@ namespace {
 struct DeriveArguments {
   GivenScene scene;
   std::string output, format = "text", quantity = "all";
-  bool operations = false;
+  bool operations = false, proof = false;
 };
 
 /// How many operations each road to each formula takes, the smallest marked.
@@ -137,10 +138,15 @@ int runDerive(const DeriveArguments& arguments) {
                                                      : Command::kDerive);
   std::string text;
   bool holds = true;
+  std::optional<symbolic::ReadBack> proof;
   std::optional<Progress> progress(std::in_place, "derivation of " + scene.name);
   if (arguments.operations) {
     text = operationsTable(scene);
   } else if (is_program) {
+    if (arguments.proof)
+      throw scene::InputError({},
+                              "--proof: c and python are programs that tests run: allowed is "
+                              "--format text, latex or html");
     if (arguments.quantity != "all")
       throw scene::InputError({}, "--quantity: programs compute all of M, c, g: allowed is 'all'");
     symbolic::Equations equations = symbolic::derive(scene.mechanism);
@@ -150,16 +156,18 @@ int runDerive(const DeriveArguments& arguments) {
     if (arguments.quantity != "all" && !symbolic::hasClosedForm(scene.mechanism))
       refuseOnly(arguments.quantity);
     const symbolic::Derivation whole = symbolic::derivation(scene.mechanism);
+    const symbolic::Style style = arguments.format == "html"    ? symbolic::Style::kMathml
+                                  : arguments.format == "latex" ? symbolic::Style::kLatex
+                                                                : symbolic::Style::kText;
     holds = whole.holds();
-    const symbolic::Derivation shown = only(whole, arguments.quantity);
-    if (arguments.format == "html")
-      text = htmlPage(symbolic::printText(scene.title, symbolic::Style::kMathml),
-                      symbolic::print(shown, symbolic::Style::kMathml));
-    else if (arguments.format == "latex")
-      text = latexDocument(symbolic::printText(scene.title, symbolic::Style::kLatex),
-                           symbolic::print(shown, symbolic::Style::kLatex));
-    else
-      text = symbolic::print(shown, symbolic::Style::kText);
+    const auto page = [&](const symbolic::Derivation& derivation) {
+      const std::string body = symbolic::print(derivation, style);
+      if (style == symbolic::Style::kText) return body;
+      const std::string title = symbolic::printText(scene.title, style);
+      return style == symbolic::Style::kMathml ? htmlPage(title, body) : latexDocument(title, body);
+    };
+    text = page(only(whole, arguments.quantity));
+    if (arguments.proof) proof = symbolic::readBack(whole, page(whole), style);
   }
   progress.reset();
   if (arguments.output.empty())
@@ -167,6 +175,15 @@ int runDerive(const DeriveArguments& arguments) {
   else
     crosscheck::writeWholeFile(arguments.output, text);
   if (!holds) tell("dynwitness: a step of the derivation does not hold\n");
+  if (proof && proof->problem.empty()) {
+    tell(fmt::format(
+        "read back from what is printed: {} formulas are what was derived, at {} random "
+        "points modulo 2^61 - 1 (another formula passes with a chance below {:.0g})\n",
+        proof->formulas, proof->points, symbolic::kReadBackChance));
+  } else if (proof) {
+    tell(fmt::format("dynwitness: read back from what is printed: {}\n", proof->problem));
+    holds = false;
+  }
   return holds ? 0 : 1;
 }
 
@@ -185,6 +202,11 @@ Run addDerive(CLI::App* command) {
       ->add_flag("--operations", arguments->operations,
                  "How many operations the programs for ID, M, c, g and FD take, by each road")
       ->excludes("--format", "--quantity");
+  command
+      ->add_flag("--proof", arguments->proof,
+                 "Read the printed formulas back, and compare each exactly with what was derived: "
+                 "text, latex and html")
+      ->excludes("--operations");
   addOutput(*command, arguments->output, "file; without: standard output");
   return [arguments] { return runDerive(*arguments); };
 }
