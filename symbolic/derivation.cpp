@@ -58,8 +58,8 @@ bool isLoaded(const Equations& e) {
 }
 const char* loadsSentence(const Equations& e) {
   return anyOf(e.graph, e.friction)
-             ? "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i - dR/dqd_i, "
-               "R = sum of viscous qd^2/2 + coulomb |qd|."
+             ? "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i "
+               "- dR/dqd_i, R = sum of viscous qd^2/2 + coulomb |qd|."
              : "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i.";
 }
 constexpr const char* kLoadsCheck = "without -dR/dqd_i depends on the position alone";

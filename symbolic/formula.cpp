@@ -604,8 +604,10 @@ class Printer {
         const std::string head = exponent > 1
                                      ? "<msup><mi>" + name + "</mi><mn>" + e + "</mn></msup>"
                                      : "<mi>" + name + "</mi>";
-        return "<mrow>" + head + "<mo>&#x2061;</mo>" + (bare ? argument : parenthesised(argument)) +
-               "</mrow>";
+        // browsers set l cos q as lcosq
+        const std::string space = "<mspace width=\"0.17em\"></mspace>";
+        return "<mrow>" + space + head + "<mo>&#x2061;</mo>" +
+               (bare ? space + argument : parenthesised(argument)) + "</mrow>";
       }
       default:
         return name + "(" + argument + ")" + (exponent > 1 ? "^" + e : "");

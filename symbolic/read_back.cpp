@@ -371,6 +371,8 @@ class Vocabulary {
       part(text, begin, base, out);
       out->push_back(op('^', base, base));
       part(text, base, last, out);
+    } else if (tag == "mspace") {
+      return end;
     } else if (tag == "mn") {
       out->push_back(number(text, begin, last));
     } else if (tag == "mi" && (content == "cos" || content == "sin")) {

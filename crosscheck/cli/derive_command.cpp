@@ -69,7 +69,7 @@ std::string operationsTable(const scene::Scene& scene) {
 
 std::string htmlPage(const std::string& title, const std::string& body) {
   static constexpr const char* kStyle = R"(
-body { font: 1rem/1.6 serif; max-width: 46rem; margin: 2rem auto; padding: 0 1rem }
+body { font: 1rem/1.6 serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }
 summary { cursor: pointer }
 .step { margin: 1.2rem 0 } .step > summary { font-weight: bold }
 .equation { display: flex; align-items: center; gap: .6rem }

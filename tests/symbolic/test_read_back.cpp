@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is printed of a derivation, read again in three notations: every equation of every scene, and
-// every sign that is turned in what was printed.
+// What is printed of a derivation, read again in three notations: every equation of every scene,
+// and every sign that is turned in what was printed.
 #include "symbolic/read_back.hpp"
 
 #include <boost/test/data/monomorphic.hpp>

@@ -400,7 +400,7 @@ BOOST_DATA_TEST_CASE(mathml_is_well_formed_xml, data::make(sceneNames()), file) 
       "    if tag in (\"msub\", \"msup\", \"mfrac\", \"mover\"): assert len(e) == 2, "
       "E.tostring(e)\n"
       "    assert tag in \"div details summary p math mrow mi mn mo msub msup mfrac mover "
-      "mtable mtr mtd\".split(), tag\n"
+      "mtable mtr mtd mspace\".split(), tag\n"
       "    n += tag == \"math\"\n"
       "print(n)' '" +
       path + "'");
