@@ -181,7 +181,7 @@ def ulps(a, b):
 class Step(NamedTuple):
     """One step of a derivation."""
 
-    name: str        # such as "M_11"
+    name: str        # such as "mass matrix M"
     sentence: str    # what it is
     equations: list  # LaTeX
     check: str       # what the program checked, and how that went
@@ -193,8 +193,8 @@ def derive(scene):
         text = run("derive", files.scene(scene), "--format", "latex")
     steps = {}
     for part in text.split(r"\paragraph{")[1:]:
-        words = re.fullmatch(r"\d+\. (.*?)} (.*?)\n.*Check: (.*?)\s*", part, re.S).groups()
-        equations = re.findall(r"\\\[ (.*?) \\\]", part, re.S)
+        words = re.match(r"\d+\. (.*?)} (.*?)\n.*Check: (.*?)}\n", part, re.S).groups()
+        equations = re.findall(r"\$\\displaystyle (.*?)\$\n", part, re.S)
         name, sentence, check = (word.replace(r"\_", "_") for word in words)
         steps[name] = Step(name, sentence, equations, check)
     return steps

@@ -9,6 +9,7 @@
 #include "scene/work.hpp"
 #include "symbolic/closed_form.hpp"
 #include "symbolic/exact_points.hpp"
+#include "symbolic/link_motions.hpp"
 #include "symbolic/print.hpp"
 #include "symbolic/quasi_velocities.hpp"
 
@@ -28,30 +29,82 @@ std::string christoffelName(int i, int j, int k) {
 }
 
 /// M qdd + c + g = tau (+ Q), row i.
-Equation equationOfMotion(const Equations& e, int i) {
+StepEquation equationOfMotion(Equations& e, int i) {
+  Graph& graph = e.graph;
+  Node left_value = graph.add(e.c[i], e.g[i]);
   std::vector<Formula> left;
-  for (int j = 0; j < e.dof(); ++j)
-    if (!e.graph.isZero(e.M[i][j]))
-      left.push_back(
-          Formula::product({Formula::ofSymbol(numbered("M", std::min(i, j), std::max(i, j))),
-                            Formula::ofInput(Input::kAcceleration, j)}));
+  for (int j = 0; j < e.dof(); ++j) {
+    if (graph.isZero(e.M[i][j])) continue;
+    left.push_back(
+        Formula::product({Formula::ofSymbol(numbered("M", std::min(i, j), std::max(i, j))),
+                          Formula::ofInput(Input::kAcceleration, j)}));
+    left_value =
+        graph.add(left_value, graph.multiply(e.M[i][j], graph.input(Input::kAcceleration, j)));
+  }
   if (!e.graph.isZero(e.c[i])) left.push_back(Formula::ofSymbol(numbered("c", i)));
   if (!e.graph.isZero(e.g[i])) left.push_back(Formula::ofSymbol(numbered("g", i)));
-  std::vector<Formula> right{Formula::ofSymbol(numbered("tau", i))};
+  std::vector<Formula> right{Formula::ofInput(Input::kForce, i)};
   if (!e.graph.isZero(e.Q[i])) right.push_back(Formula::ofSymbol(numbered("Q", i)));
-  return {Formula::sum(left), Formula::sum(right)};
+  return {{Formula::sum(left), Formula::sum(right)},
+          left_value,
+          graph.add(graph.input(Input::kForce, i), e.Q[i])};
 }
 
+bool anyOf(const Graph& graph, const std::vector<Node>& nodes) {
+  return std::any_of(nodes.begin(), nodes.end(), [&](Node node) { return !graph.isZero(node); });
+}
+bool isLoaded(const Equations& e) {
+  return anyOf(e.graph, e.Q);
+}
+const char* loadsSentence(const Equations& e) {
+  return anyOf(e.graph, e.friction)
+             ? "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i "
+               "- dR/dqd_i, R = sum of viscous qd^2/2 + coulomb |qd|."
+             : "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i.";
+}
+constexpr const char* kLoadsCheck = "without -dR/dqd_i depends on the position alone";
+
 // ---- closed forms -------------------------------------------------------------------------------
+
+/// Longer rows keep the names of what stands in them [characters of plain text].
+constexpr std::size_t kLongestRow = 400, kWidestMatrix = 120;
+
+std::size_t length(const Formula& f) {
+  return print(f, Style::kText).size();
+}
+
+/// A sum, the terms of its terms written one after the other.
+Formula flatSum(const std::vector<Formula>& terms) {
+  std::vector<Formula> flat;
+  for (const Formula& term : terms) {
+    if (term.kind == Formula::Kind::kSum)
+      flat.insert(flat.end(), term.operands.begin(), term.operands.end());
+    else
+      flat.push_back(term);
+  }
+  return Formula::sum(flat);
+}
+
+bool isZero(const Formula& f) {
+  return f.kind == Formula::Kind::kNumber && f.number == 0;
+}
 
 /// The steps of Lagrange's way in closed form, each checked by another road where it stands.
 class ClosedSteps {
  public:
-  explicit ClosedSteps(Equations& e) : e_(e), algebra_(e), f_(deriveClosedForm(algebra_, e)) {
+  ClosedSteps(const scene::Mechanism& mechanism, const Options& options, Equations& e)
+      : e_(e),
+        motions_(linkMotions(mechanism, options, e)),
+        algebra_(e),
+        f_(deriveClosedForm(algebra_, e)) {
+    positions();
+    velocities();
     energies();
     momenta();
+    massMatrix();
     christoffelSymbols();
     forces();
+    loads();
     equationsOfMotion();
   }
   std::vector<Step> steps;
@@ -61,44 +114,121 @@ class ClosedSteps {
 
   bool isZero(const Ex& x) { return algebra_.isZero(x); }
   bool equals(const Ex& x, Node node) { return isZero(x - algebra_.expression(node)); }
-  Equation equation(const std::string& name, const Ex& x) {
-    return {Formula::ofSymbol(name), algebra_.formula(x)};
+  Ex expression(const Value& value) { return algebra_.expression(value.node); }
+  /// name = x, which the graph has as a node.
+  StepEquation equation(const std::string& name, const Ex& x, Node node) {
+    return {{Formula::ofSymbol(name), algebra_.formula(x)}, {}, node};
   }
   Ex velocity(int i) { return algebra_.input(Input::kVelocity, i); }
   Ex byPosition(const Ex& x, int i) { return algebra_.derivative(x, {Input::kPosition, i}); }
   Ex byVelocity(const Ex& x, int i) { return algebra_.derivative(x, {Input::kVelocity, i}); }
+  /// x, y and z of a vector; what is 0 is left out.
+  void addComponents(const std::string& letter, const std::string& link, const Vector3& vector,
+                     Step* step) {
+    for (int k = 0; k < 3; ++k)
+      if (const Ex x = expression(vector[k]); !isZero(x))
+        step->equations.push_back(
+            equation(letter + std::string(1, "xyz"[k]) + "_" + link, x, vector[k].node));
+  }
 
+  /// By the graph, from the matrix of the composite bodies.
+  Node christoffelSymbol(int i, int j, int k) {
+    const auto slope = [this](int row, int column, int by) {
+      return positionGradient(e_, e_.M[row][column])[by];
+    };
+    Graph& graph = e_.graph;
+    return graph.multiply(
+        graph.constant(Rational(1, 2)),
+        graph.subtract(graph.add(slope(i, j, k), slope(i, k, j)), slope(j, k, i)));
+  }
+
+  void positions();
+  void velocities();
   void energies();
   void momenta();
+  void massMatrix();
   void christoffelSymbols();
   void forces();
+  void loads();
   void equationsOfMotion();
 
   Equations& e_;
   const int n_ = e_.dof();
+  LinkMotions motions_;
   ClosedAlgebra algebra_;
   const ClosedForm f_;
 };
 
+void ClosedSteps::positions() {
+  Step step{
+      "positions",
+      "The centre of mass of each link that moves, in axes of the world; what is not listed "
+      "is 0.",
+      {},
+      "sum of m p over the links that move together is their first moment of mass, of which V "
+      "is made",
+      true};
+  std::vector<Vector3> sums(motions_.first_moments.size(), zeroVector(&e_.graph));
+  for (const LinkMotion& link : motions_.links) {
+    addComponents("", link.link, link.position, &step);
+    sums[link.body] = sums[link.body] + link.mass * link.position;
+  }
+  for (std::size_t body = 0; body < sums.size(); ++body)
+    for (int k = 0; k < 3; ++k)
+      step.holds =
+          step.holds && equals(expression(sums[body][k]), motions_.first_moments[body][k].node);
+  steps.push_back(step);
+}
+
+void ClosedSteps::velocities() {
+  Step step{
+      "velocities",
+      "v = dp/dt of the same points, in axes of the world; omega of each link, in its own "
+      "axes, from the turn R that takes them to the world's: R' dR/dt = [omega]x. What is not "
+      "listed is 0.",
+      {},
+      "the energies of the next step, which are formed from velocities carried from joint to "
+      "joint instead",
+      true};
+  for (const LinkMotion& link : motions_.links) {
+    addComponents("v_", link.link, link.velocity, &step);
+    addComponents("omega_", link.link, link.angular, &step);
+  }
+  steps.push_back(step);
+}
+
 void ClosedSteps::energies() {
+  Step links{"kinetic energies of the links",
+             "T = (m v'v + omega' I omega)/2, with I about the centre of mass.",
+             {},
+             "half of mass times velocity squared, from the velocities of the step before, is that "
+             "from velocities carried from joint to joint; sum of qd_j dT/dqd_j = 2 T",
+             true};
+  std::vector<Ex> by_positions;
+  bool has_rotors = false;
+  for (const Value& rotor : motions_.rotor_kinetic) {
+    by_positions.push_back(expression(rotor));
+    has_rotors = has_rotors || !isZero(by_positions.back());
+  }
+  if (has_rotors) links.sentence += " A rotor of a joint adds n^2 J qd^2/2.";
+  for (const LinkMotion& link : motions_.links) by_positions[link.body] += expression(link.kinetic);
   for (std::size_t i = 0; i < e_.links.size(); ++i) {
     const Ex T = algebra_.expression(e_.link_kinetic[i]);
     Ex twice = 0;
     for (int j = 0; j < n_; ++j) twice += velocity(j) * byVelocity(T, j);
-    steps.push_back({"kinetic energy of " + e_.links[i],
-                     "Half of mass times velocity squared, summed over the link, from the velocity "
-                     "and angular velocity that the joints give it.",
-                     {equation("T_" + e_.links[i], T)},
-                     "sum of qd_j dT/dqd_j = 2 T: the energy is quadratic in the velocities",
-                     isZero(twice - 2 * T)});
+    links.holds = links.holds && isZero(twice - 2 * T) && isZero(T - by_positions[i]);
+    links.equations.push_back(equation("T_" + e_.links[i], T, e_.link_kinetic[i]));
   }
+  steps.back().holds = links.holds;  // of the velocities
+  steps.push_back(links);
+
   Ex quadratic = 0;
   for (int i = 0; i < n_; ++i)
     for (int j = 0; j < n_; ++j)
       quadratic += algebra_.expression(e_.M[i][j]) * velocity(i) * velocity(j) / 2;
   steps.push_back({"kinetic energy T",
                    "The sum over the links.",
-                   {equation("T", f_.kinetic)},
+                   {equation("T", f_.kinetic, e_.kinetic)},
                    "T = qd' M qd / 2, with M from the composite bodies outboard of each joint",
                    isZero(f_.kinetic - quadratic)});
 
@@ -109,89 +239,139 @@ void ClosedSteps::energies() {
     constant_difference = constant_difference && isZero(byPosition(f_.potential - shares, i));
   steps.push_back({"potential energy V",
                    "Minus gravity times the first moment of mass, and what the springs store.",
-                   {equation("V", f_.potential)},
+                   {equation("V", f_.potential, e_.potential)},
                    "V differs from the sum of the links' shares by a constant",
                    constant_difference});
 }
 
 void ClosedSteps::momenta() {
-  for (int i = 0; i < n_; ++i)
-    steps.push_back({numbered("p_", i),
-                     "The momentum of joint " + e_.joints[i] + ": p_i = dT/dqd_i.",
-                     {equation(numbered("p", i), f_.p[i])},
-                     "GiNaC's derivative equals that of the program in reverse mode",
-                     equals(f_.p[i], e_.p[i])});
-  for (int i = 0; i < n_; ++i)
-    for (int j = i; j < n_; ++j)
-      steps.push_back({numbered("M_", i, j),
-                       "Mass matrix: M_ij = dp_i/dqd_j.",
-                       {equation(numbered("M", i, j), f_.M[i][j])},
-                       "equals M_ji, and the matrix of the composite bodies",
-                       isZero(f_.M[i][j] - f_.M[j][i]) && equals(f_.M[i][j], e_.M[i][j])});
+  Step step{"momenta p",
+            "Of each joint: p_i = dT/dqd_i.",
+            {},
+            "GiNaC's derivative equals that of the program in reverse mode",
+            true};
+  for (int i = 0; i < n_; ++i) {
+    step.equations.push_back(equation(numbered("p", i), f_.p[i], e_.p[i]));
+    step.holds = step.holds && equals(f_.p[i], e_.p[i]);
+  }
+  steps.push_back(step);
+}
+
+void ClosedSteps::massMatrix() {
+  Step step{"mass matrix M",
+            "M_ij = dp_i/dqd_j.",
+            {},
+            "equals M_ji, and the matrix of the composite bodies",
+            true,
+            "M"};
+  std::vector<Formula> entries(static_cast<std::size_t>(n_) * n_), names = entries;
+  std::size_t width = 0;
+  for (int i = 0; i < n_; ++i) {
+    for (int j = i; j < n_; ++j) {
+      const std::string name = numbered("M", i, j);
+      step.equations.push_back(equation(name, f_.M[i][j], e_.M[i][j]));
+      step.holds = step.holds && isZero(f_.M[i][j] - f_.M[j][i]) && equals(f_.M[i][j], e_.M[i][j]);
+      for (const int at : {i * n_ + j, j * n_ + i}) {
+        entries[at] = step.equations.back().right;
+        names[at] = symbolic::isZero(entries[at]) ? entries[at] : Formula::ofSymbol(name);
+      }
+      width = std::max(width, length(step.equations.back().right));
+    }
+  }
+  if (n_ > 1)
+    step.equations.push_back(
+        {{Formula::ofSymbol("M"), Formula::matrix(width * n_ <= kWidestMatrix ? entries : names,
+                                                  static_cast<std::size_t>(n_))},
+         {},
+         {}});
+  steps.push_back(step);
 }
 
 void ClosedSteps::christoffelSymbols() {
+  Step step{"Christoffel symbols",
+            "Gamma_ijk = (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)/2; those that are not listed are "
+            "0, and Gamma_ikj = Gamma_ijk.",
+            {},
+            "symmetric in j and k, and dM_ij/dq_k = Gamma_ijk + Gamma_jik",
+            true,
+            "c"};
   for (int i = 0; i < n_; ++i) {
-    Step step{"Christoffel symbols of row " + std::to_string(i + 1),
-              "Gamma_ijk = (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i)/2; those that are not listed are "
-              "0, and Gamma_ikj = Gamma_ijk.",
-              {},
-              "symmetric in j and k, and dM_ij/dq_k = Gamma_ijk + Gamma_jik",
-              true};
     for (int j = 0; j < n_; ++j) {
       for (int k = 0; k < n_; ++k) {
         const Ex& gamma = f_.Gamma[i][j][k];
         step.holds = step.holds && isZero(gamma - f_.Gamma[i][k][j]) &&
                      isZero(byPosition(f_.M[i][j], k) - gamma - f_.Gamma[j][i][k]);
         if (k >= j && !isZero(gamma))
-          step.equations.push_back(equation(christoffelName(i, j, k), gamma));
+          step.equations.push_back(
+              equation(christoffelName(i, j, k), gamma, christoffelSymbol(i, j, k)));
       }
     }
-    steps.push_back(step);
   }
+  steps.push_back(step);
 }
 
 void ClosedSteps::forces() {
-  for (int i = 0; i < n_; ++i)
-    steps.push_back({numbered("c_", i),
-                     "Coriolis and centrifugal forces: c_i = sum of Gamma_ijk qd_j qd_k.",
-                     {equation(numbered("c", i), f_.c[i])},
-                     "equals sum of (dp_i/dq_j) qd_j - dT/dq_i by the program",
-                     equals(f_.c[i], e_.c[i])});
-  for (int i = 0; i < n_; ++i)
-    steps.push_back({numbered("g_", i),
-                     "Gravity and springs: g_i = dV/dq_i.",
-                     {equation(numbered("g", i), f_.g[i])},
-                     "GiNaC's derivative equals that of the program in reverse mode",
-                     equals(f_.g[i], e_.g[i])});
+  Step coriolis{"Coriolis and centrifugal forces c",
+                "c_i = sum of Gamma_ijk qd_j qd_k.",
+                {},
+                "equals sum of (dp_i/dq_j) qd_j - dT/dq_i by the program",
+                true,
+                "c"};
+  Step gravity{"gravity and springs g",
+               "g_i = dV/dq_i.",
+               {},
+               "GiNaC's derivative equals that of the program in reverse mode",
+               true,
+               "g"};
+  for (int i = 0; i < n_; ++i) {
+    coriolis.equations.push_back(equation(numbered("c", i), f_.c[i], e_.c[i]));
+    coriolis.holds = coriolis.holds && equals(f_.c[i], e_.c[i]);
+    gravity.equations.push_back(equation(numbered("g", i), f_.g[i], e_.g[i]));
+    gravity.holds = gravity.holds && equals(f_.g[i], e_.g[i]);
+  }
+  steps.push_back(coriolis);
+  steps.push_back(gravity);
+}
+
+void ClosedSteps::loads() {
+  if (!isLoaded(e_)) return;
+  Step step{"loads Q", loadsSentence(e_), {}, kLoadsCheck, true};
   for (int i = 0; i < n_; ++i) {
     if (e_.graph.isZero(e_.Q[i])) continue;
-    const bool rubs = !e_.graph.isZero(e_.friction[i]);
     const Ex Q = algebra_.expression(e_.Q[i]), wrenches = Q + algebra_.expression(e_.friction[i]);
-    bool at_rest = true;
-    for (int j = 0; j < n_; ++j) at_rest = at_rest && isZero(byVelocity(wrenches, j));
-    steps.push_back(
-        {numbered("Q_", i),
-         rubs ? "The constant wrenches and friction: Q_i = d(power of the wrenches)/dqd_i "
-                "- dR/dqd_i, R = sum of viscous qd^2/2 + coulomb |qd|."
-              : "The constant wrenches: Q_i = d(power of the wrenches)/dqd_i.",
-         {equation(numbered("Q", i), Q)},
-         rubs ? "without dR/dqd_i depends on the position alone" : "depends on the position alone",
-         at_rest});
+    for (int j = 0; j < n_; ++j) step.holds = step.holds && isZero(byVelocity(wrenches, j));
+    step.equations.push_back(equation(numbered("Q", i), Q, e_.Q[i]));
   }
+  steps.push_back(step);
 }
 
 void ClosedSteps::equationsOfMotion() {
+  Step step{"equations of motion",
+            "Lagrange's equation d/dt (dL/dqd_i) - dL/dq_i = tau_i with L = T - V: M qdd + c + g = "
+            "tau.",
+            {},
+            "the left side equals d/dt (dL/dqd_i) - dL/dq_i by GiNaC",
+            true};
+  if (isLoaded(e_)) step.sentence += " Loads Q stand beside tau.";
   for (int i = 0; i < n_; ++i) {
     Ex row = f_.c[i] + f_.g[i];
-    for (int j = 0; j < n_; ++j) row += f_.M[i][j] * algebra_.input(Input::kAcceleration, j);
+    std::vector<Formula> terms;
+    for (int j = 0; j < n_; ++j) {
+      row += f_.M[i][j] * algebra_.input(Input::kAcceleration, j);
+      if (!isZero(f_.M[i][j]))
+        terms.push_back(Formula::product(
+            {algebra_.formula(f_.M[i][j]), Formula::ofInput(Input::kAcceleration, j)}));
+    }
+    for (const Ex& x : {f_.c[i], f_.g[i]})
+      if (!isZero(x)) terms.push_back(algebra_.formula(x));
+    StepEquation equation = equationOfMotion(e_, i);
+    if (const Formula written_out = flatSum(terms); length(written_out) <= kLongestRow)
+      equation.left = written_out;
+    step.equations.push_back(equation);
     const Ex lagrange = algebra_.rate(f_.p[i]) - byPosition(f_.kinetic - f_.potential, i);
-    steps.push_back({"equation of motion " + std::to_string(i + 1),
-                     "Lagrange's equation d/dt (dL/dqd_i) - dL/dq_i = tau_i with L = T - V.",
-                     {equationOfMotion(e_, i)},
-                     "the left side equals d/dt (dL/dqd_i) - dL/dq_i by GiNaC",
-                     isZero(row - lagrange)});
+    step.holds = step.holds && isZero(row - lagrange);
   }
+  steps.push_back(step);
 }
 
 // ---- straight-line programs ---------------------------------------------------------------------
@@ -324,6 +504,17 @@ Residuals residualsOf(Equations& e) {
   return r;
 }
 
+/// How Q without friction changes with the rates, in a direction of any numbers: not at all.
+std::vector<Node> rateSlopes(Equations& e) {
+  std::vector<Node> wrenches;
+  Direction any;
+  for (int i = 0; i < e.dof(); ++i) {
+    wrenches.push_back(e.graph.add(e.Q[i], e.friction[i]));
+    any.push_back({{Input::kVelocity, i}, e.graph.input(Input::kAcceleration, i)});
+  }
+  return e.graph.directionalDerivative(wrenches, any);
+}
+
 /// A result of the program, and the step that it belongs to.
 struct Result {
   std::string name;
@@ -353,21 +544,23 @@ void addLines(const Graph& graph, const std::vector<Result>& results, std::vecto
   }
   for (std::size_t i = 0; i < lines.size(); ++i)
     if (step_of[i] < steps->size())
-      (*steps)[step_of[i]].equations.push_back({Formula::ofSymbol(lines[i].name), lines[i].value});
+      (*steps)[step_of[i]].equations.push_back(
+          {{Formula::ofSymbol(lines[i].name), lines[i].value}, {}, {}});
   for (std::size_t r = 0; r < results.size(); ++r) {
     if (graph.isZero(results[r].node)) continue;
     const auto it = line_of.find(program.outputs[r]);
     const Formula value = it != line_of.end() ? Formula::ofSymbol(lines[it->second].name)
                                               : leafFormula(program, program.outputs[r]);
-    (*steps)[results[r].step].equations.push_back({Formula::ofSymbol(results[r].name), value});
+    (*steps)[results[r].step].equations.push_back(
+        {{Formula::ofSymbol(results[r].name), value}, {}, results[r].node});
   }
 }
 
 std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, int points) {
   const int n = e.dof();
   const std::string at = " at " + std::to_string(points) + " random rational points";
-  constexpr int kChecks = 7;
-  scene::Work work("checks of the steps at rational points", kChecks, 3);
+  const bool loaded = isLoaded(e);
+  scene::Work work("checks of the steps at rational points", loaded ? 8 : 7, 3);
   const auto check = [&](const std::vector<Node>& residuals) {
     const bool holds = vanish(e, residuals, mechanism, points);
     work.done();
@@ -398,6 +591,7 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
       r.force);
   add("gravity and springs g", quasi ? "g_i = X_i V." : "g_i = dV/dq_i.",
       "equals the derivative of the links' shares", r.gravity);
+  if (loaded) add("loads Q", loadsSentence(e), kLoadsCheck, rateSlopes(e));
   add("equations of motion",
       quasi ? "Lagrange's equations in quasi-velocities (Boltzmann, Hamel)."
             : "Lagrange's equations.",
@@ -409,29 +603,10 @@ std::vector<Step> programSteps(Equations& e, const scene::Mechanism& mechanism, 
     for (int j = i; j < n; ++j) results.push_back({numbered("M", i, j), e.M[i][j], base + 3});
   for (int i = 0; i < n; ++i) results.push_back({numbered("c", i), e.c[i], base + 4});
   for (int i = 0; i < n; ++i) results.push_back({numbered("g", i), e.g[i], base + 5});
+  for (int i = 0; i < n; ++i) results.push_back({numbered("Q", i), e.Q[i], base + 6});
   addLines(e.graph, results, &steps);
   for (int i = 0; i < n; ++i) steps.back().equations.push_back(equationOfMotion(e, i));
   return steps;
-}
-
-std::string escaped(const std::string& text, Style style) {
-  std::string out;
-  for (char ch : text) {
-    if (style == Style::kMathml && ch == '<') {
-      out += "&lt;";
-    } else if (style == Style::kMathml && ch == '>') {
-      out += "&gt;";
-    } else if (style == Style::kMathml && ch == '&') {
-      out += "&amp;";
-    } else if (style == Style::kLatex && std::string("_%$#&{}").find(ch) != std::string::npos) {
-      out += std::string("\\") + ch;
-    } else if (style == Style::kLatex && (ch == '^' || ch == '~' || ch == '\\')) {
-      out += ch == '\\' ? "\\textbackslash{}" : std::string("\\") + ch + "{}";
-    } else {
-      out += ch;
-    }
-  }
-  return out;
 }
 
 /// Which positions are no unknowns; empty without followers.
@@ -463,14 +638,37 @@ Derivation derivation(const scene::Mechanism& mechanism, int points) {
   Options options;
   options.regroup_inertias = false;  // the energy of a link is to be that link's
   scene::Work work("", 4);
-  Equations equations = derive(mechanism, options);
+  const auto whole = std::make_shared<Equations>(derive(mechanism, options));
+  Equations& equations = *whole;
   Derivation result;
+  result.mechanism = mechanism;
+  result.equations = whole;
   result.joints = equations.joints;
   result.closed_form = hasClosedForm(mechanism);
-  result.steps = result.closed_form ? ClosedSteps(equations).steps
+  result.steps = result.closed_form ? ClosedSteps(mechanism, options, equations).steps
                                     : programSteps(equations, mechanism, points);
   if (!result.steps.empty()) result.steps.front().sentence += followersSentence(mechanism);
   return result;
+}
+
+std::string printText(const std::string& text, Style style) {
+  std::string out;
+  for (char ch : text) {
+    if (style == Style::kMathml && ch == '<') {
+      out += "&lt;";
+    } else if (style == Style::kMathml && ch == '>') {
+      out += "&gt;";
+    } else if (style == Style::kMathml && ch == '&') {
+      out += "&amp;";
+    } else if (style == Style::kLatex && std::string("_%$#&{}").find(ch) != std::string::npos) {
+      out += std::string("\\") + ch;
+    } else if (style == Style::kLatex && (ch == '^' || ch == '~' || ch == '\\')) {
+      out += ch == '\\' ? "\\textbackslash{}" : std::string("\\") + ch + "{}";
+    } else {
+      out += ch;
+    }
+  }
+  return out;
 }
 
 std::string print(const Derivation& derivation, Style style) {
@@ -478,21 +676,26 @@ std::string print(const Derivation& derivation, Style style) {
   int number = 0;
   for (const Step& step : derivation.steps) {
     ++number;
-    const std::string head = std::to_string(number) + ". " + escaped(step.name, style);
-    const std::string sentence = escaped(step.sentence, style);
+    const std::string head = std::to_string(number) + ". " + printText(step.name, style);
+    const std::string sentence = printText(step.sentence, style);
     const std::string verdict =
-        escaped(step.check, style) + (step.holds ? ": holds" : ": DOES NOT HOLD");
+        printText(step.check, style) + (step.holds ? ": holds" : ": DOES NOT HOLD");
     switch (style) {
       case Style::kLatex:
-        text += "\\paragraph{" + head + "} " + sentence + "\n";
-        for (const Equation& e : step.equations) text += "\\[ " + print(e, style) + " \\]\n";
-        text += "Check: " + verdict + ".\n\n";
+        text += "\\paragraph{" + head + "} " + sentence + "\n\n";
+        for (const Equation& e : step.equations)
+          text += "\\hangpara $\\displaystyle " + print(e, style) + "$\n\n";
+        text += "{\\small Check: " + verdict + ".}\n\n";
         break;
       case Style::kMathml:
-        text += "<section class=\"step\"><h3>" + head + "</h3>\n<p>" + sentence + "</p>\n";
-        for (const Equation& e : step.equations) text += print(e, style) + "\n";
-        text += "<p class=\"" + std::string(step.holds ? "holds" : "fails") +
-                "\">Check: " + verdict + "</p></section>\n";
+        text += "<details class=\"step\" open=\"open\"><summary>" + head + "</summary>\n<p>" +
+                sentence + "</p>\n";
+        for (const Equation& e : step.equations)
+          text += "<div class=\"equation\" data-latex=\"" +
+                  printText(print(e, Style::kLatex), style) + "\">" + print(e, style) + "</div>\n";
+        text += "<details class=\"" + std::string(step.holds ? "holds" : "fails") + "\"><summary>" +
+                (step.holds ? "Checked exactly" : "DOES NOT HOLD") + "</summary><p>" + verdict +
+                "</p></details></details>\n";
         break;
       default:
         text += head + "\n   " + sentence + "\n";

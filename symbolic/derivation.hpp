@@ -3,6 +3,8 @@
 // exact check that it holds, made anew in every run.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,18 +14,26 @@
 
 namespace dynwitness::symbolic {
 
+/// An equation, and what its sides are in the graph, where they are more than a name.
+struct StepEquation : Equation {
+  std::optional<Node> left_value, right_value;
+};
+
 struct Step {
   std::string name;      ///< "kinetic energy", "c_1", ...
   std::string sentence;  ///< what is done, and from what
-  std::vector<Equation> equations;
-  std::string check;   ///< what was checked, exactly
-  bool holds = false;  ///< its outcome in this run
+  std::vector<StepEquation> equations;
+  std::string check;          ///< what was checked, exactly
+  bool holds = false;         ///< its outcome in this run
+  std::string quantity = {};  ///< "M", "c" or "g", where it leads to one of these
 };
 
 struct Derivation {
   std::vector<std::string> joints;
   bool closed_form = false;  ///< otherwise equations are lines of a straight-line program
   std::vector<Step> steps;
+  scene::Mechanism mechanism;
+  std::shared_ptr<const Equations> equations;  ///< what the steps are of
 
   bool holds() const;
 };
@@ -32,13 +42,18 @@ struct Derivation {
 bool hasClosedForm(const scene::Mechanism& mechanism);
 
 /** Derives M, c and g of a mechanism step by step. Up to kClosedFormJoints joints the steps are
-    closed forms, derived by GiNaC and compared with the graph's derivatives by normal form. With
+    closed forms, derived by GiNaC and compared with the graph's derivatives by normal form; they
+    begin with the positions and velocities of the links, differentiated from the placements. With
     more joints the steps list named intermediates, and are checked by identities in exact rational
     arithmetic at `points` random states. Not thread safe (GiNaC is not). */
 Derivation derivation(const scene::Mechanism& mechanism, int points = 2);
 
-/// A derivation as plain text, as a LaTeX fragment (amsmath), or as an HTML fragment with MathML.
+/// A derivation as plain text, or as the body of an HTML page with MathML or of a LaTeX document
+/// (amsmath; \hangpara begins an equation, a paragraph in which TeX may break lines).
 std::string print(const Derivation& derivation, Style style);
+
+/// A sentence as one of the styles needs it.
+std::string printText(const std::string& text, Style style);
 
 /// A closed form that is short enough to be shown, for a report.
 struct ShownEquation {

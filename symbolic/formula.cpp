@@ -85,6 +85,14 @@ Formula Formula::function(Kind cos_or_sin, Formula angle) {
   return f;
 }
 
+Formula Formula::matrix(std::vector<Formula> entries, std::size_t columns) {
+  Formula f;
+  f.kind = Kind::kMatrix;
+  f.operands = std::move(entries);
+  f.columns = columns;
+  return f;
+}
+
 namespace {
 
 /// Formulas as the algebra in which scene::evaluateIn writes an expression down.
@@ -326,6 +334,8 @@ class Printer {
         return function("cos", f.operands.front(), 1);
       case Formula::Kind::kSin:
         return function("sin", f.operands.front(), 1);
+      case Formula::Kind::kMatrix:
+        return matrix(f);
     }
     return "";
   }
@@ -344,8 +354,9 @@ class Printer {
 
   std::string parenthesised(const std::string& text) const {
     switch (style_) {
-      case Style::kLatex:
-        return "\\left(" + text + "\\right)";
+      case Style::kLatex:  // \left( is a group, in which TeX breaks no line
+        return text.find("\\frac{1}") != std::string::npos ? "\\bigl(" + text + "\\bigr)"
+                                                           : "(" + text + ")";
       case Style::kMathml:
         return "<mrow><mo>(</mo>" + text + "<mo>)</mo></mrow>";
       default:
@@ -367,7 +378,7 @@ class Printer {
     const std::string n = numerator(r).str(), d = denominator(r).str();
     switch (style_) {
       case Style::kLatex:
-        return "\\frac{" + n + "}{" + d + "}";
+        return "\\tfrac{" + n + "}{" + d + "}";
       case Style::kMathml:
         return "<mfrac><mn>" + n + "</mn><mn>" + d + "</mn></mfrac>";
       default:
@@ -415,7 +426,8 @@ class Printer {
       case Input::kForce:
         return printName("tau" + k, style_);
       case Input::kDirection:
-        return function("sign", Formula::ofInput(Input::kVelocity, f.joint), 1);
+        return function(style_ == Style::kLatex ? "operatorname{sign}" : "sign",
+                        Formula::ofInput(Input::kVelocity, f.joint), 1, true);
       case Input::kRotation:
         return printName(rotation(f.joint), style_);
     }
@@ -460,7 +472,8 @@ class Printer {
 
   std::string product(const Formula& f) const {
     std::string text;
-    for (const Formula& factor : f.operands) {
+    for (std::size_t i = 0; i < f.operands.size(); ++i) {
+      const Formula& factor = f.operands[i];
       if (!text.empty()) {
         switch (style_) {
           case Style::kLatex:
@@ -479,7 +492,15 @@ class Printer {
       // a*(b*c) keeps its order of evaluation, and a*(1/b) is no a*1/b
       const bool divides = factor.kind == Formula::Kind::kPower && factor.exponent < 0;
       const bool nested = factor.kind == Formula::Kind::kProduct && isCode() && !text.empty();
-      text += at(factor, nested ? 4 : divides && style_ == Style::kText ? 3 : 2);
+      // cos q1 x2 would be read as cos(q1 x2)
+      const Formula* called =
+          style_ == Style::kLatex || style_ == Style::kMathml ? calledIn(factor) : nullptr;
+      text +=
+          called && i + 1 < f.operands.size()
+              ? function(*called, factor.kind == Formula::Kind::kPower ? factor.exponent : 1, true)
+              : at(factor, nested                              ? 4
+                           : divides && style_ == Style::kText ? 3
+                                                               : 2);
     }
     return style_ == Style::kMathml ? "<mrow>" + text + "</mrow>" : text;
   }
@@ -495,18 +516,10 @@ class Printer {
       return "(" + text + ")";
     }
     std::string text;
-    const bool is_function = base.kind == Formula::Kind::kCos || base.kind == Formula::Kind::kSin ||
-                             (base.kind == Formula::Kind::kInput &&
-                              (base.input == Input::kCos || base.input == Input::kSin));
     if (n == 1) {
       text = at(base, style_ == Style::kText ? 4 : 1);
-    } else if (is_function) {
-      const bool is_cos = base.kind == Formula::Kind::kCos ||
-                          (base.kind == Formula::Kind::kInput && base.input == Input::kCos);
-      const Formula angle = base.kind == Formula::Kind::kInput
-                                ? Formula::ofInput(Input::kPosition, base.joint)
-                                : base.operands.front();
-      text = function(is_cos ? "cos" : "sin", angle, n);
+    } else if (const Formula* called = calledIn(base)) {
+      text = function(*called, n, false);
     } else {
       const std::string e = std::to_string(n);
       switch (style_) {
@@ -532,10 +545,57 @@ class Printer {
     }
   }
 
-  std::string function(const std::string& name, const Formula& angle, int exponent) const {
+  /// The cosine or sine that a factor is, or a positive power of; null: another factor.
+  static const Formula* calledIn(const Formula& factor) {
+    const bool is_power = factor.kind == Formula::Kind::kPower && factor.exponent > 0;
+    const Formula& f = is_power ? factor.operands.front() : factor;
+    const bool is_function =
+        f.kind == Formula::Kind::kCos || f.kind == Formula::Kind::kSin ||
+        (f.kind == Formula::Kind::kInput && (f.input == Input::kCos || f.input == Input::kSin));
+    return is_function ? &f : nullptr;
+  }
+
+  /// A cosine or sine. @param closed  in parentheses even around a bare letter
+  std::string function(const Formula& f, int exponent, bool closed) const {
+    const bool is_input = f.kind == Formula::Kind::kInput;
+    const bool is_cos = is_input ? f.input == Input::kCos : f.kind == Formula::Kind::kCos;
+    const Formula angle =
+        is_input ? Formula::ofInput(Input::kPosition, f.joint) : f.operands.front();
+    return function(is_cos ? "cos" : "sin", angle, exponent, closed);
+  }
+
+  std::string matrix(const Formula& f) const {
+    std::string text;
+    for (std::size_t i = 0; i < f.operands.size(); ++i) {
+      const bool first = i % f.columns == 0;
+      const std::string entry = print(f.operands[i]);
+      switch (style_) {
+        case Style::kLatex:
+          text += (i == 0 ? "" : first ? " \\\\ " : " & ") + entry;
+          break;
+        case Style::kMathml:
+          text += (i > 0 && first ? "</mtr>" : "") + std::string(first ? "<mtr>" : "") + "<mtd>" +
+                  entry + "</mtd>";
+          break;
+        default:
+          text += (i == 0 ? "" : first ? "; " : ", ") + entry;
+      }
+    }
+    switch (style_) {
+      case Style::kLatex:
+        return "\\begin{pmatrix} " + text + " \\end{pmatrix}";
+      case Style::kMathml:
+        return "<mrow><mo>(</mo><mtable>" + text + "</mtr></mtable><mo>)</mo></mrow>";
+      default:
+        return "[" + text + "]";
+    }
+  }
+
+  std::string function(const std::string& name, const Formula& angle, int exponent,
+                       bool closed = false) const {
     const std::string argument = print(angle);
     const std::string e = std::to_string(exponent);
-    const bool bare = angle.kind == Formula::Kind::kInput;
+    const bool bare = !closed && angle.kind == Formula::Kind::kInput;
     switch (style_) {
       case Style::kLatex:
         return "\\" + name + (exponent > 1 ? "^{" + e + "}" : "") +
@@ -544,8 +604,10 @@ class Printer {
         const std::string head = exponent > 1
                                      ? "<msup><mi>" + name + "</mi><mn>" + e + "</mn></msup>"
                                      : "<mi>" + name + "</mi>";
-        return "<mrow>" + head + "<mo>&#x2061;</mo>" + (bare ? argument : parenthesised(argument)) +
-               "</mrow>";
+        // browsers set l cos q as lcosq
+        const std::string space = "<mspace width=\"0.17em\"></mspace>";
+        return "<mrow>" + space + head + "<mo>&#x2061;</mo>" +
+               (bare ? space + argument : parenthesised(argument)) + "</mrow>";
       }
       default:
         return name + "(" + argument + ")" + (exponent > 1 ? "^" + e : "");

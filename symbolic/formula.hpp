@@ -12,7 +12,18 @@ namespace dynwitness::symbolic {
 /** A formula to be printed. Operands are printed in the order in which they stand, so the text
     depends on nothing but the formula. */
 struct Formula {
-  enum class Kind { kNumber, kSymbol, kInput, kSum, kNegate, kProduct, kPower, kCos, kSin };
+  enum class Kind {
+    kNumber,
+    kSymbol,
+    kInput,
+    kSum,
+    kNegate,
+    kProduct,
+    kPower,
+    kCos,
+    kSin,
+    kMatrix
+  };
 
   Kind kind = Kind::kNumber;
   Rational number = 0;             ///< kNumber
@@ -20,7 +31,8 @@ struct Formula {
   Input input = Input::kPosition;  ///< kInput
   int joint = 0;                   ///< kInput: counted from 0
   int exponent = 1;                ///< kPower, may be negative
-  std::vector<Formula> operands;   ///< terms, factors, or the one operand
+  std::vector<Formula> operands;   ///< terms, factors, the one operand, or entries row by row
+  std::size_t columns = 0;         ///< kMatrix
 
   static Formula ofNumber(const Rational& value);
   static Formula ofSymbol(const std::string& name);
@@ -30,6 +42,7 @@ struct Formula {
   static Formula negate(Formula operand);
   static Formula power(Formula base, int exponent);
   static Formula function(Kind cos_or_sin, Formula angle);
+  static Formula matrix(std::vector<Formula> entries, std::size_t columns);  ///< not in code
   /// A number of the scene as its author wrote it.
   static Formula ofExpression(const scene::Number& expression);
   /// A number that stays a symbol: a parameter, pi, or the cosine or sine of a fixed angle.

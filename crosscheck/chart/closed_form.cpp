@@ -100,6 +100,8 @@ class PrintedFormula {
         return std::cos(operands_[0](s));
       case Formula::Kind::kSin:
         return std::sin(operands_[0](s));
+      case Formula::Kind::kMatrix:  // no number
+        break;
     }
     return std::numeric_limits<double>::quiet_NaN();
   }

@@ -18,6 +18,7 @@
 #include "scene/scene.hpp"
 #include "symbolic/derivation.hpp"
 #include "symbolic/print.hpp"
+#include "symbolic/read_back.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -25,7 +26,7 @@ namespace {
 struct DeriveArguments {
   GivenScene scene;
   std::string output, format = "text", quantity = "all";
-  bool operations = false;
+  bool operations = false, proof = false;
 };
 
 /// How many operations each road to each formula takes, the smallest marked.
@@ -67,13 +68,44 @@ std::string operationsTable(const scene::Scene& scene) {
 }
 
 std::string htmlPage(const std::string& title, const std::string& body) {
+  static constexpr const char* kStyle = R"(
+body { font: 1rem/1.6 serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }
+summary { cursor: pointer }
+.step { margin: 1.2rem 0 } .step > summary { font-weight: bold }
+.equation { display: flex; align-items: center; gap: .6rem }
+.equation math { font-size: 1.1em; overflow-x: auto; overflow-y: hidden; padding: .2rem 0; flex: 1 }
+.equation button { font-size: .7rem; opacity: .6 }
+.holds, .fails { font-size: .9rem } .fails { font-weight: bold }
+@media print { .equation button, .holds { display: none } }
+)";
+  // a browser without a clipboard (a file opened from disk in some) shows no buttons
+  static constexpr const char* kScript = R"(
+if (navigator.clipboard) for (const line of document.querySelectorAll('.equation')) {
+  const button = document.createElement('button');
+  button.textContent = 'copy LaTeX';
+  button.onclick = () => navigator.clipboard.writeText(line.dataset.latex);
+  line.append(button);
+}
+)";
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<style>body {{ font: 1rem/1.6 serif; max-width: 46rem; margin: 2rem auto; padding: 0 1rem "
-      "}}\n"
-      "math {{ font-size: 1.1em; overflow-x: auto; padding: .2rem 0 }}</style></head>\n"
-      "<body><h1>{0}</h1>\n{1}</body></html>\n",
+      "<style>{2}</style></head>\n<body><h1>{0}</h1>\n{1}<script>{3}</script></body></html>\n",
+      title, body, kStyle, kScript);
+}
+
+std::string latexDocument(const std::string& title, const std::string& body) {
+  return fmt::format(
+      "\\documentclass{{article}}\n"
+      "\\usepackage[T1]{{fontenc}}\n\\usepackage[utf8]{{inputenc}}\n\\usepackage{{amsmath}}\n"
+      "\\usepackage[a4paper, margin=25mm]{{geometry}}\n"
+      "% an equation is a paragraph, so that long ones are broken at their signs\n"
+      "\\newcommand{{\\hangpara}}{{\\hangindent=2em\\hangafter=1\\noindent\\hspace*{{1em}}}}\n"
+      "\\binoppenalty=100 \\relpenalty=50 \\allowdisplaybreaks\n"
+      "\\setlength{{\\parindent}}{{0pt}}\\setlength{{\\parskip}}{{0.4em}}\n"
+      "\\title{{{0}}}\\date{{}}\n"
+      "\\begin{{document}}\n\\maketitle\\raggedright\n{1}\\end{{document}}\n",
       title, body);
 }
 
@@ -90,9 +122,7 @@ symbolic::Derivation only(symbolic::Derivation derivation, const std::string& qu
   if (quantity == "all") return derivation;
   std::vector<symbolic::Step> kept;
   for (const symbolic::Step& step : derivation.steps)
-    if (step.name.rfind(quantity + "_", 0) == 0 ||
-        (quantity == "c" && step.name.rfind("Christoffel", 0) == 0))
-      kept.push_back(step);
+    if (step.quantity == quantity) kept.push_back(step);
   if (kept.empty()) refuseOnly(quantity);
   derivation.steps = kept;
   return derivation;
@@ -108,10 +138,15 @@ int runDerive(const DeriveArguments& arguments) {
                                                      : Command::kDerive);
   std::string text;
   bool holds = true;
+  std::optional<symbolic::ReadBack> proof;
   std::optional<Progress> progress(std::in_place, "derivation of " + scene.name);
   if (arguments.operations) {
     text = operationsTable(scene);
   } else if (is_program) {
+    if (arguments.proof)
+      throw scene::InputError({},
+                              "--proof: c and python are programs that tests run: allowed is "
+                              "--format text, latex or html");
     if (arguments.quantity != "all")
       throw scene::InputError({}, "--quantity: programs compute all of M, c, g: allowed is 'all'");
     symbolic::Equations equations = symbolic::derive(scene.mechanism);
@@ -121,13 +156,18 @@ int runDerive(const DeriveArguments& arguments) {
     if (arguments.quantity != "all" && !symbolic::hasClosedForm(scene.mechanism))
       refuseOnly(arguments.quantity);
     const symbolic::Derivation whole = symbolic::derivation(scene.mechanism);
+    const symbolic::Style style = arguments.format == "html"    ? symbolic::Style::kMathml
+                                  : arguments.format == "latex" ? symbolic::Style::kLatex
+                                                                : symbolic::Style::kText;
     holds = whole.holds();
-    const symbolic::Derivation shown = only(whole, arguments.quantity);
-    if (arguments.format == "html")
-      text = htmlPage(scene.title, symbolic::print(shown, symbolic::Style::kMathml));
-    else
-      text = symbolic::print(
-          shown, arguments.format == "latex" ? symbolic::Style::kLatex : symbolic::Style::kText);
+    const auto page = [&](const symbolic::Derivation& derivation) {
+      const std::string body = symbolic::print(derivation, style);
+      if (style == symbolic::Style::kText) return body;
+      const std::string title = symbolic::printText(scene.title, style);
+      return style == symbolic::Style::kMathml ? htmlPage(title, body) : latexDocument(title, body);
+    };
+    text = page(only(whole, arguments.quantity));
+    if (arguments.proof) proof = symbolic::readBack(whole, page(whole), style);
   }
   progress.reset();
   if (arguments.output.empty())
@@ -135,6 +175,15 @@ int runDerive(const DeriveArguments& arguments) {
   else
     crosscheck::writeWholeFile(arguments.output, text);
   if (!holds) tell("dynwitness: a step of the derivation does not hold\n");
+  if (proof && proof->problem.empty()) {
+    tell(fmt::format(
+        "read back from what is printed: {} formulas are what was derived, at {} random "
+        "points modulo 2^61 - 1 (another formula passes with a chance below {:.0g})\n",
+        proof->formulas, proof->points, symbolic::kReadBackChance));
+  } else if (proof) {
+    tell(fmt::format("dynwitness: read back from what is printed: {}\n", proof->problem));
+    holds = false;
+  }
   return holds ? 0 : 1;
 }
 
@@ -153,6 +202,11 @@ Run addDerive(CLI::App* command) {
       ->add_flag("--operations", arguments->operations,
                  "How many operations the programs for ID, M, c, g and FD take, by each road")
       ->excludes("--format", "--quantity");
+  command
+      ->add_flag("--proof", arguments->proof,
+                 "Read the printed formulas back, and compare each exactly with what was derived: "
+                 "text, latex and html")
+      ->excludes("--operations");
   addOutput(*command, arguments->output, "file; without: standard output");
   return [arguments] { return runDerive(*arguments); };
 }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/engine_options.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/report/assets.hpp"
@@ -15,6 +16,7 @@
 #include "crosscheck/stability/atlas_report.hpp"
 #include "crosscheck/system/environment.hpp"
 #include "crosscheck/system/files.hpp"
+#include "crosscheck/witnesses/engine_protocol.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -26,7 +28,8 @@ constexpr int kQuickSeverities = 9;
 constexpr const char* kStyleFile = "dynwitness_style.gp";
 
 struct Arguments {
-  std::vector<std::string> families, witnesses;
+  std::vector<std::string> families, witnesses, engines;
+  Limits limits;
   std::string output = "stability";
   bool list = false, quick = false, resume = false;
 };
@@ -42,6 +45,7 @@ std::string commandOf(const Arguments& arguments) {
   if (arguments.quick) words += " --quick";
   for (std::size_t k = 0; k < arguments.witnesses.size(); ++k)
     words += (k == 0 ? " --witness " : ",") + arguments.witnesses[k];
+  for (const std::string& engine : arguments.engines) words += " --engine \"" + engine + "\"";
   return words;
 }
 
@@ -89,12 +93,17 @@ int run(const Arguments& arguments) {
   std::string asked;
   stability::Settings settings;
   if (arguments.quick) settings.severities = kQuickSeverities;
-  for (stability::Method& method : stability::methodsOf(selectWitnesses(arguments.witnesses))) {
+  std::vector<WitnessKind> kinds = selectWitnesses(arguments.witnesses);
+  for (const WitnessKind& kind : engineKinds(arguments.engines, arguments.limits,
+                                             stability::harmlessCase(*chosen.front()).scene))
+    kinds.push_back(kind);
+  for (stability::Method& method : stability::methodsOf(kinds)) {
     if (arguments.quick && method.is_compiled) continue;
     asked += " " + method.name;
     methods.push_back(std::move(method));
   }
   const Environment environment = thisEnvironment();
+  for (const std::string& engine : arguments.engines) asked += " \"" + engine + "\"";
   const std::string made_by = fmt::format("dynwitness {} {}, {} severities:{}", environment.version,
                                           environment.commit, settings.severities, asked);
   std::vector<stability::Turned> atlas;
@@ -137,6 +146,7 @@ Run addStability(CLI::App* command) {
       ->add_option("--witness", arguments->witnesses,
                    "Witnesses: in double beside our sweeps in float; without: all that are there")
       ->delimiter(',');
+  addEngineOptions(*command, arguments->engines, arguments->limits);
   addOutput(*command, arguments->output,
             "folder for index.html, stability.json, and data, script and picture of each family")
       ->capture_default_str();
@@ -146,6 +156,7 @@ Run addStability(CLI::App* command) {
                     "Go on with a run that was ended: families that it has finished are kept");
   command->footer(
       "Examples:\n  dynwitness stability\n  dynwitness stability gimbal,light_cart -o out\n"
+      "  dynwitness stability heavy_tip --engine \"python3 my_arm.py\"\n"
       "A method has broken where fewer than 3 decimal digits of the certified truth are left, or it "
       "stops;\n"
       "the severity of that is found by bisection, to 10 %, and stands beside the one that theory "

@@ -20,6 +20,7 @@
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/system/children.hpp"
 #include "crosscheck/verdicts/truth.hpp"
+#include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/single_precision.hpp"
 #include "scene/work.hpp"
 
@@ -80,7 +81,7 @@ Method witnessMethod(const WitnessKind& kind) {
   Method method;
   method.name = kind.info.name;
   method.road = roadOf(method.name);
-  method.is_ours = kind.info.version == DYNWITNESS_VERSION;
+  method.is_ours = kind.info.version == DYNWITNESS_VERSION && !isProgram(kind);
   method.is_compiled = kind.is_compiled;
   method.is_derived = kind.is_compiled || kind.info.name == "lagrange";
   method.value = [kind](const Case& given, Quantity quantity) -> MatrixOf<Ball> {
@@ -150,9 +151,8 @@ Method roadMethod(const std::string& name, MechanismQuantity asked) {
 std::vector<Method> roadMethods(const Family& family, const std::vector<Method>& chosen) {
   const bool has_engine =
       std::any_of(chosen.begin(), chosen.end(), [](const Method& m) { return m.name == kSimbody; });
-  const Case harmless = family.make(decimalOf(family.from, family.is_whole), 0);
   std::vector<Method> out;
-  for (const NamedRoad& road : mechanismRoads(PreparedScene(harmless.scene)))
+  for (const NamedRoad& road : mechanismRoads(PreparedScene(harmlessCase(family).scene)))
     if (has_engine || road.name != kSimbody) out.push_back(roadMethod(road.name, *family.whole));
   return out;
 }
@@ -287,6 +287,10 @@ std::vector<double> severitiesOf(const Family& family, int count) {
 }
 
 }  // namespace
+
+Case harmlessCase(const Family& family) {
+  return family.make(decimalOf(family.from, family.is_whole), 0);
+}
 
 std::vector<Method> methodsOf(const std::vector<WitnessKind>& kinds) {
   std::vector<Method> out;

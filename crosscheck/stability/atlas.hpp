@@ -30,7 +30,11 @@ struct Method {
   std::function<bool(const Case&, Quantity)> warns = {};
 };
 
-/// Those of the kinds that are present, and our sweeps in float after them.
+/// The mechanism at the least severity.
+Case harmlessCase(const Family& family);
+
+/// Those of the kinds that are present, and our sweeps in float after them. Programs of the engine
+/// protocol are started anew for every severity.
 std::vector<Method> methodsOf(const std::vector<WitnessKind>& kinds);
 
 /// A method at one severity: the worst of the variants.
