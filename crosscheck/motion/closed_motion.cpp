@@ -208,9 +208,8 @@ ClosedMotion::Solution ClosedMotion::solved(bool all) {
   return out;
 }
 
-/** With the acceleration constraints,
-
-        [ M + J_y' C^-1 J_y   .. ]        J_y, C: of those that give way,  nu_y = C^-1 (b_y - J_y qdd)
+/** With the acceleration constraints: rigid ones as rows, those that give way (y) by
+        nu_y = C^-1 (b_y - J_y qdd),  which makes M + J_y' C^-1 J_y of M
     @param f, b  as without them */
 ClosedMotion::Solution ClosedMotion::solvedHeld(bool all, const Vector& f, const Vector& b) {
   const Eigen::Map<const Vector> given(given_.data(), dof());

@@ -26,7 +26,7 @@ namespace dynwitness::crosscheck {
     so that the inertia that a drive moves need not be known. J qd, with all of qd, is dphi/dt.
 
     Acceleration constraints are further rows of J, those that give way (compliance C) part of the
-    inertia: M + J' C^-1 J. Where the controller reads them as tasks, their forces are the motors'. */
+    inertia: M + J' C^-1 J. Where the controller reads them as tasks, their forces are motors'. */
 class ClosedMotion {
  public:
   using State = std::vector<double>;  ///< (q, qd, work of loads, dampers and drives)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motion of a tree or closed mechanism in small equal steps, on doubles or duals: the derivative of a motion is the
-// same steps on duals.
+// Motion of a tree or closed mechanism in small equal steps, on doubles or duals: the derivative of
+// a motion is the same steps on duals.
 #pragma once
 
 #include <utility>

@@ -368,8 +368,8 @@ Change changeOf(const Problem& problem, const std::vector<Node>& nodes, const Pa
 }
 
 /** By how much rounding the state after each step moves dS(eta), at most: between two steps it is
-    [p' eta], and eta, nowhere above 1 (of dependent rates above what they then are), feels each jump
-    of p = M qd. */
+    [p' eta], and eta, nowhere above 1 (of dependent rates above what they then are), feels each
+    jump of p = M qd. */
 double movedByRounding(const Problem& problem, const std::vector<Node>& nodes) {
   const int n = problem.dof();
   const recursive::Model<D> model = lifted<D>(problem.model);

@@ -100,14 +100,14 @@ class RateFrame {
 
     On a surface phi = const, with N = J M^-1 J' and u, v tangent (J u = 0),
 
-        (5)  h(u, v) = u^i v^j e_i (J_j) - J D_u v                          second derivatives of phi
+        (5)  h(u, v) = u^i v^j e_i (J_j) - J D_u v                        second derivatives of phi
         (6)  D_u v + M^-1 J' N^-1 h(u, v)                                   the surface's own
         (7)  R(u, v, u, v) + h(u,u)' N^-1 h(v,v) - h(u,v)' N^-1 h(u,v)      Gauss's equation
 
     M is the composite-body sweep's, J that of constraintEquations(); derivatives are their runs on
     duals and nested duals: no step size, and over a field they are exact. All arguments are
     components of tangent vectors, length n. Curvature is in 1/(kg m^2), for M is in kg m^2.
-    @see M. do Carmo, Riemannian Geometry (1992), chapters 2, 4 and 6 (whose R has the other sign) */
+    @see M. do Carmo, Riemannian Geometry (1992), chapters 2, 4, 6 (whose R has the other sign) */
 template <typename T>
 class KineticMetric {
  public:
