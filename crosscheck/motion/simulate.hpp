@@ -36,7 +36,7 @@ constexpr bool needsPositions(Formulation formulation) {
         posture     tau = stiffness (q(0) - q) - damping qd,  of every free joint with one axis
         tasks, x the place and xd the rate along an acceleration constraint's direction, whose
         value's integral is  xd* = xd(0) + value t,  x* = x(0) + xd(0) t + value t^2 / 2,
-          kConstraint         J qdd + (dJ/dt) qd + compliance nu = value   ideal forces J' nu hold it
+          kConstraint         J qdd + (dJ/dt) qd + compliance nu = value  ideal forces J' nu hold it
           kOperationalSpace   J qdd + (dJ/dt) qd = value + damping (xd* - xd) + stiffness (x* - x)
                               motors supply J' nu and what the posture adds in the null space of the
                               tasks: together J' Lambda (..) + (1 - J' Jbar') tau_posture (Khatib)
