@@ -44,10 +44,11 @@ void printConnection(const MetricAt& at) {
   const auto isZero = [](const Bounded& m, Eigen::Index j, Eigen::Index k) {
     return std::abs(m.value(j, k)) <= m.bound(j, k);
   };
-  fmt::print("{}, those that are not 0\n",
-             at.commutes ? "Christoffel  Gamma_i,jk and Gamma^i_jk"
-                         : "connection   Gamma_i,jk = <e_i, D_j e_k> and Gamma^i_jk; rates of "
-                           "bodies do not commute, nor do j and k");
+  fmt::print("{}\n",
+             at.commutes
+                 ? "Christoffel  Gamma_i,jk and Gamma^i_jk, those that are not 0"
+                 : "connection   Gamma_i,jk = <e_i, D_j e_k> and Gamma^i_jk, those that are "
+                   "not 0; j and k do not commute");
   const Eigen::Index f = at.M.value.rows();
   for (Eigen::Index i = 0; i < f; ++i)
     for (Eigen::Index j = 0; j < f; ++j)

@@ -266,6 +266,10 @@ int runSimulate(const SimulateArguments& arguments) {
   if (const ClosureGap gap = ClosureGaps::ofStart(scene); gap.is_open)
     fmt::print(stderr, "{}: the start leaves closures open, {}: it is moved onto them first\n",
                scene.name, gap.text());
+  if (arguments.compare && !scene.mechanism.acceleration_constraints.empty())
+    throw scene::InputError({scene.file.string(), 0},
+                            "--compare with acceleration constraints, which implicit methods do "
+                            "not take, allowed: one run by an explicit method");
   if (arguments.compare) return compareAll(scene, options, tables, arguments.json);
   Simulation result;
   std::optional<MotionGap> off;  // of the run itself
@@ -372,7 +376,7 @@ Run addSimulate(CLI::App* command) {
       "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
       "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare\n"
       "dynwitness simulate two_handed --duration 1              its acceleration constraints hold it\n"
-      "dynwitness simulate two_handed --controller operational_space --task-gains 100,20 --posture "
+      "dynwitness simulate two_handed --duration 1 --controller operational_space --task-gains 100,20 --posture "
       "20,4");
   addScene(*command, arguments->scene, "Scene");
   command->add_option("--duration", arguments->options.duration, "Duration [s]: simulated time")

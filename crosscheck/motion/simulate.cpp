@@ -174,8 +174,11 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
         ++out->rejected;
         step = dt;
         if (!(step > kSmallestStep))
-          throw std::runtime_error(fmt::format("simulate: the step fell below {} s at t = {} s: {}",
-                                               kSmallestStep, time, why));
+          throw std::runtime_error(fmt::format(
+              "simulate: the step fell below {} s at t = {} s: {}{}", kSmallestStep, time, why,
+              motion.hasHeldRows() ? "; acceleration constraints may ask here for more "
+                                     "than the pose gives, allowed: a shorter duration"
+                                   : ""));
         continue;
       }
       watch.stepped(time);

@@ -96,6 +96,19 @@ bool isFinite(const Values& slots, const Values& qd) {
   return std::all_of(slots.begin(), slots.end(), holds) && std::all_of(qd.begin(), qd.end(), holds);
 }
 
+/// The same number as if it were exact.
+template <typename T>
+T withoutBound(const T& x) {
+  return x;
+}
+RunningError withoutBound(const RunningError& x) {
+  return x.value();
+}
+template <typename T>
+Dual<T> withoutBound(const Dual<T>& x) {
+  return {withoutBound(x.value), withoutBound(x.derivative)};
+}
+
 /// How the rates of a closed mechanism follow from the independent ones at a position.
 struct Dependence {
   Dependence(const Problem& problem, const Values& slots) : dof(problem.dof()) {
@@ -194,7 +207,8 @@ class Near {
     return change;
   }
   /// Newton's steps in the dependent part of zeta until phi and phi' are 0, all with the node's own
-  /// Jacobian: on duals each makes one more derivative right.
+  /// Jacobian: on duals each makes one more derivative right. Wherever they come from, the last one
+  /// says where phi is 0, and how surely.
   void follow(const Node& node, const Moving& slots, Moving* zeta) {
     constexpr int kMost = 40;
     const Dependence here(problem_, node.slots);
@@ -206,15 +220,20 @@ class Near {
       recursive::constraintEquations(moving_, slotPositions(displaced(slots, *zeta)), rest,
                                      ws_moving_, closures_);
       double largest = 0;
+      Moving moved;
       for (Eigen::Index i = 0; i < m; ++i) {
         Dual<S> correction(S(0));
         for (Eigen::Index k = 0; k < m; ++k)
           correction += closures_.phi(surface.rows[k]) * Dual<S>(S(here.inverse(i, k)));
-        (*zeta)[surface.dependent[i]] -= correction;
+        moved.push_back((*zeta)[surface.dependent[i]] - correction);
         largest = std::max(largest, magnitude(correction));
       }
       // below this a step that does not halve the last one is rounding
-      if (largest == 0 || (largest < 1e-9 && !(largest < before / 2))) return;
+      const bool is_last =
+          step + 1 == kMost || largest == 0 || (largest < 1e-9 && !(largest < before / 2));
+      for (Eigen::Index i = 0; i < m; ++i)
+        (*zeta)[surface.dependent[i]] = is_last ? moved[i] : withoutBound(moved[i]);
+      if (is_last) return;
       before = largest;
     }
   }

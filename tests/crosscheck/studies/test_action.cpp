@@ -345,6 +345,17 @@ BOOST_DATA_TEST_CASE(two_paths_decide_a_saddle, data::make({1.001, 1.01, 1.3, 2.
   BOOST_TEST(higher == 1);
 }
 
+// Closures that bend: paths follow them by Newton's steps, and are still surely higher and lower.
+BOOST_AUTO_TEST_CASE(two_paths_decide_a_saddle_of_a_closed_loop) {
+  ActionOptions options;
+  options.duration = 0.5;
+  const Action action = measureAction(scene::findScene("loop_on_arm"), options);
+  for (const CheckResult& check : action.checks)
+    BOOST_TEST((check.verdict == Verdict::kAgree), check.name() << ": " << check.reason);
+  BOOST_TEST(action.negative == 1);
+  BOOST_TEST(action.conjugates.size() == 1u);
+}
+
 // The first, longest steps lose these motions, the finer ones do not. M is regular throughout.
 BOOST_AUTO_TEST_CASE(a_motion_that_long_steps_lose_is_followed_by_shorter_ones) {
   ActionOptions options;
