@@ -98,12 +98,12 @@ BOOST_AUTO_TEST_CASE(a_constraint_lifts_a_weight_as_its_value_says) {
   BOOST_TEST(simulation.worst_energy < 1e-11);
 }
 
-// By hand: qdd + C nu = 0 and m qdd = nu - m g give qdd = -m g / (m + 1 / C).
+// By hand: qdd + C nu = value and m qdd = nu - m g give (m + 1 / C) qdd = value / C - m g.
 BOOST_AUTO_TEST_CASE(a_constraint_that_gives_way_is_inertia) {
-  const Simulation simulation = moved(weight(kUp + "compliance = 0.125\n"), {});
-  for (const Simulation::Point& point : simulation.points) {
-    BOOST_TEST(std::abs(point.q[0] + point.time * point.time) < 1e-12);  // -20 / 10 = -2
-    BOOST_TEST(std::abs(point.nu[0] - 16) < 1e-12);
+  const Simulation simulation = moved(weight(kUp + "compliance = 0.125\nvalue = 0.5\n"), {});
+  for (const Simulation::Point& point : simulation.points) {  // 10 qdd = 4 - 20
+    BOOST_TEST(std::abs(point.q[0] + 0.8 * point.time * point.time) < 1e-12);
+    BOOST_TEST(std::abs(point.nu[0] - 16.8) < 1e-12);
   }
   BOOST_TEST(simulation.tasks[0].yields);
   BOOST_TEST(simulation.worst_energy < 1e-11);
