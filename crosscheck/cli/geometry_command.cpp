@@ -73,6 +73,7 @@ void printMetric(const scene::Scene& scene, const MetricAt& at) {
                : f == 1 ? ": a curve, which is flat"
                         : "",
                at.surface.has_dependent_rows ? "; they depend on each other" : "");
+  if (f == 0) return;
   fmt::print("metric       M [kg m^2, kg m, kg]\n");
   for (int i = 0; i < f; ++i) {
     fmt::print("  ");
