@@ -14,6 +14,7 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/state_options.hpp"
+#include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/hamilton.hpp"
 #include "crosscheck/system/files.hpp"
