@@ -14,6 +14,7 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/state_options.hpp"
+#include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/hamilton.hpp"
 #include "crosscheck/system/files.hpp"
@@ -41,7 +42,8 @@ Json toJson(const Action& action) {
     json["paths"].push_back({{"name", path.name},
                              {"amplitude", path.amplitude},
                              {"first_variation_J_s", path.first},
-                             {"change_J_s", path.change}});
+                             {"change_J_s", path.change},
+                             {"change_unsure_J_s", path.unsure}});
   if (!action.conservative) {
     json["first_variation_with_work_J_s"] = action.with_work;
     return json;
@@ -70,6 +72,12 @@ int run(Arguments arguments) {
   const scene::Scene scene = admitted(arguments.scene, Command::kAction);
   arguments.options.q = arguments.q->values(scene, inDouble(scene, scene.start_q));
   arguments.options.qd = arguments.qd->values(scene, inDouble(scene, scene.start_qd));
+  if (surfaceNear(scene, arguments.options.q, arguments.options.qd).rates.empty()) {
+    fmt::print("{}: closures leave nothing free to move: there is one path\n", scene.name);
+    if (!arguments.json.empty())
+      writeWholeFile(arguments.json, findingsJson("action", scene, Json{{"freedoms", 0}}, {}));
+    return 0;
+  }
   const Action action = [&] {
     const Progress progress("action of " + scene.name);
     return measureAction(scene, arguments.options);
@@ -82,8 +90,12 @@ int run(Arguments arguments) {
   fmt::print("action       S = integral of T - V = {:.12g} J s\n", action.action);
   fmt::print("paths near   first variation for amplitude 1, and S(q + eta) - S(q)\n");
   for (const Action::Path& path : action.paths)
-    fmt::print("  {:<10} {:>10.2g} J s {:>+12.4g} J s for amplitude {:g}\n", path.name, path.first,
-               path.change, path.amplitude);
+    fmt::print("  {:<10} {:>10.2g} J s {:>+12.4g} +- {:.1g} J s for amplitude {:g}{}\n", path.name,
+               path.first, path.change, path.unsure, path.amplitude,
+               path.kind == Action::Path::Kind::kDrawn ? ""
+               : !path.isSure()                        ? ", not decided"
+               : path.change < 0                       ? ", lower"
+                                                       : ", higher");
   if (action.conservative) {
     fmt::print("energy       |E - E0| {:.2g} J\n", action.energy_drift);
     if (action.conjugates.empty())
@@ -93,8 +105,8 @@ int run(Arguments arguments) {
       fmt::print("conjugate    t = {:.10g} s {} s\n", conjugate.time, boundText(conjugate.error));
     if (action.negative >= 0)
       fmt::print(
-          "second       variation: {} negative directions; lowest eigenvalue in sines {:.6g} of "
-          "the kinetic part\n",
+          "second       variation: {} negative directions; lowest eigenvalue {:.6g} of the kinetic "
+          "part\n",
           action.negative, action.lowest);
   } else {
     // dS alone does not vanish, and neither does it with W beside T - V
@@ -114,7 +126,7 @@ int run(Arguments arguments) {
 
 Run addAction(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  addScene(*command, arguments->scene, "Scene, a tree of links");
+  addScene(*command, arguments->scene, "Scene");
   command
       ->add_option("--duration", arguments->options.duration,
                    "Duration [s]: between the end points")

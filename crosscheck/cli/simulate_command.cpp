@@ -30,14 +30,19 @@ using namespace crosscheck;
 
 struct SimulateArguments {
   GivenScene scene;
-  std::string csv, json, view, stabilisation, formulation = "index1", method;
-  double step_error = 0;  ///< 0: not given
+  std::string csv, json, view, stabilisation, formulation = "index1", method,
+                                              controller = name(Controller::Tasks::kConstraint);
+  std::vector<double> task_gains, posture;  ///< stiffness and damping, or not given
+  double step_error = 0;                    ///< 0: not given
   bool compare = false, runs_once = false;
   SimulateOptions options;
 };
 
 constexpr Stabilisation kStabilisations[] = {Stabilisation::kNone, Stabilisation::kBaumgarte,
                                              Stabilisation::kProjection};
+constexpr Controller::Tasks kControllers[] = {Controller::Tasks::kConstraint,
+                                              Controller::Tasks::kOperationalSpace,
+                                              Controller::Tasks::kImpedance};
 constexpr Formulation kFormulations[] = {Formulation::kIndex1, Formulation::kIndex2,
                                          Formulation::kIndex3, Formulation::kGgl};
 
@@ -55,6 +60,16 @@ SimulateOptions completed(const SimulateArguments& arguments,
   if (!is_first) options.stabilisation = Stabilisation::kNone;
   for (const Stabilisation stabilisation : kStabilisations)
     if (arguments.stabilisation == name(stabilisation)) options.stabilisation = stabilisation;
+  for (const Controller::Tasks tasks : kControllers)
+    if (arguments.controller == name(tasks)) options.controller.tasks = tasks;
+  if (!arguments.task_gains.empty()) {
+    options.controller.task_stiffness = arguments.task_gains[0];
+    options.controller.task_damping = arguments.task_gains[1];
+  }
+  if (!arguments.posture.empty()) {
+    options.controller.posture_stiffness = arguments.posture[0];
+    options.controller.posture_damping = arguments.posture[1];
+  }
   for (const MotionTable& table : tables) {
     const SimulateOptions asked = optionsFor(table);
     options.step_error = std::min(options.step_error, asked.step_error);
@@ -117,6 +132,31 @@ nlohmann::json jsonHead(const scene::Scene& scene, const SimulateOptions& option
           {"duration_s", options.duration},
           {"step_error", options.step_error},
           {"step_s", options.step}};
+}
+
+/// Acceleration constraints, or the controller's tasks, along the motion.
+void printTasks(const Simulation& result, const Controller& controller) {
+  for (std::size_t k = 0; k < result.tasks.size(); ++k) {
+    const Simulation::Task& task = result.tasks[k];
+    std::string drift = fmt::format("xd {:.2g}", task.worst_rate);
+    if (task.has_place) drift += fmt::format(", x {:.2g} m", task.worst_place);
+    if (!task.has_rate) drift = "no integral: its direction turns with the link";
+    fmt::print("{}'{}': nu {:.6g} at the end; {} {}\n",
+               k > 0                                                ? "             "
+               : controller.tasks == Controller::Tasks::kConstraint ? "held         "
+                                                                    : "tasks        ",
+               task.name, result.points.back().nu[k],
+               !task.has_rate ? ""
+               : task.yields  ? "gave way by"
+                              : "off its integral by",
+               drift);
+  }
+}
+nlohmann::json jsonOf(const Simulation::Task& task) {
+  nlohmann::json out = {{"name", task.name}, {"yields", task.yields}};
+  if (task.has_rate) out["rate_error"] = task.worst_rate;
+  if (task.has_place) out["place_error_m"] = task.worst_place;
+  return out;
 }
 
 int compareAll(const scene::Scene& scene, SimulateOptions options,
@@ -187,11 +227,12 @@ std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanis
   for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",qd{}", i);
   for (std::size_t i = 1; i <= first.qdd.size(); ++i) csv += fmt::format(",qdd{}", i);
   for (std::size_t i = 1; i <= first.lambda.size(); ++i) csv += fmt::format(",lambda{}", i);
+  for (std::size_t i = 1; i <= first.nu.size(); ++i) csv += fmt::format(",nu{}", i);
   csv += ",kinetic_J,potential_J,phi,phi_rate,energy_error_J\n";
   for (const Simulation::Point& point : simulation.points) {
     csv += fmt::format("{:.17g}", point.time);
     for (const int slot : given) csv += fmt::format(",{:.17g}", point.q[slot]);
-    for (const auto* values : {&point.qd, &point.qdd, &point.lambda})
+    for (const auto* values : {&point.qd, &point.qdd, &point.lambda, &point.nu})
       for (const double v : *values) csv += fmt::format(",{:.17g}", v);
     csv += fmt::format(",{:.17g},{:.17g}", point.kinetic, point.potential);
     csv += fmt::format(",{:.3g},{:.3g},{:.3g}\n", point.phi, point.phi_rate, point.energy_error);
@@ -225,6 +266,10 @@ int runSimulate(const SimulateArguments& arguments) {
   if (const ClosureGap gap = ClosureGaps::ofStart(scene); gap.is_open)
     fmt::print(stderr, "{}: the start leaves closures open, {}: it is moved onto them first\n",
                scene.name, gap.text());
+  if (arguments.compare && !scene.mechanism.acceleration_constraints.empty())
+    throw scene::InputError({scene.file.string(), 0},
+                            "--compare with acceleration constraints, which implicit methods do "
+                            "not take, allowed: one run by an explicit method");
   if (arguments.compare) return compareAll(scene, options, tables, arguments.json);
   Simulation result;
   std::optional<MotionGap> off;  // of the run itself
@@ -274,8 +319,15 @@ int runSimulate(const SimulateArguments& arguments) {
     fmt::print("drift        |phi| {:.2g}, |J qd| {:.2g}; at the start {:.2g}\n", result.worst_phi,
                result.worst_phi_rate, result.start_residual);
   }
-  fmt::print("energy       |E - E0 - work| {:.2g} J, largest kinetic energy {:.4g} J\n",
-             result.worst_energy, result.most_kinetic);
+  printTasks(result, options.controller);
+  fmt::print("energy       |E - E0 - work| {:.2g} J, largest kinetic energy {:.4g} J{}\n",
+             result.worst_energy, result.most_kinetic,
+             result.points.back().work == 0
+                 ? ""
+                 : fmt::format(", work {:.6g} J", result.points.back().work));
+  for (const Simulation::Task& task : result.tasks) all["tasks"].push_back(jsonOf(task));
+  all["controller"] = name(options.controller.tasks);
+  all["work_J"] = result.points.back().work;
   const std::string half =
       hasEqualSteps(options.method)
           ? "steps of half the length"
@@ -322,7 +374,10 @@ Run addSimulate(CLI::App* command) {
   command->footer(
       "dynwitness simulate car_axis --duration 3\n"
       "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
-      "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare");
+      "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare\n"
+      "dynwitness simulate two_handed --duration 1              its acceleration constraints hold it\n"
+      "dynwitness simulate two_handed --duration 1 --controller operational_space --task-gains 100,20 --posture "
+      "20,4");
   addScene(*command, arguments->scene, "Scene");
   command->add_option("--duration", arguments->options.duration, "Duration [s]: simulated time")
       ->check(positive())
@@ -358,6 +413,26 @@ Run addSimulate(CLI::App* command) {
                    "w [1/s] in phi'' + 2 w phi' + w^2 phi = 0")
       ->check(nonNegative())
       ->capture_default_str();
+  command
+      ->add_option(
+          "--controller", arguments->controller,
+          "What acceleration constraints of the scene are: constraint (ideal forces hold "
+          "them), or tasks that motors do: operational_space (J' Lambda and the posture in "
+          "its null space), impedance (J' times a spring and a damper)")
+      ->capture_default_str()
+      ->check(oneOf({"constraint", "operational_space", "impedance"}));
+  command
+      ->add_option("--task-gains", arguments->task_gains,
+                   "KP,KD of tasks, about the integrals of their values: 1/s^2 and 1/s in "
+                   "operational space, N/m and N s/m of an impedance (N m s of turns)")
+      ->delimiter(',')
+      ->expected(2);
+  command
+      ->add_option("--posture", arguments->posture,
+                   "KP,KD: joint forces KP (q(0) - q) - KD qd of every free joint with one axis "
+                   "[N m/rad, N m s/rad; N/m, N s/m]")
+      ->delimiter(',')
+      ->expected(2);
   command->add_flag(
       "--compare", arguments->compare,
       "All formulations in one table: cost, drift, energy, errors of q, qd and multipliers");

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <stdexcept>
+
+#include <fmt/format.h>
 
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/joint_forces.hpp"
@@ -11,7 +15,7 @@
 
 namespace dynwitness::crosscheck {
 
-ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate)
+ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate, Controller controller)
     : number_(scene.mechanism),
       model_(recursive::buildModel(scene.mechanism, number_)),
       ws_(model_),
@@ -24,7 +28,10 @@ ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate)
       tau_(dof()),
       bias_(dof()),
       given_(dof(), 0.0),
-      M_(dof(), dof()) {
+      M_(dof(), dof()),
+      controller_(controller),
+      tasks_(scene.mechanism, model_),
+      task_force_(Vector::Zero(tasks_.count())) {
   int rate = 0, slot = 0;
   for (const scene::Link& link : scene.mechanism.links) {
     const int rates = link.joint.ownRates();  // followers' positions are integrated with the others
@@ -32,12 +39,29 @@ ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate)
     if (link.joint.motion.empty()) {
       for (int k = 0; k < rates; ++k) free_.push_back(rate + k);
       for (int k = 0; k < slots; ++k) free_slots_.push_back(slot + k);
+      for (int k = 0; k < rates && scene::ratesArePositionDerivatives(link.joint.kind); ++k)
+        posture_.push_back({rate + k, slot + k});
     } else {
       for (int k = 0; k < rates; ++k) drives_.push_back({rate + k, slot + k, link.joint.motion[k]});
     }
     rate += rates;
     slot += slots;
   }
+  posture_start_ = Vector::Zero(static_cast<Eigen::Index>(posture_.size()));
+  if (controller_.tasks == Controller::Tasks::kImpedance) return;
+  const auto& held = scene.mechanism.acceleration_constraints;
+  for (int k = 0; k < tasks_.count(); ++k) {
+    const bool yields = controller_.tasks == Controller::Tasks::kConstraint &&
+                        number_(held[static_cast<std::size_t>(k)].compliance) != 0;
+    (yields ? yielding_ : rigid_).push_back(k);
+  }
+}
+
+void ClosedMotion::startHere(const State& y) {
+  equations(y, 0);
+  tasks_.startHere();
+  for (std::size_t i = 0; i < posture_.size(); ++i)
+    posture_start_(static_cast<Eigen::Index>(i)) = x_[posture_[i][1]].q;
 }
 
 ClosedMotion::State ClosedMotion::start(const scene::Scene& scene) const {
@@ -73,6 +97,8 @@ void ClosedMotion::equations(const State& y, double time) {
   }
   for (auto& x : x_) x = scene::jointPosition(x.q);
   recursive::constraintEquations(model_, x_, qd_, ws_, constraints_);
+  time_ = time;
+  if (tasks_.count() > 0) tasks_.at(x_, qd_, constraints_, ws_);
 }
 
 void ClosedMotion::operator()(const State& y, State& rate, double time) {
@@ -81,7 +107,9 @@ void ClosedMotion::operator()(const State& y, State& rate, double time) {
   recursive::positionRates(model_, x_, qd_, q_rate_);
   std::copy(q_rate_.begin(), q_rate_.end(), rate.begin());
   for (int i = 0; i < dof(); ++i) rate[positions() + i] = result.qdd(i);
-  double power = loadPower() - spring_.dissipation - recursive::frictionPower(model_, qd_);
+  double power =
+      loadPower() - spring_.dissipation - recursive::frictionPower(model_, qd_) + control_power_;
+  if (hasHeldRows()) power += result.nu.dot(tasks_.rate);
   for (const Drive& drive : drives_) power += result.drive(drive.rate) * qd_[drive.rate];
   rate.back() = power;
 }
@@ -91,6 +119,20 @@ void ClosedMotion::choose(const State& y, double time) {
   recursive::massMatrix(model_, x_, ws_, M_);
   solver_.factorize(M_(free_, free_), constraints_.J(Eigen::all, free_));
   chosen_ = solver_.independentRows();
+  if (!rigid_.empty()) chooseHeld();
+}
+
+/// One after the other, behind all closures, which nothing else keeps.
+void ClosedMotion::chooseHeld() {
+  chosen_rigid_.clear();
+  const auto closed = static_cast<Eigen::Index>(chosen_.size());
+  for (const int k : rigid_) {
+    recursive::MatrixX<double> J(closed + static_cast<Eigen::Index>(chosen_rigid_.size()) + 1,
+                                 dof());
+    J << constraints_.J(chosen_, Eigen::all), tasks_.J(chosen_rigid_, Eigen::all), tasks_.J.row(k);
+    solver_held_.factorize(M_(free_, free_), J(Eigen::all, free_));
+    if (solver_held_.rank() == J.rows()) chosen_rigid_.push_back(k);
+  }
 }
 
 ClosedMotion::Solution ClosedMotion::accelerations(const State& y, double time) {
@@ -102,9 +144,30 @@ ClosedMotion::Solution ClosedMotion::accelerationsOfAll(const State& y, double t
   return solved(true);
 }
 
-ClosedMotion::Vector ClosedMotion::forces() {
+void ClosedMotion::pull() {
   std::fill(tau_.begin(), tau_.end(), 0.0);
   spring_ = recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_);
+  control_power_ = 0;
+  const auto add = [&](int rate, double force) {
+    tau_[rate] += force;
+    control_power_ += force * qd_[rate];
+  };
+  if (controller_.hasPosture())
+    for (std::size_t i = 0; i < posture_.size(); ++i) {
+      const auto [rate, slot] = posture_[i];
+      add(rate, controller_.posture_stiffness *
+                        (posture_start_(static_cast<Eigen::Index>(i)) - x_[slot].q) -
+                    controller_.posture_damping * qd_[rate]);
+    }
+  if (controller_.tasks != Controller::Tasks::kImpedance || tasks_.count() == 0) return;
+  task_force_ = -controller_.task_stiffness * tasks_.placeErrors(time_) -
+                controller_.task_damping * tasks_.rateErrors(time_);
+  const Vector tau = tasks_.J.transpose() * task_force_;
+  for (int i = 0; i < dof(); ++i) add(i, tau(i));
+}
+
+ClosedMotion::Vector ClosedMotion::forces() {
+  pull();
   recursive::inverseDynamics(model_, x_, qd_, given_, ws_, bias_);
   Vector f(dof());
   for (int i = 0; i < dof(); ++i) f(i) = tau_[i] - bias_[i];
@@ -116,7 +179,9 @@ ClosedMotion::Solution ClosedMotion::solved(bool all) {
   const Eigen::Map<const Vector> given(given_.data(), dof());
   const Vector b = -constraints_.gamma - constraints_.J * given - 2 * baumgarte_ * phiRate() -
                    baumgarte_ * baumgarte_ * constraints_.phi;
+  if (hasHeldRows()) return solvedHeld(all, f, b);
   Solution out;
+  out.nu = task_force_;
   out.lambda = Vector::Zero(rows());
   if (all) {
     recursive::massMatrix(model_, x_, ws_, M_);
@@ -143,6 +208,63 @@ ClosedMotion::Solution ClosedMotion::solved(bool all) {
   return out;
 }
 
+/** With the acceleration constraints: rigid ones as rows, those that give way (y) by
+        nu_y = C^-1 (b_y - J_y qdd),  which makes M + J_y' C^-1 J_y of M
+    @param f, b  as without them */
+ClosedMotion::Solution ClosedMotion::solvedHeld(bool all, const Vector& f, const Vector& b) {
+  const Eigen::Map<const Vector> given(given_.data(), dof());
+  Vector asked = tasks_.value - tasks_.J * given;
+  if (controller_.tasks == Controller::Tasks::kOperationalSpace)
+    asked -= controller_.task_stiffness * tasks_.placeErrors(time_) +
+             controller_.task_damping * tasks_.rateErrors(time_);
+  std::vector<int> closed = chosen_;
+  recursive::massMatrix(model_, x_, ws_, M_);
+  if (all) {
+    solver_.factorize(M_(free_, free_), constraints_.J(Eigen::all, free_));
+    closed.resize(static_cast<std::size_t>(rows()));
+    std::iota(closed.begin(), closed.end(), 0);
+  }
+  const recursive::MatrixX<double> J_y = tasks_.J(yielding_, Eigen::all);
+  const Vector stiffness = tasks_.compliance(yielding_).cwiseInverse();
+  const recursive::MatrixX<double> M = M_ + J_y.transpose() * stiffness.asDiagonal() * J_y;
+  const Vector pulled = f + J_y.transpose() * (stiffness.asDiagonal() * asked(yielding_));
+  const auto m = static_cast<Eigen::Index>(closed.size()),
+             k = static_cast<Eigen::Index>(chosen_rigid_.size());
+  recursive::MatrixX<double> J(m + k, dof());
+  J << constraints_.J(closed, Eigen::all), tasks_.J(chosen_rigid_, Eigen::all);
+  Vector right(m + k);
+  right << b(closed), asked(chosen_rigid_);
+  if (all)
+    solver_held_.factorize(M(free_, free_), J(Eigen::all, free_));
+  else
+    solver_held_.factorize(M(free_, free_), J(Eigen::all, free_), 0);
+  const auto result = solver_held_.solve(pulled(free_), right);
+  Solution out;
+  out.qdd = ofAll(result.qdd);
+  out.contradiction = result.contradiction;
+  out.lambda = Vector::Zero(rows());
+  out.lambda(closed) = result.lambda.head(m);
+  out.determined.assign(rows(), closed.size() == static_cast<std::size_t>(rows()));
+  if (all) out.determined.assign(result.determined.begin(), result.determined.begin() + m);
+  out.nu = Vector::Zero(tasks_.count());
+  out.nu(chosen_rigid_) = result.lambda.tail(k);
+  const Vector left = asked - tasks_.J * out.qdd;
+  out.nu(yielding_) = stiffness.cwiseProduct(left(yielding_));
+  for (const int row : rigid_)
+    if (std::abs(left(row)) > std::sqrt(std::numeric_limits<double>::epsilon()) *
+                                  std::max(1.0, asked.cwiseAbs().maxCoeff()))
+      throw std::runtime_error(fmt::format(
+          "acceleration constraint '{}' contradicts closures or others at t = {} s: {:.3g} is left",
+          tasks_.name(row), time_, left(row)));
+  out.drive = Vector::Zero(dof());
+  if (drives_.empty()) return out;
+  const Vector taken =
+      M_ * out.qdd - f - constraints_.J.transpose() * out.lambda - tasks_.J.transpose() * out.nu;
+  for (const Drive& drive : drives_) out.drive(drive.rate) = taken(drive.rate);
+  out.qdd += given;
+  return out;
+}
+
 ClosedMotion::Residuals ClosedMotion::residuals(const State& y, const Vector& qdd,
                                                 const Vector& lambda, const Vector& mu,
                                                 double time) {
@@ -151,8 +273,7 @@ ClosedMotion::Residuals ClosedMotion::residuals(const State& y, const Vector& qd
   Residuals out;
   Vector all = Eigen::Map<const Vector>(given_.data(), dof());
   all(free_) = qdd;
-  std::fill(tau_.begin(), tau_.end(), 0.0);
-  spring_ = recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_);
+  pull();
   recursive::inverseDynamics(model_, x_, qd_, std::vector<double>(all.data(), all.data() + dof()),
                              ws_, bias_);
   const recursive::MatrixX<double> J = constraints_.J(chosen_, Eigen::all);
@@ -167,7 +288,8 @@ ClosedMotion::Residuals ClosedMotion::residuals(const State& y, const Vector& qd
   recursive::positionRates(model_, x_, std::vector<double>(rates.data(), rates.data() + dof()),
                            q_rate_);
   out.position_rates = Eigen::Map<const Vector>(q_rate_.data(), positions());
-  out.power = loadPower() - spring_.dissipation - recursive::frictionPower(model_, qd_);
+  out.power =
+      loadPower() - spring_.dissipation - recursive::frictionPower(model_, qd_) + control_power_;
   for (const Drive& drive : drives_) out.power += out.force(drive.rate) * qd_[drive.rate];
   return out;
 }

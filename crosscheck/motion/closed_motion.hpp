@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "crosscheck/motion/link_tasks.hpp"
 #include "crosscheck/motion/simulate.hpp"
 #include "recursive/constrained_solver.hpp"
 #include "recursive/point_springs.hpp"
@@ -22,14 +23,19 @@ namespace dynwitness::crosscheck {
 
     (the bias being that at qdd_f = 0).
 
-    so that the inertia that a drive moves need not be known. J qd, with all of qd, is dphi/dt. */
+    so that the inertia that a drive moves need not be known. J qd, with all of qd, is dphi/dt.
+
+    Acceleration constraints are further rows of J, those that give way (compliance C) part of the
+    inertia: M + J' C^-1 J. Where the controller reads them as tasks, their forces are motors'. */
 class ClosedMotion {
  public:
   using State = std::vector<double>;  ///< (q, qd, work of loads, dampers and drives)
   using Vector = Eigen::VectorXd;
 
   /// @param baumgarte_rate  w of  phi'' + 2 w phi' + w^2 phi = 0; zero: phi'' = 0
-  ClosedMotion(const scene::Scene& scene, double baumgarte_rate);
+  ClosedMotion(const scene::Scene& scene, double baumgarte_rate, Controller controller = {});
+  ClosedMotion(const ClosedMotion&) = delete;
+  ClosedMotion& operator=(const ClosedMotion&) = delete;
 
   int dof() const { return model_.dof(); }
   int positions() const { return model_.positions; }
@@ -59,15 +65,23 @@ class ClosedMotion {
     std::vector<bool> determined;  ///< by multiplier
     double contradiction = 0;      ///< largest |J qdd + gamma|
     Vector drive;                  ///< forces of the drives, zero where there is none [N m], [N]
+    Vector nu;                     ///< of acceleration constraints or tasks
   };
   /// With the chosen equations; the multipliers of the others are zero.
   Solution accelerations(const State& y, double time);
   /// With all, redundant ones too: for the multipliers.
   Solution accelerationsOfAll(const State& y, double time);
 
-  /// phi, J and gamma at this state.
+  /// phi, J, gamma and the tasks at this state.
   void equations(const State& y, double time);
   const recursive::MatrixX<double>& jacobian() const { return constraints_.J; }
+  const LinkTasks& tasks() const { return tasks_; }
+  /// The controller's references are integrals from this state on, at t = 0.
+  void startHere(const State& y);
+  /// Whether it holds links by rows of their own, which residuals() has not.
+  bool hasHeldRows() const { return !rigid_.empty() || !yielding_.empty(); }
+  /// Whether more than the mechanism's own parts moves it.
+  bool isHeld() const { return tasks_.count() > 0 || controller_.hasPosture(); }
   double phi() const { return largest(constraints_.phi); }
   double phiRateSize() const { return largest(phiRate()); }
   /// Whether projections have arrived at closed positions and rates. Newton's method squares what
@@ -104,8 +118,12 @@ class ClosedMotion {
   static double largest(const Vector& v) { return v.size() == 0 ? 0 : v.cwiseAbs().maxCoeff(); }
   Vector phiRate() const { return constraints_.J * Eigen::Map<const Vector>(qd_.data(), dof()); }
   Solution solved(bool all);
+  /// Of springs between points and the controller, into tau_.
+  void pull();
   /// Q - bias, bias at the accelerations given_ of the driven joints.
   Vector forces();
+  Solution solvedHeld(bool all, const Vector& f, const Vector& b);
+  void chooseHeld();
   void factorizeChosen();
   Vector ofAll(const Vector& of_free) const;
   double loadPower();
@@ -130,6 +148,15 @@ class ClosedMotion {
   recursive::MatrixX<double> M_;
   std::vector<int> chosen_;
   double kinetic_ = 0;
+
+  Controller controller_;
+  LinkTasks tasks_;
+  std::vector<int> rigid_, yielding_;  ///< acceleration constraints by compliance; none: tasks
+  std::vector<int> chosen_rigid_;      ///< that depend neither on closures nor on each other
+  recursive::ConstrainedSolver<double> solver_held_;
+  std::vector<std::array<int, 2>> posture_;  ///< rates and slots of free joints with one axis
+  Vector posture_start_, task_force_;        ///< by posture_; of an impedance
+  double time_ = 0, control_power_ = 0;
 };
 
 }  // namespace dynwitness::crosscheck

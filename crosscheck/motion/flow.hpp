@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motion of a tree in small equal steps, on doubles or duals: the derivative of a motion is the
-// same steps on duals.
+// Motion of a tree or closed mechanism in small equal steps, on doubles or duals: the derivative of
+// a motion is the same steps on duals.
 #pragma once
 
 #include <utility>
@@ -8,6 +8,8 @@
 
 #include "crosscheck/scalars/lifted.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "recursive/constraints.hpp"
+#include "recursive/factorization.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -67,14 +69,24 @@ struct PhasePoint {
 };
 
 /** A tree under gravity, springs, loads (as far as `terms` says) and joint dampers, by the
-    articulated-body sweep:  M qdd + c + g = Q - damping qd.  Steps are the classical Runge-Kutta
-    method's, of order 4. */
+    articulated-body sweep:  M qdd + c + g = Q - damping qd.  With closures
+
+        M qdd + c + g = Q - damping qd + J' lambda,    J qdd + gamma = 0
+
+    of which nothing keeps phi at 0 but the steps. Steps are the classical Runge-Kutta method's, of
+    order 4. */
 template <typename T>
 class Flow {
  public:
   Flow(recursive::Model<T> model, recursive::Terms terms, double damping = 0)
+      : Flow(std::move(model), terms, damping, recursive::Constraints<T>(), {}) {}
+  /// @param rows  equations of the closures that stand for all
+  Flow(recursive::Model<T> model, recursive::Terms terms, double damping,
+       recursive::Constraints<T> closures, std::vector<int> rows)
       : model_(std::move(model)),
         ws_(model_),
+        closures_(std::move(closures)),
+        rows_(std::move(rows)),
         terms_(terms),
         damping_(damping),
         tau_(model_.dof(), T(0)),
@@ -85,6 +97,7 @@ class Flow {
 
   std::vector<T> accelerations(const PhasePoint<T>& y) {
     for (int i = 0; i < model_.dof(); ++i) tau_[i] = y.qd[i] * T(-damping_);
+    if (!rows_.empty()) return closedAccelerations(y);
     recursive::forwardDynamics(model_, slotPositions(y.slots), y.qd, tau_, ws_, qdd_, terms_);
     return qdd_;
   }
@@ -101,6 +114,40 @@ class Flow {
   }
 
  private:
+  std::vector<T> closedAccelerations(const PhasePoint<T>& y) {
+    using Vector = recursive::VectorX<T>;
+    const int n = model_.dof();
+    const auto m = static_cast<Eigen::Index>(rows_.size());
+    const auto x = slotPositions(y.slots);
+    recursive::MatrixX<T> M(n, n), J(m, n);
+    recursive::massMatrix(model_, x, ws_, M);
+    recursive::factorize(M);
+    std::vector<T> bias(n, T(0));
+    recursive::inverseDynamics(model_, x, y.qd, std::vector<T>(n, T(0)), ws_, bias, terms_);
+    for (int i = 0; i < n; ++i) qdd_[i] = tau_[i] - bias[i];
+    recursive::solve(M, qdd_);
+    recursive::constraintEquations(model_, x, y.qd, ws_, closures_);
+    Vector lambda(m);
+    for (Eigen::Index k = 0; k < m; ++k) {
+      lambda(k) = -closures_.gamma(rows_[k]);
+      for (int i = 0; i < n; ++i) {
+        J(k, i) = closures_.J(rows_[k], i);
+        lambda(k) -= J(k, i) * qdd_[i];
+      }
+    }
+    recursive::MatrixX<T> by_force = J.transpose();  // M^-1 J'
+    for (Eigen::Index k = 0; k < m; ++k) {
+      Vector column = by_force.col(k);
+      recursive::solve(M, column);
+      by_force.col(k) = column;
+    }
+    recursive::MatrixX<T> N = J * by_force;
+    recursive::factorize(N);
+    recursive::solve(N, lambda);
+    const Vector pushed = by_force * lambda;
+    for (int i = 0; i < n; ++i) qdd_[i] += pushed(i);
+    return qdd_;
+  }
   PhasePoint<T> rate(const PhasePoint<T>& y) { return {slotRates(y), accelerations(y)}; }
   static PhasePoint<T> moved(PhasePoint<T> y, const PhasePoint<T>& rate, double h) {
     for (std::size_t i = 0; i < y.slots.size(); ++i) y.slots[i] += rate.slots[i] * T(h);
@@ -110,6 +157,8 @@ class Flow {
 
   recursive::Model<T> model_;
   recursive::Workspace<T> ws_;
+  recursive::Constraints<T> closures_;
+  std::vector<int> rows_;
   recursive::Terms terms_;
   double damping_;
   std::vector<T> tau_, qdd_, slot_rates_;

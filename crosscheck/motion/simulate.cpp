@@ -42,7 +42,13 @@ Simulation::Point pointAt(ClosedMotion& motion, const State& y, double time, dou
   point.phi = motion.phi();
   point.phi_rate = motion.phiRateSize();
   point.energy_error = std::abs(balance - start_balance);
+  point.work = work;
   point.kinetic = motion.kinetic();
+  const auto entries = [](const Eigen::VectorXd& v) {
+    return std::vector<double>(v.data(), v.data() + v.size());
+  };
+  point.place_errors = entries(motion.tasks().placeErrors(time));
+  point.rate_errors = entries(motion.tasks().rateErrors(time));
   point.potential = balance + work - point.kinetic;
   return point;
 }
@@ -84,12 +90,17 @@ class Watch {
     keepWorse(&out_->worst_phi_rate, point.phi_rate);
     keepWorse(&out_->worst_energy, point.energy_error);
     keepWorse(&out_->most_kinetic, motion_.kinetic());
+    for (std::size_t k = 0; k < out_->tasks.size(); ++k) {
+      keepWorse(&out_->tasks[k].worst_place, std::abs(point.place_errors[k]));
+      keepWorse(&out_->tasks[k].worst_rate, std::abs(point.rate_errors[k]));
+    }
     if (keep) {
       const auto solution = motion_.accelerationsOfAll(y, time);
       const Eigen::VectorXd& l = lambda ? *lambda : solution.lambda;
       point.qdd.assign(solution.qdd.data(), solution.qdd.data() + solution.qdd.size());
       point.lambda.assign(l.data(), l.data() + l.size());
       point.determined = solution.determined;
+      point.nu.assign(solution.nu.data(), solution.nu.data() + solution.nu.size());
       out_->points.push_back(std::move(point));
     }
     paused_ += std::clock() - pause;
@@ -163,8 +174,11 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
         ++out->rejected;
         step = dt;
         if (!(step > kSmallestStep))
-          throw std::runtime_error(fmt::format("simulate: the step fell below {} s at t = {} s: {}",
-                                               kSmallestStep, time, why));
+          throw std::runtime_error(fmt::format(
+              "simulate: the step fell below {} s at t = {} s: {}{}", kSmallestStep, time, why,
+              motion.hasHeldRows() ? "; acceleration constraints may ask here for more "
+                                     "than the pose gives, allowed: a shorter duration"
+                                   : ""));
         continue;
       }
       watch.stepped(time);
@@ -229,13 +243,15 @@ class ClosedEquations : public MotionEquations<double> {
       : motion_(motion),
         tree_(mechanism),
         is_tree_(motion.rows() == 0 && motion.freedoms() == motion.dof() &&
-                 mechanism.isOpenTree()) {}
+                 mechanism.isOpenTree() && !motion.isHeld()) {}
   ~ClosedEquations() override { motion_.evaluations += tree_.calls; }
 
   int positions() const override { return motion_.positions(); }
   int dof() const override { return motion_.dof(); }
   void rate(const State& y, double time, State* rate) override { motion_(y, *rate, time); }
-  bool isAutonomous() const override { return motion_.freedoms() == motion_.dof(); }
+  bool isAutonomous() const override {
+    return motion_.freedoms() == motion_.dof() && !motion_.isHeld();
+  }
   void move(State* y, const State& u) const override { tree_.move(y, u); }
   State commutator(const State& u, const State& v) const override { return tree_.commutator(u, v); }
   bool hasMomenta() const override { return is_tree_ && tree_.hasMomenta(); }
@@ -311,12 +327,49 @@ void require(bool holds, const char* what, double value, const char* allowed) {
 
 }  // namespace
 
+const char* name(Controller::Tasks tasks) {
+  switch (tasks) {
+    case Controller::Tasks::kConstraint:
+      return "constraint";
+    case Controller::Tasks::kOperationalSpace:
+      return "operational_space";
+    case Controller::Tasks::kImpedance:
+      return "impedance";
+  }
+  return "";
+}
+
 bool hasEqualSteps(const std::string& method) {
   return methodOf(method).way != Way::kAdaptive;
 }
 bool knowsFormulations(const std::string& method) {
   return methodOf(method).way == Way::kFormulations;
 }
+
+namespace {
+
+/// What the controller cannot be.
+void requireController(const scene::Scene& scene, const SimulateOptions& options) {
+  const Controller& c = options.controller;
+  for (const auto& [what, gain] :
+       {std::pair<const char*, double>{"stiffness of tasks", c.task_stiffness},
+        {"damping of tasks", c.task_damping},
+        {"stiffness of the posture", c.posture_stiffness},
+        {"damping of the posture", c.posture_damping}})
+    require(gain >= 0 && std::isfinite(gain), what, gain, "zero or more");
+  const bool has_tasks = c.tasks != Controller::Tasks::kConstraint;
+  if (has_tasks && scene.mechanism.acceleration_constraints.empty())
+    throw scene::InputError({scene.file.string(), 0},
+                            fmt::format("controller {}: the scene has no acceleration_constraint, "
+                                        "which are its tasks",
+                                        name(c.tasks)));
+  if (!has_tasks && (c.task_stiffness != 0 || c.task_damping != 0))
+    throw scene::InputError({},
+                            "gains of tasks with acceleration constraints as constraints, allowed: "
+                            "a controller, operational_space or impedance");
+}
+
+}  // namespace
 
 Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
   const Method method = methodOf(options.method);
@@ -350,8 +403,15 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
         {},
         fmt::format("step is {} s, allowed: positive, and at least the duration of {} s over {}",
                     options.step, options.duration, kMostSteps));
+  requireController(scene, options);
   ClosedMotion motion(
-      scene, options.stabilisation == Stabilisation::kBaumgarte ? options.baumgarte_rate : 0);
+      scene, options.stabilisation == Stabilisation::kBaumgarte ? options.baumgarte_rate : 0,
+      options.controller);
+  if (motion.hasHeldRows() && method.way == Way::kFormulations)
+    throw scene::InputError(
+        {scene.file.string(), 0},
+        fmt::format("method '{}' with acceleration constraints, allowed: explicit ones",
+                    options.method));
   if (motion.freedoms() == 0)
     throw scene::InputError({scene.file.string(), 0},
                             "all joints are driven, allowed: at least one that is free to move");
@@ -370,6 +430,12 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
                     "them ({:.3g} is left), allowed: a start near a closed position",
                     out.start_residual, std::max(motion.phi(), motion.phiRateSize())));
   out.rank_lowest = out.rank_highest = motion.rank();
+  motion.startHere(y);
+  const LinkTasks& tasks = motion.tasks();
+  for (int k = 0; k < tasks.count(); ++k)
+    out.tasks.push_back(
+        {tasks.name(k), tasks.hasPlace(k), tasks.hasRate(k),
+         options.controller.tasks == Controller::Tasks::kConstraint && tasks.compliance(k) != 0});
   motion.evaluations = 0;
   if (method.integrate != nullptr)
     method.integrate(motion, y, options, &out);

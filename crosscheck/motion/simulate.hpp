@@ -31,6 +31,28 @@ constexpr bool needsPositions(Formulation formulation) {
   return formulation == Formulation::kIndex3 || formulation == Formulation::kGgl;
 }
 
+/** Joint forces of a controller, besides what else moves a scene.
+
+        posture     tau = stiffness (q(0) - q) - damping qd,  of every free joint with one axis
+        tasks, x the place and xd the rate along an acceleration constraint's direction, whose
+        value's integral is  xd* = xd(0) + value t,  x* = x(0) + xd(0) t + value t^2 / 2,
+          kConstraint         J qdd + (dJ/dt) qd + compliance nu = value  ideal forces J' nu hold it
+          kOperationalSpace   J qdd + (dJ/dt) qd = value + damping (xd* - xd) + stiffness (x* - x)
+                              motors supply J' nu and what the posture adds in the null space of the
+                              tasks: together J' Lambda (..) + (1 - J' Jbar') tau_posture (Khatib)
+          kImpedance          nu = damping (xd* - xd) + stiffness (x* - x),  motors supply J' nu
+    Gains are of the accelerations [1/s^2], [1/s] in operational space, of forces otherwise. */
+struct Controller {
+  enum class Tasks { kConstraint, kOperationalSpace, kImpedance };
+  Tasks tasks = Tasks::kConstraint;
+  double task_stiffness = 0, task_damping = 0;
+  double posture_stiffness = 0, posture_damping = 0;
+
+  bool hasPosture() const { return posture_stiffness != 0 || posture_damping != 0; }
+};
+/// "constraint", "operational_space", "impedance"
+const char* name(Controller::Tasks tasks);
+
 struct SimulateOptions {
   double duration = 10;            ///< [s]
   int outputs = 100;               ///< equal intervals at whose ends the state is kept
@@ -41,7 +63,8 @@ struct SimulateOptions {
   Stabilisation stabilisation = Stabilisation::kProjection;
   double baumgarte_rate = 20;  ///< w [1/s]
   Formulation formulation = Formulation::kIndex1;
-  double step = 0.001;                             ///< of methods whose steps are equal [s]
+  double step = 0.001;  ///< of methods whose steps are equal [s]
+  Controller controller = {};
   std::function<void(double time)> progress = {};  ///< called after each step
 };
 
@@ -56,13 +79,25 @@ struct Simulation {
   struct Point {
     double time;
     std::vector<double> q, qd, qdd;
-    double phi, phi_rate;          ///< largest |phi|, |J qd| at this time
-    double energy_error;           ///< |E - E0 - work of loads, dampers and drives| [J]
+    double phi, phi_rate;  ///< largest |phi|, |J qd| at this time
+    double energy_error;   ///< |E - E0 - work| [J]
+    double work;  ///< of loads, dampers, drives, acceleration constraints and the controller [J]
     double kinetic, potential;     ///< [J], springs included
     std::vector<double> lambda;    ///< of all equations; of implicit methods what they solved for
     std::vector<bool> determined;  ///< by multiplier: mechanics of rigid bodies says what it is
+    std::vector<double> nu;        ///< of acceleration constraints or tasks
+    /// By task: how far place and rate are from the integrals of its value (LinkTasks).
+    std::vector<double> place_errors, rate_errors;
+  };
+  /// An acceleration constraint or task along the motion.
+  struct Task {
+    std::string name;
+    bool has_place, has_rate;
+    bool yields;                             ///< it has a compliance, which plays a part
+    double worst_place = 0, worst_rate = 0;  ///< over all steps [m], [m/s, 1/s]
   };
   std::vector<Point> points;  ///< the first at t = 0
+  std::vector<Task> tasks;
   int constraints = 0, rank_lowest = 0, rank_highest = 0;
   double start_residual = 0;  ///< largest |phi| and |J qd| of the scene's start, before projection
   double worst_phi = 0, worst_phi_rate = 0, worst_energy = 0;  ///< over all steps
@@ -71,10 +106,13 @@ struct Simulation {
   double cpu_s = 0;
 };
 
-/** Simulates the scene with its closures, springs, loads and driven joints, from its start state,
-    without other joint forces. The start is first moved onto phi = 0 and J qd = 0.
+/** Simulates the scene with its closures, springs, loads, driven joints and acceleration
+    constraints, from its start state, without other joint forces than the controller's. The start
+    is first moved onto phi = 0 and J qd = 0. Acceleration constraints act along the whole motion;
+    nothing corrects how their integrals drift but a controller's gains.
     @throws scene::InputError  an unknown method, options out of range, or a start that no small
-            correction brings onto the constraints
+            correction brings onto the constraints; an implicit method with rows for acceleration
+            constraints; tasks asked of a scene that has none
     @throws std::runtime_error the integrator cannot go on (its step fell below 1e-12 s) */
 Simulation simulate(const scene::Scene& scene, const SimulateOptions& options);
 

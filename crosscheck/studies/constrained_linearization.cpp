@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <Eigen/QR>
 
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/motion/closed_motion.hpp"
@@ -17,6 +16,7 @@
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/scalars/dual_root.hpp"
 #include "crosscheck/studies/bounded_balls.hpp"
+#include "crosscheck/studies/independent_rates.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
 #include "crosscheck/witnesses/dense_equations.hpp"
 #include "recursive/hybrid_dynamics.hpp"
@@ -26,7 +26,6 @@ namespace {
 
 using Balls = recursive::MatrixX<Ball>;
 using Moving = Dual<Ball>;
-using Indices = std::vector<int>;
 using DualOfBalls = DualNumbers<BallNumbers>;
 
 /// What closures leave free at a state, by rates.
@@ -54,37 +53,9 @@ struct Derivatives {
   VectorOf<Ball> qdd, tau;               ///< at the state itself; tau with what drives take
 };
 
-/// X of  D X = R,  D square and regular: of D' D, which needs no pivots.
-Balls solved(const Balls& D, const Balls& R) {
-  Balls normal = D.transpose() * D, X = D.transpose() * R;
-  recursive::factorize(normal);
-  for (Eigen::Index k = 0; k < X.cols(); ++k) {
-    recursive::VectorX<Ball> column = X.col(k);
-    recursive::solve(normal, column);
-    X.col(k) = column;
-  }
-  return X;
-}
-
 Balls zeros(std::size_t rows, std::size_t columns) {
   return Balls::Constant(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns),
                          Ball(0));
-}
-
-/// The columns that rows depend on most, as many as rows.
-Indices pivots(const Eigen::MatrixXd& J, const Indices& columns) {
-  Indices out;
-  if (J.rows() == 0) return out;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J);
-  for (Eigen::Index k = 0; k < J.rows(); ++k)
-    out.push_back(columns[static_cast<std::size_t>(qr.colsPermutation().indices()(k))]);
-  std::sort(out.begin(), out.end());
-  return out;
-}
-Indices without(const Indices& all, const Indices& some) {
-  Indices out;
-  std::set_difference(all.begin(), all.end(), some.begin(), some.end(), std::back_inserter(out));
-  return out;
 }
 
 }  // namespace
@@ -368,11 +339,12 @@ void ConstrainedLinearization::differentiate(const LinearizationOptions& options
   for (Eigen::Index k = 0; k < n_q; ++k) T_q(f.q[static_cast<std::size_t>(k)], k) = Ball(1);
   for (Eigen::Index k = 0; k < n_v; ++k) T_v(f.v[static_cast<std::size_t>(k)], k) = Ball(1);
   if (!f.dependent_q.empty())  // (1)
-    T_q(f.dependent_q, Eigen::all) = -solved(J_h(Eigen::all, f.dependent_q), J_h(Eigen::all, f.q));
+    T_q(f.dependent_q, Eigen::all) =
+        -solved<Ball>(J_h(Eigen::all, f.dependent_q), J_h(Eigen::all, f.q));
   if (!f.dependent_v.empty()) {  // (2)
     const Balls D = d.J(Eigen::all, f.dependent_v);
-    T_v(f.dependent_v, Eigen::all) = -solved(D, d.J(Eigen::all, f.v));
-    K(f.dependent_v, Eigen::all) = -solved(D, d.rate_by_position * T_q);
+    T_v(f.dependent_v, Eigen::all) = -solved<Ball>(D, d.J(Eigen::all, f.v));
+    K(f.dependent_v, Eigen::all) = -solved<Ball>(D, d.rate_by_position * T_q);
   }
   const Balls turning = K - p.commutator(out->qd) * T_q,  // (3)
       by_z = d.by_position * T_q + d.by_rate * K,         // (4)

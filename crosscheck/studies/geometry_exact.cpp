@@ -4,6 +4,7 @@
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/studies/geometry_laws.hpp"
+#include "crosscheck/studies/given_values.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -14,7 +15,22 @@ std::vector<CheckResult> checkGeometryExactly(const scene::Scene& scene,
     using T = PrimeField;
     return GeometryLaws::sides(scene.mechanism, MetricAsked<T>(scene.mechanism, number, state));
   };
-  return decide(scene, GeometryLaws::words(scene.mechanism), ask, options);
+  std::vector<CheckResult> checks =
+      decide(scene, GeometryLaws::words(scene.mechanism), ask, options);
+  if (scene.mechanism.closures.empty()) return checks;
+  const Surface surface = surfaceNear(scene, inDouble(scene, scene.start_q));
+  const char* reason =
+      surface.rates.empty() ? "closures leave nothing free to move"
+      : surface.has_dependent_rows
+          ? "closures depend on each other where they hold, and nowhere else: the surfaces of the "
+            "field are others"
+          : nullptr;
+  if (reason == nullptr) return checks;
+  for (CheckResult& check : checks) {
+    check.verdict = Verdict::kNotAnswerable;
+    check.reason = reason;
+  }
+  return checks;
 }
 
 }  // namespace dynwitness::crosscheck

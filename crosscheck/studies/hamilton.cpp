@@ -5,16 +5,21 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <type_traits>
 
 #include <fmt/format.h>
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <boost/math/constants/constants.hpp>
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/motion/flow.hpp"
+#include "crosscheck/scalars/lifted_closures.hpp"
 #include "crosscheck/scalars/running_error.hpp"
+#include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/studies/given_values.hpp"
 #include "crosscheck/studies/squares.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
@@ -38,8 +43,7 @@ constexpr double kPi = boost::math::constants::pi<double>();
 constexpr int kFirstSteps = 64, kMostSteps = 8192;
 constexpr int kOrder = 4;            // of the steps and of Simpson's sums
 constexpr int kSines = 3;            // a joint, in a varied path
-constexpr int kModes = 8;            // sines a joint, among which a slow one is sought
-constexpr int kMostModes = 128;      // where fewer do not lower the action, which can be lowered
+constexpr int kHalfWaves = 8;        // of a path that raises the action, a quarter of them
 constexpr int kMostDof = 10;         // whose second variation is formed
 constexpr double kAmplitude = 0.01;  // of varied paths [rad, m]
 constexpr double kSharp =
@@ -58,17 +62,81 @@ struct Problem {
   recursive::Model<double> model;
   Terms terms;
   double damping, duration;
-  bool coordinates;  ///< rates are the derivatives of q
+  bool coordinates;  ///< all rates are independent, and the derivatives of q
   bool conservative;
   PhasePoint<double> start;
+  recursive::Constraints<double> closures;
+  Surface surface;  ///< where the start is
 
-  int n() const { return model.dof(); }
+  int n() const { return static_cast<int>(surface.rates.size()); }  ///< freedoms
+  int dof() const { return model.dof(); }
+  bool isClosed() const { return !surface.rows.empty(); }
+  template <typename T>
+  Flow<T> flow() const {
+    if constexpr (std::is_same_v<T, double>)
+      return {model, terms, damping, closures, surface.rows};
+    else
+      return {lifted<T>(model), terms, damping, lifted<T>(closures, dof()), surface.rows};
+  }
+};
+
+double magnitude(double x) {
+  return std::abs(x);
+}
+double magnitude(const RunningError& x) {
+  return std::abs(x.value());
+}
+template <typename T>
+double magnitude(const Dual<T>& x) {
+  return std::max(magnitude(x.value), magnitude(x.derivative));
+}
+
+bool isFinite(const Values& slots, const Values& qd) {
+  const auto holds = [](double x) { return std::isfinite(x); };
+  return std::all_of(slots.begin(), slots.end(), holds) && std::all_of(qd.begin(), qd.end(), holds);
+}
+
+/// The same number as if it were exact.
+template <typename T>
+T withoutBound(const T& x) {
+  return x;
+}
+RunningError withoutBound(const RunningError& x) {
+  return x.value();
+}
+template <typename T>
+Dual<T> withoutBound(const Dual<T>& x) {
+  return {withoutBound(x.value), withoutBound(x.derivative)};
+}
+
+/// How the rates of a closed mechanism follow from the independent ones at a position.
+struct Dependence {
+  Dependence(const Problem& problem, const Values& slots) : dof(problem.dof()) {
+    const Surface& surface = problem.surface;
+    recursive::Constraints<double> closures = problem.closures;
+    recursive::Workspace<double> ws(problem.model);
+    recursive::constraintEquations(problem.model, slotPositions(slots), Values(dof, 0.0), ws,
+                                   closures);
+    const Eigen::MatrixXd J = closures.J(surface.rows, Eigen::all);
+    const Eigen::FullPivLU<Eigen::MatrixXd> lu(J(Eigen::all, surface.dependent));
+    const double size = Eigen::BDCSVD<Eigen::MatrixXd>(J).singularValues()(0);
+    regularity = (lu.matrixLU().diagonal().cwiseAbs() / size).minCoeff();
+    if (lu.determinant() < 0) regularity = -regularity;
+    inverse = lu.inverse();
+    along = Eigen::MatrixXd::Zero(dof, problem.n());
+    for (int a = 0; a < problem.n(); ++a) along(surface.rates[static_cast<std::size_t>(a)], a) = 1;
+    along(surface.dependent, Eigen::all) = -inverse * J(Eigen::all, surface.rates);
+  }
+  int dof;
+  double regularity;               ///< smallest pivot over the largest singular value, det's sign
+  Eigen::MatrixXd inverse, along;  ///< of J of the dependent rates; all rates, dof x n
 };
 
 // ---- T - V and Q near the motion ----------------------------------------------------------------
 
 /** Energies and forces at q + B(q) zeta, B taking rates to rates of slots: what a variation zeta
-   with rates zeta' makes of the motion, in any scalar. */
+   with rates zeta' makes of the motion, in any scalar. Of closed mechanisms zeta is of the
+   independent rates; the others go with them so that phi stays 0. */
 template <typename S>
 class Near {
  public:
@@ -76,7 +144,9 @@ class Near {
       : problem_(problem),
         model_(lifted<S>(problem.model)),
         ws_(model_),
-        moving_(lifted<Dual<S>>(problem.model)) {}
+        moving_(lifted<Dual<S>>(problem.model)),
+        ws_moving_(moving_),
+        closures_(lifted<Dual<S>>(problem.closures, problem.dof())) {}
 
   /// Positions and rates of the varied path.
   void at(const Node& node, const std::vector<S>& zeta, const std::vector<S>& zeta_rate) {
@@ -92,15 +162,16 @@ class Near {
       return;
     }
     using T = Dual<S>;  // along time
-    std::vector<T> slots, zeta_moving, change(positions, T(S(0)));
+    std::vector<T> slots, zeta_moving(problem_.dof(), T(S(0)));
     for (int i = 0; i < positions; ++i) slots.push_back(T(S(node.slots[i]), S(node.slot_rates[i])));
-    for (int i = 0; i < problem_.n(); ++i) zeta_moving.push_back(T(zeta[i], zeta_rate[i]));
-    recursive::positionRates(moving_, slotPositions(slots), zeta_moving, change);
+    for (int a = 0; a < problem_.n(); ++a)
+      zeta_moving[problem_.surface.rates[a]] = T(zeta[a], zeta_rate[a]);
+    if (problem_.isClosed()) follow(node, slots, &zeta_moving);
+    const std::vector<T> varied = displaced(slots, zeta_moving);
     std::vector<S> now, rates;
-    for (int i = 0; i < positions; ++i) {
-      const T varied = slots[i] + change[i];
-      now.push_back(varied.value);
-      rates.push_back(varied.derivative);
+    for (const T& slot : varied) {
+      now.push_back(slot.value);
+      rates.push_back(slot.derivative);
     }
     x_ = slotPositions(now);
     qd_ = ratesOfSlots(model_, x_, rates);
@@ -114,37 +185,92 @@ class Near {
   S power() {
     S sum = S(0);
     const std::vector<S> Q = forces();
-    for (int i = 0; i < problem_.n(); ++i) sum += Q[i] * qd_[i];
+    for (int i = 0; i < problem_.dof(); ++i) sum += Q[i] * qd_[i];
     return sum;
   }
   /// Forces that have no potential here: loads and dampers.
   std::vector<S> forces() {
-    const std::vector<S> rest(problem_.n(), S(0));
-    std::vector<S> Q(problem_.n(), S(0));
+    const std::vector<S> rest(problem_.dof(), S(0));
+    std::vector<S> Q(problem_.dof(), S(0));
     recursive::inverseDynamics(model_, x_, rest, rest, ws_, Q,
                                {false, false, problem_.terms.loads});
-    for (int i = 0; i < problem_.n(); ++i) Q[i] = -Q[i] - S(problem_.damping) * qd_[i];
+    for (int i = 0; i < problem_.dof(); ++i) Q[i] = -Q[i] - S(problem_.damping) * qd_[i];
     return Q;
   }
 
  private:
+  using Moving = std::vector<Dual<S>>;
+  Moving displaced(const Moving& slots, const Moving& zeta) {
+    Moving change(slots.size(), Dual<S>(S(0)));
+    recursive::positionRates(moving_, slotPositions(slots), zeta, change);
+    for (std::size_t i = 0; i < slots.size(); ++i) change[i] += slots[i];
+    return change;
+  }
+  /// Newton's steps in the dependent part of zeta until phi and phi' are 0, all with the node's own
+  /// Jacobian: on duals each makes one more derivative right. Wherever they come from, the last one
+  /// says where phi is 0, and how surely.
+  void follow(const Node& node, const Moving& slots, Moving* zeta) {
+    constexpr int kMost = 40;
+    const Dependence here(problem_, node.slots);
+    const Moving rest(problem_.dof(), Dual<S>(S(0)));
+    const Surface& surface = problem_.surface;
+    const auto m = static_cast<Eigen::Index>(surface.rows.size());
+    double before = std::numeric_limits<double>::infinity();
+    for (int step = 0; step < kMost; ++step) {
+      recursive::constraintEquations(moving_, slotPositions(displaced(slots, *zeta)), rest,
+                                     ws_moving_, closures_);
+      double largest = 0;
+      Moving moved;
+      for (Eigen::Index i = 0; i < m; ++i) {
+        Dual<S> correction(S(0));
+        for (Eigen::Index k = 0; k < m; ++k)
+          correction += closures_.phi(surface.rows[k]) * Dual<S>(S(here.inverse(i, k)));
+        moved.push_back((*zeta)[surface.dependent[i]] - correction);
+        largest = std::max(largest, magnitude(correction));
+      }
+      // below this a step that does not halve the last one is rounding
+      const bool is_last =
+          step + 1 == kMost || largest == 0 || (largest < 1e-9 && !(largest < before / 2));
+      for (Eigen::Index i = 0; i < m; ++i)
+        (*zeta)[surface.dependent[i]] = is_last ? moved[i] : withoutBound(moved[i]);
+      if (is_last) return;
+      before = largest;
+    }
+  }
+
   const Problem& problem_;
   recursive::Model<S> model_;
   recursive::Workspace<S> ws_;
   recursive::Model<Dual<S>> moving_;
+  recursive::Workspace<Dual<S>> ws_moving_;
+  recursive::Constraints<Dual<S>> closures_;
   std::vector<scene::JointPosition<S>> x_;
   std::vector<S> qd_;
 };
 
 // ---- the motion ---------------------------------------------------------------------------------
 
+/// The independent rates have to tell the others all along.
+void requireDependence(const Problem& problem, const Node& node, double at_start) {
+  constexpr double kLeast = 1e-6;
+  if (!isFinite(node.slots, node.qd)) return;
+  const double regularity = Dependence(problem, node.slots).regularity;
+  if (!(regularity * at_start > 0 && std::abs(regularity) > kLeast))
+    throw scene::InputError(
+        {}, fmt::format("up to t = {:.6g} s the mechanism passes a place where the rates that are "
+                        "independent at the start do not tell the others; allowed: a shorter "
+                        "duration",
+                        node.time));
+}
+
 std::vector<Node> motionOf(const Problem& problem, int steps) {
-  Flow<double> flow(problem.model, problem.terms, problem.damping);
+  Flow<double> flow = problem.flow<double>();
   Near<double> near(problem);
   const double h = problem.duration / steps;
   const Values none(problem.n(), 0.0);
   std::vector<Node> nodes;
   PhasePoint<double> y = problem.start;
+  const double at_start = problem.isClosed() ? Dependence(problem, y.slots).regularity : 0;
   for (int k = 0; k <= steps; ++k) {
     if (k > 0) y = flow.step(y, h);
     const double share = k == 0 || k == steps ? 1 : k % 2 == 1 ? 4 : 2;
@@ -152,6 +278,7 @@ std::vector<Node> motionOf(const Problem& problem, int steps) {
     near.at(node, none, none);
     node.Q = near.forces();
     nodes.push_back(node);
+    if (problem.isClosed()) requireDependence(problem, node, at_start);
   }
   return nodes;
 }
@@ -246,10 +373,7 @@ PathAction actionOf(const Problem& problem, const std::vector<Node>& nodes, cons
       dS                    which would vanish if the steps followed the motion
       higher variations     those of even eta^4 and odd eta^3 leave 3/4 and 1/2 of themselves in
                             change(eta) - 4 change(eta / 2), hence twice that */
-struct Change {
-  double value, unsure;
-  bool isSure() const { return std::abs(value) > unsure; }
-};
+using Change = Action::Path::Change;
 
 Change changeOf(const Problem& problem, const std::vector<Node>& nodes, const PathAction& own,
                 const Sines& zeta, double first, double amplitude) {
@@ -263,14 +387,17 @@ Change changeOf(const Problem& problem, const std::vector<Node>& nodes, const Pa
 }
 
 /** By how much rounding the state after each step moves dS(eta), at most: between two steps it is
-    [p' eta], and eta, nowhere above 1, feels each jump of p = M qd. */
+    [p' eta], and eta, nowhere above 1 (of dependent rates above what they then are), feels each
+    jump of p = M qd. */
 double movedByRounding(const Problem& problem, const std::vector<Node>& nodes) {
-  const int n = problem.n();
+  const int n = problem.dof();
   const recursive::Model<D> model = lifted<D>(problem.model);
   recursive::Workspace<D> ws(model);
   recursive::MatrixX<D> M(n, n);
   double sum = 0;
-  for (const Node& node : nodes)
+  for (const Node& node : nodes) {
+    Eigen::VectorXd most = Eigen::VectorXd::Ones(n);
+    if (problem.isClosed()) most = Dependence(problem, node.slots).along.cwiseAbs().rowwise().sum();
     for (std::size_t k = 0; k < node.slots.size(); ++k) {
       std::vector<D> slots(node.slots.begin(), node.slots.end());
       slots[k].derivative = node.slots[k];
@@ -279,11 +406,12 @@ double movedByRounding(const Problem& problem, const std::vector<Node>& nodes) {
         double jump = 0;
         for (int j = 0; j < n; ++j) {
           jump += M(i, j).derivative * node.qd[j];
-          if (k == 0) sum += std::abs(M(i, j).value * node.qd[j]);
+          if (k == 0) sum += most(i) * std::abs(M(i, j).value * node.qd[j]);
         }
-        sum += std::abs(jump);
+        sum += most(i) * std::abs(jump);
       }
     }
+  }
   return kRoundedByStep * sum;
 }
 
@@ -309,18 +437,17 @@ std::vector<Eigen::MatrixXd> hessians(const Problem& problem, const std::vector<
   return out;
 }
 
-/** Negative directions of the second variation on all variations that are straight between every
-    `2 stride`-th node and 0 at both ends. Block by block, M = L D L' of a block-tridiagonal matrix:
-   as many as the blocks of D have negative eigenvalues (Sylvester). A subspace can miss a direction
-   of the true second variation, never add one; the finer it is, the fewer it misses.
-    @param least  counts eigenvalues over the kinetic part below this one, which is below 1 */
-int negativeDirections(const Problem& problem, const std::vector<Node>& nodes,
-                       const std::vector<Eigen::MatrixXd>& H, int stride, double least = 0) {
-  const int n = problem.n(), last = static_cast<int>(nodes.size()) - 1;
-  const double width =
-      2 * stride * problem.duration / last;  // of an element, Simpson's three nodes
-  int negative = 0;
-  Eigen::MatrixXd carried = Eigen::MatrixXd::Zero(n, n);  // of the elements to the left
+/// The second variation less `least` of its kinetic part, between two nodes that straight lines
+/// join: a block each for the ends, and one between them.
+struct Element {
+  Eigen::MatrixXd left, right, across;
+};
+/// Of every `2 stride` steps one: Simpson's three nodes.
+std::vector<Element> elements(const Problem& problem, const std::vector<Eigen::MatrixXd>& H,
+                              int stride, double least) {
+  const int n = problem.n(), last = static_cast<int>(H.size()) - 1;
+  const double width = 2 * stride * problem.duration / last;
+  std::vector<Element> out;
   for (int k = 0; k < last; k += 2 * stride) {
     Eigen::MatrixXd left = Eigen::MatrixXd::Zero(n, n), right = left, across = left;
     for (int point = 0; point < 3; ++point) {
@@ -335,11 +462,28 @@ int negativeDirections(const Problem& problem, const std::vector<Node>& nodes,
       across += weight * (down * up * qq + down * slope * qv - up * slope * qv.transpose() -
                           slope * slope * vv);
     }
-    if (k > 0) {  // the node between this element and the last is free
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> D(carried + left);
+    out.push_back({left, right, across});
+  }
+  return out;
+}
+
+/** Negative directions of the second variation on all variations that are straight between every
+    `2 stride`-th node and 0 at both ends. Block by block, M = L D L' of a block-tridiagonal matrix:
+   as many as the blocks of D have negative eigenvalues (Sylvester). A subspace can miss a direction
+   of the true second variation, never add one; the finer it is, the fewer it misses.
+    @param least  counts eigenvalues over the kinetic part below this one, which is below 1 */
+int negativeDirections(const Problem& problem, const std::vector<Eigen::MatrixXd>& H, int stride,
+                       double least = 0) {
+  int negative = 0;
+  Eigen::MatrixXd carried;  // of the elements to the left
+  for (const Element& element : elements(problem, H, stride, least)) {
+    Eigen::MatrixXd right = element.right;
+    if (carried.size() > 0) {  // the node between this element and the last is free
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> D(carried + element.left);
       negative += static_cast<int>((D.eigenvalues().array() < 0).count());
-      right -= across.transpose() * D.eigenvectors() * D.eigenvalues().cwiseInverse().asDiagonal() *
-               D.eigenvectors().transpose() * across;
+      right -= element.across.transpose() * D.eigenvectors() *
+               D.eigenvalues().cwiseInverse().asDiagonal() * D.eigenvectors().transpose() *
+               element.across;
     }
     carried = right;
   }
@@ -347,10 +491,9 @@ int negativeDirections(const Problem& problem, const std::vector<Node>& nodes,
 }
 
 /// The `number`-th lowest eigenvalue of the second variation over its kinetic part, at most 1.
-double eigenvalue(const Problem& problem, const std::vector<Node>& nodes, int number) {
-  const std::vector<Eigen::MatrixXd> H = hessians(problem, nodes);
+double eigenvalue(const Problem& problem, const std::vector<Eigen::MatrixXd>& H, int number) {
   const auto isBelow = [&](double value) {
-    return negativeDirections(problem, nodes, H, 1, value) >= number;
+    return negativeDirections(problem, H, 1, value) >= number;
   };
   double low = -1, high = 1;
   while (isBelow(low) && std::isfinite(low)) low *= 2;
@@ -359,68 +502,121 @@ double eigenvalue(const Problem& problem, const std::vector<Node>& nodes, int nu
   return high;
 }
 
-struct SecondVariation {
-  double lowest;  ///< eigenvalue, over the kinetic part: 1 for a free particle
-  Sines slowest;  ///< its variation, of amplitude 1
+/// A variation that is straight from node to node, 0 at both ends, nowhere above 1.
+struct Lines {
+  std::vector<Eigen::VectorXd> at;  ///< at the ends of equal parts of the duration
+  int parts() const { return static_cast<int>(at.size()) - 1; }
 };
 
-/// Among `modes` sines a joint.
-SecondVariation secondVariation(const Problem& problem, const std::vector<Node>& nodes,
-                                const std::vector<Eigen::MatrixXd>& H, int modes) {
-  const int n = problem.n(), size = n * modes;
-  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(size, size), kinetic = second;
-  const int last = static_cast<int>(nodes.size()) - 1;
-  for (int k = 0; k <= last; ++k) {
-    const double weight = nodes[k].weight, phase = kPi * nodes[k].time / problem.duration;
-    Eigen::VectorXd s(modes), c(modes);  // of unit rate in the mean square
-    for (int m = 0; m < modes; ++m) {
-      const double w = (m + 1) * kPi / problem.duration,
-                   scale = std::sqrt(2 / problem.duration) / w;
-      s(m) = k == last ? 0 : scale * std::sin((m + 1) * phase);
-      c(m) = scale * w * std::cos((m + 1) * phase);
-    }
-    const Eigen::MatrixXd L_qq = H[k].topLeftCorner(n, n), L_qv = H[k].topRightCorner(n, n),
-                          L_vv = H[k].bottomRightCorner(n, n);
-    for (int a = 0; a < modes; ++a)
-      for (int b = 0; b < modes; ++b) {
-        second.block(a * n, b * n, n, n) +=
-            weight * (s(a) * s(b) * L_qq + s(a) * c(b) * L_qv + c(a) * s(b) * L_qv.transpose() +
-                      c(a) * c(b) * L_vv);
-        kinetic.block(a * n, b * n, n, n) += weight * c(a) * c(b) * L_vv;
-      }
+/** The direction of the second variation's lowest eigenvalue, by inverse iteration just below it,
+    where the second variation less that much of its kinetic part is positive definite: L L' block
+    by block.
+    @param lowest  of eigenvalue() */
+Lines lowestDirection(const Problem& problem, const std::vector<Eigen::MatrixXd>& H,
+                      double lowest) {
+  constexpr int kIterations = 8;
+  constexpr double kBelow = 1e-6;  // each iteration leaves so much of the others, or less
+  const int n = problem.n();
+  const double least = lowest - kBelow * std::max(1.0, std::abs(lowest));
+  const std::vector<Element> shifted = elements(problem, H, 1, least);
+  const std::size_t inner = shifted.size() - 1;  // nodes that are free
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> D;
+  for (std::size_t k = 0; k < inner; ++k) {
+    Eigen::MatrixXd block = shifted[k].right + shifted[k + 1].left;
+    if (k > 0) block -= shifted[k].across.transpose() * D.back().solve(shifted[k].across);
+    D.emplace_back(block);
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(second, kinetic);
-  SecondVariation out;
-  out.lowest = solver.eigenvalues()(0);
-  out.slowest.a.assign(n, Values(modes));
-  const Eigen::VectorXd v = solver.eigenvectors().col(0);
-  double largest = 0;
-  for (int m = 0; m < modes; ++m)
-    for (int i = 0; i < n; ++i) {
-      out.slowest.a[i][m] = v(m * n + i) / (m + 1);
-      largest = std::max(largest, std::abs(out.slowest.a[i][m]));
+  std::vector<Eigen::VectorXd> x(inner + 2, Eigen::VectorXd::Zero(n));
+  for (std::size_t k = 0; k < inner; ++k)  // any that is no eigenvector of something simple
+    for (int i = 0; i < n; ++i)
+      x[k + 1](i) = std::sin(kPi * static_cast<double>(k + 1) / static_cast<double>(inner + 1)) *
+                    (1 + 0.1 * i + 0.3 * static_cast<double>(k) / static_cast<double>(inner));
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    // the kinetic part of x, but for a factor
+    std::vector<Eigen::VectorXd> b(inner + 2, Eigen::VectorXd::Zero(n));
+    for (std::size_t k = 0; k <= inner; ++k) {
+      const double width = 1 / static_cast<double>(inner + 1);
+      Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(n, n);
+      for (int point = 0; point < 3; ++point)
+        mass += (point == 1 ? 4 : 1) *
+                H[2 * k + static_cast<std::size_t>(point)].bottomRightCorner(n, n);
+      const Eigen::VectorXd stretch = mass * (x[k + 1] - x[k]) / width;
+      b[k] -= stretch;
+      b[k + 1] += stretch;
     }
-  for (Values& a : out.slowest.a)
-    for (double& value : a) value /= largest;
-  return out;
+    for (std::size_t k = 1; k < inner; ++k)
+      b[k + 1] -= shifted[k].across.transpose() * D[k - 1].solve(b[k]);
+    for (std::size_t k = inner; k-- > 0;) {
+      Eigen::VectorXd right = b[k + 1];
+      if (k + 1 < inner) right -= shifted[k + 1].across * x[k + 2];
+      x[k + 1] = D[k].solve(right);
+    }
+    double largest = 0;
+    for (const Eigen::VectorXd& v : x) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+    for (Eigen::VectorXd& v : x) v /= largest;
+  }
+  return {x};
+}
+
+/// S of the path q + amplitude eta by Simpson's sums, whose panels end where eta is bent.
+template <typename S>
+S actionAlong(const Problem& problem, const std::vector<Node>& nodes, const Lines& eta,
+              const S& amplitude) {
+  const int n = problem.n(), last = static_cast<int>(nodes.size()) - 1, part = last / eta.parts();
+  const double h = problem.duration / last;
+  Near<S> near(problem);
+  S sum = S(0);
+  std::vector<S> z(n, S(0)), z_rate(n, S(0));
+  for (int panel = 0; panel < last; panel += 2) {
+    const std::size_t k = static_cast<std::size_t>(panel / part);
+    const Eigen::VectorXd slope = (eta.at[k + 1] - eta.at[k]) / (h * part);
+    for (int point = 0; point < 3; ++point) {
+      const double from = static_cast<double>(panel + point) / part - static_cast<double>(k);
+      for (int i = 0; i < n; ++i) {
+        z[i] = amplitude * S((1 - from) * eta.at[k](i) + from * eta.at[k + 1](i));
+        z_rate[i] = amplitude * S(slope(i));
+      }
+      near.at(nodes[static_cast<std::size_t>(panel + point)], z, z_rate);
+      sum += S((point == 1 ? 4 : 1) * h / 3) * near.lagrangian();
+    }
+  }
+  return sum;
+}
+
+/** S(q + eta) - S(q) as changeOf() has it; what steps leave of it is by how much half as many
+    change it. */
+Change changeAlong(const Problem& problem, const std::vector<Node>& nodes,
+                   const std::vector<Node>& coarse, const Lines& eta, double amplitude,
+                   double* first) {
+  const auto change = [&](const std::vector<Node>& by, double size) {
+    return actionAlong<RunningError>(problem, by, eta, size) -
+           actionAlong<RunningError>(problem, by, eta, 0.0);
+  };
+  *first = actionAlong<D>(problem, nodes, eta, D(0.0, 1.0)).derivative;
+  const RunningError fine = change(nodes, amplitude), half = change(nodes, amplitude / 2);
+  return {fine.value(), fine.bound() + std::abs(fine.value() - change(coarse, amplitude).value()) +
+                            amplitude * std::abs(*first) +
+                            2 * std::abs(fine.value() - 4 * half.value())};
 }
 
 // ---- neighbouring motions -----------------------------------------------------------------------
 
 /// Motions that start at the same place with another velocity, and the same motion a little later.
 struct Neighbours {
-  explicit Neighbours(const Problem& problem)
-      : problem(problem), flow(lifted<D>(problem.model), problem.terms, problem.damping) {
-    Flow<double> plain(problem.model, problem.terms, problem.damping);
+  explicit Neighbours(const Problem& problem) : problem(problem), flow(problem.flow<D>()) {
+    Flow<double> plain = problem.flow<double>();
     const Values slot_rates = plain.slotRates(problem.start),
                  qdd = plain.accelerations(problem.start);
+    const Eigen::MatrixXd along = problem.isClosed()
+                                      ? Dependence(problem, problem.start.slots).along
+                                      : Eigen::MatrixXd::Identity(problem.n(), problem.n());
     for (int k = 0; k <= problem.n(); ++k) {
       PhasePoint<D> y;
       const bool later = k == problem.n();
       for (std::size_t i = 0; i < problem.start.slots.size(); ++i)
         y.slots.push_back(D(problem.start.slots[i], later ? slot_rates[i] : 0.0));
-      for (int i = 0; i < problem.n(); ++i)
-        y.qd.push_back(D(problem.start.qd[i], later ? qdd[i] : k == i ? 1.0 : 0.0));
+      for (int i = 0; i < problem.dof(); ++i)
+        y.qd.push_back(D(problem.start.qd[i], later ? qdd[i] : along(i, k)));
       now.push_back(y);
     }
   }
@@ -438,7 +634,7 @@ struct Neighbours {
         aside.push_back(q.derivative);
       }
       const Values change = ratesOfSlots(problem.model, slotPositions(slots), aside);
-      for (int i = 0; i < problem.n(); ++i) A(i, k) = change[i];
+      for (int i = 0; i < problem.n(); ++i) A(i, k) = change[problem.surface.rates[i]];
     }
     return A;
   }
@@ -537,7 +733,7 @@ Action::Conjugate manyMeet(Neighbours* neighbours, const std::vector<PhasePoint<
 JacobiFields jacobiFields(const Problem& problem, int steps, scene::Work& work) {
   JacobiFields out;
   Neighbours neighbours(problem);
-  Flow<double> plain(problem.model, problem.terms, problem.damping);
+  Flow<double> plain = problem.flow<double>();
   const double h = problem.duration / steps;
   const auto determinant = [](const Eigen::MatrixXd& A, double t) {
     return (A / t).eval().determinant();
@@ -598,7 +794,7 @@ JacobiFields jacobiFields(const Problem& problem, int steps, scene::Work& work) 
       out.size_late = std::max(out.size_late, std::abs(expected));
     };
     for (std::size_t i = 0; i < y.slots.size(); ++i) compare(later.slots[i], slot_rates[i]);
-    for (int i = 0; i < problem.n(); ++i) compare(later.qd[i], qdd[i]);
+    for (int i = 0; i < problem.dof(); ++i) compare(later.qd[i], qdd[i]);
   }
   // each step rounds the state, and neighbours say how far that carries
   out.late.terms = out.size_late + out.size_state * out.growth;
@@ -644,7 +840,10 @@ Problem problemOf(const scene::Scene& scene, const ActionOptions& options) {
                      options.duration,
                      true,
                      true,
+                     {},
+                     recursive::Constraints<double>(),
                      {}};
+  problem.closures = recursive::buildConstraints(scene.mechanism, number, problem.model);
   require(options.duration > 0 && std::isfinite(options.duration),
           fmt::format("duration is {} s, allowed: positive", options.duration));
   require(options.damping >= 0 && std::isfinite(options.damping),
@@ -652,11 +851,18 @@ Problem problemOf(const scene::Scene& scene, const ActionOptions& options) {
   require(options.paths >= 1, fmt::format("{} paths, allowed: one or more", options.paths));
   problem.start.slots = givenOr("start q", options.q, inDouble(scene, scene.start_q));
   problem.start.qd = givenOr("start qd", options.qd, inDouble(scene, scene.start_qd));
+  problem.surface = surfaceNear(scene, problem.start.slots, problem.start.qd);
+  problem.start = {problem.surface.q, problem.surface.qd};
   requireSquares("velocity", problem.start.qd, weightsAt(problem.model, problem.start.slots));
   for (const auto& link : problem.model.links)
     if (recursive::axisCount(link.kind) > 1) problem.coordinates = false;
   problem.conservative =
       options.damping == 0 && (!options.potential || scene.mechanism.wrenches.empty());
+  if (scene.mechanism.closures.empty()) return problem;
+  problem.coordinates = false;
+  require(problem.conservative,
+          "friction or wrenches on a closed mechanism, allowed: a tree, or neither");
+  require(problem.n() > 0, "closures leave nothing free to move");
   return problem;
 }
 
@@ -670,14 +876,9 @@ Sines variation(const scene::Scene& scene, int n, std::uint64_t seed, int index)
   return zeta;
 }
 
-bool isFinite(const Values& slots, const Values& qd) {
-  const auto holds = [](double x) { return std::isfinite(x); };
-  return std::all_of(slots.begin(), slots.end(), holds) && std::all_of(qd.begin(), qd.end(), holds);
-}
-
 /// When equal steps over `duration` leave the numbers [s]; never: infinity.
 double leavesNumbers(const Problem& problem, double duration, int steps) {
-  Flow<double> flow(problem.model, problem.terms, problem.damping);
+  Flow<double> flow = problem.flow<double>();
   PhasePoint<double> y = problem.start;
   const double h = duration / steps;
   for (int k = 1; k <= steps; ++k) {
@@ -688,7 +889,7 @@ double leavesNumbers(const Problem& problem, double duration, int steps) {
 }
 
 void requireMotionAtStart(const Problem& problem) {
-  Flow<double> flow(problem.model, problem.terms, problem.damping);
+  Flow<double> flow = problem.flow<double>();
   require(isFinite(flow.slotRates(problem.start), flow.accelerations(problem.start)),
           "qdd is not finite at the start: M is singular there, or the numbers are too large; "
           "allowed: a start from which it moves");
@@ -717,7 +918,7 @@ void requireMotionAtStart(const Problem& problem) {
     of twice the length move it.
     @param sharp  conjugate times are the same at two sizes of steps */
 void countDirections(const Problem& problem, const std::vector<Node>& nodes, bool sharp,
-                     Action* out, Sines* slowest) {
+                     Action* out, Lines* slowest) {
   CheckResult check =
       describe("directions that lower the action",
                "negative eigenvalues of the second variation = conjugate times", "S", "T - V");
@@ -730,25 +931,21 @@ void countDirections(const Problem& problem, const std::vector<Node>& nodes, boo
     out->checks.push_back(check);
     return;
   }
-  const std::vector<Eigen::MatrixXd> H = hessians(problem, nodes);
+  std::vector<Eigen::MatrixXd> H = hessians(problem, nodes);
   int expected = 0;
   for (const Action::Conjugate& conjugate : out->conjugates) expected += conjugate.multiplicity;
   // lines from node to node can miss a direction, never add one: finer ones until none is missed
-  int coarse = negativeDirections(problem, nodes, H, 2);
-  out->negative = negativeDirections(problem, nodes, H, 1);
+  int coarse = negativeDirections(problem, H, 2);
+  out->negative = negativeDirections(problem, H, 1);
   int steps = out->steps;
   while (out->negative < expected && 2 * steps <= kMostSteps) {
     steps *= 2;
-    const std::vector<Node> finer = motionOf(problem, steps);
     coarse = out->negative;
-    out->negative = negativeDirections(problem, finer, hessians(problem, finer), 1);
+    H = hessians(problem, motionOf(problem, steps));
+    out->negative = negativeDirections(problem, H, 1);
   }
-  SecondVariation sines = secondVariation(problem, nodes, H, kModes);
-  for (int modes = 2 * kModes; out->negative > 0 && sines.lowest >= 0 && modes <= kMostModes;
-       modes *= 2)
-    sines = secondVariation(problem, nodes, H, modes);
-  *slowest = sines.slowest;
-  out->lowest = sines.lowest;
+  out->lowest = eigenvalue(problem, H, 1);
+  if (out->negative > 0) *slowest = lowestDirection(problem, H, out->lowest);
   check.worst = std::abs(out->negative - expected);
   check.limit = 0;
   const std::string counts =
@@ -759,8 +956,10 @@ void countDirections(const Problem& problem, const std::vector<Node>& nodes, boo
                                   counts, steps));
   } else if (out->negative != expected) {
     const int number = std::min(out->negative, expected) + 1;
-    const double fine = eigenvalue(problem, motionOf(problem, steps), number),
-                 moved = std::abs(eigenvalue(problem, motionOf(problem, steps / 2), number) - fine);
+    const double fine = eigenvalue(problem, H, number),
+                 moved = std::abs(
+                     eigenvalue(problem, hessians(problem, motionOf(problem, steps / 2)), number) -
+                     fine);
     if (std::abs(fine) <= moved) {
       leaveOpen(&check, fmt::format("{}; eigenvalue {} is {:.3g}, and {} steps for {} move it by "
                                     "{:.3g}: they do not decide",
@@ -775,8 +974,7 @@ void countDirections(const Problem& problem, const std::vector<Node>& nodes, boo
 }
 
 /// Whether S of the paths near by is larger or smaller, as far as it is sure.
-void judgePaths(const std::vector<Action::Path>& paths, const std::vector<double>& unsure,
-                int negative, CheckResult* nearby) {
+void judgePaths(const std::vector<Action::Path>& paths, int negative, CheckResult* nearby) {
   nearby->states = 0;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     const Action::Path& path = paths[k];
@@ -784,10 +982,10 @@ void judgePaths(const std::vector<Action::Path>& paths, const std::vector<double
     if (negative > 0 && !is_slow && path.kind != Action::Path::Kind::kFast)
       continue;  // may be either
     ++nearby->states;
-    if (!(std::abs(path.change) > unsure[k])) {
+    if (!(std::abs(path.change) > path.unsure)) {
       nearby->addVoided(static_cast<int>(k),
                         fmt::format("{}: S changes by {:.3g} J s, sure to within {:.3g}", path.name,
-                                    path.change, unsure[k]),
+                                    path.change, path.unsure),
                         false);
     } else if (is_lower != is_slow) {
       nearby->worst += 1;
@@ -798,9 +996,7 @@ void judgePaths(const std::vector<Action::Path>& paths, const std::vector<double
   }
   if (nearby->verdict == Verdict::kDisagree) return;
   // one path that is higher shows a minimum as far as paths can; a saddle takes both
-  if (nearby->judged() < (negative > 0 ? 2 : 1))
-    leaveOpen(nearby, nearby->states > 0 ? nearby->voided_reason
-                                         : "no sum of slow sines lowers the action");
+  if (nearby->judged() < (negative > 0 ? 2 : 1)) leaveOpen(nearby, nearby->voided_reason);
 }
 
 /** Nothing is said where the steps round the place by as much as varied paths are away from it: at
@@ -1009,32 +1205,39 @@ double energyDrift(const Problem& problem, const std::vector<Node>& nodes) {
 /** S(q + zeta) - S(q) of a path that is to decide, by twice the steps and half the amplitude until
     it does: dS, which is 0 but for the steps, falls with their order, higher variations with the
     amplitude. */
-Change decidingChange(const Refinement& motion, const Sines& zeta, Action::Path* path) {
+void decide(const Refinement& motion, const Sines& zeta, Action::Path* path) {
   std::vector<Node> nodes = motion.nodes;
   for (int steps = motion.steps;; steps *= 2, path->amplitude /= 2) {
     if (steps > motion.steps) nodes = motionOf(motion.problem, steps);
     path->first = firstVariation(motion.problem, nodes, zeta).with_forces;
     const PathAction own = actionOf(motion.problem, nodes, nullptr, 0);
-    const Change change = changeOf(motion.problem, nodes, own, zeta, path->first, path->amplitude);
-    path->change = change.value;
-    if (change.isSure() || 2 * steps > kMostSteps) return change;
+    path->put(changeOf(motion.problem, nodes, own, zeta, path->first, path->amplitude));
+    if (path->isSure() || 2 * steps > kMostSteps) return;
+  }
+}
+/// The same of lines, which begin with the steps that they are made of.
+void decide(const Refinement& motion, const Lines& eta, Action::Path* path) {
+  std::vector<Node> coarse = motionOf(motion.problem, 2 * eta.parts());
+  for (int steps = 4 * eta.parts();; steps *= 2, path->amplitude /= 2) {
+    std::vector<Node> nodes = motionOf(motion.problem, steps);
+    path->put(changeAlong(motion.problem, nodes, coarse, eta, path->amplitude, &path->first));
+    if (path->isSure() || steps > kMostSteps) return;
+    coarse = std::move(nodes);
   }
 }
 
 /// S, S of paths near by, and whether they are as the second variation says of all of them.
-void showPaths(const Refinement& motion, const std::vector<Sines>& variations, const Sines& slowest,
+void showPaths(const Refinement& motion, const std::vector<Sines>& variations, const Lines& slowest,
                Action* out) {
   using Kind = Action::Path::Kind;
   const Problem& problem = motion.problem;
   const PathAction own = actionOf(problem, motion.nodes, nullptr, 0);
   out->action = own.by_all.value();
-  std::vector<double> unsure;
   for (std::size_t k = 0; k < variations.size(); ++k) {
-    const double first = motion.fine[k].with_forces;
-    const Change change = changeOf(problem, motion.nodes, own, variations[k], first, kAmplitude);
-    out->paths.push_back(
-        {Kind::kDrawn, fmt::format("path {}", k + 1), kAmplitude, first, change.value});
-    unsure.push_back(change.unsure);
+    Action::Path path{Kind::kDrawn, fmt::format("path {}", k + 1), kAmplitude,
+                      motion.fine[k].with_forces};
+    path.put(changeOf(problem, motion.nodes, own, variations[k], path.first, kAmplitude));
+    out->paths.push_back(path);
   }
   if (!problem.conservative || out->negative < 0) return;
   CheckResult nearby =
@@ -1043,19 +1246,16 @@ void showPaths(const Refinement& motion, const std::vector<Sines>& variations, c
           : describe("the action is a saddle", "S(q + slow) < S(q) < S(q + fast)", "S", "T - V");
   nearby.unit = Unit::kPaths;
   nearby.limit = 0;
-  if (out->negative > 0 && out->lowest < 0) {
+  if (out->negative > 0) {
     Sines fast;  // more half waves than directions that lower
-    fast.a.assign(problem.n(), Values(4 * std::max(kModes, out->negative), 0.0));
+    fast.a.assign(problem.n(), Values(4 * std::max(kHalfWaves, out->negative), 0.0));
     fast.a.back().back() = 1;
-    const auto add = [&](Kind kind, const char* name, const Sines& zeta) {
-      Action::Path path{kind, name, kAmplitude, 0, 0};
-      unsure.push_back(decidingChange(motion, zeta, &path).unsure);
-      out->paths.push_back(path);
-    };
-    add(Kind::kSlowest, "slow", slowest);
-    add(Kind::kFast, "fast", fast);
+    out->paths.push_back({Kind::kSlowest, "slow", kAmplitude});
+    decide(motion, slowest, &out->paths.back());
+    out->paths.push_back({Kind::kFast, "fast", kAmplitude});
+    decide(motion, fast, &out->paths.back());
   }
-  judgePaths(out->paths, unsure, out->negative, &nearby);
+  judgePaths(out->paths, out->negative, &nearby);
   out->checks.push_back(nearby);
 }
 
@@ -1084,7 +1284,7 @@ Action measureAction(const scene::Scene& scene, const ActionOptions& options) {
     out.with_work = largest(motion.fine, &FirstVariation::with_work);
     out.with_work_coarse = largest(motion.coarse, &FirstVariation::with_work);
   }
-  Sines slowest;
+  Lines slowest;
   if (problem.conservative) {
     countDirections(problem, motion.nodes, motion.sharp, &out, &slowest);
     out.energy_drift = energyDrift(problem, motion.nodes);

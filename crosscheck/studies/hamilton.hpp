@@ -35,19 +35,32 @@ struct Action {
   bool conservative = true;  ///< no loads, no dampers: only then are conjugate times looked for
   double energy_drift = 0;   ///< largest |E - E0| where conservative [J]
 
-  /// A path q + eta with the same ends; eta is a sum of three sines a joint, at most of size
-  /// `amplitude`.
+  /** A path q + eta with the same ends, eta at most of size `amplitude`: a sum of three sines a
+      joint, drawn; the direction that lowers the action most, straight from node to node; a fast
+      sine. unsure holds rounding (running bounds), by how much half as many steps change it, dS,
+      which vanishes in truth, and what is no second variation. */
   struct Path {
     enum class Kind {
       kDrawn,    ///< at random
       kSlowest,  ///< in the direction that lowers the action most
       kFast,
     };
+    struct Change {
+      double value, unsure;  ///< [J s]
+    };
+
     Kind kind = Kind::kDrawn;
     std::string name;
     double amplitude;  ///< [rad, m]
-    double first;   ///< d/deps S(q + eps eta) at 0 + integral of Q' eta, eta of amplitude 1 [J s]
-    double change;  ///< S(q + eta) - S(q) [J s]
+    double first =
+        0;  ///< d/deps S(q + eps eta) at 0 + integral of Q' eta, eta of amplitude 1 [J s]
+    double change = 0, unsure = 0;  ///< S(q + eta) - S(q) lies within change +- unsure [J s]
+
+    bool isSure() const { return std::abs(change) > unsure; }
+    void put(const Change& found) {
+      change = found.value;
+      unsure = found.unsure;
+    }
   };
   std::vector<Path> paths;
   /// Where Q is not 0: the largest first variation when its work is put into the Lagrangian, as
@@ -60,7 +73,7 @@ struct Action {
   };
   std::vector<Conjugate> conjugates;  ///< of the start, in (0, duration)
   int negative = -1;  ///< negative directions of the second variation; -1: not counted
-  double lowest = 0;  ///< eigenvalue of the second variation over the kinetic part, in sines
+  double lowest = 0;  ///< eigenvalue of the second variation over its kinetic part
   std::vector<CheckResult> checks;
 };
 

@@ -38,9 +38,9 @@ BOOST_AUTO_TEST_CASE(wrong_usage_is_refused_with_status_2) {
   refuses(program, "simulate bricard --stabilisation hope", "projection");
   refuses(program, "simulate bricard --method rk5", "runge_kutta_dopri5");
   refuses(program, "simulate four_bars_0", "four_bars_N with N from 1 to 200");
-  refuses(program, "geometry heavy_top", "spherical");
+  refuses(program, "geometry rolling_coin", "those of no surface");
   refuses(program, "geometry acrobot --q 1", "--q: 1 values, allowed: 2");
-  refuses(program, "action bricard", "a tree of links");
+  refuses(program, "action rolling_coin", "no action stationary");
   refuses(program, "action acrobot --duration 0", "allowed: positive");
   refuses(program, "impulse acrobot --link nobody", "has no link 'nobody'");
   refuses(program, "impulse acrobot --wall 0,0,1 --impulse 1,0,0",
