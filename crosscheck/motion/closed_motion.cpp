@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/joint_forces.hpp"
@@ -11,7 +12,8 @@
 
 namespace dynwitness::crosscheck {
 
-ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate)
+ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate,
+                           std::function<void(double, std::vector<double>*)> pushes)
     : number_(scene.mechanism),
       model_(recursive::buildModel(scene.mechanism, number_)),
       ws_(model_),
@@ -23,6 +25,8 @@ ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate)
       q_rate_(model_.positions),
       tau_(dof()),
       bias_(dof()),
+      pushes_(std::move(pushes)),
+      push_(dof(), 0.0),
       given_(dof(), 0.0),
       M_(dof(), dof()) {
   int rate = 0, slot = 0;
@@ -71,6 +75,10 @@ void ClosedMotion::equations(const State& y, double time) {
     qd_[drive.rate] = q.rate;
     given_[drive.rate] = q.second;
   }
+  if (pushes_) {
+    std::fill(push_.begin(), push_.end(), 0.0);
+    pushes_(time, &push_);
+  }
   for (auto& x : x_) x = scene::jointPosition(x.q);
   recursive::constraintEquations(model_, x_, qd_, ws_, constraints_);
 }
@@ -103,7 +111,7 @@ ClosedMotion::Solution ClosedMotion::accelerationsOfAll(const State& y, double t
 }
 
 ClosedMotion::Vector ClosedMotion::forces() {
-  std::fill(tau_.begin(), tau_.end(), 0.0);
+  tau_ = push_;
   spring_ = recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_);
   recursive::inverseDynamics(model_, x_, qd_, given_, ws_, bias_);
   Vector f(dof());
@@ -151,7 +159,7 @@ ClosedMotion::Residuals ClosedMotion::residuals(const State& y, const Vector& qd
   Residuals out;
   Vector all = Eigen::Map<const Vector>(given_.data(), dof());
   all(free_) = qdd;
-  std::fill(tau_.begin(), tau_.end(), 0.0);
+  tau_ = push_;
   spring_ = recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_);
   recursive::inverseDynamics(model_, x_, qd_, std::vector<double>(all.data(), all.data() + dof()),
                              ws_, bias_);
@@ -228,11 +236,12 @@ ClosedMotion::Vector ClosedMotion::ofAll(const Vector& of_free) const {
   return all;
 }
 
-/// Of the wrenches, at the velocities of the last equations().
+/// At the velocities of the last equations().
 double ClosedMotion::loadPower() {
   for (auto& f : ws_.f) f = recursive::Force<double>::zero();
   recursive::subtractLoads(model_, ws_, ws_.f);
   double power = 0;
+  for (int i = 0; i < dof(); ++i) power += push_[i] * qd_[i];
   for (std::size_t i = 0; i < model_.links.size(); ++i) power -= dot(ws_.v[i], ws_.f[i]);
   return power;
 }

@@ -31,6 +31,15 @@ constexpr bool needsPositions(Formulation formulation) {
   return formulation == Formulation::kIndex3 || formulation == Formulation::kGgl;
 }
 
+/** What a run waits for: a function of the state that passes zero. It is looked for between the ends
+    of steps, so that two passages within one step are not seen, and then found by bisection to the
+    rounding of its time, each trial integrated as a step is. */
+struct AwaitedEvent {
+  std::function<double(double time, const double* q, const double* qd)> of;
+  int direction = 0;  ///< +1: where it rises, -1: where it falls, 0: both
+  int times = 1;      ///< so many, then the run ends
+};
+
 struct SimulateOptions {
   double duration = 10;            ///< [s]
   int outputs = 100;               ///< equal intervals at whose ends the state is kept
@@ -43,6 +52,9 @@ struct SimulateOptions {
   Formulation formulation = Formulation::kIndex1;
   double step = 0.001;                             ///< of methods whose steps are equal [s]
   std::function<void(double time)> progress = {};  ///< called after each step
+  /// Adds joint forces to these at a time [N m, N]; their work is in the balance. None: no forces.
+  std::function<void(double time, std::vector<double>* tau)> forces = {};
+  AwaitedEvent until = {};  ///< without a function: none; of methods that choose their steps
 };
 
 /// Methods are integrators() by name. Whether this one has the step that is asked for;
@@ -63,6 +75,7 @@ struct Simulation {
     std::vector<bool> determined;  ///< by multiplier: mechanics of rigid bodies says what it is
   };
   std::vector<Point> points;  ///< the first at t = 0
+  std::vector<double> events;  ///< times of what was awaited [s]
   int constraints = 0, rank_lowest = 0, rank_highest = 0;
   double start_residual = 0;  ///< largest |phi| and |J qd| of the scene's start, before projection
   double worst_phi = 0, worst_phi_rate = 0, worst_energy = 0;  ///< over all steps
@@ -72,7 +85,7 @@ struct Simulation {
 };
 
 /** Simulates the scene with its closures, springs, loads and driven joints, from its start state,
-    without other joint forces. The start is first moved onto phi = 0 and J qd = 0.
+    without other joint forces than those of the options. The start is first moved onto phi = 0 and J qd = 0.
     @throws scene::InputError  an unknown method, options out of range, or a start that no small
             correction brings onto the constraints
     @throws std::runtime_error the integrator cannot go on (its step fell below 1e-12 s) */
