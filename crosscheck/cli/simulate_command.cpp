@@ -82,8 +82,8 @@ std::string describe(const SimulateOptions& options) {
                      : fmt::format("{}, steps of {} s", options.method, options.step);
 }
 
-/** --until "q2 = 0 rising": a coordinate by place (q2, qd1), or a joint with one q by its name, and a
-    number. @throws scene::InputError  it says something else */
+/** --until "q2 = 0 rising": a coordinate by place (q2, qd1), or a joint with one q by its name, and
+    a number. @throws scene::InputError  it says something else */
 AwaitedEvent eventOf(const SimulateArguments& arguments, const scene::Scene& scene) {
   const std::string& text = arguments.until;
   if (text.empty()) return {};

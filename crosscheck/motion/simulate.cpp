@@ -167,8 +167,9 @@ class Waiting {
            (before > 0 && last_ <= 0 && event_.direction <= 0);
   }
   /// Whether a value has the sign that it has after the passage that was seen last.
-  bool isPast(double value) const { return last_ > 0 ? value >= 0 : last_ < 0 ? value <= 0 : value == 0; }
-  double last() const { return last_; }
+  bool isPast(double value) const {
+    return last_ > 0 ? value >= 0 : last_ < 0 ? value <= 0 : value == 0;
+  }
 
  private:
   int positions_;
@@ -189,9 +190,9 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
     for (double h = end - from; from < end;) {
       double dt = std::min(h, end - from), t = from;
       if (!(dt > kSmallestStep) && dt < end - from)
-        throw std::runtime_error(
-            fmt::format("simulate: the step fell below {} s at t = {} s, where an event is looked for",
-                        kSmallestStep, from));
+        throw std::runtime_error(fmt::format(
+            "simulate: the step fell below {} s at t = {} s, where an event is looked for",
+            kSmallestStep, from));
       const bool cut = dt == end - from;
       const std::string why = tryStep(once, category, motion, &from_y, &t, &dt);
       h = dt;

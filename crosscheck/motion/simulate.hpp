@@ -31,9 +31,9 @@ constexpr bool needsPositions(Formulation formulation) {
   return formulation == Formulation::kIndex3 || formulation == Formulation::kGgl;
 }
 
-/** What a run waits for: a function of the state that passes zero. It is looked for between the ends
-    of steps, so that two passages within one step are not seen, and then found by bisection to the
-    rounding of its time, each trial integrated as a step is. */
+/** What a run waits for: a function of the state that passes zero. It is looked for between the
+    ends of steps, so that two passages within one step are not seen, and then found by bisection to
+    the rounding of its time, each trial integrated as a step is. */
 struct AwaitedEvent {
   std::function<double(double time, const double* q, const double* qd)> of;
   int direction = 0;  ///< +1: where it rises, -1: where it falls, 0: both
@@ -74,7 +74,7 @@ struct Simulation {
     std::vector<double> lambda;    ///< of all equations; of implicit methods what they solved for
     std::vector<bool> determined;  ///< by multiplier: mechanics of rigid bodies says what it is
   };
-  std::vector<Point> points;  ///< the first at t = 0
+  std::vector<Point> points;   ///< the first at t = 0
   std::vector<double> events;  ///< times of what was awaited [s]
   int constraints = 0, rank_lowest = 0, rank_highest = 0;
   double start_residual = 0;  ///< largest |phi| and |J qd| of the scene's start, before projection
