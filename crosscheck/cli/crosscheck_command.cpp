@@ -48,7 +48,7 @@ constexpr const char *kAsWritten = "as-written", *kRandom = "random";
 
 struct CrosscheckArguments {
   std::vector<std::string> scenes;
-  std::string root;
+  GivenScene given;  ///< without a name
   std::string report = "report", json, bench, stability;
   Options options;
   std::string parameters = kAsWritten;
@@ -68,7 +68,9 @@ constexpr int kMostChartStates = 100;
 std::vector<scene::Scene> scenesOf(const CrosscheckArguments& arguments) {
   std::vector<scene::Scene> scenes;
   for (const std::string& name : arguments.scenes) {
-    scenes.push_back(readScene({name, arguments.root}));
+    GivenScene given = arguments.given;
+    given.name = name;
+    scenes.push_back(readScene(given));
     for (const std::string& what : scenes.back().not_modelled)
       tell(fmt::format("{}: {}\n", scenes.back().name, what));
   }
@@ -83,6 +85,12 @@ std::vector<scene::Scene> scenesOf(const CrosscheckArguments& arguments) {
 std::string reproduce(const CrosscheckArguments& arguments) {
   std::string command = "dynwitness crosscheck";
   for (const std::string& name : arguments.scenes) command += fmt::format(" '{}'", name);
+  const GivenScene& given = arguments.given;
+  for (const auto& [option, value] : {std::pair("--gravity", given.changes.gravity),
+                                      {"--base", given.changes.base},
+                                      {"--root", given.root}})
+    if (!value.empty()) command += fmt::format(" {} {}", option, shellWord(value));
+  for (const std::string& word : given.changes.sets) command += " --set " + shellWord(word);
   command +=
       fmt::format(" --random {} --seed {}", arguments.options.states, arguments.options.seed);
   for (const std::string& name : arguments.options.witnesses) command += " --witness " + name;
@@ -421,7 +429,7 @@ Run addCrosscheck(CLI::App* command) {
       "the run.");
   CLI::Option* scenes =
       command->add_option("scene", arguments->scenes, "Scenes; without any: all bundled ones");
-  addRoot(*command, arguments->root)->needs(scenes);
+  for (CLI::Option* change : addChanges(*command, arguments->given)) change->needs(scenes);
   addOutput(*command, arguments->report, "folder of the report")->capture_default_str();
   addJson(*command, arguments->json, "report.json, that is; with --mechanisms or --pairs theirs");
   command->add_option("--bench", arguments->bench,

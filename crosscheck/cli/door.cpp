@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/motion/rooted.hpp"
@@ -24,21 +26,37 @@ void admit(const scene::Scene& scene, const std::vector<crosscheck::Command>& co
 
 void addScene(CLI::App& command, GivenScene& scene, const std::string& what) {
   command.add_option("scene", scene.name, what)->required();
-  addRoot(command, scene.root);
+  addChanges(command, scene);
 }
 
-CLI::Option* addRoot(CLI::App& command, std::string& root) {
-  return command.add_option(
-      "--root", root,
+std::vector<CLI::Option*> addChanges(CLI::App& command, GivenScene& scene) {
+  CLI::Option* gravity =
+      command.add_option("--gravity", scene.changes.gravity,
+                         "Another gravity: x,y,z in world axes [m/s^2]; 0,0,0 is none");
+  gravity->type_name("x,y,z");
+  CLI::Option* base = command.add_option(
+      "--base", scene.changes.base,
+      "floating: what rests in the world floats in it, by a joint floating_base; fixed: what floats "
+      "in the world is fixed where the start has it");
+  base->check(oneOf({"floating", "fixed"}));
+  CLI::Option* set = command.add_option(
+      "--set", scene.changes.sets,
+      fmt::format("Another number of the scene: {}; again for more. What the scene's own file or "
+                  "published tables say is not held against it then",
+                  fmt::join(crosscheck::setNames(), ", ")));
+  set->type_name("NAME=VALUE")->allow_extra_args(false);
+  CLI::Option* root = command.add_option(
+      "--root", scene.root,
       "The link that the tree starts from: the same mechanism in other coordinates. It floats (seven q, "
       "six qd: `dynwitness show` lists all); joints between it and the former start are turned round and "
       "keep their q, spherical ones have the conjugate quaternion, universal and planar ones are "
       "refused. What rested in the world is held there by a weld");
+  return {gravity, base, set, root};
 }
 
 scene::Scene readScene(const GivenScene& given) {
   const Progress progress("reading " + given.name);
-  const scene::Scene scene = scene::findScene(given.name);
+  const scene::Scene scene = crosscheck::changed(scene::findScene(given.name), given.changes);
   return given.root.empty() ? scene : crosscheck::rooted(scene, given.root);
 }
 

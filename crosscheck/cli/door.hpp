@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "crosscheck/inputs/features.hpp"
+#include "crosscheck/inputs/scene_changes.hpp"
 
 namespace dynwitness::cli {
 
@@ -19,16 +20,19 @@ void admit(const scene::Scene& scene, const std::vector<crosscheck::Command>& co
 struct GivenScene {
   std::string name;  ///< or its file
   std::string root;  ///< the link that its tree starts from; empty: as it is written
+  crosscheck::SceneChanges changes;
+
+  bool isAsWritten() const { return root.empty() && changes.isNone(); }
 };
-/// The scene of a command and its --root.
+/// The scene of a command, its --root, --gravity, --base and --set.
 /// @param what  "Scene", and of which kind
 void addScene(CLI::App& command, GivenScene& scene, const std::string& what);
-/// --root LINK, of commands that take several scenes.
-CLI::Option* addRoot(CLI::App& command, std::string& root);
+/// The options alone, of commands that take several scenes.
+std::vector<CLI::Option*> addChanges(CLI::App& command, GivenScene& scene);
 
 /// The scene, with progress where that takes long.
-/// @throws scene::InputError  there is none, it cannot be read, or have this root
-///   (crosscheck::rooted())
+/// @throws scene::InputError  there is none, it cannot be read, be changed so
+///   (crosscheck::changed()) or have this root (crosscheck::rooted())
 scene::Scene readScene(const GivenScene& given);
 
 /// The same, let in.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -18,6 +19,7 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/inputs/conventions.hpp"
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
@@ -117,6 +119,20 @@ std::string usualWitness(Quantity quantity) {
   return "newton_euler";
 }
 
+/// What is formed of tau as inverse dynamics has it, along a motion.
+enum class Along {
+  kNothing,
+  kPower,     ///< tau' qd, of all joint forces together [W]
+  kResidual,  ///< tau - the tau that is given: what a motion leaves of its equations [N m, N]
+};
+constexpr const char* kPower = "power";
+constexpr const char* kResidual = "residual";
+std::optional<Along> alongNamed(const std::string& quantity) {
+  if (quantity == kPower) return Along::kPower;
+  if (quantity == kResidual) return Along::kResidual;
+  return {};
+}
+
 /// What a quantity is asked at, beside q and qd.
 enum class Needs { kNothing, kQdd, kTau };
 
@@ -128,7 +144,7 @@ bool hasMoreThanItsTree(const scene::Mechanism& mechanism) {
 
 Needs needsOf(const std::string& quantity, const scene::Mechanism& mechanism) {
   if (quantity == "reactions" && hasMoreThanItsTree(mechanism)) return Needs::kTau;
-  for (const char* name : {"tau", "reactions", "acceleration", "dtau_dq"})
+  for (const char* name : {"tau", "power", "residual", "reactions", "acceleration", "dtau_dq"})
     if (quantity == name) return Needs::kQdd;
   for (const char* name : {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque", "F",
                            "PF", "beta", "dqdd_dq"})
@@ -138,6 +154,7 @@ Needs needsOf(const std::string& quantity, const scene::Mechanism& mechanism) {
 
 /// Which row of the table of features a quantity belongs to.
 Command commandOf(const std::string& quantity) {
+  if (alongNamed(quantity)) return Command::kEvaluateForces;
   if (quantity == "tau") return Command::kEvaluateForces;
   for (const char* name : {"qdd", "lambda", "nu", "tau_drive", "reactions"})
     if (quantity == name) return Command::kEvaluateMotion;
@@ -164,7 +181,7 @@ Used usedBy(const std::vector<std::string>& quantities, const scene::Mechanism& 
   Used used{mechanism.isDriven(), finds_qdd};
   for (const std::string& quantity : quantities) {
     used.qdd = used.qdd || needsOf(quantity, mechanism) == Needs::kQdd;
-    used.tau = used.tau || needsOf(quantity, mechanism) == Needs::kTau;
+    used.tau = used.tau || needsOf(quantity, mechanism) == Needs::kTau || quantity == kResidual;
   }
   return used;
 }
@@ -175,9 +192,14 @@ bool findsQddFirst(const scene::Scene& scene, const EvaluateArguments& arguments
                    const GivenColumns& given) {
   const scene::SourceLocation file{arguments.states.file, 0};
   const bool from_file = !arguments.states.file.empty();
-  bool first = false, asks_qdd = false, asks_tau = false;
+  bool first = false, asks_qdd = false, asks_tau = false, asks_residual = false;
   for (const std::string& quantity : arguments.quantities) {
     const Needs needs = needsOf(quantity, scene.mechanism);
+    if (quantity == kResidual && !(given.qdd && given.tau))
+      throw scene::InputError(
+          file,
+          "residual asked, and not both qdd and tau given, allowed: both, since it is what the "
+          "two leave of the equations of motion");
     if (needs == Needs::kQdd && !given.qdd && !given.tau)
       throw scene::InputError(
           file, quantity +
@@ -189,6 +211,7 @@ bool findsQddFirst(const scene::Scene& scene, const EvaluateArguments& arguments
                             quantity, from_file ? "columns tau1.." : "--tau beside --qdd"));
     asks_qdd = asks_qdd || needs == Needs::kQdd;
     asks_tau = asks_tau || needs == Needs::kTau;
+    asks_residual = asks_residual || quantity == kResidual;
     first = first || (needs == Needs::kQdd && !given.qdd);
     if (from_file && !given.qdd && scene.mechanism.isDriven() &&
         commandOf(quantity) != Command::kEvaluateTasks &&
@@ -198,7 +221,7 @@ bool findsQddFirst(const scene::Scene& scene, const EvaluateArguments& arguments
                     " asked of a scene with driven joints, and no qdd given, allowed: "
                     "columns qdd1.. too, of which those of driven joints count");
   }
-  if (given.is_start && (asks_qdd || asks_tau))
+  if (given.is_start && (asks_qdd || asks_tau || asks_residual))
     tell(fmt::format("{}: no state given: the scene's start\n", scene.name));
   if (given.is_tau_zero && (first || asks_tau))
     tell(fmt::format("{}: no --tau: without joint forces (tau = 0)\n", scene.name));
@@ -249,7 +272,10 @@ class OpenStates {
 /// Rows of numbers under these names: CSV, or an object a line.
 class Table {
  public:
-  Table(const std::vector<std::string>& names, bool is_json) : is_json_(is_json) {
+  /// @param comment  a line before those of CSV
+  Table(const std::vector<std::string>& names, bool is_json, const std::string& comment)
+      : is_json_(is_json) {
+    if (!is_json) header_ = comment;
     for (const std::string& name : names) {
       const char* before = keys_.empty() ? "" : ",";
       keys_.push_back(is_json ? (keys_.empty() ? "{" : ",") + nlohmann::json(name).dump() + ":"
@@ -266,6 +292,17 @@ class Table {
         std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 17).ptr;
     *row += keys_[at_++];
     row->append(digits, end);
+  }
+  /// What a file has, as it stands there; in JSON a number where it is one.
+  void append(const std::string& cell, std::string* row) {
+    *row += keys_[at_++];
+    double value = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    const bool is_number =
+        error == std::errc() && end == cell.data() + cell.size() && std::isfinite(value);
+    *row += !is_json_   ? cell
+            : is_number ? nlohmann::json(value).dump()
+                        : nlohmann::json(cell).dump();
   }
   void end(std::string* row) {
     *row += is_json_ ? "}\n" : "\n";
@@ -294,13 +331,12 @@ class Constrained {
 };
 
 /// The parts of a state that a table shows, as a file of states has them.
-std::vector<std::string> stateColumns(const scene::Mechanism& mechanism, const Used& used) {
+std::vector<std::string> stateColumns(const scene::Mechanism& mechanism, int positions,
+                                      const Used& used) {
   std::vector<std::string> names;
   const int n = mechanism.dof();
-  for (const auto& [group, count] : {std::pair("q", mechanism.positions()),
-                                     {"qd", n},
-                                     {"qdd", used.qdd ? n : 0},
-                                     {"tau", used.tau ? n : 0}})
+  for (const auto& [group, count] :
+       {std::pair("q", positions), {"qd", n}, {"qdd", used.qdd ? n : 0}, {"tau", used.tau ? n : 0}})
     for (int k = 1; k <= count; ++k) names.push_back(fmt::format("{}{}", group, k));
   return names;
 }
@@ -316,6 +352,7 @@ struct Column {
   bool is_deviation = false;                          ///< of the column before, by --uncertainty
   std::optional<PointQuantity> of_points = {};        ///< then it is this, and no other
   std::optional<DerivativeQuantity> derivative = {};  ///< then it is this, and no other
+  Along along = Along::kNothing;                      ///< formed of quantity, which is tau
 
   bool isOfConstraints() const { return !witness && !of_joints && !of_points && !derivative; }
   bool isOfConstrained(ConstrainedQuantity asked) const {
@@ -325,6 +362,124 @@ struct Column {
     return isOfConstrained(ConstrainedQuantity::kReactions) ||
            (witness && quantity == Quantity::kReactions);
   }
+};
+
+/// Answers in the coordinates of another convention (inputs/conventions.hpp has the equations).
+class Converted {
+ public:
+  Converted(const scene::Scene& scene, CoordinateConvention convention)
+      : scene_(scene), to_(scene.mechanism, convention) {}
+  /// @throws scene::InputError  what it would be there is not known here
+  void require(const Column& column) {
+    const Kind kind = kindOf(column);
+    if (kind == Kind::kUnknown)
+      throw scene::InputError(
+          {}, fmt::format("--convention {} with {}, which is of dynwitness' own rates, allowed: "
+                          "another quantity, or --convention dynwitness",
+                          name(to_.convention()), column.name));
+    if (kind == Kind::kBias && !mass_)
+      mass_ = selectWitnesses({"composite_body"}).front().make(scene_).value();
+  }
+
+  Eigen::MatrixXd value(const Column& column, const scene::State<double>& state,
+                        const Eigen::MatrixXd& value) {
+    const Eigen::Map<const Eigen::VectorXd> gained(turning(state).data(),
+                                                   static_cast<Eigen::Index>(gained_.size()));
+    switch (kindOf(column)) {
+      case Kind::kForce:
+      case Kind::kRows:
+        return rows(state, value);
+      case Kind::kQdd:
+        return rows(state, value + gained);
+      case Kind::kBias:
+        return rows(state, value - mass_->value(Quantity::kM, state) * gained);
+      case Kind::kMass:
+        return rows(state, rows(state, value).transpose());
+      case Kind::kColumns: {  // row by row, in one column or in as many as there are rates
+        const Eigen::Index n = scene_.mechanism.dof(), count = value.size() / n;
+        const Eigen::MatrixXd wide = value.transpose();
+        const Eigen::MatrixXd out = rows(
+            state, value.cols() == n
+                       ? wide
+                       : Eigen::MatrixXd(Eigen::Map<const Eigen::MatrixXd>(wide.data(), n, count)));
+        if (value.cols() == n) return out.transpose();
+        return Eigen::Map<const Eigen::VectorXd>(out.data(), out.size());
+      }
+      default:
+        return value;
+    }
+  }
+
+  /// The strings, one a number of value(), of the rates that these belong to.
+  std::vector<std::string> sorted(const Column& column, const std::vector<std::string>& all) const {
+    const Kind kind = kindOf(column);
+    if (kind == Kind::kNone) return all;
+    const auto n = static_cast<std::size_t>(scene_.mechanism.dof());
+    const auto at = [&](std::size_t k) {
+      return static_cast<std::size_t>(to_.place(static_cast<int>(k)));
+    };
+    std::vector<std::string> out;
+    for (std::size_t k = 0; k < all.size(); ++k)
+      out.push_back(all[(kind == Kind::kMass ? at(k / n) : k / n) * n + at(k % n)]);
+    return out;
+  }
+
+ private:
+  enum class Kind { kNone, kForce, kQdd, kBias, kMass, kColumns, kRows, kUnknown };
+  static Kind kindOf(const Column& column) {
+    if (column.of_joints)
+      return *column.of_joints == JointQuantity::kZ ? Kind::kUnknown : Kind::kNone;
+    if (column.of_points)
+      return *column.of_points == PointQuantity::kJacobian       ? Kind::kColumns
+             : *column.of_points == PointQuantity::kJacobianRate ? Kind::kUnknown
+                                                                 : Kind::kNone;
+    if (column.along == Along::kPower) return Kind::kNone;
+    if (column.witness) switch (column.quantity) {
+        case Quantity::kM:
+          return Kind::kMass;
+        case Quantity::kc:
+          return Kind::kBias;
+        case Quantity::kg:
+        case Quantity::kTau:
+          return Kind::kForce;
+        case Quantity::kQdd:
+          return Kind::kQdd;
+        default:
+          return Kind::kNone;
+      }
+    switch (column.constrained) {
+      case ConstrainedQuantity::kQdd:
+        return Kind::kQdd;
+      case ConstrainedQuantity::kTauDrive:
+      case ConstrainedQuantity::kTaskTorque:
+      case ConstrainedQuantity::kNullTorque:
+        return Kind::kForce;
+      case ConstrainedQuantity::kJ:
+        return Kind::kColumns;
+      case ConstrainedQuantity::kJbar:
+        return Kind::kRows;
+      default:
+        return Kind::kNone;
+    }
+  }
+  const std::vector<double>& turning(const scene::State<double>& state) {
+    return gained_ = to_.turning(state);
+  }
+  /// T x, column by column.
+  Eigen::MatrixXd rows(const scene::State<double>& state, const Eigen::MatrixXd& x) const {
+    Eigen::MatrixXd out(x.rows(), x.cols());
+    for (Eigen::Index j = 0; j < x.cols(); ++j) {
+      const std::vector<double> turned =
+          to_.theirs(state, {x.col(j).data(), x.col(j).data() + x.rows()});
+      out.col(j) = Eigen::Map<const Eigen::VectorXd>(turned.data(), x.rows());
+    }
+    return out;
+  }
+
+  const scene::Scene& scene_;
+  Coordinates to_;
+  std::unique_ptr<Witness> mass_;  ///< M, where c is asked for
+  std::vector<double> gained_;
 };
 
 template <typename Names>
@@ -344,6 +499,7 @@ struct Sources {
   std::optional<UncertainQuantities> uncertain;
   std::optional<PointQuantities> points;                 ///< none: nothing of points is asked
   std::optional<DerivativeQuantities> derivatives = {};  ///< none: none is asked
+  std::optional<Converted> converted;                    ///< none: in dynwitness' own coordinates
 };
 
 /// That program failed, or has no value at a state.
@@ -383,7 +539,7 @@ void addDeviations(const scene::Scene& scene, const EvaluateArguments& arguments
   std::vector<Column> all;
   for (Column& column : columns) {
     const bool of_the_tree =
-        column.witness && !column.is_engines &&
+        column.witness && !column.is_engines && column.along == Along::kNothing &&
         (column.quantity == Quantity::kTau || column.quantity == Quantity::kQdd);
     if (!column.of_joints && !of_the_tree)
       throw scene::InputError(
@@ -421,6 +577,11 @@ Eigen::MatrixXd valueOf(Column& column, Sources& sources, const scene::State<dou
       value = column.witness ? column.witness->value(column.quantity, state)
                              : sources.constrained->answer(column.constrained, state);
     if (column.isOfReactions() && sources.axes) value = sources.axes->turned(value);
+    const auto size = static_cast<Eigen::Index>(state.qd.size());
+    if (column.along == Along::kResidual)
+      value -= Eigen::Map<const Eigen::VectorXd>(state.tau.data(), size);
+    if (column.along == Along::kPower)
+      value = Eigen::Map<const Eigen::RowVectorXd>(state.qd.data(), size) * value;
   } catch (const std::runtime_error& error) {
     if (!column.is_engines) throw;
     throw EngineFailed(fmt::format("{} at state {}: {}", column.name, row, error.what()));
@@ -499,12 +660,28 @@ class UncertainAnswers {
 
 /// @throws scene::InputError  nobody vouches for digits of it
 void requireBound(const Column& column) {
-  if (column.witness && !column.is_engines) return;
+  if (column.witness && !column.is_engines && column.along == Along::kNothing) return;
   throw scene::InputError(
       {},
       fmt::format("--warn with {}{}, which comes without a bound, allowed: what our sweeps "
                   "answer of the tree (M, c, g, tau, qdd, kinetic, potential, momentum, reactions)",
                   column.name, column.is_engines ? " of a program" : ""));
+}
+
+/// The state, in the order of stateColumns().
+void appendState(const scene::State<double>& state, const Used& used,
+                 const Coordinates& coordinates, Table& table, std::string* rows) {
+  for (const double q : coordinates.positionsOf(state)) table.append(q, rows);
+  const auto append = [&](const std::vector<double>& ours) {
+    for (const double x : coordinates.theirs(state, ours)) table.append(x, rows);
+  };
+  append(state.qd);
+  if (used.qdd) {
+    std::vector<double> qdd = coordinates.turning(state);
+    for (std::size_t k = 0; k < qdd.size(); ++k) qdd[k] += state.qdd[k];
+    append(qdd);
+  }
+  if (used.tau) append(state.tau);
 }
 
 /** One row a state, into a file that is there only when all are.
@@ -524,13 +701,17 @@ void writeRows(const scene::Scene& scene, const EvaluateArguments& arguments, St
   GrowingFile file(arguments.output);
   std::string rows = table.header();
   OpenStates open(scene);
+  const Coordinates coordinates(scene.mechanism, states.convention());
   const Used used = usedBy(arguments.quantities, scene.mechanism, finds_qdd);
   std::optional<UncertainAnswers> uncertain;
   if (arguments.warn) uncertain.emplace(scene, columns);
   std::vector<scene::State<double>> batch, next;
+  std::vector<std::vector<std::string>> kept, kept_next;  // cells of each
   const auto read = [&] {
+    kept_next.clear();
     for (next.clear(); next.size() < at_once && states.current() != nullptr; states.next()) {
       next.push_back(*states.current());
+      if (arguments.states.keep) kept_next.push_back(states.kept());
       open.see(next.back());
       if (!finds_qdd) continue;
       const Eigen::MatrixXd qdd =
@@ -545,27 +726,27 @@ void writeRows(const scene::Scene& scene, const EvaluateArguments& arguments, St
   long row = 0;
   while (!next.empty()) {
     std::swap(batch, next);
+    std::swap(kept, kept_next);
     next.clear();
     if (at_once > 1) {
       read();  // while the program is at the batch before
       for (Column& column : columns)
         if (column.is_engines) receiveEngineAhead(*column.witness);
     }
-    for (const scene::State<double>& state : batch) {
+    for (std::size_t at = 0; at < batch.size(); ++at) {
+      const scene::State<double>& state = batch[at];
       ++row;
+      if (arguments.states.keep)
+        for (const std::string& cell : kept[at]) table.append(cell, &rows);
       if (sources.joints) sources.joints->at(state);
       if (sources.axes) sources.axes->at(state);
       if (sources.points) sources.points->at(state);
       if (arguments.states.random > 0) {
-        for (const scene::JointPosition<double>& x : state.x) table.append(x.q, &rows);
-        for (const double x : state.qd) table.append(x, &rows);
-        if (used.qdd)
-          for (const double x : state.qdd) table.append(x, &rows);
-        if (used.tau)
-          for (const double x : state.tau) table.append(x, &rows);
+        appendState(state, used, coordinates, table, &rows);
       }
       for (std::size_t k = 0; k < columns.size(); ++k) {
-        const Eigen::MatrixXd value = valueOf(columns[k], sources, state, row);
+        Eigen::MatrixXd value = valueOf(columns[k], sources, state, row);
+        if (sources.converted) value = sources.converted->value(columns[k], state, value);
         if (uncertain) uncertain->see(k, columns[k], state, row);
         for (Eigen::Index i = 0; i < value.rows(); ++i)
           for (Eigen::Index j = 0; j < value.cols(); ++j) table.append(value(i, j), &rows);
@@ -625,6 +806,13 @@ std::vector<std::string> headings(const Column& column, const scene::Scene& scen
             : sources.constrained->answer(column.constrained, *states.current());
     names = columnNames(column.constrained, shape.rows(), shape.cols());
   }
+  if (sources.converted) units = sources.converted->sorted(column, units);
+  if (column.along == Along::kPower) {
+    names = {kPower};
+    units = {"W"};
+  }
+  if (column.along == Along::kResidual)
+    for (std::size_t k = 0; k < names.size(); ++k) names[k] = fmt::format("{}{}", kResidual, k + 1);
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (column.is_deviation) names[k] += " +-";
     if (arguments.units) names[k] += fmt::format(" [{}]", units[k]);
@@ -640,6 +828,7 @@ void requireQuantity(const std::string& text) {
     if (const std::string one = name(static_cast<ConstrainedQuantity>(k));
         std::find(all.begin(), all.end(), one) == all.end())
       all.push_back(one);
+  for (const char* one : {kPower, kResidual}) all.emplace_back(one);
   for (const std::string& one : pointQuantityNames()) all.push_back(one);
   for (const std::string& one : derivativeQuantityNames()) all.push_back(one);
   for (int k = 0; k <= static_cast<int>(JointQuantity::kBeta); ++k)
@@ -712,7 +901,7 @@ int runEvaluate(const EvaluateArguments& arguments) {
   if (!arguments.engines.empty())
     engine = engineKinds(arguments.engines, arguments.limits, scene).front();
   std::vector<Column> columns;
-  Sources sources{scene.mechanism, constrained, {}, {}, {}, {}};
+  Sources sources{scene.mechanism, constrained, {}, {}, {}, {}, {}};
   const JointAxes axes = jointAxesNamed(arguments.axes).value_or(JointAxes::kLink);
   for (const std::string& text : arguments.quantities) {
     requireQuantity(text);
@@ -757,7 +946,8 @@ int runEvaluate(const EvaluateArguments& arguments) {
       columns.push_back({Quantity::kQdd, nullptr, text, false, *special, {}, rows});
       continue;
     }
-    const Quantity quantity = quantityNamed(text);
+    const std::optional<Along> along = alongNamed(text);
+    const Quantity quantity = along ? Quantity::kTau : quantityNamed(text);
     const std::string who = engine                      ? engine->info.name
                             : arguments.witness.empty() ? usualWitness(quantity)
                                                         : arguments.witness;
@@ -773,7 +963,10 @@ int runEvaluate(const EvaluateArguments& arguments) {
                        engine.has_value(),
                        ConstrainedQuantity::kQdd,
                        {},
-                       rows});
+                       rows,
+                       false,
+                       {},
+                       along.value_or(Along::kNothing)});
   }
   if (axes != JointAxes::kLink && !sources.joints && !sources.axes && !sources.points)
     throw scene::InputError(
@@ -796,6 +989,14 @@ int runEvaluate(const EvaluateArguments& arguments) {
   if (arguments.warn)
     for (const Column& column : columns) requireBound(column);
   if (!arguments.uncertainty.empty()) addDeviations(scene, arguments, sources, columns);
+  if (states->convention() != CoordinateConvention::kDynwitness) {
+    if (arguments.warn || !arguments.uncertainty.empty())
+      throw scene::InputError(
+          {}, fmt::format("{} in coordinates of {}: it is of dynwitness' own, allowed: without",
+                          arguments.warn ? "--warn" : "--uncertainty", name(states->convention())));
+    sources.converted.emplace(scene, states->convention());
+    for (const Column& column : columns) sources.converted->require(column);
+  }
   const bool finds_qdd = findsQddFirst(scene, arguments, states->given());
   admitFor(scene, arguments.quantities);
   if (arguments.warn && finds_qdd)
@@ -804,18 +1005,31 @@ int runEvaluate(const EvaluateArguments& arguments) {
                             "vouches for that qdd; allowed: qdd given, or --quantity qdd");
   std::vector<std::string> all_names;
   if (arguments.states.random > 0)
-    all_names =
-        stateColumns(scene.mechanism, usedBy(arguments.quantities, scene.mechanism, finds_qdd));
+    all_names = stateColumns(scene.mechanism,
+                             Coordinates(scene.mechanism, states->convention()).positions(),
+                             usedBy(arguments.quantities, scene.mechanism, finds_qdd));
+  const std::vector<std::string> kept = states->keptNames();
+  all_names.insert(all_names.begin(), kept.begin(), kept.end());
   for (const Column& column : columns)
-    for (std::string& name : headings(column, scene, arguments, *states, sources))
+    for (std::string& name : headings(column, scene, arguments, *states, sources)) {
+      if (std::find(kept.begin(), kept.end(), name) != kept.end())
+        throw scene::InputError(
+            {arguments.states.file, 0},
+            fmt::format("--keep: column '{}' is one of the answer, too, allowed: "
+                        "another name for it in the file",
+                        name));
       all_names.push_back(std::move(name));
+    }
   for (const char* asked : {"qdd1", "tau1"})
     if (arguments.states.random > 0 && std::count(all_names.begin(), all_names.end(), asked) > 1)
       throw scene::InputError({},
                               fmt::format("--random: column {} would be of the state and of the "
                                           "answer, allowed: tau and qdd in calls of their own",
                                           asked));
-  Table table(all_names, arguments.format == "json");
+  Table table(all_names, arguments.format == "json",
+              arguments.states.random > 0 && hasOrientations(scene.mechanism)
+                  ? fmt::format("# convention: {}\n", name(states->convention()))
+                  : "");
   // a pipe may wait for the answer before it goes on
   const std::size_t at_once = engine && arguments.states.file != "-" ? kEngineBatch : 1;
   try {
@@ -835,6 +1049,7 @@ Run addEvaluate(CLI::App* command) {
       "dynwitness evaluate acrobot --states s.csv --quantity M,tau\n"
       "dynwitness evaluate acrobot --q elbow=0.3 --qdd 1,0 --quantity tau,reactions --units\n"
       "dynwitness evaluate franka_panda --random 100 --quantity qdd --warn\n"
+      "dynwitness evaluate humanoid_floating --states log.csv --convention pinocchio --keep --quantity tau\n"
       "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
       "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
       "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
@@ -854,7 +1069,8 @@ Run addEvaluate(CLI::App* command) {
       ->add_option(
           "--quantity", arguments->quantities,
           "Quantities: M, c, g, tau, qdd, kinetic, potential, momentum (world axes, about the world's "
-          "origin), reactions; of points of links (--point): position, orientation (its columns are the "
+          "origin), reactions; along a motion power (tau' qd [W]) and residual (tau less the tau that is "
+          "given: what a motion leaves of its equations); of points of links (--point): position, orientation (its columns are the "
           "link's axes), quaternion (w, x, y, z), rpy, velocity, acceleration, jacobian (velocity = J qd), "
           "jacobian_rate (dJ/dt); of trees, dtau_dq, dtau_dqd, dqdd_dq, dqdd_dqd, dqdd_dtau (columns "
           "dtau1_dq2; by M for dtau_dqdd; q of spherical and floating joints along the body's axes); "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/cli/given_states.hpp"
 
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/motion/closed_states.hpp"
 #include "scene/error.hpp"
+#include "scene/mimic.hpp"
+#include "scene/numbers.hpp"
 
 namespace dynwitness::cli {
 namespace {
@@ -30,11 +33,19 @@ scene::State<double> givenState(const StatesAsked& asked, const scene::Scene& sc
   return start;
 }
 
+/// --convention. @return none: not given
+std::optional<CoordinateConvention> askedConvention(const StatesAsked& asked) {
+  if (asked.convention.empty()) return {};
+  return conventionNamed(asked.convention);
+}
+
 /// Those of a file, one after the other.
 class StatesOfFile : public States {
  public:
-  StatesOfFile(const std::string& file, const scene::Mechanism& mechanism)
-      : reader_(file, mechanism) {}
+  StatesOfFile(const StatesAsked& asked, const scene::Mechanism& mechanism)
+      : reader_(asked.file, mechanism,
+                {{}, true, asked.keep, "; or --keep, which keeps others in the answer"},
+                askedConvention(asked)) {}
   scene::State<double>* current() override {
     if (!is_read_) has_state_ = reader_.next(&state_);
     is_read_ = true;
@@ -45,6 +56,9 @@ class StatesOfFile : public States {
   GivenColumns given() const override {
     return {reader_.gives("qd"), reader_.gives("qdd"), reader_.gives("tau")};
   }
+  std::vector<std::string> keptNames() const override { return reader_.keptNames(); }
+  std::vector<std::string> kept() const override { return reader_.kept(); }
+  CoordinateConvention convention() const override { return reader_.convention(); }
   double fraction() const override { return reader_.fraction(); }
 
  private:
@@ -57,7 +71,8 @@ class StatesOfFile : public States {
 class GivenState : public States {
  public:
   GivenState(const StatesAsked& asked, const scene::Scene& scene, scene::State<double> start)
-      : state_(givenState(asked, scene, std::move(start))) {
+      : state_(givenState(asked, scene, std::move(start))),
+        convention_(askedConvention(asked).value_or(CoordinateConvention::kDynwitness)) {
     const bool tau = asked.tau->isGiven(), qdd = asked.qdd->isGiven();
     given_ = {true, qdd, tau || !qdd, !(asked.q->isGiven() || asked.qd->isGiven() || qdd || tau),
               !tau};
@@ -65,10 +80,12 @@ class GivenState : public States {
   scene::State<double>* current() override { return is_past_ ? nullptr : &state_; }
   void next() override { is_past_ = true; }
   GivenColumns given() const override { return given_; }
+  CoordinateConvention convention() const override { return convention_; }
   double fraction() const override { return is_past_ ? 1 : 0; }
 
  private:
   scene::State<double> state_;
+  CoordinateConvention convention_;
   GivenColumns given_;
   bool is_past_ = false;
 };
@@ -77,7 +94,10 @@ class GivenState : public States {
 class RandomStates : public States {
  public:
   RandomStates(const StatesAsked& asked, const scene::Scene& scene)
-      : scene_(scene), count_(asked.random), seed_(asked.seed) {
+      : scene_(scene),
+        count_(asked.random),
+        seed_(asked.seed),
+        convention_(askedConvention(asked).value_or(CoordinateConvention::kDynwitness)) {
     if (!scene.mechanism.closures.empty()) closed_.emplace(prepared_.emplace(scene));
     draw();
   }
@@ -88,6 +108,7 @@ class RandomStates : public States {
   }
   /// Closed, accelerations are no free choice: those that belong to tau are found.
   GivenColumns given() const override { return {true, !closed_, true}; }
+  CoordinateConvention convention() const override { return convention_; }
   double fraction() const override { return static_cast<double>(at_) / count_; }
 
  private:
@@ -108,6 +129,7 @@ class RandomStates : public States {
   const scene::Scene& scene_;
   int count_, at_ = 0;
   std::uint64_t seed_;
+  CoordinateConvention convention_;
   std::optional<PreparedScene> prepared_;
   std::optional<ClosedStates> closed_;
   scene::State<double> state_;
@@ -126,15 +148,88 @@ void addStates(CLI::App& command, StatesAsked& asked, const std::string& about_f
                                   "closed where there are closures; the table has them");
   random->default_str("");  // none
   addSeed(command, asked.seed, "of the states")->needs(random);
+  CLI::Option* file = command.get_option("--states");
+  command
+      .add_flag(
+          "--keep", asked.keep,
+          "Columns of the file that are none of a state's (time, labels) stand in the answer as "
+          "they are, before it; without, they are refused")
+      ->needs(file);
+  command
+      .add_option(
+          "--convention", asked.convention,
+          "Whose coordinates spherical and floating joints have: order of quaternion, position and "
+          "velocities, and their axes, in states and in answers (dynwitness: x, y, z, quaternion w, x, "
+          "y, z; velocity and angular velocity in link axes). A file whose first line is \"# "
+          "convention: NAME\" needs none")
+      ->check(oneOf(conventionNames()));
+  for (const char* name : {"--q", "--qd", "--qdd", "--tau"})
+    command.get_option(name)->excludes("--convention");
   for (const char* name : {"--q", "--qd", "--qdd", "--tau", "--random"})
     command.get_option(name)->excludes("--states");
   for (const char* name : {"--q", "--qd", "--qdd", "--tau"})
     command.get_option(name)->excludes(random);
 }
 
+void addStart(CLI::App& command, StartAsked& asked) {
+  using Part = StateOption::Part;
+  asked.q.emplace(&command, Part::kQ, "the scene's start");
+  asked.qd.emplace(&command, Part::kQd, "the scene's start");
+  CLI::Option* file = command.add_option(
+      "--states", asked.file,
+      "States, a CSV file: or - for standard input; the motion starts at a row of it, of which q and "
+      "qd (without: at rest) count, and other columns do not");
+  command.add_option("--row", asked.row, "Which row of --states, from 1")
+      ->capture_default_str()
+      ->check(whole(1, std::numeric_limits<int>::max()))
+      ->needs(file);
+  command
+      .add_option(
+          "--convention", asked.convention,
+          "Whose coordinates spherical and floating joints have: in that file (`evaluate --help`)")
+      ->check(oneOf(conventionNames()))
+      ->needs(file);
+  for (const char* name : {"--q", "--qd"}) command.get_option(name)->excludes(file);
+}
+
+scene::Scene startedAt(scene::Scene scene, const StartAsked& asked) {
+  if (!asked.isGiven()) return scene;
+  scene::State<double> start;
+  if (asked.file.empty()) {
+    const scene::RealNumbers<double> number(scene.mechanism);
+    const auto values = [&](const std::vector<scene::Number>& of) {
+      std::vector<double> out;
+      for (const scene::Number& one : of) out.push_back(number(one));
+      return out;
+    };
+    for (const double q : asked.q->values(scene, values(scene.start_q)))
+      start.x.push_back(scene::jointPosition(q));
+    scene::followLeaders(scene.mechanism, &start.x);
+    start.qd = asked.qd->values(scene, values(scene.start_qd));
+  } else {
+    std::optional<CoordinateConvention> convention;
+    if (!asked.convention.empty()) convention = conventionNamed(asked.convention);
+    StatesReader reader(asked.file, scene.mechanism, {{}, true, true}, convention);
+    for (int row = 1; row <= asked.row; ++row)
+      if (!reader.next(&start))
+        throw scene::InputError({asked.file, 0}, fmt::format("--row {}: the file has {} rows, "
+                                                             "allowed: one of them",
+                                                             asked.row, row - 1));
+  }
+  const auto decimal = [](double x) {
+    return scene::Number::parse(fmt::format("{}", x == 0 ? 0.0 : x));
+  };
+  scene.start_q.clear();
+  scene.start_qd.clear();
+  for (const scene::JointPosition<double>& x : start.x) scene.start_q.push_back(decimal(x.q));
+  for (const double qd : start.qd) scene.start_qd.push_back(decimal(qd));
+  scene::validate(scene);
+  return scene;
+}
+
 std::unique_ptr<States> statesOf(const StatesAsked& asked, const scene::Scene& scene,
                                  const std::function<scene::State<double>()>& start) {
-  if (!asked.file.empty()) return std::make_unique<StatesOfFile>(asked.file, scene.mechanism);
+  if (!asked.file.empty()) return std::make_unique<StatesOfFile>(asked, scene.mechanism);
   if (asked.random > 0) return std::make_unique<RandomStates>(asked, scene);
   return std::make_unique<GivenState>(asked, scene, start());
 }

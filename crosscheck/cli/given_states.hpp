@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "crosscheck/cli/state_options.hpp"
+#include "crosscheck/inputs/conventions.hpp"
 #include "scene/scene.hpp"
 #include "scene/state.hpp"
 
@@ -22,11 +23,26 @@ struct StatesAsked {
   std::string file;  ///< of --states; empty: none
   int random = 0;    ///< so many seeded states; 0: none
   std::uint64_t seed = 1;
+  bool keep = false;       ///< other columns of the file
+  std::string convention;  ///< a name; empty: what the file says, or dynwitness
   std::optional<StateOption> q, qd, qdd, tau;
 };
 
 /// Adds these options, which exclude each other. @param about_files  what --help says of --states
 void addStates(CLI::App& command, StatesAsked& asked, const std::string& about_files);
+
+/// Where a motion starts: --q and --qd, or a row of --states.
+struct StartAsked {
+  std::optional<StateOption> q, qd;
+  std::string file, convention;
+  int row = 1;
+
+  bool isGiven() const { return !file.empty() || q->isGiven() || qd->isGiven(); }
+};
+void addStart(CLI::App& command, StartAsked& asked);
+/// The scene with this start, in doubles; as it is where none is given.
+/// @throws scene::InputError  the options or the file have no such state
+scene::Scene startedAt(scene::Scene scene, const StartAsked& asked);
 
 /// Which groups of columns the states have; q is always there.
 struct GivenColumns {
@@ -45,6 +61,11 @@ class States {
   virtual GivenColumns given() const = 0;
   /// Somebody who writes the states may be waiting for answers.
   virtual bool mayWait() const { return false; }
+  /// Columns that the command does not know, and is to keep, and what stands in them at current().
+  virtual std::vector<std::string> keptNames() const { return {}; }
+  virtual std::vector<std::string> kept() const { return {}; }
+  /// Whose coordinates the states had before they were read.
+  virtual crosscheck::CoordinateConvention convention() const = 0;
   virtual double fraction() const = 0;  ///< of them that are past; negative: nobody knows
 };
 

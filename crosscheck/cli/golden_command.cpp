@@ -41,7 +41,8 @@ constexpr const char* kVerifiers[] = {"verify.py", "verify.cpp", "verify.mjs"};
 struct Arguments {
   std::vector<std::string> scenes, quantities, formats;
   bool all = false;
-  std::string root, output;
+  GivenScene given;  ///< without a name
+  std::string output;
   GoldenOptions options;
 };
 
@@ -78,7 +79,11 @@ Admitted admitAll(const Arguments& arguments) {
     if (scene.mechanism.hasMimics())  // where followers start is no start of the tree
       out.scenes.back().start_q = out.scenes.back().mechanism.restPosition();
   };
-  for (const std::string& name : arguments.scenes) take(readScene({name, arguments.root}));
+  for (const std::string& name : arguments.scenes) {
+    GivenScene given = arguments.given;
+    given.name = name;
+    take(readScene(given));
+  }
   if (arguments.all)
     for (const fs::path& file : scene::bundledScenes()) {
       const scene::Scene scene = scene::readScene(file);
@@ -172,8 +177,8 @@ int run(Arguments arguments) {
 
 Run addGolden(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  addRoot(*command, arguments->root)
-      ->needs(command->add_option("scene", arguments->scenes, "Scenes"));
+  CLI::Option* scenes = command->add_option("scene", arguments->scenes, "Scenes");
+  for (CLI::Option* change : addChanges(*command, arguments->given)) change->needs(scenes);
   command->add_flag("--all-scenes", arguments->all,
                     "All bundled scenes; those that cannot be told are named");
   std::vector<std::string> quantities, formats;

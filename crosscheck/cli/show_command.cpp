@@ -38,7 +38,7 @@ Shown read(const GivenScene& given) {
   try {
     shown.scene = readScene(given);
   } catch (const scene::InputError& error) {
-    const std::string text = given.root.empty() ? urdfText(given.name) : std::string();
+    const std::string text = given.isAsWritten() ? urdfText(given.name) : std::string();
     if (text.empty()) throw;
     scene::Urdf urdf = scene::readUrdfAsWritten(text, given.name);
     shown = {std::move(urdf.scene), std::move(urdf.parts), {}};

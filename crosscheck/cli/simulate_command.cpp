@@ -4,15 +4,19 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/given_states.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/inputs/features.hpp"
+#include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/integrators.hpp"
@@ -21,6 +25,8 @@
 #include "crosscheck/report/show.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/mimic.hpp"
+#include "scene/motion.hpp"
+#include "scene/nearest_name.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::cli {
@@ -30,10 +36,14 @@ using namespace crosscheck;
 
 struct SimulateArguments {
   GivenScene scene;
+  StartAsked start;
   std::string csv, json, view, stabilisation, formulation = "index1", method,
                                               controller = name(Controller::Tasks::kConstraint);
   std::vector<double> task_gains, posture;  ///< stiffness and damping, or not given
   double step_error = 0;                    ///< 0: not given
+  std::string until, forces;
+  std::vector<std::string> tau;
+  int times = 1;
   bool compare = false, runs_once = false;
   SimulateOptions options;
 };
@@ -85,6 +95,153 @@ std::string describe(const SimulateOptions& options) {
   const bool is_adaptive = !hasEqualSteps(options.method);
   return is_adaptive ? fmt::format("{}, error of a step {:.3g}", options.method, options.step_error)
                      : fmt::format("{}, steps of {} s", options.method, options.step);
+}
+
+/** --until "q2 = 0 rising": a coordinate by place (q2, qd1), or a joint with one q by its name, and
+    a number. @throws scene::InputError  it says something else */
+AwaitedEvent eventOf(const SimulateArguments& arguments, const scene::Scene& scene) {
+  const std::string& text = arguments.until;
+  if (text.empty()) return {};
+  const auto trimmed = [](const std::string& word) {
+    const std::size_t begin = word.find_first_not_of(' ');
+    return begin == std::string::npos ? std::string()
+                                      : word.substr(begin, word.find_last_not_of(' ') - begin + 1);
+  };
+  const std::size_t equals = text.find('=');
+  const std::string name = trimmed(text.substr(0, equals));
+  std::string value = equals == std::string::npos ? "" : trimmed(text.substr(equals + 1));
+  AwaitedEvent event;
+  event.times = arguments.times;
+  for (const auto& [word, direction] : {std::pair(" rising", 1), {" falling", -1}}) {
+    const std::string ending = word;
+    if (value.size() <= ending.size() ||
+        value.compare(value.size() - ending.size(), ending.size(), ending) != 0)
+      continue;
+    value = trimmed(value.substr(0, value.size() - ending.size()));
+    event.direction = direction;
+  }
+  std::vector<std::pair<std::string, int>> places;  // q from 0 on, qd from -1 down
+  const std::vector<int> given = scene::givenSlots(scene.mechanism);
+  for (std::size_t k = 0; k < given.size(); ++k)
+    places.emplace_back(fmt::format("q{}", k + 1), given[k]);
+  for (int k = 0; k < scene.mechanism.dof(); ++k)
+    places.emplace_back(fmt::format("qd{}", k + 1), -1 - k);
+  int slot = 0;
+  for (const scene::Link& link : scene.mechanism.links) {
+    const int slots = static_cast<int>(scene::positionSlots(link.joint.kind).size());
+    if (slots == 1) places.emplace_back(link.joint.name, slot);
+    slot += slots;
+  }
+  const auto found = std::find_if(places.begin(), places.end(),
+                                  [&](const auto& place) { return place.first == name; });
+  if (found == places.end() || value.empty())
+    throw scene::InputError(
+        {}, fmt::format("--until: read '{}', allowed: NAME = NUMBER, then rising or falling or "
+                        "neither, NAME one of q1 to q{}, qd1 to qd{}, or a joint with one q",
+                        text, given.size(), scene.mechanism.dof()));
+  const double level = numberIn("--until", value, scene);
+  const int at = found->second;
+  event.of = [at, level](double, const double* q, const double* qd) {
+    return (at >= 0 ? q[at] : qd[-1 - at]) - level;
+  };
+  return event;
+}
+
+using Forces = std::function<void(double, std::vector<double>*)>;
+
+/// --tau: functions of t, of all joints or by name.
+Forces forcesOfTime(const std::vector<std::string>& words, const scene::Scene& scene) {
+  const scene::Mechanism& mechanism = scene.mechanism;
+  const std::vector<std::string> names = mechanism.rateLabels();
+  const std::vector<const scene::Expression*> motions = mechanism.motions();
+  const bool all_named = std::all_of(words.begin(), words.end(), [](const std::string& word) {
+    return word.find('=') != std::string::npos;
+  });
+  std::vector<std::pair<std::size_t, scene::Expression>> parts;
+  const auto number = std::make_shared<scene::RealNumbers<double>>(mechanism);
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const std::size_t equals = words[k].find('=');
+    std::size_t at = k;
+    if (all_named) {
+      const std::string name = words[k].substr(0, equals);
+      for (at = 0; at < names.size() && name != names[at] && name != fmt::format("tau{}", at + 1);)
+        ++at;
+      if (at == names.size())
+        throw scene::InputError(
+            {}, fmt::format("--tau: \"{}\" is none of the scene's{}, allowed: tau1 to tau{}, {}",
+                            name, scene::didYouMean(name, names), names.size(),
+                            names.size() <= 12 ? fmt::format("{}", fmt::join(names, ", "))
+                                               : "names of joints (dynwitness show lists them)"));
+    }
+    const std::string text = all_named ? words[k].substr(equals + 1) : words[k];
+    std::string reason;
+    try {
+      const scene::Expression function = scene::Expression::parseOfTime(text);
+      if (!std::isfinite(scene::motionAt(function, *number, 0.0).value))
+        reason = "; it is not finite at t = 0";
+      else
+        parts.emplace_back(at, function);
+    } catch (const scene::InputError& error) {
+      reason = std::string("; ") + error.what();
+    }
+    if (!reason.empty())
+      throw scene::InputError({}, fmt::format("--tau: read '{}', allowed: a function of t, in the "
+                                              "scene's parameters and pi{}",
+                                              text, reason));
+    if (at < motions.size() && motions[at] != nullptr)
+      throw scene::InputError(
+          {}, fmt::format("--tau: '{}' is driven, and its force is what the drive takes, allowed: "
+                          "joints that are free",
+                          names[at]));
+  }
+  if (!all_named && words.size() != names.size())
+    throw scene::InputError(
+        {}, fmt::format("--tau: {} functions, allowed: {}, or by joint, {}=2*sin(3*t)",
+                        words.size(), names.size(), names.front()));
+  return [parts, number](double time, std::vector<double>* tau) {
+    for (const auto& [at, function] : parts)
+      (*tau)[at] += scene::motionAt(function, *number, time).value;
+  };
+}
+
+/// --forces: rows of a file, lines between them.
+Forces forcesOfFile(const std::string& file, const scene::Scene& scene, double duration) {
+  StatesReader reader(file, scene.mechanism, {{"t", "time_s"}, false, true});
+  const std::vector<std::string>& others = reader.otherNames();
+  if (others.size() != 1 || !reader.gives("tau"))
+    throw scene::InputError({file, 1},
+                            "columns t (or time_s) and tau1.. are needed, one of the two "
+                            "times and all of tau");
+  auto rows = std::make_shared<std::vector<std::pair<double, std::vector<double>>>>();
+  scene::State<double> state;
+  while (reader.next(&state)) {
+    const double time = reader.others().front();
+    if (!rows->empty() && !(time > rows->back().first))
+      throw scene::InputError(
+          {file, 0}, fmt::format("row {}: t = {} s does not come after {} s, allowed: times "
+                                 "that rise",
+                                 rows->size() + 1, time, rows->back().first));
+    rows->emplace_back(time, state.tau);
+  }
+  if (rows->empty() || rows->front().first > 0 || rows->back().first < duration)
+    throw scene::InputError(
+        {file, 0}, fmt::format("its times do not span 0 to {} s, allowed: a file that does, or a "
+                               "shorter --duration",
+                               duration));
+  return [rows](double time, std::vector<double>* tau) {
+    auto next = std::upper_bound(
+        rows->begin(), rows->end(), time,
+        [](double t, const std::pair<double, std::vector<double>>& row) { return t < row.first; });
+    if (next == rows->begin()) ++next;
+    if (next == rows->end()) --next;
+    const auto& before = *(next == rows->begin() ? next : next - 1);
+    const double share =
+        next->first > before.first
+            ? std::clamp((time - before.first) / (next->first - before.first), 0.0, 1.0)
+            : 0;
+    for (std::size_t k = 0; k < tau->size(); ++k)
+      (*tau)[k] += before.second[k] + share * (next->second[k] - before.second[k]);
+  };
 }
 
 /// Tells how far runs of the same duration, one after the other, have come.
@@ -219,20 +376,27 @@ int compareAll(const scene::Scene& scene, SimulateOptions options,
 
 /// One row an output: time, q, qd, qdd, multipliers, energies, and how far constraints and energy
 /// are off.
-std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism) {
+/// @param forces  of time; none: no columns of tau
+std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism,
+                  const Forces& forces) {
   const Simulation::Point& first = simulation.points.front();
   const std::vector<int> given = scene::givenSlots(mechanism);  // what a states file may say
-  std::string csv = "time_s";
+  std::string csv = hasOrientations(mechanism) ? "# convention: dynwitness\n" : "";
+  csv += "time_s";
   for (std::size_t i = 1; i <= given.size(); ++i) csv += fmt::format(",q{}", i);
   for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",qd{}", i);
   for (std::size_t i = 1; i <= first.qdd.size(); ++i) csv += fmt::format(",qdd{}", i);
+  for (std::size_t i = 1; forces && i <= first.qd.size(); ++i) csv += fmt::format(",tau{}", i);
   for (std::size_t i = 1; i <= first.lambda.size(); ++i) csv += fmt::format(",lambda{}", i);
   for (std::size_t i = 1; i <= first.nu.size(); ++i) csv += fmt::format(",nu{}", i);
   csv += ",kinetic_J,potential_J,phi,phi_rate,energy_error_J\n";
   for (const Simulation::Point& point : simulation.points) {
     csv += fmt::format("{:.17g}", point.time);
     for (const int slot : given) csv += fmt::format(",{:.17g}", point.q[slot]);
-    for (const auto* values : {&point.qd, &point.qdd, &point.lambda, &point.nu})
+    std::vector<double> tau(forces ? point.qd.size() : 0, 0.0);
+    if (forces) forces(point.time, &tau);
+    for (const auto* values :
+         {&point.qd, &point.qdd, &std::as_const(tau), &point.lambda, &point.nu})
       for (const double v : *values) csv += fmt::format(",{:.17g}", v);
     csv += fmt::format(",{:.17g},{:.17g}", point.kinetic, point.potential);
     csv += fmt::format(",{:.3g},{:.3g},{:.3g}\n", point.phi, point.phi_rate, point.energy_error);
@@ -259,10 +423,19 @@ std::string viewOfMotion(const scene::Scene& scene, const Simulation& simulation
 int runSimulate(const SimulateArguments& arguments) {
   for (const std::string& file : {arguments.csv, arguments.json, arguments.view})
     requireWritableFile(file);
-  const scene::Scene scene = admitted(arguments.scene, Command::kSimulate);
+  const scene::Scene scene =
+      startedAt(admitted(arguments.scene, Command::kSimulate), arguments.start);
   requireMotion(scene);
-  const std::vector<MotionTable> tables = motionTables(scene);
+  // published motions start where the scene does, and nobody pushes
+  const std::vector<MotionTable> tables =
+      arguments.start.isGiven() || !arguments.tau.empty() || !arguments.forces.empty()
+          ? std::vector<MotionTable>()
+          : motionTables(scene);
   SimulateOptions options = completed(arguments, tables);
+  options.until = eventOf(arguments, scene);
+  if (!arguments.tau.empty()) options.forces = forcesOfTime(arguments.tau, scene);
+  if (!arguments.forces.empty())
+    options.forces = forcesOfFile(arguments.forces, scene, options.duration);
   if (const ClosureGap gap = ClosureGaps::ofStart(scene); gap.is_open)
     fmt::print(stderr, "{}: the start leaves closures open, {}: it is moved onto them first\n",
                scene.name, gap.text());
@@ -347,6 +520,22 @@ int runSimulate(const SimulateArguments& arguments) {
   } else if (!no_rerun.empty()) {
     fmt::print("accuracy     not known, a run with {} fails: {}\n", half, no_rerun);
   }
+  if (options.until.of) {
+    std::string times;
+    constexpr std::size_t kMost = 12;
+    for (std::size_t k = 0; k < result.events.size() && k < kMost; ++k)
+      times += fmt::format("{}{:.10g}", k == 0 ? " at t = " : ", ", result.events[k]);
+    if (result.events.size() > kMost) times += ", ...";
+    fmt::print("events       {} of {} of {}{}{}\n", result.events.size(), options.until.times,
+               arguments.until, times, times.empty() ? "" : " s");
+    if (const std::size_t count = result.events.size(); count > 1)
+      fmt::print("period       {:.10g} s between the last two, {:.10g} s on average\n",
+                 result.events[count - 1] - result.events[count - 2],
+                 (result.events.back() - result.events.front()) / static_cast<double>(count - 1));
+    all["events"] = {
+        {"of", arguments.until}, {"asked", options.until.times}, {"times_s", result.events}};
+    if (static_cast<int>(result.events.size()) < options.until.times) agree = false;
+  }
   fmt::print("cost         {} steps and {} rejected, {} evaluations, {:.3g} s\n", result.steps,
              result.rejected, result.evaluations, result.cpu_s);
   for (const MotionTable& table : tables) {
@@ -361,7 +550,8 @@ int runSimulate(const SimulateArguments& arguments) {
                table.title, verdict.values, verdict.ratio <= 1 ? "agree" : "DISAGREE",
                verdict.worst, 100 * verdict.ratio, verdict.worst_time);
   }
-  if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csvOf(result, scene.mechanism));
+  if (!arguments.csv.empty())
+    writeWholeFile(arguments.csv, csvOf(result, scene.mechanism, options.forces));
   if (!arguments.json.empty()) writeWholeFile(arguments.json, all.dump(2) + "\n");
   if (!arguments.view.empty()) writeWholeFile(arguments.view, viewOfMotion(scene, result));
   return agree ? 0 : 1;
@@ -375,10 +565,13 @@ Run addSimulate(CLI::App* command) {
       "dynwitness simulate car_axis --duration 3\n"
       "dynwitness simulate car_axis --duration 3 --formulation index3 --step 0.001\n"
       "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare\n"
+      "dynwitness simulate double_pendulum --q 1,0.5 --until \"q2 = 0 rising\" --times 5\n"
+      "dynwitness simulate acrobot --tau \"elbow=2*sin(3*t)\" --csv motion.csv\n"
       "dynwitness simulate two_handed --duration 1              its acceleration constraints hold it\n"
       "dynwitness simulate two_handed --duration 1 --controller operational_space --task-gains 100,20 --posture "
       "20,4");
   addScene(*command, arguments->scene, "Scene");
+  addStart(*command, arguments->start);
   command->add_option("--duration", arguments->options.duration, "Duration [s]: simulated time")
       ->check(positive())
       ->capture_default_str();
@@ -443,14 +636,38 @@ Run addSimulate(CLI::App* command) {
                    "Rows of the CSV file, and states of --view")
       ->check(whole(1, 1000000))
       ->capture_default_str();
-  command->add_option("--csv", arguments->csv,
-                      "Table as a CSV file: time, q, qd, qdd, multipliers, energies, drift");
+  command->add_option(
+      "--csv", arguments->csv,
+      "Table as a CSV file: time, q, qd, qdd, joint forces over time where there are any, "
+      "multipliers, energies, drift; `evaluate --states FILE --keep` reads it");
   command
       ->add_flag(
           "--once", arguments->runs_once,
           "No second run by another method at half the error (or at half the step), which says how "
           "far off this one is")
       ->excludes("--compare");
+  CLI::Option* until = command->add_option(
+      "--until", arguments->until,
+      "The run ends at an event, \"q2 = 0 rising\": a coordinate (q2, qd1, or a joint's name) passes a "
+      "number, rising, falling or either; to be seen it has to be on another side at the ends of a step. "
+      "Exit status 1 where the duration ends before");
+  until->excludes("--compare");
+  command
+      ->add_option("--times", arguments->times,
+                   "Such events, of which the last ends the run; their times and periods are told")
+      ->capture_default_str()
+      ->check(whole(1, 1000000))
+      ->needs(until);
+  CLI::Option* tau = command->add_option(
+      "--tau", arguments->tau,
+      "Joint forces [N m, N], in the order of `show` or by joint, elbow=0.3; without: none. Functions of "
+      "t, elbow=2*sin(3*t), too");
+  tau->delimiter(',')->type_name("FLOAT:finite ...");
+  command
+      ->add_option(
+          "--forces", arguments->forces,
+          "Joint forces of a CSV file: columns t (or time_s) and tau1.., lines between its rows")
+      ->excludes(tau);
   command
       ->add_option("--view", arguments->view,
                    "File: a picture that plays the motion, energy beside it, as HTML")

@@ -11,6 +11,7 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/drift_tables.hpp"
+#include "crosscheck/cli/given_states.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/inputs/features.hpp"
@@ -68,6 +69,7 @@ namespace {
 
 struct DriftArguments {
   GivenScene scene;
+  StartAsked start;
   std::string plot, csv, motion;
   std::vector<std::string> methods, engines;  ///< methods empty: runge_kutta4, or all for advice
   double accuracy = 0;                        ///< of --advise; 0: not asked
@@ -129,7 +131,7 @@ bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift&
 
 int runDrift(const DriftArguments& arguments) {
   for (const std::string& file : {arguments.csv, arguments.plot}) requireWritableFile(file);
-  const scene::Scene scene = admitted(arguments.scene, Command::kDrift);
+  const scene::Scene scene = startedAt(admitted(arguments.scene, Command::kDrift), arguments.start);
   requireMotion(scene);
   if (!arguments.motion.empty() || !arguments.engines.empty())
     return judgeMotions(scene, arguments.engines, arguments.motion, arguments.options);
@@ -179,6 +181,7 @@ int runDrift(const DriftArguments& arguments) {
 Run addDrift(CLI::App* command) {
   auto arguments = std::make_shared<DriftArguments>();
   addScene(*command, arguments->scene, "Scene");
+  addStart(*command, arguments->start);
   CLI::Option* method = command->add_option("--method", arguments->methods,
                                             "Integrators: [runge_kutta4] " + integratorNames());
   method->delimiter(',');
@@ -197,6 +200,8 @@ Run addDrift(CLI::App* command) {
       "--motion", arguments->motion,
       "The same for a recorded one: CSV with t, q1.., qd1.., qdd1..; - reads standard input");
   motion->excludes(advise);
+  for (const char* start : {"--q", "--qd", "--states"})
+    command->get_option(start)->excludes(motion);
   for (CLI::Option* theirs : {engines, motion}) theirs->excludes(method);
   command->footer(
       integratorTable() +

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -137,10 +138,50 @@ void requireQuaternions(const scene::Mechanism& mechanism, const scene::State<do
 struct StatesReader::Parts {
   Parts(int descriptor, const std::string& name, const scene::Mechanism& of,
         const OtherColumns& allowed)
-      : lines(descriptor, name), mechanism(&of), given(scene::givenSlots(of)), others(allowed) {}
+      : lines(descriptor, name),
+        mechanism(&of),
+        given(scene::givenSlots(of)),
+        positions(static_cast<int>(given.size())),
+        others(allowed) {}
 
-  int count(int group) const {
-    return group == kQ ? static_cast<int>(given.size()) : mechanism->dof();
+  int count(int group) const { return group == kQ ? positions : mechanism->dof(); }
+
+  /// What a comment says of the convention.
+  void seeComment(std::string_view comment) {
+    constexpr std::string_view kWord = "# convention:";
+    if (names.empty() && comment.substr(0, kWord.size()) == kWord)
+      told = trimmed(comment.substr(kWord.size()));
+  }
+
+  /// Of what is given and what the file says.
+  void settle(std::optional<CoordinateConvention> asked) {
+    if (!told.empty()) {
+      CoordinateConvention own;
+      try {
+        own = conventionNamed(told);
+      } catch (const InputError& error) {
+        throw InputError(lines.where(), error.what());
+      }
+      if (asked && *asked != own && hasOrientations(*mechanism))
+        throw InputError(
+            lines.where(),
+            fmt::format("the file's convention is {}, and {} is read, allowed: that of "
+                        "the file, or a file without that line",
+                        told, name(*asked)));
+      asked = own;
+    }
+    if (!asked && hasOrientations(*mechanism))
+      throw InputError(
+          lines.where(),
+          fmt::format(
+              "the scene has spherical or floating joints, and whose coordinates the file has "
+              "of them is not said; allowed: --convention, or a first line \"# convention: "
+              "dynwitness\", with one of {}",
+              fmt::join(conventionNames(), ", ")));
+    convention = asked.value_or(CoordinateConvention::kDynwitness);
+    if (convention == CoordinateConvention::kDynwitness) return;
+    coordinates.emplace(*mechanism, convention);
+    positions = coordinates->positions();
   }
 
   /// The next line that says something, as cells.
@@ -148,21 +189,29 @@ struct StatesReader::Parts {
     std::string_view line;
     while (lines.next(&line)) {
       split(line, &cells);
-      if (cells[0].substr(0, 1) != "#" && !(cells.size() == 1 && cells[0].empty())) return true;
+      if (cells[0].substr(0, 1) == "#")
+        seeComment(cells[0]);
+      else if (cells.size() > 1 || !cells[0].empty())
+        return true;
     }
     return false;
   }
 
-  void readHeader() {
-    const std::string allowed = fmt::format(
-        "q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}{2}", mechanism->dof(), given.size(),
+  std::string allowedColumns() const {
+    return fmt::format(
+        "q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}{2}", mechanism->dof(), positions,
         others.names.empty() ? "" : fmt::format(", and {}", fmt::join(others.names, ", ")));
+  }
+
+  void readHeader(std::optional<CoordinateConvention> asked) {
     // 64 bytes are more than a number or a name of a column takes
     std::size_t columns = others.names.size();
     for (std::size_t group = 0; group < kGroups.size(); ++group)
       columns += static_cast<std::size_t>(count(group));
     lines.setLongest((std::size_t{1} << 16) + 64 * columns);
-    if (!nextCells()) throw InputError(lines.where(), "no header, expected " + allowed);
+    if (!nextCells()) throw InputError(lines.where(), "no header, expected " + allowedColumns());
+    settle(asked);
+    const std::string allowed = allowedColumns();
 
     std::unordered_map<std::string, int> at;  // column name -> place in the row
     for (const std::string_view cell : cells) {
@@ -193,14 +242,22 @@ struct StatesReader::Parts {
         at.erase(found);
         ++known;
       }
-    if (known < names.size())
-      for (const std::string& column : names)
-        if (at.count(column) > 0)
-          throw InputError(lines.where(),
-                           fmt::format("column '{}' is unknown, allowed: {}", column, allowed));
+    std::vector<std::string> unknown;
+    for (std::size_t k = 0; k < names.size() && known < names.size(); ++k) {
+      if (at.count(names[k]) == 0) continue;
+      unknown.push_back(fmt::format("'{}'", names[k]));
+      kept_names.push_back(names[k]);
+      kept_places.push_back(static_cast<int>(k));
+    }
+    std::vector<std::string> faults;
+    if (!unknown.empty() && !others.are_kept)
+      faults.push_back(fmt::format("column{} {} {} unknown, allowed: {}{}",
+                                   unknown.size() > 1 ? "s" : "", fmt::join(unknown, ", "),
+                                   unknown.size() > 1 ? "are" : "is", allowed, others.remedy));
     if (!first_missing.empty())
-      throw InputError(lines.where(),
-                       fmt::format("column '{}' is missing, expected {}", first_missing, allowed));
+      faults.push_back(fmt::format("column '{}' is missing, expected {}", first_missing, allowed));
+    if (!faults.empty())
+      throw InputError(lines.where(), fmt::format("{}", fmt::join(faults, "; ")));
   }
 
   double number(int place) const {
@@ -221,25 +278,33 @@ struct StatesReader::Parts {
 
   Lines lines;
   const scene::Mechanism* mechanism;
-  std::vector<int> given;          ///< slots of q that have a column: those of followers have none
-  std::vector<std::string> names;  ///< of the columns
+  std::vector<int> given;  ///< slots of q that have a column: those of followers have none
+  int positions;           ///< how many columns q has
+  std::string told;        ///< the convention's name in the file
+  CoordinateConvention convention = CoordinateConvention::kDynwitness;
+  std::optional<Coordinates> coordinates;  ///< none: those of scene::State
+  std::vector<double> q;                   ///< of the last row, theirs
+  std::vector<std::string> names;          ///< of the columns
   std::array<std::vector<int>, 4> places;  ///< of each group's columns in a row; empty: not given
   OtherColumns others;
   std::vector<std::string> other_names;
   std::vector<int> other_places;
+  std::vector<std::string> kept_names;
+  std::vector<int> kept_places;
   std::string first_missing;
   std::vector<std::string_view> cells;  ///< of the last line
 };
 
 StatesReader::StatesReader(const std::filesystem::path& file, const scene::Mechanism& mechanism,
-                           const OtherColumns& others) {
+                           const OtherColumns& others,
+                           std::optional<CoordinateConvention> convention) {
   const bool is_piped = file == "-";
   const int descriptor =
       is_piped ? STDIN_FILENO
                : scene::openRegularFile(file, "a CSV file of states, or - for standard input");
   parts_ = std::make_unique<Parts>(descriptor, is_piped ? "standard input" : file.string(),
                                    mechanism, others);
-  parts_->readHeader();
+  parts_->readHeader(convention);
 }
 StatesReader::~StatesReader() = default;
 
@@ -258,6 +323,19 @@ std::vector<double> StatesReader::others() const {
   return out;
 }
 
+const std::vector<std::string>& StatesReader::keptNames() const {
+  return parts_->kept_names;
+}
+std::vector<std::string> StatesReader::kept() const {
+  std::vector<std::string> out;
+  for (const int place : parts_->kept_places)
+    out.emplace_back(parts_->cells[static_cast<std::size_t>(place)]);
+  return out;
+}
+CoordinateConvention StatesReader::convention() const {
+  return parts_->convention;
+}
+
 bool StatesReader::mayWait() const {
   return parts_->lines.mayWait();
 }
@@ -272,6 +350,18 @@ bool StatesReader::next(scene::State<double>* state) {
   if (p.cells.size() != p.names.size())
     throw InputError(p.lines.where(), fmt::format("{} entries, the header names {}", p.cells.size(),
                                                   p.names.size()));
+  if (p.coordinates) {
+    p.fill(kQ, &p.q);
+    p.fill(kQd, &state->qd);
+    p.fill(kQdd, &state->qdd);
+    p.fill(kTau, &state->tau);
+    try {
+      p.coordinates->read(p.q, state);
+    } catch (const InputError& error) {
+      throw InputError(p.lines.where(), error.what());
+    }
+    return true;
+  }
   state->x.resize(static_cast<std::size_t>(p.mechanism->positions()));
   for (std::size_t i = 0; i < p.places[kQ].size(); ++i)
     state->x[static_cast<std::size_t>(p.given[i])] =

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,7 +16,8 @@
 
 namespace dynwitness::crosscheck {
 
-ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate, Controller controller)
+ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate, Controller controller,
+                           std::function<void(double, std::vector<double>*)> pushes)
     : number_(scene.mechanism),
       model_(recursive::buildModel(scene.mechanism, number_)),
       ws_(model_),
@@ -27,6 +29,8 @@ ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate, Con
       q_rate_(model_.positions),
       tau_(dof()),
       bias_(dof()),
+      pushes_(std::move(pushes)),
+      push_(dof(), 0.0),
       given_(dof(), 0.0),
       M_(dof(), dof()),
       controller_(controller),
@@ -95,6 +99,10 @@ void ClosedMotion::equations(const State& y, double time) {
     qd_[drive.rate] = q.rate;
     given_[drive.rate] = q.second;
   }
+  if (pushes_) {
+    std::fill(push_.begin(), push_.end(), 0.0);
+    pushes_(time, &push_);
+  }
   for (auto& x : x_) x = scene::jointPosition(x.q);
   recursive::constraintEquations(model_, x_, qd_, ws_, constraints_);
   time_ = time;
@@ -145,7 +153,7 @@ ClosedMotion::Solution ClosedMotion::accelerationsOfAll(const State& y, double t
 }
 
 void ClosedMotion::pull() {
-  std::fill(tau_.begin(), tau_.end(), 0.0);
+  tau_ = push_;
   spring_ = recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_);
   control_power_ = 0;
   const auto add = [&](int rate, double force) {
@@ -350,11 +358,12 @@ ClosedMotion::Vector ClosedMotion::ofAll(const Vector& of_free) const {
   return all;
 }
 
-/// Of the wrenches, at the velocities of the last equations().
+/// At the velocities of the last equations().
 double ClosedMotion::loadPower() {
   for (auto& f : ws_.f) f = recursive::Force<double>::zero();
   recursive::subtractLoads(model_, ws_, ws_.f);
   double power = 0;
+  for (int i = 0; i < dof(); ++i) power += push_[i] * qd_[i];
   for (std::size_t i = 0; i < model_.links.size(); ++i) power -= dot(ws_.v[i], ws_.f[i]);
   return power;
 }

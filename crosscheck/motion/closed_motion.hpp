@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "crosscheck/motion/link_tasks.hpp"
@@ -33,13 +34,16 @@ class ClosedMotion {
   using Vector = Eigen::VectorXd;
 
   /// @param baumgarte_rate  w of  phi'' + 2 w phi' + w^2 phi = 0; zero: phi'' = 0
-  ClosedMotion(const scene::Scene& scene, double baumgarte_rate, Controller controller = {});
+  /// @param pushes  SimulateOptions::forces, part of Q
+  ClosedMotion(const scene::Scene& scene, double baumgarte_rate, Controller controller = {},
+               std::function<void(double, std::vector<double>*)> pushes = {});
   ClosedMotion(const ClosedMotion&) = delete;
   ClosedMotion& operator=(const ClosedMotion&) = delete;
 
   int dof() const { return model_.dof(); }
   int positions() const { return model_.positions; }
   int rows() const { return constraints_.rows(); }
+  bool isPushed() const { return static_cast<bool>(pushes_); }  ///< by forces over time
   int freedoms() const { return static_cast<int>(free_.size()); }
   const std::vector<int>& freeRates() const { return free_; }
   const std::vector<int>& freePositions() const { return free_slots_; }
@@ -126,7 +130,7 @@ class ClosedMotion {
   void chooseHeld();
   void factorizeChosen();
   Vector ofAll(const Vector& of_free) const;
-  double loadPower();
+  double loadPower();  ///< of wrenches and pushes
 
   scene::RealNumbers<double> number_;
   recursive::Model<double> model_;
@@ -144,6 +148,8 @@ class ClosedMotion {
   recursive::SpringState<double> spring_;
   std::vector<scene::JointPosition<double>> x_;
   std::vector<double> qd_, q_rate_, tau_, bias_;
+  std::function<void(double, std::vector<double>*)> pushes_;
+  std::vector<double> push_;   ///< at the time of the last equations()
   std::vector<double> given_;  ///< accelerations of the driven, zero of the free
   recursive::MatrixX<double> M_;
   std::vector<int> chosen_;

@@ -159,17 +159,68 @@ std::string tryStep(Controlled& stepper, Category category, ClosedMotion& motion
   return why;
 }
 
+/// Looks for an event between the ends of steps.
+class Waiting {
+ public:
+  Waiting(const ClosedMotion& motion, const AwaitedEvent& event, const State& y)
+      : positions_(motion.positions()), event_(event) {
+    if (event_.of) last_ = at(y, 0);
+  }
+  double at(const State& y, double time) const {
+    return event_.of(time, y.data(), y.data() + positions_);
+  }
+  /// Whether it was passed since the last call.
+  bool sees(const State& y, double time) {
+    if (!event_.of) return false;
+    const double before = last_;
+    last_ = at(y, time);
+    return (before < 0 && last_ >= 0 && event_.direction >= 0) ||
+           (before > 0 && last_ <= 0 && event_.direction <= 0);
+  }
+  /// Whether a value has the sign that it has after the passage that was seen last.
+  bool isPast(double value) const {
+    return last_ > 0 ? value >= 0 : last_ < 0 ? value <= 0 : value == 0;
+  }
+
+ private:
+  int positions_;
+  const AwaitedEvent& event_;
+  double last_ = 0;
+};
+
 template <typename Stepper>
 void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Simulation* out) {
   auto stepper = odeint::make_controlled(options.step_error, options.step_error, Stepper());
   const typename Stepper::stepper_category category{};
   Watch watch(motion, y, options, out);
   double time = 0, step = options.duration / options.outputs / 100;
+  Waiting waiting(motion, options.until, y);
+  // y at `end`, from y at `from`: a step, or as many as it takes
+  const auto moved = [&](State from_y, double from, double end) {
+    auto once = odeint::make_controlled(options.step_error, options.step_error, Stepper());
+    for (double h = end - from; from < end;) {
+      double dt = std::min(h, end - from), t = from;
+      if (!(dt > kSmallestStep) && dt < end - from)
+        throw std::runtime_error(fmt::format(
+            "simulate: the step fell below {} s at t = {} s, where an event is looked for",
+            kSmallestStep, from));
+      const bool cut = dt == end - from;
+      const std::string why = tryStep(once, category, motion, &from_y, &t, &dt);
+      h = dt;
+      if (why.empty()) from = cut ? end : t;
+    }
+    motion.impose(end, &from_y);
+    if (options.stabilisation == Stabilisation::kProjection && motion.rows() > 0)
+      motion.project(&from_y, end);
+    return from_y;
+  };
   for (const double end : outputTimes(options)) {
     while (time < end) {
       // the last step before an output is cut to it, and does not teach the next one its size
       const bool cut = time + step >= end;
       double dt = cut ? end - time : step, t = time;
+      const double before_time = time;
+      const State before = options.until.of ? y : State();
       if (const std::string why = tryStep(stepper, category, motion, &y, &t, &dt); !why.empty()) {
         ++out->rejected;
         step = dt;
@@ -190,6 +241,24 @@ void integrate(ClosedMotion& motion, State y, const SimulateOptions& options, Si
         motion.choose(y, time);
         forgetDerivative(stepper, category);
         watch.settled();
+      }
+      if (waiting.sees(y, time)) {
+        double low = before_time, high = time;
+        State at = y;
+        for (double middle; middle = low + (high - low) / 2, middle > low && middle < high;) {
+          const State trial = moved(before, before_time, middle);
+          if (waiting.isPast(waiting.at(trial, middle)))
+            high = middle, at = trial;
+          else
+            low = middle;
+        }
+        out->events.push_back(high);
+        motion.choose(y, time);
+        if (static_cast<int>(out->events.size()) == options.until.times) {
+          watch.look(at, high, true);
+          out->cpu_s = watch.seconds();
+          return;
+        }
       }
       watch.look(y, time, cut);
     }
@@ -242,7 +311,7 @@ class ClosedEquations : public MotionEquations<double> {
   ClosedEquations(ClosedMotion& motion, const scene::Mechanism& mechanism)
       : motion_(motion),
         tree_(mechanism),
-        is_tree_(motion.rows() == 0 && motion.freedoms() == motion.dof() &&
+        is_tree_(motion.rows() == 0 && !motion.isPushed() && motion.freedoms() == motion.dof() &&
                  mechanism.isOpenTree() && !motion.isHeld()) {}
   ~ClosedEquations() override { motion_.evaluations += tree_.calls; }
 
@@ -250,7 +319,7 @@ class ClosedEquations : public MotionEquations<double> {
   int dof() const override { return motion_.dof(); }
   void rate(const State& y, double time, State* rate) override { motion_(y, *rate, time); }
   bool isAutonomous() const override {
-    return motion_.freedoms() == motion_.dof() && !motion_.isHeld();
+    return motion_.freedoms() == motion_.dof() && !motion_.isPushed() && !motion_.isHeld();
   }
   void move(State* y, const State& u) const override { tree_.move(y, u); }
   State commutator(const State& u, const State& v) const override { return tree_.commutator(u, v); }
@@ -404,9 +473,14 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
         fmt::format("step is {} s, allowed: positive, and at least the duration of {} s over {}",
                     options.step, options.duration, kMostSteps));
   requireController(scene, options);
+  if (options.until.of && method.way != Way::kAdaptive)
+    throw scene::InputError(
+        {}, fmt::format("method '{}' with an event to wait for, allowed: runge_kutta_fehlberg78, "
+                        "runge_kutta_dopri5",
+                        options.method));
   ClosedMotion motion(
       scene, options.stabilisation == Stabilisation::kBaumgarte ? options.baumgarte_rate : 0,
-      options.controller);
+      options.controller, options.forces);
   if (motion.hasHeldRows() && method.way == Way::kFormulations)
     throw scene::InputError(
         {scene.file.string(), 0},

@@ -52,6 +52,14 @@ struct Controller {
 };
 /// "constraint", "operational_space", "impedance"
 const char* name(Controller::Tasks tasks);
+/** What a run waits for: a function of the state that passes zero. It is looked for between the
+    ends of steps, so that two passages within one step are not seen, and then found by bisection to
+    the rounding of its time, each trial integrated as a step is. */
+struct AwaitedEvent {
+  std::function<double(double time, const double* q, const double* qd)> of;
+  int direction = 0;  ///< +1: where it rises, -1: where it falls, 0: both
+  int times = 1;      ///< so many, then the run ends
+};
 
 struct SimulateOptions {
   double duration = 10;            ///< [s]
@@ -66,6 +74,9 @@ struct SimulateOptions {
   double step = 0.001;  ///< of methods whose steps are equal [s]
   Controller controller = {};
   std::function<void(double time)> progress = {};  ///< called after each step
+  /// Adds joint forces to these at a time [N m, N]; their work is in the balance. None: no forces.
+  std::function<void(double time, std::vector<double>* tau)> forces = {};
+  AwaitedEvent until = {};  ///< without a function: none; of methods that choose their steps
 };
 
 /// Methods are integrators() by name. Whether this one has the step that is asked for;
@@ -98,6 +109,7 @@ struct Simulation {
   };
   std::vector<Point> points;  ///< the first at t = 0
   std::vector<Task> tasks;
+  std::vector<double> events;  ///< times of what was awaited [s]
   int constraints = 0, rank_lowest = 0, rank_highest = 0;
   double start_residual = 0;  ///< largest |phi| and |J qd| of the scene's start, before projection
   double worst_phi = 0, worst_phi_rate = 0, worst_energy = 0;  ///< over all steps
@@ -107,9 +119,9 @@ struct Simulation {
 };
 
 /** Simulates the scene with its closures, springs, loads, driven joints and acceleration
-    constraints, from its start state, without other joint forces than the controller's. The start
-    is first moved onto phi = 0 and J qd = 0. Acceleration constraints act along the whole motion;
-    nothing corrects how their integrals drift but a controller's gains.
+    constraints, from its start state, without other joint forces than the controller's and those of
+    the options. The start is first moved onto phi = 0 and J qd = 0. Acceleration constraints act
+    along the whole motion; nothing corrects how their integrals drift but a controller's gains.
     @throws scene::InputError  an unknown method, options out of range, or a start that no small
             correction brings onto the constraints; an implicit method with rows for acceleration
             constraints; tasks asked of a scene that has none

@@ -296,7 +296,7 @@ def right_answers_of_other_programs_pass(place):
             quantities = ["M", "c", "g", "tau", "kinetic", "potential"] + ["momentum"] * ("lagrange" not in witness)
             file = place.folder / "states.csv"
             file.write_text(",".join(names) + "\n" + "\n".join(table) + "\n")
-            done = subprocess.run([PROGRAM, "evaluate", scene, "--states", file, "--quantity", ",".join(quantities), *witness],
+            done = subprocess.run([PROGRAM, "evaluate", scene, "--states", file, "--convention", "dynwitness", "--quantity", ",".join(quantities), *witness],
                                   capture_output=True, text=True)
             check(done.returncode == 0, done.stderr)
             said = [[float(x) for x in line.split(",")] for line in done.stdout.splitlines()[1:]]
