@@ -32,7 +32,11 @@ constexpr double kMostDigits = 17;   // of a double in decimals
 constexpr long kDistanceBits = 256;  // an answer and a truth that both carry more than 53
 constexpr int kStepOfCompiled = 4;   // of severities, for methods that compile
 constexpr const char* kTold = "digits: ";
-constexpr const char* kSimbody = "simbody";
+
+/// Of the roads of a whole mechanism.
+bool isEngine(const std::string& road) {
+  return road == "simbody" || road == "mujoco";
+}
 
 /// With all equations of its closures: none of a family's follows from the others.
 MechanismState closedAt(const Case& given) {
@@ -123,8 +127,8 @@ Method floatMethod(const char* name, Quantity quantity, Sweep sweep) {
 Method roadMethod(const std::string& name, MechanismQuantity asked) {
   Method method;
   method.name = name;
-  method.is_ours = name != kSimbody;
-  if (method.is_ours) method.road = roadOf(name);  // on loops Simbody goes a road of its own
+  method.is_ours = !isEngine(name);
+  if (method.is_ours) method.road = roadOf(name);  // on loops an engine goes a road of its own
   const auto part = [name, asked](const Case& given) {
     for (const NamedRoad& road : given.roads) {
       if (road.name != name) continue;
@@ -147,13 +151,16 @@ Method roadMethod(const std::string& name, MechanismQuantity asked) {
   return method;
 }
 
-/// Those who answer for whole mechanisms; the engine among them where it is among `chosen`.
+/// Those who answer for whole mechanisms; an engine among them where it is among `chosen`.
 std::vector<Method> roadMethods(const Family& family, const std::vector<Method>& chosen) {
-  const bool has_engine =
-      std::any_of(chosen.begin(), chosen.end(), [](const Method& m) { return m.name == kSimbody; });
+  const auto isChosen = [&chosen](const std::string& name) {
+    return std::any_of(chosen.begin(), chosen.end(),
+                       [&](const Method& m) { return m.name == name; });
+  };
   std::vector<Method> out;
   for (const NamedRoad& road : mechanismRoads(PreparedScene(harmlessCase(family).scene)))
-    if (has_engine || road.name != kSimbody) out.push_back(roadMethod(road.name, *family.whole));
+    if (!isEngine(road.name) || isChosen(road.name))
+      out.push_back(roadMethod(road.name, *family.whole));
   return out;
 }
 

@@ -97,7 +97,7 @@ class Pairs {
         check.right = roads[b].name;
         check.statement = fmt::format("{} by {} = by {}", words(quantity), check.left, check.right);
         check.seed = options.seed;
-        pairs_.push_back({a, b, Tally(check), false});
+        pairs_.push_back({a, b, Tally(check), false, (*roads[b].road)->whyLeftOut(quantity)});
       }
   }
 
@@ -160,10 +160,7 @@ class Pairs {
       untold.left = std::exchange(untold.right, "");
       untold.statement = fmt::format("{} tells {}", untold.left, words(quantity_));
       untold.verdict = Verdict::kNotAnswerable;
-      untold.reason =
-          quantity_ == Asked::kReactions || quantity_ == Asked::kDrive
-              ? "beside rotors its system is solved here, without it"
-              : "an engine's multipliers are in units of its own; J' lambda is compared";
+      untold.reason = pair.why_not;
     }
   }
 
@@ -172,6 +169,7 @@ class Pairs {
     std::size_t a, b;
     Tally tally;
     bool is_asked;
+    std::string why_not;                ///< where b leaves it out
     std::vector<char> determined = {};  ///< at every state, by reaction; empty: all are
   };
   std::string openWords(const std::vector<char>& determined) const {

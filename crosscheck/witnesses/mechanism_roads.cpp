@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "crosscheck/scalars/adjoint_error.hpp"
 #include "crosscheck/scalars/ball.hpp"
@@ -338,10 +339,25 @@ class OwnRoad : public MechanismRoad {
   Formulas formulas_;
 };
 
-/** Simbody solves as the dense system does, for multipliers by J M^-1 J', in axes of its own, where
-    a turn stands for each of ours kEngineTurns times (engine_bound.hpp): its limit is that of the
-    dense system so many times. In other axes entries mix, so that each gets the largest of its
-    kind; of reactions, forces and moments are two. */
+/** Limits of an engine that solves as the dense system does, in axes of its own, where a turn
+    stands for `turns` of ours (engine_bound.hpp): those of the dense system so many times. In
+    other axes entries mix, so that each gets the largest of its kind; of reactions, forces and
+    moments are two. */
+void giveLimits(const MechanismAnswer& dense, double turns, MechanismAnswer& out) {
+  for (std::size_t q = 0; q < out.parts.size(); ++q) {
+    const Eigen::Index count = out.parts[q].value.size();
+    if (count == 0) continue;
+    const Eigen::VectorXd& bound = dense.parts[q].bound;
+    out.parts[q].bound = Eigen::VectorXd::Constant(count, turns * bound.maxCoeff());
+    if (kMechanismQuantities[q] != MechanismQuantity::kReactions) continue;
+    double largest[] = {0, 0};
+    for (Eigen::Index i = 0; i < bound.size(); ++i)
+      largest[i / 3 % 2] = std::max(largest[i / 3 % 2], bound(i));
+    for (Eigen::Index i = 0; i < bound.size(); ++i)
+      out.parts[q].bound(i) = turns * largest[i / 3 % 2];
+  }
+}
+
 class SimbodyRoad : public MechanismRoad {
  public:
   explicit SimbodyRoad(const PreparedScene& scene)
@@ -350,27 +366,84 @@ class SimbodyRoad : public MechanismRoad {
 
   MechanismAnswer answer(const MechanismState& at) override {
     const Parts values = simbody_(at.state);
-    const MechanismAnswer dense = dense_.answer(at);
     MechanismAnswer out;
-    for (std::size_t q = 0; q < values.size(); ++q) {
-      if (values[q].size() == 0) continue;
-      const Eigen::VectorXd& bound = dense.parts[q].bound;
-      out.parts[q] = {values[q],
-                      Eigen::VectorXd::Constant(values[q].size(), kEngineTurns * bound.maxCoeff())};
-      if (kMechanismQuantities[q] != MechanismQuantity::kReactions) continue;
-      double largest[] = {0, 0};
-      for (Eigen::Index i = 0; i < bound.size(); ++i)
-        largest[i / 3 % 2] = std::max(largest[i / 3 % 2], bound(i));
-      for (Eigen::Index i = 0; i < bound.size(); ++i)
-        out.parts[q].bound(i) = kEngineTurns * largest[i / 3 % 2];
-    }
+    for (std::size_t q = 0; q < values.size(); ++q) out.parts[q].value = values[q];
+    giveLimits(dense_.answer(at), kEngineTurns, out);
     return out;
+  }
+  std::string whyLeftOut(MechanismQuantity quantity) const override {
+    return quantity == MechanismQuantity::kReactions || quantity == MechanismQuantity::kDrive
+               ? "beside rotors its system is solved here, without it"
+               : "an engine's multipliers are in units of its own; J' lambda is compared";
   }
 
  private:
   std::string name_ = "simbody";
   OwnRoad<DenseSystem> dense_;
   SimbodyMechanism simbody_;
+};
+
+/** MuJoCo's equations, solved as the dense system is. An orientation made of quaternions loses
+    10 / 3 of what a product of matrices does, and forces are gathered in world axes, which leaves
+    an error of each force besides (mujoco.cpp): what it does to the solution, |K^-1| tells. */
+class MujocoRoad : public MechanismRoad {
+ public:
+  explicit MujocoRoad(const PreparedScene& scene)
+      : scene_(scene), dense_(scene), mujoco_(mujocoMechanism(scene)) {}
+  const std::string& name() const override { return name_; }
+
+  MechanismAnswer answer(const MechanismState& at) override {
+    constexpr double kTurns = kEngineTurns * 10.0 / 3;
+    const MujocoEquations said = mujoco_(at.state);
+    const Solved<double> solved(*said.equations, scene_.mechanism(), at, at.state);
+    MechanismAnswer out;
+    for (std::size_t q = 0; q < solved.parts.size(); ++q) out.parts[q].value = solved.parts[q];
+    giveLimits(dense_.answer(at), kTurns, out);
+    addForceError(*said.equations, at, said.force_error(solved.qdd), out);
+    return out;
+  }
+  std::string whyLeftOut(MechanismQuantity) const override {
+    return "its equations in joint coordinates are solved here, which tell no reactions";
+  }
+
+ private:
+  /// What an error of each force does to the solution: columns of K^-1, K as in solveDense().
+  void addForceError(DenseEquations<double> e, const MechanismState& at, double error,
+                     MechanismAnswer& out) const {
+    const auto k = static_cast<Eigen::Index>(scene_.mechanism().acceleration_constraints.size());
+    std::vector<int> rows = at.rows;
+    for (Eigen::Index i = e.J.rows() - k; i < e.J.rows(); ++i) rows.push_back(static_cast<int>(i));
+    keepRows(rows, e);
+    const std::vector<char> driven = recursive::drivenRates(scene_.mechanism());
+    std::vector<int> free, given;
+    for (int i = 0; i < static_cast<int>(driven.size()); ++i)
+      (driven[static_cast<std::size_t>(i)] ? given : free).push_back(i);
+    const auto f = static_cast<Eigen::Index>(free.size()), m = e.J.rows();
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(f + m, f + m);
+    K.topLeftCorner(f, f) = e.M(free, free);
+    K.bottomLeftCorner(m, f) = e.J(Eigen::all, free);
+    K.topRightCorner(f, m) = K.bottomLeftCorner(m, f).transpose();
+    K.diagonal().tail(m) = -e.C;
+    const Eigen::MatrixXd moved =
+        K.fullPivLu().solve(Eigen::MatrixXd::Identity(f + m, f)).cwiseAbs();
+    const Eigen::VectorXd by = error * moved.rowwise().sum();
+    const auto add = [&out](MechanismQuantity quantity, const Eigen::VectorXd& more) {
+      Eigen::VectorXd& bound = out[quantity].bound;
+      if (bound.size() > 0) bound.array() += more.size() > 0 ? more.maxCoeff() : 0;
+    };
+    const Eigen::VectorXd of_forces = e.J.cwiseAbs().transpose() * by.tail(m);
+    add(MechanismQuantity::kQdd, by.head(f));
+    add(MechanismQuantity::kConstraintForce, of_forces);
+    add(MechanismQuantity::kLambda, by.segment(f, m - k));
+    add(MechanismQuantity::kNu, by.tail(k));
+    add(MechanismQuantity::kDrive,
+        (e.M(given, free).cwiseAbs() * by.head(f) + of_forces(given)).array() + error);
+  }
+
+  PreparedScene scene_;
+  std::string name_ = "mujoco";
+  OwnRoad<DenseSystem> dense_;
+  MujocoMechanism mujoco_;
 };
 
 class CertifiedMechanism : public MechanismRoad {
@@ -451,6 +524,7 @@ std::vector<NamedRoad> mechanismRoads(const PreparedScene& scene) {
   roads.push_back(made<OwnRoad<LagrangeMultipliers>>(LagrangeMultipliers::kName, scene));
   roads.push_back(made<OwnRoad<DenseSystem>>(DenseSystem::kName, scene));
   roads.push_back(made<SimbodyRoad>("simbody", scene));
+  roads.push_back(made<MujocoRoad>("mujoco", scene));
   return roads;
 }
 

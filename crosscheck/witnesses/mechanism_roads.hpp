@@ -71,6 +71,8 @@ class MechanismRoad {
   virtual const std::string& name() const = 0;
   /// @throws std::exception  there is no answer at this state
   virtual MechanismAnswer answer(const MechanismState& state) = 0;
+  /// Why it leaves a quantity out, where it does.
+  virtual std::string whyLeftOut(MechanismQuantity) const { return ""; }
 };
 
 /// A road of this name, or why it cannot hold the scene.
@@ -85,10 +87,14 @@ struct NamedRoad {
       lagrange_multipliers  one dense system, derived from T, V and the places of frames
       dense_system       the same made of M, bias, J and gamma of the sweeps
       simbody            Simbody's own constraints, springs and prescribed motions
+      mujoco             M, bias and springs of MuJoCo, the rows of its equality constraints, and
+                         the accelerations that they have without qdd; one dense system, solved
+                         here. Its own solver keeps constraints soft, and leaves these out
     Reactions: the first two by Newton and Euler with the constraints' wrenches as outer loads
     (constrainedReactions()); lagrange_multipliers by multipliers of cut joints (symbolic::Reactions);
     dense_system by sweeps through the mechanism whose joints are cut, and where joints follow others,
-    which the first two do not hold, as these; simbody by calcMobilizerReactionForces. */
+    which the first two do not hold, as these; simbody by calcMobilizerReactionForces; mujoco
+    none. */
 std::vector<NamedRoad> mechanismRoads(const PreparedScene& scene);
 
 /** The certified truth: Lagrange's dense system in balls, the precision doubled until the radius of
@@ -102,5 +108,20 @@ using SimbodyMechanism = std::function<std::array<Eigen::VectorXd, std::size(kMe
     const scene::State<double>&)>;
 /// @throws std::invalid_argument  the scene has what is not built there
 SimbodyMechanism simbodyMechanism(const PreparedScene& scene);
+
+template <typename T>
+struct DenseEquations;
+
+/// What MuJoCo says of a whole mechanism at a state (mujoco.cpp).
+struct MujocoEquations {
+  /// In the scene's rates and rows.
+  std::shared_ptr<DenseEquations<double>> equations;
+  /// How far each force may be off at these accelerations, since MuJoCo gathers forces in the axes
+  /// of the world, about the tree's centre of mass. Until the next state is asked for.
+  std::function<double(const Eigen::VectorXd& qdd)> force_error;
+};
+using MujocoMechanism = std::function<MujocoEquations(const scene::State<double>&)>;
+/// @throws std::exception  MuJoCo is absent, or has no words for what the scene has
+MujocoMechanism mujocoMechanism(const PreparedScene& scene);
 
 }  // namespace dynwitness::crosscheck

@@ -14,6 +14,7 @@
 //                     has nothing to turn.
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/joint_friction.hpp"
+#include "crosscheck/witnesses/mechanism_roads.hpp"
 #include "crosscheck/witnesses/optional_engine.hpp"
 #include "crosscheck/witnesses/own_file.hpp"
 #include "crosscheck/witnesses/own_steps.hpp"
@@ -33,8 +34,10 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "crosscheck/witnesses/dense_equations.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
 #include "crosscheck/witnesses/mjcf.hpp"
+#include "crosscheck/witnesses/mujoco_closures.hpp"
 #include "crosscheck/witnesses/mujoco_model.hpp"
 #include "crosscheck/witnesses/outside_claims.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
@@ -165,13 +168,15 @@ scene::Scene told(scene::Scene scene, const std::vector<Body>& bodies, Inertias 
 // -------------------------------------------------------------------------------- loading
 
 /// @param text  URDF or MJCF
-MujocoOwned<mjModel> loaded(std::string text) {
+/// @param more  elements of MuJoCo's own besides
+/// @param rows  most rows of constraints
+MujocoOwned<mjModel> loaded(std::string text, const std::string& more, int rows) {
   // nothing may be fused, bounded, balanced or inferred: the model is to be what the file says
   const std::string settings =
       "<compiler fusestatic=\"false\" inertiafromgeom=\"false\" "
-      "balanceinertia=\"false\" boundmass=\"0\" boundinertia=\"0\"/>"
+      "balanceinertia=\"false\" boundmass=\"0\" boundinertia=\"0\"/>" +
       // no limits and no contacts: MuJoCo clears the room for them at every state
-      "<size njmax=\"1\" nconmax=\"1\"/>";
+      fmt::format("<size njmax=\"{}\" nconmax=\"1\"/>", rows) + more;
   const std::size_t end_of_robot = text.rfind("</robot>");
   const bool is_urdf = end_of_robot != std::string::npos;
   if (is_urdf)
@@ -196,7 +201,12 @@ int idOf(const mjModel* model, mjtObj kind, const std::string& name) {
 class MujocoWitness : public Witness, public FileReader, public OwnSteps, public OutsideClaims {
  public:
   MujocoWitness(const PreparedScene& prepared, Inertias inertias)
-      : name_(nameOf(inertias)),
+      : MujocoWitness(prepared, inertias, std::nullopt) {}
+  /// @param closures  what equations() is asked about, of a mechanism with this tree
+  MujocoWitness(const PreparedScene& prepared, Inertias inertias,
+                std::optional<MujocoClosures> closures)
+      : closures_(std::move(closures)),
+        name_(nameOf(inertias)),
         friction_(prepared.mechanism()),
         bound_(prepared, kQuaternion),
         solve_bound_(prepared, SolvedBy::kMassMatrix, kEngineTurns, kQuaternion),
@@ -212,19 +222,26 @@ class MujocoWitness : public Witness, public FileReader, public OwnSteps, public
       bodies.push_back(bodyOf(link.inertia, told_number));
     std::vector<bool> was_read(bodies.size(), true);
     const bool by_urdf =
-        std::all_of(mechanism.links.begin(), mechanism.links.end(),
-                    [](const scene::Link& link) { return isPlain(link.joint.kind); });
+        !closures_ && std::all_of(mechanism.links.begin(), mechanism.links.end(),
+                                  [](const scene::Link& link) { return isPlain(link.joint.kind); });
     const auto file = [&](bool with_placeholders) {
-      return by_urdf ? scene::urdfForEngines(told(scene, bodies, inertias, with_placeholders))
-                     : mjcf(mechanism, inertialsTold(bodies, inertias, with_placeholders));
+      if (by_urdf) return scene::urdfForEngines(told(scene, bodies, inertias, with_placeholders));
+      std::vector<std::string> inertials = inertialsTold(bodies, inertias, with_placeholders);
+      for (std::size_t i = 0; closures_ && i < inertials.size(); ++i)
+        inertials[i] += closures_->sites(i);
+      return mjcf(mechanism, inertials);
+    };
+    const auto read = [&](const std::string& text) {
+      return closures_ ? loaded(text, closures_->elements(), closures_->mostRows())
+                       : loaded(text, "", 1);
     };
     const std::string first = file(false);  // what cannot be written is refused here
     own_file_ = by_urdf && isOwnFile(first, told(scene, bodies, inertias, false));
     try {
-      model_ = loaded(first);
+      model_ = read(first);
     } catch (const std::runtime_error&) {
       own_file_ = false;
-      model_ = loaded(file(true));
+      model_ = read(file(true));
       for (std::size_t i = 0; i < bodies.size(); ++i) was_read[i] = !isRefused(bodies[i]);
     }
     for (std::size_t i = 0; i < mechanism.links.size(); ++i) {
@@ -239,6 +256,7 @@ class MujocoWitness : public Witness, public FileReader, public OwnSteps, public
     for (std::size_t i = 0; i < bodies.size(); ++i)
       if (!was_read[i] && links_[i] != 0) setBody(links_[i], bodies[i]);
     if (inertias == Inertias::kAsWritten) prepareLoss(scene, bodies, was_read);
+    if (closures_) closures_->find(model_.get(), links_);
     setPhysics(mechanism, number);
     data_.reset(mj_makeData(model_.get()));
     mj_setConst(model_.get(), data_.get());  // derived numbers, after the changes
@@ -306,6 +324,53 @@ class MujocoWitness : public Witness, public FileReader, public OwnSteps, public
     return out;
   }
 
+  /** Equations of a whole mechanism, in the rates of its tree: M and bias as for the tree (springs
+      between points are tendons there), J and b by MujocoClosures.
+      @param followers  gets one row a follower */
+  DenseEquations<double> equations(const scene::State<double>& state,
+                                   const scene::Mechanism& mechanism, Eigen::MatrixXd* followers) {
+    mjModel* m = model_.get();
+    mjData* d = data_.get();
+    DenseEquations<double> out;
+    scene::State<double> at_rest = state;
+    at_rest.qdd = sweep_.zeros();
+    out.bias = value(Quantity::kTau, at_rest);
+    out.M = value(Quantity::kM, at_rest);
+    m->opt.disableflags &= ~mjDSBL_CONSTRAINT;
+    setMotion(at_rest, true);
+    setGravity(false);
+    mj_kinematics(m, d);
+    closures_->place(m, d);
+    mj_fwdPosition(m, d);
+    mj_fwdVelocity(m, d);
+    setAccelerations(at_rest.qdd);
+    mj_rnePostConstraint(m, d);
+    m->opt.disableflags |= mjDSBL_CONSTRAINT;
+    const MujocoClosures::Equations said = closures_->equations(m, d);
+    const auto& held = mechanism.acceleration_constraints;
+    const auto rows = said.J.rows(), k = static_cast<Eigen::Index>(held.size());
+    out.J.resize(rows + k, out.M.cols());
+    out.b.resize(rows + k);
+    out.C = Eigen::VectorXd::Zero(rows + k);
+    for (Eigen::Index i = 0; i < rows; ++i)
+      out.J.row(i) = inOrderOfScene(said.J.row(i).data()).transpose();
+    out.b.head(rows) = -said.gamma;
+    followers->resize(said.J_followers.rows(), out.M.cols());
+    for (Eigen::Index i = 0; i < followers->rows(); ++i)
+      followers->row(i) = inOrderOfScene(said.J_followers.row(i).data()).transpose();
+    const RealNumbers<double> number(mechanism);
+    for (Eigen::Index i = 0; i < k; ++i)
+      addConstraint(held[static_cast<std::size_t>(i)], number, rows + i, &out);
+    return out;
+  }
+
+  /// What forceAxisError() says of M qdd and of the bias, of the largest of their entries.
+  double forceError(const scene::State<double>& state, const Eigen::VectorXd& qdd) {
+    return (forceAxisError(state, state.qd, sweep_.zeros(), Terms::all()) +
+            massAxisError(state) * qdd.cwiseAbs())
+        .maxCoeff();
+  }
+
   Answer answer(Quantity quantity, const scene::State<double>& state) override {
     Answer out{value(quantity, state), bound_(quantity, state)};
     out.bound += axisError(quantity, state);
@@ -327,6 +392,8 @@ class MujocoWitness : public Witness, public FileReader, public OwnSteps, public
   }
 
  private:
+  std::optional<MujocoClosures> closures_;
+
   struct AppliedWrench {
     int body;
     bool world_axes;
@@ -404,7 +471,9 @@ class MujocoWitness : public Witness, public FileReader, public OwnSteps, public
 
   void setPhysics(const scene::Mechanism& mechanism, const RealNumbers<double>& number) {
     mjOption& option = model_->opt;
-    option.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_CONTACT;  // no joint limits, no contacts
+    // no joint limits, no contacts; equality constraints where equations() asks for them
+    option.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_FRICTIONLOSS;
+    option.jacobian = mjJAC_DENSE;
     option.enableflags |= mjENBL_ENERGY;
     option.density = option.viscosity = 0;
     if (mechanism.has_gravity) gravity_ = vector(mechanism.gravity, number);
@@ -671,6 +740,26 @@ class MujocoWitness : public Witness, public FileReader, public OwnSteps, public
     return M;
   }
 
+  /// Of a link's acceleration: J by mj_jac, what there is without qdd by mj_objectAcceleration.
+  void addConstraint(const scene::AccelerationConstraint& held, const RealNumbers<double>& number,
+                     Eigen::Index row, DenseEquations<double>* out) const {
+    const int body = links_[static_cast<std::size_t>(held.link)];
+    const MujocoClosures::Moving link(model_.get(), data_.get(), body);
+    const Vector3d at = link.p + link.R * vector(held.at, number);
+    Vector3d u = vector(held.direction, number), turn = vector(held.rotation, number);
+    if (held.axes == scene::AccelerationConstraint::Axes::kLink) {
+      u = (link.R * u).eval();
+      turn = (link.R * turn).eval();
+    }
+    using Jacobian = Eigen::Matrix<mjtNum, 3, Eigen::Dynamic, Eigen::RowMajor>;
+    Jacobian linear(3, model_->nv), angular(3, model_->nv);
+    mj_jac(model_.get(), data_.get(), linear.data(), angular.data(), at.data(), body);
+    const Eigen::RowVectorXd seen = u.transpose() * linear + turn.transpose() * angular;
+    out->J.row(row) = inOrderOfScene(seen.data()).transpose();
+    out->b(row) = number(held.value) - u.dot(link.acceleration(at)) - turn.dot(link.w_rate);
+    out->C(row) = number(held.compliance);
+  }
+
   Eigen::MatrixXd accelerations(const scene::State<double>& state) {
     const std::vector<double> Q = loads();
     expand(state.tau, data_->qfrc_applied);
@@ -773,6 +862,63 @@ WitnessKind kind(Inertias inertias) {
   info.conventions = conventions(inertias);
   return overTree(engineKind<MujocoWitness>(info, inertias));
 }
+
+/** Followers are eliminated by MuJoCo's rows of them, each of which has its own rate and that of
+    the joint at the head of its chain:  qd_tree = G qd. */
+class MechanismOfMujoco {
+ public:
+  explicit MechanismOfMujoco(const PreparedScene& scene)
+      : mechanism_(scene.mechanism()),
+        coupling_(mechanism_, RealNumbers<double>(mechanism_)),
+        witness_(scene.tree(), Inertias::kPrincipal, MujocoClosures(mechanism_)) {
+    const std::vector<int> first = scene::firstRates(scene.tree().mechanism());
+    for (const scene::Follower& f : scene::followers(mechanism_))
+      followers_.push_back({first[static_cast<std::size_t>(f.link)], f.rate});
+    rate_of_tree_.assign(static_cast<std::size_t>(mechanism_.dof()), -1);
+    const std::vector<int> shared = scene::firstRates(mechanism_);
+    for (std::size_t i = 0; i < mechanism_.links.size(); ++i)
+      for (int k = 0; k < mechanism_.links[i].joint.ownRates(); ++k)
+        rate_of_tree_[static_cast<std::size_t>(shared[i] + k)] = first[i] + k;
+  }
+
+  MujocoEquations operator()(const scene::State<double>& state) {
+    const scene::State<double> on_tree = coupling_.onTree(state);
+    Eigen::MatrixXd follow;
+    MujocoEquations out;
+    out.equations =
+        std::make_shared<DenseEquations<double>>(witness_.equations(on_tree, mechanism_, &follow));
+    DenseEquations<double>& e = *out.equations;
+    Eigen::MatrixXd G =
+        Eigen::MatrixXd::Zero(e.M.rows(), static_cast<Eigen::Index>(rate_of_tree_.size()));
+    for (std::size_t i = 0; i < rate_of_tree_.size(); ++i)
+      G(rate_of_tree_[i], static_cast<Eigen::Index>(i)) = 1;
+    for (std::size_t i = 0; i < followers_.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      const Follower& f = followers_[i];
+      const int leader = rate_of_tree_[static_cast<std::size_t>(f.leader)];
+      G(f.rate, f.leader) = -follow(row, leader) / follow(row, f.rate);
+    }
+    if (!followers_.empty()) {
+      e.M = (G.transpose() * e.M * G).eval();
+      e.bias = (G.transpose() * e.bias).eval();
+      e.J = (e.J * G).eval();
+    }
+    out.force_error = [this, on_tree, G](const Eigen::VectorXd& qdd) {
+      return G.cwiseAbs().colwise().sum().maxCoeff() * witness_.forceError(on_tree, G * qdd);
+    };
+    return out;
+  }
+
+ private:
+  struct Follower {
+    int rate, leader;  ///< in the tree; the leader's in the mechanism
+  };
+  scene::Mechanism mechanism_;
+  Coupling<double> coupling_;
+  MujocoWitness witness_;
+  std::vector<Follower> followers_;
+  std::vector<int> rate_of_tree_;  ///< by rate of the mechanism
+};
 #else
 WitnessKind kind(Inertias inertias) {
   return absentKind(nameOf(inertias), methodOf(inertias));
@@ -780,6 +926,15 @@ WitnessKind kind(Inertias inertias) {
 #endif
 
 }  // namespace
+
+MujocoMechanism mujocoMechanism(const PreparedScene& scene) {
+#ifdef DYNWITNESS_HAS_MUJOCO
+  const auto mechanism = std::make_shared<MechanismOfMujoco>(scene);
+  return [mechanism](const scene::State<double>& state) { return (*mechanism)(state); };
+#else
+  throw std::invalid_argument(mujocoKind().make(scene).refusal());
+#endif
+}
 
 WitnessKind mujocoKind() {
   return kind(Inertias::kAsWritten);
