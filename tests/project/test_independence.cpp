@@ -97,7 +97,7 @@ const std::vector<Rule> kRules = {
     {"studies",
      {"scene", "recursive", "inputs", "scalars", "witnesses", "laws", "motion", "verdicts",
       "exact"}},
-    {"reduction", {"scene", "recursive", "scalars", "witnesses"}},
+    {"reduction", {"scene", "symbolic", "recursive", "scalars", "kernel", "witnesses"}},
     {"conductor",
      {"scene", "symbolic", "system", "inputs", "witnesses", "motion", "verdicts", "exact"}},
     {"chart",
@@ -292,6 +292,8 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
        {"1e-20", "1e-6", "1e-9"}},  // digits counted; from where differences must fall
       {"crosscheck/reduction/envelope_report.cpp",
        {"5e-6"}},  // what printing six digits may hide: bounds are printed outward by it
+      {"crosscheck/reduction/reduce_report.cpp", {"5e-6"}},  // the same
+      {"crosscheck/cli/reduce_command.cpp", {"1e-6"}},       // least share of Armstrong's rule
       {"crosscheck/parameters/parameters.hpp", {"1e-30", "1e-9"}},  // chances of error, defaults
       {"crosscheck/inputs/states.cpp", {"0x1p-53"}},                // 53 random bits to [0, 1)
       {"crosscheck/motion/uncertain_quantities.cpp", {"1e-10"}},  // least uncertainty that is taken
