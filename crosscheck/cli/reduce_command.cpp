@@ -20,7 +20,7 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, json, c, toml, front, tolerance = "1%";
+  std::string scene, json, c, toml, front, allowed = "1%";
   ReduceOptions options;
 };
 
@@ -72,12 +72,12 @@ int run(Arguments arguments) {
     requireWritableFile(file);
   if (!arguments.front.empty()) requireWritableFolder(arguments.front);
   const bool is_front = !arguments.front.empty();
-  arguments.options.tolerances = {share(arguments.tolerance)};
+  arguments.options.allowed = {share(arguments.allowed)};
   if (is_front) {
     if (!arguments.c.empty() || !arguments.toml.empty())
       throw scene::InputError(
           {}, "--front: many models, allowed: --c and --toml of one, with --tolerance");
-    arguments.options.tolerances = {0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1};
+    arguments.options.allowed = {0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1};
   }
   const scene::Scene scene = scene::findScene(arguments.scene);
   const std::vector<scene::JointRanges> ranges = scene::readEnvelope(scene);
@@ -111,9 +111,9 @@ Run addReduce(CLI::App* command) {
       ->add_option("scene", arguments->scene,
                    "Scene whose TOML file has [envelope]: a tree of turning and sliding joints")
       ->required();
-  CLI::Option* tolerance =
+  CLI::Option* allowed =
       command
-          ->add_option("--tolerance", arguments->tolerance,
+          ->add_option("--tolerance", arguments->allowed,
                        "Of each joint's largest |tau| in the envelope: how far it may be off")
           ->capture_default_str();
   command
@@ -131,8 +131,8 @@ Run addReduce(CLI::App* command) {
                       "File: the best that is a scene and no more, for all other commands");
   command
       ->add_option("--front", arguments->front,
-                   "Folder: tolerances from 0 to 10 % as a table, CSV and a picture")
-      ->excludes(tolerance);
+                   "Folder: allowed errors from 0 to 10 % as a table, CSV and a picture")
+      ->excludes(allowed);
   addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"

@@ -28,7 +28,7 @@ using Kind = EnvelopeQuantity::Kind;
 
 constexpr int kSampled = 400;         ///< states that decide in which order parameters go
 constexpr int kDecisionBoxes = 2000;  ///< what one question "is this within the limit?" may take
-constexpr double kFurther = 30;       ///< parameters go until samples err by so many tolerances
+constexpr double kFurther = 30;       ///< parameters go until samples err by so many allowed errors
 constexpr int kBases = 6;  ///< of the reduced scenes between, so many are tried with terms
 constexpr std::size_t kMostTerms = 400;  ///< that are added to one joint's force
 
@@ -486,15 +486,14 @@ class Reducer {
       largest_.push_back(tau.sampled);
       lost_.push_back(tau.lost);
     }
-    for (const double tolerance : options.tolerances)
+    for (const double allowed : options.allowed)
       for (std::size_t i = 0; i < largest_.size(); ++i)
-        if (tolerance > 0 && largest_[i] > 0 && limit(i, tolerance) < 4 * lost_[i])
+        if (allowed > 0 && largest_[i] > 0 && limit(i, allowed) < 4 * lost_[i])
           throw scene::InputError(
               {scene.file.string()},
-              fmt::format(
-                  "reduce: a tolerance of {:.3g} of tau_{}: roundings alone may make {:.2g} "
-                  "of it, allowed: four times that or more, or 0",
-                  tolerance, i + 1, lost_[i] / largest_[i]));
+              fmt::format("reduce: an error of {:.3g} of tau_{}: roundings alone may make {:.2g} "
+                          "of it, allowed: four times that or more, or 0",
+                          allowed, i + 1, lost_[i] / largest_[i]));
     stage("the scene's own program");
     full_program_ = kernel::smallestRoad(scene.mechanism, Formula::kInverseDynamics).program;
     full_ = trigonometricModel(scene);
@@ -505,19 +504,19 @@ class Reducer {
     out.full = full_program_;
     stage_("which parameters are missed least");
     const Samples samples(scene_.mechanism, ranges_);
-    const double most = *std::max_element(options_.tolerances.begin(), options_.tolerances.end());
+    const double most = *std::max_element(options_.allowed.begin(), options_.allowed.end());
     bases_ = sequence(scene_, samples, largest_, kFurther * most);
     bases_.push_back({weightless(scene_), {}, HUGE_VAL});
-    found_.resize(options_.tolerances.size());
-    scenes_.resize(options_.tolerances.size());
+    found_.resize(options_.allowed.size());
+    scenes_.resize(options_.allowed.size());
     tryScenes();
     for (const std::size_t b : basesToTry()) tryBase(b);
-    for (std::size_t t = 0; t < options_.tolerances.size(); ++t) {
-      stage_(fmt::format("error at {:.3g} %", 100 * options_.tolerances[t]));
-      out.models.push_back(finished(*found_[t], options_.tolerances[t]));
+    for (std::size_t t = 0; t < options_.allowed.size(); ++t) {
+      stage_(fmt::format("error at {:.3g} %", 100 * options_.allowed[t]));
+      out.models.push_back(finished(*found_[t], options_.allowed[t]));
       out.scenes.push_back(scenes_[t]->base == found_[t]->base && found_[t]->draft.terms.empty()
                                ? out.models.back()
-                               : finished(*scenes_[t], options_.tolerances[t]));
+                               : finished(*scenes_[t], options_.allowed[t]));
     }
     if (options_.armstrong > 0) {
       stage_("Armstrong's rule");
@@ -535,8 +534,8 @@ class Reducer {
     int operations() const { return program.bodyOperations().all(); }
   };
 
-  double limit(std::size_t i, double tolerance) const {
-    return largest_[i] > 0 ? tolerance * largest_[i] : 8 * lost_[i];
+  double limit(std::size_t i, double allowed) const {
+    return largest_[i] > 0 ? allowed * largest_[i] : 8 * lost_[i];
   }
   bool isWeightless(std::size_t b) const { return b + 1 == bases_.size(); }
 
@@ -562,14 +561,14 @@ class Reducer {
   }
 
   /// The terms to be added to base b, unless they are too many.
-  std::optional<Draft> draft(const TrigonometricModel& model, double tolerance) const {
+  std::optional<Draft> draft(const TrigonometricModel& model, double allowed) const {
     Draft out;
     const Sizes sizes(model, ranges_);
     for (int i = 0; i < model.dof; ++i) {
       const std::vector<EnvelopePart> parts = envelopeParts(model, {Kind::kTau, i, 0});
       const std::vector<Term> terms = termsOf(parts, sizes);
       const std::optional<Kept> some =
-          kept(model, ranges_, i, parts, terms, limit(static_cast<std::size_t>(i), tolerance));
+          kept(model, ranges_, i, parts, terms, limit(static_cast<std::size_t>(i), allowed));
       if (!some) return std::nullopt;
       out.bounds.push_back(some->bound);
       keep(i, parts, terms, some->count, &out);
@@ -598,11 +597,11 @@ class Reducer {
       consider(t, {0, nothing, full_program_}, &scenes_);
       consider(t, {0, nothing, full_program_}, &found_);
     }
-    std::size_t open = 0;  // tolerances below have their scene
+    std::size_t open = 0;  // those below have their scene
     std::vector<bool> has(found_.size(), false);
     for (std::size_t b = bases_.size() - 1; b-- > 1 && open < has.size();) {
       const auto isWorth = [&](std::size_t t) {
-        return !has[t] && bases_[b].sampled <= options_.tolerances[t];
+        return !has[t] && bases_[b].sampled <= options_.allowed[t];
       };
       bool any = false;
       for (std::size_t t = 0; t < has.size(); ++t) any = any || isWorth(t);
@@ -616,7 +615,7 @@ class Reducer {
         for (int i = 0; i < model.dof && is_within; ++i) {
           double bound = 0;
           is_within = isWithin(model, ranges_, i, envelopeParts(model, {Kind::kTau, i, 0}),
-                               limit(static_cast<std::size_t>(i), options_.tolerances[t]), &bound);
+                               limit(static_cast<std::size_t>(i), options_.allowed[t]), &bound);
           d.bounds.push_back(bound);
         }
         if (!is_within) continue;
@@ -628,12 +627,12 @@ class Reducer {
     }
   }
 
-  /// Of the scenes that err by more than each tolerance some, and that without weight.
+  /// Of the scenes that err by more than each allowed error some, and that without weight.
   std::vector<std::size_t> basesToTry() const {
     std::vector<std::size_t> all;
-    const double least = options_.tolerances.front() > 0 || options_.tolerances.size() == 1
-                             ? options_.tolerances.front()
-                             : options_.tolerances[1];
+    const double least = options_.allowed.front() > 0 || options_.allowed.size() == 1
+                             ? options_.allowed.front()
+                             : options_.allowed[1];
     std::size_t from = 1;
     while (from + 1 < bases_.size() && bases_[from].sampled <= 0.5 * least) ++from;
     const std::size_t count = bases_.size() - 1 - from;
@@ -649,12 +648,11 @@ class Reducer {
                            : fmt::format("terms after {} parameters", bases_[b].dropped.size()));
     const TrigonometricModel model = differenceTo(b);
     for (std::size_t t = 0; t < found_.size(); ++t) {
-      const double tolerance = options_.tolerances[t];
-      if (tolerance <= 0 || (!isWeightless(b) && bases_[b].sampled > kFurther * tolerance))
-        continue;
+      const double allowed = options_.allowed[t];
+      if (allowed <= 0 || (!isWeightless(b) && bases_[b].sampled > kFurther * allowed)) continue;
       // parameters alone would have been found before
       if (sweep(b).bodyOperations().all() >= found_[t]->operations()) continue;
-      const std::optional<Draft> d = draft(model, tolerance);
+      const std::optional<Draft> d = draft(model, allowed);
       if (!d) continue;
       consider(t, {b, *d, programOf(sweep(b), d->terms, model)}, &found_);
     }
@@ -683,9 +681,9 @@ class Reducer {
   }
 
   /// Bounds of what is left out, by joint and by term.
-  ReducedModel finished(const Found& found, double tolerance) {
+  ReducedModel finished(const Found& found, double allowed) {
     ReducedModel out;
-    out.tolerance = tolerance;
+    out.allowed = allowed;
     out.scene = bases_[found.base].scene;
     out.parameters = bases_[found.base].dropped;
     out.is_explicit = isWeightless(found.base);

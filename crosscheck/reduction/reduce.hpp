@@ -49,8 +49,8 @@ struct ReducedForce {
 /** A smaller model: a scene with fewer inertial parameters, and terms that are added to its tau.
     Its errors are those of exact arithmetic; a program of it in double rounds as any other. */
 struct ReducedModel {
-  double tolerance = 0;  ///< asked for
-  scene::Scene scene;    ///< has a model of its own where no terms are added
+  double allowed = 0;  ///< asked for
+  scene::Scene scene;  ///< has a model of its own where no terms are added
   std::vector<DroppedParameter> parameters;
   bool is_explicit = false;  ///< no inertial parameter is left: all is in the terms
   std::vector<KeptTerm> terms;
@@ -64,20 +64,21 @@ struct ReducedModel {
 
 struct Reduction {
   symbolic::Program full;            ///< the scene's own smallest program of tau
-  std::vector<ReducedModel> models;  ///< one a tolerance: the fewest operations found
-  std::vector<ReducedModel> scenes;  ///< one a tolerance: without terms, so a scene and no more
+  std::vector<ReducedModel> models;  ///< one an allowed error: the fewest operations found
+  std::vector<ReducedModel>
+      scenes;  ///< one an allowed error: without terms, so a scene and no more
   std::vector<ReducedModel>
       by_rule;  ///< Armstrong's, if asked for; as it stands, nothing certified
                 ///< beforehand
 };
 
 struct ReduceOptions {
-  std::vector<double> tolerances = {0.01};  ///< shares of the largest |tau_i|, ascending
-  double armstrong = 0;                     ///< also his rule with this share; 0: not
-  int boxes = 20000;  ///< at most, for the error of one joint's force in the end
+  std::vector<double> allowed = {0.01};  ///< shares of the largest |tau_i|, ascending
+  double armstrong = 0;                  ///< also his rule with this share; 0: not
+  int boxes = 20000;                     ///< at most, for the error of one joint's force in the end
 };
 
-/** Looks for models of fewer operations with |tau_i - reduced tau_i| <= tolerance x max |tau_i| for
+/** Looks for models of fewer operations with |tau_i - reduced tau_i| <= allowed x max |tau_i| for
     every joint i and all q, qd, qdd of the envelope. Of the largest |tau_i| the value that the
     sweeps find at the worst state is taken, so that the promise is on the safe side.
 
@@ -87,7 +88,7 @@ struct ReduceOptions {
     together allows, and the others are added to the reduced scene's sweep. So errors that cancel
     do, and none counts twice. Samples choose the order; what is promised is bounded by
     boundOfParts() alone.
-    @throws scene::InputError  as envelopeBounds(); a tolerance within roundings; Coulomb friction,
+    @throws scene::InputError  as envelopeBounds(); an allowed error within roundings; Coulomb friction,
       which programs have no sign for */
 Reduction reduced(const scene::Scene& scene, const std::vector<scene::JointRanges>& ranges,
                   const ReduceOptions& options,
@@ -98,7 +99,7 @@ std::string reductionText(const scene::Scene& scene, const Reduction& reduction)
 std::string reductionJson(const scene::Scene& scene, const Reduction& reduction,
                           const std::string& version);
 std::string reductionC(const scene::Scene& scene, const ReducedModel& model);
-/// `tolerance,operations,certified,seen,scene_operations,scene_certified`, shares of the largest
+/// `allowed,operations,certified,seen,scene_operations,scene_certified`, shares of the largest
 /// |tau_i|.
 std::string frontCsv(const scene::Scene& scene, const Reduction& reduction);
 

@@ -107,7 +107,7 @@ Json jsonOf(const ReducedModel& model) {
                       {"q", f.worst.q},
                       {"qd", f.worst.qd},
                       {"qdd", f.worst.qdd}});
-  return {{"tolerance", model.tolerance},     {"operations", model.operations()},
+  return {{"allowed", model.allowed},         {"operations", model.operations()},
           {"certified", model.share()},       {"is_explicit", model.is_explicit},
           {"parameters_dropped", parameters}, {"terms_added", terms},
           {"terms_changed", changed},         {"forces", forces}};
@@ -119,15 +119,14 @@ std::string reductionText(const scene::Scene& scene, const Reduction& reduction)
   std::string text = fmt::format(
       "{}: operations (multiplications, additions) of tau; errors in % of each joint's largest "
       "|tau|\n\n{:>10} {:>10} {:>10} {:>8}  {:<36} {:>10} {:>10}\n",
-      scene.name, "tolerance", "operations", "certified", "seen", "made by", "as a scene",
+      scene.name, "allowed", "operations", "certified", "seen", "made by", "as a scene",
       "certified");
   text += fmt::format("{:>10} {:>10} {:>10} {:>8}  the scene's own program\n", "-",
                       reduction.full.bodyOperations().all(), "0", "0");
   const auto row = [&](const ReducedModel& m, const ReducedModel* s) {
-    text +=
-        fmt::format("{:>8} % {:>10} {:>8} % {:>6} %  {:<36}",
-                    fmt::format("{:.3g}", 100 * m.tolerance), m.operations(), percent(m.share()),
-                    fmt::format("{:.2g}", 100 * seenShare(m)), howItIsMade(m));
+    text += fmt::format("{:>8} % {:>10} {:>8} % {:>6} %  {:<36}",
+                        fmt::format("{:.3g}", 100 * m.allowed), m.operations(), percent(m.share()),
+                        fmt::format("{:.2g}", 100 * seenShare(m)), howItIsMade(m));
     if (s) text += fmt::format(" {:>10} {:>8} %", s->operations(), percent(s->share()));
     text += "\n";
   };
@@ -175,11 +174,11 @@ std::string frontCsv(const scene::Scene& scene, const Reduction& reduction) {
   std::string text = fmt::format(
       "# {}: operations of tau against its error, a share of each joint's largest |tau|; certified: "
       "proven, seen: at some state\n"
-      "tolerance,operations,certified,seen,scene_operations,scene_certified\n",
+      "allowed,operations,certified,seen,scene_operations,scene_certified\n",
       scene.name);
   for (std::size_t t = 0; t < reduction.models.size(); ++t) {
     const ReducedModel &m = reduction.models[t], &s = reduction.scenes[t];
-    text += fmt::format("{},{},{:.6g},{:.6g},{},{:.6g}\n", m.tolerance, m.operations(),
+    text += fmt::format("{},{},{:.6g},{:.6g},{},{:.6g}\n", m.allowed, m.operations(),
                         outward(m.share()), seenShare(m), s.operations(), outward(s.share()));
   }
   return text;

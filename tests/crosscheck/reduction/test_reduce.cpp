@@ -33,7 +33,7 @@ const Reduction& reductionOf(const std::string& name) {
   const scene::Scene scene = scene::findScene(name);
   ReduceOptions options;
   // small arms have no term that is below 5 % everywhere
-  options.tolerances =
+  options.allowed =
       name == "puma_560" ? std::vector<double>{0.01, 0.05} : std::vector<double>{0.1, 0.3};
   options.boxes = 2000;  // any number of boxes has to give a bound
   return known.emplace(name, reduced(scene, scene::readEnvelope(scene), options, kNoStage))
@@ -105,7 +105,7 @@ BOOST_DATA_TEST_CASE(no_sampled_state_errs_by_more_than_is_certified,
                    "tau_" << i + 1 << " " << worst[i] << " " << force.at_most);
         BOOST_TEST(force.at_least <= force.at_most);
       }
-      BOOST_TEST(model.share() <= model.tolerance);
+      BOOST_TEST(model.share() <= model.allowed);
       BOOST_TEST(model.operations() <= reduction.full.bodyOperations().all());
     }
 }
@@ -149,7 +149,7 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_reduced_is_refused_with_a_reason) {
   const scene::Scene arm = scene::findScene("planar_3r");
   refused([&] { reduced(arm, {}, {}, kNoStage); }, "no [envelope]");
   ReduceOptions fine;
-  fine.tolerances = {1e-16};
+  fine.allowed = {1e-16};
   refused([&] { reduced(arm, scene::readEnvelope(arm), fine, kNoStage); }, "roundings alone");
   scene::Scene rough = arm;
   rough.mechanism.links.back().joint.friction.positive = 1;
