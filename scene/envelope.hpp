@@ -30,6 +30,9 @@ std::vector<JointRanges> envelopeOf(const std::string& text, const Scene& scene)
 /// @throws InputError  as envelopeOf(); the file cannot be read any more
 std::vector<JointRanges> readEnvelope(const Scene& scene);
 
+/// The table as TOML, to stand at the end of a scene; none: no text. What is read back is the same.
+std::string writeEnvelope(const Scene& scene, const std::vector<JointRanges>& ranges);
+
 /// Whether the scene's own file has the table.
 /// @throws InputError  the file cannot be read any more
 bool hasEnvelope(const Scene& scene);

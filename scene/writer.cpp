@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "scene/envelope.hpp"
 #include "scene/mimic.hpp"
 #include "scene/scene.hpp"
 
@@ -264,6 +265,18 @@ std::string writeSceneToml(const Scene& scene) {
   if (!at_rest) lines.value("q", q);
   lines.list("qd", scene.start_qd);
   return lines.text();
+}
+
+std::string writeEnvelope(const Scene& scene, const std::vector<JointRanges>& ranges) {
+  if (ranges.empty()) return "";
+  std::string text = "\n[envelope]\n";
+  const std::vector<std::string> labels = scene.mechanism.rateLabels();
+  for (std::size_t k = 0; k < ranges.size(); ++k) {
+    const auto pair = [](const Range& r) { return fmt::format("[{}, {}]", r.low, r.high); };
+    text += fmt::format("{} = {{ q = {}, qd = {}, qdd = {} }}\n", quoted(labels[k]),
+                        pair(ranges[k].q), pair(ranges[k].qd), pair(ranges[k].qdd));
+  }
+  return text;
 }
 
 }  // namespace dynwitness::scene

@@ -27,7 +27,7 @@ int runWrite(const WriteArguments& arguments) {
   scene::Format format = scene::Format::kToml;
   for (const scene::Format f : {scene::Format::kUrdf, scene::Format::kMjcf})
     if (arguments.format == scene::name(f)) format = f;
-  const scene::WrittenScene written = scene::writeSceneAs(scene, format);
+  scene::WrittenScene written = scene::writeSceneAs(scene, format);
   if (!written.lost.empty() && !arguments.lossy) {
     std::string list;
     for (const std::string& what : written.lost) list += "\n  " + what;
@@ -38,7 +38,11 @@ int runWrite(const WriteArguments& arguments) {
   }
   for (const std::string& what : scene.not_modelled)
     tell(fmt::format("{}: not read: {}\n", scene.name, what));
-  if (scene::hasEnvelope(scene)) tell(fmt::format("{}: not written: [envelope]\n", scene.name));
+  // from another root joints have other positions
+  if (format == scene::Format::kToml && arguments.scene.root.empty())
+    written.text += scene::writeEnvelope(scene, scene::readEnvelope(scene));
+  else if (scene::hasEnvelope(scene))
+    tell(fmt::format("{}: not written: [envelope]\n", scene.name));
   for (const std::string& what : written.lost)
     tell(fmt::format("{}: lost: {}\n", scene.name, what));
   if (arguments.output.empty())

@@ -31,44 +31,7 @@ constexpr std::size_t kMostTerms = std::size_t{1} << 16;
 constexpr double kLost = RunningError::kUnitRoundoff * kMostTerms * 64;
 constexpr std::size_t kMostCorners = 100000;  ///< remembered at a time: 250 MB for seven joints
 
-/// A function of q, and what it is multiplied by: 1, qdd_j, or qd_j qd_k.
-struct Part {
-  Polynomial f;
-  int j = -1, k = -1;  ///< j alone: qdd_j; both: qd_j qd_k
-};
-
-/// The parts of a quantity, friction and springs apart.
-std::vector<Part> partsOf(const TrigonometricModel& model, const EnvelopeQuantity& quantity) {
-  const auto i = static_cast<std::size_t>(quantity.i), j = static_cast<std::size_t>(quantity.j);
-  const int n = model.dof;
-  std::vector<Part> parts(1);
-  if (quantity.kind == Kind::kM) parts[0].f = model.M[i][j];
-  if (quantity.kind == Kind::kG || quantity.kind == Kind::kTau) parts[0].f = model.gravity[i];
-  if (quantity.kind == Kind::kTau) {
-    add(model.loads[i], 1, &parts[0].f);
-    for (int a = 0; a < n; ++a) parts.push_back({model.M[i][static_cast<std::size_t>(a)], a, -1});
-  }
-  const auto M = [&](int a, int b) -> const Polynomial& {
-    return model.M[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
-  };
-  const auto d = [&](const Polynomial& f, int by) {
-    return derivative(f, by, model.slides[static_cast<std::size_t>(by)]);
-  };
-  for (int a = 0; a < n; ++a)
-    for (int b = a; b < n; ++b) {
-      Polynomial f;
-      if (quantity.kind == Kind::kT) {
-        add(M(a, b), a == b ? 0.5 : 1, &f);
-      } else if (quantity.kind == Kind::kTau || quantity.kind == Kind::kC) {
-        // c_i = sum (dM_ia/dq_b - dM_ab/dq_i / 2) qd_a qd_b, both orders of a pair together
-        add(d(M(quantity.i, a), b), 1, &f);
-        if (a != b) add(d(M(quantity.i, b), a), 1, &f);
-        add(d(M(a, b), quantity.i), a == b ? -0.5 : -1, &f);
-      }
-      if (!f.empty()) parts.push_back({f, a, b});
-    }
-  return parts;
-}
+using Part = EnvelopePart;
 
 /// What is known at one corner in q.
 struct Corner {
@@ -93,9 +56,18 @@ class Search {
  public:
   Search(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
          const EnvelopeQuantity& quantity)
-      : model_(model), ranges_(ranges), quantity_(quantity), parts_(partsOf(model, quantity)) {
-    has_spring_ = quantity.kind == Kind::kTau || quantity.kind == Kind::kG;
-    has_friction_ = quantity.kind == Kind::kTau;
+      : Search(model, ranges, quantity, envelopeParts(model, quantity),
+               quantity.kind == Kind::kTau || quantity.kind == Kind::kG,
+               quantity.kind == Kind::kTau) {}
+  Search(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
+         const EnvelopeQuantity& quantity, std::vector<Part> parts, bool has_spring,
+         bool has_friction)
+      : model_(model),
+        ranges_(ranges),
+        quantity_(quantity),
+        parts_(std::move(parts)),
+        has_spring_(has_spring),
+        has_friction_(has_friction) {
     sizes_.resize(static_cast<Eigen::Index>(parts_.size()));
     for (std::size_t p = 0; p < parts_.size(); ++p)
       sizes_(static_cast<Eigen::Index>(p)) = weight(parts_[p]);
@@ -105,7 +77,8 @@ class Search {
     boundDerivatives();
   }
 
-  EnvelopeBound run(const EnvelopeOptions& options) {
+  /// @param decide  as boundOfParts()
+  EnvelopeBound run(const EnvelopeOptions& options, double decide = -1) {
     EnvelopeBound out;
     out.quantity = quantity_;
     const scene::Work work("boxes", options.boxes);
@@ -116,8 +89,11 @@ class Search {
     judge(&whole);
     queue.push(whole);
     out.boxes = 1;
-    while (queue.top().split >= 0 && queue.top().bound > options.ratio * (seen_ - 2 * slack_) &&
-           out.boxes < options.boxes) {
+    const auto isKnown = [&] {
+      const double bound = queue.top().bound, seen = seen_ - 2 * slack_;
+      return decide < 0 ? bound <= options.ratio * seen : bound <= decide || seen > decide;
+    };
+    while (queue.top().split >= 0 && !isKnown() && out.boxes < options.boxes) {
       const Box box = queue.top();
       queue.pop();
       for (const bool upper : {false, true}) {
@@ -133,6 +109,7 @@ class Search {
       }
     }
     out.certified = queue.top().bound;
+    out.sampled = std::max(0.0, seen_ - 2 * slack_);
     out.worst = worst_;
     out.lost = slack_;
     return out;
@@ -505,6 +482,39 @@ std::vector<EnvelopeQuantity> quantitiesOf(int dof, bool all) {
 
 }  // namespace
 
+std::vector<EnvelopePart> envelopeParts(const TrigonometricModel& model,
+                                        const EnvelopeQuantity& quantity) {
+  const auto i = static_cast<std::size_t>(quantity.i), j = static_cast<std::size_t>(quantity.j);
+  const int n = model.dof;
+  std::vector<Part> parts(1);
+  if (quantity.kind == Kind::kM) parts[0].f = model.M[i][j];
+  if (quantity.kind == Kind::kG || quantity.kind == Kind::kTau) parts[0].f = model.gravity[i];
+  if (quantity.kind == Kind::kTau) {
+    add(model.loads[i], 1, &parts[0].f);
+    for (int a = 0; a < n; ++a) parts.push_back({model.M[i][static_cast<std::size_t>(a)], a, -1});
+  }
+  const auto M = [&](int a, int b) -> const Polynomial& {
+    return model.M[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  };
+  const auto d = [&](const Polynomial& f, int by) {
+    return derivative(f, by, model.slides[static_cast<std::size_t>(by)]);
+  };
+  for (int a = 0; a < n; ++a)
+    for (int b = a; b < n; ++b) {
+      Polynomial f;
+      if (quantity.kind == Kind::kT) {
+        add(M(a, b), a == b ? 0.5 : 1, &f);
+      } else if (quantity.kind == Kind::kTau || quantity.kind == Kind::kC) {
+        // c_i = sum (dM_ia/dq_b - dM_ab/dq_i / 2) qd_a qd_b, both orders of a pair together
+        add(d(M(quantity.i, a), b), 1, &f);
+        if (a != b) add(d(M(quantity.i, b), a), 1, &f);
+        add(d(M(a, b), quantity.i), a == b ? -0.5 : -1, &f);
+      }
+      if (!f.empty()) parts.push_back({f, a, b});
+    }
+  return parts;
+}
+
 std::string EnvelopeQuantity::name() const {
   switch (kind) {
     case Kind::kTau:
@@ -562,6 +572,15 @@ RunningError sweptQuantity(const scene::Scene& scene, const EnvelopeQuantity& qu
   return M(quantity.i, quantity.j);
 }
 
+EnvelopeBound boundOfParts(const TrigonometricModel& model, const std::vector<JointRanges>& ranges,
+                           const EnvelopeQuantity& name, const std::vector<EnvelopePart>& parts,
+                           const EnvelopeOptions& options, double decide) {
+  EnvelopeBound bound = Search(model, ranges, name, parts, false, false).run(options, decide);
+  bound.is_reached = bound.certified <= (decide < 0 ? options.ratio * bound.sampled : decide) ||
+                     bound.certified <= 2 * bound.lost;
+  return bound;
+}
+
 std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
                                           const std::vector<JointRanges>& ranges,
                                           const EnvelopeOptions& options,
@@ -576,6 +595,7 @@ std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
   for (const EnvelopeQuantity& quantity : quantitiesOf(model.dof, options.all)) {
     stage(quantity.name());
     EnvelopeBound bound = Search(model, ranges, quantity).run(options);
+    bound.sampled = 0;  // what the sweeps say, not the polynomials
     if (!bound.worst.q.empty()) {
       const RunningError swept = sweptQuantity(scene, quantity, bound.worst);
       bound.sampled = std::max(0.0, std::abs(swept.value()) - swept.bound());

@@ -23,6 +23,15 @@ struct EnvelopeQuantity {
   std::string name() const;  ///< "tau_2", "M_1,2", "c_1", "g_2", "T"
 };
 
+/// A function of q, and what it is multiplied by: 1, qdd_j, or qd_j qd_k with j <= k.
+struct EnvelopePart {
+  Polynomial f;
+  int j = -1, k = -1;  ///< j alone: qdd_j; both: qd_j qd_k
+};
+/// The parts of a quantity, friction and springs apart; the first is f(q).
+std::vector<EnvelopePart> envelopeParts(const TrigonometricModel& model,
+                                        const EnvelopeQuantity& quantity);
+
 /// One state of the envelope.
 struct EnvelopeState {
   std::vector<double> q, qd, qdd;
@@ -64,6 +73,15 @@ std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
                                           const std::vector<scene::JointRanges>& ranges,
                                           const EnvelopeOptions& options,
                                           const std::function<void(const std::string&)>& stage);
+
+/** The same of a sum of parts, without springs and friction; `sampled` is what the parts say at
+    `worst`, less the roundings, and no sweep is asked.
+    @param decide  zero or more: ends as soon as it is known whether |x| <= decide everywhere, and
+      no ratio is asked for */
+EnvelopeBound boundOfParts(const TrigonometricModel& model,
+                           const std::vector<scene::JointRanges>& ranges,
+                           const EnvelopeQuantity& name, const std::vector<EnvelopePart>& parts,
+                           const EnvelopeOptions& options, double decide = -1);
 
 /// The quantity at one state by the sweeps of recursive/: value, and what rounding may have lost.
 RunningError sweptQuantity(const scene::Scene& scene, const EnvelopeQuantity& quantity,

@@ -55,7 +55,7 @@ std::vector<NumberOption> numberOptions(const Program& program) {
 /// What a command needs beside.
 std::string callOf(const std::string& command) {
   if (command == "audit" || command == "growth") return command;
-  if (command == "envelope") return command + " planar_3r";
+  if (command == "envelope" || command == "reduce") return command + " planar_3r";
   if (command == "action") return command + " acrobot";  // it refuses joints with friction
   if (command == "evaluate") return "evaluate gyroscopic_wrist --quantity M";
   return command + " gyroscopic_wrist";

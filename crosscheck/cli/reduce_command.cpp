@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dynwitness reduce: the smallest model whose forces stay near the scene's.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "crosscheck/cli/chart_files.hpp"
+#include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/progress.hpp"
+#include "crosscheck/reduction/reduce.hpp"
+#include "crosscheck/report/text.hpp"
+#include "crosscheck/system/files.hpp"
+#include "scene/envelope.hpp"
+#include "scene/expression.hpp"
+
+namespace dynwitness::cli {
+namespace {
+
+using namespace crosscheck;
+
+struct Arguments {
+  std::string scene, json, c, toml, front, allowed = "1%";
+  ReduceOptions options;
+};
+
+/// "1%", "0.01"
+double share(const std::string& text) {
+  const bool is_percent = !text.empty() && text.back() == '%';
+  const auto refuse = [&] {
+    throw scene::InputError(
+        {}, "--tolerance: got '" + text + "', allowed: a share from 0 to 1, or from 0% to 100%");
+  };
+  double x = -1;
+  try {
+    x = scene::exactValue(
+            scene::Expression::parse(is_percent ? text.substr(0, text.size() - 1) : text), {})
+            .toDouble();
+  } catch (const scene::InputError&) {
+    refuse();
+  }
+  if (is_percent) x /= 100;
+  if (!(x >= 0 && x <= 1)) refuse();
+  return x;
+}
+
+/// Operations against certified error, two curves.
+std::string frontScript(const scene::Scene& scene, const std::string& stem) {
+  return fmt::format(
+      "# Draw again with:  gnuplot {0}.gp\n"
+      "do for [dark = 0:1] {{\n"
+      "load '{1}'\n"
+      "set terminal svg size 900,600 noenhanced font ',16'\n"
+      "set output dark ? '{0}_dark.svg' : '{0}.svg'\n"
+      "set datafile separator ','\n"
+      "set title {2} textcolor rgb ink\n"
+      "set xlabel 'error of a joint force, certified over the envelope  [% of its largest]'\n"
+      "set ylabel 'operations of inverse dynamics'\n"
+      "set yrange [0:*]\nset xrange [0:*]\nset key top right\n"
+      "plot '{0}.csv' using (100*$6):5 with linespoints linetype 1 pointtype 7 title 'a smaller "
+      "scene', \\\n"
+      "     '{0}.csv' using (100*$3):2 with linespoints linetype 2 pointtype 5 title 'and terms "
+      "added to it'\n"
+      "unset output\nreset\n}}\n",
+      stem, kChartStyle,
+      gnuplotString(oneLine(scene.title.empty() ? scene.name : scene.title) +
+                    ": how small a model may be"));
+}
+
+int run(Arguments arguments) {
+  for (const std::string& file : {arguments.json, arguments.c, arguments.toml})
+    requireWritableFile(file);
+  if (!arguments.front.empty()) requireWritableFolder(arguments.front);
+  const bool is_front = !arguments.front.empty();
+  arguments.options.allowed = {share(arguments.allowed)};
+  if (is_front) {
+    if (!arguments.c.empty() || !arguments.toml.empty())
+      throw scene::InputError(
+          {}, "--front: many models, allowed: --c and --toml of one, with --tolerance");
+    arguments.options.allowed = {0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1};
+  }
+  const scene::Scene scene = scene::findScene(arguments.scene);
+  const std::vector<scene::JointRanges> ranges = scene::readEnvelope(scene);
+  Reduction reduction;
+  {
+    Progress progress("reduction of " + scene.name);
+    reduction = reduced(scene, ranges, arguments.options,
+                        [&](const std::string& what) { progress.note(what); });
+  }
+  fmt::print("{}", reductionText(scene, reduction));
+  if (!arguments.json.empty())
+    writeWholeFile(arguments.json, reductionJson(scene, reduction, DYNWITNESS_VERSION));
+  if (!arguments.c.empty())
+    writeWholeFile(arguments.c, reductionC(scene, reduction.models.front()));
+  if (!arguments.toml.empty())
+    writeWholeFile(arguments.toml, scene::writeSceneToml(reduction.scenes.front().scene) +
+                                       scene::writeEnvelope(scene, ranges));
+  if (is_front) {
+    const std::string stem = safeName(scene.name) + "_front";
+    writeCharts({{stem, frontCsv(scene, reduction)}}, {{stem, frontScript(scene, stem)}},
+                arguments.front);
+  }
+  return 0;
+}
+
+}  // namespace
+
+Run addReduce(CLI::App* command) {
+  auto arguments = std::make_shared<Arguments>();
+  command
+      ->add_option("scene", arguments->scene,
+                   "Scene whose TOML file has [envelope]: a tree of turning and sliding joints")
+      ->required();
+  CLI::Option* allowed =
+      command
+          ->add_option("--tolerance", arguments->allowed,
+                       "Of each joint's largest |tau| in the envelope: how far it may be off")
+          ->capture_default_str();
+  command
+      ->add_option("--armstrong", arguments->options.armstrong,
+                   "Beside it Armstrong's rule of 1986: terms go that are below this share of "
+                   "their entry's largest, certified afterwards")
+      ->check(between(1e-6, 1));
+  command
+      ->add_option("--boxes", arguments->options.boxes,
+                   "Boxes at most, for the error of each joint's force in the end")
+      ->capture_default_str()
+      ->check(whole(1, 100000000));
+  command->add_option("--c", arguments->c, "File: the reduced tau as a C function");
+  command->add_option("--toml", arguments->toml,
+                      "File: the best that is a scene and no more, for all other commands");
+  command
+      ->add_option("--front", arguments->front,
+                   "Folder: allowed errors from 0 to 10 % as a table, CSV and a picture")
+      ->excludes(allowed);
+  addJson(*command, arguments->json);
+  command->footer(
+      "Examples:\n"
+      "  dynwitness reduce puma_560 --tolerance 1% --c reduced.c --toml reduced.toml\n"
+      "  dynwitness reduce puma_560 --front front\n"
+      "  dynwitness reduce scara --armstrong 0.01\n"
+      "'certified' is a proven bound of the error everywhere in the envelope, in % of\n"
+      "that joint's largest force; 'seen' is what sweep and program differ by at the\n"
+      "worst state found. Left out: what friction and springs take, which stay.");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace dynwitness::cli
