@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Code that a controller can use: a scene's quantities as plain functions, from its smallest programs.
+// Code that a controller can use: quantities as plain functions, from the smallest programs.
 #pragma once
 
 #include <optional>
@@ -101,8 +101,8 @@ class ControllerCode {
   std::vector<GoldenCase> golden(const std::vector<scene::State<double>>& states,
                                  CodeScalar scalar) const;
 
-  /** Files, name and text: for C  NAME.h, NAME.c, NAME_test.c;  Python  NAME.py, NAME_test.py;  Julia
-      likewise;  MATLAB  one file a function and NAME_test.m. The same scene gives the same bytes.
+  /** Files, name and text: for C  NAME.h, NAME.c, NAME_test.c;  Python  NAME.py, NAME_test.py;
+      Julia likewise;  MATLAB  one file a function and NAME_test.m. The same scene gives the same bytes.
       @param golden  what the test file asks; its exit status says whether all is right
       @throws scene::InputError  a number of the scene is none of the scalar; float is for C */
   std::vector<std::pair<std::string, std::string>> files(

@@ -19,7 +19,7 @@ namespace {
 using symbolic::Input;
 using symbolic::Program;
 
-/// The word of a quantity in names of functions: M and m, C and c are one file in some file systems.
+/// The word of a quantity in names of functions: C and c are one file in some file systems.
 const char* word(CodeQuantity quantity) {
   return quantity == CodeQuantity::kC ? "coriolis_matrix" : name(quantity);
 }
@@ -228,8 +228,29 @@ class CodeWriter {
       const auto it = text.find(slot);
       return it != text.end() ? it->second : literal(literals.exact(slot));
     };
+    const std::string zero = literal(Digits50(0)), one = literal(Digits50(1));
     int temporaries = 0;
     for (const Program::Instruction& i : program.body) {
+      // numbers that are 0 or 1 by what irrational ones of the scene make together
+      if (i.code != Program::Code::kNegate && i.code != Program::Code::kInverse) {
+        const std::string a = operand(i.a), b = operand(i.b);
+        const bool multiplies = i.code == Program::Code::kMultiply;
+        if (multiplies && (a == zero || b == zero)) {
+          text[i.result] = zero;
+          continue;
+        }
+        if (b == (multiplies ? one : zero) ||
+            (a == (multiplies ? one : zero) && i.code != Program::Code::kSubtract)) {
+          std::string same = b == (multiplies ? one : zero) ? a : b;
+          if (same.find(" * ") != std::string::npos) {  // a product that stood in this sum alone
+            const std::string variable = fmt::format("t{}", ++temporaries);
+            out.lines += let(variable, same);
+            same = variable;
+          }
+          text[i.result] = same;
+          continue;
+        }
+      }
       std::string value;
       switch (i.code) {
         case Program::Code::kAdd:
@@ -377,7 +398,7 @@ class CodeWriter {
   }
   static int size(const CodeFunction& f) { return f.rows * f.columns; }
 
-  // ---- C ------------------------------------------------------------------------------------------
+  // ---- C -------------------------------------------------------------------------------------
 
   std::string declaration(const CodeFunction& f) const {
     std::string text = "void " + functionName(f) + "(";
@@ -409,7 +430,7 @@ class CodeWriter {
     return text;
   }
 
-  // ---- Python, Julia, MATLAB ----------------------------------------------------------------------
+  // ---- Python, Julia, MATLAB -----------------------------------------------------------------
 
   std::string pythonModule() const {
     std::string text = comment(header(), "# ", "# ", "") + "from math import cos, sin\n";
@@ -458,7 +479,7 @@ class CodeWriter {
     return text + "end\n";
   }
 
-  // ---- tests --------------------------------------------------------------------------------------
+  // ---- tests ---------------------------------------------------------------------------------
 
   std::string list(const std::vector<double>& values, bool as_scalar) const {
     std::vector<std::string> texts;

@@ -10,7 +10,7 @@
 
 namespace dynwitness::crosscheck::kernel {
 
-/// All of a program that does not depend on the state, in 50 digits, rounded once where it is written.
+/// What of a program does not depend on the state, in 50 digits, rounded once where written.
 class LiteralValues {
  public:
   LiteralValues(const symbolic::Program& program, const scene::Mechanism& mechanism)
