@@ -306,11 +306,14 @@ Run addDerive(CLI::App* command) {
                    "jacobian, jacobian_rate")
       ->capture_default_str()
       ->delimiter(',');
-  command->add_option("--scalar", arguments->scalar, "Of code in C")
+  command->add_option("--scalar", arguments->scalar, "Arithmetic: of code in C")
       ->capture_default_str()
       ->check(oneOf({"double", "float"}));
-  command->add_option("--point", arguments->point,
-                      "Of which point kinematics in code are: LINK, its origin, or LINK,x,y,z");
+  command
+      ->add_option("--point", arguments->point,
+                   "Of which points position, ..., jacobian_rate are: of this link, at x, y, z in "
+                   "its axes [m] (without: its origin)")
+      ->type_name("LINK[,x,y,z]");
   command
       ->add_flag("--operations", arguments->operations,
                  "How many operations the programs for ID, M, c, g and FD take, by each road")
