@@ -89,7 +89,7 @@ Run addCheck(CLI::App* command) {
       ->needs(answers);
   command
       ->add_option("--scalar", arguments->scalar,
-                   "Arithmetic whose roundings are allowed: of double or of single precision")
+                   "Arithmetic: whose roundings are allowed, of double or of single precision")
       ->capture_default_str()
       ->check(oneOf({"double", "float"}));
   addSeed(*command, arguments->options.seed, "of the states")->excludes(answers);

@@ -1,20 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness derive: the equations of motion from T and V, to be read or to be compiled.
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/inputs/states.hpp"
+#include "crosscheck/kernel/controller_code.hpp"
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/kernel/shared_subtrees.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "scene/nearest_name.hpp"
 #include "scene/scene.hpp"
 #include "symbolic/derivation.hpp"
 #include "symbolic/print.hpp"
@@ -25,8 +31,16 @@ namespace {
 
 struct DeriveArguments {
   GivenScene scene;
-  std::string output, format = "text", quantity = "all";
+  std::string output, format = "text", point, scalar = "double";
+  std::vector<std::string> quantities = {"all"};
   bool operations = false, proof = false;
+
+  bool isAll() const { return quantities == std::vector<std::string>{"all"}; }
+  bool isProgram() const { return format == "c" || format == "python"; }
+  /// Code of the smallest roads, not M, c and g of named parameters.
+  bool isCode() const {
+    return format == "matlab" || format == "julia" || (isProgram() && !isAll());
+  }
 };
 
 /// How many operations each road to each formula takes, the smallest marked.
@@ -128,33 +142,163 @@ symbolic::Derivation only(symbolic::Derivation derivation, const std::string& qu
   return derivation;
 }
 
+namespace kernel = crosscheck::kernel;
+
+/// "hand", "hand,0,0,l/2"
+std::optional<kernel::CodePoint> pointOf(const std::string& text, const scene::Scene& scene) {
+  if (text.empty()) return std::nullopt;
+  std::vector<std::string> words(1), links;
+  for (const char letter : text)
+    if (letter == ',')
+      words.emplace_back();
+    else
+      words.back() += letter;
+  for (const scene::Link& link : scene.mechanism.links) links.push_back(link.name);
+  const auto link = std::find(links.begin(), links.end(), words[0]);
+  if (link == links.end())
+    throw scene::InputError(
+        {}, fmt::format("--point: no link '{}'{}, allowed: {}", words[0],
+                        scene::didYouMean(words[0], links), fmt::join(links, ", ")));
+  if (words.size() != 1 && words.size() != 4)
+    throw scene::InputError({},
+                            fmt::format("--point: read '{}', allowed: LINK or LINK,x,y,z", text));
+  kernel::CodePoint point{static_cast<int>(link - links.begin()), {}};
+  for (std::size_t k = 1; k < words.size(); ++k) {
+    point.at[k - 1] = scene::Number::parse(words[k], {"--point", 0});
+    exactValue(point.at[k - 1], scene.mechanism.parameterValues(), {"--point", 0});
+  }
+  return point;
+}
+
+std::vector<kernel::CodeQuantity> codeQuantities(const std::vector<std::string>& words) {
+  std::vector<std::string> names;
+  for (const kernel::CodeQuantity quantity : kernel::kCodeQuantities)
+    names.emplace_back(name(quantity));
+  std::vector<kernel::CodeQuantity> out;
+  for (const std::string& word : words) {
+    const auto it = std::find(names.begin(), names.end(), word);
+    if (it == names.end())
+      throw scene::InputError(
+          {}, fmt::format("--quantity: read '{}'{}, allowed in code: {}; or all, alone", word,
+                          scene::didYouMean(word, names), fmt::join(names, ", ")));
+    const kernel::CodeQuantity quantity = kernel::kCodeQuantities[it - names.begin()];
+    if (std::find(out.begin(), out.end(), quantity) == out.end()) out.push_back(quantity);
+  }
+  return out;
+}
+
+/// Of a test file: drawn, and the same in single precision.
+std::vector<scene::State<double>> goldenStates(const scene::Scene& scene) {
+  constexpr int kStates = 4;
+  const auto plain = [](double& x) { x = std::round(x * 1024) / 1024; };
+  std::vector<scene::State<double>> out;
+  for (int k = 0; k < kStates; ++k) {
+    scene::State<double> state =
+        crosscheck::drawState(scene.mechanism, scene.name, 1, static_cast<std::uint64_t>(k));
+    for (scene::JointPosition<double>& x : state.x) {
+      plain(x.q);
+      x = scene::jointPosition(x.q);
+    }
+    for (auto* part : {&state.qd, &state.qdd, &state.tau})
+      for (double& x : *part) plain(x);
+    out.push_back(state);
+  }
+  return out;
+}
+
+/// Files into a folder, or all but the test to standard output.
+void writeCode(const DeriveArguments& arguments, const scene::Scene& scene) {
+  const std::vector<std::string> words = arguments.isAll()
+                                             ? std::vector<std::string>{"tau", "qdd", "M", "c", "g"}
+                                             : arguments.quantities;
+  const std::vector<kernel::CodeQuantity> quantities = codeQuantities(words);
+  const std::optional<kernel::CodePoint> point = pointOf(arguments.point, scene);
+  const bool of_point = std::any_of(quantities.begin(), quantities.end(), kernel::isOfPoint);
+  if (of_point != point.has_value())
+    throw scene::InputError(
+        {}, of_point ? "kinematics without a point, allowed: --point LINK or LINK,x,y,z"
+                     : "--point without a quantity of points, allowed: position, orientation, "
+                       "jacobian, jacobian_rate");
+  const kernel::CodeLanguage language =
+      arguments.format == "c"        ? kernel::CodeLanguage::kC
+      : arguments.format == "python" ? kernel::CodeLanguage::kPython
+      : arguments.format == "julia"  ? kernel::CodeLanguage::kJulia
+                                     : kernel::CodeLanguage::kMatlab;
+  const kernel::CodeScalar scalar =
+      arguments.scalar == "float" ? kernel::CodeScalar::kFloat : kernel::CodeScalar::kDouble;
+  std::vector<std::pair<std::string, std::string>> files;
+  try {
+    const kernel::ControllerCode code(scene, quantities, point);
+    const bool tests = !arguments.output.empty();
+    files = code.files(
+        language, scalar,
+        tests ? code.golden(goldenStates(scene), scalar) : std::vector<kernel::GoldenCase>());
+  } catch (const kernel::NotUsed& why) {
+    throw scene::InputError({}, fmt::format("{}: no code is written: {}", scene.name, why.what()));
+  } catch (const std::domain_error& why) {  // M is singular in every state
+    throw scene::InputError({}, fmt::format("{}: no code is written: {}", scene.name, why.what()));
+  }
+  if (arguments.output.empty()) {
+    files.pop_back();
+    for (const auto& [file, text] : files) {
+      // the header stands above
+      const std::string include = "#include \"" + files[0].first + "\"\n\n";
+      const bool includes = text.compare(0, include.size(), include) == 0;
+      fmt::print("{}", includes ? "\n" + text.substr(include.size()) : text);
+    }
+    return;
+  }
+  const std::filesystem::path folder = arguments.output;
+  std::filesystem::create_directories(folder);
+  for (const auto& [file, text] : files) crosscheck::writeWholeFile(folder / file, text);
+}
+
 int runDerive(const DeriveArguments& arguments) {
-  crosscheck::requireWritableFile(arguments.output);
-  const bool is_program = arguments.format == "c" || arguments.format == "python";
+  const bool is_code = arguments.isCode(), is_program = arguments.isProgram();
+  if (is_code)
+    crosscheck::requireWritableFolder(arguments.output.empty() ? "." : arguments.output);
+  else
+    crosscheck::requireWritableFile(arguments.output);
+  if (!is_code && (arguments.scalar != "double" || !arguments.point.empty()))
+    throw scene::InputError({},
+                            "--scalar and --point are for code of given quantities, allowed: "
+                            "--format c --quantity tau,qdd,...");
   using crosscheck::Command;
   const scene::Scene scene =
       admitted(arguments.scene, arguments.operations ? Command::kDeriveOperations
+                                : is_code            ? Command::kDeriveCode
                                 : is_program         ? Command::kDerivePrograms
                                                      : Command::kDerive);
+  if (arguments.proof && (is_program || is_code))
+    throw scene::InputError(
+        {},
+        fmt::format("--proof with --format {}: programs are run by tests and not read, allowed: "
+                    "--format text, latex or html",
+                    arguments.format));
   std::string text;
   bool holds = true;
   std::optional<symbolic::ReadBack> proof;
   std::optional<Progress> progress(std::in_place, "derivation of " + scene.name);
+  if (is_code) {
+    crosscheck::requireMotion(scene);
+    writeCode(arguments, scene);
+    return 0;
+  }
   if (arguments.operations) {
     text = operationsTable(scene);
   } else if (is_program) {
-    if (arguments.proof)
-      throw scene::InputError({},
-                              "--proof: c and python are programs that tests run: allowed is "
-                              "--format text, latex or html");
-    if (arguments.quantity != "all")
-      throw scene::InputError({}, "--quantity: programs compute all of M, c, g: allowed is 'all'");
     symbolic::Equations equations = symbolic::derive(scene.mechanism);
     text = arguments.format == "c" ? symbolic::emitC(equations, scene.mechanism, scene.name)
                                    : symbolic::emitPython(equations, scene.mechanism, scene.name);
   } else {
-    if (arguments.quantity != "all" && !symbolic::hasClosedForm(scene.mechanism))
-      refuseOnly(arguments.quantity);
+    const std::string quantity = arguments.quantities[0];
+    if (arguments.quantities.size() != 1 ||
+        (quantity != "all" && quantity != "M" && quantity != "c" && quantity != "g"))
+      throw scene::InputError(
+          {}, fmt::format("--quantity: read '{}', allowed for a derivation: one of M, c, g, all; "
+                          "others are code: --format c, python, matlab, julia",
+                          fmt::join(arguments.quantities, ",")));
+    if (quantity != "all" && !symbolic::hasClosedForm(scene.mechanism)) refuseOnly(quantity);
     const symbolic::Derivation whole = symbolic::derivation(scene.mechanism);
     const symbolic::Style style = arguments.format == "html"    ? symbolic::Style::kMathml
                                   : arguments.format == "latex" ? symbolic::Style::kLatex
@@ -166,7 +310,7 @@ int runDerive(const DeriveArguments& arguments) {
       const std::string title = symbolic::printText(scene.title, style);
       return style == symbolic::Style::kMathml ? htmlPage(title, body) : latexDocument(title, body);
     };
-    text = page(only(whole, arguments.quantity));
+    text = page(only(whole, quantity));
     if (arguments.proof) proof = symbolic::readBack(whole, page(whole), style);
   }
   progress.reset();
@@ -192,22 +336,46 @@ int runDerive(const DeriveArguments& arguments) {
 Run addDerive(CLI::App* command) {
   auto arguments = std::make_shared<DeriveArguments>();
   addScene(*command, arguments->scene, "Scene");
+  command->footer(
+      "Examples:\n"
+      "dynwitness derive \"double pendulum\"\n"
+      "dynwitness derive puma_560 --format c --quantity tau,qdd,M,c,g -o puma\n"
+      "dynwitness derive puma_560 --format c --scalar float --quantity jacobian --point link_6\n\n"
+      "--quantity all as c or python: M, c and g of the scene's named parameters, by T and V. Any "
+      "other list, and matlab and julia (there all is tau,qdd,M,c,g): code for a controller from "
+      "the smallest programs (--operations), all numbers of the scene folded; into the folder -o, "
+      "with a test of it beside it. No allocation, no library but libm; friction and wrenches are "
+      "in tau and qdd. Refused: closures, springs between points, joints that follow others, and "
+      "what takes more operations than a straight line is good for.");
   command->add_option("--format", arguments->format, "How it is written")
       ->capture_default_str()
-      ->check(oneOf({"text", "latex", "html", "c", "python"}));
-  command->add_option("--quantity", arguments->quantity, "Quantities: whose steps are shown")
+      ->check(oneOf({"text", "latex", "html", "c", "python", "matlab", "julia"}));
+  command
+      ->add_option("--quantity", arguments->quantities,
+                   "Quantities: whose steps are shown (M, c, g, all), or which functions code has: "
+                   "tau, qdd, M, C (Coriolis matrix), c, g, Y (regressor), position, orientation, "
+                   "jacobian, jacobian_rate")
       ->capture_default_str()
-      ->check(oneOf({"M", "c", "g", "all"}));
+      ->delimiter(',');
+  command->add_option("--scalar", arguments->scalar, "Arithmetic: of code in C")
+      ->capture_default_str()
+      ->check(oneOf({"double", "float"}));
+  command
+      ->add_option("--point", arguments->point,
+                   "Of which points position, ..., jacobian_rate are: of this link, at x, y, z in "
+                   "its axes [m] (without: its origin)")
+      ->type_name("LINK[,x,y,z]");
   command
       ->add_flag("--operations", arguments->operations,
                  "How many operations the programs for ID, M, c, g and FD take, by each road")
-      ->excludes("--format", "--quantity");
+      ->excludes("--format", "--quantity", "--scalar", "--point");
   command
       ->add_flag("--proof", arguments->proof,
                  "Read the printed formulas back, and compare each exactly with what was derived: "
                  "text, latex and html")
       ->excludes("--operations");
-  addOutput(*command, arguments->output, "file; without: standard output");
+  addOutput(*command, arguments->output,
+            "file, of code for a controller a folder; without: standard output");
   return [arguments] { return runDerive(*arguments); };
 }
 

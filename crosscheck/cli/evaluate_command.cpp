@@ -433,6 +433,7 @@ class Converted {
       return *column.of_points == PointQuantity::kJacobian       ? Kind::kColumns
              : *column.of_points == PointQuantity::kJacobianRate ? Kind::kUnknown
                                                                  : Kind::kNone;
+    if (column.derivative) return Kind::kUnknown;
     if (column.along == Along::kPower) return Kind::kNone;
     if (column.witness) switch (column.quantity) {
         case Quantity::kM:
@@ -901,7 +902,7 @@ int runEvaluate(const EvaluateArguments& arguments) {
   if (!arguments.engines.empty())
     engine = engineKinds(arguments.engines, arguments.limits, scene).front();
   std::vector<Column> columns;
-  Sources sources{scene.mechanism, constrained, {}, {}, {}, {}, {}};
+  Sources sources{scene.mechanism, constrained, {}, {}, {}, {}, {}, {}};
   const JointAxes axes = jointAxesNamed(arguments.axes).value_or(JointAxes::kLink);
   for (const std::string& text : arguments.quantities) {
     requireQuantity(text);
@@ -965,6 +966,7 @@ int runEvaluate(const EvaluateArguments& arguments) {
                        {},
                        rows,
                        false,
+                       {},
                        {},
                        along.value_or(Along::kNothing)});
   }

@@ -39,6 +39,20 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/scenes ${PROJECT_SOURCE_DIR}/data/r
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CITATION.cff
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
+# the man page and completion, of what the programs say of themselves
+find_program(PYTHON3 NAMES python3)
+if(PYTHON3)
+  set(pages ${PROJECT_BINARY_DIR}/pages)
+  set(writes ${PROJECT_SOURCE_DIR}/crosscheck/cli/pages.py)
+  add_custom_command(OUTPUT ${pages}/dynwitness.1 ${pages}/dynwitness.bash
+    COMMAND ${PYTHON3} ${writes} $<TARGET_FILE:dynwitness_cli> ${PROJECT_SOURCE_DIR}/crosscheck/cli/commands.txt ${pages}
+    DEPENDS ${writes} dynwitness_cli ${programs} VERBATIM)
+  add_custom_target(dynwitness_pages ALL DEPENDS ${pages}/dynwitness.1 ${pages}/dynwitness.bash)
+  install(FILES ${pages}/dynwitness.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  install(FILES ${pages}/dynwitness.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+          RENAME dynwitness)
+endif()
+
 install(EXPORT dynwitnessTargets NAMESPACE dynwitness:: DESTINATION ${package})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/dynwitnessConfig.cmake.in
                               ${PROJECT_BINARY_DIR}/dynwitnessConfig.cmake

@@ -18,3 +18,6 @@ include(CPack)
 add_custom_target(dynwitness_programs)
 add_dependencies(dynwitness_programs dynwitness_cli ${programs} ${reader_programs}
                  dynwitness_scene dynwitness_recursive dynwitness_symbolic)
+if(TARGET dynwitness_pages)
+  add_dependencies(dynwitness_programs dynwitness_pages)
+endif()

@@ -99,6 +99,9 @@ struct Rules {
         {Command::kDeriveOperations,
          followers,
          {Kind::kRefused, "no kernel is made of joints that share a rate"}},
+        {Command::kDeriveCode,
+         followers,
+         {Kind::kRefused, "no code is written for joints that share a rate"}},
         {Command::kEvaluateJoints,
          followers,
          {Kind::kRefused,
@@ -152,6 +155,9 @@ struct Rules {
          {Kind::kRefused, "programs compute with + - * / alone and have no sign for it"}},
         {Command::kDeriveOperations, prescribed, of_the_tree},
         {Command::kDeriveOperations, {Feature::kStart}, for_every_state},
+        {Command::kDeriveCode, closures + point_springs, no_program},
+        {Command::kDeriveCode, prescribed, of_the_tree},
+        {Command::kDeriveCode, {Feature::kStart}, for_every_state},
 
         {Command::kEvaluateTree,
          friction + wrenches,
@@ -409,6 +415,8 @@ const char* name(Command command) {
       return "derive (c, python)";
     case Command::kDeriveOperations:
       return "derive --operations";
+    case Command::kDeriveCode:
+      return "derive --quantity tau,qdd,... (code)";
     case Command::kEvaluateTree:
       return "evaluate (M, c, g, energies, momentum)";
     case Command::kEvaluateJoints:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -327,23 +328,25 @@ std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula) {
 
 SmallestRoads::SmallestRoads(const scene::Mechanism& mechanism) : mechanism_(mechanism) {}
 
-SmallestRoads::Found SmallestRoads::found(const scene::Mechanism& mechanism, Formula formula) {
-  const auto not_used = [&](const std::string& why) {
-    return Found{{},
-                 fmt::format("no kernel of {} is used: {}; `fast` runs loops", name(formula), why)};
-  };
-  const bool is_counted = formula == Formula::kInverseDynamics || formula == Formula::kMassMatrix ||
-                          formula == Formula::kForwardDynamics;
+namespace {
+
+bool isCounted(Formula formula) {
+  return formula == Formula::kInverseDynamics || formula == Formula::kMassMatrix ||
+         formula == Formula::kForwardDynamics;
+}
+
+/// The smallest road, and the operations of the general sweep where those are counted (else 0).
+std::pair<Road, long> smallestOfAll(const scene::Mechanism& mechanism, Formula formula) {
   long general = 0;
-  if (is_counted) {
-    if (mechanism.dof() > kMostDof)
-      return not_used(
-          fmt::format("{} degrees of freedom, at most {} are written out in a straight line",
-                      mechanism.dof(), kMostDof));
+  if (mechanism.dof() > kMostDof)
+    throw NotUsed(
+        fmt::format("{} degrees of freedom, at most {} are written out in a straight line",
+                    mechanism.dof(), kMostDof));
+  if (isCounted(formula)) {
     requireProgram(mechanism);
     general = generalOperations(mechanism, formula);
     if (general > kMostSaved * kMostOperations)
-      return not_used(
+      throw NotUsed(
           fmt::format("{} operations in the general sweep, which a straight line would not bring "
                       "down to {}",
                       general, kMostOperations));
@@ -357,13 +360,33 @@ SmallestRoads::Found SmallestRoads::found(const scene::Mechanism& mechanism, For
   const Road& best = *std::min_element(all.begin(), all.end(), [](const Road& a, const Road& b) {
     return a.operations() < b.operations();
   });
-  if (is_counted && best.operations() > kMostOperations)
-    return not_used(fmt::format("{} operations in a straight line, at most {} are compiled",
-                                best.operations(), kMostOperations));
-  if (is_counted && best.operations() >= general)
-    return not_used(fmt::format("its {} operations are not fewer than the {} of the general sweep",
-                                best.operations(), general));
-  return {best, ""};
+  if (isCounted(formula) && best.operations() > kMostOperations)
+    throw NotUsed(fmt::format("{} operations in a straight line, at most {} are compiled",
+                              best.operations(), kMostOperations));
+  return {best, general};
+}
+
+}  // namespace
+
+SmallestRoads::Found SmallestRoads::found(const scene::Mechanism& mechanism, Formula formula) {
+  const auto not_used = [&](const std::string& why) {
+    return Found{{},
+                 fmt::format("no kernel of {} is used: {}; `fast` runs loops", name(formula), why)};
+  };
+  try {
+    const auto [best, general] = smallestOfAll(mechanism, formula);
+    if (isCounted(formula) && best.operations() >= general)
+      return not_used(
+          fmt::format("its {} operations are not fewer than the {} of the general sweep",
+                      best.operations(), general));
+    return {best, ""};
+  } catch (const NotUsed& why) {
+    return not_used(why.what());
+  }
+}
+
+Road smallestWritten(const scene::Mechanism& mechanism, Formula formula) {
+  return smallestOfAll(mechanism, formula).first;
 }
 
 const Road& SmallestRoads::operator()(Formula formula) const {

@@ -84,6 +84,10 @@ struct NotUsed : std::runtime_error {
                      sweep's (general_cost.hpp); and what roads() throws */
 Road smallestRoad(const scene::Mechanism& mechanism, Formula formula);
 
+/** The same where a straight line is wanted even if loops take no more: M may be a number.
+    @throws NotUsed  it is too long; and what roads() throws */
+Road smallestWritten(const scene::Mechanism& mechanism, Formula formula);
+
 /// The smallest roads of one mechanism, each looked for once, when it is first asked for; not for
 /// several threads at once.
 class SmallestRoads {

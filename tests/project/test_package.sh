@@ -32,6 +32,11 @@ run crosscheck simple_pendulum --random 5 --no-charts --no-drift -o "$work/repor
   fail "a crosscheck by the packaged program: $(<"$work/out")"
 run sweep acrobot >/dev/null || fail 'a command that is in another program'
 
+if command -v python3 >/dev/null; then
+  [[ -s $work/root/usr/share/man/man1/dynwitness.1.gz || -s $work/root/usr/share/man/man1/dynwitness.1 ]] || fail 'no man page'
+  grep -q "derive" "$work/root/usr/share/bash-completion/completions/dynwitness" || fail 'no completion'
+fi
+
 # the recipe: its instructions are such, it takes what the package is called, and starts the program
 recipe=$here/../../.ci/Containerfile
 while read -r word _; do

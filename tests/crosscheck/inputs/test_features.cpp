@@ -206,6 +206,8 @@ Call callOf(Command command) {
       return {"derive scene --format c", ""};
     case Command::kDeriveOperations:
       return {"derive scene --operations", ""};
+    case Command::kDeriveCode:
+      return {"derive scene --format c --quantity tau,qdd", ""};
     case Command::kEvaluateTree:
       return {"evaluate scene --quantity M,c,g,kinetic,potential,momentum", ""};
     case Command::kEvaluateJoints:

@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A man page and bash completion, from what the programs themselves say of their options.
+Usage: pages.py DYNWITNESS COMMANDS FOLDER; COMMANDS is commands.txt, FOLDER gets dynwitness.1 and dynwitness.bash."""
+import os
+import re
+import subprocess
+import sys
+
+TEXTS = 30  # column where --help begins its texts (help.cpp)
+
+
+def help_of(program, *words):
+    done = subprocess.run([program, *words, "--help"], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit("pages.py: %s %s --help: %s" % (program, " ".join(words), done.stderr.strip()))
+    return done.stdout
+
+
+def read(text):
+    """Usage, options and footer of a command: [(names, value, choices, text)]."""
+    usage, options, footer, part = "", [], [], ""
+    for line in text.splitlines():
+        option = re.match(r"  ((?:-\w,)?--[\w-]+|-\w)(?:\{false\})?(?: (.*))?$", line)
+        if line.startswith("Usage: "):
+            usage = line[len("Usage: "):]
+        elif line in ("Positionals:", "Options:"):
+            part = line
+        elif part == "Options:" and option:
+            rest, said = option[2] or "", ""
+            if len(line) > TEXTS and line[TEXTS - 2:TEXTS] == "  ":
+                said, rest = line[TEXTS:], line[option.end(1):TEXTS].replace("{false}", "").strip()
+            value = re.match(r"(TEXT|INT|UINT|FLOAT)\S*", rest)
+            choices = re.match(r"TEXT:\{(.*?)\}", rest)
+            options.append([option[1].split(","), value[1] if value else "",
+                            choices[1].split(",") if choices else [], said])
+        elif part == "Options:" and options and line.startswith(" " * TEXTS):
+            options[-1][3] += (" " if options[-1][3] else "") + line.strip()
+        elif part == "Options:" and line and not line.startswith(" "):
+            part = "footer"
+        if part == "footer":
+            footer.append(line)
+    return usage, options, footer
+
+
+def roff(text):
+    text = text.replace("\\", "\\e").replace("-", "\\-").replace("'", "\\(aq")
+    return re.sub(r"^([.\\](?!-|e|\())", r"\\&\1", text)
+
+
+def paragraphs(lines):
+    """Flowing text; what can be copied keeps its lines."""
+    out = []
+    for line in lines:
+        if not line:
+            out.append(".PP")
+        elif line.startswith((" ", "dynwitness ")):
+            out += [".nf", roff(line), ".fi"]
+        else:
+            out.append(roff(line))
+    return out
+
+
+def man_page(commands, pages):
+    out = [".TH DYNWITNESS 1", ".SH NAME",
+           "dynwitness \\- independent computations of a mechanism\\(aqs dynamics testify against each other",
+           ".SH SYNOPSIS", ".B dynwitness", ".I COMMAND", "[\\fIOPTION\\fR...] [\\fISCENE\\fR...]", ".SH COMMANDS"]
+    for name, description in commands:
+        usage, options, _ = pages[name]
+        out += [".SS " + name, roff(description), ".PP", ".B " + roff(usage)]
+        for names, value, choices, text in options:
+            what = " \\fI%s\\fR" % ("|".join(map(roff, choices)) or value) if value else ""
+            out += [".TP", "\\fB" + ", ".join(map(roff, names)) + "\\fR" + what, roff(text)]
+    out += [".SH NOTES"] + paragraphs(pages[commands[0][0]][2])
+    return "\n".join(out) + "\n"
+
+
+def completion(commands, pages):
+    out = ["# bash completion of dynwitness; written from its own --help", "_dynwitness() {",
+           '  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options="" values=""',
+           "  COMPREPLY=()",
+           "  if [[ $COMP_CWORD == 1 ]]; then",
+           "    COMPREPLY=($(compgen -W '%s --help --version' -- \"$word\"))" % " ".join(n for n, _ in commands),
+           "    return", "  fi", '  case ${COMP_WORDS[1]} in']
+    for name, _ in commands:
+        options = pages[name][1]
+        out.append("    %s)" % name)
+        out.append("      options='%s'" % " ".join(n for names, *_ in options for n in names))
+        cases = ["%s) values='%s' ;;" % ("|".join(names), " ".join(choices)) for names, _, choices, _ in options
+                 if choices]
+        if cases:
+            out += ["      case $before in"] + ["        " + c for c in cases] + ["      esac"]
+        out.append("      ;;")
+    out += ["  esac",
+            "  if [[ $word == -* ]]; then values=$options",
+            "  elif [[ -z $values && $before != -* ]]; then  # a scene, or a file of one's own",
+            "    values=$(\"${COMP_WORDS[0]}\" scenes 2>/dev/null | sed -n 's/^\\([a-z][a-z0-9_]*\\) .*/\\1/p')",
+            "  fi",
+            '  [[ -z $values ]] || COMPREPLY=($(compgen -W "$values" -- "$word"))',
+            "}", "complete -o bashdefault -o default -F _dynwitness dynwitness ./dynwitness"]
+    return "\n".join(out) + "\n"
+
+
+def main():
+    program, listed, folder = sys.argv[1:]
+    commands = [(words[0], words[2].strip()) for words in
+                (line.split(None, 2) for line in open(listed) if line.strip() and not line.startswith("#"))]
+    pages = {name: read(help_of(program, name)) for name, _ in commands}
+    os.makedirs(folder, exist_ok=True)
+    for file, text in (("dynwitness.1", man_page(commands, pages)), ("dynwitness.bash", completion(commands, pages))):
+        with open(os.path.join(folder, file), "w") as out:
+            out.write(text)
+
+
+main()

@@ -1,0 +1,221 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Code for controllers, of all bundled scenes: compiled by gcc and clang without a warning, right by the test that
+comes with it, with the operations that it says, and nothing of a library but cosines and sines.
+Usage: test_controller_code.py DYNWITNESS. Exit status 77: no C compiler."""
+import glob
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+PROGRAM = sys.argv[1]
+DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "data", "scenes")
+COMPILERS = [c for c in ("gcc", "clang") if shutil.which(c)]
+WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Wconversion", "-Werror"]
+ALL = "tau,qdd,M,C,c,g,Y"
+# why a scene may have no code: each is a sentence of features.md or a number of operations
+REASONS = ("programs are made for open trees alone", "no code is written for joints that share a rate",
+           "operations in ", "degrees of freedom, at most", "there is nothing to ask", "M is singular", "division by zero")
+
+
+def run(*words, **more):
+    return subprocess.run(words, capture_output=True, text=True, **more)
+
+
+def derive(scene, *words):
+    return run(PROGRAM, "derive", scene, *words)
+
+
+def compiled(folder, name, compiler, libm=True):
+    """The test program of a scene's code; what it needs from elsewhere is cosine and sine."""
+    code = os.path.join(folder, name + ".c")
+    made = run(compiler, *WARNINGS, "-O0", "-c", code, "-o", code + ".o")
+    assert made.returncode == 0 and not made.stderr, (name, compiler, made.stderr[:3000])
+    needs = {line.split()[-1] for line in run("nm", "-u", code + ".o").stdout.splitlines() if line.strip()}
+    assert needs <= {"cos", "sin", "cosf", "sinf", "_GLOBAL_OFFSET_TABLE_", "sincos", "sincosf"}, (name, needs)
+    program = os.path.join(folder, name + "_" + compiler)
+    made = run(compiler, *WARNINGS, "-O0", os.path.join(folder, name + "_test.c"), code + ".o", "-o", program, "-lm")
+    assert made.returncode == 0 and not made.stderr, (name, compiler, made.stderr[:3000])
+    return program
+
+
+def identifier(folder):
+    return os.path.basename(glob.glob(os.path.join(folder, "*.h"))[0])[:-2]
+
+
+def counted(folder, name):
+    """{function: (multiplications, additions, divisions)} in the text; each is also what the header says."""
+    header = open(os.path.join(folder, name + ".h")).read()
+    said = dict((f, tuple(map(int, n))) for *n, f in
+                re.findall(r"a call: (\d+) multiplications, (\d+) additions,\s+(\d+) divisions(?:(?!a call).)*?"
+                           r"void (\w+)\(", header, re.S))
+    found = {}
+    source = open(os.path.join(folder, name + ".c")).read()
+    for function, body in re.findall(r"void (\w+)\([^)]*\) \{\n(.*?)\n\}\n", source, re.S):
+        found[function] = tuple(len(re.findall(r"(?<= )" + sign + "(?= )", body)) for sign in (r"\*", "[-+]", "/"))
+        assert not re.search(r"\* 0\.0(?!\d)|\b0\.0 \*|(?<![\d.])1\.0 \*|\* 1\.0(?!\d)", body), function
+        assert said[function] == found[function], (function, said[function], found[function])
+    assert len(found) == len(said) > 0
+    return found
+
+
+def last_link(scene):
+    shown = run(PROGRAM, "show", scene, "--format", "json").stdout
+    return json.loads(shown)["links"][-1]["name"]
+
+
+def all_scenes(work):
+    held, refused = [], {}
+    for file in sorted(glob.glob(os.path.join(DATA, "*.toml"))):
+        scene = os.path.basename(file)[:-5]
+        folder = os.path.join(work, scene)
+        point = ["--point", last_link(scene)]
+        done = derive(scene, "--format", "c", "--quantity", ALL + ",position,orientation,jacobian,jacobian_rate",
+                      *point, "-o", folder)
+        if done.returncode == 2 and "operations" in done.stderr:  # FD of a humanoid; its tau is short enough
+            refused[scene] = done.stderr
+            done = derive(scene, "--format", "c", "--quantity", "tau,c,g,jacobian", *point, "-o", folder)
+        if done.returncode != 0:
+            assert done.returncode == 2 and any(r in done.stderr for r in REASONS), (scene, done.stderr)
+            assert not os.path.exists(folder), scene
+            refused[scene] = done.stderr
+            continue
+        name = identifier(folder)
+        counted(folder, name)
+        for compiler in COMPILERS:
+            answered = run(compiled(folder, name, compiler))
+            assert answered.returncode == 0, (scene, compiler, answered.stdout[:3000])
+        held.append(scene)
+    print("%d scenes hold: %s" % (len(held), ", ".join(held)))
+    for scene, why in refused.items():
+        print("refused: %s: %s" % (scene, why.strip().splitlines()[-1]))
+    assert len(held) >= 25, held
+    return held
+
+
+def single_precision(work):
+    for scene in ("puma_560_friction", "satellite_arm", "double_pendulum", "franka_panda", "lead_screw"):
+        folder = os.path.join(work, scene + "_float")
+        done = derive(scene, "--format", "c", "--scalar", "float", "--quantity", "tau,qdd,M", "-o", folder)
+        assert done.returncode == 0, done.stderr
+        name = identifier(folder)
+        assert not re.search(r"\bdouble\b", open(os.path.join(folder, name + ".c")).read())
+        for compiler in COMPILERS:
+            answered = run(compiled(folder, name, compiler))
+            assert answered.returncode == 0, (scene, compiler, answered.stdout[:3000])
+
+
+def counts_are_those_of_the_smallest_road():
+    table = derive("puma_560", "--operations").stdout
+    smallest = dict(re.findall(r"^(ID|M|FD) {5,}.*?\* (\d+/\d+/\d+)", table, re.M))
+    header = derive("puma_560", "--format", "c", "--quantity", "tau,M,qdd").stdout
+    for function, formula in (("tau", "ID"), ("M", "M"), ("qdd", "FD")):
+        call = re.search(r"a call: (\d+) multiplications, (\d+) additions,\s+(\d+) divisions(?:(?!a call).)*?void "
+                         "puma_560_" + function + r"\(", header, re.S)
+        assert "/".join(call.groups()) == smallest[formula], (function, call.groups(), smallest)
+
+
+def faults_are_seen(work):
+    """A sign in each function in turn: the test that was written with the code has to say no."""
+    folder = os.path.join(work, "faults")
+    assert derive("puma_560_friction", "--format", "c", "--quantity", ALL, "-o", folder).returncode == 0
+    code = os.path.join(folder, "puma_560_friction.c")
+    right = open(code).read()
+    bodies = [m.span() for m in re.finditer(r"void (\w+)\([^)]*\) \{\n(.*?)\n\}\n", right, re.S)]
+    for begin, end in bodies:
+        sums = [m.start() for m in re.finditer(r" \+ ", right[begin:end])]
+        at = begin + sums[len(sums) // 2]
+        with open(code, "w") as file:
+            file.write(right[:at] + " - " + right[at + 3:])
+        answered = run(compiled(folder, "puma_560_friction", COMPILERS[0]))
+        assert answered.returncode == 1, right[begin:begin + 80]
+    with open(code, "w") as file:  # friction alone
+        file.write(right.replace("+ friction2", "- friction2", 1))
+    assert run(compiled(folder, "puma_560_friction", COMPILERS[0])).returncode == 1
+
+
+def other_languages(work):
+    """Python runs; Julia and MATLAB are read line by line, as assignments of Python with other indices."""
+    for scene in ("puma_560_friction", "satellite_arm"):
+        for language in ("python", "julia", "matlab"):
+            done = derive(scene, "--format", language, "--quantity", ALL, "-o", os.path.join(work, scene + language))
+            assert done.returncode == 0, done.stderr
+        python = os.path.join(work, scene + "python")
+        answered = run("/usr/bin/python3", scene + "_test.py", cwd=python)
+        assert answered.returncode == 0, answered.stdout
+        sys.path.insert(0, python)
+        module = __import__(scene)
+        wanted = {}
+        from math import cos, sin
+        state = {"q": [0.3 + 0.1 * k for k in range(20)], "qd": [(-1) ** k * (0.5 + 0.2 * k) for k in range(20)],
+                 "qdd": [0.7 - 0.1 * k for k in range(20)], "tau": [1.0 + k for k in range(20)]}
+        for line in open(os.path.join(python, scene + ".py")):
+            found = re.match(r"def (\w+)\((.*)\):", line)
+            if found:
+                value = getattr(module, found[1])(*[state[a.strip()] for a in found[2].split(",")])
+                wanted[found[1]] = [x for row in value for x in (row if isinstance(row, list) else [row])]
+        assert len(wanted) == 7
+        julia = open(os.path.join(work, scene + "julia", scene + ".jl")).read()
+        texts = {}
+        for function, body in re.findall(r"function (\w+)!\(.*?\)\n(.*?)\nend\n", julia, re.S):
+            texts["julia " + function] = [
+                re.sub(r"\(\((\S+) > 0\.0\) \? (\S+) : \(\((\S+) < 0\.0\) \? (\S+) : 0\.0\)\)",
+                       r"(\2 if \1 > 0.0 else (\4 if \3 < 0.0 else 0.0))", line)
+                for line in body.splitlines() if "=" in line]
+        for file in glob.glob(os.path.join(work, scene + "matlab", "*.m")):
+            if not file.endswith("_test.m"):
+                texts["matlab " + os.path.basename(file)[:-2]] = [
+                    re.sub(r"\b(q|qd|qdd|tau|out)\((\d+(?:, \d+)?)\)", r"\1[\2]", line.strip().rstrip(";"))
+                    for line in open(file) if re.match(r"  \w+(\(\d+(, \d+)?\))? = (?!zeros)", line)]
+        assert len(texts) == 14, texts.keys()
+
+        class FromOne(dict):  # out[2, 3]
+            pass
+
+        for what, lines in texts.items():
+            function, out = what.split()[1], FromOne()
+            names = {"cos": cos, "sin": sin, "out": out}
+            names.update({a: dict((k + 1, x) for k, x in enumerate(v)) for a, v in state.items()})
+            for line in lines:
+                exec(line.strip(), names)
+            columns = max([k[1] for k in out if isinstance(k, tuple)], default=1)
+            got = [0.0] * len(wanted[function])
+            for key, x in out.items():
+                got[(key[0] - 1) * columns + key[1] - 1 if isinstance(key, tuple) else key - 1] = x
+            assert got == wanted[function], what
+
+
+def refusals(work):
+    for words, reason in (
+            (["gripper"], "share a rate"), (["car_axis"], "open trees"), (["chain_1000"], "tau: 1000 degrees of freedom, at most 256"),
+            (["acrobot", "--scalar", "float", "--format", "python"], "single precision is written in C"),
+            (["acrobot", "--quantity", "jacobian"], "--point"), (["acrobot", "--point", "lower"], "--point"),
+            (["acrobot", "--quantity", "taw"], "did you mean tau?"),
+            (["acrobot", "--quantity", "jacobian", "--point", "lover"], "did you mean lower?")):
+        words = words if "--quantity" in words else words + ["--quantity", "tau"]
+        words = words if "--format" in words else words + ["--format", "c"]
+        done = derive(*words, "-o", os.path.join(work, "none"))
+        assert done.returncode == 2 and reason in done.stderr, (words, done.stderr)
+    assert not os.path.exists(os.path.join(work, "none"))
+    said = derive("puma_560_friction", "--format", "c", "--quantity", "M").stdout
+    assert "friction (viscous, Coulomb; 0 at rest): in tau and qdd, not in M, c, g" in " ".join(said.split())
+
+
+def main():
+    if not COMPILERS:
+        print("skipped: no C compiler")
+        sys.exit(77)
+    with tempfile.TemporaryDirectory() as work:
+        counts_are_those_of_the_smallest_road()
+        refusals(work)
+        other_languages(work)
+        faults_are_seen(work)
+        single_precision(work)
+        all_scenes(work)
+
+
+main()
