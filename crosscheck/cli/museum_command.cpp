@@ -28,7 +28,7 @@ struct Arguments {
 
 /// The scene of this name or file as `check` asks about it.
 scene::Scene onTheStand(const std::string& name) {
-  scene::Scene scene = withoutFollowers(admitted({name, ""}, Command::kCheck));
+  scene::Scene scene = withoutFollowers(admitted({name, "", {}}, Command::kCheck));
   requireMotion(scene);
   return scene;
 }
