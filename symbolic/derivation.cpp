@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <set>
+#include <stdexcept>
 
 #include "scene/mimic.hpp"
 #include "scene/work.hpp"
@@ -92,7 +93,8 @@ bool isZero(const Formula& f) {
 /// The steps of Lagrange's way in closed form, each checked by another road where it stands.
 class ClosedSteps {
  public:
-  ClosedSteps(const scene::Mechanism& mechanism, const Options& options, Equations& e)
+  ClosedSteps(const scene::Mechanism& mechanism, const Options& options, Equations& e,
+              bool linearized)
       : e_(e),
         motions_(linkMotions(mechanism, options, e)),
         algebra_(e),
@@ -106,6 +108,7 @@ class ClosedSteps {
     forces();
     loads();
     equationsOfMotion();
+    if (linearized) linearizedEquations();
   }
   std::vector<Step> steps;
 
@@ -151,6 +154,7 @@ class ClosedSteps {
   void forces();
   void loads();
   void equationsOfMotion();
+  void linearizedEquations();
 
   Equations& e_;
   const int n_ = e_.dof();
@@ -372,6 +376,50 @@ void ClosedSteps::equationsOfMotion() {
     step.holds = step.holds && isZero(row - lagrange);
   }
   steps.push_back(step);
+}
+
+void ClosedSteps::linearizedEquations() {
+  Step near{
+      "linearized equations",
+      "Beside a motion q, qd, qdd that tau keeps, to first order M dqdd + D dqd + K dq = dtau, "
+      "D_ij = d(c - Q)_i/dqd_j, K_ij = d(M qdd + c + g - Q)_i/dq_j: of the state (dq, dqd), "
+      "A = [0, 1; -M^-1 K, -M^-1 D] and B = [0; M^-1]. What is not listed is 0.",
+      {},
+      "GiNaC's derivatives equal those of the graph's inverse dynamics, which forms no M",
+      true};
+  Step rest{"linearized where it rests",
+            "With qd = 0 and qdd = 0, K is H - dQ/dq, H_ij = d2V/dq_i dq_j, and D what friction "
+            "leaves of it.",
+            {},
+            "H is symmetric, and K + dQ/dq without rates and accelerations",
+            true};
+  GiNaC::exmap at_rest;
+  for (int j = 0; j < n_; ++j)
+    at_rest[algebra_.input(Input::kVelocity, j)] =
+        at_rest[algebra_.input(Input::kAcceleration, j)] = 0;
+  const std::vector<Node> tau = inverseDynamics(e_);
+  for (int i = 0; i < n_; ++i) {
+    const Ex Q = algebra_.expression(e_.Q[i]);
+    Ex force = f_.c[i] + f_.g[i] - Q;
+    for (int j = 0; j < n_; ++j) force += f_.M[i][j] * algebra_.input(Input::kAcceleration, j);
+    const std::vector<Node> slopes = positionGradient(e_, tau[i]);
+    for (int j = 0; j < n_; ++j) {
+      const Variable qd_j{Input::kVelocity, j};
+      const Node by_rate =
+          e_.graph.directionalDerivative({tau[i]}, {{qd_j, e_.graph.constant(1)}})[0];
+      const Ex D = byVelocity(force, j), K = byPosition(force, j), H = byPosition(f_.g[i], j);
+      near.holds = near.holds && equals(D, by_rate) && equals(K, slopes[j]);
+      rest.holds = rest.holds && isZero(H - byPosition(f_.g[j], i)) &&
+                   isZero((K + byPosition(Q, j)).subs(at_rest) - H);
+      if (!isZero(D)) near.equations.push_back(equation(numbered("D", i, j), D, by_rate));
+      if (!isZero(K)) near.equations.push_back(equation(numbered("K", i, j), K, slopes[j]));
+      if (j >= i && !isZero(H))
+        rest.equations.push_back(
+            equation(numbered("H", i, j), H, positionGradient(e_, e_.g[i])[j]));
+    }
+  }
+  steps.push_back(near);
+  steps.push_back(rest);
 }
 
 // ---- straight-line programs ---------------------------------------------------------------------
@@ -634,7 +682,9 @@ bool hasClosedForm(const scene::Mechanism& mechanism) {
   return mechanism.dof() <= kClosedFormJoints && mechanism.dof() == mechanism.positions();
 }
 
-Derivation derivation(const scene::Mechanism& mechanism, int points) {
+Derivation derivation(const scene::Mechanism& mechanism, bool linearized, int points) {
+  if (linearized && !hasClosedForm(mechanism))
+    throw std::invalid_argument("derivation: expected a mechanism with closed forms");
   Options options;
   options.regroup_inertias = false;  // the energy of a link is to be that link's
   scene::Work work("", 4);
@@ -645,7 +695,7 @@ Derivation derivation(const scene::Mechanism& mechanism, int points) {
   result.equations = whole;
   result.joints = equations.joints;
   result.closed_form = hasClosedForm(mechanism);
-  result.steps = result.closed_form ? ClosedSteps(mechanism, options, equations).steps
+  result.steps = result.closed_form ? ClosedSteps(mechanism, options, equations, linearized).steps
                                     : programSteps(equations, mechanism, points);
   if (!result.steps.empty()) result.steps.front().sentence += followersSentence(mechanism);
   return result;

@@ -45,8 +45,10 @@ bool hasClosedForm(const scene::Mechanism& mechanism);
     closed forms, derived by GiNaC and compared with the graph's derivatives by normal form; they
     begin with the positions and velocities of the links, differentiated from the placements. With
     more joints the steps list named intermediates, and are checked by identities in exact rational
-    arithmetic at `points` random states. Not thread safe (GiNaC is not). */
-Derivation derivation(const scene::Mechanism& mechanism, int points = 2);
+    arithmetic at `points` random states. Not thread safe (GiNaC is not).
+    @param linearized  the equations of motion to first order beside a motion, too
+    @throws std::invalid_argument  linearized without closed forms */
+Derivation derivation(const scene::Mechanism& mechanism, bool linearized = false, int points = 2);
 
 /// A derivation as plain text, or as the body of an HTML page with MathML or of a LaTeX document
 /// (amsmath; \hangpara begins an equation, a paragraph in which TeX may break lines).

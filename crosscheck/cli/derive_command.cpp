@@ -33,7 +33,7 @@ struct DeriveArguments {
   GivenScene scene;
   std::string output, format = "text", point, scalar = "double";
   std::vector<std::string> quantities = {"all"};
-  bool operations = false, proof = false;
+  bool operations = false, proof = false, linearized = false;
 
   bool isAll() const { return quantities == std::vector<std::string>{"all"}; }
   bool isProgram() const { return format == "c" || format == "python"; }
@@ -275,6 +275,13 @@ int runDerive(const DeriveArguments& arguments) {
         fmt::format("--proof with --format {}: programs are run by tests and not read, allowed: "
                     "--format text, latex or html",
                     arguments.format));
+  if (arguments.linearized && (is_program || is_code || !symbolic::hasClosedForm(scene.mechanism)))
+    throw scene::InputError(
+        {scene.file.string(), 0},
+        fmt::format(
+            "--linearized with --format {} of {} joints, allowed: text, latex or html of up "
+            "to three whose rates are derivatives; dynwitness linearize has numbers",
+            arguments.format, scene.mechanism.dof()));
   std::string text;
   bool holds = true;
   std::optional<symbolic::ReadBack> proof;
@@ -299,7 +306,7 @@ int runDerive(const DeriveArguments& arguments) {
                           "others are code: --format c, python, matlab, julia",
                           fmt::join(arguments.quantities, ",")));
     if (quantity != "all" && !symbolic::hasClosedForm(scene.mechanism)) refuseOnly(quantity);
-    const symbolic::Derivation whole = symbolic::derivation(scene.mechanism);
+    const symbolic::Derivation whole = symbolic::derivation(scene.mechanism, arguments.linearized);
     const symbolic::Style style = arguments.format == "html"    ? symbolic::Style::kMathml
                                   : arguments.format == "latex" ? symbolic::Style::kLatex
                                                                 : symbolic::Style::kText;
@@ -369,6 +376,10 @@ Run addDerive(CLI::App* command) {
       ->add_flag("--operations", arguments->operations,
                  "How many operations the programs for ID, M, c, g and FD take, by each road")
       ->excludes("--format", "--quantity", "--scalar", "--point");
+  command
+      ->add_flag("--linearized", arguments->linearized,
+                 "The equations of motion to first order, too: up to three joints")
+      ->excludes("--operations", "--quantity");
   command
       ->add_flag("--proof", arguments->proof,
                  "Read the printed formulas back, and compare each exactly with what was derived: "

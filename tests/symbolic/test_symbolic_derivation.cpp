@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 #include <regex>
 #include <set>
@@ -221,6 +222,22 @@ BOOST_AUTO_TEST_CASE(a_closed_form_has_every_step_of_the_textbook) {
                                              "gravity and springs g",
                                              "equations of motion"};
   BOOST_TEST(names == expected, boost::test_tools::per_element());
+}
+
+BOOST_AUTO_TEST_CASE(linearized_equations_are_derivatives_of_those_above_them) {
+  const Derivation d = derivation(scene::findScene("double_pendulum").mechanism, true);
+  BOOST_TEST(d.holds());
+  std::map<std::string, std::string> said;
+  for (const Step& step : d.steps)
+    for (const StepEquation& e : step.equations)
+      said[print(e.left, Style::kText)] = print(e.right, Style::kText);
+  // by hand from g2 = m2 g l2 sin(q1 + q2)/2 and c1 = -m2 l1 l2 qd2 (2 qd1 + qd2) sin(q2)/2
+  BOOST_TEST(said["H22"] == "1/2*m2*g*l2*cos(q1 + q2)");
+  BOOST_TEST(said["D11"] == "-m2*l1*l2*qd2*sin(q2)");
+  BOOST_TEST(said["D12"] == "-m2*l1*l2*(qd1 + qd2)*sin(q2)");
+  BOOST_TEST(said.count("D22") == 0u);  // c2 has no qd2
+  BOOST_CHECK_THROW(derivation(scene::findScene("puma_560").mechanism, true),
+                    std::invalid_argument);
 }
 
 /// Of a joint's rotor, a link with two parts, an inertia about the link's origin and one turned:
