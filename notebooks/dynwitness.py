@@ -116,7 +116,7 @@ def evaluate(scene, quantities, witness=None, **states):
             for row in np.hstack([np.broadcast_to(block, (count, n)) for block in blocks.values()]):
                 lines.append(",".join(repr(float(number)) for number in row))
             (files.path / "states.csv").write_text("\n".join(lines) + "\n")
-            words += ["--states", files.path / "states.csv"]
+            words += ["--states", files.path / "states.csv", "--convention", "dynwitness"]
         if witness:
             words += ["--witness", witness]
         run(*words)

@@ -259,7 +259,8 @@ def ask(quantity, states):
     names = ['%s%d' % (part, i + 1) for part in PARTS[quantity] for i in width[part]]
     rows = [[repr(x) for part in PARTS[quantity] for x in state[part]] for state in states]
     said = subprocess.run([')" DYNWITNESS_PROGRAM
-                            R"(', 'evaluate', 'asked', '--states', '-', '--quantity', quantity],
+                            R"(', 'evaluate', 'asked', '--states', '-', '--convention', 'dynwitness',
+                             '--quantity', quantity],
                           input='\n'.join(','.join(row) for row in [names] + rows) + '\n',
                           capture_output=True, text=True, check=True).stdout
     return [[float(x) for x in line.split(',')] for line in said.splitlines()[1:]]
