@@ -85,7 +85,7 @@ int run(Arguments arguments) {
   requireFinite("the action",
                 std::array{action.action, action.energy_drift, action.with_work, action.lowest});
   for (const Action::Path& path : action.paths)
-    requireFinite("the action of a varied path", std::array{path.first, path.change});
+    requireFinite("the action of a varied path", std::array{path.first, path.change, path.unsure});
   fmt::print("{}: {} s in {} steps of order 4\n", scene.name, action.duration, action.steps);
   fmt::print("action       S = integral of T - V = {:.12g} J s\n", action.action);
   fmt::print("paths near   first variation for amplitude 1, and S(q + eta) - S(q)\n");
