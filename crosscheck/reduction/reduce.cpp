@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/kernel/factor.hpp"
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
@@ -475,11 +476,7 @@ class Reducer {
   Reducer(const scene::Scene& scene, const std::vector<JointRanges>& ranges,
           const ReduceOptions& options, const std::function<void(const std::string&)>& stage)
       : scene_(scene), ranges_(ranges), options_(options), stage_(stage) {
-    if (scene.mechanism.hasCoulombFriction())
-      throw scene::InputError(
-          {scene.file.string()},
-          "reduce: the scene has Coulomb friction, and programs compute with + - "
-          "* / alone, without a sign; allowed: viscous friction");
+    requireTreated(scene, Command::kReduce);
     EnvelopeOptions forces;
     forces.boxes = options.boxes;
     for (const EnvelopeBound& tau : envelopeBounds(scene, ranges, forces, stage)) {

@@ -5,36 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
-using scene::JointKind;
 using Tensor = std::vector<RunningError>;
-
-void requireWithin(const scene::Scene& scene) {
-  const scene::Mechanism& mechanism = scene.mechanism;
-  const auto refuse = [&](const std::string& what, const std::string& allowed) {
-    throw scene::InputError({scene.file.string()}, what + ", allowed: " + allowed);
-  };
-  for (const scene::Link& link : mechanism.links) {
-    const scene::Joint& joint = link.joint;
-    const std::string name = "envelope: joint '" + joint.name + "'";
-    if (joint.mimic) refuse(name + " follows another", "joints with rates of their own");
-    if (!joint.motion.empty()) refuse(name + " is driven", "free joints");
-    if (joint.kind != JointKind::kFixed && joint.kind != JointKind::kRevolute &&
-        joint.kind != JointKind::kPrismatic)
-      refuse(name + " is " + scene::name(joint.kind) +
-                 ": M is no polynomial of low degree in cosines and sines of one angle",
-             "revolute, prismatic and fixed joints");
-  }
-  if (!mechanism.isOpenTree() || !mechanism.acceleration_constraints.empty())
-    refuse("envelope: the scene has closures, springs between points or acceleration constraints",
-           "a tree of links, whose tau is a polynomial in qd and qdd");
-  if (mechanism.dof() == 0) refuse("envelope: no joint moves", "at least one that does");
-}
 
 /// cos and sin of 2 pi k / 5 and 2 pi k / 3, by the surds that they are.
 scene::CosSin<RunningError> rootOfUnity(int k, int of) {
@@ -146,7 +124,8 @@ void onGrid(const std::vector<Axis>& axes, Visit visit) {
 }  // namespace
 
 TrigonometricModel trigonometricModel(const scene::Scene& scene) {
-  requireWithin(scene);
+  requireTreated(scene, Command::kEnvelope);
+  requireMotion(scene);
   const auto model = recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism));
   recursive::Workspace<RunningError> ws(model);
   TrigonometricModel out;

@@ -41,8 +41,8 @@ struct TrigonometricModel {
 /// How many values of M are asked for at most: 5^6, an arm of seven joints that turn.
 inline constexpr int kMostGridPoints = 15625;
 
-/// @throws scene::InputError  a joint that neither turns nor slides, or follows another; closures,
-///   springs between points, driven joints, acceleration constraints; more than kMostGridPoints
+/// @throws scene::InputError  what `envelope` refuses (crosscheck/inputs/features.hpp); no joint
+///   moves; more than kMostGridPoints
 TrigonometricModel trigonometricModel(const scene::Scene& scene);
 
 /// d/dq_k.

@@ -141,6 +141,6 @@ BOOST_AUTO_TEST_CASE(what_has_no_bound_is_refused_with_a_reason) {
   refused([&] { read("knee = { q = [0, 1], qd = [0, 1], qdd = [0, 1] }\n"); }, "knee");
   refused([&] { envelopeBounds(pendulum(""), {}, {}, kNoStage); }, "no [envelope]");
   refused([&] { trigonometricModel(scene::findScene("heavy_top")); }, "spherical");
-  refused([&] { trigonometricModel(scene::findScene("andrews_squeezer")); }, "closures");
+  refused([&] { trigonometricModel(scene::findScene("andrews_squeezer")); }, "closed mechanism");
   refused([&] { trigonometricModel(scene::findScene("humanoid")); }, "positions");
 }
