@@ -126,6 +126,18 @@ void onGrid(const std::vector<Axis>& axes, Visit visit) {
 TrigonometricModel trigonometricModel(const scene::Scene& scene) {
   requireTreated(scene, Command::kEnvelope);
   requireMotion(scene);
+  const auto refuse = [&](const std::string& what, int most, const std::string& like) {
+    throw scene::InputError({scene.file.string()},
+                            fmt::format("{}, allowed: up to {} ({})", what, most, like));
+  };
+  if (scene.mechanism.dof() > kMostJoints)
+    refuse(fmt::format("{} joints move", scene.mechanism.dof()), kMostJoints,
+           "seven where they turn in a chain");
+  const auto requireWithin = [&](const std::vector<Axis>& axes, int most, const char* what) {
+    if (const std::size_t size = sizeOf(axes); size > static_cast<std::size_t>(most))
+      refuse(fmt::format("{} would be asked at {} positions", what, size), most,
+             "seven joints in a chain that turn, ten side by side");
+  };
   const auto model = recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism));
   recursive::Workspace<RunningError> ws(model);
   TrigonometricModel out;
@@ -144,13 +156,9 @@ TrigonometricModel trigonometricModel(const scene::Scene& scene) {
     out.positive.push_back(link.positive);
     out.negative.push_back(link.negative);
   }
+  requireWithin(of_M, kMostGridPoints, "M");
+  requireWithin(of_g, kMostGravityPoints, "gravity");
   const std::size_t points = sizeOf(of_M);
-  if (points > kMostGridPoints)
-    throw scene::InputError(
-        {scene.file.string()},
-        fmt::format("envelope: M is asked at {} positions, allowed: up to {} (seven joints in a "
-                    "chain that turn)",
-                    points, kMostGridPoints));
   const scene::Work work("M as a polynomial", 1);
   std::vector<Tensor> M(n * n, Tensor(points));
   recursive::MatrixX<RunningError> entries(out.dof, out.dof);

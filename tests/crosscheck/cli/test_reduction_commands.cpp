@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
 
@@ -23,6 +24,13 @@ const std::string kPendulum =
     "[[link]]\nname = \"rod\"\nparent = \"base\"\nmass = 2\ncom = [0, 0, \"-l\"]\n"
     "[link.joint]\nname = \"hinge\"\nkind = \"revolute\"\naxis = [0, 1, 0]\n"
     "[envelope]\nhinge = { q = [0, 1.5], qd = [\"-2*l\", 2], qdd = [-3, \"8*l\"] }\n";
+
+std::string envelope(int joints) {
+  std::string text = "\n[envelope]\n";
+  for (int k = 1; k <= joints; ++k)
+    text += fmt::format("joint{} = {{ q = [0, 1], qd = [0, 1], qdd = [0, 1] }}\n", k);
+  return text;
+}
 
 void bothRefuse(const Program& program, const std::string& words, const std::string& reason) {
   for (const char* command : {"envelope ", "reduce "})
@@ -91,4 +99,26 @@ BOOST_AUTO_TEST_CASE(what_has_no_answer_is_refused_at_once) {
   bothRefuse(program, "humanoid", "no [envelope]");
   bothRefuse(program, "heavy_top", "heavy_top.toml:");
   bothRefuse(program, "heavy_top", "is spherical");
+  BOOST_TEST(program.run("write chain_100 --format toml -o chain.toml").status == 0);
+  program.write("long.toml", program.read("chain.toml") + envelope(100));
+  bothRefuse(program, "long.toml", "long.toml: 100 joints move, allowed: up to 13");
+  // in a chain M is what grows; side by side it is constant, and gravity is not
+  BOOST_TEST(program.run("write chain_8 --format toml -o chain.toml").status == 0);
+  program.write("eight.toml", program.read("chain.toml") + envelope(8));
+  bothRefuse(program, "eight.toml", "M would be asked at 78125 positions, allowed: up to 15625");
+  const auto writeStar = [&](int joints) {
+    std::string star = "gravity = [0, 0, -9.81]\n" + kBase;
+    for (int k = 1; k <= joints; ++k)
+      star += fmt::format(
+          "[[link]]\nname = \"arm{0}\"\nparent = \"base\"\nmass = 1\ncom = [1, 0, 0]\n"
+          "[link.joint]\nname = \"joint{0}\"\nkind = \"revolute\"\naxis = [0, 1, 0]\n",
+          k);
+    program.write("star.toml", star + envelope(joints));
+  };
+  writeStar(11);
+  bothRefuse(program, "star.toml", "gravity would be asked at 177147 positions");
+  writeStar(14);
+  bothRefuse(program, "star.toml", "14 joints move");
+  writeStar(8);
+  BOOST_TEST(program.run("envelope star.toml").status == 0);
 }
