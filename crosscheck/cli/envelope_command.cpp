@@ -32,7 +32,7 @@ int run(const Arguments& arguments) {
   const std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
   std::vector<EnvelopeBound> bounds;
   {
-    Progress progress(arguments.options.quantities(scene.mechanism.dof()) + 1, 1.0);
+    Progress progress(arguments.options.quantities(scene.mechanism.dof()) + 1, 1.0, false);
     bounds = envelopeBounds(scene, ranges, arguments.options,
                             [&](const std::string& what) { progress.stage(what); });
   }

@@ -15,6 +15,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "scene/work.hpp"
 #include "tests/fixtures/counted_arms.hpp"
 
 namespace data = boost::unit_test::data;
@@ -178,6 +179,24 @@ BOOST_AUTO_TEST_CASE(armstrongs_puma_takes_fewer_than_he_left) {
   const ReducedModel& rule = reduction.by_rule.at(0);
   for (const double above : surelyAbove(certified(rule), scene, ranges, rule, 20000))
     BOOST_TEST(above == 0);
+}
+
+// What an end is told from: work that is done stays done, in the last stage most of it is.
+BOOST_AUTO_TEST_CASE(the_share_that_is_done_only_grows) {
+  const scene::Scene scene = scene::findScene("scara");
+  ReduceOptions options;
+  options.allowed = {0.01, 0.05};
+  options.boxes = 2000;
+  double before = 0, most_at_once = 0;
+  reduced(scene, scene::readEnvelope(scene), options, [&](const std::string& what) {
+    const double share = scene::seenWork().fraction;
+    BOOST_TEST(share >= before, what << ": " << share << " after " << before);
+    most_at_once = std::max(most_at_once, share - before);
+    before = share;
+  });
+  BOOST_TEST(before > 0.9);
+  BOOST_TEST(before < 1);
+  BOOST_TEST(most_at_once < 0.15);  // 9 bases with terms share 80 %
 }
 
 BOOST_AUTO_TEST_CASE(what_cannot_be_reduced_is_refused_with_a_reason) {
