@@ -59,7 +59,7 @@ Run addEnvelope(CLI::App* command) {
       ->check(between(1.001, 1000));
   command
       ->add_option("--boxes", arguments->options.boxes,
-                   "Boxes at most, for each quantity: then the bound stands as it is")
+                   "Boxes at most: for each quantity, whose bound stands as it is then")
       ->capture_default_str()
       ->check(whole(1, 100000000));
   command->add_flag("--all", arguments->options.all,

@@ -124,7 +124,7 @@ Run addReduce(CLI::App* command) {
       ->check(between(1e-6, 1));
   command
       ->add_option("--boxes", arguments->options.boxes,
-                   "Boxes at most, for the error of each joint's force in the end")
+                   "Boxes at most: for the error of each joint's force in the end")
       ->capture_default_str()
       ->check(whole(1, 100000000));
   command->add_option("--c", arguments->c, "File: the reduced tau as a C function");
