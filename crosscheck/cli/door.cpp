@@ -60,6 +60,13 @@ scene::Scene readScene(const GivenScene& given) {
   return given.root.empty() ? scene : crosscheck::rooted(scene, given.root);
 }
 
+std::vector<scene::JointRanges> envelopeOf(const GivenScene& given, const scene::Scene& scene) {
+  if (given.isAsWritten()) return scene::readEnvelope(scene);
+  scene::Scene changed = scene;  // which has no file of its own
+  changed.file = scene::findScene(given.name).file;
+  return scene::readEnvelope(changed);
+}
+
 scene::Scene admitted(const GivenScene& given, crosscheck::Command command) {
   scene::Scene scene = readScene(given);
   admit(scene, {command});

@@ -9,6 +9,7 @@
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/inputs/scene_changes.hpp"
+#include "scene/envelope.hpp"
 
 namespace dynwitness::cli {
 
@@ -35,7 +36,12 @@ std::vector<CLI::Option*> addChanges(CLI::App& command, GivenScene& scene);
 ///   (crosscheck::changed()) or have this root (crosscheck::rooted())
 scene::Scene readScene(const GivenScene& given);
 
-/// The same, let in.
+/// [envelope] of its file for the scene as it is read: ranges are expressions in the parameters
+/// that it has then. None: the file has no such table.
+/// @throws scene::InputError  as scene::readEnvelope(), which a scene of other joints may meet
+std::vector<scene::JointRanges> envelopeOf(const GivenScene& given, const scene::Scene& scene);
+
+/// The scene, let in.
 scene::Scene admitted(const GivenScene& given, crosscheck::Command command);
 
 }  // namespace dynwitness::cli

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/reduction/envelope.hpp"
@@ -19,17 +20,19 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, json;
+  GivenScene scene;
+  std::string json;
   EnvelopeOptions options;
 };
 
 int run(const Arguments& arguments) {
   requireWritableFile(arguments.json);
-  const scene::Scene scene = scene::findScene(arguments.scene);
-  const std::vector<scene::JointRanges> ranges = scene::readEnvelope(scene);
+  const scene::Scene scene = admitted(arguments.scene, Command::kEnvelope);
+  requireMotion(scene);
+  const std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
   std::vector<EnvelopeBound> bounds;
   {
-    Progress progress(arguments.options.quantities(scene.mechanism.dof()) + 1, 1.0);
+    Progress progress(arguments.options.quantities(scene.mechanism.dof()) + 1, 1.0, false);
     bounds = envelopeBounds(scene, ranges, arguments.options,
                             [&](const std::string& what) { progress.stage(what); });
   }
@@ -47,10 +50,8 @@ int run(const Arguments& arguments) {
 
 Run addEnvelope(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command
-      ->add_option("scene", arguments->scene,
-                   "Scene whose TOML file has [envelope]: a tree of turning and sliding joints")
-      ->required();
+  addScene(*command, arguments->scene,
+           "Scene whose TOML file has [envelope]: a tree of turning and sliding joints");
   command
       ->add_option("--ratio", arguments->options.ratio,
                    "Of the bound to the largest that was seen: halve boxes until it is reached")
@@ -58,7 +59,7 @@ Run addEnvelope(CLI::App* command) {
       ->check(between(1.001, 1000));
   command
       ->add_option("--boxes", arguments->options.boxes,
-                   "Boxes at most, for each bound: then it stands as it is")
+                   "Boxes at most: for each quantity, whose bound stands as it is then")
       ->capture_default_str()
       ->check(whole(1, 100000000));
   command->add_flag("--all", arguments->options.all,
@@ -69,9 +70,12 @@ Run addEnvelope(CLI::App* command) {
       "  dynwitness envelope puma_560\n"
       "  dynwitness envelope kuka_iiwa_14 --ratio 1.5\n"
       "  dynwitness envelope planar_3r --all --ratio 1.05 --json envelope.json\n"
+      "  dynwitness envelope scara --gravity 0,0,-1.62\n"
       "'at most' is a proven bound of |x| over all of the envelope, roundings\n"
       "included; 'at least' is what the sweeps answer at the worst state that was\n"
-      "seen. Exit status 1: the ratio was not reached within --boxes.");
+      "seen. Exit status 1: the ratio was not reached within --boxes.\n"
+      "--set of a parameter changes [envelope] where it stands there; a base that floats, by\n"
+      "--root or --base, has no ranges there, and is refused.");
   return [arguments] { return run(*arguments); };
 }
 

@@ -6,6 +6,7 @@
 
 #include "crosscheck/cli/chart_files.hpp"
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/reduction/reduce.hpp"
@@ -20,7 +21,8 @@ namespace {
 using namespace crosscheck;
 
 struct Arguments {
-  std::string scene, json, c, toml, front, allowed = "1%";
+  GivenScene scene;
+  std::string json, c, toml, front, allowed = "1%";
   ReduceOptions options;
 };
 
@@ -79,8 +81,9 @@ int run(Arguments arguments) {
           {}, "--front: many models, allowed: --c and --toml of one, with --tolerance");
     arguments.options.allowed = {0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1};
   }
-  const scene::Scene scene = scene::findScene(arguments.scene);
-  const std::vector<scene::JointRanges> ranges = scene::readEnvelope(scene);
+  const scene::Scene scene = admitted(arguments.scene, Command::kReduce);
+  requireMotion(scene);
+  const std::vector<scene::JointRanges> ranges = envelopeOf(arguments.scene, scene);
   Reduction reduction;
   {
     Progress progress("reduction of " + scene.name);
@@ -107,10 +110,8 @@ int run(Arguments arguments) {
 
 Run addReduce(CLI::App* command) {
   auto arguments = std::make_shared<Arguments>();
-  command
-      ->add_option("scene", arguments->scene,
-                   "Scene whose TOML file has [envelope]: a tree of turning and sliding joints")
-      ->required();
+  addScene(*command, arguments->scene,
+           "Scene whose TOML file has [envelope]: a tree of turning and sliding joints");
   CLI::Option* allowed =
       command
           ->add_option("--tolerance", arguments->allowed,
@@ -123,7 +124,7 @@ Run addReduce(CLI::App* command) {
       ->check(between(1e-6, 1));
   command
       ->add_option("--boxes", arguments->options.boxes,
-                   "Boxes at most, for each bound: then it stands as it is")
+                   "Boxes at most: for the error of each joint's force in the end")
       ->capture_default_str()
       ->check(whole(1, 100000000));
   command->add_option("--c", arguments->c, "File: the reduced tau as a C function");
@@ -141,7 +142,9 @@ Run addReduce(CLI::App* command) {
       "  dynwitness reduce scara --armstrong 0.01\n"
       "'certified' is a proven bound of the error everywhere in the envelope, in % of\n"
       "that joint's largest force; 'seen' is what sweep and program differ by at the\n"
-      "worst state found. Left out: what friction and springs take, which stay.");
+      "worst state found. Left out: what friction and springs take, which stay.\n"
+      "--set of a parameter changes [envelope] where it stands there; a base that floats, by\n"
+      "--root or --base, has no ranges there, and is refused.");
   return [arguments] { return run(*arguments); };
 }
 

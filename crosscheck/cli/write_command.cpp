@@ -38,10 +38,11 @@ int runWrite(const WriteArguments& arguments) {
   }
   for (const std::string& what : scene.not_modelled)
     tell(fmt::format("{}: not read: {}\n", scene.name, what));
-  // from another root joints have other positions
-  if (format == scene::Format::kToml && arguments.scene.root.empty())
-    written.text += scene::writeEnvelope(scene, scene::readEnvelope(scene));
-  else if (scene::hasEnvelope(scene))
+  // from another root, on another base there are other joints
+  const bool has_its_joints = arguments.scene.root.empty() && arguments.scene.changes.base.empty();
+  if (format == scene::Format::kToml && has_its_joints)
+    written.text += scene::writeEnvelope(scene, envelopeOf(arguments.scene, scene));
+  else if (scene::hasEnvelope(scene::findScene(arguments.scene.name)))
     tell(fmt::format("{}: not written: [envelope]\n", scene.name));
   for (const std::string& what : written.lost)
     tell(fmt::format("{}: lost: {}\n", scene.name, what));

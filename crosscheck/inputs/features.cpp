@@ -90,6 +90,11 @@ struct Rules {
   const Treatment no_program = {Kind::kRefused, "programs are made for open trees alone"};
   const Treatment own_rates = {Kind::kRefused,
                                "what is computed here moves every position with a rate of its own"};
+  const Treatment no_sign = {Kind::kRefused,
+                             "programs compute with + - * / alone and have no sign for it"};
+  const Treatment no_closed_forces = {Kind::kRefused,
+                                      "tau of the closed mechanism is not that of its tree"};
+  const Treatment held_by_forces = {Kind::kRefused, "tau depends on the forces nu that hold it"};
   const Features followers = {Feature::kMimic};
   const Treatment as_trees = {
       Kind::kTold, "programs are asked about the tree, every joint of it with a rate of its own"};
@@ -150,9 +155,7 @@ struct Rules {
         {Command::kDerivePrograms, closures + point_springs + prescribed, of_the_tree},
         {Command::kDerivePrograms, {Feature::kStart}, for_every_state},
         {Command::kDeriveOperations, closures + point_springs, no_program},
-        {Command::kDeriveOperations,
-         {Feature::kCoulombFriction},
-         {Kind::kRefused, "programs compute with + - * / alone and have no sign for it"}},
+        {Command::kDeriveOperations, {Feature::kCoulombFriction}, no_sign},
         {Command::kDeriveOperations, prescribed, of_the_tree},
         {Command::kDeriveOperations, {Feature::kStart}, for_every_state},
         {Command::kDeriveCode, closures + point_springs, no_program},
@@ -176,12 +179,8 @@ struct Rules {
          Features{Feature::kGravity, Feature::kRotor, Feature::kGyroscopicRotor} + friction +
              spring_of_joint + wrenches + closures + point_springs + prescribed,
          {Kind::kNoPart, "a point's motion is that of q, qd and qdd, whatever makes it"}},
-        {Command::kEvaluateForces,
-         closures + point_springs,
-         {Kind::kRefused, "tau of the closed mechanism is not that of its tree"}},
-        {Command::kEvaluateForces,
-         {Feature::kAccelerationConstraint},
-         {Kind::kRefused, "tau depends on the forces nu that hold it"}},
+        {Command::kEvaluateForces, closures + point_springs, no_closed_forces},
+        {Command::kEvaluateForces, {Feature::kAccelerationConstraint}, held_by_forces},
         {Command::kEvaluateTasks,
          closures + point_springs + Features{Feature::kDrivenJoint},
          {Kind::kTold, "tasks are those of the tree alone, a motor at each of its joints"}},
@@ -228,6 +227,31 @@ struct Rules {
          {Kind::kTold, "the parameters are those of the tree alone, all its joints free"}},
         {Command::kParameters, {Feature::kStart}, random_states},
     };
+  }
+  /// Bounds over ranges of q, qd and qdd, by polynomials in cosines and sines.
+  std::vector<Rule> ofReduction() const {
+    std::vector<Rule> out = {{Command::kReduce, {Feature::kCoulombFriction}, no_sign}};
+    for (const Command command : {Command::kEnvelope, Command::kReduce}) {
+      out.push_back(
+          {command,
+           {Feature::kHelical, Feature::kCylindrical, Feature::kUniversal, Feature::kPlanar,
+            Feature::kSpherical, Feature::kFloating},
+           {Kind::kRefused,
+            "bounded are polynomials in the cosine and sine, or the position, of one rate a joint, "
+            "allowed: revolute, prismatic and fixed joints"}});
+      out.push_back({command, followers, own_rates});
+      out.push_back({command, closures + point_springs, no_closed_forces});
+      out.push_back(
+          {command,
+           {Feature::kDrivenJoint},
+           {Kind::kRefused,
+            "its motion is given, and not within ranges of its own, allowed: free joints"}});
+      out.push_back({command, {Feature::kAccelerationConstraint}, held_by_forces});
+      out.push_back({command,
+                     {Feature::kStart},
+                     {Kind::kNoPart, "bounds hold all over [envelope], whatever the start"}});
+    }
+    return out;
   }
   std::vector<Rule> ofStudies() const {
     return {
@@ -301,7 +325,7 @@ const std::vector<Rule>& rules() {
     const Rules rules;
     std::vector<Rule> joined;
     for (const auto& part : {rules.ofFollowers(), rules.ofComparisons(), rules.ofEquations(),
-                             rules.ofMotionAndParameters(), rules.ofStudies()})
+                             rules.ofMotionAndParameters(), rules.ofReduction(), rules.ofStudies()})
       joined.insert(joined.end(), part.begin(), part.end());
     return joined;
   }();
@@ -453,6 +477,10 @@ const char* name(Command command) {
       return "linearize";
     case Command::kSweep:
       return "sweep";
+    case Command::kEnvelope:
+      return "envelope";
+    case Command::kReduce:
+      return "reduce";
     case Command::kShow:
       return "show";
   }

@@ -39,6 +39,8 @@ enum class Command {
   kImpedance,
   kLinearize,
   kSweep,
+  kEnvelope,
+  kReduce,
   kShow,
 };
 inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
@@ -67,6 +69,8 @@ inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
                                            Command::kImpedance,
                                            Command::kLinearize,
                                            Command::kSweep,
+                                           Command::kEnvelope,
+                                           Command::kReduce,
                                            Command::kShow};
 /// "drift", "evaluate (tau)"
 const char* name(Command command);

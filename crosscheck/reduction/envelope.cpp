@@ -589,10 +589,13 @@ std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
     throw scene::InputError({scene.file.string()},
                             "no [envelope], allowed: a scene whose file gives ranges of q, qd and "
                             "qdd for every joint (data/scenes/README.md)");
+  const std::vector<EnvelopeQuantity> quantities = quantitiesOf(scene.mechanism.dof(), options.all);
+  scene::Work work("quantities", 1 + static_cast<double>(quantities.size()));
   stage("M and g as polynomials");
   const TrigonometricModel model = trigonometricModel(scene);
+  work.done();
   std::vector<EnvelopeBound> out;
-  for (const EnvelopeQuantity& quantity : quantitiesOf(model.dof, options.all)) {
+  for (const EnvelopeQuantity& quantity : quantities) {
     stage(quantity.name());
     EnvelopeBound bound = Search(model, ranges, quantity).run(options);
     bound.sampled = 0;  // what the sweeps say, not the polynomials
@@ -603,6 +606,7 @@ std::vector<EnvelopeBound> envelopeBounds(const scene::Scene& scene,
     bound.is_reached =
         bound.certified <= options.ratio * bound.sampled || bound.certified <= 2 * bound.lost;
     out.push_back(bound);
+    work.done();
   }
   return out;
 }

@@ -5,36 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/inputs/features.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
-using scene::JointKind;
 using Tensor = std::vector<RunningError>;
-
-void requireWithin(const scene::Scene& scene) {
-  const scene::Mechanism& mechanism = scene.mechanism;
-  const auto refuse = [&](const std::string& what, const std::string& allowed) {
-    throw scene::InputError({scene.file.string()}, what + ", allowed: " + allowed);
-  };
-  for (const scene::Link& link : mechanism.links) {
-    const scene::Joint& joint = link.joint;
-    const std::string name = "envelope: joint '" + joint.name + "'";
-    if (joint.mimic) refuse(name + " follows another", "joints with rates of their own");
-    if (!joint.motion.empty()) refuse(name + " is driven", "free joints");
-    if (joint.kind != JointKind::kFixed && joint.kind != JointKind::kRevolute &&
-        joint.kind != JointKind::kPrismatic)
-      refuse(name + " is " + scene::name(joint.kind) +
-                 ": M is no polynomial of low degree in cosines and sines of one angle",
-             "revolute, prismatic and fixed joints");
-  }
-  if (!mechanism.isOpenTree() || !mechanism.acceleration_constraints.empty())
-    refuse("envelope: the scene has closures, springs between points or acceleration constraints",
-           "a tree of links, whose tau is a polynomial in qd and qdd");
-  if (mechanism.dof() == 0) refuse("envelope: no joint moves", "at least one that does");
-}
 
 /// cos and sin of 2 pi k / 5 and 2 pi k / 3, by the surds that they are.
 scene::CosSin<RunningError> rootOfUnity(int k, int of) {
@@ -146,7 +124,20 @@ void onGrid(const std::vector<Axis>& axes, Visit visit) {
 }  // namespace
 
 TrigonometricModel trigonometricModel(const scene::Scene& scene) {
-  requireWithin(scene);
+  requireTreated(scene, Command::kEnvelope);
+  requireMotion(scene);
+  const auto refuse = [&](const std::string& what, int most, const std::string& like) {
+    throw scene::InputError({scene.file.string()},
+                            fmt::format("{}, allowed: up to {} ({})", what, most, like));
+  };
+  if (scene.mechanism.dof() > kMostJoints)
+    refuse(fmt::format("{} joints move", scene.mechanism.dof()), kMostJoints,
+           "seven where they turn in a chain");
+  const auto requireWithin = [&](const std::vector<Axis>& axes, int most, const char* what) {
+    if (const std::size_t size = sizeOf(axes); size > static_cast<std::size_t>(most))
+      refuse(fmt::format("{} would be asked at {} positions", what, size), most,
+             "seven joints in a chain that turn, ten side by side");
+  };
   const auto model = recursive::buildModel(scene.mechanism, RunningErrorNumbers(scene.mechanism));
   recursive::Workspace<RunningError> ws(model);
   TrigonometricModel out;
@@ -165,13 +156,9 @@ TrigonometricModel trigonometricModel(const scene::Scene& scene) {
     out.positive.push_back(link.positive);
     out.negative.push_back(link.negative);
   }
+  requireWithin(of_M, kMostGridPoints, "M");
+  requireWithin(of_g, kMostGravityPoints, "gravity");
   const std::size_t points = sizeOf(of_M);
-  if (points > kMostGridPoints)
-    throw scene::InputError(
-        {scene.file.string()},
-        fmt::format("envelope: M is asked at {} positions, allowed: up to {} (seven joints in a "
-                    "chain that turn)",
-                    points, kMostGridPoints));
   const scene::Work work("M as a polynomial", 1);
   std::vector<Tensor> M(n * n, Tensor(points));
   recursive::MatrixX<RunningError> entries(out.dof, out.dof);

@@ -38,11 +38,15 @@ struct TrigonometricModel {
   std::vector<RunningError> viscous, positive, negative;  ///< friction
 };
 
+/// A monomial of more does not fit: 5^13 < 2^32 < 5^14.
+inline constexpr int kMostJoints = 13;
 /// How many values of M are asked for at most: 5^6, an arm of seven joints that turn.
 inline constexpr int kMostGridPoints = 15625;
+/// And of g: 3^10, ten joints that turn.
+inline constexpr int kMostGravityPoints = 59049;
 
-/// @throws scene::InputError  a joint that neither turns nor slides, or follows another; closures,
-///   springs between points, driven joints, acceleration constraints; more than kMostGridPoints
+/// @throws scene::InputError  what `envelope` refuses (crosscheck/inputs/features.hpp); no joint
+///   moves; more joints or values than these
 TrigonometricModel trigonometricModel(const scene::Scene& scene);
 
 /// d/dq_k.

@@ -97,7 +97,7 @@ const std::vector<Rule> kRules = {
     {"studies",
      {"scene", "recursive", "inputs", "scalars", "witnesses", "laws", "motion", "verdicts",
       "exact"}},
-    {"reduction", {"scene", "symbolic", "recursive", "scalars", "kernel", "witnesses"}},
+    {"reduction", {"scene", "symbolic", "recursive", "inputs", "scalars", "kernel", "witnesses"}},
     {"conductor",
      {"scene", "symbolic", "system", "inputs", "witnesses", "motion", "verdicts", "exact"}},
     {"chart",

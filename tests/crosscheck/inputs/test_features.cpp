@@ -14,6 +14,7 @@
 #include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include "scene/envelope.hpp"
 #include "tests/fixtures/program.hpp"
 
 namespace data = boost::unit_test::data;
@@ -244,6 +245,10 @@ Call callOf(Command command) {
       return {"linearize scene", ""};
     case Command::kSweep:
       return {"sweep scene", ""};
+    case Command::kEnvelope:
+      return {"envelope scene.toml --all --json bounds.json", "bounds.json"};
+    case Command::kReduce:
+      return {"reduce scene.toml --tolerance 30% --json reduction.json", "reduction.json"};
     case Command::kShow:
       return {"show scene", ""};
   }
@@ -317,13 +322,22 @@ struct Said {
   std::string output, errors;
 };
 
+bool isReduction(Command command) {
+  return command == Command::kEnvelope || command == Command::kReduce;
+}
+
 Said ask(const Program& program, Command command, std::string text) {
   const Call call = callOf(command);
   if (command == Command::kEvaluateTasks && text[0] != '<') {
     const std::size_t at = text.find("[start]");
     text.insert(at == std::string::npos ? text.size() : at, kTask);
   }
-  program.write("scene", text);
+  if (isReduction(command)) {
+    const scene::Scene read = scene::readSceneToml(text, "scene");
+    const auto rates = static_cast<std::size_t>(read.mechanism.dof());
+    text += scene::writeEnvelope(read, {rates, {{-0.5, 1}, {-1, 2}, {-3, 1}}});
+  }
+  program.write(isReduction(command) ? "scene.toml" : "scene", text);
   if (command == Command::kCheck) program.write("engine.py", kEngine);
   if (command == Command::kGrade) {
     program.write("submissions/arm.py", kSubmission);
@@ -369,6 +383,8 @@ BOOST_DATA_TEST_CASE(every_command_makes_of_every_feature_what_the_table_says,
   for (const Feature feature : kAllFeatures) {
     // URDF has no tasks
     if (command == Command::kEvaluateTasks && feature == Feature::kNotModelled) continue;
+    // no ranges
+    if (isReduction(command) && feature == Feature::kNotModelled) continue;
     // and no rotors
     if (command == Command::kRotors && feature == Feature::kNotModelled) continue;
     const Pair pair = scenesOf(feature);

@@ -90,8 +90,10 @@ BOOST_DATA_TEST_CASE(no_sampled_state_exceeds_a_bound,
   for (std::size_t i = 0; i < bounds.size(); ++i) {
     BOOST_TEST(worst[i] <= bounds[i].certified, bounds[i].quantity.name());
     BOOST_TEST(bounds[i].sampled <= bounds[i].certified);
-    // were it smaller than what was seen, samples would show it: they come within a third
-    BOOST_TEST(worst[i] > 0.6 * bounds[i].sampled, bounds[i].quantity.name() << " " << worst[i]);
+    // Were less reached than is said to have been seen, samples would show it: of 20 seeds the
+    // worst with 100000 states came to 0.998 of it on planar_3r, 1.000 on scara, 0.986 on puma_560,
+    // 0.920 on kuka_iiwa_14 and 0.820 on franka_panda.
+    BOOST_TEST(worst[i] > 0.8 * bounds[i].sampled, bounds[i].quantity.name() << " " << worst[i]);
   }
 }
 
@@ -141,6 +143,6 @@ BOOST_AUTO_TEST_CASE(what_has_no_bound_is_refused_with_a_reason) {
   refused([&] { read("knee = { q = [0, 1], qd = [0, 1], qdd = [0, 1] }\n"); }, "knee");
   refused([&] { envelopeBounds(pendulum(""), {}, {}, kNoStage); }, "no [envelope]");
   refused([&] { trigonometricModel(scene::findScene("heavy_top")); }, "spherical");
-  refused([&] { trigonometricModel(scene::findScene("andrews_squeezer")); }, "closures");
-  refused([&] { trigonometricModel(scene::findScene("humanoid")); }, "positions");
+  refused([&] { trigonometricModel(scene::findScene("andrews_squeezer")); }, "closed mechanism");
+  refused([&] { trigonometricModel(scene::findScene("humanoid")); }, "joints move");
 }

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `envelope` and `reduce` as their user calls them: changes of the scene against the closed form of
+// a pendulum, and what they cannot answer is refused at once.
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+#include <boost/test/unit_test.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/fixtures/program.hpp"
+
+using dynwitness::fixtures::Outcome;
+using dynwitness::fixtures::Program;
+
+namespace {
+
+const std::string kBase =
+    "[[link]]\nname = \"base\"\nmass = 1\ninertia = { xx = 1, yy = 1, zz = 1 }\n";
+
+/// A point of 2 kg at 0.5 m.
+const std::string kPendulum =
+    "gravity = [0, 0, -9.81]\n[parameters]\nl = 0.5\n" + kBase +
+    "[[link]]\nname = \"rod\"\nparent = \"base\"\nmass = 2\ncom = [0, 0, \"-l\"]\n"
+    "[link.joint]\nname = \"hinge\"\nkind = \"revolute\"\naxis = [0, 1, 0]\n"
+    "[envelope]\nhinge = { q = [0, 1.5], qd = [\"-2*l\", 2], qdd = [-3, \"8*l\"] }\n";
+
+std::string envelope(int joints) {
+  std::string text = "\n[envelope]\n";
+  for (int k = 1; k <= joints; ++k)
+    text += fmt::format("joint{} = {{ q = [0, 1], qd = [0, 1], qdd = [0, 1] }}\n", k);
+  return text;
+}
+
+void bothRefuse(const Program& program, const std::string& words, const std::string& reason) {
+  for (const char* command : {"envelope ", "reduce "})
+    dynwitness::fixtures::refuses(program, command + words, reason);
+}
+
+}  // namespace
+
+// By hand: tau = m l^2 qdd + m gravity l sin q, largest where q = 1.5 and qdd is.
+BOOST_AUTO_TEST_CASE(bounds_are_those_of_the_changed_scene) {
+  const Program program;
+  program.write("pendulum.toml", kPendulum);
+  const auto holds = [&](const std::string& changes, double expected) {
+    const Outcome outcome =
+        program.run("envelope pendulum.toml --ratio 1.01 --json bounds.json " + changes);
+    BOOST_TEST_CONTEXT(changes << "\n" << outcome.out) {
+      BOOST_REQUIRE(outcome.status == 0);
+      const auto tau = nlohmann::json::parse(program.read("bounds.json")).at("bounds").at(0);
+      BOOST_TEST(tau.at("at_most").get<double>() >= expected * (1 - 1e-15));
+      BOOST_TEST(tau.at("at_most").get<double>() <= 1.01 * expected);
+      BOOST_TEST(tau.at("at_least").get<double>() <= expected * (1 + 1e-15));
+    }
+  };
+  const double s = std::sin(1.5);
+  holds("", 2 + 9.81 * s);
+  holds("--gravity 0,0,-1.62", 2 + 1.62 * s);
+  holds("--gravity 0,0,0", 2);
+  holds("--set mass:rod=6", 6 + 3 * 9.81 * s);
+  // ranges are expressions in the same parameters: qdd up to 8
+  holds("--set l=1", 2 * 8 + 2 * 9.81 * s);
+
+  const Outcome outcome =
+      program.run("reduce pendulum.toml --gravity 0,0,-1.62 --toml reduced.toml");
+  BOOST_TEST(outcome.status == 0, outcome.out);
+  BOOST_TEST((program.read("reduced.toml").find("1.62") != std::string::npos));
+
+  // a file of the changed scene has them as numbers, one of other joints has none and says so
+  program.run("write pendulum.toml --set l=1 --format toml -o long.toml");
+  BOOST_TEST((program.read("long.toml").find("qd = [-2, 2], qdd = [-3, 8]") != std::string::npos),
+             program.read("long.toml"));
+  for (const char* change : {"--root rod", "--base floating"}) {
+    const Outcome written =
+        program.run(std::string("write pendulum.toml --format toml -o other.toml ") + change);
+    BOOST_TEST((written.out.find("not written: [envelope]") != std::string::npos), written.out);
+    BOOST_TEST((program.read("other.toml").find("[envelope]") == std::string::npos));
+  }
+}
+
+// Neither fits the ranges of [envelope], which are of joints that turn or slide.
+BOOST_AUTO_TEST_CASE(a_base_that_floats_is_refused) {
+  const Program program;
+  program.write("pendulum.toml", kPendulum);
+  bothRefuse(program, "pendulum.toml --root rod", "is floating");
+  bothRefuse(program, "pendulum.toml --base floating", "is floating");
+}
+
+BOOST_AUTO_TEST_CASE(what_has_no_answer_is_refused_at_once) {
+  const Program program;
+  const std::string fixed =
+      "[[link]]\nname = \"rod\"\nparent = \"base\"\nmass = 2\n[link.joint]\nkind = \"fixed\"\n";
+  program.write("none.toml", kBase);
+  program.write("fixed.toml", kBase + fixed);
+  for (const char* file : {"none.toml", "fixed.toml"})
+    bothRefuse(program, file, std::string(file) + ": no joint moves, expected at least one");
+  bothRefuse(program, "chain_100", "no [envelope]");
+  bothRefuse(program, "humanoid", "no [envelope]");
+  bothRefuse(program, "heavy_top", "heavy_top.toml:");
+  bothRefuse(program, "heavy_top", "is spherical");
+  BOOST_TEST(program.run("write chain_100 --format toml -o chain.toml").status == 0);
+  program.write("long.toml", program.read("chain.toml") + envelope(100));
+  bothRefuse(program, "long.toml", "long.toml: 100 joints move, allowed: up to 13");
+  // in a chain M is what grows; side by side it is constant, and gravity is not
+  BOOST_TEST(program.run("write chain_8 --format toml -o chain.toml").status == 0);
+  program.write("eight.toml", program.read("chain.toml") + envelope(8));
+  bothRefuse(program, "eight.toml", "M would be asked at 78125 positions, allowed: up to 15625");
+  const auto writeStar = [&](int joints) {
+    std::string star = "gravity = [0, 0, -9.81]\n" + kBase;
+    for (int k = 1; k <= joints; ++k)
+      star += fmt::format(
+          "[[link]]\nname = \"arm{0}\"\nparent = \"base\"\nmass = 1\ncom = [1, 0, 0]\n"
+          "[link.joint]\nname = \"joint{0}\"\nkind = \"revolute\"\naxis = [0, 1, 0]\n",
+          k);
+    program.write("star.toml", star + envelope(joints));
+  };
+  writeStar(11);
+  bothRefuse(program, "star.toml", "gravity would be asked at 177147 positions");
+  writeStar(14);
+  bothRefuse(program, "star.toml", "14 joints move");
+  writeStar(8);
+  BOOST_TEST(program.run("envelope star.toml").status == 0);
+}
