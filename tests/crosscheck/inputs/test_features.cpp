@@ -257,14 +257,15 @@ Call callOf(Command command) {
 
 /// A right engine that knows every feature: `evaluate`, once for all states of a batch. tau belongs
 /// to trees alone.
-const char* const kEngine = R"(import json, subprocess, sys
+const char* const kEngine =
+    R"(import json, subprocess, sys
 PARTS = {'c': ['q', 'qd'], 'g': ['q'], 'tau': ['q', 'qd', 'qdd']}
 def ask(quantity, states):
     width = {part: range(len(states[0][part])) for part in PARTS[quantity]}
     names = ['%s%d' % (part, i + 1) for part in PARTS[quantity] for i in width[part]]
     rows = [[repr(x) for part in PARTS[quantity] for x in state[part]] for state in states]
     said = subprocess.run([')" DYNWITNESS_PROGRAM
-                            R"(', 'evaluate', 'asked', '--states', '-', '--convention', 'dynwitness',
+    R"(', 'evaluate', 'asked', '--states', '-', '--convention', 'dynwitness',
                              '--quantity', quantity],
                           input='\n'.join(','.join(row) for row in [names] + rows) + '\n',
                           capture_output=True, text=True, check=True).stdout
