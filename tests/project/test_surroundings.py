@@ -165,6 +165,25 @@ def requireGone(pids):
     check(not any(alive(pid) for pid in pids), "still running:", [p for p in pids if alive(p)])
 
 
+def working(folder):
+    """Processes that stand in the folder or below it."""
+    found = []
+    for entry in pathlib.Path("/proc").iterdir():
+        if entry.name.isdigit():
+            with contextlib.suppress(OSError):
+                if pathlib.Path(os.readlink(entry / "cwd")).is_relative_to(folder):
+                    found.append(int(entry.name))
+    return found
+
+
+def requireQuiet(folder):
+    """What a program that was killed had started ends with it, a moment later: it still writes for that long."""
+    end = time.time() + 20
+    while time.time() < end and working(folder):
+        time.sleep(0.02)
+    check(not working(folder), "still running where the test ran:", working(folder))
+
+
 # ---- compilers
 
 @case
@@ -689,10 +708,12 @@ def files_of_others_stay_where_they_are(place):
 def run(function):
     begin = time.time()
     name = function.__name__.replace("_", " ")
-    with tempfile.TemporaryDirectory(prefix="dynwitness_surroundings_") as folder:
+    with tempfile.TemporaryDirectory(prefix="dynwitness_surroundings_",
+                                     ignore_cleanup_errors=True) as folder:
         os.chmod(folder, 0o700)
         try:
             function(Place(folder))
+            requireQuiet(folder)
             verdict = "ok"
         except Skipped as reason:
             verdict = "skipped: %s" % reason
