@@ -481,6 +481,8 @@ const char* name(Command command) {
       return "envelope";
     case Command::kReduce:
       return "reduce";
+    case Command::kNeed:
+      return "need";
     case Command::kShow:
       return "show";
   }

@@ -41,6 +41,7 @@ enum class Command {
   kSweep,
   kEnvelope,
   kReduce,
+  kNeed,
   kShow,
 };
 inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
@@ -71,6 +72,7 @@ inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
                                            Command::kSweep,
                                            Command::kEnvelope,
                                            Command::kReduce,
+                                           Command::kNeed,
                                            Command::kShow};
 /// "drift", "evaluate (tau)"
 const char* name(Command command);

@@ -13,6 +13,7 @@
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/kernel/factor.hpp"
 #include "crosscheck/kernel/roads.hpp"
+#include "crosscheck/reduction/omissions.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "scene/work.hpp"
 
@@ -38,103 +39,6 @@ constexpr std::size_t kMostTerms = 400;  ///< that are added to one joint's forc
 /// Shares of the time in percent, by which its end is told. Measured: puma_560 with 5 % takes 1.7,
 /// 0.7, 0.7, 4, 80 and 13 % of 20.4 s.
 constexpr double kForces = 2, kProgram = 1, kOrder = 1, kScenes = 4, kTerms = 80, kErrors = 12;
-
-/// One thing that a link can be without.
-struct Edit {
-  enum class What { kCom, kProducts, kInertia, kOnAxis, kMass, kRotor };
-  std::size_t link;
-  What what;
-  int axis = 0;
-};
-
-bool hasInertia(const scene::MassProperties& m) {
-  for (const scene::Number* x : {&m.xx, &m.yy, &m.zz, &m.xy, &m.xz, &m.yz})
-    if (!x->isLiteralZero()) return true;
-  return false;
-}
-
-void clearInertia(scene::MassProperties* m) {
-  for (scene::Number* x : {&m->xx, &m->yy, &m->zz, &m->xy, &m->xz, &m->yz}) *x = 0;
-  m->about = scene::MassProperties::About::kCenterOfMass;
-  m->rpy = {};
-}
-
-/// Which coordinate axis of the link's own frame the joint turns about, through its origin; -1:
-/// none.
-int ownAxis(const scene::Joint& joint) {
-  if (joint.kind != scene::JointKind::kRevolute ||
-      joint.placement.convention == scene::Placement::Convention::kDh)
-    return -1;
-  int axis = -1;
-  for (int k = 0; k < 3; ++k) {
-    if (joint.axis[static_cast<std::size_t>(k)].isLiteralZero()) continue;
-    if (axis >= 0) return -1;
-    axis = k;
-  }
-  return axis;
-}
-
-/// Takes it away; false: it was not there.
-bool apply(const Edit& edit, Mechanism* mechanism) {
-  scene::Link& link = mechanism->links[edit.link];
-  scene::MassProperties& m = link.inertia;
-  const auto clear = [](scene::Number* x) {
-    const bool was = !x->isLiteralZero();
-    *x = 0;
-    return was;
-  };
-  switch (edit.what) {
-    case Edit::What::kCom:
-      return clear(&m.com[static_cast<std::size_t>(edit.axis)]);
-    case Edit::What::kProducts: {
-      bool any = false;
-      for (scene::Number* x : {&m.xy, &m.xz, &m.yz}) any = clear(x) || any;
-      return any;
-    }
-    case Edit::What::kInertia: {
-      const bool was = hasInertia(m);
-      clearInertia(&m);
-      return was;
-    }
-    case Edit::What::kOnAxis: {
-      const int axis = ownAxis(link.joint);
-      if (axis < 0 || m.mass.isLiteralZero()) return false;
-      bool any = hasInertia(m);
-      clearInertia(&m);
-      for (int k = 0; k < 3; ++k)
-        if (k != axis) any = clear(&m.com[static_cast<std::size_t>(k)]) || any;
-      return any;
-    }
-    case Edit::What::kMass: {
-      const bool was = !m.mass.isLiteralZero();
-      m = {};
-      return was;
-    }
-    case Edit::What::kRotor:
-      return !link.joint.gyroscopic && clear(&link.joint.rotor_inertia);
-  }
-  return false;
-}
-
-std::string words(const Edit& edit, const Mechanism& mechanism) {
-  const scene::Link& link = mechanism.links[edit.link];
-  switch (edit.what) {
-    case Edit::What::kCom:
-      return fmt::format("{}: its centre of mass off the origin along {}", link.name,
-                         "xyz"[edit.axis]);
-    case Edit::What::kProducts:
-      return link.name + ": its products of inertia";
-    case Edit::What::kInertia:
-      return link.name + ": its inertia about the centre of mass";
-    case Edit::What::kOnAxis:
-      return link.name + ": all but a mass on its joint's axis";
-    case Edit::What::kMass:
-      return link.name + ": its mass and inertia";
-    case Edit::What::kRotor:
-      return "joint " + link.joint.name + ": its rotor";
-  }
-  return "";
-}
 
 bool isPossible(const scene::Scene& scene) {
   try {
@@ -205,24 +109,24 @@ class Samples {
 /// Parameters go one after the other, the one first that is missed least; the scene as it is first.
 std::vector<Base> sequence(const scene::Scene& scene, const Samples& samples,
                            const std::vector<double>& largest, double until) {
-  std::vector<Edit> edits;
-  using What = Edit::What;
+  std::vector<Omission> omissions;
+  using What = Omission::What;
   for (std::size_t l = 1; l < scene.mechanism.links.size(); ++l) {
     for (const What what :
          {What::kProducts, What::kInertia, What::kOnAxis, What::kMass, What::kRotor})
-      edits.push_back({l, what});
-    for (int k = 0; k < 3; ++k) edits.push_back({l, What::kCom, k});
+      omissions.push_back({l, what});
+    for (int k = 0; k < 3; ++k) omissions.push_back({l, What::kCom, k});
   }
   std::vector<Base> all = {{scene, {}, 0}};
-  scene::Work work("parameters", static_cast<double>(edits.size()));
+  scene::Work work("parameters", static_cast<double>(omissions.size()));
   for (;; work.done()) {
     std::optional<Base> best;
-    for (const Edit& edit : edits) {
+    for (const Omission& omission : omissions) {
       Base next = all.back();
-      if (!apply(edit, &next.scene.mechanism) || !isPossible(next.scene)) continue;
+      if (!apply(omission, &next.scene.mechanism) || !isPossible(next.scene)) continue;
       next.sampled = samples.error(next.scene.mechanism, largest);
       if (best && best->sampled <= next.sampled) continue;
-      next.dropped.push_back({words(edit, scene.mechanism), next.sampled});
+      next.dropped.push_back({words(omission, scene.mechanism), next.sampled});
       best = next;
     }
     if (!best || best->sampled > until) return all;

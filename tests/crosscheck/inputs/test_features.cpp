@@ -249,6 +249,8 @@ Call callOf(Command command) {
       return {"envelope scene.toml --all --json bounds.json", "bounds.json"};
     case Command::kReduce:
       return {"reduce scene.toml --tolerance 30% --json reduction.json", "reduction.json"};
+    case Command::kNeed:
+      return {"need scene --duration 0.05 --outputs 2 --json ladder.json", "ladder.json"};
     case Command::kShow:
       return {"show scene", ""};
   }
