@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/inputs/states.hpp"
@@ -215,6 +216,14 @@ scene::Scene startedAt(scene::Scene scene, const StartAsked& asked) {
         throw scene::InputError({asked.file, 0}, fmt::format("--row {}: the file has {} rows, "
                                                              "allowed: one of them",
                                                              asked.row, row - 1));
+    if (!reader.gives("qd") && !start.qd.empty())
+      fmt::print(stderr, "{}: no column says qd: the motion starts at rest\n", asked.file);
+    std::vector<std::string> unread;
+    for (const std::string& name : reader.otherNames())
+      if (name != "t" && name != "time_s") unread.push_back(name);
+    if (!unread.empty())
+      fmt::print(stderr, "{}: no part of a state, and not read: {}\n", asked.file,
+                 fmt::join(unread, ", "));
   }
   const auto decimal = [](double x) {
     return scene::Number::parse(fmt::format("{}", x == 0 ? 0.0 : x));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dynwitness reduce: the smallest model whose forces stay near the scene's.
+// dynwitness reduce: a smaller model whose forces stay near the scene's.
 #include <memory>
 
 #include <fmt/format.h>

@@ -120,27 +120,18 @@ AwaitedEvent eventOf(const SimulateArguments& arguments, const scene::Scene& sce
     value = trimmed(value.substr(0, value.size() - ending.size()));
     event.direction = direction;
   }
-  std::vector<std::pair<std::string, int>> places;  // q from 0 on, qd from -1 down
-  const std::vector<int> given = scene::givenSlots(scene.mechanism);
-  for (std::size_t k = 0; k < given.size(); ++k)
-    places.emplace_back(fmt::format("q{}", k + 1), given[k]);
-  for (int k = 0; k < scene.mechanism.dof(); ++k)
-    places.emplace_back(fmt::format("qd{}", k + 1), -1 - k);
-  int slot = 0;
-  for (const scene::Link& link : scene.mechanism.links) {
-    const int slots = static_cast<int>(scene::positionSlots(link.joint.kind).size());
-    if (slots == 1) places.emplace_back(link.joint.name, slot);
-    slot += slots;
-  }
-  const auto found = std::find_if(places.begin(), places.end(),
-                                  [&](const auto& place) { return place.first == name; });
-  if (found == places.end() || value.empty())
+  if (name.empty() || value.empty())
     throw scene::InputError(
         {}, fmt::format("--until: read '{}', allowed: NAME = NUMBER, then rising or falling or "
-                        "neither, NAME one of q1 to q{}, qd1 to qd{}, or a joint with one q",
-                        text, given.size(), scene.mechanism.dof()));
+                        "neither, NAME one of q1 .., qd1 .., or a joint's",
+                        text));
+  const std::vector<int> given = scene::givenSlots(scene.mechanism);
+  std::vector<NamedPlace> places = placesNamed("q", positionNames(scene.mechanism));
+  for (NamedPlace& place : places) place.at = given[static_cast<std::size_t>(place.at)];
+  for (int k = 0; k < scene.mechanism.dof(); ++k)  // rates from -1 down
+    places.push_back({fmt::format("qd{}", k + 1), -1 - k});
   const double level = numberIn("--until", value, scene);
-  const int at = found->second;
+  const int at = placeMeant("--until", name, places);
   event.of = [at, level](double, const double* q, const double* qd) {
     return (at >= 0 ? q[at] : qd[-1 - at]) - level;
   };
@@ -153,6 +144,7 @@ using Forces = std::function<void(double, std::vector<double>*)>;
 Forces forcesOfTime(const std::vector<std::string>& words, const scene::Scene& scene) {
   const scene::Mechanism& mechanism = scene.mechanism;
   const std::vector<std::string> names = mechanism.rateLabels();
+  const std::vector<NamedPlace> places = placesNamed("tau", names);
   const std::vector<const scene::Expression*> motions = mechanism.motions();
   const bool all_named = std::all_of(words.begin(), words.end(), [](const std::string& word) {
     return word.find('=') != std::string::npos;
@@ -163,15 +155,12 @@ Forces forcesOfTime(const std::vector<std::string>& words, const scene::Scene& s
     const std::size_t equals = words[k].find('=');
     std::size_t at = k;
     if (all_named) {
-      const std::string name = words[k].substr(0, equals);
-      for (at = 0; at < names.size() && name != names[at] && name != fmt::format("tau{}", at + 1);)
-        ++at;
-      if (at == names.size())
-        throw scene::InputError(
-            {}, fmt::format("--tau: \"{}\" is none of the scene's{}, allowed: tau1 to tau{}, {}",
-                            name, scene::didYouMean(name, names), names.size(),
-                            names.size() <= 12 ? fmt::format("{}", fmt::join(names, ", "))
-                                               : "names of joints (dynwitness show lists them)"));
+      at = static_cast<std::size_t>(placeMeant("--tau", words[k].substr(0, equals), places));
+      for (const auto& part : parts)
+        if (part.first == at)
+          throw scene::InputError(
+              {}, fmt::format("--tau: read '{}', which was given before, allowed: each once",
+                              words[k]));
     }
     const std::string text = all_named ? words[k].substr(equals + 1) : words[k];
     std::string reason;
@@ -376,9 +365,7 @@ int compareAll(const scene::Scene& scene, SimulateOptions options,
 
 /// One row an output: time, q, qd, qdd, multipliers, energies, and how far constraints and energy
 /// are off.
-/// @param forces  of time; none: no columns of tau
-std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism,
-                  const Forces& forces) {
+std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism) {
   const Simulation::Point& first = simulation.points.front();
   const std::vector<int> given = scene::givenSlots(mechanism);  // what a states file may say
   std::string csv = hasOrientations(mechanism) ? "# convention: dynwitness\n" : "";
@@ -386,17 +373,14 @@ std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanis
   for (std::size_t i = 1; i <= given.size(); ++i) csv += fmt::format(",q{}", i);
   for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",qd{}", i);
   for (std::size_t i = 1; i <= first.qdd.size(); ++i) csv += fmt::format(",qdd{}", i);
-  for (std::size_t i = 1; forces && i <= first.qd.size(); ++i) csv += fmt::format(",tau{}", i);
+  for (std::size_t i = 1; i <= first.tau.size(); ++i) csv += fmt::format(",tau{}", i);
   for (std::size_t i = 1; i <= first.lambda.size(); ++i) csv += fmt::format(",lambda{}", i);
   for (std::size_t i = 1; i <= first.nu.size(); ++i) csv += fmt::format(",nu{}", i);
   csv += ",kinetic_J,potential_J,phi,phi_rate,energy_error_J\n";
   for (const Simulation::Point& point : simulation.points) {
     csv += fmt::format("{:.17g}", point.time);
     for (const int slot : given) csv += fmt::format(",{:.17g}", point.q[slot]);
-    std::vector<double> tau(forces ? point.qd.size() : 0, 0.0);
-    if (forces) forces(point.time, &tau);
-    for (const auto* values :
-         {&point.qd, &point.qdd, &std::as_const(tau), &point.lambda, &point.nu})
+    for (const auto* values : {&point.qd, &point.qdd, &point.tau, &point.lambda, &point.nu})
       for (const double v : *values) csv += fmt::format(",{:.17g}", v);
     csv += fmt::format(",{:.17g},{:.17g}", point.kinetic, point.potential);
     csv += fmt::format(",{:.3g},{:.3g},{:.3g}\n", point.phi, point.phi_rate, point.energy_error);
@@ -445,14 +429,14 @@ int runSimulate(const SimulateArguments& arguments) {
                             "not take, allowed: one run by an explicit method");
   if (arguments.compare) return compareAll(scene, options, tables, arguments.json);
   Simulation result;
-  std::optional<MotionGap> off;  // of the run itself
+  std::optional<Simulation> rerun;
   std::string no_rerun;
   {
     Runs runs(arguments.runs_once ? 1 : 2, options.duration);
     options.progress = [&](double time) { runs.at(time); };
     result = simulate(scene, options);
     try {
-      if (!arguments.runs_once) off = gapBetween(simulate(scene, finer(options)), result);
+      if (!arguments.runs_once) rerun = simulate(scene, finer(options));
     } catch (const std::runtime_error& error) {  // smaller steps than it can take
       no_rerun = error.what();
     }
@@ -506,7 +490,14 @@ int runSimulate(const SimulateArguments& arguments) {
           ? "steps of half the length"
           : fmt::format("{}, half the error a step and twice the outputs", finer(options).method);
   bool agree = true;
-  if (off) {
+  std::optional<MotionGap> off;  // of the run itself
+  if (rerun) off = gapBetween(*rerun, result);
+  if (off && off->shared == 0) {
+    fmt::print(
+        "accuracy     not known: the event is before the first row of the table, allowed: more "
+        "--outputs\n");
+    off.reset();
+  } else if (off) {
     double most = 0;
     for (const Simulation::Point& point : result.points)
       for (const double q : point.q) most = std::max(most, std::abs(q));
@@ -535,6 +526,15 @@ int runSimulate(const SimulateArguments& arguments) {
     all["events"] = {
         {"of", arguments.until}, {"asked", options.until.times}, {"times_s", result.events}};
     if (static_cast<int>(result.events.size()) < options.until.times) agree = false;
+    if (rerun) {
+      const double apart = eventGap(*rerun, result);
+      agree = agree && std::isfinite(apart);
+      fmt::print("             a run with {} {}\n", half,
+                 std::isfinite(apart)
+                     ? fmt::format("has them up to {:.2g} s earlier or later", apart)
+                     : fmt::format("DISAGREES: it has {}", rerun->events.size()));
+      all["events"]["apart_s"] = std::isfinite(apart) ? nlohmann::json(apart) : nullptr;
+    }
   }
   fmt::print("cost         {} steps and {} rejected, {} evaluations, {:.3g} s\n", result.steps,
              result.rejected, result.evaluations, result.cpu_s);
@@ -550,8 +550,7 @@ int runSimulate(const SimulateArguments& arguments) {
                table.title, verdict.values, verdict.ratio <= 1 ? "agree" : "DISAGREE",
                verdict.worst, 100 * verdict.ratio, verdict.worst_time);
   }
-  if (!arguments.csv.empty())
-    writeWholeFile(arguments.csv, csvOf(result, scene.mechanism, options.forces));
+  if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csvOf(result, scene.mechanism));
   if (!arguments.json.empty()) writeWholeFile(arguments.json, all.dump(2) + "\n");
   if (!arguments.view.empty()) writeWholeFile(arguments.view, viewOfMotion(scene, result));
   return agree ? 0 : 1;
@@ -638,7 +637,7 @@ Run addSimulate(CLI::App* command) {
       ->capture_default_str();
   command->add_option(
       "--csv", arguments->csv,
-      "Table as a CSV file: time, q, qd, qdd, joint forces over time where there are any, "
+      "Table as a CSV file: time, q, qd, qdd, joint forces where any are given or a controller has them, "
       "multipliers, energies, drift; `evaluate --states FILE --keep` reads it");
   command
       ->add_flag(

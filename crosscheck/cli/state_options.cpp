@@ -9,6 +9,8 @@
 
 #include "scene/error.hpp"
 #include "scene/expression.hpp"
+#include "scene/mimic.hpp"
+#include "scene/nearest_name.hpp"
 #include "scene/numbers.hpp"
 
 namespace dynwitness::cli {
@@ -39,20 +41,17 @@ double numberIn(const std::string& option, const std::string& text, const scene:
                       option, text, reason));
 }
 
-StateOption::StateOption(CLI::App* command, Part part, const std::string& otherwise)
-    : part_(part), words_(std::make_shared<std::vector<std::string>>()) {
-  const std::string name = nameOf(part);
-  command
-      ->add_option("--" + name, *words_,
-                   fmt::format("{}, in the order of `show` or by joint, elbow=0.3; without: {}",
-                               kMeanings[static_cast<int>(part)], otherwise))
-      ->delimiter(',')
-      ->type_name("FLOAT:finite ...");
+std::vector<NamedPlace> placesNamed(const std::string& prefix,
+                                    const std::vector<std::string>& names) {
+  std::vector<NamedPlace> places;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    places.push_back({fmt::format("{}{}", prefix, k + 1), static_cast<int>(k)});
+    if (!names[k].empty()) places.push_back({names[k], static_cast<int>(k)});
+  }
+  return places;
 }
 
-/// Two a number where a joint has one name for it: by joint and by place ("elbow", "q3").
-std::vector<std::string> StateOption::namesIn(const scene::Mechanism& mechanism) const {
-  if (part_ != Part::kQ) return mechanism.rateLabels();
+std::vector<std::string> positionNames(const scene::Mechanism& mechanism) {
   std::vector<std::string> names;
   for (const scene::Link& link : mechanism.links) {
     if (link.joint.mimic) continue;
@@ -66,9 +65,53 @@ std::vector<std::string> StateOption::namesIn(const scene::Mechanism& mechanism)
   return names;
 }
 
+int placeMeant(const std::string& option, const std::string& name,
+               const std::vector<NamedPlace>& places) {
+  constexpr std::size_t kMost = 24;  // a joint and its place for twelve
+  std::vector<std::string> known;
+  int at = -1;
+  for (const NamedPlace& place : places) {
+    known.push_back(place.name);
+    if (place.name != name || place.at == at) continue;
+    if (at >= 0)
+      throw scene::InputError(
+          {}, fmt::format("{}: \"{}\" is a joint's name and the place of another one, allowed: the "
+                          "other name of the one that is meant",
+                          option, name));
+    at = place.at;
+  }
+  if (at >= 0) return at;
+  const std::string guess = scene::didYouMean(name, known);
+  const bool more = known.size() > kMost;
+  known.resize(std::min(known.size(), kMost));
+  throw scene::InputError(
+      {}, fmt::format("{}: \"{}\" is none of the scene's{}, allowed: {}{}", option, name, guess,
+                      fmt::join(known, ", "), more ? ", ... (dynwitness show lists them)" : ""));
+}
+
+StateOption::StateOption(CLI::App* command, Part part, const std::string& otherwise)
+    : part_(part), words_(std::make_shared<std::vector<std::string>>()) {
+  const std::string name = nameOf(part);
+  command
+      ->add_option("--" + name, *words_,
+                   fmt::format("{}, in the order of `show` or by joint, elbow=0.3; without: {}",
+                               kMeanings[static_cast<int>(part)], otherwise))
+      ->delimiter(',')
+      ->type_name("FLOAT:finite ...");
+}
+
 std::vector<double> StateOption::values(const scene::Scene& scene,
                                         const std::vector<double>& otherwise) const {
   if (words_->empty()) return otherwise;
+  if (part_ != Part::kQ || !scene.mechanism.hasMimics()) return told(scene, otherwise);
+  std::vector<double> given;  // followers are where their leaders put them
+  for (const int slot : scene::givenSlots(scene.mechanism))
+    given.push_back(otherwise[static_cast<std::size_t>(slot)]);
+  return scene::allPositions(scene.mechanism, told(scene, given));
+}
+
+std::vector<double> StateOption::told(const scene::Scene& scene,
+                                      const std::vector<double>& otherwise) const {
   const std::string short_name = nameOf(part_), option = "--" + short_name;
   const auto isNamed = [](const std::string& word) { return word.find('=') != std::string::npos; };
   const bool all_named = std::all_of(words_->begin(), words_->end(), isNamed);
@@ -85,27 +128,18 @@ std::vector<double> StateOption::values(const scene::Scene& scene,
     return values;
   }
   values = otherwise;
-  const std::vector<std::string> names = namesIn(scene.mechanism);
+  const std::vector<NamedPlace> places =
+      placesNamed(short_name, part_ == Part::kQ ? positionNames(scene.mechanism)
+                                                : scene.mechanism.rateLabels());
+  std::vector<bool> is_given(values.size(), false);
   for (const std::string& word : *words_) {
     const std::size_t equals = word.find('=');
-    const std::string name = word.substr(0, equals);
-    std::size_t at = 0;
-    while (at < values.size() && name != fmt::format("{}{}", short_name, at + 1) &&
-           (at >= names.size() || names[at].empty() || name != names[at]))
-      ++at;
-    if (at == values.size()) {
-      std::vector<std::string> allowed;
-      for (const std::string& one : names)
-        if (!one.empty()) allowed.push_back(one);
-      constexpr std::size_t kMost = 12;
-      const bool more = allowed.size() > kMost;
-      allowed.resize(std::min(allowed.size(), kMost));
+    const auto at = static_cast<std::size_t>(placeMeant(option, word.substr(0, equals), places));
+    if (is_given[at])
       throw scene::InputError(
           {},
-          fmt::format("{}: \"{}\" is none of the scene's, allowed: {}1 to {}{}{}{}{}", option, name,
-                      short_name, short_name, values.size(), allowed.empty() ? "" : ", ",
-                      fmt::join(allowed, ", "), more ? ", ... (dynwitness show lists them)" : ""));
-    }
+          fmt::format("{}: read '{}', which was given before, allowed: each once", option, word));
+    is_given[at] = true;
     values[at] = numberIn(option, word.substr(equals + 1), scene);
   }
   return values;

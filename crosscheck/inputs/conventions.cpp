@@ -12,6 +12,7 @@
 #include "scene/error.hpp"
 #include "scene/mimic.hpp"
 #include "scene/nearest_name.hpp"
+#include "scene/turn.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -226,8 +227,7 @@ std::vector<double> Coordinates::positionsOf(const scene::State<double>& state) 
       if (sine > 0) three *= std::copysign(angle, wxyz[0]) / sine;
     } else {
       const Matrix3d R = turnOf(state, from);
-      three = {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))),
-               std::atan2(R(1, 0), R(0, 0))};
+      three = scene::rollPitchYaw(R, [](double y, double x) { return std::atan2(y, x); });
     }
     for (int k = 0; k < 3; ++k) put(first + k, three[k]);
   }

@@ -11,6 +11,7 @@
 #include "scene/error.hpp"
 #include "scene/nearest_name.hpp"
 #include "scene/numbers.hpp"
+#include "scene/turn.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -236,9 +237,9 @@ void fix(scene::Scene& scene) {
     Eigen::Quaterniond turn(number(q[3]), number(q[4]), number(q[5]), number(q[6]));
     turn.coeffs().stableNormalize();
     const Eigen::Matrix3d R = turn.toRotationMatrix();
-    placement.rpy = {decimal(std::atan2(R(2, 1), R(2, 2))),
-                     decimal(std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2)))),
-                     decimal(std::atan2(R(1, 0), R(0, 0)))};
+    const Eigen::Vector3d rpy =
+        scene::rollPitchYaw(R, [](double y, double x) { return std::atan2(y, x); });
+    placement.rpy = {decimal(rpy[0]), decimal(rpy[1]), decimal(rpy[2])};
     link.joint.kind = JointKind::kFixed;
     link.joint.placement = placement;
     q = scene.start_q.erase(q, q + slots);

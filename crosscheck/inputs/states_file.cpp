@@ -148,9 +148,13 @@ struct StatesReader::Parts {
 
   /// What a comment says of the convention.
   void seeComment(std::string_view comment) {
-    constexpr std::string_view kWord = "# convention:";
-    if (names.empty() && comment.substr(0, kWord.size()) == kWord)
-      told = trimmed(comment.substr(kWord.size()));
+    constexpr std::string_view kWord = "convention:";
+    const std::string_view text = trimmed(comment.substr(1));  // behind #
+    if (text.compare(0, kWord.size(), kWord) != 0) return;
+    if (!names.empty())
+      throw InputError(lines.where(),
+                       fmt::format("read '# {}' below the header, allowed: above it", text));
+    told = trimmed(text.substr(kWord.size()));
   }
 
   /// Of what is given and what the file says.

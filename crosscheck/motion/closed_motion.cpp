@@ -31,6 +31,7 @@ ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate, Con
       bias_(dof()),
       pushes_(std::move(pushes)),
       push_(dof(), 0.0),
+      motors_(dof(), 0.0),
       given_(dof(), 0.0),
       M_(dof(), dof()),
       controller_(controller),
@@ -43,8 +44,7 @@ ClosedMotion::ClosedMotion(const scene::Scene& scene, double baumgarte_rate, Con
     if (link.joint.motion.empty()) {
       for (int k = 0; k < rates; ++k) free_.push_back(rate + k);
       for (int k = 0; k < slots; ++k) free_slots_.push_back(slot + k);
-      for (int k = 0; k < rates && scene::ratesArePositionDerivatives(link.joint.kind); ++k)
-        posture_.push_back({rate + k, slot + k});
+      if (rates == 1) posture_.push_back({rate, slot});
     } else {
       for (int k = 0; k < rates; ++k) drives_.push_back({rate + k, slot + k, link.joint.motion[k]});
     }
@@ -153,11 +153,12 @@ ClosedMotion::Solution ClosedMotion::accelerationsOfAll(const State& y, double t
 }
 
 void ClosedMotion::pull() {
-  tau_ = push_;
+  tau_ = motors_ = push_;
   spring_ = recursive::addSpringForces(model_, springs_, constraints_.X_W, ws_, tau_);
   control_power_ = 0;
   const auto add = [&](int rate, double force) {
     tau_[rate] += force;
+    motors_[rate] += force;
     control_power_ += force * qd_[rate];
   };
   if (controller_.hasPosture())
@@ -190,6 +191,7 @@ ClosedMotion::Solution ClosedMotion::solved(bool all) {
   if (hasHeldRows()) return solvedHeld(all, f, b);
   Solution out;
   out.nu = task_force_;
+  out.motors = Eigen::Map<const Vector>(motors_.data(), dof());
   out.lambda = Vector::Zero(rows());
   if (all) {
     recursive::massMatrix(model_, x_, ws_, M_);
@@ -258,12 +260,10 @@ ClosedMotion::Solution ClosedMotion::solvedHeld(bool all, const Vector& f, const
   out.nu(chosen_rigid_) = result.lambda.tail(k);
   const Vector left = asked - tasks_.J * out.qdd;
   out.nu(yielding_) = stiffness.cwiseProduct(left(yielding_));
-  for (const int row : rigid_)
-    if (std::abs(left(row)) > std::sqrt(std::numeric_limits<double>::epsilon()) *
-                                  std::max(1.0, asked.cwiseAbs().maxCoeff()))
-      throw std::runtime_error(fmt::format(
-          "acceleration constraint '{}' contradicts closures or others at t = {} s: {:.3g} is left",
-          tasks_.name(row), time_, left(row)));
+  out.motors = Eigen::Map<const Vector>(motors_.data(), dof());
+  if (controller_.tasks == Controller::Tasks::kOperationalSpace)
+    out.motors += tasks_.J.transpose() * out.nu;
+  requireHeld(out, f, asked);
   out.drive = Vector::Zero(dof());
   if (drives_.empty()) return out;
   const Vector taken =
@@ -271,6 +271,31 @@ ClosedMotion::Solution ClosedMotion::solvedHeld(bool all, const Vector& f, const
   for (const Drive& drive : drives_) out.drive(drive.rate) = taken(drive.rate);
   out.qdd += given;
   return out;
+}
+
+/** Rows that others imply are left to these. They hold where half of the digits agree of all that is
+    summed up:  J (M^-1 f + M^-1 J' (lambda, nu)),  whose parts may be much larger than their sum.
+    @throws std::runtime_error  one does not */
+void ClosedMotion::requireHeld(const Solution& solution, const Vector& f,
+                               const Vector& asked) const {
+  const Vector left = asked - tasks_.J * solution.qdd;
+  const double half = std::sqrt(std::numeric_limits<double>::epsilon());
+  const auto exceeds = [&](int row, double summed) {
+    return std::abs(left(row)) > half * (std::abs(asked(row)) + summed);
+  };
+  for (const int row : rigid_) {
+    if (!exceeds(row, 0)) continue;
+    const Eigen::LLT<recursive::MatrixX<double>> M(M_(free_, free_));
+    const Vector held =
+        constraints_.J.transpose() * solution.lambda + tasks_.J.transpose() * solution.nu;
+    const Vector parts =
+        M.solve(Vector(f(free_))).cwiseAbs() + M.solve(Vector(held(free_))).cwiseAbs();
+    if (!exceeds(row, tasks_.J(row, free_).cwiseAbs().dot(parts))) continue;
+    throw std::runtime_error(fmt::format(
+        "acceleration constraint '{}' contradicts closures or others at t = {} s: {:.3g} is left, "
+        "allowed: values that can hold together",
+        tasks_.name(row), time_, left(row)));
+  }
 }
 
 ClosedMotion::Residuals ClosedMotion::residuals(const State& y, const Vector& qdd,

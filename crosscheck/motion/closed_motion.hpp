@@ -44,6 +44,11 @@ class ClosedMotion {
   int positions() const { return model_.positions; }
   int rows() const { return constraints_.rows(); }
   bool isPushed() const { return static_cast<bool>(pushes_); }  ///< by forces over time
+  /// Whether there are joint forces of motors: pushes, or a controller's.
+  bool hasMotors() const {
+    return isPushed() || controller_.hasPosture() ||
+           (controller_.tasks != Controller::Tasks::kConstraint && tasks_.count() > 0);
+  }
   int freedoms() const { return static_cast<int>(free_.size()); }
   const std::vector<int>& freeRates() const { return free_; }
   const std::vector<int>& freePositions() const { return free_slots_; }
@@ -70,6 +75,7 @@ class ClosedMotion {
     double contradiction = 0;      ///< largest |J qdd + gamma|
     Vector drive;                  ///< forces of the drives, zero where there is none [N m], [N]
     Vector nu;                     ///< of acceleration constraints or tasks
+    Vector motors;                 ///< pushes and the controller's joint forces [N m], [N]
   };
   /// With the chosen equations; the multipliers of the others are zero.
   Solution accelerations(const State& y, double time);
@@ -122,11 +128,12 @@ class ClosedMotion {
   static double largest(const Vector& v) { return v.size() == 0 ? 0 : v.cwiseAbs().maxCoeff(); }
   Vector phiRate() const { return constraints_.J * Eigen::Map<const Vector>(qd_.data(), dof()); }
   Solution solved(bool all);
-  /// Of springs between points and the controller, into tau_.
+  /// Of springs between points and the controller, into tau_; the latter into motors_.
   void pull();
   /// Q - bias, bias at the accelerations given_ of the driven joints.
   Vector forces();
   Solution solvedHeld(bool all, const Vector& f, const Vector& b);
+  void requireHeld(const Solution& solution, const Vector& f, const Vector& asked) const;
   void chooseHeld();
   void factorizeChosen();
   Vector ofAll(const Vector& of_free) const;
@@ -149,8 +156,9 @@ class ClosedMotion {
   std::vector<scene::JointPosition<double>> x_;
   std::vector<double> qd_, q_rate_, tau_, bias_;
   std::function<void(double, std::vector<double>*)> pushes_;
-  std::vector<double> push_;   ///< at the time of the last equations()
-  std::vector<double> given_;  ///< accelerations of the driven, zero of the free
+  std::vector<double> push_;    ///< at the time of the last equations()
+  std::vector<double> motors_;  ///< with the controller's, at the last pull()
+  std::vector<double> given_;   ///< accelerations of the driven, zero of the free
   recursive::MatrixX<double> M_;
   std::vector<int> chosen_;
   double kinetic_ = 0;

@@ -100,6 +100,8 @@ class Watch {
       point.qdd.assign(solution.qdd.data(), solution.qdd.data() + solution.qdd.size());
       point.lambda.assign(l.data(), l.data() + l.size());
       point.determined = solution.determined;
+      if (motion_.hasMotors())
+        point.tau.assign(solution.motors.data(), solution.motors.data() + solution.motors.size());
       point.nu.assign(solution.nu.data(), solution.nu.data() + solution.nu.size());
       out_->points.push_back(std::move(point));
     }
@@ -505,6 +507,13 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options) {
                     out.start_residual, std::max(motion.phi(), motion.phiRateSize())));
   out.rank_lowest = out.rank_highest = motion.rank();
   motion.startHere(y);
+  if (motion.hasHeldRows()) {
+    try {
+      motion.accelerationsOfAll(y, 0);
+    } catch (const std::runtime_error& contradiction) {
+      throw scene::InputError({scene.file.string(), 0}, contradiction.what());
+    }
+  }
   const LinkTasks& tasks = motion.tasks();
   for (int k = 0; k < tasks.count(); ++k)
     out.tasks.push_back(
@@ -527,8 +536,14 @@ MotionGap gapBetween(const Simulation& a, const Simulation& b) {
     if (other == b.points.end() || other->time != point.time) continue;
     keepWorse(&gap.q, largestGap(point.q, other->q, point.q.size()));
     keepWorse(&gap.qd, largestGap(point.qd, other->qd, point.qd.size()));
+    if (point.time > 0) ++gap.shared;
   }
   return gap;
+}
+
+double eventGap(const Simulation& a, const Simulation& b) {
+  if (a.events.size() != b.events.size()) return std::numeric_limits<double>::infinity();
+  return largestGap(a.events, b.events, a.events.size());
 }
 
 SimulateOptions finer(const SimulateOptions& options) {

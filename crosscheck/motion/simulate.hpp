@@ -90,6 +90,8 @@ struct Simulation {
   struct Point {
     double time;
     std::vector<double> q, qd, qdd;
+    /// Of motors: what the options give over time, and the controller's [N m, N]; none: no motors.
+    std::vector<double> tau;
     double phi, phi_rate;  ///< largest |phi|, |J qd| at this time
     double energy_error;   ///< |E - E0 - work| [J]
     double work;  ///< of loads, dampers, drives, acceleration constraints and the controller [J]
@@ -131,8 +133,11 @@ Simulation simulate(const scene::Scene& scene, const SimulateOptions& options);
 /// Largest differences of two simulations of a scene at the outputs that both have.
 struct MotionGap {
   double q = 0, qd = 0;  ///< [rad, m, 1], [rad/s, m/s]; NaN where one is
+  int shared = 0;        ///< such outputs after the start: 0: nothing was compared
 };
 MotionGap gapBetween(const Simulation& a, const Simulation& b);
+/// Largest difference of the times of events [s]; infinite where one has more of them.
+double eventGap(const Simulation& a, const Simulation& b);
 
 /// The options of another run: by the other method that chooses its steps, for half the error of a
 /// step (a method that is wrong and says that it succeeded may be so again at half the error), or

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The smallest model whose joint forces stay near the scene's over an envelope, guaranteed.
+// Smaller models whose joint forces stay near the scene's over an envelope, guaranteed; which one is
+// the smallest nobody proves.
 #pragma once
 
 #include <functional>

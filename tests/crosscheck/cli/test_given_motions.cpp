@@ -238,6 +238,39 @@ BOOST_AUTO_TEST_CASE(a_base_floats_or_is_fixed) {
       BOOST_TEST(fixed[3 * i + j] == all[9 * (i + 6) + j + 6], boost::test_tools::tolerance(1e-14));
 }
 
+// g of the arm's joints depends on how the base is turned, which three angles say otherwise than a
+// quaternion; at a pitch of 90 degrees roll and yaw are one.
+BOOST_AUTO_TEST_CASE(a_base_that_is_fixed_stands_as_it_floated) {
+  const Program program;
+  BOOST_TEST_REQUIRE(
+      program.run("write satellite_arm --format toml --gravity 1,2,-9.81 -o free.toml").status ==
+      0);
+  const std::string scene = program.read("free.toml");
+  const std::size_t start = scene.find("[start]"), at = scene.find("q = [", start),
+                    end = scene.find(']', at);
+  BOOST_REQUIRE(end != std::string::npos);
+  const double half = std::sqrt(0.5);
+  for (const double e : {0.0, 1e-12, 1e-7, 0.01, 0.7})
+    for (const double roll : {0.0, 1.1}) {
+      // Ry(90 degrees - e) Rx(roll)
+      const double c = std::cos(roll / 2), s = std::sin(roll / 2),
+                   cy = half * (std::cos(e / 2) + std::sin(e / 2)),
+                   sy = half * (std::cos(e / 2) - std::sin(e / 2));
+      const std::string position = fmt::format("0.1, 0.2, 0.3, {}, {}, {}, {}, 0.4, 0.5, 0.6",
+                                               cy * c, cy * s, sy * c, -sy * s);
+      program.write("turned.toml", scene.substr(0, at) + "q = [" + position + scene.substr(end));
+      const auto all = answer(program, "turned.toml --quantity g", "g"),
+                 fixed = answer(program, "turned.toml --base fixed --quantity g", "g");
+      BOOST_REQUIRE(all.size() == 9u);
+      BOOST_REQUIRE(fixed.size() == 3u);
+      double most = 0;
+      for (const double g : all) most = std::max(most, std::abs(g));
+      for (std::size_t k = 0; k < 3; ++k)  // 1e-15 seen
+        BOOST_TEST(std::abs(fixed[k] - all[k + 6]) < 1e-14 * most,
+                   "e = " << e << ", roll " << roll);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(changes_that_mean_nothing_are_refused) {
   const Program program;
   const std::string words = "evaluate simple_pendulum --quantity M ";
@@ -271,7 +304,8 @@ BOOST_AUTO_TEST_CASE(a_motion_starts_where_it_is_told_and_ends_at_an_event) {
     BOOST_TEST(std::abs(times[k].get<double>() - (0.25 + static_cast<double>(k)) * period) < 1e-9);
   BOOST_TEST(has(three.out, "period"));
   BOOST_TEST(program.run(words + "--times 100").status == 1);  // 10 s are not enough
-  refuses(program, "simulate simple_pendulum --until 'q3 = 0'", "--until: read 'q3 = 0'");
+  refuses(program, "simulate simple_pendulum --until 'q3 = 0'",
+          "--until: \"q3\" is none of the scene's");
   refuses(program, "simulate simple_pendulum --until 'q1 = 0' --method runge_kutta4",
           "with an event to wait for");
   // a row of a file is the same start
@@ -330,6 +364,109 @@ BOOST_AUTO_TEST_CASE(forces_over_time_move_a_scene) {
   refuses(program, words + "--tau elbow=1", "none of the scene's");
   refuses(program, words + "--tau 'pivot=1/t'", "not finite at t = 0");
   refuses(program, "simulate simple_pendulum --duration 3 --forces f.csv", "do not span 0 to 3 s");
+}
+
+// What motors do, a controller's part of it too, is in the table: nothing is left of the equations.
+BOOST_AUTO_TEST_CASE(the_forces_of_a_controller_are_in_the_table) {
+  const Program program;
+  for (const char* how : {"acrobot --posture 100,20 --tau 1,2", "acrobot --posture 100,20",
+                          "two_handed --controller impedance --task-gains 100,20 --duration 0.5"}) {
+    const std::string scene = std::string(how).substr(0, std::string(how).find(' '));
+    const Outcome run = program.run(fmt::format("simulate {} --once --outputs 4 --csv t.csv", how));
+    BOOST_TEST_REQUIRE(run.status == 0, run.out);
+    if (scene != "acrobot") {  // closures: tau is there, and its residual is not that of a tree
+      BOOST_TEST(has(program.read("t.csv"), ",tau1,"));
+      continue;
+    }
+    const auto left = table(
+        program.run("evaluate acrobot --states t.csv --keep --quantity residual", "2>/dev/null")
+            .out);
+    BOOST_REQUIRE(left.size() == 6u);
+    for (std::size_t k = 1; k < left.size(); ++k)
+      for (std::size_t i = left[k].size() - 2; i < left[k].size(); ++i)
+        BOOST_TEST(std::abs(std::stod(left[k][i])) < 1e-11, how);  // of up to 100 N m: 3e-14 seen
+  }
+}
+
+// Of joints with several axes a posture says nothing: the slide falls as it does without.
+BOOST_AUTO_TEST_CASE(a_posture_holds_joints_of_one_axis) {
+  const Program program;
+  const std::string words = "simulate cylindrical_arm --once --outputs 2 --duration 0.2 --csv ";
+  BOOST_TEST_REQUIRE(program.run(words + "without.csv").status == 0);
+  BOOST_TEST_REQUIRE(program.run(words + "with.csv --posture 50,5").status == 0);
+  const auto with = table(program.read("with.csv"))[2],
+             without = table(program.read("without.csv"))[2];
+  BOOST_TEST(std::abs(std::stod(with[1]) - std::stod(without[1])) < 1e-9);  // falls upright: 0 seen
+  BOOST_TEST(with[3] != without[3]);
+}
+
+BOOST_AUTO_TEST_CASE(what_was_not_compared_is_not_said_to_agree) {
+  const Program program;
+  const std::string words =
+      "simulate double_pendulum --q 1,0.5 --qd 0,0 --until 'q2 = 0 rising' --step-error 1e-3 ";
+  const Outcome first = program.run(words + "--duration 100 --outputs 1");
+  BOOST_TEST(has(first.out, "not known: the event is before the first row"));
+  BOOST_TEST(!has(first.out, "agree to"));
+  BOOST_TEST(has(first.out, "s earlier or later"));
+  // a chaotic motion passes another number of times
+  const Outcome many = program.run(words + "--times 30 --duration 40 --outputs 100");
+  BOOST_TEST(many.status == 1);
+}
+
+BOOST_AUTO_TEST_CASE(a_name_that_two_places_have_is_refused) {
+  const Program program;
+  std::string scene = program.run("write acrobot --format toml", "2>/dev/null").out;
+  const auto rename = [&](const std::string& from, const std::string& to) {
+    const std::string line = "name = \"" + from + "\"";
+    BOOST_REQUIRE(has(scene, line));
+    scene.replace(scene.find(line), line.size(), "name = \"" + to + "\"");
+  };
+  rename("shoulder", "q2");
+  rename("elbow", "q1");
+  program.write("scene.toml", scene);
+  const std::string both = "is a joint's name and the place of another one";
+  refuses(program, "evaluate scene.toml --quantity M --q q2=0.3", both);
+  refuses(program, "simulate scene.toml --until 'q2 = 0'", both);
+  BOOST_TEST(program.run("evaluate scene.toml --quantity M --qd q2=0.3").status == 0);
+  refuses(program, "simulate acrobot --tau elbow=1,elbow=2", "given before");
+  refuses(program, "evaluate acrobot --quantity qdd --tau elbow=1,tau2=2", "given before");
+}
+
+// `show`: the fingers' leader is q2 and the thumb q3; followers are where these put them.
+BOOST_AUTO_TEST_CASE(followers_are_no_places_of_their_own) {
+  const Program program;
+  const auto q = [&](const std::string& words) {
+    BOOST_TEST_REQUIRE(
+        program
+            .run("simulate gripper --qd 0,0,0 --once --duration 1e-6 --outputs 1 --csv q.csv " +
+                 words)
+            .status == 0);
+    return table(program.read("q.csv"))[1];
+  };
+  BOOST_TEST(q("--q thumb_base=0.5")[3] == "0.5");
+  BOOST_TEST(q("--q thumb_base=0.5") == q("--q q3=0.5"), boost::test_tools::per_element());
+  BOOST_TEST(q("--q 0.1,0.01,0.5")[2] == "0.01");
+  refuses(program, "simulate gripper --q 1,2,3,4,5", "5 values, allowed: 3");
+}
+
+BOOST_AUTO_TEST_CASE(a_start_without_rates_is_told_and_columns_that_nobody_reads) {
+  const Program program;
+  program.write("s.csv", "time_s,q1,q2,qdot1,qdot2\n0,1,0.5,9,9\n");
+  const Outcome run =
+      program.run("simulate acrobot --states s.csv --once --duration 0.1 --outputs 1", "2>&1");
+  BOOST_TEST(has(run.out, "at rest"));
+  BOOST_TEST(has(run.out, "not read: qdot1, qdot2"));
+}
+
+BOOST_AUTO_TEST_CASE(a_convention_is_told_above_the_header_whatever_its_blanks) {
+  const Program program;
+  const std::string rows = "q1,q2,q3,q4\n1,0,0,0\n",
+                    ask = "evaluate heavy_top --quantity g --states s.csv";
+  program.write("s.csv", "#convention:mujoco\n" + rows);
+  BOOST_TEST(program.run(ask).status == 0);
+  refuses(program, ask + " --convention dynwitness", "the file's convention is mujoco");
+  program.write("s.csv", rows + "# convention: mujoco\n");
+  refuses(program, ask + " --convention dynwitness", "below the header");
 }
 
 BOOST_AUTO_TEST_SUITE_END()
