@@ -269,6 +269,7 @@ void ClosedSteps::massMatrix() {
             true,
             "M"};
   std::vector<Formula> entries(static_cast<std::size_t>(n_) * n_), names = entries;
+  std::vector<Node> values(entries.size());
   std::size_t width = 0;
   for (int i = 0; i < n_; ++i) {
     for (int j = i; j < n_; ++j) {
@@ -277,6 +278,7 @@ void ClosedSteps::massMatrix() {
       step.holds = step.holds && isZero(f_.M[i][j] - f_.M[j][i]) && equals(f_.M[i][j], e_.M[i][j]);
       for (const int at : {i * n_ + j, j * n_ + i}) {
         entries[at] = step.equations.back().right;
+        values[at] = e_.M[i][j];
         names[at] = symbolic::isZero(entries[at]) ? entries[at] : Formula::ofSymbol(name);
       }
       width = std::max(width, length(step.equations.back().right));
@@ -287,7 +289,8 @@ void ClosedSteps::massMatrix() {
         {{Formula::ofSymbol("M"), Formula::matrix(width * n_ <= kWidestMatrix ? entries : names,
                                                   static_cast<std::size_t>(n_))},
          {},
-         {}});
+         {},
+         values});
   steps.push_back(step);
 }
 

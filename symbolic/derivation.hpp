@@ -17,6 +17,7 @@ namespace dynwitness::symbolic {
 /// An equation, and what its sides are in the graph, where they are more than a name.
 struct StepEquation : Equation {
   std::optional<Node> left_value, right_value;
+  std::vector<Node> entries = {};  ///< of a matrix on the right, row by row
 };
 
 struct Step {

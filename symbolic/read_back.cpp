@@ -555,6 +555,33 @@ std::vector<Sides> equationsIn(const std::string& document, Style style) {
   return all;
 }
 
+/// The entries of a printed matrix, row by row.
+std::vector<std::string> cellsOf(const std::string& matrix, Style style) {
+  std::vector<std::string> cells;
+  if (style == Style::kMathml) {
+    const std::string begin = "<mtd>", end = "</mtd>";
+    for (std::size_t at = 0; (at = matrix.find(begin, at)) != std::string::npos;) {
+      at += begin.size();
+      cells.push_back(matrix.substr(at, matrix.find(end, at) - at));
+    }
+    return cells;
+  }
+  const bool latex = style == Style::kLatex;
+  const std::string open = latex ? "\\begin{pmatrix} " : "[",
+                    close = latex ? " \\end{pmatrix}" : "]", row = latex ? " \\\\ " : "; ",
+                    column = latex ? " & " : ", ";
+  const std::size_t begin = matrix.find(open), end = matrix.find(close);
+  if (begin == std::string::npos || end == std::string::npos)
+    throw std::runtime_error("no matrix: '" + matrix + "'");
+  std::string rest = matrix.substr(begin + open.size(), end - begin - open.size());
+  for (std::size_t at; (at = std::min(rest.find(row), rest.find(column))) != std::string::npos;) {
+    cells.push_back(rest.substr(0, at));
+    rest.erase(0, at + (at == rest.find(row) ? row : column).size());
+  }
+  cells.push_back(rest);
+  return cells;
+}
+
 /// One random point, and what the letters of a derivation stand for there.
 class Point {
  public:
@@ -582,9 +609,11 @@ class Point {
 
     std::vector<Node> nodes;
     for (const Step& step : derivation.steps)
-      for (const StepEquation& equation : step.equations)
+      for (const StepEquation& equation : step.equations) {
         for (const std::optional<Node>& side : {equation.left_value, equation.right_value})
           if (side) nodes.push_back(*side);
+        nodes.insert(nodes.end(), equation.entries.begin(), equation.entries.end());
+      }
     const Program program = compile(e.graph, nodes);
     ProgramRun<Residue> run(program, number);
     values_ = run(state);
@@ -596,7 +625,7 @@ class Point {
         vocabulary_.define(spelled(Input::kRotation, load.joint), run.slot(load.slot));
   }
 
-  /// In the order of the steps' equations, left before right.
+  /// In the order of the steps' equations, left before right, before the entries of a matrix.
   const std::vector<Residue>& values() const { return values_; }
   Residue read(const std::string& text) const { return Sentence(vocabulary_, text).value(); }
   void define(const std::string& name, Residue value) { vocabulary_.define(name, value); }
@@ -658,9 +687,14 @@ ReadBack readBack(const Derivation& derivation, const std::string& document, Sty
           };
           if (equation.left_value) check(sides.left);
           if (equation.right_value) check(sides.right);
-          const bool defines =
-              !equation.left_value && equation.right.kind != Formula::Kind::kMatrix;
-          if (defines) point.define(sides.left, point.read(sides.right));
+          if (!equation.entries.empty()) {
+            const std::vector<std::string> cells = cellsOf(sides.right, style);
+            if (cells.size() != equation.entries.size())
+              throw std::runtime_error("is a matrix of another size");
+            for (const std::string& cell : cells) check(cell);
+          } else if (!equation.left_value) {
+            point.define(sides.left, point.read(sides.right));
+          }
         }
       }
       if (next != printed.size()) throw std::runtime_error("more equations than were derived");

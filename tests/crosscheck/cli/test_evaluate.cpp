@@ -466,3 +466,62 @@ BOOST_AUTO_TEST_CASE(a_row_is_answered_before_the_next_is_asked) {
 }
 
 BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(derivatives)
+
+// Against central differences of tau and qdd themselves, asked of a scene that turns and slides:
+// h^2 / 6 of a third derivative is 1e-10 of the largest entry or so, a column in another place all
+// of it. Angles and lengths have units of their own.
+BOOST_AUTO_TEST_CASE(columns_are_the_slopes_of_the_quantity_they_name) {
+  constexpr double h = 1e-5;
+  const Program program;
+  const std::vector<std::vector<double>> at = {
+      {0.1, 0.2, 0.3, 0.4, 0.5, 0.6}, {1, 2, 3, 1, 2, 3}, {1, -1, 2, 1, 3, -2}};
+  struct Case {
+    const char *quantity, *of, *columns;
+    std::size_t part;  ///< that is moved
+    const char* units;
+  };
+  for (const Case& one :
+       {Case{"dtau_dq", "tau", "qdd", 0, "dtau3_dq2 [N/rad],dtau3_dq3 [N/m]"},
+        Case{"dtau_dqd", "tau", "qdd", 1, "dtau3_dqd2 [N s/rad],dtau3_dqd3 [N s/m]"},
+        Case{"dqdd_dq", "qdd", "tau", 0, "dqdd3_dq2 [m/(rad s^2)],dqdd3_dq3 [1/s^2]"},
+        Case{"dqdd_dqd", "qdd", "tau", 1, "dqdd3_dqd2 [m/(rad s)],dqdd3_dqd3 [1/s]"},
+        Case{"dqdd_dtau", "qdd", "tau", 2, "dqdd3_dtau2 [1/(kg m)],dqdd3_dtau3 [1/kg]"}}) {
+    std::string rows = "q1,q2,q3,q4,q5,q6,qd1,qd2,qd3,qd4,qd5,qd6";
+    for (int k = 1; k <= 6; ++k) rows += fmt::format(",{}{}", one.columns, k);
+    rows += "\n";
+    const auto add = [&](std::size_t joint, double step) {
+      std::string row;
+      for (std::size_t part = 0; part < 3; ++part)
+        for (std::size_t k = 0; k < 6; ++k)
+          row += fmt::format("{}{}", row.empty() ? "" : ",",
+                             at[part][k] + (part == one.part && k == joint ? step : 0));
+      rows += row + "\n";
+    };
+    add(0, 0);
+    for (std::size_t k = 0; k < 6; ++k) add(k, h), add(k, -h);
+    program.write("s.csv", rows);
+    const std::string words = "evaluate stanford_arm --states s.csv --quantity ";
+    const Outcome told = program.run(words + one.quantity + " --units", "2>/dev/null");
+    BOOST_TEST_REQUIRE(told.status == 0, one.quantity);
+    BOOST_TEST(has(told.out, one.units), told.out.substr(0, told.out.find('\n')));
+    const std::vector<double> slopes = numbers(told.out);
+    BOOST_REQUIRE(slopes.size() == 36u);
+    double most = 0;
+    for (const double slope : slopes) most = std::max(most, std::abs(slope));
+    std::string values = program.run(words + one.of, "2>/dev/null").out;
+    values.erase(0, values.find('\n') + 1);  // the row of the state itself takes the header's place
+    for (std::size_t k = 0; k < 6; ++k) {
+      const std::vector<double> more = numbers(values);
+      values.erase(0, values.find('\n') + 1);
+      const std::vector<double> less = numbers(values);
+      values.erase(0, values.find('\n') + 1);
+      for (std::size_t i = 0; i < 6; ++i)
+        BOOST_TEST(std::abs((more[i] - less[i]) / (2 * h) - slopes[6 * i + k]) < 1e-6 * most,
+                   one.quantity << " " << i + 1 << ", " << k + 1);
+    }
+  }
+}
+
+BOOST_AUTO_TEST_SUITE_END()

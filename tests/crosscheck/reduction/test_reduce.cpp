@@ -146,10 +146,11 @@ BOOST_DATA_TEST_CASE(no_sampled_state_errs_by_more_than_is_certified,
 }
 
 // what is written as a scene is the model: its own sweeps, read again, are the program
-BOOST_DATA_TEST_CASE(a_reduced_scene_read_again_is_the_model,
-                     data::make(std::vector<std::string>{"scara", "puma_560"}), name) {
-  const scene::Scene whole = scene::findScene(name);
-  for (const ReducedModel& model : reductionOf(name).scenes) {
+BOOST_AUTO_TEST_CASE(a_reduced_scene_read_again_is_the_model) {
+  const scene::Scene whole = scene::findScene("puma_560");
+  const std::vector<ReducedModel>& models = reductionOf("puma_560").scenes;
+  BOOST_TEST(!models.back().parameters.empty());  // otherwise it is the scene itself
+  for (const ReducedModel& model : models) {
     const scene::Scene again =
         scene::readSceneToml(scene::writeSceneToml(model.scene), "again.toml");
     const std::vector<double> zero(model.forces.size());
