@@ -219,7 +219,7 @@ scene::Scene startedAt(scene::Scene scene, const StartAsked& asked) {
     if (!reader.gives("qd") && !start.qd.empty())
       fmt::print(stderr, "{}: no column says qd: the motion starts at rest\n", asked.file);
     std::vector<std::string> unread;
-    for (const std::string& name : reader.otherNames())
+    for (const std::string& name : reader.keptNames())
       if (name != "t" && name != "time_s") unread.push_back(name);
     if (!unread.empty())
       fmt::print(stderr, "{}: no part of a state, and not read: {}\n", asked.file,
