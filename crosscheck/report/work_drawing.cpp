@@ -39,6 +39,21 @@ Look lookOf(const std::string& method) {
       {"rosenbrock4", {5, 4}},
       {"radau_iia_3", {4, 8}},
       {"radau_iia_5", {4, 12}},
+      // of closed mechanisms
+      {"semi_implicit_euler index1 projection", {2, 4}},
+      {"runge_kutta4 index1", {1, 9}},
+      {"runge_kutta4 index1 baumgarte", {1, 6}},
+      {"runge_kutta4 index1 projection", {1, 7}},
+      {"runge_kutta_dopri5 index1 projection", {1, 5}},
+      {"runge_kutta_fehlberg78 index1 projection", {1, 13}},
+      {"bulirsch_stoer8 index1 projection", {6, 6}},
+      {"gauss_6 index1 projection", {3, 13}},
+      {"implicit_euler index2", {2, 12}},
+      {"radau_iia_3 index2", {5, 8}},
+      {"radau_iia_5 index1 projection", {4, 12}},
+      {"radau_iia_5 index2", {4, 14}},
+      {"radau_iia_5 index3", {4, 9}},
+      {"radau_iia_5 ggl", {4, 5}},
   };
   const auto found = looks.find(method);
   return found == looks.end() ? Look{16, 3} : found->second;
@@ -91,6 +106,7 @@ std::string referenceText(const ReferenceMotion& reference) {
   std::string text = fmt::format("{} agree to {} places", reference.by, reference.digits());
   if (reference.elliptic_error)
     text += fmt::format(", the elliptic functions are {:.1g} away", *reference.elliptic_error);
+  if (!reference.published.empty()) text += "; " + reference.published;
   return text;
 }
 
