@@ -40,7 +40,7 @@ std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command) 
 int runSimulationChart(const GivenScene& given, const SimulationChartArguments& arguments,
                        const std::string& output) {
   const scene::Scene scene = readScene(given);
-  const bool is_closed = !scene.mechanism.closures.empty();
+  const bool is_closed = !scene.mechanism.isOpenTree();
   admit(scene, {is_closed ? Command::kSimulate : Command::kDrift});
   requireMotion(scene);
   if (!output.empty()) requireWritableFolder(output);

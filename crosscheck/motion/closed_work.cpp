@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <set>
 #include <stdexcept>
@@ -64,6 +65,8 @@ std::vector<long double> radauEnd(const scene::Scene& scene, double duration,
       throw;
     } catch (const std::runtime_error&) {  // a step too long for Newton's method
       continue;
+    } catch (const std::domain_error&) {  // or for its states on the way
+      continue;
     }
     const double moved =
         before.empty() ? std::numeric_limits<double>::infinity() : apart(now, before);
@@ -103,6 +106,7 @@ class Measuring {
     WorkPoint point;
     point.step = options.step;
     point.seconds = std::numeric_limits<double>::infinity();
+    const std::clock_t begin = std::clock();
     try {
       double spent = 0;
       for (int run = 0; run < kMostRuns && spent < kLongEnough; ++run) {
@@ -120,11 +124,28 @@ class Measuring {
       throw;
     } catch (const std::runtime_error& error) {
       point.failure = error.what();
+    } catch (const std::domain_error& error) {  // a state on the way that has no accelerations
+      point.failure = error.what();
+    }
+    if (!std::isfinite(point.seconds)) {  // the price of what does not arrive
+      point.seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+      point.calls = formedUntilItFails(options);
     }
     return point;
   }
 
  private:
+  /// How often the equations are formed in a run that does not arrive, projections included.
+  long formedUntilItFails(SimulateOptions options) const {
+    long formed = 0;
+    options.forces = [&formed](double, std::vector<double>*) { ++formed; };
+    try {
+      simulate(scene_, options);
+    } catch (const std::exception&) {  // as before
+    }
+    return formed;
+  }
+
   const scene::Scene& scene_;
   const ReferenceMotion& reference_;
 };
@@ -161,6 +182,12 @@ WorkLine lineOf(const scene::Scene& scene, const ClosedMethod& method, const Mea
   line.order = method.order;
   if (needsPositions(method.formulation) && scene.mechanism.hasClosuresOfRates()) {
     line.left_out = "closures of rates alone (skate, rolling) have no phi = 0 to solve for";
+    return line;
+  }
+  const bool is_constrained = !scene.mechanism.closures.empty(),
+             is_projected = method.stabilisation == Stabilisation::kProjection;
+  if (!is_constrained && !is_projected) {
+    line.left_out = "no closures: there is one form of the equations, index1";
     return line;
   }
   SimulateOptions with = optionsOf(method, options.duration);
