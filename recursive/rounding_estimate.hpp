@@ -15,7 +15,7 @@ namespace dynwitness::recursive {
 /** What rounding may have done to an answer of inverseDynamics(), massMatrix() or
     forwardDynamics(), as a share of the answer's largest entry: 1e-16 is all the digits of a
     double, 1e-3 is three digits, 1 or more is none. It takes under a tenth of the sweep's time
-    (dynwitness bench, ID+warn, M+warn, FD+warn).
+    (dynwitness bench: recursive_warned beside recursive).
 
     An estimate, and no bound: as in a running error analysis every term is counted by its size and
     not by its sign, but sizes of vectors and inertias are a number each, and how the error of one

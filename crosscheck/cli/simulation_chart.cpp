@@ -24,7 +24,8 @@ std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command) 
   CLI::Option* simulate = command->add_flag(
       "--simulate", arguments->is_asked,
       "Whole simulations from the scene's start instead: calls and time against error of the end "
-      "and energy error, by steps of each integrator");
+      "and energy error, by steps of each integrator; with closed loops or springs between points by "
+      "steps and form of the constraints (projection, Baumgarte, index 1, 2, 3)");
   command
       ->add_option("--method", arguments->options.methods,
                    "Integrators: with --simulate [all that know the scene]; " + integratorNames())
