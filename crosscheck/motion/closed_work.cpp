@@ -78,8 +78,7 @@ std::vector<long double> radauEnd(const scene::Scene& scene, double duration,
   return best;
 }
 
-/// "published positions (Andrews' squeezing mechanism, IFToMM A03) are 4e-11 away"; "": none are of
-/// that time.
+/// "published positions 4e-11 away" (data/reference/motion); "": none are of that time.
 std::string publishedText(const scene::Scene& scene, const Simulation& run, double duration) {
   std::string text;
   for (MotionTable table : motionTables(scene)) {
@@ -87,9 +86,9 @@ std::string publishedText(const scene::Scene& scene, const Simulation& run, doub
                                     [&](const auto& row) { return row.time != duration; }),
                      table.rows.end());
     if (table.rows.empty()) continue;
-    text += fmt::format("{}{} ({}) {:.1g} away", text.empty() ? "" : ", ",
+    text += fmt::format("{}{} {:.1g} away", text.empty() ? "" : ", ",
                         table.own.empty() ? "published positions" : "positions by hand",
-                        table.title, compareMotion(scene, run, table).worst);
+                        compareMotion(scene, run, table).worst);
   }
   return text;
 }
@@ -258,7 +257,7 @@ ReferenceMotion closedReference(const scene::Scene& scene, double duration) {
         "no reference: after {} s runge_kutta_fehlberg78 (index 1, projection) and radau_iia_5 "
         "(index 2) are {:.2g} apart; {} decimal places are needed, allowed: a shorter --duration",
         duration, out.error, kFewestDigits));
-  out.by = "runge_kutta_fehlberg78 on index 1 with projection and radau_iia_5 on index 2";
+  out.by = "runge_kutta_fehlberg78 (index1 projection) and radau_iia_5 (index2)";
   out.published = publishedText(scene, run, duration);
   out.most_kinetic = run.most_kinetic;
   return out;

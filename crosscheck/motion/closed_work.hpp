@@ -18,7 +18,8 @@ struct ClosedMethod {
   Stabilisation stabilisation;
   /** Of the error of q and qd at the end, in the length of equal steps, or in the mean length where
       steps are chosen. Stabilised and unstabilised index 1 have the integrator's order; Radau IIA
-      of s stages 2 s - 1 in index 1, index 2 and ggl; in index 3 qd has s (implicit.hpp). */
+      of s stages 2 s - 1 in index 1, index 2 and ggl; in index 3 qd has s at the
+      least (implicit.hpp; four_bars_2 keeps 5). */
   int order;
 
   /// "runge_kutta4 index1 projection", "radau_iia_5 ggl"

@@ -197,12 +197,19 @@ std::string workScript(const WorkPrecision& work, const std::string& name,
         top - 0.275, left, right - 0.5, right, std::max(1.0, std::ceil((right - left) / 7)),
         std::pow(10, p.cost.low - 0.3), std::pow(10, p.cost.high + 0.3), p.x, p.y);
     if (k == 0) {
-      const auto drawn = std::count_if(work.lines.begin(), work.lines.end(),
-                                       [](const WorkLine& line) { return !line.points.empty(); });
+      constexpr std::size_t kThreeFit = 26;  // letters of a name, three to a row
+      int drawn = 0;
+      std::size_t longest = 0;
+      for (const WorkLine& line : work.lines) {
+        if (line.points.empty()) continue;
+        ++drawn;
+        longest = std::max(longest, line.method.size());
+      }
+      const int columns = longest > kThreeFit ? 2 : 3;
       text += fmt::format(
           "set key at screen 0.5, screen 0.145 center center vertical Left reverse samplen 4 "
           "maxrows {} font ',14'\n",
-          (drawn + 2) / 3);
+          (drawn + columns - 1) / columns);
     } else {
       text += "unset key\n";
     }
