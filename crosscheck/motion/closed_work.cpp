@@ -215,9 +215,9 @@ WorkLine lineOf(const scene::Scene& scene, const ClosedMethod& method, const Mea
 }  // namespace
 
 std::string ClosedMethod::label() const {
-  return stabilisation == Stabilisation::kNone
-             ? fmt::format("{} {}", integrator, name(formulation))
-             : fmt::format("{} {} {}", integrator, name(formulation), name(stabilisation));
+  return fmt::format(
+      "{} {}", integrator,
+      stabilisation == Stabilisation::kNone ? name(formulation) : name(stabilisation));
 }
 
 const std::vector<ClosedMethod>& closedMethods() {
@@ -257,7 +257,7 @@ ReferenceMotion closedReference(const scene::Scene& scene, double duration) {
         "no reference: after {} s runge_kutta_fehlberg78 (index 1, projection) and radau_iia_5 "
         "(index 2) are {:.2g} apart; {} decimal places are needed, allowed: a shorter --duration",
         duration, out.error, kFewestDigits));
-  out.by = "runge_kutta_fehlberg78 (index1 projection) and radau_iia_5 (index2)";
+  out.by = "runge_kutta_fehlberg78 (projection) and radau_iia_5 (index2)";
   out.published = publishedText(scene, run, duration);
   out.most_kinetic = run.most_kinetic;
   return out;

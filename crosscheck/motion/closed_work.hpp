@@ -22,7 +22,7 @@ struct ClosedMethod {
       least (implicit.hpp; four_bars_2 keeps 5). */
   int order;
 
-  /// "runge_kutta4 index1 projection", "radau_iia_5 ggl"
+  /// "runge_kutta4 projection" (of index 1, as all that is stabilised), "radau_iia_5 ggl"
   std::string label() const;
 };
 const std::vector<ClosedMethod>& closedMethods();

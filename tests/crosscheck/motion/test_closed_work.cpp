@@ -66,7 +66,7 @@ BOOST_AUTO_TEST_CASE(runs_of_the_governor_that_fail_say_why_and_what_they_cost) 
   const WorkPrecision work = measureClosedWork(scene::findScene("flyball_governor"), options);
   BOOST_TEST(work.reference.published.find("by hand") != std::string::npos,
              work.reference.published);
-  const WorkLine& line = lineOf(work, "runge_kutta4 index1 projection");
+  const WorkLine& line = lineOf(work, "runge_kutta4 projection");
   const WorkPoint& longest = line.points.front();
   BOOST_TEST(longest.failure != "");
   BOOST_TEST(longest.calls > 0);
