@@ -3,6 +3,7 @@
 // vectors of its link.
 #pragma once
 
+#include <array>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -158,8 +159,9 @@ inline int axisCount(JointKind kind) {
 ///     R = 1 + 2 (w [v]x + [v]x [v]x) / (q'q)
 template <typename T>
 Matrix3<T> rotation(const JointPosition<T>* x) {
-  const Vector3<T> v(x[1].q, x[2].q, x[3].q);
-  const T& w = x[0].q;
+  const std::array<T, 4> q = scene::quaternionAt(x);
+  const Vector3<T> v(q[1], q[2], q[3]);
+  const T& w = q[0];
   const T scale = T(2) / (w * w + v.dot(v));
   const Matrix3<T> v_hat = skew<T>(v);
   return Matrix3<T>::Identity() + (v_hat * w + v_hat * v_hat) * scale;

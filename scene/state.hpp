@@ -2,7 +2,10 @@
 // What a witness is asked about: a position, a velocity, and an acceleration or a force.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -37,6 +40,51 @@ template <typename T>
 struct HasOrder<T, std::void_t<decltype(bool(std::declval<const T&>() < std::declval<const T&>()))>>
     : std::true_type {};
 }  // namespace detail
+
+namespace detail {
+/// The floating-point type of a scalar that is such a number, or carries one beside its error as
+/// value(); void of others.
+template <typename T, typename = void>
+struct Floating {
+  using Type = void;
+};
+template <typename T>
+struct Floating<T, std::enable_if_t<std::is_floating_point_v<T>>> {
+  using Type = T;
+  static Type of(const T& x) { return x; }
+};
+template <typename T>
+struct Floating<T, std::enable_if_t<std::is_floating_point_v<
+                       std::decay_t<decltype(std::declval<const T&>().value())>>>> {
+  using Type = std::decay_t<decltype(std::declval<const T&>().value())>;
+  static Type of(const T& x) { return x.value(); }
+};
+}  // namespace detail
+
+/** The quaternion (w, x, y, z) that starts at this slot, or, where its square is not a normal
+    number, that times the power of two that brings its largest component to [1/2, 1): its rotation
+    is the same, and a power of two rounds nothing. Elements of a field and other scalars without a
+    largest number are left as they are. */
+template <typename T>
+std::array<T, 4> quaternionAt(const JointPosition<T>* slot) {
+  std::array<T, 4> q = {slot[0].q, slot[1].q, slot[2].q, slot[3].q};
+  using Floating = detail::Floating<T>;
+  if constexpr (!std::is_void_v<typename Floating::Type>) {
+    using F = typename Floating::Type;
+    F square = 0;
+    for (const T& component : q) square += Floating::of(component) * Floating::of(component);
+    if (std::isnormal(square)) return q;
+    F largest = 0;
+    for (const T& component : q) largest = std::max(largest, std::abs(Floating::of(component)));
+    if (largest == 0 || !std::isfinite(largest)) return q;
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    // the power itself has to be a normal number
+    const F power = std::ldexp(F(1), std::min(-exponent, std::numeric_limits<F>::max_exponent - 1));
+    for (T& component : q) component = component * T(power);
+  }
+  return q;
+}
 
 /** Which way a joint moves: the sign of its rate, 0 at rest. Elements of a field (and other scalars
     without an order) have no sign: there it is given as 1, so that what is computed is the case in

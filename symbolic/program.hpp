@@ -142,8 +142,8 @@ class ProgramRun {
 
   /** R of a quaternion (w, x, y, z), row by row:
           R_ii = (w^2 + x_i^2 - x_j^2 - x_k^2) / n,   R_ij = 2 (x_i x_j -+ w x_k) / n,   n = q'q */
-  static std::array<T, 9> rotation(const scene::JointPosition<T>* q) {
-    const T &w = q[0].q, &x = q[1].q, &y = q[2].q, &z = q[3].q;
+  static std::array<T, 9> rotation(const scene::JointPosition<T>* slot) {
+    const auto [w, x, y, z] = scene::quaternionAt(slot);
     const T ww = w * w, xx = x * x, yy = y * y, zz = z * z;
     const T inverse_n = T(1) / (ww + xx + yy + zz);
     const auto twice = [&](const T& a) { return (a + a) * inverse_n; };

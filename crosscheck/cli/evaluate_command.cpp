@@ -33,6 +33,7 @@
 #include "crosscheck/witnesses/certain_digits.hpp"
 #include "crosscheck/witnesses/column_names.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
+#include "crosscheck/witnesses/estimated_sweep.hpp"
 #include "crosscheck/witnesses/single_precision.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/nearest_name.hpp"
@@ -598,27 +599,45 @@ Eigen::MatrixXd valueOf(Column& column, Sources& sources, const scene::State<dou
   return value;
 }
 
-/// Counts answers whose own bound leaves too few digits: in double, and by the same sweep in float.
+/** Counts answers to which rounding leaves too few digits: in double, and by the same sweep in
+    float. By the sweep's estimate where it has one; otherwise by the answer's own bound, which costs
+    many times the sweep. */
 class UncertainAnswers {
  public:
   UncertainAnswers(const scene::Scene& scene, const std::vector<Column>& columns)
       : scene_(scene.name), of_(columns.size()) {
-    for (std::size_t k = 0; k < columns.size(); ++k)
-      if (columns[k].witness && !columns[k].is_engines)
-        of_[k].in_single = sweepInSinglePrecision(columns[k].witness->name(), scene.mechanism);
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const Column& column = columns[k];
+      if (!column.witness || column.is_engines) continue;
+      const std::string& name = column.witness->name();
+      of_[k].estimated = estimatedSweep(name, column.quantity, scene.mechanism, false);
+      if (of_[k].estimated)
+        of_[k].estimated_single = estimatedSweep(name, column.quantity, scene.mechanism, true);
+      else
+        of_[k].bounded_single = sweepInSinglePrecision(name, scene.mechanism);
+    }
   }
   void see(std::size_t at, const Column& column, const scene::State<double>& state, long row) {
     Asked& asked = of_[at];
-    count(column, column.witness->answer(column.quantity, state), row, &asked.seen);
-    if (asked.in_single) count(column, asked.in_single(column.quantity, state), row, &asked.single);
+    if (asked.estimated) {
+      count(asked.estimated(state).digits, row, &asked.seen);
+      count(asked.estimated_single(state).digits, row, &asked.single);
+      return;
+    }
+    count(certain(column, column.witness->answer(column.quantity, state)), row, &asked.seen);
+    if (asked.bounded_single)
+      count(certain(column, asked.bounded_single(column.quantity, state)), row, &asked.single);
   }
   void tell(const std::vector<Column>& columns, long rows) const {
     for (std::size_t k = 0; k < columns.size(); ++k) {
       if (!columns[k].witness || columns[k].is_engines) continue;
       const std::string who =
           fmt::format("{}: {} by {}", scene_, columns[k].name, columns[k].witness->name());
-      tell(who, of_[k].seen, rows);
-      if (of_[k].in_single) tell(who + " in single precision", of_[k].single, rows);
+      const Asked& asked = of_[k];
+      const char* how = asked.estimated ? "left by estimate" : "certain";
+      tell(who, how, asked.seen, rows);
+      if (asked.estimated_single || asked.bounded_single)
+        tell(who + " in single precision", how, asked.single, rows);
     }
   }
 
@@ -629,30 +648,33 @@ class UncertainAnswers {
   };
   struct Asked {
     Seen seen, single;
-    SingleSweep in_single;
+    EstimatedSweep estimated, estimated_single;
+    SingleSweep bounded_single;
   };
 
-  static void count(const Column& column, Answer answer, long row, Seen* seen) {
+  static double certain(const Column& column, Answer answer) {
     if (!column.rows.empty()) {
       answer.value = answer.value(column.rows, Eigen::all).eval();
       answer.bound = answer.bound(column.rows, Eigen::all).eval();
     }
-    const double digits = certainDigits(answer);
+    return certainDigits(answer);
+  }
+  static void count(double digits, long row, Seen* seen) {
     if (digits > kFewestDigits) return;
     ++seen->states;
     if (!(digits >= seen->digits)) seen->digits = digits, seen->row = row;
   }
-  static void tell(const std::string& who, const Seen& seen, long rows) {
+  static void tell(const std::string& who, const char* how, const Seen& seen, long rows) {
     if (seen.states == 0)
-      cli::tell(fmt::format(
-          "{}: more than {} digits of the largest entry are certain at each of {} states\n", who,
-          kFewestDigits, rows));
-    else
       cli::tell(
-          fmt::format("{}: at {} of {} states no more than {} digits of the largest entry are "
-                      "certain, the fewest {:.1f} (state {}): rounding may have made the "
-                      "others\n",
-                      who, seen.states, rows, kFewestDigits, std::max(0.0, seen.digits), seen.row));
+          fmt::format("{}: more than {} digits of the largest entry are {} at each of {} states\n",
+                      who, kFewestDigits, how, rows));
+    else
+      cli::tell(fmt::format(
+          "{}: at {} of {} states no more than {} digits of the largest entry are "
+          "{}, the fewest {:.1f} (state {}): rounding may have made the "
+          "others\n",
+          who, seen.states, rows, kFewestDigits, how, std::max(0.0, seen.digits), seen.row));
   }
 
   std::string scene_;
@@ -663,10 +685,10 @@ class UncertainAnswers {
 void requireBound(const Column& column) {
   if (column.witness && !column.is_engines && column.along == Along::kNothing) return;
   throw scene::InputError(
-      {},
-      fmt::format("--warn with {}{}, which comes without a bound, allowed: what our sweeps "
-                  "answer of the tree (M, c, g, tau, qdd, kinetic, potential, momentum, reactions)",
-                  column.name, column.is_engines ? " of a program" : ""));
+      {}, fmt::format(
+              "--warn with {}{}, which comes without estimate or bound, allowed: what our sweeps "
+              "answer of the tree (M, c, g, tau, qdd, kinetic, potential, momentum, reactions)",
+              column.name, column.is_engines ? " of a program" : ""));
 }
 
 /// The state, in the order of stateColumns().
@@ -1120,8 +1142,9 @@ Run addEvaluate(CLI::App* command) {
       ->excludes("--random");  // whose table is a file of states as well
   command->add_flag(
       "--warn", arguments->warn,
-      fmt::format("Say at how many states the rounding of the sweep, bounded as it goes, "
-                  "leaves no more than {} digits, in double and by the same sweep in float; far "
+      fmt::format("Say at how many states rounding leaves no more than {} digits, in double and by "
+                  "the same sweep in float: estimated beside the sweep (tau, c, g, M, qdd by the "
+                  "usual witnesses), otherwise bounded by a running error analysis, which is far "
                   "slower",
                   kFewestDigits));
   command

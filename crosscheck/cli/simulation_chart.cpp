@@ -8,6 +8,7 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/inputs/features.hpp"
+#include "crosscheck/motion/closed_work.hpp"
 #include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/report/work_drawing.hpp"
@@ -23,7 +24,8 @@ std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command) 
   CLI::Option* simulate = command->add_flag(
       "--simulate", arguments->is_asked,
       "Whole simulations from the scene's start instead: calls and time against error of the end "
-      "and energy error, by steps of each integrator");
+      "and energy error, by steps of each integrator; with closed loops or springs between points by "
+      "steps and form of the constraints (projection, Baumgarte, index 1, 2, 3)");
   command
       ->add_option("--method", arguments->options.methods,
                    "Integrators: with --simulate [all that know the scene]; " + integratorNames())
@@ -38,16 +40,19 @@ std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command) 
 
 int runSimulationChart(const GivenScene& given, const SimulationChartArguments& arguments,
                        const std::string& output) {
-  const scene::Scene scene = admitted(given, Command::kDrift);
+  const scene::Scene scene = readScene(given);
+  const bool is_closed = !scene.mechanism.isOpenTree();
+  admit(scene, {is_closed ? Command::kSimulate : Command::kDrift});
   requireMotion(scene);
   if (!output.empty()) requireWritableFolder(output);
   WorkOptions options = arguments.options;
   WorkPrecision work;
   {
-    const auto methods = options.methods.empty() ? integrators().size() : options.methods.size();
+    const auto all = is_closed ? closedMethods().size() : integrators().size();
+    const auto methods = options.methods.empty() ? all : options.methods.size();
     Progress progress(static_cast<int>(methods) + 1);
     options.progress = [&](const std::string& stage) { progress.stage(stage); };
-    work = measureWork(scene, options);
+    work = is_closed ? measureClosedWork(scene, options) : measureWork(scene, options);
   }
   work.machine = cpuModel();
   fmt::print("{}", workCsv(work));

@@ -133,6 +133,8 @@ int run(const Arguments& arguments) {
   const int silent = stability::silentOf(atlas, true);
   fmt::print("wrong without a word: ours at {} severities, outside engines at {}\n", silent,
              stability::silentOf(atlas, false));
+  fmt::print("warned of {} digits and more that were right: our estimates at {} severities\n",
+             stability::kPlentyOfDigits, stability::falseAlarmsOf(atlas));
   return silent == 0 ? 0 : 1;
 }
 

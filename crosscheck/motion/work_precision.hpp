@@ -12,13 +12,14 @@
 
 namespace dynwitness::crosscheck {
 
-/// The end of a motion in long double, by two methods that share no formula but the sweeps.
+/// The end of a motion by two methods that share no formula but the sweeps: of trees in long double.
 struct ReferenceMotion {
   std::vector<long double> y;  ///< (q, qd), quaternions of length 1
   std::string by;    ///< "runge_kutta_fehlberg78 and gauss_6 of Hamilton's equations, ..."
   double error = 0;  ///< largest difference of the two [rad, m, rad/s, m/s]
   /// Against the elliptic functions, where the scene is a pendulum that swings.
   std::optional<double> elliptic_error;
+  std::string published;    ///< of a closed mechanism: how far published positions are; "": none
   double most_kinetic = 0;  ///< along the motion [J]
 
   int digits() const;  ///< decimal places to which the two agree

@@ -39,6 +39,21 @@ Look lookOf(const std::string& method) {
       {"rosenbrock4", {5, 4}},
       {"radau_iia_3", {4, 8}},
       {"radau_iia_5", {4, 12}},
+      // of closed mechanisms
+      {"semi_implicit_euler projection", {2, 4}},
+      {"runge_kutta4 index1", {1, 9}},
+      {"runge_kutta4 baumgarte", {1, 6}},
+      {"runge_kutta4 projection", {1, 7}},
+      {"runge_kutta_dopri5 projection", {1, 5}},
+      {"runge_kutta_fehlberg78 projection", {1, 13}},
+      {"bulirsch_stoer8 projection", {6, 6}},
+      {"gauss_6 projection", {3, 13}},
+      {"implicit_euler index2", {2, 12}},
+      {"radau_iia_3 index2", {5, 8}},
+      {"radau_iia_5 projection", {4, 12}},
+      {"radau_iia_5 index2", {4, 14}},
+      {"radau_iia_5 index3", {4, 9}},
+      {"radau_iia_5 ggl", {4, 5}},
   };
   const auto found = looks.find(method);
   return found == looks.end() ? Look{16, 3} : found->second;
@@ -91,6 +106,7 @@ std::string referenceText(const ReferenceMotion& reference) {
   std::string text = fmt::format("{} agree to {} places", reference.by, reference.digits());
   if (reference.elliptic_error)
     text += fmt::format(", the elliptic functions are {:.1g} away", *reference.elliptic_error);
+  if (!reference.published.empty()) text += "; " + reference.published;
   return text;
 }
 
@@ -124,8 +140,13 @@ std::string workScript(const WorkPrecision& work, const std::string& name,
   Range errors, energies, calls, seconds;
   bool fails = false;
   std::string left_out;
+  constexpr int kNamesThatFit = 3;
+  int are_left_out = 0;
   for (const WorkLine& line : work.lines) {
-    if (!line.left_out.empty()) left_out += (left_out.empty() ? "" : ", ") + line.method;
+    if (!line.left_out.empty()) {
+      ++are_left_out;
+      left_out += (left_out.empty() ? "" : ", ") + line.method;
+    }
     for (const WorkPoint& p : line.points) {
       fails = fails || !p.failure.empty();
       if (std::isfinite(p.seconds)) seconds.take(p.seconds);
@@ -135,6 +156,8 @@ std::string workScript(const WorkPrecision& work, const std::string& name,
       energies.take(p.energy_error);
     }
   }
+  if (are_left_out > kNamesThatFit)
+    left_out = fmt::format("{} methods, the reasons are in the data", are_left_out);
   const std::string title = work.title.empty() ? work.scene : work.title;
   std::string text = fmt::format(
       "# Work and precision of simulations of {0}. Draw again with:  gnuplot {1}.gp\n"
@@ -181,12 +204,20 @@ std::string workScript(const WorkPrecision& work, const std::string& name,
         top - 0.275, left, right - 0.5, right, std::max(1.0, std::ceil((right - left) / 7)),
         std::pow(10, p.cost.low - 0.3), std::pow(10, p.cost.high + 0.3), p.x, p.y);
     if (k == 0) {
-      const auto drawn = std::count_if(work.lines.begin(), work.lines.end(),
-                                       [](const WorkLine& line) { return !line.points.empty(); });
+      constexpr std::size_t kThreeFit = 26;  // letters of a name, three to a row
+      constexpr int kNarrower = -11;  // letters less than gnuplot reserves, which are wide ones
+      int drawn = 0;
+      std::size_t longest = 0;
+      for (const WorkLine& line : work.lines) {
+        if (line.points.empty()) continue;
+        ++drawn;
+        longest = std::max(longest, line.method.size());
+      }
+      const int columns = longest > kThreeFit ? 2 : 3;
       text += fmt::format(
           "set key at screen 0.5, screen 0.145 center center vertical Left reverse samplen 4 "
-          "maxrows {} font ',14'\n",
-          (drawn + 2) / 3);
+          "maxrows {} width {} font ',14'\n",
+          (drawn + columns - 1) / columns, columns == 2 ? kNarrower : 0);
     } else {
       text += "unset key\n";
     }

@@ -21,7 +21,7 @@
 #include "crosscheck/system/children.hpp"
 #include "crosscheck/verdicts/truth.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
-#include "crosscheck/witnesses/single_precision.hpp"
+#include "crosscheck/witnesses/estimated_sweep.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck::stability {
@@ -93,8 +93,15 @@ Method witnessMethod(const WitnessKind& kind) {
       return Ball(x);
     });
   };
+  // who has an estimate of one quantity has it of all that families ask of it
+  method.is_estimated =
+      method.is_ours && (method.name == "newton_euler" || method.name == "composite_body" ||
+                         method.name == "articulated_body");
   if (method.is_ours)
     method.warns = [kind](const Case& given, Quantity quantity) {
+      if (const EstimatedSweep estimated =
+              estimatedSweep(kind.info.name, quantity, given.scene.mechanism, false))
+        return estimated(given.state).digits <= kFewestDigits;
       const Answer answer = witnessOf(kind, given, quantity)->answer(quantity, given.state);
       return certainDigits(answer) <= kFewestDigits;
     };
@@ -117,9 +124,10 @@ Method floatMethod(const char* name, Quantity quantity, Sweep sweep) {
     in_float->run(0);
     return in_float->answer();
   };
+  method.is_estimated = true;
   method.warns = [sweep_name = std::string(name)](const Case& given, Quantity asked) {
-    const SingleSweep bounded = sweepInSinglePrecision(sweep_name, given.scene.mechanism);
-    return certainDigits(bounded(asked, given.state)) <= kFewestDigits;
+    return estimatedSweep(sweep_name, asked, given.scene.mechanism, true)(given.state).digits <=
+           kFewestDigits;
   };
   return method;
 }
@@ -241,7 +249,8 @@ class Turning {
         settings_.patience);
     if (said.rfind(kTold, 0) == 0) {
       point.digits = std::stod(said.substr(std::string(kTold).size()));
-      if (point.isBroken() && method_.warns) point.warned = warns(question);
+      if (method_.warns && (point.isBroken() || method_.is_estimated))
+        point.warned = warns(question, point.isBroken());
     } else {
       point.digits = kNone;
       point.stop = said.substr(0, said.find('\n'));
@@ -261,16 +270,19 @@ class Turning {
       return true;  // who throws has told
     }
   }
-  /// Whether each wrong answer was told to be one.
-  bool warns(const Question& question) const {
+  /// Whether each wrong answer was told to be one; of right ones whether any was.
+  bool warns(const Question& question, bool is_broken) const {
     constexpr const char* kWarned = "warned";
     return triedInCopy(
                [&]() -> std::string {
                  hush();
-                 for (std::size_t k = 0; k < question.cases.size(); ++k)
-                   if (digitsIn(question, k) < kFewestDigits && !isTold(question.cases[k]))
+                 for (std::size_t k = 0; k < question.cases.size(); ++k) {
+                   if (!is_broken && isTold(question.cases[k])) return kWarned;
+                   if (is_broken && digitsIn(question, k) < kFewestDigits &&
+                       !isTold(question.cases[k]))
                      return "";
-                 return kWarned;
+                 }
+                 return is_broken ? kWarned : "";
                },
                settings_.patience) == kWarned;
   }
@@ -357,6 +369,11 @@ int Course::silent() const {
   if (is_step) return 0;
   return static_cast<int>(std::count_if(points.begin(), points.end(),
                                         [](const Point& point) { return point.isSilent(); }));
+}
+
+int Course::falseAlarms() const {
+  return static_cast<int>(std::count_if(points.begin(), points.end(),
+                                        [](const Point& point) { return point.isFalseAlarm(); }));
 }
 
 namespace {

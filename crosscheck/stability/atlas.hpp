@@ -28,6 +28,9 @@ struct Method {
   /// Whether what the method knows of its own error says that fewer than kFewestDigits digits are
   /// certain. Empty: it knows nothing.
   std::function<bool(const Case&, Quantity)> warns = {};
+  /// What it knows is an estimate, told with every answer: whether it warns is asked everywhere.
+  /// Otherwise it is a bound, asked where an answer is wrong.
+  bool is_estimated = false;
 };
 
 /// The mechanism at the least severity.
@@ -37,6 +40,9 @@ Case harmlessCase(const Family& family);
 /// protocol are started anew for every severity.
 std::vector<Method> methodsOf(const std::vector<WitnessKind>& kinds);
 
+/// Whoever has as many has no reason to be warned of.
+inline constexpr int kPlentyOfDigits = 6;
+
 /// A method at one severity: the worst of the variants.
 struct Point {
   double severity = 0;
@@ -45,6 +51,8 @@ struct Point {
   bool warned = false;
 
   bool isBroken() const { return !(digits >= kFewestDigits); }
+  /// It warned, and kPlentyOfDigits are right.
+  bool isFalseAlarm() const { return digits >= kPlentyOfDigits && warned; }
   bool isSilent() const { return digits < kFewestDigits && !warned; }
 };
 
@@ -68,7 +76,8 @@ struct Course {
   std::string verdict() const;
   /// How it ended where it broke: "" as numbers with fewer digits, else why it stopped.
   std::string end() const;
-  int silent() const;  ///< severities of wrong answers without a word
+  int silent() const;       ///< severities of wrong answers without a word
+  int falseAlarms() const;  ///< severities of right answers with a warning
 };
 
 struct Turned {

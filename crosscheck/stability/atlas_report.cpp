@@ -127,6 +127,7 @@ Json courseJson(const Course& course) {
           {"ratio", course.breaks() ? numberOrNull(course.ratio()) : Json(nullptr)},
           {"verdict", course.verdict()},
           {"silent", course.silent()},
+          {"false_alarms", course.falseAlarms()},
           {"points", points}};
 }
 
@@ -178,6 +179,13 @@ int silentOf(const std::vector<Turned>& atlas, bool ours) {
     for (const Course& course : turned.courses)
       if (course.is_ours == ours) silent += course.silent();
   return silent;
+}
+
+int falseAlarmsOf(const std::vector<Turned>& atlas) {
+  int alarms = 0;
+  for (const Turned& turned : atlas)
+    for (const Course& course : turned.courses) alarms += course.falseAlarms();
+  return alarms;
 }
 
 std::string tableOf(const Turned& turned) {
@@ -358,6 +366,7 @@ std::string atlasJson(const std::vector<Turned>& atlas, const std::string& versi
                {"fewest_digits", kFewestDigits},
                {"silent_ours", silentOf(atlas, true)},
                {"silent_others", silentOf(atlas, false)},
+               {"false_alarms", falseAlarmsOf(atlas)},
                {"families", all}})
              .dump(1) +
          "\n";

@@ -37,6 +37,8 @@ std::string atlasPage(const std::vector<Turned>& atlas, const std::string& versi
 
 /// Severities at which a method, of ours in double or in float, was wrong without a word.
 int silentOf(const std::vector<Turned>& atlas, bool ours);
+/// Severities at which an estimate of ours warned though kPlentyOfDigits and more were right.
+int falseAlarmsOf(const std::vector<Turned>& atlas);
 
 /// The family of this name. @throws scene::InputError listing the names that exist
 const Family& familyNamed(const std::string& name);

@@ -3,6 +3,7 @@
 // formula.
 #pragma once
 
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "recursive/factorization.hpp"
 #include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
+#include "scene/state.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -383,8 +385,9 @@ Matrix4<T> HomogeneousModel<T>::moved(const Body& body,
   }
   if (body.kind == Kind::kFloating || body.kind == Kind::kSpherical) {
     // the quaternion (w, v) of any length: x -> ((w^2 - v'v) x + 2 v v'x + 2 w v x x) / (w^2 + v'v)
-    const T& w = x[slot].q;
-    const Vector3 v(x[slot + 1].q, x[slot + 2].q, x[slot + 3].q);
+    const std::array<T, 4> q = scene::quaternionAt(&x[slot]);
+    const T& w = q[0];
+    const Vector3 v(q[1], q[2], q[3]);
     const T vv = v.dot(v), scale = T(1) / (w * w + vv);
     R = (Matrix3::Identity() * (w * w - vv) + v * v.transpose() * T(2) + hat(v) * (T(2) * w)) *
         scale;

@@ -18,6 +18,7 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "crosscheck/witnesses/witness.hpp"
+#include "recursive/rounding_estimate.hpp"
 #include "tests/benchmarks/benchmark_kernels.hpp"
 #include "tests/benchmarks/benchmark_parts.hpp"
 #include "tests/benchmarks/fast_by_compiler.hpp"
@@ -77,18 +78,28 @@ const std::vector<scene::JointPosition<double>>& positions(
   return room;
 }
 
-void textbook(benchmark::State& run, const std::string& scene, Formula formula) {
+/// @param warns  with the estimate of what rounding did
+void textbook(benchmark::State& run, const std::string& scene, Formula formula, bool warns) {
   Arm arm(scene);
   const recursive::Model<double>& model = arm.setup.model;
+  recursive::Workspace<double>& ws = arm.setup.ws;
+  recursive::RoundingEstimate<double> estimate(model);
   std::vector<scene::JointPosition<double>> x;
+  double lost = 0;
   for (auto _ : run) {
     const scene::State<double>& s = arm.next();
-    if (formula == Formula::kMassMatrix)
-      recursive::massMatrix(model, positions(s, x), arm.setup.ws, arm.M);
-    else if (formula == Formula::kForwardDynamics)
-      recursive::forwardDynamics(model, positions(s, x), s.qd, s.tau, arm.setup.ws, arm.out);
-    else
-      recursive::inverseDynamics(model, positions(s, x), s.qd, s.qdd, arm.setup.ws, arm.out);
+    positions(s, x);
+    if (formula == Formula::kMassMatrix) {
+      recursive::massMatrix(model, x, ws, arm.M);
+      if (warns) lost += estimate.massMatrix(x, arm.M);
+    } else if (formula == Formula::kForwardDynamics) {
+      recursive::forwardDynamics(model, x, s.qd, s.tau, ws, arm.out);
+      if (warns) lost += estimate.forwardDynamics(model, x, s.qd, s.tau, ws, arm.out);
+    } else {
+      recursive::inverseDynamics(model, x, s.qd, s.qdd, ws, arm.out);
+      if (warns) lost += estimate.inverseDynamics(x, s.qd, s.qdd, arm.out);
+    }
+    benchmark::DoNotOptimize(lost);
     benchmark::DoNotOptimize(arm.out.data());
     benchmark::ClobberMemory();
   }
@@ -335,7 +346,9 @@ void registerSweeps(BenchResult* result) {
     }
   }
   const std::string own = kFastByOwn.compiler();
-  add(result, {"recursive", "textbook sweeps, " + own, true}, textbook);
+  add(result, {"recursive", "textbook sweeps, " + own, true}, textbook, false);
+  add(result, {"recursive_warned", "textbook sweeps with estimates of rounding, " + own, true},
+      textbook, true);
   add(result, {"fast", "fast sweeps, " + own, true},
       [](benchmark::State& run, const std::string& scene, Formula f) {
         fast(run, scene, &kFastByOwn, f);

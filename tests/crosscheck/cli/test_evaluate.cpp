@@ -241,12 +241,14 @@ BOOST_AUTO_TEST_CASE(too_few_certain_digits_are_told) {
   const auto told = [&](const std::string& scene) {
     return program.run("evaluate " + scene + " --warn --quantity qdd", "2>&1 >/dev/null").out;
   };
-  const std::string all_right =
-                        ": more than 3 digits of the largest entry are certain at each of 1 states",
-                    in_double = "qdd by articulated_body",
-                    in_single = in_double + " in single precision",
-                    lost =
-                        ": at 1 of 1 states no more than 3 digits of the largest entry are certain";
+  const std::string
+      all_right =
+          ": more than 3 digits of the largest entry are left by estimate at each of 1 "
+          "states",
+      in_double = "qdd by articulated_body", in_single = in_double + " in single precision",
+      lost =
+          ": at 1 of 1 states no more than 3 digits of the largest entry are left by "
+          "estimate";
   const std::string right = told("cart_pole --q 0,0.1");
   BOOST_TEST(has(right, in_double + all_right), right);
   BOOST_TEST(has(right, in_single + all_right), right);
@@ -285,7 +287,14 @@ xyz = [1, 0, 0]
   const std::string lost_in_both = heavy("1e16");
   BOOST_TEST(has(lost_in_both, in_double + lost), lost_in_both);
   BOOST_TEST(has(lost_in_both, in_single + lost), lost_in_both);
-  refuses(program, "evaluate loop_on_arm --quantity lambda --warn", "without a bound");
+  // who has no estimate tells by its running error bound
+  const std::string bounded =
+      program.run("evaluate cart_pole --warn --quantity kinetic", "2>&1 >/dev/null").out;
+  BOOST_TEST(has(bounded,
+                 "kinetic by newton_euler: more than 3 digits of the largest entry are "
+                 "certain at each of 1 states"),
+             bounded);
+  refuses(program, "evaluate loop_on_arm --quantity lambda --warn", "without estimate or bound");
   // the acceleration that these belong to has lost its digits, which their own bound cannot know
   refuses(program, "evaluate ./heavy.toml --quantity reactions --tau 1,0 --warn", "nobody vouches");
 }

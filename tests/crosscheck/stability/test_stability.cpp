@@ -118,6 +118,27 @@ BOOST_DATA_TEST_CASE(breakdowns_are_where_theory_has_them, data::make(families()
       {{"near_axes", "articulated_body float"}, "outlasts the theory"},
       {{"vanishing_rotor", "articulated_body"}, "outlasts the theory"},
       {{"vanishing_rotor", "articulated_body float"}, "outlasts the theory"}};
+  // Estimates that warn of right answers: the first four of what happens to cancel exactly, long_chain
+  // of sizes that outgrow what is summed, the others next to the breakdown, where sizes leave the
+  // numbers of the arithmetic by a factor before the answer does.
+  const std::set<std::pair<std::string, std::string>> too_careful = {
+      {"vanishing_rotor", "articulated_body"},
+      {"vanishing_rotor", "articulated_body float"},
+      {"gimbal", "articulated_body"},
+      {"near_axes", "articulated_body float"},
+      {"long_chain", "articulated_body float"},
+      {"light_to_heavy", "articulated_body float"},
+      {"light_to_heavy", "composite_body float"},
+      {"spinning_ball", "articulated_body float"},
+      {"spinning_ball", "composite_body float"},
+      {"fast_spin", "composite_body"},
+      {"fast_spin", "articulated_body"},
+      {"fast_spin", "composite_body float"},
+      {"fast_spin", "articulated_body float"},
+      {"huge_lengths", "composite_body"},
+      {"huge_lengths", "articulated_body"},
+      {"huge_lengths", "composite_body float"},
+      {"huge_lengths", "articulated_body float"}};
   const bool is_tau = family.quantity == Quantity::kTau;
   const std::vector<std::string> in_double = is_tau ? std::vector<std::string>{"newton_euler"}
                                                     : std::vector<std::string>{"composite_body",
@@ -140,6 +161,9 @@ BOOST_DATA_TEST_CASE(breakdowns_are_where_theory_has_them, data::make(families()
       else if (course.has_theory)
         BOOST_TEST(course.isAsPredicted(), course.verdict());
       BOOST_TEST(course.silent() == 0);
+      BOOST_TEST(!course.points.front().warned);  // where all is harmless
+      if (too_careful.count({family.name, course.method}) == 0)
+        BOOST_TEST(course.falseAlarms() == 0);
     }
   }
   if (!family.measures.empty() || family.whole) return;
