@@ -18,8 +18,8 @@ namespace {
 std::string evidence(const CheckResult& check) {
   if (check.verdict != Verdict::kAgree) return check.reason;
   if (check.exact) return describeExact(*check.exact);
-  if (check.limit == 0) return fmt::format("{:g} {}", check.worst, name(check.unit));
-  return fmt::format("{:.3g} {}, limit {:.3g}", check.worst, name(check.unit), check.limit);
+  if (check.limit == 0) return fmt::format("{:g} {}", check.worst, check.unitName());
+  return fmt::format("{:.3g} {}, limit {:.3g}", check.worst, check.unitName(), check.limit);
 }
 
 }  // namespace
