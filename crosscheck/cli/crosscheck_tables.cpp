@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/cli/speech.hpp"
 #include "crosscheck/report/text.hpp"
 #include "crosscheck/system/shell.hpp"
 #include "crosscheck/verdicts/causes.hpp"
@@ -83,8 +84,8 @@ void printScenes(const CrosscheckResult& result) {
     }
     const std::string verdict = disagreeing == 0 ? answered > 0 ? "agree" : "not answerable"
                                                  : fmt::format("{} DISAGREE", disagreeing);
-    fmt::print("{:<30} {:>4} {:>6} {:>7}  {:<15} ", scene.name, scene.dof, scene.links, answered,
-               verdict);
+    fmt::print("{:<30} {:>4} {:>6} {:>7}  {} ", scene.name, scene.dof, scene.links, answered,
+               tonedVerdict(fmt::format("{:<15}", verdict)));
     if (closest != nullptr)
       fmt::print("{} {}, {}{}{}", ofLimit(closest->ratio, closest->name()), closest->quantity,
                  closest->left, closest->right.empty() ? "" : "/", closest->right);
@@ -98,7 +99,7 @@ void printCauses(const SceneResult& scene, bool is_said, const std::string& page
                  const std::map<std::string, std::string>& asked) {
   for (const Cause& cause : causesOf(scene)) {
     fmt::print("\n{}: ", scene.name);
-    if (!is_said) fmt::print("disagree: {}\n  ", cause.text);
+    if (!is_said) fmt::print("{}: {}\n  ", toned(Tone::kBad, "disagree"), cause.text);
     fmt::print("{} check{}, seed {}: {}", cause.checks.size(),
                cause.checks.size() == 1 ? " disagrees" : "s disagree", cause.checks.front()->seed,
                page);
@@ -133,7 +134,9 @@ void printRemarks(const SceneResult& scene) {
 
 void printResult(const CrosscheckResult& result, const std::string& page,
                  const std::map<std::string, std::string>& asked) {
-  fmt::print("{}\n{}\n\n", result.headline(), result.controlLine());
+  fmt::print("{}\n{}\n\n",
+             toned(exitStatus(result.verdict()) == 0 ? Tone::kGood : Tone::kBad, result.headline()),
+             result.controlLine());
   printScenes(result);
   std::size_t causes = 0;
   for (const SceneResult& scene : result.scenes) causes += causesOf(scene).size();

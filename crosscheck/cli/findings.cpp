@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/cli/speech.hpp"
 #include "crosscheck/exact/exact.hpp"
 #include "crosscheck/report/json.hpp"
 
@@ -28,7 +29,8 @@ int printFindings(const std::vector<CheckResult>& checks) {
   bool agree = true;
   for (const CheckResult& check : checks) {
     agree = agree && check.verdict != Verdict::kDisagree;
-    fmt::print("{:<15}{}: {}\n               {}\n", name(check.verdict), check.name(),
+    fmt::print("{}{}: {}\n               {}\n",
+               tonedVerdict(fmt::format("{:<15}", name(check.verdict))), check.name(),
                check.statement, evidence(check));
   }
   return agree ? 0 : 1;
