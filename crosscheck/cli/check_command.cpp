@@ -11,6 +11,7 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/engine_options.hpp"
+#include "crosscheck/cli/given_states.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/speech.hpp"
@@ -29,7 +30,7 @@ using namespace crosscheck;
 
 struct Arguments {
   GivenScene scene;
-  std::string scalar = "double", format = "text", output, smallest, answers, states;
+  std::string scalar = "double", format = "text", output, smallest, answers, states, convention;
   std::vector<std::string> engines;
   Limits limits;
   CheckOptions options;
@@ -41,7 +42,9 @@ WitnessKind kindFor(const scene::Scene& scene, Arguments& arguments) {
     throw scene::InputError({}, "nobody to ask, expected --engine COMMAND or --answers FILE");
   if (arguments.answers.empty())
     return engineKinds(arguments.engines, arguments.limits, scene).front();
-  Recorded recorded = readRecorded(scene, arguments.answers, arguments.states);
+  std::optional<CoordinateConvention> convention;
+  if (!arguments.convention.empty()) convention = conventionNamed(arguments.convention);
+  Recorded recorded = readRecorded(scene, arguments.answers, arguments.states, convention);
   arguments.options.states = recorded.states;
   return recordedKind(std::move(recorded), arguments.answers);
 }
@@ -108,6 +111,9 @@ Run addCheck(CLI::App* command) {
       ->add_option("--states", arguments->states,
                    "States, a CSV file: of these answers, row by row, where they do not stand "
                    "beside them (qdd1.. may be answers then, too: of tau1.. here)")
+      ->needs(answers);
+  addConvention(*command, arguments->convention,
+                "in states and answers of these files (`evaluate --help`)")
       ->needs(answers);
   command
       ->add_option("--scalar", arguments->scalar,

@@ -24,11 +24,10 @@ void printMotions(const CrosscheckResult& result) {
       const auto fewest =
           std::min_element(motion.entries.begin(), motion.entries.end(),
                            [](const auto& a, const auto& b) { return a.digits < b.digits; });
-      fmt::print(
-          "\npublished motion in {}: {}: {} values {}, {:.1f} digits or more, {}{}",
-          scene.name, motion.title, motion.values, motion.ratio <= 1 ? "agree" : "DISAGREE",
-          fewest->digits, ofLimit(motion.ratio, "the limit"),
-          motion.own.empty() ? "" : " (figures by another road of ours)");
+      fmt::print("\npublished motion in {}: {}: {} values {}, {:.1f} digits or more, {}{}",
+                 scene.name, motion.title, motion.values, motion.ratio <= 1 ? "agree" : "DISAGREE",
+                 fewest->digits, ofLimit(motion.ratio, "the limit"),
+                 motion.own.empty() ? "" : " (figures by another road of ours)");
     }
 }
 

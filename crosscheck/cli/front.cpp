@@ -42,8 +42,8 @@ int orFailure(const Work& work) {
   } catch (const std::bad_alloc&) {
     tellFailure("dynwitness: failed: not enough memory\n");  // and without asking for any
   } catch (const std::exception& error) {
-    tellFailure(fmt::format("dynwitness: failed: {}{}\n", std::ferror(stdout) ? "standard output: " : "",
-                     error.what()));
+    tellFailure(fmt::format("dynwitness: failed: {}{}\n",
+                            std::ferror(stdout) ? "standard output: " : "", error.what()));
   }
   return kOwnFailure;
 }
@@ -65,8 +65,9 @@ int become(const Command& command, char** argv) {
   if (self.empty()) self = argv[0];
   const std::filesystem::path program = self.parent_path() / command.program;
   execv(program.c_str(), argv);
-  tellFailure(fmt::format("dynwitness: {} is in a program of its own, {}: {}; ./dynwitness {} builds it\n",
-                   command.name, program.string(), std::strerror(errno), command.name));
+  tellFailure(
+      fmt::format("dynwitness: {} is in a program of its own, {}: {}; ./dynwitness {} builds it\n",
+                  command.name, program.string(), std::strerror(errno), command.name));
   return kBadInput;
 }
 

@@ -7,14 +7,13 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 namespace dynwitness::cli {
 namespace {
 
-constexpr double kQuiet_s = 1, kBetweenLines_s = 30, kBetweenBars_s = 0.25,
-                 kBetweenObjects_s = 1;
+constexpr double kQuiet_s = 1, kBetweenLines_s = 30, kBetweenBars_s = 0.25, kBetweenObjects_s = 1;
 constexpr int kWidth = 24;
 /// What comes first is not like the rest: of 2 s for the first 0.1 % no end can be told. After so
 /// many seconds a rough end is worth more than none: hours or days, then.

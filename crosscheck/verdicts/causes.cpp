@@ -22,9 +22,8 @@ bool has(const std::vector<std::string>& list, const std::string& one) {
 std::vector<std::string> partsOf(const std::string& quantity) {
   static const std::vector<std::string> kForces = {"M", "c", "g", "tau"};
   static const std::map<std::string, std::vector<std::string>> kParts = {
-      {"c", {"M"}},           {"tau", {"M", "c", "g"}},      {"qdd", kForces},
-      {"kinetic", {"M"}},     {"momentum", {"M"}},           {"potential", {"g"}},
-      {"reactions", kForces},
+      {"c", {"M"}},        {"tau", {"M", "c", "g"}}, {"qdd", kForces},       {"kinetic", {"M"}},
+      {"momentum", {"M"}}, {"potential", {"g"}},     {"reactions", kForces},
   };
   if (quantity.rfind("mechanism ", 0) == 0) return kForces;
   const auto found = kParts.find(quantity);
@@ -177,8 +176,7 @@ std::vector<Cause> causesOf(const SceneResult& scene) {
     const auto who = std::find_if(alone.begin(), alone.end(), [&](const std::string& witness) {
       return witness == check.left || witness == check.right;
     });
-    const std::string key =
-        who == alone.end() ? keyOf(check, is_misread) : "witness " + *who;
+    const std::string key = who == alone.end() ? keyOf(check, is_misread) : "witness " + *who;
     auto at = std::find_if(causes.begin(), causes.end(),
                            [&](const auto& known) { return known.first == key; });
     if (at == causes.end()) {

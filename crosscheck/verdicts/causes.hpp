@@ -18,10 +18,10 @@ struct Cause {
   /// contains the derivatives of M), those that contain one, and those of the witness that are
   /// right.
   std::vector<std::string> wrong, following, right;
-  std::vector<std::string> joints;             ///< whose own entries are wrong
-  std::vector<const CheckResult*> checks;      ///< of the scene, which has to live as long
-  const CheckResult::Off* off = nullptr;       ///< a wrong answer in figures, where there is one
-  std::string text;                            ///< one line, with all of it
+  std::vector<std::string> joints;         ///< whose own entries are wrong
+  std::vector<const CheckResult*> checks;  ///< of the scene, which has to live as long
+  const CheckResult::Off* off = nullptr;   ///< a wrong answer in figures, where there is one
+  std::string text;                        ///< one line, with all of it
 };
 
 /** The causes of a scene's disagreements; every one of these belongs to one of them. A disagreement

@@ -162,7 +162,7 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
     return fail(state, "no certified truth: " + truth.reason, truth.is_impossible);
   if (answer.rows() != truth.value.rows() || answer.cols() != truth.value.cols()) {
     shapes_differ_ = fmt::format("{} x {} numbers at state {}, expected {} x {}", answer.rows(),
-                                answer.cols(), state, truth.value.rows(), truth.value.cols());
+                                 answer.cols(), state, truth.value.rows(), truth.value.cols());
     return;
   }
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -303,11 +303,10 @@ CheckResult::Off DigitsTally::off(const scene::Mechanism& mechanism) const {
 }
 
 std::string DigitsTally::beyondItsBound(const CheckResult& check) const {
-  return fmt::format(
-      "{} {} {:.3g} {} {} at state {}, {:.3g} times its bound of {:.3g} {}", worst_at_,
-      check.condition ? "leaves" : "is", check.worst, check.unitName(),
-      check.condition ? "of its equation" : "from the truth", check.worst_state, check.ratio,
-      check.limit, check.unitName());
+  return fmt::format("{} {} {:.3g} {} {} at state {}, {:.3g} times its bound of {:.3g} {}",
+                     worst_at_, check.condition ? "leaves" : "is", check.worst, check.unitName(),
+                     check.condition ? "of its equation" : "from the truth", check.worst_state,
+                     check.ratio, check.limit, check.unitName());
 }
 
 CheckResult DigitsTally::check(const scene::Mechanism& mechanism) const {

@@ -145,10 +145,7 @@ std::string CheckResult::name() const {
 
 std::string CheckResult::unitName() const {
   static const std::map<std::string, const char*> kUnits = {
-      {"M", "kg m^2, kg m or kg"},
-      {"kinetic", "J"},
-      {"potential", "J"},
-      {"energy", "J"},
+      {"M", "kg m^2, kg m or kg"},  {"kinetic", "J"}, {"potential", "J"}, {"energy", "J"},
       {"momentum", "N s or N m s"},
   };
   static const std::vector<std::string> kForces = {"c", "g", "tau", "qdd", "reactions"};
@@ -157,8 +154,8 @@ std::string CheckResult::unitName() const {
   const bool is_force =  // qdd is judged by the forces that it leaves
       std::find(kForces.begin(), kForces.end(), quantity) != kForces.end();
   return fmt::format("{} (zero within rounding)", found != kUnits.end() ? found->second
-                                                  : is_force ? "N m or N"
-                                                             : "SI units");
+                                                  : is_force            ? "N m or N"
+                                                                        : "SI units");
 }
 
 void CheckResult::useItsOwnUnit(double largest_there) {
@@ -361,8 +358,9 @@ std::pair<const SceneResult*, const CheckResult*> CrosscheckResult::worst() cons
   std::pair<const SceneResult*, const CheckResult*> worst{nullptr, nullptr};
   for (const SceneResult& scene : scenes)
     for (const CheckResult& check : scene.checks)
-      if (check.verdict != Verdict::kNotAnswerable && (check.unit == Unit::kUlp || check.unit == Unit::kAbsolute) &&
-          !check.known_loss && (worst.second == nullptr || !(check.ratio <= worst.second->ratio)))
+      if (check.verdict != Verdict::kNotAnswerable &&
+          (check.unit == Unit::kUlp || check.unit == Unit::kAbsolute) && !check.known_loss &&
+          (worst.second == nullptr || !(check.ratio <= worst.second->ratio)))
         worst = {&scene, &check};
   return worst;
 }

@@ -131,7 +131,8 @@ CheckResult judged(CheckKind kind, const std::string& quantity, const std::strin
 }
 
 /// A scene of three joints where b is wrong in some quantities, against a, c and the truth.
-SceneResult withWrong(const std::vector<std::string>& wrong, const std::vector<std::string>& right) {
+SceneResult withWrong(const std::vector<std::string>& wrong,
+                      const std::vector<std::string>& right) {
   SceneResult scene;
   scene.name = "arm";
   scene.dof = 3;
