@@ -70,25 +70,33 @@ std::string whichJoints(const Cause& cause, int dof) {
   constexpr std::size_t kMost = 5;
   if (cause.joints.empty()) return "";
   if (static_cast<int>(cause.joints.size()) == dof)
-    return dof == 1 ? "" : fmt::format(", at all {} joints", dof);
+    return dof == 1 ? "" : fmt::format("; wrong at all {} joints", dof);
   std::vector<std::string> shown;
   for (std::size_t i = 0; i < std::min(kMost, cause.joints.size()); ++i)
     shown.push_back("'" + cause.joints[i] + "'");
   if (cause.joints.size() > kMost)
     shown.push_back(fmt::format("{} more", cause.joints.size() - kMost));
-  return fmt::format(", at joint{} {} of {}", cause.joints.size() == 1 ? "" : "s", listed(shown),
-                     dof);
+  return fmt::format("; wrong at joint{} {} of {}", cause.joints.size() == 1 ? "" : "s",
+                     listed(shown), dof);
 }
 
-/// "stranger stands alone in M, and so in c and tau, which contain it, at joints .."
+/// "tau[3] is off by 3.1 N m where 12 N m is right, at state 7"
+std::string offAt(const CheckResult::Off& off) {
+  return fmt::format("{} {}, at state {}", off.entry, figures(off), off.state);
+}
+
+/// "stranger stands alone in M; tau[3] is off by ..; wrong at joints ..; so are c and tau, which
+/// contain it; right in g"
 std::string textOfWitness(const Cause& cause, int dof) {
   std::string text = fmt::format("{} stands alone", cause.witness);
   if (!cause.wrong.empty()) text += " in " + listed(cause.wrong);
-  if (!cause.following.empty())
-    text += fmt::format(" and so in {}, which contain{} {}", listed(cause.following),
-                        cause.following.size() == 1 ? "s" : "",
-                        cause.wrong.size() == 1 ? "it" : "them");
+  text += "; " + (cause.off != nullptr ? offAt(*cause.off) : cause.checks.front()->reason);
   text += whichJoints(cause, dof);
+  if (!cause.following.empty())
+    text +=
+        fmt::format("; so {} {}, which contain{} {}", cause.following.size() == 1 ? "is" : "are",
+                    listed(cause.following), cause.following.size() == 1 ? "s" : "",
+                    cause.wrong.size() == 1 ? "it" : "them");
   if (!cause.right.empty()) text += "; right in " + listed(cause.right);
   return text;
 }
@@ -192,11 +200,7 @@ std::vector<Cause> causesOf(const SceneResult& scene) {
     putFigures(cause);
     if (!cause.witness.empty()) cause.right = rightOf(cause.witness, scene);
     cause.text = cause.witness.empty() ? textOfOthers(cause, key) : textOfWitness(cause, scene.dof);
-    if (cause.off != nullptr)
-      cause.text += fmt::format("; {} {}, at state {}", cause.off->entry, figures(*cause.off),
-                                cause.off->state);
-    else if (!cause.witness.empty())
-      cause.text += "; " + cause.checks.front()->reason;
+    if (cause.witness.empty() && cause.off != nullptr) cause.text += "; " + offAt(*cause.off);
     out.push_back(std::move(cause));
   }
   std::stable_sort(out.begin(), out.end(), [](const Cause& a, const Cause& b) {

@@ -170,8 +170,8 @@ BOOST_AUTO_TEST_CASE(every_command_says_how_much_it_says) {
 BOOST_AUTO_TEST_CASE(pictures_are_svg_png_or_pdf) {
   const Program program;
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) return;
-  for (const auto& [file, begin] :
-       std::map<std::string, std::string>{{"a.svg", "<?xml"}, {"b.png", "\x89PNG"}, {"c.pdf", "%PDF"}}) {
+  for (const auto& [file, begin] : std::map<std::string, std::string>{
+           {"a.svg", "<?xml"}, {"b.png", "\x89PNG"}, {"c.pdf", "%PDF"}}) {
     const Outcome outcome = program.run("drift acrobot --step 0.01,0.005 --duration 1 --plot " +
                                         file + " --background white");
     BOOST_TEST(outcome.status == 0, outcome.out);
