@@ -164,4 +164,22 @@ for convention in ("mujoco", "pinocchio", "drake"):
     if convention != "pinocchio":
         status, out, err = humanoid("--answers", untold, "--convention", "pinocchio")
         assert status == 1, (convention, out, err)
+
+# and of motions: those of a spherical top, its quaternion's real part first or last
+def top(*arguments):
+    done = subprocess.run([PROGRAM, "drift", "heavy_top", "--motion", *arguments], capture_output=True, text=True)
+    return done.returncode, done.stdout, done.stderr
+
+
+motion = path("top.csv")
+subprocess.run([PROGRAM, "simulate", "heavy_top", "--duration", "0.2", "--csv", motion], check=True, capture_output=True)
+assert top(motion)[0] == 0, top(motion)
+with open(motion) as file:
+    first, *rest = file
+assert first == "# convention: dynwitness\n", first
+with open(untold, "w") as file:
+    file.writelines(rest)
+assert top(untold)[0] == 2 and "whose coordinates the file has" in top(untold)[2], top(untold)
+assert top(untold, "--convention", "dynwitness")[0] == 0
+assert top(untold, "--convention", "pinocchio")[0] == 1
 print("right")
