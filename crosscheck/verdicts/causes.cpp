@@ -104,11 +104,14 @@ std::string textOfWitness(const Cause& cause, int dof) {
 /// Of what nobody stands alone in.
 std::string textOfOthers(const Cause& cause, const std::string& key) {
   const CheckResult& first = *cause.checks.front();
-  if (key == kReading)
+  if (key == kReading) {
+    const auto read = std::find_if(cause.checks.begin(), cause.checks.end(),
+                                   [](const CheckResult* check) { return check->law == kReading; });
     return fmt::format(
         "the file, read a second time, says otherwise than the scene that all witnesses were "
         "told: {}",
-        first.reason);
+        (*read)->reason);
+  }
   if (key == "quantity") {
     std::vector<std::string> who;
     for (const CheckResult* check : cause.checks)

@@ -8,8 +8,10 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/verdicts/causes.hpp"
+#include "crosscheck/verdicts/check_reading.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/options.hpp"
+#include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 
 using namespace dynwitness;
@@ -193,6 +195,29 @@ BOOST_AUTO_TEST_CASE(every_disagreement_belongs_to_one_cause) {
   BOOST_TEST(explained == 7u);
   BOOST_TEST(who == (std::vector<std::string>{"b", "d", ""}), boost::test_tools::per_element());
   BOOST_TEST((causes[2].text.find("a: projector") == 0), causes[2].text);
+}
+
+// A number that the file does not say (one mimic joint, say) makes tables disagree with everybody:
+// who reads the file a second time names it, and all of that is one line.
+BOOST_AUTO_TEST_CASE(one_misread_number_is_one_line) {
+  SceneResult scene;
+  scene.name = "gripper";
+  CheckResult reading = judged(CheckKind::kLaw, "numbers", kRereading, "", Verdict::kDisagree);
+  reading.law = kReading;
+  reading.reason = "multiplier of joint 'right_finger': 1 and -1";
+  for (const char* witness : {"a", "b", "c"})
+    for (const char* quantity : {"M", "g", "tau", "c", "qdd"}) {
+      scene.checks.push_back(
+          judged(CheckKind::kTable, quantity, "table", witness, Verdict::kDisagree));
+      scene.checks.back().statement = "published";
+    }
+  scene.checks.push_back(reading);
+  scene.findings = findTableDisputes(scene.name, scene.checks);
+  const std::vector<Cause> causes = causesOf(scene);
+  BOOST_REQUIRE(causes.size() == 1u);
+  BOOST_TEST(causes[0].checks.size() == 16u);
+  BOOST_TEST((causes[0].text.find("multiplier of joint 'right_finger'") != std::string::npos),
+             causes[0].text);
 }
 
 // Percentages beyond 1000 say nothing; nor do they of zero.
