@@ -34,6 +34,7 @@ struct ChartArguments {
   Limits limits;  ///< of these programs
   int states = 1000;
   std::uint64_t seed = 1;
+  PictureLook look;
 };
 
 /// Each quantity asked for once, in the order of the charts.
@@ -74,7 +75,7 @@ int runChart(const ChartArguments& arguments) {
     data.push_back({stem, chartCsv({chart})});
     scripts.push_back({stem, chartScript(chart, stem, kChartStyle)});
   }
-  writeCharts(data, scripts, arguments.output);
+  writeCharts(data, scripts, arguments.output, arguments.look);
   return 0;
 }
 
@@ -105,10 +106,11 @@ Run addChart(CLI::App* command) {
     command->get_option(of_questions)->excludes(command->get_option("--simulate"));
   addOutput(*command, arguments->output,
             "folder for SCENE_QUANTITY (or _simulate) .csv, .gp, .svg and _dark.svg");
+  addPictures(*command, arguments->look);
   return [arguments, simulation] {
-    return simulation->is_asked
-               ? runSimulationChart(arguments->scene, *simulation, arguments->output)
-               : runChart(*arguments);
+    return simulation->is_asked ? runSimulationChart(arguments->scene, *simulation,
+                                                     arguments->output, arguments->look)
+                                : runChart(*arguments);
   };
 }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/cli/options.hpp"
 #include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/plot.hpp"
 #include "crosscheck/system/files.hpp"
@@ -16,7 +17,7 @@ using namespace crosscheck;
 namespace fs = std::filesystem;
 
 void writeCharts(const std::vector<ChartData>& data, const std::vector<ChartScript>& scripts,
-                 const fs::path& folder) {
+                 const fs::path& folder, const PictureLook& look) {
   const UnfinishedFolder work(folder);  // vanishes again
   work.write(kChartStyle, kStyleGnuplot);
   std::vector<std::string> files = {kChartStyle};
@@ -26,10 +27,10 @@ void writeCharts(const std::vector<ChartData>& data, const std::vector<ChartScri
     files.push_back(stem + ".csv");
   }
   for (const auto& [stem, script] : scripts) {
-    const std::vector<std::string> pictures = {stem + ".svg", stem + "_dark.svg"};
+    const std::vector<std::string> pictures = {stem + "." + look.kind, stem + "_dark." + look.kind};
     work.write(stem + ".gp", script);
     files.push_back(stem + ".gp");
-    if (const auto failure = runGnuplot(work.path(), stem + ".gp", pictures))
+    if (const auto failure = runGnuplot(work.path(), stem + ".gp", pictures, look))
       problem = *failure;
     else
       files.insert(files.end(), pictures.begin(), pictures.end());
@@ -42,6 +43,21 @@ void writeCharts(const std::vector<ChartData>& data, const std::vector<ChartScri
   if (!problem.empty())
     throw std::runtime_error(
         fmt::format("no picture: {}; data and scripts are in {}", problem, folder.string()));
+}
+
+void addPictures(CLI::App& command, PictureLook& look) {
+  command.add_option("--format", look.kind, "How it is written: the pictures")
+      ->capture_default_str()
+      ->check(oneOf({"svg", "png", "pdf"}));
+  addBackground(command, look);
+}
+
+void addBackground(CLI::App& command, PictureLook& look) {
+  command
+      .add_option("--background", look.paper,
+                  "What pictures stand on; without: SVG and PDF on nothing, PNG on white (the dark "
+                  "ones on dark)")
+      ->check(oneOf({"white", "transparent"}));
 }
 
 }  // namespace dynwitness::cli

@@ -6,6 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
+#include "crosscheck/report/plot.hpp"
+
 namespace dynwitness::cli {
 
 /// Beside the scripts, named so that it meets no file of the user's.
@@ -15,7 +19,7 @@ inline constexpr const char* kChartStyle = "dynwitness_style.gp";
 struct ChartData {
   std::string stem, csv;
 };
-/// STEM.gp, which loads kChartStyle and draws STEM.svg and STEM_dark.svg.
+/// STEM.gp, which loads kChartStyle and draws STEM.svg and STEM_dark.svg, or .png, .pdf.
 struct ChartScript {
   std::string stem, script;
 };
@@ -24,6 +28,11 @@ struct ChartScript {
     leaves data and script all the same.
     @throws std::runtime_error  there is such a picture, or a file cannot be written */
 void writeCharts(const std::vector<ChartData>& data, const std::vector<ChartScript>& scripts,
-                 const std::filesystem::path& folder);
+                 const std::filesystem::path& folder, const crosscheck::PictureLook& look = {});
+
+/// --format svg|png|pdf of pictures, and --background.
+void addPictures(CLI::App& command, crosscheck::PictureLook& look);
+/// --background alone, where a file's ending says the format.
+void addBackground(CLI::App& command, crosscheck::PictureLook& look);
 
 }  // namespace dynwitness::cli

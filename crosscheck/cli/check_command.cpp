@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness check: somebody's program on the stand. Is it right, where is it wrong, and why?
+#include <algorithm>
+#include <cstring>
 #include <memory>
 #include <optional>
+#include <sstream>
 
 #include <fmt/format.h>
 
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/engine_options.hpp"
+#include "crosscheck/cli/given_states.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/speech.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/diagnosis/check_report.hpp"
 #include "crosscheck/diagnosis/examine.hpp"
@@ -25,7 +30,7 @@ using namespace crosscheck;
 
 struct Arguments {
   GivenScene scene;
-  std::string scalar = "double", format = "text", output, smallest, answers, states;
+  std::string scalar = "double", format = "text", output, smallest, answers, states, convention;
   std::vector<std::string> engines;
   Limits limits;
   CheckOptions options;
@@ -37,9 +42,29 @@ WitnessKind kindFor(const scene::Scene& scene, Arguments& arguments) {
     throw scene::InputError({}, "nobody to ask, expected --engine COMMAND or --answers FILE");
   if (arguments.answers.empty())
     return engineKinds(arguments.engines, arguments.limits, scene).front();
-  Recorded recorded = readRecorded(scene, arguments.answers, arguments.states);
+  std::optional<CoordinateConvention> convention;
+  if (!arguments.convention.empty()) convention = conventionNamed(arguments.convention);
+  Recorded recorded = readRecorded(scene, arguments.answers, arguments.states, convention);
   arguments.options.states = recorded.states;
   return recordedKind(std::move(recorded), arguments.answers);
+}
+
+/// The report's text with its verdicts in colour: the second word of "  M          wrong  ..", and
+/// the last line.
+std::string colored(const std::string& text) {
+  constexpr std::size_t kVerdict = 13, kWidth = 10;  // where it stands in a line
+  if (!speech().isColored()) return text;
+  std::istringstream lines(text);
+  std::string out;
+  for (std::string line; std::getline(lines, line); out += line + "\n") {
+    if (line == "right" || line == "WRONG") line = tonedVerdict(line);
+    for (const char* word : {"right ", "wrong ", "cannot say"})
+      if (line.size() > kVerdict && line.compare(0, 2, "  ") == 0 && line[kVerdict - 1] == ' ' &&
+          line.compare(kVerdict, std::strlen(word), word) == 0)
+        line = line.substr(0, kVerdict) + tonedVerdict(line.substr(kVerdict, kWidth)) +
+               line.substr(std::min(line.size(), kVerdict + kWidth));
+  }
+  return out;
 }
 
 int run(Arguments arguments) {
@@ -59,7 +84,7 @@ int run(Arguments arguments) {
   const std::string text =
       arguments.format == "json" ? checkJson(found, DYNWITNESS_VERSION) : checkText(found);
   if (arguments.output.empty())
-    fmt::print("{}", text);
+    fmt::print("{}", arguments.format == "json" ? text : colored(text));
   else
     writeWholeFile(arguments.output, text);
   if (!arguments.smallest.empty() && found.smallest)
@@ -86,6 +111,9 @@ Run addCheck(CLI::App* command) {
       ->add_option("--states", arguments->states,
                    "States, a CSV file: of these answers, row by row, where they do not stand "
                    "beside them (qdd1.. may be answers then, too: of tau1.. here)")
+      ->needs(answers);
+  addConvention(*command, arguments->convention,
+                "in states and answers of these files (`evaluate --help`)")
       ->needs(answers);
   command
       ->add_option("--scalar", arguments->scalar,

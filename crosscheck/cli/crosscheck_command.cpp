@@ -10,6 +10,7 @@
 #include "crosscheck/chart/chart.hpp"
 #include "crosscheck/cli/campaign.hpp"
 #include "crosscheck/cli/commands.hpp"
+#include "crosscheck/cli/crosscheck_tables.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/engine_options.hpp"
 #include "crosscheck/cli/options.hpp"
@@ -117,112 +118,6 @@ void sayWhatIsRead(std::vector<WitnessInfo>& witnesses) {
     const std::string line = "reads: the scene, as dynwitness has read it from the file";
     witness.conventions = line + (witness.conventions.empty() ? "" : "\n" + witness.conventions);
   }
-}
-
-/// A line a published motion: how many values, and how near the limit.
-void printMotions(const CrosscheckResult& result) {
-  for (const SceneResult& scene : result.scenes)
-    for (const PublishedMotion& motion : scene.motions) {
-      if (!motion.failure.empty()) continue;  // a disagreement, which is told with the others
-      const auto fewest =
-          std::min_element(motion.entries.begin(), motion.entries.end(),
-                           [](const auto& a, const auto& b) { return a.digits < b.digits; });
-      fmt::print(
-          "\npublished motion in {}: {}: {} values {}, {:.1f} digits or more, {:.0f}% of the limit{}",
-          scene.name, motion.title, motion.values, motion.ratio <= 1 ? "agree" : "DISAGREE",
-          fewest->digits, 100 * motion.ratio,
-          motion.own.empty() ? "" : " (figures by another road of ours)");
-    }
-}
-
-/// What of the scenes was read a second time, and who read a file of the user's own.
-void printReading(const CrosscheckResult& result) {
-  int again = 0, off = 0;
-  std::map<std::string, int> not_read;   // scenes, by reason
-  std::map<std::string, int> of_others;  // by who read the file itself
-  for (const SceneResult& scene : result.scenes) {
-    bool is_again = false, is_off = false;
-    for (const CheckResult& check : scene.checks) {
-      if (check.law != kReading) continue;
-      if (check.asksNothing()) {
-        ++not_read[check.reason];
-        continue;
-      }
-      if (check.verdict == Verdict::kNotAnswerable) {
-        ++not_read[check.reason];
-        continue;
-      }
-      is_again = true;
-      is_off = is_off || check.verdict == Verdict::kDisagree;
-      if (const std::string who = whoReads(check); !who.empty()) ++of_others[who];
-    }
-    again += is_again ? 1 : 0;
-    off += is_off ? 1 : 0;
-  }
-  fmt::print(
-      "\nreading: the text of {} of {} scene{} was read, placed and weighed a second time, {}",
-      again, result.scenes.size(), result.scenes.size() == 1 ? "" : "s",
-      off > 0     ? fmt::format("{} DISAGREE", off)
-      : again > 0 ? "and agrees"
-                  : "so nobody but the readers of scenes vouches for it");
-  for (const auto& [who, scenes] : of_others)
-    fmt::print("\n  {} scene{}: {}", scenes, scenes == 1 ? "" : "s", who);
-  for (const auto& [reason, scenes] : not_read)
-    fmt::print("\n  {} scene{}: {}", scenes, scenes == 1 ? "" : "s", reason);
-}
-
-void printTable(const CrosscheckResult& result) {
-  fmt::print("{}\n{}\n\n", result.headline(), result.controlLine());
-  fmt::print("{:<30} {:>4} {:>6} {:>7}  {:<15} {}\n", "scene", "dof", "links", "checks", "verdict",
-             "closest to its limit, in any unit");
-  for (const SceneResult& scene : result.scenes) {
-    int disagreeing = 0, answered = 0, partly = 0;
-    const CheckResult* closest = nullptr;
-    for (const CheckResult& check : scene.checks) {
-      if (check.verdict == Verdict::kNotAnswerable) continue;
-      ++answered;
-      disagreeing += check.verdict == Verdict::kDisagree ? 1 : 0;
-      partly += check.voided > 0 ? 1 : 0;
-      if (!check.known_loss && (closest == nullptr || check.ratio > closest->ratio))
-        closest = &check;
-    }
-    const std::string verdict = disagreeing == 0 ? answered > 0 ? "agree" : "not answerable"
-                                                 : fmt::format("{} DISAGREE", disagreeing);
-    fmt::print("{:<30} {:>4} {:>6} {:>7}  {:<15} ", scene.name, scene.dof, scene.links, answered,
-               verdict);
-    if (closest != nullptr)
-      fmt::print("{:.0f}% of {} {}, {}{}{}", 100 * closest->ratio, closest->name(),
-                 closest->quantity, closest->left, closest->right.empty() ? "" : "/",
-                 closest->right);
-    if (partly > 0) fmt::print("; {} check{} not at all states", partly, partly == 1 ? "" : "s");
-    fmt::print("\n");
-  }
-  for (const SceneResult& scene : result.scenes) {
-    for (const Finding& finding : scene.findings)
-      if (finding.kind != Finding::Kind::kKnownLoss) fmt::print("\nfinding: {}", finding.text);
-    std::map<std::string, std::string> refused_by;  // names, by reason
-    for (const CheckResult& check : scene.checks) {
-      if (check.verdict == Verdict::kAgree) continue;
-      if (check.law == kReading && check.asksNothing()) continue;  // printReading() tells
-      if (check.asksNothing()) {
-        std::string& names = refused_by[check.reason];
-        names += (names.empty() ? "" : ", ") + check.left;
-        continue;
-      }
-      fmt::print("\n{}: {}: {} {} ({}{}{}): {} (seed {})", scene.name, name(check.verdict),
-                 check.name(), check.quantity, check.left, check.right.empty() ? "" : " and ",
-                 check.right, check.reason, check.seed);
-    }
-    for (const auto& [reason, names] : refused_by)
-      fmt::print("\n{}: not answerable by {}: {}", scene.name, names, reason);
-  }
-  printReading(result);
-  printMotions(result);
-  for (const CrosscheckResult::KnownLoss& loss : result.knownLosses())
-    fmt::print("\nknown loss of {}, {} scene{}; worst in {}\n  cause: {}\n  remedy: {}\n",
-               loss.witness->name, loss.scenes, loss.scenes == 1 ? "" : "s", loss.worst->text,
-               loss.witness->convention("known loss"), loss.witness->convention("remedy"));
-  fmt::print("\n");
 }
 
 /// Witnesses that the options name, or all that are present but kernels, whose making is slow.
@@ -396,8 +291,12 @@ int runCrosscheck(const CrosscheckArguments& arguments) {
                      reportJson(result, environment, bench ? benchJson(*bench) : std::string(),
                                 all ? pairsJson(pairs) : std::string()));
   }
-  printTable(result);
-  fmt::print("report: {}\n", (std::filesystem::path(arguments.report) / "index.html").string());
+  std::map<std::string, std::string> asked;  // how `check` asks a program, by witness
+  for (std::size_t k = 0; k < engines.size(); ++k)
+    asked[engines[k].info.name] = "--engine " + shellWord(arguments.engines.at(k));
+  const std::string page = (std::filesystem::path(arguments.report) / "index.html").string();
+  printResult(result, page, asked);
+  fmt::print("report: {}\n", page);
   const RunVerdict verdict = result.verdict();
   if (verdict == RunVerdict::kNotAnswerable)
     throw std::runtime_error("no check could be answered; the report says why");

@@ -325,14 +325,14 @@ int runDerive(const DeriveArguments& arguments) {
     fmt::print("{}", text);
   else
     crosscheck::writeWholeFile(arguments.output, text);
-  if (!holds) tell("dynwitness: a step of the derivation does not hold\n");
+  if (!holds) tellFailure("dynwitness: a step of the derivation does not hold\n");
   if (proof && proof->problem.empty()) {
     tell(fmt::format(
         "read back from what is printed: {} formulas are what was derived, at {} random "
         "points modulo 2^61 - 1 (another formula passes with a chance below {:.0g})\n",
         proof->formulas, proof->points, symbolic::kReadBackChance));
   } else if (proof) {
-    tell(fmt::format("dynwitness: read back from what is printed: {}\n", proof->problem));
+    tellFailure(fmt::format("dynwitness: read back from what is printed: {}\n", proof->problem));
     holds = false;
   }
   return holds ? 0 : 1;

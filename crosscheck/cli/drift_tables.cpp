@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -78,11 +79,15 @@ namespace {
 
 constexpr int kMoments = 200;  // of a motion that an engine makes
 
-OwnMotion recorded(const scene::Scene& scene, const std::string& file) {
+OwnMotion recorded(const scene::Scene& scene, const std::string& file,
+                   const std::string& convention) {
+  std::optional<CoordinateConvention> asked;
+  if (!convention.empty()) asked = conventionNamed(convention);
   // what simulate --csv writes is one
   StatesReader reader(
       file, scene.mechanism,
-      {{"t", "time_s", "kinetic_J", "potential_J", "phi", "phi_rate", "energy_error_J"}, true});
+      {{"t", "time_s", "kinetic_J", "potential_J", "phi", "phi_rate", "energy_error_J"}, true},
+      asked);
   const auto& others = reader.otherNames();
   const auto time = std::find_if(others.begin(), others.end(), [](const std::string& column) {
     return column == "t" || column == "time_s";
@@ -109,7 +114,8 @@ OwnMotion recorded(const scene::Scene& scene, const std::string& file) {
 }  // namespace
 
 int judgeMotions(const scene::Scene& scene, const std::vector<std::string>& engines,
-                 const std::string& file, const DriftOptions& options) {
+                 const std::string& file, const DriftOptions& options,
+                 const std::string& convention) {
   if (options.steps.size() > 1)
     throw scene::InputError({},
                             fmt::format("{} steps, allowed: one (--step)", options.steps.size()));
@@ -126,7 +132,7 @@ int judgeMotions(const scene::Scene& scene, const std::vector<std::string>& engi
                                             step, options.duration));
   std::vector<OwnMotionVerdict> verdicts;
   std::string troubles;
-  if (!file.empty()) verdicts.push_back(judgeOwnMotion(scene, recorded(scene, file)));
+  if (!file.empty()) verdicts.push_back(judgeOwnMotion(scene, recorded(scene, file, convention)));
   for (const std::string& engine : engines) {
     const WitnessKind kind = selectWitnesses({engine}).front();
     const MadeWitness made = kind.make(PreparedScene(scene));

@@ -717,7 +717,9 @@ void writeRows(const scene::Scene& scene, const EvaluateArguments& arguments, St
   constexpr long kBetweenNotes = 256;
   // rows that scroll by on a terminal are progress enough
   std::optional<Progress> progress;
-  if (!arguments.output.empty() || isatty(STDOUT_FILENO) == 0) progress.emplace("evaluate");
+  if (!arguments.output.empty() || isatty(STDOUT_FILENO) == 0 ||
+      speech().progressAs() == ProgressAs::kJson)
+    progress.emplace("evaluate");
   scene::Work work("", states.fraction() < 0 ? 0 : 1);
   const auto begin = std::chrono::steady_clock::now();
   auto noted = begin;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/cli/speech.hpp"
 #include "crosscheck/exact/exact.hpp"
 #include "crosscheck/report/json.hpp"
 
@@ -18,8 +19,8 @@ namespace {
 std::string evidence(const CheckResult& check) {
   if (check.verdict != Verdict::kAgree) return check.reason;
   if (check.exact) return describeExact(*check.exact);
-  if (check.limit == 0) return fmt::format("{:g} {}", check.worst, name(check.unit));
-  return fmt::format("{:.3g} {}, limit {:.3g}", check.worst, name(check.unit), check.limit);
+  if (check.limit == 0) return fmt::format("{:g} {}", check.worst, check.unitName());
+  return fmt::format("{:.3g} {}, limit {:.3g}", check.worst, check.unitName(), check.limit);
 }
 
 }  // namespace
@@ -28,7 +29,8 @@ int printFindings(const std::vector<CheckResult>& checks) {
   bool agree = true;
   for (const CheckResult& check : checks) {
     agree = agree && check.verdict != Verdict::kDisagree;
-    fmt::print("{:<15}{}: {}\n               {}\n", name(check.verdict), check.name(),
+    fmt::print("{}{}: {}\n               {}\n",
+               tonedVerdict(fmt::format("{:<15}", name(check.verdict))), check.name(),
                check.statement, evidence(check));
   }
   return agree ? 0 : 1;

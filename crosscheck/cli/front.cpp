@@ -18,6 +18,7 @@
 #include "crosscheck/cli/help.hpp"
 #include "crosscheck/cli/old_spellings.hpp"
 #include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/speech.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/system/leaving.hpp"
 #include "scene/error.hpp"
@@ -36,13 +37,13 @@ int orFailure(const Work& work) {
   try {
     return work();
   } catch (const scene::InputError& error) {
-    tell(fmt::format("dynwitness: {}\n", error.what()));
+    tellFailure(fmt::format("dynwitness: {}\n", error.what()));
     return kBadInput;
   } catch (const std::bad_alloc&) {
-    tell("dynwitness: failed: not enough memory\n");  // and without asking for any
+    tellFailure("dynwitness: failed: not enough memory\n");  // and without asking for any
   } catch (const std::exception& error) {
-    tell(fmt::format("dynwitness: failed: {}{}\n", std::ferror(stdout) ? "standard output: " : "",
-                     error.what()));
+    tellFailure(fmt::format("dynwitness: failed: {}{}\n",
+                            std::ferror(stdout) ? "standard output: " : "", error.what()));
   }
   return kOwnFailure;
 }
@@ -64,8 +65,9 @@ int become(const Command& command, char** argv) {
   if (self.empty()) self = argv[0];
   const std::filesystem::path program = self.parent_path() / command.program;
   execv(program.c_str(), argv);
-  tell(fmt::format("dynwitness: {} is in a program of its own, {}: {}; ./dynwitness {} builds it\n",
-                   command.name, program.string(), std::strerror(errno), command.name));
+  tellFailure(
+      fmt::format("dynwitness: {} is in a program of its own, {}: {}; ./dynwitness {} builds it\n",
+                  command.name, program.string(), std::strerror(errno), command.name));
   return kBadInput;
 }
 
@@ -137,8 +139,10 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
   for (const Command& command : commands) {
     CLI::App* word = app.add_subcommand(command.name, command.description);
     runs.push_back(command.add ? command.add(word) : Run());
+    addSpeech(*word);
   }
   std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  readQuiet(words);
   try {
     const int known = orFailure([&] {
       if (!words.empty()) words = inTodaysSpelling(words);
@@ -155,7 +159,7 @@ int front(int argc, char** argv, const std::vector<Command>& commands) {
     });
   } catch (const CLI::ParseError& error) {
     const std::string who = words[0][0] == '-' ? "dynwitness" : "dynwitness " + words[0];
-    tell(fmt::format("{}: {} ({} --help)\n", who, error.what(), who));
+    tellFailure(fmt::format("{}: {} ({} --help)\n", who, error.what(), who));
     return kBadInput;
   }
   return orFailure([&] { return runParsed(app, commands, runs, argv); });

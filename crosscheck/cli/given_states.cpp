@@ -156,20 +156,24 @@ void addStates(CLI::App& command, StatesAsked& asked, const std::string& about_f
           "Columns of the file that are none of a state's (time, labels) stand in the answer as "
           "they are, before it; without, they are refused")
       ->needs(file);
-  command
-      .add_option(
-          "--convention", asked.convention,
-          "Whose coordinates spherical and floating joints have: order of quaternion, position and "
-          "velocities, and their axes, in states and in answers (dynwitness: x, y, z, quaternion w, x, "
-          "y, z; velocity and angular velocity in link axes). A file whose first line is \"# "
-          "convention: NAME\" needs none")
-      ->check(oneOf(conventionNames()));
+  addConvention(
+      command, asked.convention,
+      "order of quaternion, position and velocities, and their axes, in states and in "
+      "answers (dynwitness: x, y, z, quaternion w, x, y, z; velocity and angular velocity "
+      "in link axes). A file whose first line is \"# convention: NAME\" needs none");
   for (const char* name : {"--q", "--qd", "--qdd", "--tau"})
     command.get_option(name)->excludes("--convention");
   for (const char* name : {"--q", "--qd", "--qdd", "--tau", "--random"})
     command.get_option(name)->excludes("--states");
   for (const char* name : {"--q", "--qd", "--qdd", "--tau"})
     command.get_option(name)->excludes(random);
+}
+
+CLI::Option* addConvention(CLI::App& command, std::string& name, const std::string& of_what) {
+  return command
+      .add_option("--convention", name,
+                  "Whose coordinates spherical and floating joints have: " + of_what)
+      ->check(oneOf(conventionNames()));
 }
 
 void addStart(CLI::App& command, StartAsked& asked) {
@@ -184,13 +188,13 @@ void addStart(CLI::App& command, StartAsked& asked) {
       ->capture_default_str()
       ->check(whole(1, std::numeric_limits<int>::max()))
       ->needs(file);
-  command
-      .add_option(
-          "--convention", asked.convention,
-          "Whose coordinates spherical and floating joints have: in that file (`evaluate --help`)")
-      ->check(oneOf(conventionNames()))
-      ->needs(file);
+  addConvention(command, asked.convention, "in that file (`evaluate --help`)");
   for (const char* name : {"--q", "--qd"}) command.get_option(name)->excludes(file);
+}
+
+void requireFileOfConvention(const StartAsked& asked, const std::string& motion) {
+  if (!asked.convention.empty() && asked.file.empty() && motion.empty())
+    throw scene::InputError({}, "--convention without a file that has it, allowed: with --states");
 }
 
 scene::Scene startedAt(scene::Scene scene, const StartAsked& asked) {

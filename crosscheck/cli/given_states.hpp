@@ -31,6 +31,9 @@ struct StatesAsked {
 /// Adds these options, which exclude each other. @param about_files  what --help says of --states
 void addStates(CLI::App& command, StatesAsked& asked, const std::string& about_files);
 
+/// --convention NAME. @param of_what  what has it, behind the meaning in --help
+CLI::Option* addConvention(CLI::App& command, std::string& name, const std::string& of_what);
+
 /// Where a motion starts: --q and --qd, or a row of --states.
 struct StartAsked {
   std::optional<StateOption> q, qd;
@@ -40,6 +43,9 @@ struct StartAsked {
   bool isGiven() const { return !file.empty() || q->isGiven() || qd->isGiven(); }
 };
 void addStart(CLI::App& command, StartAsked& asked);
+/// @param motion  another file that may have the convention; empty: none
+/// @throws scene::InputError  --convention, and no file
+void requireFileOfConvention(const StartAsked& asked, const std::string& motion = {});
 /// The scene with this start, in doubles; as it is where none is given.
 /// @throws scene::InputError  the options or the file have no such state
 scene::Scene startedAt(scene::Scene scene, const StartAsked& asked);

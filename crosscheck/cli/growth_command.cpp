@@ -22,14 +22,15 @@ struct Arguments {
   GrowthOptions options;
   std::vector<std::string> witnesses;
   std::string output, json;
+  PictureLook look;
 };
 
 void writeGrowth(const std::vector<GrowthPoint>& points, const GrowthOptions& options, double cache,
-                 const std::string& folder) {
+                 const std::string& folder, const PictureLook& look) {
   std::vector<ChartScript> scripts;
   for (const std::string& family : options.families)
     scripts.push_back({family, growthScript(points, family, cache, kChartStyle)});
-  writeCharts({{"growth", growthCsv(points, options, cache)}}, scripts, folder);
+  writeCharts({{"growth", growthCsv(points, options, cache)}}, scripts, folder, look);
 }
 
 int run(const Arguments& arguments) {
@@ -51,7 +52,8 @@ int run(const Arguments& arguments) {
   if (!arguments.json.empty())
     writeWholeFile(arguments.json,
                    growthJson(points, arguments.options, cache, DYNWITNESS_VERSION));
-  if (!arguments.output.empty()) writeGrowth(points, arguments.options, cache, arguments.output);
+  if (!arguments.output.empty())
+    writeGrowth(points, arguments.options, cache, arguments.output, arguments.look);
   // times are told, and not judged: another program may have been running
   bool holds = true;
   for (const GrowthPoint& p : points)
@@ -94,6 +96,7 @@ Run addGrowth(CLI::App* command) {
       ->delimiter(',');
   addOutput(*command, arguments->output,
             "folder for growth.csv and chain, tree .gp, .svg and _dark.svg");
+  addPictures(*command, arguments->look);
   addJson(*command, arguments->json);
   command->footer(
       "Examples:\n  dynwitness growth --family chain --links 4096\n"

@@ -8,11 +8,12 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 namespace dynwitness::cli {
 namespace {
 
-constexpr double kQuiet_s = 1, kBetweenLines_s = 30, kBetweenBars_s = 0.25;
+constexpr double kQuiet_s = 1, kBetweenLines_s = 30, kBetweenBars_s = 0.25, kBetweenObjects_s = 1;
 constexpr int kWidth = 24;
 /// What comes first is not like the rest: of 2 s for the first 0.1 % no end can be told. After so
 /// many seconds a rough end is worth more than none: hours or days, then.
@@ -48,6 +49,7 @@ Progress::Progress(int stages, double quiet_s, bool counts)
 
 void Progress::startWatching() {
   begin_ = shown_from_ = Clock::now();
+  if (as_ == ProgressAs::kOff) return;
   // signals are for the thread that does the work
   sigset_t all, before;
   sigfillset(&all);
@@ -96,8 +98,33 @@ std::string Progress::status() const {
   return text;
 }
 
+std::string Progress::json() const {
+  const scene::WorkSeen seen = scene::seenWork();
+  const double elapsed = std::chrono::duration<double>(Clock::now() - begin_).count();
+  const double done = std::clamp(seen.fraction, 0.0, 1.0);
+  nlohmann::ordered_json line{{"progress", stages_ > 0 ? stage_ : name_}};
+  if (!seen.what.empty()) line["what"] = seen.what;
+  if (!note_.empty()) line["note"] = note_;
+  if (stages_ > 0 && begun_ > 0) {
+    line["stage"] = begun_;
+    line["stages"] = stages_;
+  }
+  line["done"] = done;
+  line["total"] = 1;
+  line["seconds"] = elapsed;
+  line["seconds_left"] = nullptr;
+  if (hasEnd(done, elapsed)) line["seconds_left"] = elapsed / done - elapsed;
+  return line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void Progress::watchAsJson(std::unique_lock<std::mutex>& hold) {
+  do show(json());
+  while (!ended_.wait_for(hold, milliseconds(kBetweenObjects_s), [this] { return over_; }));
+}
+
 void Progress::watch() {
   std::unique_lock<std::mutex> hold(lock_);
+  if (as_ == ProgressAs::kJson) return watchAsJson(hold);
   const auto ended = [this] { return over_; };
   if (ended_.wait_for(hold, milliseconds(kQuiet_s), ended)) return;
   bool estimated = false;
@@ -123,8 +150,10 @@ void Progress::stage(const std::string& what) {
   const std::lock_guard<std::mutex> hold(lock_);
   if (begun_ > 0 && work_) work_->done();
   ++begun_;
+  stage_ = what;
   name_ = fmt::format("[{}/{}] {}", begun_, stages_, what);
-  if (Clock::now() < shown_from_) return;
+  if (as_ == ProgressAs::kJson) show(json());
+  if (as_ != ProgressAs::kAuto || Clock::now() < shown_from_) return;
   shown_ = true;
   if (terminal_)
     show(fmt::format("\r\033[K{}", name_));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Progress on standard error: a bar on a terminal, lines otherwise; what is left of the work, and
-// when it ends.
+// Progress on standard error: a bar on a terminal, lines otherwise, JSON where that is asked for
+// (speech.hpp); what is left of the work, and when it ends.
 #pragma once
 
 #include <chrono>
@@ -10,13 +10,15 @@
 #include <string>
 #include <thread>
 
+#include "crosscheck/cli/speech.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::cli {
 
 /** Tells how long work takes, from a second after its begin. On a terminal a bar that moves;
     otherwise a line when an estimate can be made, and one at most every 30 s. The estimate is the
-    time that went by over the share that is done, as the work itself counts it (scene::Work). */
+    time that went by over the share that is done, as the work itself counts it (scene::Work).
+    As JSON a line at the begin, at each stage and once a second. */
 class Progress {
  public:
   /// Work without stages, under this name.
@@ -38,10 +40,13 @@ class Progress {
   void startWatching();
   void watch();
   std::string status() const;  ///< "12 %, about 40 s left, M"; needs the lock
+  std::string json() const;    ///< progress.schema.json; needs the lock
+  void watchAsJson(std::unique_lock<std::mutex>& hold);
   void show(const std::string& line);
 
   std::unique_ptr<scene::Work> work_;
-  std::string name_, note_;
+  std::string name_, note_, stage_;
+  const ProgressAs as_ = speech().progressAs();
   int stages_ = 0, begun_ = 0;
   bool terminal_, shown_ = false, over_ = false;
   Clock::time_point begin_, shown_from_;

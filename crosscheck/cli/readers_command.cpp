@@ -89,7 +89,7 @@ int run(const Arguments& arguments) {
     crosscheck::writeWholeFile(arguments.json, crosscheck::readersJson(result, DYNWITNESS_VERSION));
   if (!arguments.html.empty()) writePage(arguments, text, picture, result);
   if (!result.anyRead() && result.agrees()) {
-    tell(fmt::format("dynwitness: {}: no engine reads the file\n", arguments.file));
+    tellFailure(fmt::format("dynwitness: {}: no engine reads the file\n", arguments.file));
     return 2;
   }
   return result.agrees() ? 0 : 1;

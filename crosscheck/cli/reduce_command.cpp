@@ -24,6 +24,7 @@ struct Arguments {
   GivenScene scene;
   std::string json, c, toml, front, allowed = "1%";
   ReduceOptions options;
+  PictureLook look;
 };
 
 /// "1%", "0.01"
@@ -52,8 +53,8 @@ std::string frontScript(const scene::Scene& scene, const std::string& stem) {
       "# Draw again with:  gnuplot {0}.gp\n"
       "do for [dark = 0:1] {{\n"
       "load '{1}'\n"
-      "set terminal svg size 900,600 noenhanced font ',16'\n"
-      "set output dark ? '{0}_dark.svg' : '{0}.svg'\n"
+      "eval canvas(900, 600, 16)\n"
+      "set output picture_file('{0}')\n"
       "set datafile separator ','\n"
       "set title {2} textcolor rgb ink\n"
       "set xlabel 'error of a joint force, certified over the envelope  [% of its largest]'\n"
@@ -101,7 +102,7 @@ int run(Arguments arguments) {
   if (is_front) {
     const std::string stem = safeName(scene.name) + "_front";
     writeCharts({{stem, frontCsv(scene, reduction)}}, {{stem, frontScript(scene, stem)}},
-                arguments.front);
+                arguments.front, arguments.look);
   }
   return 0;
 }
@@ -134,6 +135,7 @@ Run addReduce(CLI::App* command) {
       ->add_option("--front", arguments->front,
                    "Folder: allowed errors from 0 to 10 % as a table, CSV and a picture")
       ->excludes(allowed);
+  addPictures(*command, arguments->look);
   addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"

@@ -15,6 +15,7 @@
 #include "crosscheck/cli/given_states.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
@@ -407,6 +408,7 @@ std::string viewOfMotion(const scene::Scene& scene, const Simulation& simulation
 int runSimulate(const SimulateArguments& arguments) {
   for (const std::string& file : {arguments.csv, arguments.json, arguments.view})
     requireWritableFile(file);
+  requireFileOfConvention(arguments.start);
   const scene::Scene scene =
       startedAt(admitted(arguments.scene, Command::kSimulate), arguments.start);
   requireMotion(scene);
@@ -421,8 +423,8 @@ int runSimulate(const SimulateArguments& arguments) {
   if (!arguments.forces.empty())
     options.forces = forcesOfFile(arguments.forces, scene, options.duration);
   if (const ClosureGap gap = ClosureGaps::ofStart(scene); gap.is_open)
-    fmt::print(stderr, "{}: the start leaves closures open, {}: it is moved onto them first\n",
-               scene.name, gap.text());
+    tell(fmt::format("{}: the start leaves closures open, {}: it is moved onto them first\n",
+                     scene.name, gap.text()));
   if (arguments.compare && !scene.mechanism.acceleration_constraints.empty())
     throw scene::InputError({scene.file.string(), 0},
                             "--compare with acceleration constraints, which implicit methods do "

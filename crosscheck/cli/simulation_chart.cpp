@@ -39,7 +39,7 @@ std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command) 
 }
 
 int runSimulationChart(const GivenScene& given, const SimulationChartArguments& arguments,
-                       const std::string& output) {
+                       const std::string& output, const PictureLook& look) {
   const scene::Scene scene = readScene(given);
   const bool is_closed = !scene.mechanism.isOpenTree();
   admit(scene, {is_closed ? Command::kSimulate : Command::kDrift});
@@ -58,7 +58,7 @@ int runSimulationChart(const GivenScene& given, const SimulationChartArguments& 
   fmt::print("{}", workCsv(work));
   if (output.empty()) return 0;
   const std::string stem = safeName(scene.name) + "_simulate";
-  writeCharts({{stem, workCsv(work)}}, {{stem, workScript(work, stem, kChartStyle)}}, output);
+  writeCharts({{stem, workCsv(work)}}, {{stem, workScript(work, stem, kChartStyle)}}, output, look);
   return 0;
 }
 

@@ -9,6 +9,7 @@
 
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/motion/work_precision.hpp"
+#include "crosscheck/report/plot.hpp"
 
 namespace dynwitness::cli {
 
@@ -20,8 +21,8 @@ struct SimulationChartArguments {
 /// --simulate, --method, --duration.
 std::shared_ptr<SimulationChartArguments> addSimulationChart(CLI::App* command);
 
-/// @param output  folder for SCENE_simulate.csv, .gp, .svg and _dark.svg; "": none
+/// @param output  folder for SCENE_simulate.csv, .gp and pictures; "": none
 int runSimulationChart(const GivenScene& scene, const SimulationChartArguments& arguments,
-                       const std::string& output);
+                       const std::string& output, const crosscheck::PictureLook& look);
 
 }  // namespace dynwitness::cli

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/cli/chart_files.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/drift_tables.hpp"
@@ -74,10 +75,24 @@ struct DriftArguments {
   std::vector<std::string> methods, engines;  ///< methods empty: runge_kutta4, or all for advice
   double accuracy = 0;                        ///< of --advise; 0: not asked
   DriftOptions options;
+  PictureLook look;
 };
 
-/// The report's drift chart alone, as one SVG file.
-void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesystem::path& file) {
+/// The look of a picture, whose kind its ending says.
+/// @throws scene::InputError  another ending
+PictureLook lookOf(const std::filesystem::path& file, PictureLook look) {
+  const std::string ending = file.extension().string();
+  if (ending != ".svg" && ending != ".png" && ending != ".pdf")
+    throw scene::InputError(
+        {}, fmt::format("--plot: read '{}', allowed: a file that ends in .svg, .png or .pdf",
+                        file.string()));
+  look.kind = ending.substr(1);
+  return look;
+}
+
+/// The report's drift chart alone, as one file.
+void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesystem::path& file,
+               const PictureLook& look) {
   SceneResult result;
   result.name = scene.name;
   result.title = scene.title;
@@ -90,9 +105,10 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
   work.write("chart/drift_worst.csv", driftWorstCsv(result));
   work.write("chart/drift.gp", script);
   const std::filesystem::path folder = work.path() / "chart";
-  if (const auto failure = runGnuplot(folder, "drift.gp", {"drift.svg", "drift_dark.svg"}))
+  if (const auto failure =
+          runGnuplot(folder, "drift.gp", {"drift." + look.kind, "drift_dark." + look.kind}, look))
     throw std::runtime_error("chart: " + *failure);
-  std::ifstream picture(folder / "drift.svg");
+  std::ifstream picture(folder / ("drift." + look.kind), std::ios::binary);
   writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
 }
 
@@ -130,11 +146,15 @@ bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift&
 }
 
 int runDrift(const DriftArguments& arguments) {
+  const PictureLook look =
+      arguments.plot.empty() ? PictureLook() : lookOf(arguments.plot, arguments.look);
   for (const std::string& file : {arguments.csv, arguments.plot}) requireWritableFile(file);
+  requireFileOfConvention(arguments.start, arguments.motion);
   const scene::Scene scene = startedAt(admitted(arguments.scene, Command::kDrift), arguments.start);
   requireMotion(scene);
   if (!arguments.motion.empty() || !arguments.engines.empty())
-    return judgeMotions(scene, arguments.engines, arguments.motion, arguments.options);
+    return judgeMotions(scene, arguments.engines, arguments.motion, arguments.options,
+                        arguments.start.convention);
   if (arguments.accuracy > 0)
     return adviseSteps(scene, arguments.methods, arguments.options.duration, arguments.accuracy);
   std::vector<std::string> methods = arguments.methods;
@@ -172,7 +192,7 @@ int runDrift(const DriftArguments& arguments) {
             remarks);
   fmt::print("{}{}{}", csv, remarks, ends);
   if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csv);
-  if (!arguments.plot.empty()) plotDrift(scene, drifts.front(), arguments.plot);
+  if (!arguments.plot.empty()) plotDrift(scene, drifts.front(), arguments.plot, look);
   return agree ? 0 : 1;
 }
 
@@ -218,7 +238,10 @@ Run addDrift(CLI::App* command) {
       ->check(positive())
       ->capture_default_str();
   CLI::Option* plot =
-      command->add_option("--plot", arguments->plot, "Chart of the first method, as SVG");
+      command->add_option("--plot", arguments->plot,
+                          "Chart of the first method: a file that ends in .svg, .png or .pdf");
+  addBackground(*command, arguments->look);
+  command->get_option("--background")->needs(plot);
   CLI::Option* csv =
       command->add_option("--csv", arguments->csv, "Table as a CSV file: the printed one");
   for (CLI::Option* ours : {plot, csv}) ours->excludes(advise)->excludes(engines)->excludes(motion);

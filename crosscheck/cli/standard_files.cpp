@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "crosscheck/cli/speech.hpp"
+
 namespace dynwitness::cli {
 
 void occupyStandardFiles() {
@@ -22,6 +24,10 @@ void occupyStandardFiles() {
 }
 
 void tell(std::string_view text) noexcept {
+  if (!speech().quiet) tellFailure(text);
+}
+
+void tellFailure(std::string_view text) noexcept {
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
 }

@@ -10,9 +10,11 @@ namespace dynwitness::cli {
 /// is written to by mistake. To read from or write to such a one still fails.
 void occupyStandardFiles();
 
-/// Writes to standard error. What cannot be written there is lost, which the status tells in the
+/// Writes a remark to standard error, unless --quiet was asked for. What cannot be written there is lost, which the status tells in the
 /// end (requireOutputWritten): it is no reason to give up the work.
 void tell(std::string_view text) noexcept;
+/// The same of a failure, which is told in any case.
+void tellFailure(std::string_view text) noexcept;
 
 /// @throws std::runtime_error  standard output or error could not be written: what was printed or
 ///                             told has not arrived. Standard error that was closed from the start

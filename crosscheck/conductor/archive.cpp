@@ -28,11 +28,13 @@ namespace dynwitness::crosscheck {
 // one line a structure, all members
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckResult::Exact, prime, points, discarded, degree,
                                    error_probability, residual_zero, parameters)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckResult::Off, entry, joint, unit, state, said, right)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckResult, kind, law, statement, quantity, left, right,
                                    left_is_control, right_is_control, unit, states, voided, excused,
                                    is_idle, first_voided, voided_reason, worst, limit, ratio, seen,
                                    loosest, largest, worst_state, worst_entry, seed, verdict,
-                                   reason, exact, no_exact, digits, condition, known_loss)
+                                   reason, off, wrong_joints, exact, no_exact, digits, condition,
+                                   known_loss)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DigitsResult, witness, quantity, scalar, states, worst, median,
                                    worst_single, worst_state, worst_entry, is_control)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Control, quantity, size, found, missed, blind, nothing)

@@ -70,10 +70,43 @@ class RecordedWitness : public Witness {
   std::map<std::pair<Quantity, std::size_t>, std::size_t> turns_;
 };
 
+/// T' x, column by column.
+Eigen::MatrixXd turnedBack(const Coordinates& from, const State& state, Eigen::MatrixXd x) {
+  for (Eigen::Index j = 0; j < x.cols(); ++j)
+    x.col(j) = asColumn(from.ours(state, std::vector<double>(x.col(j).begin(), x.col(j).end())));
+  return x;
+}
+
+/// An answer in the coordinates of scene::State. tau and qdd are the reader's.
+Eigen::MatrixXd inOurs(const Coordinates& from, Quantity quantity, const State& state,
+                       const Eigen::MatrixXd& value, const scene::SourceLocation& file) {
+  if (from.isOurs()) return value;
+  switch (quantity) {
+    case Quantity::kc: {
+      const std::vector<double> gained = from.turning(state);
+      // undone, it would have the roundings of a product with M, which no limit of c has room for
+      if (std::any_of(gained.begin(), gained.end(), [](double x) { return x != 0; }))
+        throw scene::InputError(
+            file,
+            fmt::format("c1.. in coordinates of {}, which has a part of M qdd in it, allowed: "
+                        "tau1.., M11.., g1..",
+                        name(from.convention())));
+      return turnedBack(from, state, value);
+    }
+    case Quantity::kg:
+      return turnedBack(from, state, value);
+    case Quantity::kM:
+      return turnedBack(from, state, turnedBack(from, state, value).transpose());
+    default:
+      return value;
+  }
+}
+
 }  // namespace
 
 Recorded readRecorded(const scene::Scene& scene, const std::filesystem::path& answers,
-                      const std::filesystem::path& states) {
+                      const std::filesystem::path& states,
+                      std::optional<CoordinateConvention> convention) {
   const scene::Mechanism& mechanism = scene.mechanism;
   const scene::SourceLocation file{answers.string(), 0};
   OtherColumns allowed;
@@ -81,10 +114,16 @@ Recorded readRecorded(const scene::Scene& scene, const std::filesystem::path& an
     for (const std::string& column : columnNames(quantity, mechanism))
       allowed.names.push_back(column);
   allowed.has_positions = states.empty();
-  StatesReader table(answers, mechanism, allowed);
+  StatesReader table(answers, mechanism, allowed, convention);
+  const Coordinates coordinates(mechanism, table.convention());
   std::optional<StatesReader> beside;
   if (!states.empty()) {
-    beside.emplace(states, mechanism);
+    if (!coordinates.isOurs())
+      throw scene::InputError(
+          file, fmt::format("answers in coordinates of {}, and states in another file, allowed: "
+                            "columns of the states in this one",
+                            name(coordinates.convention())));
+    beside.emplace(states, mechanism, OtherColumns(), table.convention());
     for (const char* group : {"q", "qd"})
       if (table.gives(group))
         throw scene::InputError(file, fmt::format("columns {}1.. stand in {} too, allowed: states "
@@ -160,7 +199,7 @@ Recorded readRecorded(const scene::Scene& scene, const std::filesystem::path& an
       Eigen::MatrixXd value = asColumn(said);
       if (quantity == Quantity::kM)
         value = Eigen::MatrixXd(value.reshaped<Eigen::RowMajor>(mechanism.dof(), mechanism.dof()));
-      all.push_back(value);
+      all.push_back(inOurs(coordinates, quantity, state, value, file));
     }
   }
   if (out.states.empty()) throw scene::InputError(file, "no rows, allowed: one or more");

@@ -191,8 +191,8 @@ std::string growthScript(const std::vector<GrowthPoint>& points, const std::stri
   return fmt::format(
              "# Growth of inverse and forward dynamics. Draw again with:  gnuplot {0}.gp\n"
              "do for [dark = 0:1] {{\nload '{1}'\n"
-             "set terminal svg size 1000,760 noenhanced\n"
-             "set output dark ? '{0}_dark.svg' : '{0}.svg'\nset multiplot\n"
+             "eval canvas(1000, 760, 13)\n"
+             "set output picture_file('{0}')\nset multiplot\n"
              "set label 1 '{2} of 1 to {6} links: lower is better' at screen 0.5, screen 0.97 "
              "center "
              "textcolor rgb ink font ',15'\n"

@@ -96,8 +96,8 @@ std::string benchScript(const BenchResult& result, const std::string& style) {
   std::string text = fmt::format(
       "# Speed of our sweeps and kernels beside the engines. Draw again with:  gnuplot bench.gp\n"
       "do for [dark = 0:1] {{\nload '{}'\n"
-      "set terminal svg size 1000,{:.0f} noenhanced\n"
-      "set output dark ? 'bench_dark.svg' : 'bench.svg'\nset multiplot\n"
+      "eval canvas(1000, {:.0f}, 13)\n"
+      "set output picture_file('bench')\nset multiplot\n"
       "set label 1 'Time of one evaluation: further left is better' at screen 0.5, screen {:.4f} "
       "center "
       "textcolor rgb ink font ',15'\n"

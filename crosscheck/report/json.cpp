@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crosscheck/report/text.hpp"
+#include "crosscheck/verdicts/causes.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -43,6 +44,16 @@ void putVoided(Json* json, const CheckResult& check) {
   putText(&(*json)["voided"], "reason", check.voided_reason);
 }
 
+Json toJson(const CheckResult::Off& off) {
+  Json json{{"entry", cleanText(off.entry)}};
+  putText(&json, "joint", off.joint);
+  json["state"] = off.state;
+  json["said"] = number(off.said);
+  json["right"] = number(off.right);
+  putText(&json, "unit", off.unit);
+  return json;
+}
+
 Json toJson(const CheckResult& check) {
   Json json{{"check", cleanText(check.name())}};
   putText(&json, "statement", check.statement);
@@ -52,7 +63,7 @@ Json toJson(const CheckResult& check) {
   if (check.verdict != Verdict::kNotAnswerable) {
     json["states"] = check.states;
     putVoided(&json, check);
-    json["unit"] = name(check.unit);
+    json["unit"] = check.unitName();
     json["worst"] = number(check.worst);
     json["limit"] = number(check.limit);
     json["ratio"] = number(check.ratio);
@@ -65,6 +76,8 @@ Json toJson(const CheckResult& check) {
     }
     if (check.digits) json["digits"] = number(*check.digits);
     if (check.condition) json["condition"] = number(*check.condition);
+    if (check.off) json["off"] = toJson(*check.off);
+    if (!check.wrong_joints.empty()) json["wrong_joints"] = texts(check.wrong_joints);
     if (check.known_loss) json["known_loss"] = true;
     json["seed"] = check.seed;
   }
@@ -128,6 +141,19 @@ Json toJson(const Finding& finding) {
   return json;
 }
 
+Json toJson(const Cause& cause) {
+  Json json = Json::object();
+  putText(&json, "witness", cause.witness);
+  json["wrong"] = texts(cause.wrong);
+  json["following"] = texts(cause.following);
+  json["right"] = texts(cause.right);
+  json["joints"] = texts(cause.joints);
+  if (cause.off != nullptr) json["off"] = toJson(*cause.off);
+  json["checks"] = cause.checks.size();
+  json["text"] = cleanText(cause.text);
+  return json;
+}
+
 Json toJson(const Drift& drift) {
   Json json{{"method", cleanText(drift.method)},
             {"method_order", drift.method_order},
@@ -185,6 +211,10 @@ Json toJson(const SceneResult& scene) {
   if (!scene.findings.empty()) {
     json["findings"] = Json::array();
     for (const Finding& finding : scene.findings) json["findings"].push_back(toJson(finding));
+  }
+  if (const std::vector<Cause> causes = causesOf(scene); !causes.empty()) {
+    json["causes"] = Json::array();
+    for (const Cause& cause : causes) json["causes"].push_back(toJson(cause));
   }
   if (!scene.controls.empty()) {
     json["controls"] = Json::array();
@@ -325,7 +355,7 @@ std::string reportJUnit(const CrosscheckResult& result, const Environment& envir
               "(ratio {}) at {}, state {} of seed {}</failure></testcase>\n",
               escapeMarkup(check.reason.empty() ? "the witnesses disagree" : check.reason),
               escapeMarkup(check.statement), readable(check.worst), readable(check.limit),
-              escapeMarkup(name(check.unit)), readable(check.ratio),
+              escapeMarkup(check.unitName()), readable(check.ratio),
               escapeMarkup(check.worst_entry), check.worst_state, check.seed);
           break;
         case Verdict::kNotAnswerable:

@@ -52,9 +52,9 @@ void putVerdict(std::string* page, const CrosscheckResult& result, const Environ
 void putFooter(std::string* page, const CrosscheckResult& result, const Environment& environment,
                const std::string& root) {
   put(page,
-      "</main>\n<footer>\n<h2>Compute it again</h2>\n<pre tabindex=\"0\"><code>{}</code></pre>\n"
+      "</main>\n<footer{}>\n<h2>Compute it again</h2>\n<pre tabindex=\"0\"><code>{}</code></pre>\n"
       "<dl class=\"meta\">\n<dt>dynwitness</dt><dd>{}{}</dd>\n",
-      esc(result.command), esc(environment.version),
+      root.empty() ? "" : " class=\"again\"", esc(result.command), esc(environment.version),
       environment.commit.empty() ? "" : ", commit " + esc(environment.commit));
   put(page, "<dt>Compiler</dt><dd>{}</dd>\n", esc(environment.compiler));
   if (!environment.flags.empty())

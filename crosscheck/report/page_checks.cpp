@@ -14,13 +14,13 @@ namespace {
 /// More answered checks than this in one scene start with a digest, and the whole table unfolds.
 constexpr int kLongTable = 14;
 
-void putCheckHead(std::string* page, const std::string& caption) {
+void putCheckHead(std::string* page, const std::string& caption, bool is_digest) {
   put(page,
-      "<table>\n<caption><span>{}</span></caption>\n<thead><tr><th scope=\"col\">Check</th>"
+      "<table{}>\n<caption><span>{}</span></caption>\n<thead><tr><th scope=\"col\">Check</th>"
       "<th scope=\"col\">Verdict</th><th scope=\"col\">Witnesses</th>"
       "<th scope=\"col\">Worst, of its limit</th><th scope=\"col\">Worst at</th>"
       "<th scope=\"col\">Exactly</th></tr></thead>\n",
-      caption);
+      is_digest ? " class=\"digest\"" : "", caption);
 }
 
 /// The verdict over the prime field, or a dash where the check has none (an engine, a table).
@@ -55,13 +55,14 @@ void putCheckRow(std::string* page, const CheckResult& check) {
 using Rows = std::vector<const CheckResult*>;
 
 /// Checks in groups of one quantity, quantities in the order in which the scene has them.
-void putCheckTable(std::string* page, const Rows& rows, const std::string& caption) {
+void putCheckTable(std::string* page, const Rows& rows, const std::string& caption,
+                   bool is_digest = false) {
   std::vector<std::string> quantities;
   for (const CheckResult* check : rows)
     if (std::find(quantities.begin(), quantities.end(), check->quantity) == quantities.end())
       quantities.push_back(check->quantity);
   openScroll(page, "Table of checks");
-  putCheckHead(page, esc(caption));
+  putCheckHead(page, esc(caption), is_digest);
   for (const std::string& quantity : quantities) {
     Rows group;
     std::copy_if(rows.begin(), rows.end(), std::back_inserter(group),
@@ -77,7 +78,7 @@ void putCheckTable(std::string* page, const Rows& rows, const std::string& capti
   put(page, "</table>\n</div>\n");
 }
 
-/// What stands at the top when there are many: the worst of each quantity, and every disagreement.
+/// What stands at the top when there are many: the worst of each quantity.
 Rows digest(const Rows& rows) {
   std::map<std::string, const CheckResult*> worst;
   for (const CheckResult* check : rows) {
@@ -86,8 +87,7 @@ Rows digest(const Rows& rows) {
   }
   Rows short_list;
   for (const CheckResult* check : rows)
-    if (worst[check->quantity] == check || check->verdict == Verdict::kDisagree)
-      short_list.push_back(check);
+    if (worst[check->quantity] == check) short_list.push_back(check);
   return short_list;
 }
 
@@ -126,7 +126,8 @@ void putChecks(std::string* page, const SceneResult& scene) {
   if (static_cast<int>(rows.size()) > kLongTable) {
     putCheckTable(
         page, digest(rows),
-        "For each quantity the check that comes nearest to its limit, and every disagreement.");
+        "For each quantity the check that comes nearest to its limit, or is farthest beyond it.",
+        true);
     put(page, "<details>\n<summary>All {} checks</summary>\n", rows.size());
     putCheckTable(page, rows,
                   "All checks; in each quantity those nearest to their limit come first.");

@@ -6,6 +6,7 @@
 
 #include "crosscheck/report/page_sections.hpp"
 #include "crosscheck/report/page_words.hpp"
+#include "crosscheck/verdicts/causes.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -21,21 +22,13 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
   put(page,
       "<section aria-labelledby=\"disagreements\">\n<h2 id=\"disagreements\">What "
       "disagrees</h2>\n");
-  for (std::size_t i = 0; i < result.scenes.size(); ++i) {
-    const SceneResult& scene = result.scenes[i];
-    for (const Finding& finding : scene.findings) {
-      if (finding.kind != Finding::Kind::kDisagreement) continue;
-      put(page, "<div class=\"finding\"><p class=\"who\">");
-      if (!finding.witness.empty())
-        put(page, "{} stands alone", esc(finding.witness));
-      else
-        put(page, "No single witness stands alone");
+  for (std::size_t i = 0; i < result.scenes.size(); ++i)
+    for (const Cause& cause : causesOf(result.scenes[i]))
       put(page,
-          " <span class=\"soft\">in</span> {} <span class=\"soft\">of</span> "
-          "<a href=\"{}\">{}</a></p><p>{}</p></div>\n",
-          esc(finding.quantity), files[i].page, esc(sceneTitle(scene)), esc(finding.text));
-    }
-  }
+          "<div class=\"finding\"><p><a href=\"{}\">{}</a>: {} <span class=\"soft\">({})</span>"
+          "</p></div>\n",
+          files[i].page, esc(sceneTitle(result.scenes[i])), esc(cause.text),
+          plural(static_cast<long>(cause.checks.size()), "check"));
   struct Entry {
     std::size_t scene;
     const CheckResult* check;
@@ -48,6 +41,8 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
     return severity(*a.check) > severity(*b.check);
   });
   const std::size_t shown = std::min<std::size_t>(all.size(), kTopDisagreements);
+  put(page, "<details>\n<summary>{}</summary>\n",
+      all.size() == 1 ? "The check" : fmt::format("The {} checks", all.size()));
   openScroll(page, "Table of disagreements");
   put(page,
       "<table>\n<caption><span>{}</span></caption>\n<thead><tr><th scope=\"col\">Scene</th><th "
@@ -69,10 +64,10 @@ void putDisagreements(std::string* page, const CrosscheckResult& result,
         files[all[k].scene].page, esc(sceneTitle(result.scenes[all[k].scene])),
         esc(check.statement.empty() ? check.name() : check.statement),
         esc(quantityWords(check.quantity)), witnessesOf(check), esc(readable(check.worst)),
-        esc(limitText(check)), esc(name(check.unit)), esc(shareOfLimit(check.ratio)),
+        esc(limitText(check)), esc(check.unitName()), esc(shareOfLimit(check.ratio)),
         worstAt(check));
   }
-  put(page, "</tbody>\n</table>\n</div>\n</section>\n");
+  put(page, "</tbody>\n</table>\n</div>\n</details>\n</section>\n");
 }
 
 void putKnownLosses(std::string* page, const CrosscheckResult& result) {

@@ -8,6 +8,7 @@
 #include "crosscheck/report/page_sections.hpp"
 #include "crosscheck/report/page_words.hpp"
 #include "crosscheck/report/tree_svg.hpp"
+#include "crosscheck/verdicts/causes.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -174,12 +175,17 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
     put(page, "<dt>Not modelled</dt><dd>{}</dd>\n", esc(list));
   }
   put(page, "</dl>\n");
-  for (const Finding& finding : scene.findings)
+  for (const Cause& cause : causesOf(scene))
+    put(page, "<div class=\"finding\"><p>{} <span class=\"soft\">({})</span></p></div>\n",
+        esc(cause.text), plural(static_cast<long>(cause.checks.size()), "check"));
+  for (const Finding& finding : scene.findings) {
+    if (finding.kind == Finding::Kind::kDisagreement) continue;  // a cause
     put(page, "<div class=\"finding{}\"><p>{}{}</p></div>\n",
         finding.kind == Finding::Kind::kKnownLoss ? " loss" : "", esc(finding.text),
         finding.kind == Finding::Kind::kKnownLoss
             ? " <a href=\"" + root + "index.html#losses\">Why</a>"
             : "");
+  }
   putTree(page, scene, files);
   putEquations(page, scene);
   putChecks(page, scene);

@@ -43,11 +43,15 @@ bool drawable(double error) {
   return std::isfinite(error) && error > 0;
 }
 
-bool wholeSvg(const fs::path& file) {
+/// A picture that was written to its end, by what ends its kind.
+bool isWhole(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(stream)),
                          std::istreambuf_iterator<char>());
-  return text.find("</svg>") != std::string::npos;
+  const fs::path kind = file.extension();
+  return text.find(kind == ".png"   ? "IEND"
+                   : kind == ".pdf" ? "%%EOF"
+                                    : "</svg>") != std::string::npos;
 }
 
 }  // namespace
@@ -112,7 +116,7 @@ std::string driftScript(const SceneResult& scene) {
       "# Energy drift of {0}. Draw again with:  gnuplot drift.gp\n"
       "do for [dark = 0:1] {{\n"
       "load '../style.gp'\n"
-      "set output dark ? 'drift_dark.svg' : 'drift.svg'\n"
+      "set output picture_file('drift')\n"
       "steps = '{1}'; firsts = '{7}'; lasts = '{8}'\n"
       "set multiplot\n"
       "set label 1 {2} at screen 0.5, screen 0.955 center textcolor rgb ink font ',15'\n"
@@ -149,15 +153,20 @@ std::string driftScript(const SceneResult& scene) {
 }
 
 std::optional<std::string> runGnuplot(const fs::path& folder, const std::string& script,
-                                      const std::vector<std::string>& pictures) {
+                                      const std::vector<std::string>& pictures,
+                                      const PictureLook& look) {
   // -d: without the user's own start-up file, so that everybody's picture looks the same
   ChildOptions here;
   here.folder = folder;
-  const Ending ending = Child({"gnuplot", "-d", script}, here).wait();
+  const Ending ending =
+      Child({"gnuplot", "-d", "-e",
+             fmt::format("picture = '{}'; paper = '{}'", look.kind, look.paper), script},
+            here)
+          .wait();
   std::string problem = oneLine(ending.problem);
   if (ending.not_found) problem = "gnuplot was not found (Debian: apt install gnuplot-nox)";
   for (const std::string& picture : pictures)
-    if (problem.empty() && !wholeSvg(folder / picture))
+    if (problem.empty() && !isWhole(folder / picture))
       problem = "gnuplot did not finish " + picture;
   if (problem.empty()) return std::nullopt;
   for (const std::string& picture : pictures) {

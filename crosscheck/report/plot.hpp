@@ -27,12 +27,20 @@ std::string driftWorstCsv(const SceneResult& scene);
 /// ../style.gp. Empty when no path has an error above zero: there is nothing to see on a log axis.
 std::string driftScript(const SceneResult& scene);
 
+/// How pictures are written: variables of style.gp.
+struct PictureLook {
+  std::string kind = "svg";  ///< or png, pdf: the ending of the files, too
+  std::string paper = "";    ///< "white", "transparent"; "": as the kind is by itself
+};
+
 /** Runs gnuplot on a script in its folder, without a shell.
 
+    @param pictures  that the script draws, with the ending of `look`
     @return nothing when every file of `pictures` was drawn to its end, else why not (unfinished
             pictures are removed) */
 std::optional<std::string> runGnuplot(const std::filesystem::path& folder,
                                       const std::string& script,
-                                      const std::vector<std::string>& pictures);
+                                      const std::vector<std::string>& pictures,
+                                      const PictureLook& look = {});
 
 }  // namespace dynwitness::crosscheck

@@ -13,7 +13,20 @@ purple = dark ? '#e29ac4' : '#b0568c'
 amber = dark ? '#f0c042' : '#c98800'
 sky = dark ? '#8ab6ff' : '#4a9fd0'
 
-set terminal svg size 1000,400 fixed noenhanced font 'Liberation Sans,Arial,Helvetica,sans-serif,13' rounded linewidth 1
+# How a picture is written (svg, png, pdf) and on what (white, or paper as dark as the page, and transparent); without
+# a word svg and pdf are on nothing and png is on white. Set both before loading this.
+if (!exists("picture")) { picture = 'svg' }
+if (!exists("paper")) { paper = '' }
+sheet = paper eq 'white' || (paper eq '' && picture eq 'png') \
+  ? sprintf("background rgb '%s'", dark ? '#11151b' : '#ffffff') : picture eq 'png' ? 'transparent' : ''
+# w x h points of a hundredth of an inch, letters of so many points; png has two pixels a point
+canvas(w, h, letters) = picture eq 'png' \
+  ? sprintf("set terminal pngcairo size %d,%d noenhanced font 'Liberation Sans,%g' fontscale 1.5 linewidth 2 pointscale 2 dashlength 3 rounded %s", 2*w, 2*h, letters, sheet) \
+  : picture eq 'pdf' \
+  ? sprintf("set terminal pdfcairo size %gin,%gin noenhanced font 'Liberation Sans,%g' fontscale 0.66 linewidth 0.72 pointscale 0.72 dashlength 3 rounded %s", w / 100.0, h / 100.0, letters, sheet) \
+  : sprintf("set terminal svg size %d,%d fixed noenhanced font 'Liberation Sans,Arial,Helvetica,sans-serif,%g' rounded linewidth 1 %s", w, h, letters, sheet)
+picture_file(stem) = stem.(dark ? '_dark' : '').'.'.picture
+eval canvas(1000, 400, 13)
 set encoding utf8
 set datafile separator ','
 

@@ -120,7 +120,7 @@ std::string worstOfLimit(const CheckResult& check) {
   if (isLimitFromBelow(check.unit))
     return fmt::format("{} {}, at least {}", measure(check.unit), readable(check.worst),
                        readable(check.limit));
-  return fmt::format("{} of {} {}", readable(check.worst), readable(check.limit), name(check.unit));
+  return fmt::format("{} of {} {}", readable(check.worst), readable(check.limit), check.unitName());
 }
 
 std::string shareOfLimit(double ratio) {
@@ -134,6 +134,13 @@ std::string shareOfLimit(double ratio) {
   if (percent == 0) return "0 %";
   if (percent < 0.1) return "<0.1 %";
   return fmt::format(percent < 9.95 ? "{:.1f} %" : "{:.0f} %", percent);
+}
+
+std::string ofLimit(double ratio, const std::string& what) {
+  constexpr double kFactor = 10;  // beyond 1000 %, percent say nothing
+  if (!std::isfinite(ratio)) return "not within " + what;
+  return ratio <= kFactor ? fmt::format("{:.0f}% of {}", 100 * ratio, what)
+                          : fmt::format("{:.2g} times {}", ratio, what);
 }
 
 int codePoints(std::string_view text) {

@@ -28,6 +28,9 @@ std::string readable(double value);
 /// "0.3 %", "42 %" up to the limit, "31 x limit" beyond it.
 std::string shareOfLimit(double ratio);
 
+/// "42% of truth M" up to ten times a limit, "3.1e+05 times truth M" beyond it.
+std::string ofLimit(double ratio, const std::string& what);
+
 /// The limit of a check as a reader compares it: "7.4", or "≥ 3.0" where the unit says "(at
 /// least)".
 std::string limitText(const CheckResult& check);

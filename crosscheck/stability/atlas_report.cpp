@@ -284,8 +284,8 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
   return fmt::format(
              "# {0}. Draw again with:  gnuplot {1}.gp\n"
              "do for [dark = 0:1] {{\nload '{2}'\n"
-             "set terminal svg size 1000,540 noenhanced\n"
-             "set output dark ? '{1}_dark.svg' : '{1}.svg'\nset multiplot\n"
+             "eval canvas(1000, 540, 13)\n"
+             "set output picture_file('{1}')\nset multiplot\n"
              "stopped = -1\nset datafile missing NaN\n"
              "set label 1 {3} at screen 0.5, screen 0.965 center textcolor rgb ink font ',15'\n"
              "set logscale x\nset xrange [{4:g}:{5:g}]\n{6}\n"

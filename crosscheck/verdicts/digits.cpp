@@ -11,6 +11,7 @@
 
 #include "crosscheck/verdicts/tally.hpp"
 #include "crosscheck/verdicts/truth.hpp"
+#include "crosscheck/witnesses/column_names.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 
 namespace dynwitness::crosscheck {
@@ -53,7 +54,7 @@ class DigitsTally {
 
   Quantity quantity() const { return quantity_; }
   DigitsResult digits() const;
-  CheckResult check() const;
+  CheckResult check(const scene::Mechanism& mechanism) const;
   /// "M[1,2] (joints 'a' and 'b') at state 3", where the witness lies farthest beyond rounding but
   /// within its documented loss; empty: nowhere.
   const std::string& lossAt() const { return loss_at_; }
@@ -67,13 +68,24 @@ class DigitsTally {
   struct Place {
     int state;
     std::string entry, joints;
+    std::string joint;  ///< whose own the entry is; empty: of none
     double size, ulp;
+  };
+  /// The answer that is off by the largest share of the largest entry.
+  struct Farthest {
+    double share = 0;
+    Eigen::Index i = 0, j = 0, rows = 0, columns = 0;
+    int state = 0;
+    double said = 0, right = 0;
   };
   void judge(const Place& at, double at_least, double bound, double loss);
   void closeState(int state);
   double digitsOf(double error, double size) const;
   std::string entry(Eigen::Index row, Eigen::Index column, const Eigen::MatrixXd& shape) const;
   std::string joints(Eigen::Index row, Eigen::Index column) const;
+  std::string joint(Eigen::Index row, Eigen::Index column) const;
+  CheckResult::Off off(const scene::Mechanism& mechanism) const;
+  std::string beyondItsBound(const CheckResult& check) const;
 
   Quantity quantity_;
   DigitsResult result_;
@@ -81,8 +93,10 @@ class DigitsTally {
   const std::vector<std::string>& joint_names_;
   double max_digits_;
   std::vector<double> by_state_;
-  std::string disagreement_, loss_at_, unbounded_;
+  std::string shapes_differ_, worst_at_, loss_at_, unbounded_;
   double largest_loss_ = 0, digits_without_loss_ = 0;
+  double largest_there_ = 0;  ///< at the state of the check's ratio
+  Farthest farthest_;
 };
 
 DigitsTally::DigitsTally(Quantity quantity, DigitsResult description,
@@ -116,16 +130,23 @@ std::string DigitsTally::entry(Eigen::Index row, Eigen::Index column,
 
 /// " (joint 'elbow')" for an entry that belongs to joints.
 std::string DigitsTally::joints(Eigen::Index row, Eigen::Index column) const {
+  if (quantity_ == Quantity::kM && row != column)
+    return fmt::format(" (joints '{}' and '{}')", joint_names_[row], joint_names_[column]);
+  const std::string own = joint(row, column);
+  return own.empty() ? "" : fmt::format(" (joint '{}')", own);
+}
+
+/// "elbow" for an entry that is that joint's own.
+std::string DigitsTally::joint(Eigen::Index row, Eigen::Index column) const {
   switch (quantity_) {
     case Quantity::kM:
-      if (row != column)
-        return fmt::format(" (joints '{}' and '{}')", joint_names_[row], joint_names_[column]);
+      if (row != column) break;
       [[fallthrough]];
     case Quantity::kc:
     case Quantity::kg:
     case Quantity::kTau:
     case Quantity::kQdd:
-      return fmt::format(" (joint '{}')", joint_names_[row]);
+      return joint_names_[row];
     case Quantity::kKinetic:
     case Quantity::kPotential:
     case Quantity::kMomentum:
@@ -140,8 +161,8 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
   if (!truth.exists())
     return fail(state, "no certified truth: " + truth.reason, truth.is_impossible);
   if (answer.rows() != truth.value.rows() || answer.cols() != truth.value.cols()) {
-    disagreement_ = fmt::format("{} x {} numbers at state {}, expected {} x {}", answer.rows(),
-                                answer.cols(), state, truth.value.rows(), truth.value.cols());
+    shapes_differ_ = fmt::format("{} x {} numbers at state {}, expected {} x {}", answer.rows(),
+                                 answer.cols(), state, truth.value.rows(), truth.value.cols());
     return;
   }
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -170,11 +191,22 @@ void DigitsTally::add(int state, const MatrixOf<Ball>& answer, const Certified& 
       // what is proven: the distance to the nearest point of the enclosure
       const double at_least = distance.isFinite() ? distance.atLeast() : kInfinite;
       const double loss = bounds->known_loss.size() > 0 ? bounds->known_loss(i, j) : 0;
-      judge({state, entry(i, j, shape), joints(i, j), size, ulp}, at_least, bounds->bound(i, j),
-            loss);
+      judge({state, entry(i, j, shape), joints(i, j), joint(i, j), size, ulp}, at_least,
+            bounds->bound(i, j), loss);
     }
   }
   closeState(state);
+  if (const double share = farthest / (size > 0 ? size : 1.0); share > farthest_.share) {
+    const Ball& exact = truth.value(farthest_i, farthest_j);
+    farthest_ = {share,
+                 farthest_i,
+                 farthest_j,
+                 answer.rows(),
+                 answer.cols(),
+                 state,
+                 answer(farthest_i, farthest_j).mid(),
+                 exact.containsZero() ? 0 : exact.mid()};
+  }
   if (size == 0) return;  // nothing to count digits of
   const double kept = digitsOf(farthest, size);
   if (!result_.worst || kept < *result_.worst) {
@@ -194,7 +226,7 @@ void DigitsTally::judge(int state, const Testimony& said) {
   for (Eigen::Index i = 0; i < shape.rows(); ++i) {
     const Ball& r = residual.value(i, 0);
     const double loss = said.answer.residual_loss.size() > 0 ? said.answer.residual_loss(i, 0) : 0;
-    judge({state, entry(i, 0, shape), joints(i, 0), residual.size,
+    judge({state, entry(i, 0, shape), joints(i, 0), joint(i, 0), residual.size,
            std::numeric_limits<double>::epsilon() * residual.size},
           r.isFinite() ? r.atLeast() : std::numeric_limits<double>::infinity(),
           said.answer.residual_bound(i, 0), loss);
@@ -219,18 +251,15 @@ void DigitsTally::judge(const Place& at, double at_least, double bound, double l
   check_.loosest = std::max(check_.loosest, bound);
   check_.largest = std::max(check_.largest, at.size);
   const double ratio = at_least == 0 ? 0 : at_least / bound;
+  if (ratio > 1 && !at.joint.empty()) addOnce(check_.wrong_joints, at.joint);
   if (!check_.worst_entry.empty() && !(ratio > check_.ratio)) return;
   check_.ratio = ratio;
+  largest_there_ = at.size;
   check_.worst = at_least / at.ulp;
   check_.limit = bound / at.ulp;
   check_.worst_state = at.state;
   check_.worst_entry = at.entry;
-  if (at_least > bound)
-    disagreement_ = fmt::format("{} {} at state {}, {:.3g} times its bound of {:.3g} ulp", where,
-                                check_.condition
-                                    ? fmt::format("leaves {:.3g} ulp of its equation", check_.worst)
-                                    : fmt::format("is {:.3g} ulp from the truth", check_.worst),
-                                at.state, ratio, check_.limit);
+  worst_at_ = where;
 }
 
 /// After the entries of a state: one without a bound voids it.
@@ -261,13 +290,34 @@ DigitsResult DigitsTally::digits() const {
   return out;
 }
 
-CheckResult DigitsTally::check() const {
+CheckResult::Off DigitsTally::off(const scene::Mechanism& mechanism) const {
+  const Farthest& at = farthest_;
+  const std::vector<std::string> units = columnUnits(quantity_, mechanism);
+  const auto column = static_cast<std::size_t>(at.i * at.columns + at.j);  // row by row
+  return {entryName(result_.quantity, at.i, at.j, at.rows, at.columns),
+          joint(at.i, at.j),
+          column < units.size() ? units[column] : "",
+          at.state,
+          at.said,
+          at.right};
+}
+
+std::string DigitsTally::beyondItsBound(const CheckResult& check) const {
+  return fmt::format("{} {} {:.3g} {} {} at state {}, {:.3g} times its bound of {:.3g} {}",
+                     worst_at_, check.condition ? "leaves" : "is", check.worst, check.unitName(),
+                     check.condition ? "of its equation" : "from the truth", check.worst_state,
+                     check.ratio, check.limit, check.unitName());
+}
+
+CheckResult DigitsTally::check(const scene::Mechanism& mechanism) const {
   CheckResult out = check_;
+  if (!out.worst_entry.empty()) out.useItsOwnUnit(largest_there_);
   out.digits = result_.worst;
   out.known_loss = !loss_at_.empty();
-  if (!disagreement_.empty()) {
+  if (out.ratio > 1 || !shapes_differ_.empty()) {
     out.verdict = Verdict::kDisagree;
-    out.reason = disagreement_;
+    out.reason = shapes_differ_.empty() ? beyondItsBound(out) : shapes_differ_;
+    if (farthest_.share > 0) out.off = off(mechanism);
   } else if (out.judged() == 0) {
     out.verdict = Verdict::kNotAnswerable;
     out.reason = out.voided_reason;
@@ -279,7 +329,8 @@ CheckResult DigitsTally::check() const {
 
 struct DigitsCount::Impl {
   Impl(const PreparedScene& s, const Options& o)
-      : scene_name(s.scene().name),
+      : scene(s),
+        scene_name(s.scene().name),
         seed(o.seed),
         truth(s.mechanism()),
         in_float(s.mechanism(), scene::RealNumbers<float>(s.mechanism())),
@@ -348,6 +399,7 @@ struct DigitsCount::Impl {
     return findings;
   }
 
+  PreparedScene scene;
   std::string scene_name;
   std::uint64_t seed;
   Truth truth;
@@ -391,7 +443,7 @@ DigitsFound DigitsCount::found() const {
   for (const DigitsTally& tally : impl_->tallies) {
     out.digits.push_back(tally.digits());
     if (out.digits.back().scalar != Scalar::kDouble) continue;
-    out.checks.push_back(tally.check());
+    out.checks.push_back(tally.check(impl_->scene.mechanism()));
   }
   out.losses = impl_->losses();
   return out;

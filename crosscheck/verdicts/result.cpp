@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/verdicts/causes.hpp"
+
 namespace dynwitness::crosscheck {
 
 const char* name(Verdict verdict) {
@@ -60,6 +62,8 @@ const char* measure(Unit unit) {
   switch (unit) {
     case Unit::kUlp:
       return "ulp";
+    case Unit::kAbsolute:
+      return "its own unit, being zero within rounding";
     case Unit::kExact:
       return "exact";
     case Unit::kBoundPerPivot:
@@ -139,6 +143,30 @@ std::string CheckResult::name() const {
   return of_kind.empty() ? law : of_kind;
 }
 
+std::string CheckResult::unitName() const {
+  static const std::map<std::string, const char*> kUnits = {
+      {"M", "kg m^2, kg m or kg"},  {"kinetic", "J"}, {"potential", "J"}, {"energy", "J"},
+      {"momentum", "N s or N m s"},
+  };
+  static const std::vector<std::string> kForces = {"c", "g", "tau", "qdd", "reactions"};
+  if (unit != Unit::kAbsolute) return crosscheck::name(unit);
+  const auto found = kUnits.find(quantity);
+  const bool is_force =  // qdd is judged by the forces that it leaves
+      std::find(kForces.begin(), kForces.end(), quantity) != kForces.end();
+  return fmt::format("{} (zero within rounding)", found != kUnits.end() ? found->second
+                                                  : is_force            ? "N m or N"
+                                                                        : "SI units");
+}
+
+void CheckResult::useItsOwnUnit(double largest_there) {
+  const double one = std::numeric_limits<double>::epsilon() *
+                     (largest_there > 0 && std::isfinite(largest_there) ? largest_there : 1.0);
+  if (unit != Unit::kUlp || !(limit * one >= largest_there)) return;
+  unit = Unit::kAbsolute;
+  worst *= one;
+  limit *= one;
+}
+
 bool CheckResult::asksTheSameAs(const CheckResult& other) const {
   return kind == other.kind && law == other.law && quantity == other.quantity &&
          left == other.left && right == other.right;
@@ -178,7 +206,8 @@ std::vector<Coverage> coverageOf(const std::vector<CheckResult>& checks) {
 }
 
 std::optional<double> CheckResult::limitOverSeen() const {
-  if (unit != Unit::kUlp || verdict == Verdict::kNotAnswerable || !std::isfinite(seen))
+  if ((unit != Unit::kUlp && unit != Unit::kAbsolute) || verdict == Verdict::kNotAnswerable ||
+      !std::isfinite(seen))
     return std::nullopt;
   // without an error and without room for one: both sides are the same numbers
   if (seen == 0 && !(loosest > std::numeric_limits<double>::min())) return std::nullopt;
@@ -247,9 +276,6 @@ bool CrosscheckResult::controlMissed() const {
   return false;
 }
 
-namespace {
-
-/// "a, b and c"
 std::string listed(const std::vector<std::string>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -257,8 +283,10 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
+namespace {
+
 /// "pairs, truth and field"
-std::string listed(const std::vector<Road>& roads) {
+std::string roadsListed(const std::vector<Road>& roads) {
   std::vector<std::string> words;
   for (const Road road : roads) words.emplace_back(name(road));
   return listed(words);
@@ -294,7 +322,7 @@ std::string CrosscheckResult::controlLine() const {
     for (const Control& control : scene.controls) {
       const std::string where = fmt::format("{} of {}", control.quantity, scene.name);
       if (!control.missed.empty())
-        missed.push_back(fmt::format("{} by {}", where, listed(control.missed)));
+        missed.push_back(fmt::format("{} by {}", where, roadsListed(control.missed)));
       if (!control.nothing.empty()) ++nothing[control.quantity];
       if (control.found.empty()) continue;
       seen_in.insert(scene.name);
@@ -317,7 +345,7 @@ std::string CrosscheckResult::controlLine() const {
     line = fmt::format(
         "control: a kilogram too heavy by {:.0e} was found in {} of {}{} scene{}, by {}", least,
         listed(quantities), seen_in.size() == scenes.size() && scenes.size() > 1 ? "all " : "",
-        seen_in.size(), seen_in.size() == 1 ? "" : "s", listed(roads));
+        seen_in.size(), seen_in.size() == 1 ? "" : "s", roadsListed(roads));
   if (table > 0) line += fmt::format("; in tables by their digits, at most {:.0e}", table);
   if (!larger.empty()) line += "; " + shortened(larger, 3);
   for (const auto& [quantity, count] : nothing)
@@ -330,8 +358,9 @@ std::pair<const SceneResult*, const CheckResult*> CrosscheckResult::worst() cons
   std::pair<const SceneResult*, const CheckResult*> worst{nullptr, nullptr};
   for (const SceneResult& scene : scenes)
     for (const CheckResult& check : scene.checks)
-      if (check.verdict != Verdict::kNotAnswerable && check.unit == Unit::kUlp &&
-          !check.known_loss && (worst.second == nullptr || !(check.ratio <= worst.second->ratio)))
+      if (check.verdict != Verdict::kNotAnswerable &&
+          (check.unit == Unit::kUlp || check.unit == Unit::kAbsolute) && !check.known_loss &&
+          (worst.second == nullptr || !(check.ratio <= worst.second->ratio)))
         worst = {&scene, &check};
   return worst;
 }
@@ -350,6 +379,19 @@ std::vector<CrosscheckResult::KnownLoss> CrosscheckResult::knownLosses() const {
     if (loss.worst != nullptr) losses.push_back(loss);
   }
   return losses;
+}
+
+std::string CrosscheckResult::causesLine() const {
+  std::vector<Cause> causes;
+  for (const SceneResult& scene : scenes)
+    for (Cause& cause : causesOf(scene)) causes.push_back(std::move(cause));
+  std::stable_sort(causes.begin(), causes.end(), [](const Cause& a, const Cause& b) {
+    return a.checks.size() > b.checks.size();
+  });
+  if (causes.empty()) return "";
+  const std::string first = causes.front().scene + ": " + causes.front().text;
+  return causes.size() == 1 ? "one cause, in " + first
+                            : fmt::format("{} causes, the first in {}", causes.size(), first);
 }
 
 std::string CrosscheckResult::headline() const {
@@ -377,7 +419,8 @@ std::string CrosscheckResult::headline() const {
     case RunVerdict::kDisagree:
       line += fmt::format("{} disagree{}", disagreeing,
                           controlMissed() ? ", and the control, a known fault, was not found" : "");
-      break;
+      line += ": " + causesLine();
+      return line;
   }
   if (exactCount() > 0) line += fmt::format(", {} exactly", exactCount());
   std::vector<Coverage> gaps;

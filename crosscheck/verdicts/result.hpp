@@ -48,6 +48,7 @@ const char* name(CheckKind kind);
 /// What worst and limit of a check are counted in.
 enum class Unit {
   kUlp,
+  kAbsolute,       ///< the quantity's own unit: its limit is not below its largest entry
   kExact,          ///< over the prime field, where a residual is zero or is not
   kBoundPerPivot,  ///< error bound of a pivot of M, in pivots
   kObservedOrder,
@@ -115,6 +116,17 @@ struct CheckResult {
   std::uint64_t seed = 0;
   Verdict verdict = Verdict::kAgree;
   std::string reason;  ///< for kDisagree and kNotAnswerable
+  /// Of a disagreement with the certified truth: the answer that is off by the largest share of the
+  /// largest entry, and what is right there.
+  struct Off {
+    std::string entry, joint;  ///< "tau[3]"; joint: empty where the entry belongs to none
+    std::string unit;          ///< of both numbers: "N m"
+    int state = 0;
+    double said = 0, right = 0;
+  };
+  std::optional<Off> off;
+  /// Of one: joints whose own entries (of c, g, tau, qdd, the diagonal of M) are beyond their limit.
+  std::vector<std::string> wrong_joints;
   std::optional<Exact> exact;
   std::string no_exact;          ///< why the field, which was asked, could not decide
   std::optional<double> digits;  ///< fewest correct ones, where the check is against the truth
@@ -126,6 +138,12 @@ struct CheckResult {
 
   /// "same", "truth", ..., or the name of the law.
   std::string name() const;
+  /// Of worst and limit: name(unit), or the quantity's own.
+  std::string unitName() const;
+  /// From ulp to the quantity's own unit, where an ulp of it says nothing: rounding alone could
+  /// have left all that is there.
+  /// @param largest_there  the largest magnitude at the state of `ratio`
+  void useItsOwnUnit(double largest_there);
   /// Both ask the same question of the same witnesses.
   bool asksTheSameAs(const CheckResult& other) const;
   /// It stands for checks that were not asked.
@@ -138,7 +156,7 @@ struct CheckResult {
   /** How much wider the loosest limit is than the largest residual: what the check can miss,
       counted in what it sees. Less than one ulp of the largest entry of all states cannot be
       expected of any computation in double, so a smaller residual counts as one. Empty where
-      nothing is counted in ulp, and where both sides are the same numbers. */
+      nothing is held to rounding, and where both sides are the same numbers. */
   std::optional<double> limitOverSeen() const;
   /// One ulp of `largest`; of 1 where everything is zero.
   double ulp() const;
@@ -300,8 +318,13 @@ struct CrosscheckResult {
     int scenes;
   };
   std::vector<KnownLoss> knownLosses() const;
-  /// "14 scenes, 1212 checks, all agree; not answered: qdd 3 of 660 comparisons (..); closest .."
+  /// "14 scenes, 1212 checks, all agree; not answered: qdd 3 of 660 comparisons (..); closest .." In
+  /// a disagreement what causes it takes the place of what comes closest.
   std::string headline() const;
+
+ private:
+  /// "one cause, in arm: simbody stands alone in g, .."
+  std::string causesLine() const;
 };
 
 /// For lists whose order is that of first appearance.
@@ -309,5 +332,8 @@ template <typename T>
 void addOnce(std::vector<T>& list, const T& one) {
   if (std::find(list.begin(), list.end(), one) == list.end()) list.push_back(one);
 }
+
+/// "a, b and c"
+std::string listed(const std::vector<std::string>& words);
 
 }  // namespace dynwitness::crosscheck

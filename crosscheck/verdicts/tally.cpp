@@ -57,6 +57,7 @@ void Tally::addDifference(int state, const Eigen::MatrixXd& difference,
       const double used = share(residual, limit(i, j));
       if (result_.worst_entry.empty() || used > result_.ratio) {
         result_.ratio = used;
+        largest_there_ = largest;
         result_.worst = residual / ulp;
         result_.limit = limit(i, j) / ulp;
         result_.worst_state = state;
@@ -82,10 +83,12 @@ void Tally::fail(int state, const std::string& reason, const std::string& excuse
 
 CheckResult Tally::result() const {
   CheckResult out = result_;
+  if (!out.worst_entry.empty()) out.useItsOwnUnit(largest_there_);
   if (!(out.ratio <= 1)) {
     out.verdict = Verdict::kDisagree;
-    out.reason = fmt::format("{} differs by {:.3g} ulp at state {}, limit {:.3g} ulp",
-                             out.worst_entry, out.worst, out.worst_state, out.limit);
+    out.reason =
+        fmt::format("{} differs by {:.3g} {} at state {}, limit {:.3g} {}", out.worst_entry,
+                    out.worst, out.unitName(), out.worst_state, out.limit, out.unitName());
   } else if (out.verdict == Verdict::kAgree && out.judged() == 0) {
     out.verdict = Verdict::kNotAnswerable;
     out.reason = out.states > 0 ? out.voided_reason : "asked at no state";

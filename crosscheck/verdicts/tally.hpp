@@ -39,6 +39,7 @@ class Tally {
 
  private:
   CheckResult result_;
+  double largest_there_ = 0;  ///< at the state of the largest share
 };
 
 /// "M[1,2]", or "M" for a single number.

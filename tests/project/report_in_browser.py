@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Opens a report in headless Chromium, as a reader would, and complains about what a reader would miss.
 
-    report_in_browser.py FOLDER [--screenshots FOLDER]
+    report_in_browser.py FOLDER [--screenshots FOLDER] [--most-printed PAGES]
 
 Opens FOLDER/index.html and the pages of its scenes from the disk, for light and dark readers and on a
 narrow screen. Exit status 1:
 an error was logged, a picture is missing, a formula did not render, a link leads nowhere, something
-was asked from the network, or the page is wider than the screen. 77: there is no Chromium.
+was asked from the network, the page is wider than the screen, or all pages together take more than PAGES of
+paper (Letter, which is the shorter). 77: there is no Chromium.
 """
 import argparse
 import base64
@@ -195,6 +196,13 @@ def complaints(events):
                 yield f"asked from the network: {about['request']['url']}"
 
 
+def sheets_of(browser, session):
+    """Sheets of paper that the page takes, as it opens: what is folded away stays so."""
+    pdf = base64.b64decode(browser.call("Page.printToPDF", session, printBackground=True,
+                                        preferCSSPageSize=True)["data"])
+    return len(re.findall(rb"/Type\s*/Page\b(?!s)", pdf))
+
+
 def malformed_formulas(page):
     """HTML mends broken markup silently, so formulas are read as XML too."""
     def character(match):
@@ -215,6 +223,7 @@ def main():
     parser = argparse.ArgumentParser(description="Opens a report in headless Chromium and looks at it.")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--screenshots", type=Path, help="folder for a picture of each view")
+    parser.add_argument("--most-printed", type=int, metavar="PAGES", help="sheets that all pages may take, printed")
     arguments = parser.parse_args()
     index = (arguments.folder / "index.html").resolve()
     if not index.is_file():
@@ -225,7 +234,7 @@ def main():
         return SKIP
 
     pages = [index, *sorted(index.parent.glob("scenes/*/index.html"))]
-    wrong, total = [], {"pictures": 0, "trees": 0, "formulas": 0}
+    wrong, total, sheets = [], {"pictures": 0, "trees": 0, "formulas": 0}, 0
     for one in pages:
         page = one.read_text(encoding="utf-8")
         wrong += malformed_formulas(page)
@@ -260,17 +269,21 @@ def main():
             if view == "light":
                 for kind in total:
                     total[kind] += found[kind]
+                sheets += sheets_of(browser, session) if arguments.most_printed else 0
             if arguments.screenshots:
                 arguments.screenshots.mkdir(parents=True, exist_ok=True)
                 shot = browser.call("Page.captureScreenshot", session, captureBeyondViewport=True)
                 (arguments.screenshots / f"{'' if one == index else one.parent.name + '_'}{view}.png").write_bytes(base64.b64decode(shot["data"]))
             browser.call("Target.closeTarget", targetId=target)
         browser.close()
+    if arguments.most_printed and sheets > arguments.most_printed:
+        wrong.append(f"printed it takes {sheets} pages, allowed: {arguments.most_printed}")
 
     for sentence in dict.fromkeys(wrong):
         print(f"report_in_browser: {sentence}")
     print(f"report_in_browser: {index}: {len(pages)} pages, {total['pictures']} pictures, "
-          f"{total['trees']} trees, {total['formulas']} formulas: {'as they should be' if not wrong else 'NOT as they should be'}")
+          f"{total['trees']} trees, {total['formulas']} formulas"
+          f"{f', {sheets} sheets of paper' if sheets else ''}: {'as they should be' if not wrong else 'NOT as they should be'}")
     return 1 if wrong else 0
 
 

@@ -4,6 +4,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include <array>
+#include <cstdlib>
 #include <map>
 #include <regex>
 #include <sstream>
@@ -126,6 +127,57 @@ BOOST_AUTO_TEST_CASE(an_option_has_one_meaning_and_one_type_in_all_commands) {
     }
   }
   BOOST_TEST(shared >= 80);  // 96 when this was written
+}
+
+// Colours are for people: none where nobody looks, unless they are asked for.
+BOOST_AUTO_TEST_CASE(colours_progress_and_remarks_are_as_asked_for) {
+  const Program program;
+  const auto has = [](const Outcome& outcome, const char* text) {
+    return outcome.out.find(text) != std::string::npos;
+  };
+  const std::string crosscheck =
+      "crosscheck simple_pendulum --no-charts --no-drift --random 3 --witness lagrange,newton_euler ";
+  for (const char* plain : {"", "--color auto", "--color never", "--color=never --quiet"})
+    BOOST_TEST(!has(program.run(crosscheck + plain), "\033["), plain);
+  const Outcome colored = program.run(crosscheck + "--color always");
+  BOOST_TEST(has(colored, "\033[32magree"), colored.out);
+  BOOST_TEST(has(program.run(crosscheck + "--progress auto"), "[1/2] simple_pendulum"));
+  const Outcome json = program.run(crosscheck + "--progress json");
+  BOOST_TEST(has(json, "{\"progress\":\"simple_pendulum\",\"stage\":1,\"stages\":2,"), json.out);
+  for (const char* silent : {"--progress off", "-q", "--quiet", "--quiet --progress json"}) {
+    const Outcome outcome = program.run(crosscheck + silent);
+    BOOST_TEST(!has(outcome, "[1/2]"), silent);
+    BOOST_TEST(!has(outcome, "{\"progress\""), silent);
+  }
+  const std::string evaluate = "evaluate acrobot --quantity tau ";
+  BOOST_TEST(has(program.run(evaluate), "no state given"));
+  BOOST_TEST(program.run(evaluate + "-q").out.compare(0, 5, "tau1,") == 0);
+  // a failure is told in any case
+  refuses(program, "evaluate acrobt --quantity M -q", "did you mean acrobot?");
+}
+
+BOOST_AUTO_TEST_CASE(every_command_says_how_much_it_says) {
+  const Program program;
+  for (const std::string& command : commands(program)) {
+    const std::string help = program.run(command + " --help").out;
+    for (const char* option : {"--color TEXT:{auto,always,never}=auto",
+                               "--progress TEXT:{auto,json,off}=auto", "-q,--quiet"})
+      BOOST_TEST(help.find(option) != std::string::npos, command << ": " << option);
+  }
+}
+
+// The ending of the file says the kind of picture; by the first bytes of each.
+BOOST_AUTO_TEST_CASE(pictures_are_svg_png_or_pdf) {
+  const Program program;
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) return;
+  for (const auto& [file, begin] : std::map<std::string, std::string>{
+           {"a.svg", "<?xml"}, {"b.png", "\x89PNG"}, {"c.pdf", "%PDF"}}) {
+    const Outcome outcome = program.run("drift acrobot --step 0.01,0.005 --duration 1 --plot " +
+                                        file + " --background white");
+    BOOST_TEST(outcome.status == 0, outcome.out);
+    BOOST_TEST((program.read(file).substr(0, begin.size()) == begin), file);
+  }
+  refuses(program, "drift acrobot --plot a.bmp", "allowed: a file that ends in .svg, .png or .pdf");
 }
 
 BOOST_AUTO_TEST_CASE(old_spellings_are_taken_and_told) {

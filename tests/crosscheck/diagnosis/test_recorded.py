@@ -138,4 +138,48 @@ for arguments, words in (
           write("bare_tau.csv", columns("tau"), [zeros])], "tau1.. without qdd1..")):
     status, out, err = check(*arguments)
     assert status == 2 and words in err, (arguments, status, out, err)
+
+# coordinates of other engines: the file says whose, or the command line does, and another one's are wrong
+def humanoid(*arguments):
+    done = subprocess.run([PROGRAM, "check", "humanoid_floating", *arguments], capture_output=True, text=True)
+    return done.returncode, done.stdout, done.stderr
+
+
+for convention in ("mujoco", "pinocchio", "drake"):
+    theirs = path(convention + ".csv")
+    subprocess.run([PROGRAM, "evaluate", "humanoid_floating", "--random", "4", "--quantity", "tau,M,g", "--convention",
+                    convention, "-o", theirs], check=True, capture_output=True)
+    status, out, err = humanoid("--answers", theirs)
+    assert status == 0, (convention, out, err)
+    with open(theirs) as file:
+        first, *rest = file
+    assert first == "# convention: %s\n" % convention, first
+    untold = path("untold.csv")
+    with open(untold, "w") as file:
+        file.writelines(rest)
+    status, out, err = humanoid("--answers", untold)
+    assert status == 2 and "whose coordinates the file has" in err, (out, err)
+    status, out, err = humanoid("--answers", untold, "--convention", convention)
+    assert status == 0, (convention, out, err)
+    if convention != "pinocchio":
+        status, out, err = humanoid("--answers", untold, "--convention", "pinocchio")
+        assert status == 1, (convention, out, err)
+
+# and of motions: those of a spherical top, its quaternion's real part first or last
+def top(*arguments):
+    done = subprocess.run([PROGRAM, "drift", "heavy_top", "--motion", *arguments], capture_output=True, text=True)
+    return done.returncode, done.stdout, done.stderr
+
+
+motion = path("top.csv")
+subprocess.run([PROGRAM, "simulate", "heavy_top", "--duration", "0.2", "--csv", motion], check=True, capture_output=True)
+assert top(motion)[0] == 0, top(motion)
+with open(motion) as file:
+    first, *rest = file
+assert first == "# convention: dynwitness\n", first
+with open(untold, "w") as file:
+    file.writelines(rest)
+assert top(untold)[0] == 2 and "whose coordinates the file has" in top(untold)[2], top(untold)
+assert top(untold, "--convention", "dynwitness")[0] == 0
+assert top(untold, "--convention", "pinocchio")[0] == 1
 print("right")

@@ -7,8 +7,11 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include "crosscheck/verdicts/causes.hpp"
+#include "crosscheck/verdicts/check_reading.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/options.hpp"
+#include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 
 using namespace dynwitness;
@@ -112,6 +115,122 @@ BOOST_AUTO_TEST_CASE(of_two_neither_stands_alone) {
   BOOST_TEST(finding.quantity == "kinetic");
   BOOST_TEST(finding.witness == "");
   BOOST_TEST((finding.text.find("a, b disagree") != std::string::npos), finding.text);
+}
+
+namespace {
+
+/// A disagreement, or an agreement, of this kind.
+CheckResult judged(CheckKind kind, const std::string& quantity, const std::string& left,
+                   const std::string& right, Verdict verdict) {
+  CheckResult check;
+  check.kind = kind;
+  check.quantity = quantity;
+  check.left = left;
+  check.right = right;
+  check.verdict = verdict;
+  check.reason = quantity + " by " + left;
+  return check;
+}
+
+/// A scene of three joints where b is wrong in some quantities, against a, c and the truth.
+SceneResult withWrong(const std::vector<std::string>& wrong,
+                      const std::vector<std::string>& right) {
+  SceneResult scene;
+  scene.name = "arm";
+  scene.dof = 3;
+  for (const bool is_wrong : {true, false})
+    for (const std::string& quantity : is_wrong ? wrong : right) {
+      const Verdict verdict = is_wrong ? Verdict::kDisagree : Verdict::kAgree;
+      scene.checks.push_back(judged(CheckKind::kSame, quantity, "a", "b", verdict));
+      scene.checks.push_back(judged(CheckKind::kSame, quantity, "b", "c", verdict));
+      scene.checks.push_back(judged(CheckKind::kSame, quantity, "a", "c", Verdict::kAgree));
+      CheckResult truth = judged(CheckKind::kTruth, quantity, "b", "", verdict);
+      if (is_wrong) {
+        truth.off = {quantity + "[2]", "elbow", "N m", 7, 15.1, 12};
+        truth.wrong_joints = {"shoulder", "elbow"};
+      }
+      scene.checks.push_back(truth);
+    }
+  scene.findings = findOutliers(scene.name, scene.checks);
+  return scene;
+}
+
+}  // namespace
+
+// A wrong term shows in all that contains it: one cause, with its figures, whatever the order.
+BOOST_AUTO_TEST_CASE(one_wrong_term_is_one_line) {
+  const SceneResult scene = withWrong({"g", "tau", "qdd", "potential"}, {"M", "c"});
+  const std::vector<Cause> causes = causesOf(scene);
+  BOOST_REQUIRE(causes.size() == 1u);
+  BOOST_TEST(causes[0].checks.size() == 12u);
+  BOOST_TEST(
+      causes[0].text ==
+      "b stands alone in g; tau[2] is off by 3.1 N m where 12 N m is right, at state 7; wrong "
+      "at joints 'shoulder' and 'elbow' of 3; so are tau, qdd and potential, which contain it; "
+      "right in M and c");
+  CrosscheckResult run;
+  run.scenes = {scene};
+  BOOST_TEST((run.headline().find("12 disagree: one cause, in arm: b stands alone in g") !=
+              std::string::npos),
+             run.headline());
+}
+
+// Two that are wrong are two causes; a pair of both belongs to one of them, and no check is lost.
+BOOST_AUTO_TEST_CASE(every_disagreement_belongs_to_one_cause) {
+  SceneResult scene = withWrong({"M"}, {"g"});
+  for (const char* other : {"a", "c"})
+    scene.checks.push_back(judged(CheckKind::kSame, "c", other, "d", Verdict::kDisagree));
+  scene.checks.push_back(judged(CheckKind::kSame, "c", "a", "c", Verdict::kAgree));
+  scene.checks.push_back(judged(CheckKind::kSame, "M", "b", "d", Verdict::kDisagree));
+  scene.checks.push_back(judged(CheckKind::kLaw, "P", "a", "", Verdict::kDisagree));
+  scene.checks.back().law = "projector";
+  scene.findings = findOutliers(scene.name, scene.checks);
+  const std::vector<Cause> causes = causesOf(scene);
+  std::size_t explained = 0;
+  std::vector<std::string> who;
+  for (const Cause& cause : causes) {
+    explained += cause.checks.size();
+    who.push_back(cause.witness);
+  }
+  BOOST_TEST(explained == 7u);
+  BOOST_TEST(who == (std::vector<std::string>{"b", "d", ""}), boost::test_tools::per_element());
+  BOOST_TEST((causes[2].text.find("a: projector") == 0), causes[2].text);
+}
+
+// A number that the file does not say (one mimic joint, say) makes tables disagree with everybody:
+// who reads the file a second time names it, and all of that is one line.
+BOOST_AUTO_TEST_CASE(one_misread_number_is_one_line) {
+  SceneResult scene;
+  scene.name = "gripper";
+  CheckResult reading = judged(CheckKind::kLaw, "numbers", kRereading, "", Verdict::kDisagree);
+  reading.law = kReading;
+  reading.reason = "multiplier of joint 'right_finger': 1 and -1";
+  for (const char* witness : {"a", "b", "c"})
+    for (const char* quantity : {"M", "g", "tau", "c", "qdd"}) {
+      scene.checks.push_back(
+          judged(CheckKind::kTable, quantity, "table", witness, Verdict::kDisagree));
+      scene.checks.back().statement = "published";
+    }
+  scene.checks.push_back(reading);
+  scene.findings = findTableDisputes(scene.name, scene.checks);
+  const std::vector<Cause> causes = causesOf(scene);
+  BOOST_REQUIRE(causes.size() == 1u);
+  BOOST_TEST(causes[0].checks.size() == 16u);
+  BOOST_TEST((causes[0].text.find("multiplier of joint 'right_finger'") != std::string::npos),
+             causes[0].text);
+}
+
+// Percentages beyond 1000 say nothing; nor do they of zero.
+BOOST_AUTO_TEST_CASE(figures_say_how_far_an_answer_is_off) {
+  const auto said = [](double answer, double right) {
+    return figures({"tau[1]", "", "N m", 0, answer, right});
+  };
+  BOOST_TEST(said(15.1, 12) == "is off by 3.1 N m where 12 N m is right");
+  BOOST_TEST(said(130, 12) == "is off by 118 N m where 12 N m is right");  // 983 %
+  BOOST_TEST(said(345, 3) == "is 345 N m where 3 N m is right, 1.2e+02 times that");
+  BOOST_TEST(said(-345, 3) == "is -345 N m where 3 N m is right, 1.2e+02 times that the other way");
+  BOOST_TEST(said(0.5, 0) == "is 0.5 N m where 0 is right");
+  BOOST_TEST(said(kNaN, 3) == "is not a number where 3 N m is right");
 }
 
 BOOST_AUTO_TEST_CASE(two_against_two_blames_nobody) {

@@ -81,6 +81,20 @@ BOOST_AUTO_TEST_CASE(a_small_entry_is_not_hidden_by_a_large_one) {
   BOOST_TEST(result.worst_entry == "tau[2]");
 }
 
+// Of what is zero within rounding an ulp says nothing: residual and limit are in the quantity's own
+// unit. By hand: 2^-60 of a limit of 2^-50, where the answers are 2^-60 and 0.
+BOOST_AUTO_TEST_CASE(what_is_zero_within_rounding_has_a_unit) {
+  Tally zero = tallyOf("tau"), small = tallyOf("tau");
+  zero.add(0, column(0x1p-60, 0), column(0, 0), column(0x1p-50, 0x1p-50));
+  BOOST_TEST((zero.result().unit == Unit::kAbsolute));
+  BOOST_TEST(zero.result().worst == 0x1p-60);
+  BOOST_TEST(zero.result().limit == 0x1p-50);
+  BOOST_TEST(zero.result().unitName() == "N m or N (zero within rounding)");
+  small.add(0, column(0x1p-60, 0x1p-49), column(0, 0x1p-49), column(0x1p-50, 0x1p-50));
+  BOOST_TEST(small.result().unitName() == "ulp");
+  BOOST_TEST(small.result().worst == 0x1p+41);  // 2^-60 / (2^-52 2^-49)
+}
+
 BOOST_AUTO_TEST_CASE(a_zero_limit_asks_for_equality) {
   Tally equal = tallyOf("g"), different = tallyOf("g");
   equal.add(0, column(0, 0), column(0, 0), column(0, 0));

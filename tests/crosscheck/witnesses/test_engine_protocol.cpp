@@ -375,14 +375,14 @@ const std::string kOfReactions =
                   kOfModel = "    m = says['model']\n    says['model'] = lambda: ";
 const std::vector<Beside> kBeside = {
     {"reactions the other way", kOfReactions + "[[-x for x in row] for row in r(q, qd, qdd)]\n",
-     "reactions: changed stands alone",
+     "changed stands alone in reactions",
      "explained exactly by: reactions that the link exerts on its parent"},
     {"moments first", kOfReactions + "[row[3:] + row[:3] for row in r(q, qd, qdd)]\n",
-     "reactions: changed stands alone", "explained exactly by: reactions with the moment first"},
+     "changed stands alone in reactions", "explained exactly by: reactions with the moment first"},
     {"one moment off",
      kOfReactions +
          "(lambda R: R[:2] + [R[2][:5] + [R[2][5] * (1 + 1e-9)]] + R[3:])(r(q, qd, qdd))\n",
-     "reactions: changed stands alone", "nothing on record explains it"},
+     "changed stands alone in reactions", "nothing on record explains it"},
     {"a Jacobian of another point", kOfJacobian + "j(q, dict(frame, at=[0, 0, 0]))\n",
      "changed: jacobian: jacobian[",
      "explained exactly by: it is that of the link's origin in place of the point"},
