@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "scene/error.hpp"
+#include "scene/faults.hpp"
 #include "scene/mimic.hpp"
 #include "scene/text_file.hpp"
 
@@ -62,6 +63,7 @@ class Lines {
 
   const SourceLocation& where() const { return where_; }  ///< of the last line
   double fraction() const { return size_ > 0 ? std::min(1.0, bytes_ / size_) : -1; }
+  bool isRegular() const { return size_ >= 0; }
   /// No whole line is at hand, and it is no regular file that has one.
   bool mayWait() const {
     return size_ < 0 && !at_end_ && buffer_.find('\n', searched_) == std::string::npos;
@@ -276,6 +278,48 @@ struct StatesReader::Parts {
     for (std::size_t i = 0; i < places[group].size(); ++i) (*values)[i] = number(places[group][i]);
   }
 
+  /// The row at hand as a state. @throws InputError  its first fault
+  void readRow(scene::State<double>* state) {
+    if (cells.size() != names.size())
+      throw InputError(lines.where(),
+                       fmt::format("{} entries, the header names {}", cells.size(), names.size()));
+    if (coordinates) {
+      fill(kQ, &q);
+      fill(kQd, &state->qd);
+      fill(kQdd, &state->qdd);
+      fill(kTau, &state->tau);
+      try {
+        coordinates->read(q, state);
+      } catch (const InputError& error) {
+        throw InputError(lines.where(), error.what());
+      }
+      return;
+    }
+    state->x.resize(static_cast<std::size_t>(mechanism->positions()));
+    for (std::size_t i = 0; i < places[kQ].size(); ++i)
+      state->x[static_cast<std::size_t>(given[i])] = scene::jointPosition(number(places[kQ][i]));
+    if (!places[kQ].empty()) {
+      scene::followLeaders(*mechanism, &state->x);
+      requireQuaternions(*mechanism, *state, lines.where());
+    }
+    fill(kQd, &state->qd);
+    fill(kQdd, &state->qdd);
+    fill(kTau, &state->tau);
+    for (const int place : other_places) number(place);
+  }
+
+  /// What is wrong with the row at hand: each of its cells, or else what readRow() says.
+  void findFaults(scene::State<double>* state, scene::Faults& faults) {
+    std::size_t right = 0, all = 0;
+    for (const std::vector<int>* group :
+         {&places[kQ], &places[kQd], &places[kQdd], &places[kTau], &other_places})
+      for (const int place : *group) {
+        ++all;
+        if (cells.size() == names.size()) faults.collect([&] { number(place), ++right; });
+      }
+    if (right == all || cells.size() != names.size()) faults.collect([&] { readRow(state); });
+  }
+
   Lines lines;
   const scene::Mechanism* mechanism;
   std::vector<int> given;  ///< slots of q that have a column: those of followers have none
@@ -347,33 +391,17 @@ double StatesReader::fraction() const {
 bool StatesReader::next(scene::State<double>* state) {
   Parts& p = *parts_;
   if (!p.nextCells()) return false;
-  if (p.cells.size() != p.names.size())
-    throw InputError(p.lines.where(), fmt::format("{} entries, the header names {}", p.cells.size(),
-                                                  p.names.size()));
-  if (p.coordinates) {
-    p.fill(kQ, &p.q);
-    p.fill(kQd, &state->qd);
-    p.fill(kQdd, &state->qdd);
-    p.fill(kTau, &state->tau);
-    try {
-      p.coordinates->read(p.q, state);
-    } catch (const InputError& error) {
-      throw InputError(p.lines.where(), error.what());
-    }
+  try {
+    p.readRow(state);
     return true;
+  } catch (const InputError&) {
   }
-  state->x.resize(static_cast<std::size_t>(p.mechanism->positions()));
-  for (std::size_t i = 0; i < p.places[kQ].size(); ++i)
-    state->x[static_cast<std::size_t>(p.given[i])] =
-        scene::jointPosition(p.number(p.places[kQ][i]));
-  if (!p.places[kQ].empty()) {
-    scene::followLeaders(*p.mechanism, &state->x);
-    requireQuaternions(*p.mechanism, *state, p.lines.where());
-  }
-  p.fill(kQd, &state->qd);
-  p.fill(kQdd, &state->qdd);
-  p.fill(kTau, &state->tau);
-  return true;
+  scene::Faults faults;
+  p.findFaults(state, faults);
+  // the rest of a file is there; who writes into a pipe may wait for us
+  while (p.lines.isRegular() && p.nextCells()) p.findFaults(state, faults);
+  faults.raise();
+  return false;
 }
 
 }  // namespace dynwitness::crosscheck
