@@ -376,7 +376,7 @@ Run addDerive(CLI::App* command) {
   command
       ->add_option(
           "--parameters", arguments->parameters,
-          "Numbers of the scene in code: folded, or fields of a struct that may be changed "
+          "Parameters: in code all numbers of the scene are folded, or fields of a struct that may be changed "
           "(masses, lengths, gravity, ...)")
       ->capture_default_str()
       ->check(oneOf({"folded", "struct"}));

@@ -96,6 +96,21 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
   writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
 }
 
+/// Several methods in one picture.
+void plotDrifts(const scene::Scene& scene, const std::vector<Drift>& drifts,
+                const std::filesystem::path& file) {
+  const std::string script = driftsScript(scene.title.empty() ? scene.name : scene.title, drifts);
+  if (script.empty()) throw std::runtime_error("no energy error above zero: nothing to draw");
+  const UnfinishedFolder work(file.string() + ".work");  // vanishes again
+  work.write("style.gp", kStyleGnuplot);
+  work.write("methods.csv", driftsCsv(drifts));
+  work.write("methods.gp", script);
+  if (const auto failure = runGnuplot(work.path(), "methods.gp", {"methods.svg"}))
+    throw std::runtime_error("chart: " + *failure);
+  std::ifstream picture(work.path() / "methods.svg");
+  writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
+}
+
 /// What is to be said about a drift beside its numbers. @return false: its qdd is wrong
 bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift& drift,
             std::string* text) {
@@ -172,7 +187,10 @@ int runDrift(const DriftArguments& arguments) {
             remarks);
   fmt::print("{}{}{}", csv, remarks, ends);
   if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csv);
-  if (!arguments.plot.empty()) plotDrift(scene, drifts.front(), arguments.plot);
+  if (!arguments.plot.empty() && drifts.size() == 1)
+    plotDrift(scene, drifts.front(), arguments.plot);
+  else if (!arguments.plot.empty())
+    plotDrifts(scene, drifts, arguments.plot);
   return agree ? 0 : 1;
 }
 
@@ -218,7 +236,9 @@ Run addDrift(CLI::App* command) {
       ->check(positive())
       ->capture_default_str();
   CLI::Option* plot =
-      command->add_option("--plot", arguments->plot, "Chart of the first method, as SVG");
+      command->add_option("--plot", arguments->plot,
+                          "Chart as SVG: energy errors along the paths of one method, or the worst "
+                          "ones of several against the step");
   CLI::Option* csv =
       command->add_option("--csv", arguments->csv, "Table as a CSV file: the printed one");
   for (CLI::Option* ours : {plot, csv}) ours->excludes(advise)->excludes(engines)->excludes(motion);

@@ -27,6 +27,13 @@ std::string driftWorstCsv(const SceneResult& scene);
 /// ../style.gp. Empty when no path has an error above zero: there is nothing to see on a log axis.
 std::string driftScript(const SceneResult& scene);
 
+/// Draws METHODS.svg of several methods' drifts from METHODS.csv beside it, whose columns are
+/// method, step and worst error over scale: worst error against step, a line a method; it loads
+/// style.gp. Empty when no path has an error above zero.
+std::string driftsScript(const std::string& title, const std::vector<Drift>& drifts);
+/// Its table. "method,step_s,worst_energy_error_over_scale"
+std::string driftsCsv(const std::vector<Drift>& drifts);
+
 /** Runs gnuplot on a script in its folder, without a shell.
 
     @return nothing when every file of `pictures` was drawn to its end, else why not (unfinished

@@ -161,7 +161,7 @@ BOOST_AUTO_TEST_CASE(a_scene_is_like_one_that_exists_and_stands_alone) {
   BOOST_TEST(message("like = \"double_pendulum\"\n[set]\n\"mass:lower\" = -1\n")
                  .find("mine.toml:3: link \"lower\": mass is -1 kg") != std::string::npos);
   BOOST_TEST(message("like = \"double_pendulum\"\n[set]\n\"mass:lover\" = 1\n")
-                 .find("mine.toml:3: set: \"mass:lover\": no link 'lover', did you mean lower?") !=
+                 .find("mine.toml:3: set: \"mass:lover\": no link 'lover' (did you mean lower?)") !=
              std::string::npos);
   BOOST_TEST(message("like = \"double_pendulum\"\n[set]\nl1 = 1\n")
                  .find("parameters stand in [parameters]") != std::string::npos);
