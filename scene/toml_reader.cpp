@@ -178,28 +178,34 @@ Vector TomlReader::optionalVector(const toml::table& table, const std::string& w
 
 // ------------------------------------------------------------------------- the parts of a scene
 
+/// The keys of a table in the file's order: toml++ keeps them sorted.
+std::vector<const toml::key*> inFileOrder(const toml::table& table) {
+  std::vector<const toml::key*> keys;
+  for (const auto& entry : table) keys.push_back(&entry.first);
+  std::sort(keys.begin(), keys.end(), [](const toml::key* a, const toml::key* b) {
+    const toml::source_position p = a->source().begin, q = b->source().begin;
+    return p.line != q.line ? p.line < q.line : p.column < q.column;
+  });
+  return keys;
+}
+
+/// In their order, which decides what may use what.
 std::vector<Parameter> TomlReader::parsedParameters(const toml::node& node) const {
-  std::vector<std::pair<Parameter, toml::source_position>> entries;
-  for (const auto& [key, value] : asTable(node, "parameters")) {
-    const std::string name(key.str());
-    Parameter parameter{name, 1, where(value)};  // as if it were 1 where something is wrong
-    faults_.collect([&, &key = key, &value = value] {
+  std::vector<Parameter> parameters;
+  const toml::table& table = asTable(node, "parameters");
+  for (const toml::key* key : inFileOrder(table)) {
+    const std::string name(key->str());
+    const toml::node& value = *table.get(name);
+    parameters.push_back({name, 1, where(value)});  // as if it were 1 where something is wrong
+    faults_.collect([&] {
       if (!isParameterName(name))
-        throw InputError(where(key.source()),
+        throw InputError(where(key->source()),
                          "parameter \"" + name +
                              "\": not a name, allowed: letters, digits and _, not starting with a "
                              "digit, and not pi, inf or nan");
-      parameter.value = expression(value, "parameter \"" + name + '"');
+      parameters.back().value = expression(value, "parameter \"" + name + '"');
     });
-    entries.emplace_back(parameter, value.source().begin);
   }
-  // toml++ keeps tables sorted by key; the order of the file decides what may use what
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
-    const toml::source_position p = a.second, q = b.second;
-    return p.line != q.line ? p.line < q.line : p.column < q.column;
-  });
-  std::vector<Parameter> parameters;
-  for (const auto& [parameter, position] : entries) parameters.push_back(parameter);
   return parameters;
 }
 
@@ -630,13 +636,9 @@ void TomlReader::readLike(const toml::node& node, const toml::table& top) {
 
 /// [set]: the words of the command line's --set, each a number, a function or as many as it takes.
 void TomlReader::readSettings(const toml::node& node) {
-  std::vector<std::pair<toml::source_position, std::string>> in_file_order;
   const toml::table& table = asTable(node, "set");
-  for (const auto& [key, value] : table)
-    in_file_order.emplace_back(value.source().begin, std::string(key.str()));
-  std::sort(in_file_order.begin(), in_file_order.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [position, name] : in_file_order) {
+  for (const toml::key* key : inFileOrder(table)) {
+    const std::string name(key->str());
     const toml::node& value = *table.get(name);
     const ChangeAsGiven as_given{"set: \"" + name + "\"", where(value)};
     if (name.find(':') == std::string::npos)

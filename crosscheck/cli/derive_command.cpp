@@ -39,7 +39,8 @@ struct DeriveArguments {
   bool isProgram() const { return format == "c" || format == "python"; }
   /// Code of the smallest roads, not M, c and g of named parameters.
   bool isCode() const {
-    return format == "matlab" || format == "julia" || (isProgram() && !isAll());
+    return format == "matlab" || format == "julia" ||
+           (isProgram() && (!isAll() || parameters == "struct"));
   }
 };
 
@@ -354,7 +355,7 @@ Run addDerive(CLI::App* command) {
       "dynwitness derive puma_560 --format c --quantity tau,M --parameters struct -o puma\n"
       "dynwitness derive puma_560 --format c --scalar float --quantity jacobian --point link_6\n\n"
       "--quantity all as c or python: M, c and g of the scene's named parameters, by T and V. Any "
-      "other list, and matlab and julia (there all is tau,qdd,M,c,g): code for a controller from "
+      "other list, --parameters struct, matlab and julia (there all is tau,qdd,M,c,g): code for a controller from "
       "the smallest programs (--operations), all numbers of the scene folded, or with --parameters "
       "struct under names, what depends on them alone computed once; into the folder -o, with a "
       "test of it beside it. No allocation, no library but libm; friction and wrenches are "

@@ -201,8 +201,33 @@ struct StatesReader::Parts {
 
   std::string allowedColumns() const {
     return fmt::format(
-        "q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}{2}", mechanism->dof(), positions,
-        others.names.empty() ? "" : fmt::format(", and {}", fmt::join(others.names, ", ")));
+        "q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}{3}{2}", mechanism->dof(), positions,
+        others.names.empty() ? "" : fmt::format(", and {}", fmt::join(others.names, ", ")),
+        columnsOfJoints().empty()
+            ? ""
+            : fmt::format(" (or by joint: {0}, {0}.qd, {0}.qdd, {0}.tau, ...)",
+                          mechanism->rateLabels().front()));
+  }
+
+  /** What columns may be called by joints: "elbow" and "elbow.q" are q of that joint, "elbow.qd"
+      its rate, "elbow.qdd", "elbow.tau"; "hip.turn.qd" where a joint has several. Without joints whose
+      positions are not counted as their rates are, and in dynwitness' own coordinates. */
+  std::unordered_map<std::string, std::string> columnsOfJoints() const {
+    std::unordered_map<std::string, std::string> columns;
+    if (coordinates || mechanism->positions() != mechanism->dof()) return columns;
+    const std::vector<std::string> labels = mechanism->rateLabels();
+    for (std::size_t k = 0; k < labels.size(); ++k)
+      for (const char* group : kGroups) {
+        const std::string column = group + std::to_string(k + 1);
+        columns.emplace(labels[k] + "." + group, column);
+        if (std::string_view(group) == "q") columns.emplace(labels[k], column);
+      }
+    // a joint of the name of a column, or of another that is asked for, is called as ever
+    for (std::size_t group = 0; group < kGroups.size(); ++group)
+      for (int i = 1; i <= count(static_cast<int>(group)); ++i)
+        columns.erase(kGroups[group] + std::to_string(i));
+    for (const std::string& name : others.names) columns.erase(name);
+    return columns;
   }
 
   void readHeader(std::optional<CoordinateConvention> asked) {
@@ -215,10 +240,13 @@ struct StatesReader::Parts {
     settle(asked);
     const std::string allowed = allowedColumns();
 
+    const std::unordered_map<std::string, std::string> of_joints = columnsOfJoints();
     std::unordered_map<std::string, int> at;  // column name -> place in the row
     for (const std::string_view cell : cells) {
       names.emplace_back(cell);
-      if (!at.emplace(names.back(), static_cast<int>(names.size()) - 1).second)
+      const auto of_joint = of_joints.find(names.back());
+      const std::string& column = of_joint == of_joints.end() ? names.back() : of_joint->second;
+      if (!at.emplace(column, static_cast<int>(names.size()) - 1).second)
         throw InputError(lines.where(), fmt::format("column '{}' stands twice", cell));
     }
     std::size_t known = 0;
@@ -246,7 +274,8 @@ struct StatesReader::Parts {
       }
     std::vector<std::string> unknown;
     for (std::size_t k = 0; k < names.size() && known < names.size(); ++k) {
-      if (at.count(names[k]) == 0) continue;
+      const auto left = at.find(names[k]);
+      if (left == at.end() || left->second != static_cast<int>(k)) continue;
       unknown.push_back(fmt::format("'{}'", names[k]));
       kept_names.push_back(names[k]);
       kept_places.push_back(static_cast<int>(k));

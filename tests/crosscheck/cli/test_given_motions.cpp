@@ -332,6 +332,21 @@ BOOST_AUTO_TEST_CASE(forces_over_time_move_a_scene) {
   refuses(program, "simulate simple_pendulum --duration 3 --forces f.csv", "do not span 0 to 3 s");
 }
 
+BOOST_AUTO_TEST_CASE(columns_may_have_the_names_of_joints) {
+  const Program program;
+  program.write("named.csv",
+                "elbow.qd,shoulder.qd,elbow,shoulder.q,elbow.qdd,shoulder.qdd\n4,3,2,1,6,5\n");
+  program.write("numbered.csv", "q1,q2,qd1,qd2,qdd1,qdd2\n1,2,3,4,5,6\n");
+  const std::string asked = "evaluate double_pendulum --quantity tau,c --states ";
+  const Outcome named = program.run(asked + "named.csv");
+  BOOST_TEST(named.status == 0, named.out);
+  BOOST_TEST(named.out == program.run(asked + "numbered.csv").out);
+  program.write("twice.csv", "shoulder,q1,q2\n1,1,2\n");
+  refuses(program, asked + "twice.csv", "twice.csv:1: column 'q1' stands twice");
+  program.write("slip.csv", "shoulder,elbow.qs\n1,2\n");
+  refuses(program, asked + "slip.csv", "slip.csv:1: column 'elbow.qs' is unknown, allowed: q1..q2");
+}
+
 BOOST_AUTO_TEST_CASE(all_faults_of_a_states_file_are_told_at_once) {
   const Program program;
   std::string rows = "t,q1,qd1\n0,1,1\n";
@@ -354,6 +369,17 @@ BOOST_AUTO_TEST_CASE(all_faults_of_a_states_file_are_told_at_once) {
   const Outcome piped =
       program.run("evaluate simple_pendulum --states - --quantity M,c < cells.csv");
   BOOST_TEST(piped.status == 2);
+}
+
+BOOST_AUTO_TEST_CASE(several_methods_are_drawn_in_one_picture) {
+  const Program program;
+  const Outcome drawn =
+      program.run("drift furuta_pendulum --method runge_kutta4,gauss_4 --duration 1 --plot d.svg");
+  BOOST_TEST_REQUIRE(drawn.status == 0, drawn.out);
+  const std::string picture = program.read("d.svg");
+  for (const char* seen : {"runge_kutta4: order ", "gauss_4: order ", "step size  [s]"})
+    BOOST_TEST(has(picture, seen), seen);
+  BOOST_TEST(program.fileCount() == 1u);
 }
 
 BOOST_AUTO_TEST_CASE(a_motion_is_drawn_as_it_is_given) {

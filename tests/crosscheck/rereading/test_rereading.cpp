@@ -499,8 +499,8 @@ void write(const fs::path& file, const std::string& text) {
   std::ofstream(file) << text;
 }
 
-// What a scene changes of another one: the same as the command line changes it, read twice, and each
-// change that is lost is seen.
+// What a scene changes of another one: the same as the command line changes it, read twice, and
+// each change that is lost is seen.
 BOOST_AUTO_TEST_CASE(what_a_scene_changes_of_another_is_read_the_same_twice) {
   const files::TemporaryFolder folder;
   const scene::Scene puma = scene::findScene("puma_560_friction");
@@ -544,7 +544,7 @@ BOOST_AUTO_TEST_CASE(parameters_of_another_scene_take_other_values_at_their_plac
   const files::TemporaryFolder folder;
   const fs::path file = folder.path / "mine.toml";
   write(folder.path / "other.toml",
-               files::read(scene::dataFolder() / "scenes" / "double_pendulum.toml"));
+        files::read(scene::dataFolder() / "scenes" / "double_pendulum.toml"));
   const std::string text =
       "like = \"other\"\n[parameters]\nm2 = \"2*m1\"\nl3 = \"l1 + m2\"\n"
       "[[wrench]]\nlink = \"lower\"\nforce = [0, 0, \"l3\"]\n";
