@@ -30,8 +30,8 @@ const std::vector<Setting>& ofLinks() {
       {"mass", "a number [kg]", [](Link& l) { return std::vector<Number*>{&l.inertia.mass}; }},
       {"com", "x,y,z [m]",
        [](Link& l) {
-         auto& c = l.inertia.com;
-         return std::vector<Number*>{&c[0], &c[1], &c[2]};
+         auto& [x, y, z] = l.inertia.com;
+         return std::vector<Number*>{&x, &y, &z};
        }},
       {"inertia", "xx,yy,zz,xy,xz,yz [kg m^2] about the centre of mass, in link axes",
        [](Link& l) {
@@ -150,6 +150,7 @@ void setMotion(Mechanism& mechanism, const std::string& joint, const std::string
     refuse(as_given, fmt::format("read '{}', allowed: one function of t a position, {}", text,
                                  degreesOfFreedom(kind)));
   std::vector<Expression> motion;
+  motion.reserve(functions.size());
   for (const std::string& function : functions)
     motion.push_back(motionOf(as_given, function, mechanism));
   link.joint.motion = motion;

@@ -124,7 +124,7 @@ void TomlFile::checkKeys(const toml::table& table, const std::string& what,
     for (const std::string_view name : allowed) {
       names += (names.empty() ? "" : ", ") + std::string(name);
     }
-    faults.collect([&] {
+    faults.collect([&, &key = key] {
       throw InputError(where(key.source()), what + ": unknown key \"" + std::string(key.str()) +
                                                 "\", allowed: " + names);
     });

@@ -156,7 +156,7 @@ std::string CodeLines::friction(int i, Body& body) const {
 std::string CodeLines::frictionVariable(int i, Writing& w) const {
   if (!code_.hasFriction(w.function) || code_.friction_[i].isNone()) return "";
   w.out.reads.insert("qd");
-  const std::string variable = fmt::format("friction{}", i + 1);
+  std::string variable = fmt::format("friction{}", i + 1);
   w.out.lines += let(variable, friction(i, w.out));
   return variable;
 }
