@@ -14,13 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// XML starts with '<', and TOML cannot.
-bool looksLikeXml(const std::string& text) {
-  const std::size_t start = text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0;  // byte order mark
-  const std::size_t first = text.find_first_not_of(" \t\r\n", start);
-  return first != std::string::npos && text[first] == '<';
-}
-
 /// "Double pendulum", "double-pendulum" and "double_pendulum" name the same scene.
 std::string normalized(std::string name) {
   for (char& c : name) {

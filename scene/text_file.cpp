@@ -28,6 +28,12 @@ struct Descriptor {
 
 }  // namespace
 
+bool looksLikeXml(const std::string& text) {
+  const std::size_t start = text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0;  // byte order mark
+  const std::size_t first = text.find_first_not_of(" \t\r\n", start);
+  return first != std::string::npos && text[first] == '<';
+}
+
 int openRegularFile(const std::filesystem::path& file, const std::string& allowed) {
   const auto refuse = [&](const std::string& what) {
     throw InputError({file.string(), 0}, what + ", allowed: " + allowed);

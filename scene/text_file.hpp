@@ -18,6 +18,9 @@ constexpr std::uintmax_t kMostTextBytes = std::uintmax_t{64} << 20;
     kMostTextBytes, or has a zero byte in it, which no text has */
 std::string readTextFile(const std::filesystem::path& file, const std::string& allowed);
 
+/// XML starts with '<', and TOML cannot.
+bool looksLikeXml(const std::string& text);
+
 /// Opens a regular file for reading, without waiting for a FIFO's other end. The caller closes the
 /// descriptor.
 /// @throws InputError  as readTextFile() does when it cannot be opened

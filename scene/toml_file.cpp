@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "scene/faults.hpp"
+
 namespace dynwitness::scene {
 namespace {
 
@@ -115,15 +117,19 @@ void TomlFile::wrongType(const toml::node& node, const std::string& what,
 
 void TomlFile::checkKeys(const toml::table& table, const std::string& what,
                          const Keys& allowed) const {
+  Faults faults;
   for (const auto& [key, value] : table) {
     if (std::find(allowed.begin(), allowed.end(), key.str()) != allowed.end()) continue;
     std::string names;
     for (const std::string_view name : allowed) {
       names += (names.empty() ? "" : ", ") + std::string(name);
     }
-    throw InputError(where(key.source()),
-                     what + ": unknown key \"" + std::string(key.str()) + "\", allowed: " + names);
+    faults.collect([&, &key = key] {
+      throw InputError(where(key.source()), what + ": unknown key \"" + std::string(key.str()) +
+                                                "\", allowed: " + names);
+    });
   }
+  faults.raise();
 }
 
 const toml::table& TomlFile::asTable(const toml::node& node, const std::string& what) const {

@@ -11,8 +11,11 @@
 #include <utility>
 
 #include "scene/arrange.hpp"
+#include "scene/changes.hpp"
 #include "scene/envelope.hpp"
+#include "scene/faults.hpp"
 #include "scene/mimic.hpp"
+#include "scene/mjcf.hpp"
 #include "scene/scene.hpp"
 #include "scene/text_file.hpp"
 #include "scene/toml_file.hpp"
@@ -28,6 +31,8 @@ class TomlReader : TomlFile {
   }
 
   Scene read(const toml::table& top);
+  /// Values of parameters that another file gives: these take the place of the file's own.
+  void replace(const std::vector<Parameter>& parameters) { replaced_ = parameters; }
 
  private:
   std::string literal(const toml::node& node) const;
@@ -41,7 +46,8 @@ class TomlReader : TomlFile {
   Vector optionalVector(const toml::table& table, const std::string& what, const std::string& key,
                         const Vector& otherwise = {}) const;
 
-  void readParameters(const toml::node& node);
+  std::vector<Parameter> parsedParameters(const toml::node& node) const;
+  void define(std::vector<Parameter> parameters);
   NamedLink readLink(const toml::table& table) const;
   Joint readJoint(const toml::table& table, const std::string& link) const;
   JointKind readJointKind(const toml::table& table, const std::string& what) const;
@@ -63,7 +69,12 @@ class TomlReader : TomlFile {
   AccelerationConstraint readAccelerationConstraint(const toml::table& table,
                                                     std::size_t index) const;
   void readStart(const toml::node& node);
+  std::filesystem::path likeFile(const toml::node& node) const;
   void readLike(const toml::node& node, const toml::table& top);
+  void readSettings(const toml::node& node);
+  void readParts(const toml::table& top);
+  void readTree(const toml::table& top);
+  void readLoads(const toml::table& top);
 
   std::vector<std::string> lines_;
   mutable toml::source_index columns_of_ = 0;  ///< the line of:
@@ -72,6 +83,8 @@ class TomlReader : TomlFile {
   Scene scene_;
   std::unordered_map<std::string, int> link_index_;
   ParameterValues values_;
+  std::vector<Parameter> replaced_;
+  mutable Faults faults_;  ///< of parts that others do not hang on
 };
 
 // ------------------------------------------------------------------------------------- numbers
@@ -165,45 +178,65 @@ Vector TomlReader::optionalVector(const toml::table& table, const std::string& w
 
 // ------------------------------------------------------------------------- the parts of a scene
 
-void TomlReader::readParameters(const toml::node& node) {
-  struct Entry {
-    Parameter parameter;
-    const toml::node* node;
-  };
-  std::vector<Entry> entries;
-  for (const auto& [key, value] : asTable(node, "parameters")) {
-    const std::string name(key.str());
-    if (!isParameterName(name)) {
-      throw InputError(where(key.source()),
-                       "parameter \"" + name +
-                           "\": not a name, allowed: letters, digits and _, not starting with a "
-                           "digit, and not pi, inf or nan");
-    }
-    entries.push_back(
-        {{name, expression(value, "parameter \"" + name + '"'), where(value)}, &value});
-  }
-  // toml++ keeps tables sorted by key; the order of the file decides what may use what
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    const toml::source_position p = a.node->source().begin, q = b.node->source().begin;
+/// The keys of a table in the file's order: toml++ keeps them sorted.
+std::vector<const toml::key*> inFileOrder(const toml::table& table) {
+  std::vector<const toml::key*> keys;
+  for (const auto& entry : table) keys.push_back(&entry.first);
+  std::sort(keys.begin(), keys.end(), [](const toml::key* a, const toml::key* b) {
+    const toml::source_position p = a->source().begin, q = b->source().begin;
     return p.line != q.line ? p.line < q.line : p.column < q.column;
   });
+  return keys;
+}
+
+/// In their order, which decides what may use what.
+std::vector<Parameter> TomlReader::parsedParameters(const toml::node& node) const {
+  std::vector<Parameter> parameters;
+  const toml::table& table = asTable(node, "parameters");
+  for (const toml::key* key : inFileOrder(table)) {
+    const std::string name(key->str());
+    const toml::node& value = *table.get(name);
+    parameters.push_back({name, 1, where(value)});  // as if it were 1 where something is wrong
+    faults_.collect([&] {
+      if (!isParameterName(name))
+        throw InputError(where(key->source()),
+                         "parameter \"" + name +
+                             "\": not a name, allowed: letters, digits and _, not starting with a "
+                             "digit, and not pi, inf or nan");
+      parameters.back().value = expression(value, "parameter \"" + name + '"');
+    });
+  }
+  return parameters;
+}
+
+void TomlReader::define(std::vector<Parameter> parameters) {
+  for (Parameter& parameter : parameters)
+    for (const Parameter& other : replaced_)
+      if (other.name == parameter.name) parameter = other;
   std::map<std::string, SourceLocation> definitions;
-  for (const Entry& e : entries) definitions[e.parameter.name] = e.parameter.where;
-  for (const Entry& e : entries) {
-    const std::string& name = e.parameter.name;
-    for (const std::string& used : e.parameter.value.parameters()) {
+  for (const Parameter& parameter : parameters) definitions[parameter.name] = parameter.where;
+  const auto require = [&](const Parameter& parameter) {
+    const std::string& name = parameter.name;
+    for (const std::string& used : parameter.value.parameters()) {
       if (used == name) {
-        throw InputError(e.parameter.where, "parameter \"" + name + "\": is defined by itself");
+        throw InputError(parameter.where, "parameter \"" + name + "\": is defined by itself");
       }
       if (values_.count(used) == 0 && definitions.count(used) > 0) {
-        throw InputError(e.parameter.where, "parameter \"" + name + "\": uses \"" + used +
-                                                "\" before it is defined (" +
-                                                definitions[used].text() + ")");
+        throw InputError(parameter.where, "parameter \"" + name + "\": uses \"" + used +
+                                              "\" before it is defined (" +
+                                              definitions[used].text() + ")");
       }
     }
-    number(*e.node, "parameter \"" + name + '"');
-    values_[name] = exactValue(e.parameter.value, values_);
-    scene_.mechanism.parameters.push_back(e.parameter);
+    try {
+      values_[name] = exactValue(parameter.value, values_);
+    } catch (const InputError& error) {
+      throw InputError(parameter.where, "parameter \"" + name + "\": " + error.what());
+    }
+  };
+  for (const Parameter& parameter : parameters) {
+    faults_.collect([&] { require(parameter); });
+    values_.emplace(parameter.name, Exact{1, 0});  // so that a fault is told once
+    scene_.mechanism.parameters.push_back(parameter);
   }
 }
 
@@ -213,18 +246,21 @@ NamedLink TomlReader::readLink(const toml::table& table) const {
   link.where = where(table);
   link.name = string(required(table, "link", "name", "a string"), "link: name");
   const std::string what = "link \"" + link.name + '"';
-  checkKeys(table, what, {"name", "parent", "mass", "com", "inertia", "joint"});
-  link.inertia.mass = optionalNumber(table, what, "mass");
-  link.inertia.com = optionalVector(table, what, "com");
-  if (const toml::node* inertia = table.get("inertia")) {
-    readInertia(asTable(*inertia, what + ": inertia"), what + ": inertia", &link.inertia);
-  }
+  faults_.collect([&] {
+    checkKeys(table, what, {"name", "parent", "mass", "com", "inertia", "joint"});
+  });
+  faults_.collect([&] { link.inertia.mass = optionalNumber(table, what, "mass"); });
+  faults_.collect([&] { link.inertia.com = optionalVector(table, what, "com"); });
+  faults_.collect([&] {
+    if (const toml::node* inertia = table.get("inertia"))
+      readInertia(asTable(*inertia, what + ": inertia"), what + ": inertia", &link.inertia);
+  });
   const toml::node* joint = table.get("joint");
   if (const toml::node* parent = table.get("parent")) {
     named.parent = string(*parent, what + ": parent");
     named.parent_where = where(*parent);
     if (!joint) throw InputError(link.where, what + ": has a parent, but no [link.joint]");
-    link.joint = readJoint(asTable(*joint, what + ": joint"), link.name);
+    faults_.collect([&] { link.joint = readJoint(asTable(*joint, what + ": joint"), link.name); });
   } else if (joint) {
     throw InputError(where(*joint), what + ": has a joint, but no parent");
   }
@@ -555,72 +591,145 @@ void TomlReader::readStart(const toml::node& node) {
   if (const toml::node* qd = table.get("qd")) scene_.start_qd = numbers(*qd, "start: qd", dof);
 }
 
-/// The scene of another file of the same folder, to which this one adds.
-void TomlReader::readLike(const toml::node& node, const toml::table& top) {
-  checkKeys(top, "a scene that is like another",
-            {"title", "source", "like", "wrench", "closure", "spring", "acceleration_constraint",
-             "start", "envelope"});
+/// Of a scene that this one is like: a file, seen from this one's folder, with or without .toml; or
+/// a bundled scene.
+std::filesystem::path TomlReader::likeFile(const toml::node& node) const {
   const std::string name = string(node, "like");
-  const std::filesystem::path other = std::filesystem::path(file_).parent_path() / (name + ".toml");
-  if (name.empty() || name.find('/') != std::string::npos ||
-      !std::filesystem::is_regular_file(other)) {
-    throw InputError(where(node), "like is \"" + name +
-                                      "\", allowed: the name of a TOML scene in this file's "
-                                      "folder, without .toml");
-  }
-  const std::string text = withoutMark(readTextFile(other, "a TOML scene"));
-  const toml::table of_other = parsedToml(text, other.string());
-  if (of_other.get("like")) {
-    throw InputError(where(node), "like is \"" + name +
-                                      "\", which is like a third scene itself, allowed: one "
-                                      "that stands alone");
-  }
-  TomlReader reader(text, other.string());
-  scene_ = reader.read(of_other);
-  values_ = scene_.mechanism.parameterValues();
+  const std::filesystem::path folder = std::filesystem::path(file_).parent_path();
+  for (const std::filesystem::path& file : {folder / name, folder / (name + ".toml")})
+    if (!name.empty() && std::filesystem::is_regular_file(file)) return file;
+  for (const std::filesystem::path& file : bundledScenes())
+    if (file.stem() == name) return file;
+  throw InputError(where(node), "like is \"" + name +
+                                    "\", allowed: a TOML, URDF or MJCF file, seen from this "
+                                    "file's folder, or the name of a bundled scene");
 }
 
-Scene TomlReader::read(const toml::table& top) {
-  if (const toml::node* like = top.get("like"))
-    readLike(*like, top);
-  else
+/// The scene of another file, some of which this one changes.
+void TomlReader::readLike(const toml::node& node, const toml::table& top) {
+  checkKeys(top, "a scene that is like another",
+            {"title", "source", "like", "gravity", "base", "parameters", "set", "wrench", "closure",
+             "spring", "acceleration_constraint", "start", "envelope"});
+  const std::filesystem::path other = likeFile(node);
+  std::vector<Parameter> given;
+  if (const toml::node* parameters = top.get("parameters")) given = parsedParameters(*parameters);
+  const std::string text = withoutMark(readTextFile(other, "a TOML, URDF or MJCF file"));
+  if (looksLikeXml(text)) {
+    scene_ = isMjcf(text) ? readSceneMjcf(text, other) : readSceneUrdf(text, other);
+  } else {
+    const toml::table of_other = parsedToml(text, other.string());
+    if (of_other.get("like")) {
+      throw InputError(where(node), "like is \"" + string(node, "like") +
+                                        "\", which is like a third scene itself, allowed: one "
+                                        "that stands alone");
+    }
+    TomlReader reader(text, other.string());
+    reader.replace(given);
+    scene_ = reader.read(of_other);
+  }
+  values_ = scene_.mechanism.parameterValues();
+  given.erase(std::remove_if(given.begin(), given.end(),
+                             [&](const Parameter& p) { return values_.count(p.name) > 0; }),
+              given.end());
+  define(given);
+}
+
+/// [set]: the words of the command line's --set, each a number, a function or as many as it takes.
+void TomlReader::readSettings(const toml::node& node) {
+  const toml::table& table = asTable(node, "set");
+  for (const toml::key* key : inFileOrder(table)) {
+    const std::string name(key->str());
+    const toml::node& value = *table.get(name);
+    const ChangeAsGiven as_given{"set: \"" + name + "\"", where(value)};
+    if (name.find(':') == std::string::npos)
+      throw InputError(as_given.where, as_given.words +
+                                           ": no number of a link or a joint, allowed: "
+                                           "\"mass:LINK\" and the like; parameters stand in "
+                                           "[parameters]");
+    const auto textOf = [&](const toml::node& one) {
+      return one.is_string() ? one.as_string()->get() : expression(one, as_given.words).text();
+    };
+    std::string text;
+    if (const toml::array* array = value.as_array())
+      for (const toml::node& element : *array) text += (text.empty() ? "" : ",") + textOf(element);
+    else
+      text = textOf(value);
+    faults_.collect([&] { setNumber(scene_, name, text, as_given); });
+  }
+}
+
+/// Links, gravity and what else the mechanism's tree is made of.
+void TomlReader::readTree(const toml::table& top) {
+  Mechanism& mechanism = scene_.mechanism;
+  const bool is_like = top.get("like") != nullptr;
+  if (const toml::node* parameters = top.get("parameters"); parameters && !is_like)
+    define(parsedParameters(*parameters));
+  if (const toml::node* settings = top.get("set"); settings && is_like) readSettings(*settings);
+  if (const toml::node* base = top.get("base"); base && is_like) {
+    const std::string word = string(*base, "base");
+    setBase(scene_, word, {"base = \"" + word + "\"", where(*base)});
+  }
+  if (const toml::node* gravity = top.get("gravity")) {
+    mechanism.has_gravity = true;
+    faults_.collect([&] { mechanism.gravity = vector(*gravity, "gravity"); });
+  }
+  if (is_like) return;
+  std::vector<NamedLink> links;
+  for (const toml::table* table : tables(top, "link"))
+    faults_.collect([&] { links.push_back(readLink(*table)); });
+  // what is said of the tree hangs on all of them
+  if (faults_.isEmpty()) mechanism.links = arrange(links, file_);
+}
+
+/// What acts on links.
+void TomlReader::readLoads(const toml::table& top) {
+  Mechanism& mechanism = scene_.mechanism;
+  const auto each = [&](const char* key, const auto& read) {
+    for (const toml::table* table : tables(top, key)) faults_.collect([&] { read(*table); });
+  };
+  each("wrench", [&](const toml::table& t) { mechanism.wrenches.push_back(readWrench(t)); });
+  each("closure", [&](const toml::table& t) {
+    mechanism.closures.push_back(readClosure(t, mechanism.closures.size()));
+  });
+  each("spring", [&](const toml::table& t) {
+    mechanism.springs.push_back(readSpring(t, mechanism.springs.size()));
+  });
+  each("acceleration_constraint", [&](const toml::table& t) {
+    mechanism.acceleration_constraints.push_back(
+        readAccelerationConstraint(t, mechanism.acceleration_constraints.size()));
+  });
+}
+
+void TomlReader::readParts(const toml::table& top) {
+  const toml::node* like = top.get("like");
+  const auto checkOwn = [&] {
     checkKeys(top, "scene",
               {"title", "source", "gravity", "parameters", "link", "wrench", "closure", "spring",
                "acceleration_constraint", "start", "envelope", "like"});
+  };
+  if (like)
+    readLike(*like, top);
+  else
+    faults_.collect(checkOwn);
   if (const std::string title = optionalString(top, "title"); !title.empty()) scene_.title = title;
   if (const std::string source = optionalString(top, "source"); !source.empty())
     scene_.source = source;
-  if (const toml::node* parameters = top.get("parameters")) readParameters(*parameters);
+  readTree(top);
+  if (!faults_.isEmpty()) return;
   Mechanism& mechanism = scene_.mechanism;
-  if (const toml::node* gravity = top.get("gravity")) {
-    mechanism.has_gravity = true;
-    mechanism.gravity = vector(*gravity, "gravity");
-  }
-  if (!top.get("like")) {
-    std::vector<NamedLink> links;
-    for (const toml::table* table : tables(top, "link")) links.push_back(readLink(*table));
-    mechanism.links = arrange(links, file_);
-  }
   for (const Link& link : mechanism.links)
     link_index_.emplace(link.name, static_cast<int>(link_index_.size()));
-  for (const toml::table* table : tables(top, "wrench")) {
-    mechanism.wrenches.push_back(readWrench(*table));
-  }
-  for (const toml::table* table : tables(top, "closure")) {
-    mechanism.closures.push_back(readClosure(*table, mechanism.closures.size()));
-  }
-  for (const toml::table* table : tables(top, "spring")) {
-    mechanism.springs.push_back(readSpring(*table, mechanism.springs.size()));
-  }
-  for (const toml::table* table : tables(top, "acceleration_constraint")) {
-    mechanism.acceleration_constraints.push_back(
-        readAccelerationConstraint(*table, mechanism.acceleration_constraints.size()));
-  }
-  if (!top.get("like") || top.get("start")) {
+  readLoads(top);
+  if (!like || top.get("start")) {
     scene_.start_q = mechanism.restPosition();
     scene_.start_qd.assign(static_cast<std::size_t>(mechanism.dof()), Number());
   }
-  if (const toml::node* start = top.get("start")) readStart(*start);
+  if (const toml::node* start = top.get("start")) faults_.collect([&] { readStart(*start); });
+}
+
+Scene TomlReader::read(const toml::table& top) {
+  faults_.collect([&] { readParts(top); });
+  faults_.raise();
   return std::move(scene_);
 }
 

@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "scene/arrange.hpp"
+#include "scene/faults.hpp"
 #include "scene/impossible_inertia.hpp"
 #include "scene/mimic.hpp"
 #include "scene/scene.hpp"
@@ -30,25 +31,26 @@ namespace {
 
 // ------------------------------------------------------------------------------ links, joints
 
-Link readLink(const Element& element) {
+/// @param faults  gets what is wrong with its numbers
+Link readLink(const Element& element, Faults& faults) {
   Link link;
   link.name = element.attribute("name");
   link.where = element.where();
   const std::optional<Element> inertial = element.child("inertial");
   if (!inertial) return link;
   MassProperties& p = link.inertia;
-  p.mass = inertial->requiredChild("mass").number("value");
-  if (const std::optional<Element> origin = inertial->child("origin")) {
-    p.com = origin->optionalVector("xyz");
+  faults.collect([&] { p.mass = inertial->requiredChild("mass").number("value"); });
+  faults.collect([&] {
+    const std::optional<Element> origin = inertial->child("origin");
+    if (!origin) return;
+    faults.collect([&] { p.com = origin->optionalVector("xyz"); });
     p.rpy = origin->optionalAngles("rpy");
-  }
+  });
   const Element inertia = inertial->requiredChild("inertia");
-  p.xx = inertia.number("ixx");
-  p.yy = inertia.number("iyy");
-  p.zz = inertia.number("izz");
-  p.xy = inertia.number("ixy");
-  p.xz = inertia.number("ixz");
-  p.yz = inertia.number("iyz");
+  const std::pair<const char*, Number*> six[] = {{"ixx", &p.xx}, {"iyy", &p.yy}, {"izz", &p.zz},
+                                                 {"ixy", &p.xy}, {"ixz", &p.xz}, {"iyz", &p.yz}};
+  for (const auto& [key, number] : six)
+    faults.collect([&, key = key, number = number] { *number = inertia.number(key); });
   return link;
 }
 
@@ -287,14 +289,16 @@ Urdf readUrdfAsWritten(const std::string& text, const std::filesystem::path& fil
                              joint_elements = robot.children("joint");
   // arranged and asked of urdfdom after, validated by whoever asked: about as long again
   Work reading("", 2.0 * static_cast<double>(link_elements.size() + joint_elements.size()));
+  Faults faults;
   for (const Element& element : link_elements) {
     reading.done();
-    links.push_back({readLink(element), {}, {}});
-    parts.emplace(links.back().link.name, partOf(element));
-    index.emplace(links.back().link.name, links.size() - 1);
+    faults.collect([&] {
+      links.push_back({readLink(element, faults), {}, {}});
+      index.emplace(links.back().link.name, links.size() - 1);
+      parts.emplace(links.back().link.name, partOf(element));
+    });
   }
-  for (const Element& element : joint_elements) {
-    reading.done();
+  const auto joinLink = [&](const Element& element) {
     const Joint joint = readJoint(element);
     const Element child = element.requiredChild("child"), parent = element.requiredChild("parent");
     const std::string child_name = child.attribute("link");
@@ -315,11 +319,16 @@ Urdf readUrdfAsWritten(const std::string& text, const std::filesystem::path& fil
     if (!left_out.empty()) scene.not_modelled.push_back(left_out);
     const std::optional<Element> limit = element.child("limit");
     has_limits = has_limits || limit;
-    if (!limit || element.attribute("type") == "continuous") continue;
+    if (!limit || element.attribute("type") == "continuous") return;
     parts[child_name].limits =
         UrdfPart::Limits{limit->optionalNumber("lower"), limit->optionalNumber("upper"),
                          limit->optionalNumber("effort"), limit->optionalNumber("velocity")};
+  };
+  for (const Element& element : joint_elements) {
+    reading.done();
+    faults.collect([&] { joinLink(element); });
   }
+  faults.raise();  // what is said of the tree hangs on all
   for (const Element& element : robot.children("transmission"))
     readTransmission(element, links, &scene.not_modelled);
   if (has_limits) {

@@ -357,7 +357,7 @@ Run addCrosscheck(CLI::App* command) {
   command
       ->add_option(
           "--parameters", arguments->parameters,
-          "Parameters in exact checks: the scene's values, or random elements of the field, so "
+          "Parameters: in exact checks the scene's values, or random elements of the field, so "
           "that the verdict covers every robot with that structure")
       ->capture_default_str()
       ->check(oneOf({kAsWritten, kRandom}));

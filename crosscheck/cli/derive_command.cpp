@@ -31,7 +31,7 @@ namespace {
 
 struct DeriveArguments {
   GivenScene scene;
-  std::string output, format = "text", point, scalar = "double";
+  std::string output, format = "text", point, scalar = "double", parameters = "folded";
   std::vector<std::string> quantities = {"all"};
   bool operations = false, proof = false, linearized = false;
 
@@ -39,7 +39,8 @@ struct DeriveArguments {
   bool isProgram() const { return format == "c" || format == "python"; }
   /// Code of the smallest roads, not M, c and g of named parameters.
   bool isCode() const {
-    return format == "matlab" || format == "julia" || (isProgram() && !isAll());
+    return format == "matlab" || format == "julia" ||
+           (isProgram() && (!isAll() || parameters == "struct"));
   }
 };
 
@@ -228,7 +229,10 @@ void writeCode(const DeriveArguments& arguments, const scene::Scene& scene) {
       arguments.scalar == "float" ? kernel::CodeScalar::kFloat : kernel::CodeScalar::kDouble;
   std::vector<std::pair<std::string, std::string>> files;
   try {
-    const kernel::ControllerCode code(scene, quantities, point);
+    const kernel::ControllerCode code(scene, quantities, point,
+                                      arguments.parameters == "struct"
+                                          ? kernel::CodeParameters::kStruct
+                                          : kernel::CodeParameters::kFolded);
     const bool tests = !arguments.output.empty();
     files = code.files(
         language, scalar,
@@ -259,10 +263,11 @@ int runDerive(const DeriveArguments& arguments) {
     crosscheck::requireWritableFolder(arguments.output.empty() ? "." : arguments.output);
   else
     crosscheck::requireWritableFile(arguments.output);
-  if (!is_code && (arguments.scalar != "double" || !arguments.point.empty()))
+  if (!is_code && (arguments.scalar != "double" || !arguments.point.empty() ||
+                   arguments.parameters != "folded"))
     throw scene::InputError({},
-                            "--scalar and --point are for code of given quantities, allowed: "
-                            "--format c --quantity tau,qdd,...");
+                            "--scalar, --point and --parameters are for code of given quantities, "
+                            "allowed: --format c --quantity tau,qdd,...");
   using crosscheck::Command;
   const scene::Scene scene =
       admitted(arguments.scene, arguments.operations ? Command::kDeriveOperations
@@ -347,11 +352,13 @@ Run addDerive(CLI::App* command) {
       "Examples:\n"
       "dynwitness derive \"double pendulum\"\n"
       "dynwitness derive puma_560 --format c --quantity tau,qdd,M,c,g -o puma\n"
+      "dynwitness derive puma_560 --format c --quantity tau,M --parameters struct -o puma\n"
       "dynwitness derive puma_560 --format c --scalar float --quantity jacobian --point link_6\n\n"
       "--quantity all as c or python: M, c and g of the scene's named parameters, by T and V. Any "
-      "other list, and matlab and julia (there all is tau,qdd,M,c,g): code for a controller from "
-      "the smallest programs (--operations), all numbers of the scene folded; into the folder -o, "
-      "with a test of it beside it. No allocation, no library but libm; friction and wrenches are "
+      "other list, --parameters struct, matlab and julia (there all is tau,qdd,M,c,g): code for a controller from "
+      "the smallest programs (--operations), all numbers of the scene folded, or with --parameters "
+      "struct under names, what depends on them alone computed once; into the folder -o, with a "
+      "test of it beside it. No allocation, no library but libm; friction and wrenches are "
       "in tau and qdd. Refused: closures, springs between points, joints that follow others, and "
       "what takes more operations than a straight line is good for.");
   command->add_option("--format", arguments->format, "How it is written")
@@ -368,6 +375,13 @@ Run addDerive(CLI::App* command) {
       ->capture_default_str()
       ->check(oneOf({"double", "float"}));
   command
+      ->add_option(
+          "--parameters", arguments->parameters,
+          "Parameters: in code all numbers of the scene are folded, or fields of a struct that may be changed "
+          "(masses, lengths, gravity, ...)")
+      ->capture_default_str()
+      ->check(oneOf({"folded", "struct"}));
+  command
       ->add_option("--point", arguments->point,
                    "Of which points position, ..., jacobian_rate are: of this link, at x, y, z in "
                    "its axes [m] (without: its origin)")
@@ -375,7 +389,7 @@ Run addDerive(CLI::App* command) {
   command
       ->add_flag("--operations", arguments->operations,
                  "How many operations the programs for ID, M, c, g and FD take, by each road")
-      ->excludes("--format", "--quantity", "--scalar", "--point");
+      ->excludes("--format", "--quantity", "--scalar", "--parameters", "--point");
   command
       ->add_flag("--linearized", arguments->linearized,
                  "The equations of motion to first order, too: up to three joints")

@@ -43,7 +43,7 @@ std::vector<CLI::Option*> addChanges(CLI::App& command, GivenScene& scene) {
       "--set", scene.changes.sets,
       fmt::format("Another number of the scene: {}; again for more. What the scene's own file or "
                   "published tables say is not held against it then",
-                  fmt::join(crosscheck::setNames(), ", ")));
+                  fmt::join(scene::setNames(), ", ")));
   set->type_name("NAME=VALUE")->allow_extra_args(false);
   CLI::Option* root = command.add_option(
       "--root", scene.root,
@@ -56,7 +56,7 @@ std::vector<CLI::Option*> addChanges(CLI::App& command, GivenScene& scene) {
 
 scene::Scene readScene(const GivenScene& given) {
   const Progress progress("reading " + given.name);
-  const scene::Scene scene = crosscheck::changed(scene::findScene(given.name), given.changes);
+  const scene::Scene scene = scene::changed(scene::findScene(given.name), given.changes);
   return given.root.empty() ? scene : crosscheck::rooted(scene, given.root);
 }
 

@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "crosscheck/inputs/features.hpp"
-#include "crosscheck/inputs/scene_changes.hpp"
+#include "scene/changes.hpp"
 #include "scene/envelope.hpp"
 
 namespace dynwitness::cli {
@@ -21,7 +21,7 @@ void admit(const scene::Scene& scene, const std::vector<crosscheck::Command>& co
 struct GivenScene {
   std::string name;  ///< or its file
   std::string root;  ///< the link that its tree starts from; empty: as it is written
-  crosscheck::SceneChanges changes;
+  scene::Changes changes;
 
   bool isAsWritten() const { return root.empty() && changes.isNone(); }
 };
@@ -33,7 +33,7 @@ std::vector<CLI::Option*> addChanges(CLI::App& command, GivenScene& scene);
 
 /// The scene, with progress where that takes long.
 /// @throws scene::InputError  there is none, it cannot be read, be changed so
-///   (crosscheck::changed()) or have this root (crosscheck::rooted())
+///   (scene::changed()) or have this root (crosscheck::rooted())
 scene::Scene readScene(const GivenScene& given);
 
 /// [envelope] of its file for the scene as it is read: ranges are expressions in the parameters

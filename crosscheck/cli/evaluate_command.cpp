@@ -12,9 +12,11 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include "crosscheck/cli/chart_files.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/engine_options.hpp"
+#include "crosscheck/cli/evaluate_picture.hpp"
 #include "crosscheck/cli/given_states.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
@@ -53,6 +55,7 @@ struct EvaluateArguments {
   std::vector<std::string> joints;  ///< of these alone, what is asked of joints; none: of all
   std::vector<std::string> points;  ///< "LINK,x,y,z"; none: the origins of all links
   std::string format = "csv";
+  PictureLook look;  ///< of a picture
   std::string axes;  ///< empty: of joints the link's, of points the world's
   bool units = false, warn = false;
   std::string uncertainty;  ///< readUncertainty(); empty: none
@@ -914,8 +917,60 @@ Column columnOf(PointQuantity quantity) {
   return column;
 }
 
-int runEvaluate(const EvaluateArguments& arguments) {
+/// What is drawn of the table: columns behind those that are kept of the file.
+std::vector<TrajectoryLine> linesOf(const std::vector<Column>& columns, const scene::Scene& scene,
+                                    EvaluateArguments arguments, States& states,
+                                    const Sources& sources, std::size_t kept) {
+  std::vector<TrajectoryLine> lines;
+  for (const Column& column : columns) {
+    arguments.units = false;
+    const std::vector<std::string> names = headings(column, scene, arguments, states, sources);
+    std::vector<std::string> with_units = names;
+    try {
+      arguments.units = true;
+      with_units = headings(column, scene, arguments, states, sources);
+    } catch (const scene::InputError&) {  // multipliers, whose units are those of the closures
+    }
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      // "tau1 [N m]"
+      std::string unit = with_units[k].substr(names[k].size());
+      if (!unit.empty()) unit = unit.substr(2, unit.size() - 3);
+      lines.push_back({column.name, names[k], unit, static_cast<int>(kept + lines.size()) + 1});
+    }
+  }
+  return lines;
+}
+
+/// The table of a picture goes where the picture is drawn.
+struct Drawing {
+  std::unique_ptr<UnfinishedFolder> folder;
+  std::string output;
+};
+/// @throws scene::InputError  a picture of no motion
+Drawing drawingOf(EvaluateArguments& arguments) {
+  Drawing drawing;
+  if (arguments.format == "csv" || arguments.format == "json") return drawing;
+  arguments.look.kind = arguments.format;
+  if (arguments.states.file.empty())
+    throw scene::InputError(
+        {},
+        "--format svg, png or pdf without a motion, allowed: --states FILE with a column of "
+        "time");
+  drawing.output = arguments.output;
+  drawing.folder = std::make_unique<UnfinishedFolder>(
+      drawing.output.empty() ? std::filesystem::temp_directory_path() / "dynwitness_motion"
+                             : std::filesystem::path(drawing.output + ".work"));
+  drawing.folder->write("motion.csv", "");
+  arguments.output = (drawing.folder->path() / "motion.csv").string();
+  arguments.format = "csv";
+  arguments.units = false;
+  arguments.states.keep = true;
+  return drawing;
+}
+
+int runEvaluate(EvaluateArguments arguments) {
   requireWritableFile(arguments.output);
+  const Drawing drawing = drawingOf(arguments);
   const scene::Scene scene = readScene(arguments.scene);
   requireMotion(scene);
   Constrained constrained(scene);
@@ -1064,7 +1119,17 @@ int runEvaluate(const EvaluateArguments& arguments) {
   // a pipe may wait for the answer before it goes on
   const std::size_t at_once = engine && arguments.states.file != "-" ? kEngineBatch : 1;
   try {
+    std::vector<TrajectoryLine> lines;
+    int time = 0;
+    if (drawing.folder) {
+      time = timeAmong(kept, arguments.states.file);
+      lines = linesOf(columns, scene, arguments, *states, sources, kept.size());
+    }
     writeRows(scene, arguments, *states, columns, sources, finds_qdd, at_once, table);
+    if (drawing.folder)
+      drawTrajectory(arguments.output, scene.title.empty() ? scene.name : scene.title,
+                     fmt::format("{} along {}", scene.name, arguments.states.file), time, lines,
+                     drawing.output, arguments.look);
   } catch (const EngineFailed& failed) {
     tell(fmt::format("{}: {}\n", scene.name, failed.what()));
     return 1;
@@ -1081,6 +1146,7 @@ Run addEvaluate(CLI::App* command) {
       "dynwitness evaluate acrobot --q elbow=0.3 --qdd 1,0 --quantity tau,reactions --units\n"
       "dynwitness evaluate franka_panda --random 100 --quantity qdd --warn\n"
       "dynwitness evaluate humanoid_floating --states log.csv --convention pinocchio --keep --quantity tau\n"
+      "dynwitness evaluate puma_560 --states motion.csv --quantity tau,power,kinetic,potential --format svg -o m.svg\n"
       "dynwitness evaluate two_handed --quantity qdd,nu,tau_drive\n"
       "dynwitness evaluate two_handed --quantity Lambda,Jbar,task_torque\n"
       "dynwitness evaluate puma_560 --quantity X,M_A,P,PM --joint joint_2,joint_3 --units\n"
@@ -1134,10 +1200,13 @@ Run addEvaluate(CLI::App* command) {
           "and jacobian_rate of points: world (what is taken without) or link")
       ->check(oneOf({"link", "joint", "world"}));
   command
-      ->add_option("--format", arguments->format,
-                   "How it is written: csv, or json, an object a state on a line of its own")
+      ->add_option(
+          "--format", arguments->format,
+          "How it is written: csv; json, an object a state on a line of its own; or svg, png or pdf, "
+          "a picture against time of --states with a column t, time or time_s")
       ->capture_default_str()
-      ->check(oneOf({"csv", "json"}));
+      ->check(oneOf({"csv", "json", "svg", "png", "pdf"}));
+  addBackground(*command, arguments->look);
   command
       ->add_flag("--units", arguments->units,
                  "With units in the names: \"elbow.M_A44 [kg m^2]\"")

@@ -24,6 +24,7 @@ struct Arguments {
   StartAsked start;
   std::string json, folder;
   LadderOptions options;
+  PictureLook look;
 };
 
 /// Error against operations, a point a rung with its name beside it.
@@ -32,8 +33,8 @@ std::string ladderScript(const scene::Scene& scene, const Ladder& ladder, const 
       "# Draw again with:  gnuplot {0}.gp\n"
       "do for [dark = 0:1] {{\n"
       "load '{1}'\n"
-      "set terminal svg size 900,600 noenhanced font ',16'\n"
-      "set output dark ? '{0}_dark.svg' : '{0}.svg'\n"
+      "eval canvas(900, 600, 16)\n"
+      "set output picture_file('{0}')\n"
       "set datafile separator ','\n"
       "set title {2} textcolor rgb ink\n"
       "set xlabel 'operations of inverse dynamics, friction apart'\n"
@@ -67,7 +68,7 @@ int run(const Arguments& arguments) {
   if (!arguments.folder.empty()) {
     const std::string stem = safeName(scene.name) + "_ladder";
     writeCharts({{stem, ladderCsv(ladder)}}, {{stem, ladderScript(scene, ladder, stem)}},
-                arguments.folder);
+                arguments.folder, arguments.look);
   }
   return 0;
 }
@@ -91,6 +92,7 @@ Run addNeed(CLI::App* command) {
   command->add_option(
       "--chart", arguments->folder,
       "Folder: operations against error, a point a rung, as a table, CSV and a picture");
+  addPictures(*command, arguments->look);
   addJson(*command, arguments->json);
   command->footer(
       "Examples:\n"

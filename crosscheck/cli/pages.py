@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A man page and bash completion, from what the programs themselves say of their options.
-Usage: pages.py DYNWITNESS COMMANDS FOLDER; COMMANDS is commands.txt, FOLDER gets dynwitness.1 and dynwitness.bash."""
+"""A man page and completion for bash and zsh, from what the programs themselves say of their options.
+Usage: pages.py DYNWITNESS COMMANDS FOLDER; COMMANDS is commands.txt, FOLDER gets dynwitness.1, dynwitness.bash and
+_dynwitness."""
 import os
 import re
 import subprocess
@@ -30,7 +31,7 @@ def read(text):
             rest, said = option[2] or "", ""
             if len(line) > TEXTS and line[TEXTS - 2:TEXTS] == "  ":
                 said, rest = line[TEXTS:], line[option.end(1):TEXTS].replace("{false}", "").strip()
-            value = re.match(r"(TEXT|INT|UINT|FLOAT)\S*", rest)
+            value = re.match(r"(?!Excludes|Needs|REQUIRED)([A-Za-z][A-Za-z,=_\[\]]*)", rest)
             choices = re.match(r"TEXT:\{(.*?)\}", rest)
             options.append([option[1].split(","), value[1] if value else "",
                             choices[1].split(",") if choices else [], said])
@@ -101,13 +102,50 @@ def completion(commands, pages):
     return "\n".join(out) + "\n"
 
 
+def briefly(text):
+    """What zsh shows beside a word: the first clause, without what its specifications are made of."""
+    first = re.split(r"[:;.] |[:;.]$", text)[0]
+    return re.sub(r"[\[\]:\\'\"`$]", "", first).strip()
+
+
+def zsh_option(names, value, choices, text):
+    """One line of _arguments a name; what a value may be stands behind the colons."""
+    ends = ""
+    if choices:
+        ends = ":value:(%s)" % " ".join(choices)
+    elif value:
+        ends = ":%s:%s" % (re.sub(r"\W", " ", value), "_files" if value == "TEXT" else " ")
+    others = "*" if "again for more" in text else "(%s)" % " ".join(names)
+    return ["'%s%s%s[%s]%s'" % (others, name, "=" if value and name.startswith("--") else "", briefly(text), ends)
+            for name in names]
+
+
+def zsh_completion(commands, pages):
+    out = ["#compdef dynwitness", "# zsh completion of dynwitness; written from its own --help", "",
+           "_dynwitness_scenes() {", "  local -a scenes",
+           "  scenes=(${(f)\"$($program scenes 2>/dev/null | sed -n 's/^\\([a-z][a-z0-9_]*\\) .*/\\1/p')\"})",
+           "  _alternative 'scenes:scene:compadd -a scenes' 'files:file:_files'", "}", "", "_dynwitness() {",
+           "  local program=$words[1] context state line", "  local -a commands", "  if (( CURRENT == 2 )); then",
+           "    commands=("]
+    out += ["      '%s:%s'" % (name, description.replace("'", "'\\''").replace(":", "\\:")) for name, description in commands]
+    out += ["    )", "    _describe -t commands command commands", "    return", "  fi", "  local command=$words[2]",
+            "  shift words", "  (( CURRENT-- ))", "  case $command in"]
+    for name, _ in commands:
+        out += ["    %s)" % name, "      _arguments -s \\"]
+        for option in pages[name][1]:
+            out += ["        %s \\" % line for line in zsh_option(*option)]
+        out += ["        '*:scene or file:_dynwitness_scenes'", "      ;;"]
+    return "\n".join(out + ["  esac", "}", "", "_dynwitness \"$@\""]) + "\n"
+
+
 def main():
     program, listed, folder = sys.argv[1:]
     commands = [(words[0], words[2].strip()) for words in
                 (line.split(None, 2) for line in open(listed) if line.strip() and not line.startswith("#"))]
     pages = {name: read(help_of(program, name)) for name, _ in commands}
     os.makedirs(folder, exist_ok=True)
-    for file, text in (("dynwitness.1", man_page(commands, pages)), ("dynwitness.bash", completion(commands, pages))):
+    for file, text in (("dynwitness.1", man_page(commands, pages)), ("dynwitness.bash", completion(commands, pages)),
+                       ("_dynwitness", zsh_completion(commands, pages))):
         with open(os.path.join(folder, file), "w") as out:
             out.write(text)
 

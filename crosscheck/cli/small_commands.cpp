@@ -112,6 +112,21 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
   writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
 }
 
+/// Several methods in one picture.
+void plotDrifts(const scene::Scene& scene, const std::vector<Drift>& drifts,
+                const std::filesystem::path& file, const PictureLook& look) {
+  const std::string script = driftsScript(scene.title.empty() ? scene.name : scene.title, drifts);
+  if (script.empty()) throw std::runtime_error("no energy error above zero: nothing to draw");
+  const UnfinishedFolder work(file.string() + ".work");  // vanishes again
+  work.write("style.gp", kStyleGnuplot);
+  work.write("methods.csv", driftsCsv(drifts));
+  work.write("methods.gp", script);
+  if (const auto failure = runGnuplot(work.path(), "methods.gp", {"methods." + look.kind}, look))
+    throw std::runtime_error("chart: " + *failure);
+  std::ifstream picture(work.path() / ("methods." + look.kind), std::ios::binary);
+  writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
+}
+
 /// What is to be said about a drift beside its numbers. @return false: its qdd is wrong
 bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift& drift,
             std::string* text) {
@@ -192,7 +207,10 @@ int runDrift(const DriftArguments& arguments) {
             remarks);
   fmt::print("{}{}{}", csv, remarks, ends);
   if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csv);
-  if (!arguments.plot.empty()) plotDrift(scene, drifts.front(), arguments.plot, look);
+  if (!arguments.plot.empty() && drifts.size() == 1)
+    plotDrift(scene, drifts.front(), arguments.plot, look);
+  else if (!arguments.plot.empty())
+    plotDrifts(scene, drifts, arguments.plot, look);
   return agree ? 0 : 1;
 }
 
@@ -239,7 +257,8 @@ Run addDrift(CLI::App* command) {
       ->capture_default_str();
   CLI::Option* plot =
       command->add_option("--plot", arguments->plot,
-                          "Chart of the first method: a file that ends in .svg, .png or .pdf");
+                          "Chart, a file that ends in .svg, .png or .pdf: energy errors along the "
+                          "paths of one method, or the worst ones of several against the step");
   addBackground(*command, arguments->look);
   command->get_option("--background")->needs(plot);
   CLI::Option* csv =

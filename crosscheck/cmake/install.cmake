@@ -44,13 +44,18 @@ find_program(PYTHON3 NAMES python3)
 if(PYTHON3)
   set(pages ${PROJECT_BINARY_DIR}/pages)
   set(writes ${PROJECT_SOURCE_DIR}/crosscheck/cli/pages.py)
-  add_custom_command(OUTPUT ${pages}/dynwitness.1 ${pages}/dynwitness.bash
+  add_custom_command(OUTPUT ${pages}/dynwitness.1 ${pages}/dynwitness.bash ${pages}/_dynwitness
     COMMAND ${PYTHON3} ${writes} $<TARGET_FILE:dynwitness_cli> ${PROJECT_SOURCE_DIR}/crosscheck/cli/commands.txt ${pages}
     DEPENDS ${writes} dynwitness_cli ${programs} VERBATIM)
   add_custom_target(dynwitness_pages ALL DEPENDS ${pages}/dynwitness.1 ${pages}/dynwitness.bash)
   install(FILES ${pages}/dynwitness.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
   install(FILES ${pages}/dynwitness.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
           RENAME dynwitness)
+  # zsh looks here; for what packages bring, Debian's looks in a folder of its own
+  install(FILES ${pages}/_dynwitness DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+  if(EXISTS /etc/debian_version)
+    install(FILES ${pages}/_dynwitness DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+  endif()
 endif()
 
 install(EXPORT dynwitnessTargets NAMESPACE dynwitness:: DESTINATION ${package})

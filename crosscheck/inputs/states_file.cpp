@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "scene/error.hpp"
+#include "scene/faults.hpp"
 #include "scene/mimic.hpp"
 #include "scene/text_file.hpp"
 
@@ -62,6 +63,7 @@ class Lines {
 
   const SourceLocation& where() const { return where_; }  ///< of the last line
   double fraction() const { return size_ > 0 ? std::min(1.0, bytes_ / size_) : -1; }
+  bool isRegular() const { return size_ >= 0; }
   /// No whole line is at hand, and it is no regular file that has one.
   bool mayWait() const {
     return size_ < 0 && !at_end_ && buffer_.find('\n', searched_) == std::string::npos;
@@ -203,8 +205,33 @@ struct StatesReader::Parts {
 
   std::string allowedColumns() const {
     return fmt::format(
-        "q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}{2}", mechanism->dof(), positions,
-        others.names.empty() ? "" : fmt::format(", and {}", fmt::join(others.names, ", ")));
+        "q1..q{1}, qd1..qd{0}, and qdd1..qdd{0} or tau1..tau{0}{3}{2}", mechanism->dof(), positions,
+        others.names.empty() ? "" : fmt::format(", and {}", fmt::join(others.names, ", ")),
+        columnsOfJoints().empty()
+            ? ""
+            : fmt::format(" (or by joint: {0}, {0}.qd, {0}.qdd, {0}.tau, ...)",
+                          mechanism->rateLabels().front()));
+  }
+
+  /** What columns may be called by joints: "elbow" and "elbow.q" are q of that joint, "elbow.qd"
+      its rate, "elbow.qdd", "elbow.tau"; "hip.turn.qd" where a joint has several. Without joints whose
+      positions are not counted as their rates are, and in dynwitness' own coordinates. */
+  std::unordered_map<std::string, std::string> columnsOfJoints() const {
+    std::unordered_map<std::string, std::string> columns;
+    if (coordinates || mechanism->positions() != mechanism->dof()) return columns;
+    const std::vector<std::string> labels = mechanism->rateLabels();
+    for (std::size_t k = 0; k < labels.size(); ++k)
+      for (const char* group : kGroups) {
+        const std::string column = group + std::to_string(k + 1);
+        columns.emplace(labels[k] + "." + group, column);
+        if (std::string_view(group) == "q") columns.emplace(labels[k], column);
+      }
+    // a joint of the name of a column, or of another that is asked for, is called as ever
+    for (std::size_t group = 0; group < kGroups.size(); ++group)
+      for (int i = 1; i <= count(static_cast<int>(group)); ++i)
+        columns.erase(kGroups[group] + std::to_string(i));
+    for (const std::string& name : others.names) columns.erase(name);
+    return columns;
   }
 
   void readHeader(std::optional<CoordinateConvention> asked) {
@@ -217,10 +244,13 @@ struct StatesReader::Parts {
     settle(asked);
     const std::string allowed = allowedColumns();
 
+    const std::unordered_map<std::string, std::string> of_joints = columnsOfJoints();
     std::unordered_map<std::string, int> at;  // column name -> place in the row
     for (const std::string_view cell : cells) {
       names.emplace_back(cell);
-      if (!at.emplace(names.back(), static_cast<int>(names.size()) - 1).second)
+      const auto of_joint = of_joints.find(names.back());
+      const std::string& column = of_joint == of_joints.end() ? names.back() : of_joint->second;
+      if (!at.emplace(column, static_cast<int>(names.size()) - 1).second)
         throw InputError(lines.where(), fmt::format("column '{}' stands twice", cell));
     }
     std::size_t known = 0;
@@ -248,7 +278,8 @@ struct StatesReader::Parts {
       }
     std::vector<std::string> unknown;
     for (std::size_t k = 0; k < names.size() && known < names.size(); ++k) {
-      if (at.count(names[k]) == 0) continue;
+      const auto left = at.find(names[k]);
+      if (left == at.end() || left->second != static_cast<int>(k)) continue;
       unknown.push_back(fmt::format("'{}'", names[k]));
       kept_names.push_back(names[k]);
       kept_places.push_back(static_cast<int>(k));
@@ -278,6 +309,48 @@ struct StatesReader::Parts {
   void fill(int group, std::vector<double>* values) const {
     values->assign(static_cast<std::size_t>(count(group)), 0.0);
     for (std::size_t i = 0; i < places[group].size(); ++i) (*values)[i] = number(places[group][i]);
+  }
+
+  /// The row at hand as a state. @throws InputError  its first fault
+  void readRow(scene::State<double>* state) {
+    if (cells.size() != names.size())
+      throw InputError(lines.where(),
+                       fmt::format("{} entries, the header names {}", cells.size(), names.size()));
+    if (coordinates) {
+      fill(kQ, &q);
+      fill(kQd, &state->qd);
+      fill(kQdd, &state->qdd);
+      fill(kTau, &state->tau);
+      try {
+        coordinates->read(q, state);
+      } catch (const InputError& error) {
+        throw InputError(lines.where(), error.what());
+      }
+      return;
+    }
+    state->x.resize(static_cast<std::size_t>(mechanism->positions()));
+    for (std::size_t i = 0; i < places[kQ].size(); ++i)
+      state->x[static_cast<std::size_t>(given[i])] = scene::jointPosition(number(places[kQ][i]));
+    if (!places[kQ].empty()) {
+      scene::followLeaders(*mechanism, &state->x);
+      requireQuaternions(*mechanism, *state, lines.where());
+    }
+    fill(kQd, &state->qd);
+    fill(kQdd, &state->qdd);
+    fill(kTau, &state->tau);
+    for (const int place : other_places) number(place);
+  }
+
+  /// What is wrong with the row at hand: each of its cells, or else what readRow() says.
+  void findFaults(scene::State<double>* state, scene::Faults& faults) {
+    std::size_t right = 0, all = 0;
+    for (const std::vector<int>* group :
+         {&places[kQ], &places[kQd], &places[kQdd], &places[kTau], &other_places})
+      for (const int place : *group) {
+        ++all;
+        if (cells.size() == names.size()) faults.collect([&] { number(place), ++right; });
+      }
+    if (right == all || cells.size() != names.size()) faults.collect([&] { readRow(state); });
   }
 
   Lines lines;
@@ -351,33 +424,17 @@ double StatesReader::fraction() const {
 bool StatesReader::next(scene::State<double>* state) {
   Parts& p = *parts_;
   if (!p.nextCells()) return false;
-  if (p.cells.size() != p.names.size())
-    throw InputError(p.lines.where(), fmt::format("{} entries, the header names {}", p.cells.size(),
-                                                  p.names.size()));
-  if (p.coordinates) {
-    p.fill(kQ, &p.q);
-    p.fill(kQd, &state->qd);
-    p.fill(kQdd, &state->qdd);
-    p.fill(kTau, &state->tau);
-    try {
-      p.coordinates->read(p.q, state);
-    } catch (const InputError& error) {
-      throw InputError(p.lines.where(), error.what());
-    }
+  try {
+    p.readRow(state);
     return true;
+  } catch (const InputError&) {
   }
-  state->x.resize(static_cast<std::size_t>(p.mechanism->positions()));
-  for (std::size_t i = 0; i < p.places[kQ].size(); ++i)
-    state->x[static_cast<std::size_t>(p.given[i])] =
-        scene::jointPosition(p.number(p.places[kQ][i]));
-  if (!p.places[kQ].empty()) {
-    scene::followLeaders(*p.mechanism, &state->x);
-    requireQuaternions(*p.mechanism, *state, p.lines.where());
-  }
-  p.fill(kQd, &state->qd);
-  p.fill(kQdd, &state->qdd);
-  p.fill(kTau, &state->tau);
-  return true;
+  scene::Faults faults;
+  p.findFaults(state, faults);
+  // the rest of a file is there; who writes into a pipe may wait for us
+  while (p.lines.isRegular() && p.nextCells()) p.findFaults(state, faults);
+  faults.raise();
+  return false;
 }
 
 }  // namespace dynwitness::crosscheck

@@ -94,9 +94,9 @@ std::vector<T> swept(CodeQuantity quantity, const recursive::Model<T>& model,
 /** C of Christoffel's symbols of M, which are derivatives of the Lagrangian's:
         C_ij = sum_k (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) qd_k / 2
     Where rates are derivatives of coordinates. */
-Program christoffel(const scene::Mechanism& mechanism) {
+Program christoffel(const scene::Mechanism& mechanism, bool fold_parameters) {
   symbolic::Options options;
-  options.fold_parameters = true;
+  options.fold_parameters = fold_parameters;
   symbolic::Equations equations = symbolic::derive(mechanism, options);
   symbolic::Graph& graph = equations.graph;
   const Traced::Recording recording(graph);
@@ -150,35 +150,44 @@ scene::Mechanism withoutFriction(scene::Mechanism mechanism) {
   return mechanism;
 }
 
-/// Runs a program as the text does: all that does not depend on the state is a literal.
+template <typename T>
+void execute(const Program::Instruction& i, std::vector<T>& slots) {
+  const T &a = slots[i.a], &b = slots[i.b];
+  switch (i.code) {
+    case Program::Code::kAdd:
+      slots[i.result] = a + b;
+      break;
+    case Program::Code::kSubtract:
+      slots[i.result] = a - b;
+      break;
+    case Program::Code::kMultiply:
+      slots[i.result] = a * b;
+      break;
+    case Program::Code::kNegate:
+      slots[i.result] = -a;
+      break;
+    case Program::Code::kInverse:
+      slots[i.result] = T(1) / a;
+      break;
+  }
+}
+
+/// Runs a program as the text does: what depends neither on the state nor on parameters of a struct
+/// is a literal, and so is such a parameter itself.
 /// @param load  of a component of the state
 template <typename T, typename OfLiteral, typename OfLoad>
 std::vector<T> run(const Program& program, const OfLiteral& literal, const OfLoad& load) {
   std::vector<T> slots(program.slots, T(0));
+  const std::vector<char> is_parametric = constantsOf(program).is_parametric;
   const int numbers = static_cast<int>(program.constants.size() + program.atoms.size());
   for (int i = 0; i < numbers; ++i) slots[i] = literal(i);
-  for (const Program::Instruction& i : program.prologue) slots[i.result] = literal(i.result);
+  for (const Program::Instruction& i : program.prologue)
+    if (is_parametric[i.result] != 0)
+      execute(i, slots);
+    else
+      slots[i.result] = literal(i.result);
   for (const Program::Load& l : program.loads) slots[l.slot] = load(l);
-  for (const Program::Instruction& i : program.body) {
-    const T &a = slots[i.a], &b = slots[i.b];
-    switch (i.code) {
-      case Program::Code::kAdd:
-        slots[i.result] = a + b;
-        break;
-      case Program::Code::kSubtract:
-        slots[i.result] = a - b;
-        break;
-      case Program::Code::kMultiply:
-        slots[i.result] = a * b;
-        break;
-      case Program::Code::kNegate:
-        slots[i.result] = -a;
-        break;
-      case Program::Code::kInverse:
-        slots[i.result] = T(1) / a;
-        break;
-    }
-  }
+  for (const Program::Instruction& i : program.body) execute(i, slots);
   std::vector<T> out;
   for (const int slot : program.outputs) out.push_back(slots[slot]);
   return out;
@@ -276,70 +285,143 @@ bool isOfPoint(CodeQuantity quantity) {
   return quantity >= CodeQuantity::kPosition;
 }
 
+Constants constantsOf(const Program& program) {
+  Constants out;
+  out.is_parametric.assign(program.slots, 0);
+  for (std::size_t i = 0; i < program.atoms.size(); ++i) {
+    const symbolic::Atom& atom = program.atoms[i];
+    out.is_parametric[program.constants.size() + i] =
+        atom.kind == symbolic::Atom::Kind::kNumber && !atom.number.parameters().empty() ? 1 : 0;
+  }
+  const auto isBinary = [](const Program::Instruction& i) {
+    return i.code != Program::Code::kNegate && i.code != Program::Code::kInverse;
+  };
+  for (const Program::Instruction& i : program.prologue)
+    out.is_parametric[i.result] =
+        out.is_parametric[i.a] != 0 || (isBinary(i) && out.is_parametric[i.b] != 0) ? 1 : 0;
+  const auto read = [&](int slot) {
+    if (out.is_parametric[slot] == 0) return;
+    const int next = static_cast<int>(out.slots.size());
+    if (out.index.emplace(slot, next).second) out.slots.push_back(slot);
+  };
+  for (const Program::Instruction& i : program.body) {
+    read(i.a);
+    if (isBinary(i)) read(i.b);
+  }
+  for (const int slot : program.outputs) read(slot);
+  return out;
+}
+
 ControllerCode::ControllerCode(const scene::Scene& scene,
                                const std::vector<CodeQuantity>& quantities,
-                               const std::optional<CodePoint>& point)
-    : scene_(scene),
-      identifier_(identifierOf(scene.name)),
-      point_(point),
-      parameters_(scene::inertialParameters(scene.mechanism)) {
-  const scene::Mechanism& given = scene_.mechanism;
+                               const std::optional<CodePoint>& point, CodeParameters parameters)
+    : scene_(scene), identifier_(identifierOf(scene.name)), point_(point), how_(parameters) {
+  if (how_ == CodeParameters::kStruct) {
+    const ParametrizedMechanism in_fields = parametrized(scene.mechanism);
+    scene_.mechanism = in_fields.mechanism;
+    fields_ = in_fields.fields;
+    folded_ = in_fields.folded;
+    if (point_)
+      for (scene::Number& number : point_->at) number = in_fields.inFields(number);
+  }
+  parameters_ = scene::inertialParameters(scene_.mechanism);
+  readFriction();
+  const scene::Mechanism mechanism = withoutFriction(scene_.mechanism);
+  for (const CodeQuantity quantity : quantities) {
+    functions_.push_back(made(quantity, mechanism));
+    if (const int operations = functions_.back().program.bodyOperations().all();
+        operations > kMostWritten)
+      throw NotUsed(tooLong(quantity, operations));
+  }
+}
+
+void ControllerCode::readFriction() {
+  const scene::Mechanism& mechanism = scene_.mechanism;
   const recursive::Model<double> numbers =
-      recursive::buildModel(given, scene::RealNumbers<double>(given));
+      recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism));
   friction_.resize(numbers.dof());
   for (const recursive::LinkModel<double>& link : numbers.links)
-    if (link.dof >= 0) friction_[link.dof] = {link.viscous, link.positive, link.negative};
+    if (link.dof >= 0)
+      friction_[link.dof] = {link.viscous, link.positive, link.negative, link.viscous != 0,
+                             link.positive != 0 || link.negative != 0};
+  if (isFolded()) return;
+  symbolic::Graph graph;
+  const Traced::Recording recording(graph);
+  const recursive::Model<Traced> model =
+      recursive::buildModel(mechanism, TracedNumbers(mechanism, false));
+  std::vector<symbolic::Node> nodes(3 * friction_.size());
+  for (const recursive::LinkModel<Traced>& link : model.links) {
+    if (link.dof < 0) continue;
+    JointFriction& friction = friction_[link.dof];
+    friction.is_viscous = link.viscous != Traced(0);
+    friction.is_coulomb = link.positive != Traced(0) || link.negative != Traced(0);
+    const Traced all[] = {link.viscous, link.positive, link.negative};
+    for (int k = 0; k < 3; ++k) nodes[3 * link.dof + k] = all[k].node();
+  }
+  friction_program_ = symbolic::compile(graph, nodes);
+}
 
-  const scene::Mechanism mechanism = withoutFriction(given);
+/// A function whose program is a sweep of recursive/, written down.
+void ControllerCode::sweepInto(CodeFunction& function, const scene::Mechanism& mechanism) const {
+  const CodeQuantity quantity = function.quantity;
   const int n = mechanism.dof();
-  for (const CodeQuantity quantity : quantities) {
-    CodeFunction function{quantity, {}, n, 1, "the sweep, traced"};
-    if (const std::optional<Formula> formula = formulaOf(quantity)) {
-      Road road = [&] {
-        try {
-          return smallestWritten(mechanism, *formula);
-        } catch (const NotUsed& why) {
-          throw NotUsed(fmt::format("{}: {}", name(quantity), why.what()));
-        }
-      }();
+  if (n > kMostDof)
+    throw NotUsed(fmt::format("{}: {} degrees of freedom, at most {} are written out",
+                              name(quantity), n, kMostDof));
+  symbolic::Graph graph;
+  const Traced::Recording recording(graph);
+  const TracedNumbers traced(mechanism, isFolded());
+  std::vector<symbolic::Node> nodes;
+  for (const Traced& value : swept(quantity, recursive::buildModel(mechanism, traced),
+                                   tracedState(mechanism), traced, parameters_, point_))
+    nodes.push_back(value.node());
+  function.program = factored(graph, nodes);
+  if (quantity == CodeQuantity::kC && hasChristoffel(mechanism)) {
+    Program symbols = christoffel(mechanism, isFolded());
+    if (symbols.bodyOperations().all() < function.program.bodyOperations().all()) {
+      function.program = std::move(symbols);
+      function.road = "Christoffel symbols of M";
+    }
+  }
+}
+
+CodeFunction ControllerCode::made(CodeQuantity quantity, const scene::Mechanism& mechanism) const {
+  const int n = mechanism.dof();
+  CodeFunction function{quantity, {}, n, 1, "the sweep, traced"};
+  if (const std::optional<Formula> formula = formulaOf(quantity)) {
+    try {
+      Road road = smallestWritten(mechanism, *formula, isFolded());
       function.road = name(road.kind);
       function.program = std::move(road.program);
-      if (quantity == CodeQuantity::kM) function.columns = n;
-    } else {
-      if (n > kMostDof)
-        throw NotUsed(fmt::format("{}: {} degrees of freedom, at most {} are written out",
-                                  name(quantity), n, kMostDof));
-      symbolic::Graph graph;
-      const Traced::Recording recording(graph);
-      const TracedNumbers traced(mechanism);
-      std::vector<symbolic::Node> nodes;
-      for (const Traced& value : swept(quantity, recursive::buildModel(mechanism, traced),
-                                       tracedState(mechanism), traced, parameters_, point_))
-        nodes.push_back(value.node());
-      function.program = factored(graph, nodes);
-      if (quantity == CodeQuantity::kC) {
-        function.columns = n;
-        if (hasChristoffel(mechanism)) {
-          Program symbols = christoffel(mechanism);
-          if (symbols.bodyOperations().all() < function.program.bodyOperations().all()) {
-            function.program = std::move(symbols);
-            function.road = "Christoffel symbols of M";
-          }
-        }
-      }
-      if (quantity == CodeQuantity::kY) function.columns = static_cast<int>(parameters_.size());
-      if (quantity == CodeQuantity::kPosition || quantity == CodeQuantity::kOrientation)
-        function.rows = 3;
-      if (quantity == CodeQuantity::kOrientation) function.columns = 3;
-      if (quantity == CodeQuantity::kJacobian || quantity == CodeQuantity::kJacobianRate) {
-        function.rows = 6;
-        function.columns = n;
-      }
+    } catch (const NotUsed& why) {
+      throw NotUsed(fmt::format("{}: {}", name(quantity), why.what()));
     }
-    if (const int operations = function.program.bodyOperations().all(); operations > kMostWritten)
-      throw NotUsed(tooLong(quantity, operations));
-    functions_.push_back(std::move(function));
+  } else {
+    sweepInto(function, mechanism);
   }
+  switch (quantity) {
+    case CodeQuantity::kM:
+    case CodeQuantity::kC:
+      function.columns = n;
+      break;
+    case CodeQuantity::kY:
+      function.columns = static_cast<int>(parameters_.size());
+      break;
+    case CodeQuantity::kPosition:
+      function.rows = 3;
+      break;
+    case CodeQuantity::kOrientation:
+      function.rows = function.columns = 3;
+      break;
+    case CodeQuantity::kJacobian:
+    case CodeQuantity::kJacobianRate:
+      function.rows = 6;
+      function.columns = n;
+      break;
+    default:
+      break;
+  }
+  return function;
 }
 
 bool ControllerCode::hasFriction(const CodeFunction& function) const {
@@ -348,22 +430,26 @@ bool ControllerCode::hasFriction(const CodeFunction& function) const {
                      [](const JointFriction& f) { return !f.isNone(); });
 }
 
+bool ControllerCode::needsFriction() const {
+  return std::any_of(functions_.begin(), functions_.end(),
+                     [&](const CodeFunction& function) { return hasFriction(function); });
+}
+
 namespace {
 
 /// The answers of a function as it is written, with what its roundings may have done.
-template <typename T, typename Friction>
+/// @param friction  by rate: viscous, positive, negative
+template <typename T>
 std::vector<T> asWritten(const CodeFunction& function, const LiteralValues& literals,
-                         const scene::State<double>& state, const Friction& friction) {
+                         const scene::State<double>& state,
+                         const std::vector<std::array<T, 3>>& friction) {
   const auto literal = [&](int slot) {
     return literalAs<T>(literals.exact(slot), literals.nearest(slot));
   };
   const auto of_friction = [&](int i) {
-    const auto [viscous, positive, negative] = friction(i);
-    const auto number = [](double x) { return literalAs<T>(Digits50(x), x); };
+    const auto& [viscous, positive, negative] = friction[i];
     const T rate(state.qd[i]);
-    return number(viscous) * rate + (state.qd[i] > 0   ? number(positive)
-                                     : state.qd[i] < 0 ? -number(negative)
-                                                       : T(0));
+    return viscous * rate + (state.qd[i] > 0 ? positive : state.qd[i] < 0 ? -negative : T(0));
   };
   std::vector<T> out = run<T>(function.program, literal, [&](const Program::Load& load) -> T {
     switch (load.input) {
@@ -390,15 +476,34 @@ std::vector<T> asWritten(const CodeFunction& function, const LiteralValues& lite
 
 }  // namespace
 
+template <typename T>
+std::vector<std::array<T, 3>> ControllerCode::frictionAs() const {
+  std::vector<std::array<T, 3>> out;
+  if (isFolded()) {
+    const auto number = [](double x) { return literalAs<T>(Digits50(x), x); };
+    for (const JointFriction& f : friction_)
+      out.push_back({number(f.viscous), number(f.positive), number(f.negative)});
+    return out;
+  }
+  const LiteralValues literals(friction_program_, scene_.mechanism);
+  const auto none = [](const Program::Load&) -> T {
+    throw std::logic_error("ControllerCode: friction reads no state");
+  };
+  const std::vector<T> all = run<T>(
+      friction_program_,
+      [&](int slot) { return literalAs<T>(literals.exact(slot), literals.nearest(slot)); }, none);
+  for (std::size_t i = 0; i < friction_.size(); ++i)
+    out.push_back({all[3 * i], all[3 * i + 1], all[3 * i + 2]});
+  return out;
+}
+
 std::vector<GoldenCase> ControllerCode::golden(const std::vector<scene::State<double>>& states,
                                                CodeScalar scalar) const {
   const scene::Mechanism& mechanism = scene_.mechanism;
   const RunningErrorNumbers numbers(mechanism);
   const recursive::Model<RunningError> model = recursive::buildModel(mechanism, numbers);
-  const auto friction = [&](int i) {
-    const JointFriction& f = friction_[i];
-    return std::array<double, 3>{f.viscous, f.positive, f.negative};
-  };
+  const auto double_friction = frictionAs<RunningError>();
+  const auto single_friction = frictionAs<SingleError>();
   std::vector<GoldenCase> all;
   for (const scene::State<double>& state : states) {
     GoldenCase one{state, {}, {}};
@@ -408,10 +513,12 @@ std::vector<GoldenCase> ControllerCode::golden(const std::vector<scene::State<do
           swept(function.quantity, model, exactInput(state), numbers, parameters_, point_);
       std::vector<double> value, limit, own;
       if (scalar == CodeScalar::kDouble)
-        for (const RunningError& x : asWritten<RunningError>(function, literals, state, friction))
+        for (const RunningError& x :
+             asWritten<RunningError>(function, literals, state, double_friction))
           own.push_back(x.bound());
       else
-        for (const SingleError& x : asWritten<SingleError>(function, literals, state, friction))
+        for (const SingleError& x :
+             asWritten<SingleError>(function, literals, state, single_friction))
           own.push_back(x.bound());
       for (std::size_t i = 0; i < own.size(); ++i) {
         value.push_back(expected[i].value());

@@ -2,6 +2,7 @@
 // Code that a controller can use: quantities as plain functions, from the smallest programs.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "crosscheck/kernel/code_parameters.hpp"
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/scalars/running_error.hpp"
 #include "scene/inertial_parameters.hpp"
@@ -18,6 +20,8 @@ namespace dynwitness::crosscheck::kernel {
 
 enum class CodeLanguage { kC, kPython, kMatlab, kJulia };
 enum class CodeScalar { kDouble, kFloat };
+/// Numbers of the scene: literals, or the fields of a struct (code_parameters.hpp).
+enum class CodeParameters { kFolded, kStruct };
 
 /** What a function computes, n degrees of freedom; matrices row by row:
       tau          n      = M qdd + c + g + friction - Q, with Q the scene's constant wrenches
@@ -82,14 +86,16 @@ inline constexpr int kMostWritten = 20000;
 /** The programs of a scene's quantities, to be written in a language.
 
     tau, qdd, M, c, g: the smallest road (roads.hpp), friction of joints apart, whose sign no program
-    has. C, Y and kinematics: the sweeps of recursive/, written down and regrouped (factored()). All
-    numbers of the scene are folded: what does not depend on the state is no part of a call. */
+    has. C, Y and kinematics: the sweeps of recursive/, written down and regrouped (factored()).
+    What does not depend on the state is no part of a call: all numbers of the scene are folded, or
+    they are fields of a struct, and what depends on these alone is computed once, by NAME_init. */
 class ControllerCode {
  public:
   /// @throws NotUsed  a function would be too long; and what roads() throws for scenes that have no
   ///         program
   ControllerCode(const scene::Scene& scene, const std::vector<CodeQuantity>& quantities,
-                 const std::optional<CodePoint>& point);
+                 const std::optional<CodePoint>& point,
+                 CodeParameters parameters = CodeParameters::kFolded);
 
   const std::vector<CodeFunction>& functions() const { return functions_; }
   CodeCount count(const CodeFunction& function) const;
@@ -102,7 +108,8 @@ class ControllerCode {
                                  CodeScalar scalar) const;
 
   /** Files, name and text: for C  NAME.h, NAME.c, NAME_test.c;  Python  NAME.py, NAME_test.py;
-      Julia likewise;  MATLAB  one file a function and NAME_test.m. The same scene gives the same bytes.
+      Julia likewise;  MATLAB  one file a function, with a struct NAME_parameters.m and NAME_init.m,
+      and NAME_test.m. The same scene gives the same bytes.
       @param golden  what the test file asks; its exit status says whether all is right
       @throws scene::InputError  a number of the scene is none of the scalar; float is for C */
   std::vector<std::pair<std::string, std::string>> files(
@@ -111,13 +118,23 @@ class ControllerCode {
   const std::string& identifier() const { return identifier_; }  ///< NAME
 
  private:
+  friend class CodeLines;
   friend class CodeWriter;
   /// By rate: its joint's friction, where it has one.
   struct JointFriction {
     double viscous = 0, positive = 0, negative = 0;
-    bool isNone() const { return viscous == 0 && positive == 0 && negative == 0; }
+    bool is_viscous = false, is_coulomb = false;
+    bool isNone() const { return !is_viscous && !is_coulomb; }
   };
+  bool isFolded() const { return how_ == CodeParameters::kFolded; }
   bool hasFriction(const CodeFunction& function) const;
+  bool needsFriction() const;  ///< any function
+  void readFriction();
+  /// Viscous, positive, negative by rate, in the arithmetic of the code.
+  template <typename T>
+  std::vector<std::array<T, 3>> frictionAs() const;
+  CodeFunction made(CodeQuantity quantity, const scene::Mechanism& without_friction) const;
+  void sweepInto(CodeFunction& function, const scene::Mechanism& without_friction) const;
 
   scene::Scene scene_;
   std::string identifier_;
@@ -125,6 +142,10 @@ class ControllerCode {
   std::vector<scene::InertialParameter> parameters_;  ///< the columns of Y
   std::vector<CodeFunction> functions_;
   std::vector<JointFriction> friction_;
+  CodeParameters how_;
+  std::vector<CodeParameter> fields_;   ///< of the struct
+  std::vector<std::string> folded_;     ///< parameters that are values nevertheless
+  symbolic::Program friction_program_;  ///< of a struct: viscous, positive, negative by rate
 };
 
 }  // namespace dynwitness::crosscheck::kernel

@@ -1,28 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The text of ControllerCode in each language: one operation of the program after the other.
-#include "crosscheck/kernel/controller_text.hpp"
-
 #include <cctype>
-#include <cmath>
-#include <map>
-#include <set>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "crosscheck/kernel/controller_code.hpp"
-#include "scene/error.hpp"
+#include "crosscheck/kernel/code_lines.hpp"
 
 namespace dynwitness::crosscheck::kernel {
 namespace {
-
-using symbolic::Input;
-using symbolic::Program;
-
-/// The word of a quantity in names of functions: C and c are one file in some file systems.
-const char* word(CodeQuantity quantity) {
-  return quantity == CodeQuantity::kC ? "coriolis_matrix" : name(quantity);
-}
 
 /// A name of the scene in a comment, which it must not end.
 std::string commented(const std::string& text) {
@@ -64,234 +49,11 @@ std::string join(const std::vector<std::string>& parts, const std::string& betwe
 }  // namespace
 
 /// Writes functions in one language.
-class CodeWriter {
+class CodeWriter : private CodeLines {
  public:
   CodeWriter(const ControllerCode& code, CodeLanguage language, CodeScalar scalar)
-      : code_(code), language_(language), scalar_(scalar) {
-    if (scalar == CodeScalar::kFloat && language != CodeLanguage::kC)
-      throw scene::InputError({},
-                              "--scalar float: single precision is written in C, allowed: "
-                              "--format c, or --scalar double");
-  }
-
-  /// A number of the program or of a test.
-  std::string number(double x) const {
-    std::string text = fmt::format("{}", x);
-    if (text.find_first_of(".en") == std::string::npos) text += ".0";
-    return x < 0 || std::signbit(x) ? "(" + text + ")" : text;
-  }
-  std::string literal(const Digits50& exact) const {
-    if (scalar_ == CodeScalar::kDouble) return number(static_cast<double>(exact.value()));
-    const float x = static_cast<float>(exact.value());
-    if (!std::isfinite(x) || (x == 0 && !(exact == Digits50(0))))
-      throw scene::InputError(
-          {}, fmt::format("--scalar float: the scene's number {} is no float, allowed: double",
-                          static_cast<double>(exact.value())));
-    std::string text = fmt::format("{}", x);
-    if (text.find_first_of(".e") == std::string::npos) text += ".0";
-    return x < 0 ? "(" + text + "f)" : text + "f";
-  }
-
-  std::string element(const std::string& array, int i) const {
-    switch (language_) {
-      case CodeLanguage::kMatlab:
-        return fmt::format("{}({})", array, i + 1);
-      case CodeLanguage::kJulia:
-        return fmt::format("{}[{}]", array, i + 1);
-      default:
-        return fmt::format("{}[{}]", array, i);
-    }
-  }
-  std::string math(const char* function) const {
-    if (language_ == CodeLanguage::kC && scalar_ == CodeScalar::kFloat)
-      return std::string(function) + "f";
-    return function;
-  }
-  std::string type() const { return scalar_ == CodeScalar::kFloat ? "float" : "double"; }
-  std::string let(const std::string& variable, const std::string& value) const {
-    switch (language_) {
-      case CodeLanguage::kC:
-        return "  const " + type() + " " + variable + " = " + value + ";\n";
-      case CodeLanguage::kMatlab:
-        return "  " + variable + " = " + value + ";\n";
-      case CodeLanguage::kPython:
-        return "    " + variable + " = " + value + "\n";
-      case CodeLanguage::kJulia:
-        return "    " + variable + " = " + value + "\n";
-    }
-    return "";
-  }
-
-  /// What a joint's friction takes at its rate.
-  std::string friction(const ControllerCode::JointFriction& f, int i, CodeCount& count) const {
-    const std::string rate = element("qd", i);
-    const auto value = [&](double x) { return literal(Digits50(x)); };
-    std::string text;
-    if (f.viscous != 0) {
-      text = value(f.viscous) + " * " + rate;
-      ++count.multiplications;
-    }
-    if (f.positive == 0 && f.negative == 0) return text;
-    const std::string zero = literal(Digits50(0)), forward = value(f.positive),
-                      back = value(-f.negative);
-    std::string coulomb;
-    if (language_ == CodeLanguage::kPython)
-      coulomb =
-          fmt::format("({} if {} > 0.0 else ({} if {} < 0.0 else 0.0))", forward, rate, back, rate);
-    else if (language_ == CodeLanguage::kMatlab)
-      coulomb = fmt::format("({0} * ({1} > 0.0) + {2} * ({1} < 0.0))", forward, rate, back);
-    else
-      coulomb =
-          fmt::format("(({0} > {3}) ? {1} : (({0} < {3}) ? {2} : {3}))", rate, forward, back, zero);
-    count.comparisons += 2;
-    if (language_ == CodeLanguage::kMatlab) {
-      count.multiplications += 2;
-      ++count.additions;
-    }
-    if (text.empty()) return coulomb;
-    ++count.additions;
-    return "(" + text + ") + " + coulomb;
-  }
-
-  /// The lines of a function, and its results in order.
-  struct Body {
-    std::string lines;
-    std::vector<std::string> results;
-    std::set<std::string> reads;  ///< arguments
-    CodeCount count;
-  };
-  Body body(const CodeFunction& function) const {
-    const Program& program = function.program;
-    const LiteralValues literals(program, code_.scene_.mechanism);
-    std::vector<int> uses(program.slots, 0), in_sums(program.slots, 0);
-    for (const Program::Instruction& i : program.body) {
-      const bool binary = i.code != Program::Code::kNegate && i.code != Program::Code::kInverse;
-      const bool sums = i.code == Program::Code::kAdd || i.code == Program::Code::kSubtract;
-      ++uses[i.a];
-      in_sums[i.a] += sums ? 1 : 0;
-      if (!binary) continue;
-      ++uses[i.b];
-      in_sums[i.b] += sums ? 1 : 0;
-    }
-    for (const int slot : program.outputs) uses[slot] += 2;
-
-    Body out;
-    std::map<int, std::string> text;
-    const bool friction_counts = code_.hasFriction(function);
-    const auto reads = [&](const char* argument, int i) {
-      out.reads.insert(argument);
-      return element(argument, i);
-    };
-    const auto frictionOf = [&](int i) {
-      if (!friction_counts || code_.friction_[i].isNone()) return std::string();
-      out.reads.insert("qd");
-      const std::string variable = fmt::format("friction{}", i + 1);
-      out.lines += let(variable, friction(code_.friction_[i], i, out.count));
-      return variable;
-    };
-    for (const Program::Load& load : program.loads) {
-      if (uses[load.slot] == 0) continue;
-      std::string& here = text[load.slot];
-      switch (load.input) {
-        case Input::kPosition:
-          here = reads("q", load.joint);
-          break;
-        case Input::kCos:
-        case Input::kSin: {
-          const bool is_cos = load.input == Input::kCos;
-          here = fmt::format("{}{}", is_cos ? "c" : "s", load.joint + 1);
-          out.lines += let(here, math(is_cos ? "cos" : "sin") + "(" + reads("q", load.joint) + ")");
-          ++out.count.trigonometric;
-          break;
-        }
-        case Input::kVelocity:
-          here = reads("qd", load.joint);
-          break;
-        case Input::kAcceleration:
-          here = reads("qdd", load.joint);
-          break;
-        case Input::kForce: {
-          here = reads("tau", load.joint);
-          const std::string friction = frictionOf(load.joint);
-          if (friction.empty()) break;
-          const std::string free = fmt::format("free{}", load.joint + 1);
-          out.lines += let(free, here + " - " + friction);
-          ++out.count.additions;
-          here = free;
-          break;
-        }
-        default:
-          throw std::logic_error("CodeWriter: no program reads this input");
-      }
-    }
-    const auto operand = [&](int slot) {
-      const auto it = text.find(slot);
-      return it != text.end() ? it->second : literal(literals.exact(slot));
-    };
-    const std::string zero = literal(Digits50(0)), one = literal(Digits50(1));
-    int temporaries = 0;
-    for (const Program::Instruction& i : program.body) {
-      // numbers that are 0 or 1 by what irrational ones of the scene make together
-      if (i.code != Program::Code::kNegate && i.code != Program::Code::kInverse) {
-        const std::string a = operand(i.a), b = operand(i.b);
-        const bool multiplies = i.code == Program::Code::kMultiply;
-        if (multiplies && (a == zero || b == zero)) {
-          text[i.result] = zero;
-          continue;
-        }
-        if (b == (multiplies ? one : zero) ||
-            (a == (multiplies ? one : zero) && i.code != Program::Code::kSubtract)) {
-          std::string same = b == (multiplies ? one : zero) ? a : b;
-          if (same.find(" * ") != std::string::npos) {  // a product that stood in this sum alone
-            const std::string variable = fmt::format("t{}", ++temporaries);
-            out.lines += let(variable, same);
-            same = variable;
-          }
-          text[i.result] = same;
-          continue;
-        }
-      }
-      std::string value;
-      switch (i.code) {
-        case Program::Code::kAdd:
-        case Program::Code::kSubtract:
-          value = operand(i.a) + (i.code == Program::Code::kAdd ? " + " : " - ") + operand(i.b);
-          ++out.count.additions;
-          break;
-        case Program::Code::kMultiply:
-          value = operand(i.a) + " * " + operand(i.b);
-          ++out.count.multiplications;
-          // a product that one sum alone takes stands in it
-          if (uses[i.result] == 1 && in_sums[i.result] == 1) {
-            text[i.result] = "(" + value + ")";
-            continue;
-          }
-          break;
-        case Program::Code::kNegate:
-          value = "-" + operand(i.a);
-          break;
-        case Program::Code::kInverse:
-          value = literal(Digits50(1)) + " / " + operand(i.a);
-          ++out.count.divisions;
-          break;
-      }
-      const std::string variable = fmt::format("t{}", ++temporaries);
-      out.lines += let(variable, value);
-      text[i.result] = variable;
-    }
-    for (std::size_t i = 0; i < program.outputs.size(); ++i) {
-      std::string result = operand(program.outputs[i]);
-      if (function.quantity == CodeQuantity::kTau) {
-        const std::string friction = frictionOf(static_cast<int>(i));
-        if (!friction.empty()) {
-          result += " + " + friction;
-          ++out.count.additions;
-        }
-      }
-      out.results.push_back(result);
-    }
-    return out;
-  }
+      : CodeLines(code, language, scalar) {}
+  using CodeLines::body;
 
   std::string functionName(const CodeFunction& function) const {
     return code_.identifier_ + "_" + word(function.quantity);
@@ -313,7 +75,8 @@ class CodeWriter {
           "floating one x, y, z and then a quaternion; their rates are the link's own, in its axes: "
           "(wx, wy, wz) or (vx, vy, vz, wx, wy, wz)",
           m.positions()));
-    lines.push_back("matrices are written row by row; all numbers of the scene are folded");
+    lines.push_back("matrices are written row by row; " +
+                    (code_.isFolded() ? "all numbers of the scene are folded" : aboutParameters()));
     lines.push_back(!m.hasFriction()
                         ? "friction: the scene has none"
                         : "friction (viscous, Coulomb; 0 at rest): in tau and qdd, not "
@@ -324,6 +87,55 @@ class CodeWriter {
       lines.push_back(
           "left out: driven joints are free here, and nothing is asked of accelerations");
     return lines;
+  }
+  /// Which numbers are fields, and what to do with them.
+  std::string aboutParameters() const {
+    const std::string& id = code_.identifier_;
+    std::string text =
+        "numbers of the scene are fields of parameters (" + id +
+        "_parameters are the scene's own), but for angles, axes and what is 0, which are folded";
+    for (std::size_t i = 0; i < code_.folded_.size(); ++i)
+      text += (i == 0 ? ": " : ", ") + commented(code_.folded_[i]);
+    return text + ". " + id +
+           "_init computes what depends on them alone: call it once, and again after each change. "
+           "Fields are taken as they are: nothing here finds that a mass is negative";
+  }
+  /// Of _init.
+  std::vector<std::string> aboutInit(const CodeCount& c) const {
+    return {"What depends on the parameters alone, for all functions.",
+            fmt::format("once: {} multiplications, {} additions, {} divisions", c.multiplications,
+                        c.additions, c.divisions)};
+  }
+  /// A field in words: its unit, and what --set calls it.
+  static std::string aboutField(const CodeParameter& field) {
+    const std::string unit =
+        field.unit.empty() ? "unit as the scene has it" : "[" + field.unit + "]";
+    return unit + (field.what == field.name ? "" : " " + commented(field.what));
+  }
+  /// "constants, " before the arguments.
+  std::vector<std::string> withConstants(std::vector<std::string> all) const {
+    if (!code_.isFolded()) all.insert(all.begin(), "constants");
+    return all;
+  }
+  /// The arrays of constants that a body reads, under its names for them.
+  std::string constantsOfBody(const CodeFunction& f, const Body& b) const {
+    const bool is_c = language_ == CodeLanguage::kC;
+    std::string text;
+    const auto take = [&](const std::string& variable, const std::string& array) {
+      const std::string value = language_ == CodeLanguage::kPython ? "constants[\"" + array + "\"]"
+                                                                   : member("constants", array);
+      text += is_c ? "  const " + type() + " *const " + variable + " = " + value + ";\n"
+                   : let(variable, value);
+    };
+    if (b.reads_constants) take("k", word(f.quantity));
+    if (b.reads_friction) take("friction", "friction");
+    if (is_c && text.empty() && !code_.isFolded()) text = "  (void)constants;\n";
+    return text;
+  }
+  /// A field's value, as a literal.
+  std::string valueOf(std::size_t field) const {
+    const scene::Mechanism& m = code_.scene_.mechanism;
+    return literal(scene::RealNumbers<Digits50>(m)(m.parameters[field].value));
   }
   /// Of one function.
   std::vector<std::string> about(const CodeFunction& function, const CodeCount& c) const {
@@ -402,6 +214,7 @@ class CodeWriter {
 
   std::string declaration(const CodeFunction& f) const {
     std::string text = "void " + functionName(f) + "(";
+    if (!code_.isFolded()) text += "const " + code_.identifier_ + "_constants_type *constants, ";
     for (const std::string& argument : arguments(f.quantity))
       text += fmt::format("const {} {}[{}], ", type(), argument, entries(argument));
     return text + fmt::format("{} out[{}])", type(), size(f));
@@ -411,16 +224,50 @@ class CodeWriter {
     std::string text = comment(header(), "/* ", "   ", " */");
     text += "#ifndef " + guard + "\n#define " + guard +
             "\n\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n";
+    if (!code_.isFolded()) text += cStructs();
     for (const CodeFunction& f : code_.functions_)
       text += "\n" + comment(about(f, body(f).count), "/* ", "   ", " */") + declaration(f) + ";\n";
     return text + "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
   }
+  std::string cInitDeclaration() const {
+    const std::string& id = code_.identifier_;
+    return "void " + id + "_init(const " + id + "_parameters_type *parameters, " + id +
+           "_constants_type *constants)";
+  }
+  std::string cStructs() const {
+    const std::string& id = code_.identifier_;
+    std::string text = "\n/* What the scene says in numbers. */\ntypedef struct {\n";
+    for (const CodeParameter& field : code_.fields_)
+      text += "  " + type() + " " + field.name + "; /* " + aboutField(field) + " */\n";
+    if (code_.fields_.empty()) text += "  " + type() + " none;\n";
+    text += "} " + id + "_parameters_type;\n\nextern const " + id + "_parameters_type " + id +
+            "_parameters;\n\n/* What init makes of them. */\ntypedef struct {\n";
+    const auto arrays = constantArrays();
+    for (const auto& [array, size] : arrays)
+      text += fmt::format("  {} {}[{}];\n", type(), array, size);
+    if (arrays.empty()) text += "  " + type() + " none;\n";
+    return text + "} " + id + "_constants_type;\n\n" +
+           comment(aboutInit(init().count), "/* ", "   ", " */") + cInitDeclaration() + ";\n";
+  }
+  std::string cInit() const {
+    const std::string& id = code_.identifier_;
+    std::string text = "\nconst " + id + "_parameters_type " + id + "_parameters = {\n";
+    for (std::size_t i = 0; i < code_.fields_.size(); ++i)
+      text += "  ." + code_.fields_[i].name + " = " + valueOf(i) + ",\n";
+    if (code_.fields_.empty()) text += "  .none = " + literal(Digits50(0)) + ",\n";
+    const Init made = init();
+    text += "};\n\n" + cInitDeclaration() + " {\n" + made.lines;
+    if (!made.reads_parameters) text += "  (void)parameters;\n";
+    if (constantArrays().empty()) text += "  constants->none = " + literal(Digits50(0)) + ";\n";
+    return text + "}\n";
+  }
   std::string cSource() const {
     std::string text = "#include \"" + code_.identifier_ + ".h\"\n\n";
     text += "#include <math.h>\n";
+    if (!code_.isFolded()) text += cInit();
     for (const CodeFunction& f : code_.functions_) {
       const Body b = body(f);
-      text += "\n" + declaration(f) + " {\n" + b.lines;
+      text += "\n" + declaration(f) + " {\n" + constantsOfBody(f, b) + b.lines;
       for (std::size_t i = 0; i < b.results.size(); ++i)
         text += fmt::format("  out[{}] = {};\n", i, b.results[i]);
       for (const std::string& argument : arguments(f.quantity))
@@ -432,12 +279,38 @@ class CodeWriter {
 
   // ---- Python, Julia, MATLAB -----------------------------------------------------------------
 
+  /// Name = name, ... of the arrays of constants.
+  std::string arraysAs(const std::string& quote, const std::string& equals) const {
+    std::vector<std::string> texts;
+    for (const auto& [array, size] : constantArrays())
+      texts.push_back(quote + array + quote + equals + array + "_");
+    return join(texts, ", ");
+  }
+  std::string pythonInit() const {
+    const std::string& id = code_.identifier_;
+    const Init made = init();
+    std::string text = "\n\n@dataclass(frozen=True)\nclass " + id + "_parameters_type:\n" +
+                       "    # with other values: dataclasses.replace(" + id +
+                       "_parameters, FIELD=...)\n";
+    for (std::size_t i = 0; i < code_.fields_.size(); ++i)
+      text += "    " + code_.fields_[i].name + ": float = " + valueOf(i) + "  # " +
+              aboutField(code_.fields_[i]) + "\n";
+    if (code_.fields_.empty()) text += "    pass\n";
+    return text + "\n\n" + id + "_parameters = " + id + "_parameters_type()\n\n\ndef " + id +
+           "_init(parameters):\n" + comment(aboutInit(made.count), "    # ", "    # ", "") +
+           made.lines + "    return {" + arraysAs("\"", ": ") + "}\n";
+  }
   std::string pythonModule() const {
-    std::string text = comment(header(), "# ", "# ", "") + "from math import cos, sin\n";
+    std::string text = comment(header(), "# ", "# ", "");
+    if (!code_.isFolded()) text += "from dataclasses import dataclass\n";
+    text += "from math import cos, sin\n";
+    if (!code_.isFolded()) text += pythonInit();
     for (const CodeFunction& f : code_.functions_) {
       const Body b = body(f);
-      text += "\n\ndef " + functionName(f) + "(" + join(arguments(f.quantity), ", ") + "):\n" +
-              comment(about(f, b.count), "    # ", "    # ", "") + b.lines + "    return [";
+      text += "\n\ndef " + functionName(f) + "(" +
+              join(withConstants(arguments(f.quantity)), ", ") + "):\n" +
+              comment(about(f, b.count), "    # ", "    # ", "") + constantsOfBody(f, b) + b.lines +
+              "    return [";
       for (int i = 0; i < f.rows; ++i) {
         std::vector<std::string> row(b.results.begin() + i * f.columns,
                                      b.results.begin() + (i + 1) * f.columns);
@@ -455,24 +328,52 @@ class CodeWriter {
                                   : fmt::format("{}", i + 1);
     return matlab ? "out(" + index + ")" : "out[" + index + "]";
   }
+  std::string juliaInit() const {
+    const std::string& id = code_.identifier_;
+    const Init made = init();
+    std::string text = "\n# with other values: merge(" + id +
+                       "_parameters, (FIELD = ...,))\nconst " + id + "_parameters = (;\n";
+    for (std::size_t i = 0; i < code_.fields_.size(); ++i)
+      text += "    " + code_.fields_[i].name + " = " + valueOf(i) + ",  # " +
+              aboutField(code_.fields_[i]) + "\n";
+    return text + ")\n\n" + comment(aboutInit(made.count), "# ", "# ", "") + "function " + id +
+           "_init(parameters)\n" + made.lines + "    return (; " + arraysAs("", " = ") + ")\nend\n";
+  }
   std::string juliaModule() const {
     std::string text = comment(header(), "# ", "# ", "");
+    if (!code_.isFolded()) text += juliaInit();
     for (const CodeFunction& f : code_.functions_) {
       const Body b = body(f);
       text += "\n" + comment(about(f, b.count), "# ", "# ", "") + "function " + functionName(f) +
-              "!(out, " + join(arguments(f.quantity), ", ") + ")\n" + b.lines;
+              "!(out, " + join(withConstants(arguments(f.quantity)), ", ") + ")\n" +
+              constantsOfBody(f, b) + b.lines;
       for (int i = 0; i < size(f); ++i)
         text += "    " + target(f, i) + " = " + b.results[static_cast<std::size_t>(i)] + "\n";
       text += "    return out\nend\n";
     }
     return text;
   }
+  std::string matlabParameters() const {
+    std::string text = "function parameters = " + code_.identifier_ + "_parameters()\n" +
+                       comment(header(), "  % ", "  % ", "") + "  parameters = struct();\n";
+    for (std::size_t i = 0; i < code_.fields_.size(); ++i)
+      text += "  parameters." + code_.fields_[i].name + " = " + valueOf(i) + "; % " +
+              aboutField(code_.fields_[i]) + "\n";
+    return text + "end\n";
+  }
+  std::string matlabInit() const {
+    const Init made = init();
+    return "function constants = " + code_.identifier_ + "_init(parameters)\n" +
+           comment(aboutInit(made.count), "  % ", "  % ", "") + "  constants = struct();\n" +
+           made.lines + "end\n";
+  }
   std::string matlabFunction(const CodeFunction& f) const {
     const Body b = body(f);
-    std::string text =
-        "function out = " + functionName(f) + "(" + join(arguments(f.quantity), ", ") + ")\n" +
-        comment(about(f, b.count), "  % ", "  % ", "") + comment(header(), "  % ", "  % ", "") +
-        b.lines + fmt::format("  out = zeros({}, {});\n", f.rows, f.columns);
+    std::string text = "function out = " + functionName(f) + "(" +
+                       join(withConstants(arguments(f.quantity)), ", ") + ")\n" +
+                       comment(about(f, b.count), "  % ", "  % ", "") +
+                       comment(header(), "  % ", "  % ", "") + constantsOfBody(f, b) + b.lines +
+                       fmt::format("  out = zeros({}, {});\n", f.rows, f.columns);
     for (int i = 0; i < size(f); ++i)
       if (const std::string& value = b.results[static_cast<std::size_t>(i)]; value != number(0))
         text += "  " + target(f, i) + " = " + value + ";\n";
@@ -527,6 +428,10 @@ static void check(const char* what, int count, const )" +
 
 int main(void) {
 )";
+    const std::string& id = code_.identifier_;
+    if (!code_.isFolded())
+      text += "  static " + id + "_constants_type constants[1];\n  " + id + "_init(&" + id +
+              "_parameters, constants);\n";
     for (const GoldenCase& one : golden)
       for (std::size_t k = 0; k < code_.functions_.size(); ++k) {
         const CodeFunction& f = code_.functions_[k];
@@ -537,7 +442,7 @@ int main(void) {
         text += fmt::format("    const double expected[] = {{{}}};\n", list(one.value[k], false)) +
                 fmt::format("    const double limit[] = {{{}}};\n", list(one.limit[k], false)) +
                 fmt::format("    {} out[{}];\n", type(), size(f)) + "    " + functionName(f) + "(" +
-                join(arguments(f.quantity), ", ") + ", out);\n" +
+                join(withConstants(arguments(f.quantity)), ", ") + ", out);\n" +
                 fmt::format("    check(\"{}\", {}, out, expected, limit);\n  }}\n",
                             name(f.quantity), size(f));
       }
@@ -568,6 +473,8 @@ def check(what, value, expected, limit):
 
 
 )";
+        if (!code_.isFolded())
+          text += "constants = " + id + "." + id + "_init(" + id + "." + id + "_parameters)\n";
         end = "sys.exit(0 if failures == 0 else 1)\n";
         break;
       case CodeLanguage::kJulia:
@@ -585,11 +492,13 @@ function check(what, value, expected, limit)
 end
 
 )";
+        if (!code_.isFolded()) text += "const constants = " + id + "_init(" + id + "_parameters)\n";
         end = "exit(failures[] == 0 ? 0 : 1)\n";
         break;
       default:
         text = "function failures = " + id + "_test()\n" +
                comment(aboutTest(), "  % ", "  % ", "") + "  failures = 0;\n";
+        if (!code_.isFolded()) text += "  constants = " + id + "_init(" + id + "_parameters());\n";
         end =
             "end\n\nfunction wrong = check(what, value, expected, limit)\n"
             "  flat = reshape(value.', 1, []);\n"
@@ -601,7 +510,7 @@ end
     for (const GoldenCase& one : golden)
       for (std::size_t k = 0; k < code_.functions_.size(); ++k) {
         const CodeFunction& f = code_.functions_[k];
-        std::vector<std::string> given;
+        std::vector<std::string> given = withConstants({});
         for (const std::string& a : arguments(f.quantity))
           given.push_back("[" + list(argument(a, one.state), true) + "]");
         const std::string expected = "[" + list(one.value[k], false) + "]",
@@ -619,11 +528,6 @@ end
       }
     return text + end;
   }
-
- private:
-  const ControllerCode& code_;
-  CodeLanguage language_;
-  CodeScalar scalar_;
 };
 
 CodeCount ControllerCode::count(const CodeFunction& function) const {
@@ -647,6 +551,10 @@ std::vector<std::pair<std::string, std::string>> ControllerCode::files(
       break;
   }
   std::vector<std::pair<std::string, std::string>> all;
+  if (!isFolded()) {
+    all.emplace_back(id + "_parameters.m", writer.matlabParameters());
+    all.emplace_back(id + "_init.m", writer.matlabInit());
+  }
   for (const CodeFunction& f : functions_)
     all.emplace_back(writer.functionName(f) + ".m", writer.matlabFunction(f));
   all.emplace_back(id + "_test.m", writer.scriptTest(golden));

@@ -2,6 +2,7 @@
 // What controller_code.cpp computes and what it writes share: a program's numbers.
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "crosscheck/scalars/digits50.hpp"
@@ -21,5 +22,13 @@ class LiteralValues {
  private:
   symbolic::ProgramRun<Digits50> run_;
 };
+
+/// Numbers of a program that depend on parameters: computed when those are given, not in a call.
+struct Constants {
+  std::vector<char> is_parametric;  ///< by slot: a parameter, or made of one and of no state
+  std::vector<int> slots;           ///< those that the body or the outputs read
+  std::map<int, int> index;         ///< of a slot in slots
+};
+Constants constantsOf(const symbolic::Program& program);
 
 }  // namespace dynwitness::crosscheck::kernel

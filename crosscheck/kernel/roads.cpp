@@ -252,11 +252,13 @@ void requireProgram(const scene::Mechanism& mechanism) {
 
 /// Calls use(kind, make) for each road, where make() writes its program.
 template <typename Use>
-void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& use) {
+void forEachRoad(const scene::Mechanism& mechanism, Formula formula, bool fold_parameters,
+                 const Use& use) {
   requireProgram(mechanism);
   symbolic::Graph graph;
   const Traced::Recording recording(graph);
-  const recursive::Model<Traced> model = recursive::buildModel(mechanism, TracedNumbers(mechanism));
+  const recursive::Model<Traced> model =
+      recursive::buildModel(mechanism, TracedNumbers(mechanism, fold_parameters));
   const scene::State<Traced> state = tracedState(mechanism);
   const auto traced = [&](const recursive::Model<Traced>& traced_model) {
     return factored(graph, nodes(tracedSweep(traced_model, formula, state)));
@@ -271,7 +273,7 @@ void forEachRoad(const scene::Mechanism& mechanism, Formula formula, const Use& 
     });
     use(RoadKind::kLagrange, [&] {
       symbolic::Options options;
-      options.fold_parameters = true;
+      options.fold_parameters = fold_parameters;
       symbolic::Equations equations = symbolic::derive(mechanism, options);
       const std::vector<Node> outputs = lagrange(equations, formula, inboard(lean));
       return factored(equations.graph, outputs);
@@ -320,7 +322,7 @@ int Road::operations() const {
 
 std::vector<Road> roads(const scene::Mechanism& mechanism, Formula formula) {
   std::vector<Road> all;
-  forEachRoad(mechanism, formula, [&](RoadKind kind, const auto& make) {
+  forEachRoad(mechanism, formula, true, [&](RoadKind kind, const auto& make) {
     all.push_back({kind, make()});
   });
   return all;
@@ -336,7 +338,8 @@ bool isCounted(Formula formula) {
 }
 
 /// The smallest road, and the operations of the general sweep where those are counted (else 0).
-std::pair<Road, long> smallestOfAll(const scene::Mechanism& mechanism, Formula formula) {
+std::pair<Road, long> smallestOfAll(const scene::Mechanism& mechanism, Formula formula,
+                                    bool fold_parameters = true) {
   long general = 0;
   if (mechanism.dof() > kMostDof)
     throw NotUsed(
@@ -352,7 +355,7 @@ std::pair<Road, long> smallestOfAll(const scene::Mechanism& mechanism, Formula f
                       general, kMostOperations));
   }
   std::vector<Road> all;
-  forEachRoad(mechanism, formula, [&](RoadKind kind, const auto& make) {
+  forEachRoad(mechanism, formula, fold_parameters, [&](RoadKind kind, const auto& make) {
     const bool is_traced = kind == RoadKind::kTracedOnBase || kind == RoadKind::kTracedSweep;
     if (kind == RoadKind::kLagrange && mechanism.links.size() > kLargestSearched) return;
     if (!is_traced || all.empty()) all.push_back({kind, make()});
@@ -385,8 +388,8 @@ SmallestRoads::Found SmallestRoads::found(const scene::Mechanism& mechanism, For
   }
 }
 
-Road smallestWritten(const scene::Mechanism& mechanism, Formula formula) {
-  return smallestOfAll(mechanism, formula).first;
+Road smallestWritten(const scene::Mechanism& mechanism, Formula formula, bool fold_parameters) {
+  return smallestOfAll(mechanism, formula, fold_parameters).first;
 }
 
 const Road& SmallestRoads::operator()(Formula formula) const {

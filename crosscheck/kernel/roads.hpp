@@ -85,8 +85,11 @@ struct NotUsed : std::runtime_error {
 Road smallestRoad(const scene::Mechanism& mechanism, Formula formula);
 
 /** The same where a straight line is wanted even if loops take no more: M may be a number.
+    @param fold_parameters  whether the scene's named parameters are their values; else they are
+                            atoms, and what depends on them alone is the program's prologue
     @throws NotUsed  it is too long; and what roads() throws */
-Road smallestWritten(const scene::Mechanism& mechanism, Formula formula);
+Road smallestWritten(const scene::Mechanism& mechanism, Formula formula,
+                     bool fold_parameters = true);
 
 /// The smallest roads of one mechanism, each looked for once, when it is first asked for; not for
 /// several threads at once.

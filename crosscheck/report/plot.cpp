@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/report/text.hpp"
+#include "crosscheck/report/work_drawing.hpp"
 #include "crosscheck/system/children.hpp"
 
 namespace dynwitness::crosscheck {
@@ -150,6 +151,49 @@ std::string driftScript(const SceneResult& scene) {
                     guide, coarsest, drift.method_order, drift.method_order);
   text += "\nunset multiplot\nunset output\nreset\n}\n";
   return text;
+}
+
+std::string driftsCsv(const std::vector<Drift>& drifts) {
+  std::string csv = "method,step_s,worst_energy_error_over_scale\n";
+  for (const Drift& drift : drifts)
+    for (const Drift::Path& path : drift.paths)
+      if (drawable(path.worst))
+        csv += fmt::format("{},{},{}\n", drift.method, path.step, path.worst);
+  return csv;
+}
+
+std::string driftsScript(const std::string& title, const std::vector<Drift>& drifts) {
+  std::string plots;
+  double finest = std::numeric_limits<double>::infinity(), coarsest = 0;
+  for (const Drift& drift : drifts) {
+    for (const Drift::Path& path : drift.paths)
+      if (drawable(path.worst)) {
+        finest = std::min(finest, path.step);
+        coarsest = std::max(coarsest, path.step);
+      }
+    if (std::none_of(drift.paths.begin(), drift.paths.end(),
+                     [](const Drift::Path& path) { return drawable(path.worst); }))
+      continue;
+    const std::string order = std::isfinite(drift.observed_order) && drift.observed_order > 0
+                                  ? fmt::format("{:.2f}", drift.observed_order)
+                                  : "not seen";
+    plots += fmt::format(
+        "{}'methods.csv' using (strcol(1) eq {} ? $2 : NaN):3 with linespoints {} title {}",
+        plots.empty() ? "" : ", \\\n     ", gnuplotString(drift.method), lookOfMethod(drift.method),
+        gnuplotString(fmt::format("{}: order {} ({})", drift.method, order, drift.method_order)));
+  }
+  if (plots.empty()) return {};
+  return fmt::format(
+      "load 'style.gp'\n"
+      "eval canvas(1000, 560, 13)\n"
+      "set output picture_file('methods')\n"
+      "set title {} textcolor rgb ink font ',15'\n"
+      "set logscale xy\nset format x '%g'\nset format y '1e%T'\nunset mxtics\nunset mytics\n"
+      "set xlabel 'step size  [s]'\nset ylabel 'worst |E − E₀| / largest kinetic energy  [1]'\n"
+      "set key outside right top Left reverse title 'observed order (its own)'\n"
+      "set xrange [{:.4g}:{:.4g}]\n"
+      "plot {}\nunset output\n",
+      gnuplotString(title + ": lower is better"), finest / 1.6, coarsest * 1.6, plots);
 }
 
 std::optional<std::string> runGnuplot(const fs::path& folder, const std::string& script,

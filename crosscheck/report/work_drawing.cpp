@@ -102,6 +102,11 @@ std::string panel(const WorkPrecision& work, const std::string& csv, int error_c
 
 }  // namespace
 
+std::string lookOfMethod(const std::string& method) {
+  const Look look = lookOf(method);
+  return fmt::format("linetype {} pointtype {}", look.line, look.point);
+}
+
 std::string referenceText(const ReferenceMotion& reference) {
   std::string text = fmt::format("{} agree to {} places", reference.by, reference.digits());
   if (reference.elliptic_error)

@@ -17,6 +17,9 @@ std::string workCsv(const WorkPrecision& work);
 std::string workScript(const WorkPrecision& work, const std::string& name,
                        const std::string& style);
 
+/// The one a method has in every chart, in gnuplot's words: "linetype 3 pointtype 9".
+std::string lookOfMethod(const std::string& method);
+
 /// "runge_kutta_fehlberg78 and gauss_6 ... agree to 14 places; with the elliptic functions to 15"
 std::string referenceText(const ReferenceMotion& reference);
 

@@ -94,7 +94,7 @@ class NotReread : public std::runtime_error {
 
 /** @param text  of the file
     @param file  for the folder of a scene that it is like
-    @throws NotReread  MJCF
+    @throws NotReread  MJCF, a scene that is like a bundled one, or one whose base is fixed
     @throws std::runtime_error  what could not be read, and why */
 Description described(const std::string& text, const std::filesystem::path& file);
 

@@ -82,8 +82,11 @@ class TomlText {
     Keys top(top_, "the scene", &out_.not_read);
     for (const char* words : {"title", "source", "envelope"}) top.get(words);
     out_.format = "TOML";
-    if (const std::string other = top.text("like"); !other.empty()) readLike(other);
-    readParameters(top.table("parameters"));
+    const toml::table* parameters = top.table("parameters");
+    if (const std::string other = top.text("like"); !other.empty()) readLike(other, parameters);
+    readParameters(parameters);
+    if (const toml::table* settings = top.table("set")) readSettings(*settings);
+    if (const std::string base = top.text("base"); !base.empty()) readBase(base);
     if (const toml::node* gravity = top.get("gravity")) out_.gravity = vector(*gravity);
     std::vector<Named> links;
     for (const toml::table* table : top.tables("link")) links.push_back(readLink(*table));
@@ -118,8 +121,9 @@ class TomlText {
     return std::string_view(line).substr(begin, end == std::string::npos ? end : end - begin);
   }
 
-  Value number(const toml::node& node) {
-    if (const auto* text = node.as_string()) return evaluated(text->get(), parameters_);
+  Value number(const toml::node& node) { return number(node, parameters_); }
+  Value number(const toml::node& node, const Parameters& parameters) {
+    if (const auto* text = node.as_string()) return evaluated(text->get(), parameters);
     if (const auto* whole = node.as_integer()) return decimal(std::to_string(whole->get()));
     const auto* real = node.as_floating_point();
     if (real == nullptr) throw std::runtime_error("neither a number nor an expression");
@@ -155,7 +159,13 @@ class TomlText {
       in_file_order.emplace_back(value.source().begin, std::string(key.str()));
     std::sort(in_file_order.begin(), in_file_order.end(),
               [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const auto& [where, name] : in_file_order) parameters_[name] = number(*table->get(name));
+    const Parameters of_other = parameters_;  // which have their values already
+    for (const auto& [where, name] : in_file_order) {
+      if (of_other.count(name) > 0) continue;
+      const toml::node* instead = instead_ == nullptr ? nullptr : instead_->get(name);
+      parameters_[name] = instead == nullptr ? number(*table->get(name))
+                                             : instead_owner_->number(*instead, parameters_);
+    }
   }
 
   // ---- links -----------------------------------------------------------------------------------
@@ -295,17 +305,112 @@ class TomlText {
     out_.acceleration_constraints.push_back(out);
   }
 
-  /// The scene of another file of the same folder, to which this one adds.
-  void readLike(const std::string& other) {
-    const std::filesystem::path file = file_.parent_path() / (other + ".toml");
+  /// The scene of another file, some of whose parameters this one gives.
+  void readLike(const std::string& other, const toml::table* parameters) {
+    std::filesystem::path file = file_.parent_path() / other;
+    if (!std::filesystem::is_regular_file(file)) file += ".toml";
+    if (!std::filesystem::is_regular_file(file))
+      throw NotReread(fmt::format("'{}', which it is like, is no file beside it", other));
     std::ifstream stream(file, std::ios::binary);
     if (!stream) throw std::runtime_error(fmt::format("{} cannot be read", file.string()));
     std::ostringstream text;
     text << stream.rdbuf();
-    TomlText reader(withoutMark(text.str()), file);
+    const std::string content = withoutMark(text.str());
+    const std::size_t first = content.find_first_not_of(" \t\r\n");
+    if (first != std::string::npos && content[first] == '<') {
+      out_ = describedUrdf(content);
+      return;
+    }
+    TomlText reader(content, file);
+    reader.instead_ = parameters;
+    reader.instead_owner_ = this;
     reader.readAll();
     out_ = std::move(reader.out_);
     parameters_ = reader.parameters_;
+  }
+
+  // ---- what is changed of a scene that this one is like ----------------------------------------
+
+  Link& linkOf(const std::string& name, bool by_joint) {
+    for (Link& link : out_.links)
+      if ((by_joint ? link.joint.name : link.name) == name) return link;
+    throw std::runtime_error(fmt::format("[set]: there is no '{}'", name));
+  }
+  /// One number, or a list, or a text of several.
+  std::vector<Value> valuesOf(const toml::node& node) {
+    if (node.is_array()) return list(node);
+    const auto* text = node.as_string();
+    if (text == nullptr) return {number(node)};
+    std::vector<Value> out;
+    std::istringstream words(text->get());
+    for (std::string word; std::getline(words, word, ',');)
+      out.push_back(evaluated(word, parameters_));
+    return out;
+  }
+  void readSettings(const toml::table& table) {
+    for (const auto& [key, node] : table) {
+      const std::string whole(key.str()),
+          what = whole.substr(0, whole.find(':')),
+          name = whole.substr(std::min(whole.size(), what.size() + 1));
+      if (what == "motion") {
+        out_.not_read.push_back(fmt::format("motion of joint '{}'", name));
+        continue;
+      }
+      const std::vector<Value> v = valuesOf(node);
+      const auto need = [&](std::size_t count) {
+        if (v.size() != count) throw std::runtime_error(fmt::format("[set]: {}", whole));
+      };
+      if (what == "mass" || what == "com" || what == "inertia") {
+        Solid& solid = linkOf(name, false).solid;
+        need(what == "mass" ? 1 : what == "com" ? 3 : 6);
+        if (what == "mass") solid.mass = v[0];
+        if (what == "com") solid.com = {v[0], v[1], v[2]};
+        if (what != "inertia") continue;
+        solid.about_com = true;
+        solid.rpy = {};
+        Value* const six[] = {&solid.xx, &solid.yy, &solid.zz, &solid.xy, &solid.xz, &solid.yz};
+        for (std::size_t k = 0; k < 6; ++k) *six[k] = v[k];
+        continue;
+      }
+      Joint& joint = linkOf(name, true).joint;
+      if (what == "coulomb") {
+        joint.positive = v.at(0);
+        joint.negative = v.back();
+        continue;
+      }
+      need(1);
+      Value* const one = what == "damping"         ? &joint.viscous
+                         : what == "stiffness"     ? &joint.stiffness
+                         : what == "rest"          ? &joint.rest
+                         : what == "rotor_inertia" ? &joint.rotor_inertia
+                         : what == "gear_ratio"    ? &joint.gear_ratio
+                                                   : nullptr;
+      if (one == nullptr) throw std::runtime_error(fmt::format("[set]: {}", whole));
+      *one = v[0];
+    }
+  }
+  /// What rested in the world floats in it.
+  void readBase(const std::string& base) {
+    if (base != "floating") throw NotReread(fmt::format("base = \"{}\"", base));
+    const auto unused = [&](const std::string& wanted, bool of_joints) {
+      std::string name = wanted;
+      const auto isTaken = [&](const Link& link) {
+        return (of_joints ? link.joint.name : link.name) == name;
+      };
+      for (int k = 2; std::any_of(out_.links.begin(), out_.links.end(), isTaken); ++k)
+        name = fmt::format("{}.{}", wanted, k);
+      return name;
+    };
+    Link world;
+    world.name = unused("world", false);
+    Joint floating;
+    floating.name = unused("floating_base", true);
+    floating.kind = "floating";
+    out_.links.at(0).joint = floating;
+    for (Link& link : out_.links) ++link.parent;
+    out_.links.insert(out_.links.begin(), world);
+    if (!out_.start_q.empty()) out_.start_q.insert(out_.start_q.begin(), {0, 0, 0, 1, 0, 0, 0});
+    if (!out_.start_qd.empty()) out_.start_qd.insert(out_.start_qd.begin(), 6, 0);
   }
 
   std::filesystem::path file_;
@@ -314,6 +419,8 @@ class TomlText {
   toml::source_index line_ = 0;      ///< the line of:
   std::vector<std::size_t> starts_;  ///< of its characters
   Parameters parameters_;
+  const toml::table* instead_ = nullptr;  ///< parameters that have their values there
+  TomlText* instead_owner_ = nullptr;
   Description out_;
 };
 

@@ -30,6 +30,19 @@ Traced atom(Atom::Kind kind, const scene::Number& number, const scene::Vector& a
   return Traced(Traced::graph().atom({kind, number, axis, name}));
 }
 
+Traced pi() {
+  return atom(Atom::Kind::kNumber, scene::Number::parse("pi"), {}, "pi");
+}
+
+/// Expressions in parameters that stay symbols.
+struct SymbolAlgebra {
+  Traced number(const scene::Rational& r) const { return constant(r); }
+  Traced pi() const { return crosscheck::pi(); }
+  Traced parameter(const std::string& name) const {
+    return atom(Atom::Kind::kNumber, scene::Number::parse(name), {}, name);
+  }
+};
+
 std::string exactText(const scene::Exact& x) {
   return x.rational.str() + (x.pi_multiple == 0 ? "" : " + " + x.pi_multiple.str() + " pi");
 }
@@ -37,11 +50,11 @@ std::string exactText(const scene::Exact& x) {
 }  // namespace
 
 Traced TracedNumbers::operator()(const scene::Number& number) const {
+  if (!fold_parameters_ && !number.parameters().empty())
+    return scene::evaluateIn<Traced>(number, SymbolAlgebra());
   const scene::Exact exact = exactValue(number, values_);
   Traced value = constant(exact.rational);
-  if (exact.pi_multiple != 0)
-    value += constant(exact.pi_multiple) *
-             atom(Atom::Kind::kNumber, scene::Number::parse("pi"), {}, "pi");
+  if (exact.pi_multiple != 0) value += constant(exact.pi_multiple) * pi();
   return value;
 }
 

@@ -64,12 +64,13 @@ class Traced {
 
 /** Gives a scene's exact numbers to Traced (the "Numbers" concept of scene/numbers.hpp): rationals
     as they are; pi, cosines and sines of fixed angles and the turns of slanted axes, where they are
-    irrational, as atoms, which an angle and its negative share. */
+    irrational, as atoms, which an angle and its negative share. The scene's named parameters are
+    their values, or stay symbols: atoms of their names. Those of angles and axes are values. */
 class TracedNumbers {
  public:
   using Scalar = Traced;
-  explicit TracedNumbers(const scene::Mechanism& mechanism)
-      : values_(mechanism.parameterValues()) {}
+  explicit TracedNumbers(const scene::Mechanism& mechanism, bool fold_parameters = true)
+      : values_(mechanism.parameterValues()), fold_parameters_(fold_parameters) {}
 
   Traced operator()(const scene::Number& number) const;
   scene::CosSin<Traced> angle(const scene::Number& radians) const;
@@ -77,6 +78,7 @@ class TracedNumbers {
 
  private:
   scene::ParameterValues values_;
+  bool fold_parameters_;
 };
 
 /// The state's components as inputs of the graph. A quaternion's four slots have no cosine and

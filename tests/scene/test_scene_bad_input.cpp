@@ -3,7 +3,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <boost/test/data/monomorphic.hpp>
 #include <boost/test/data/test_case.hpp>
@@ -510,6 +512,56 @@ BOOST_AUTO_TEST_CASE(a_mechanism_built_in_a_program_is_held_to_the_same_rules) {
   bad = sound;
   bad.mechanism.links.clear();
   requireComplaint(complaint([&] { validate(bad); }), "sound.toml: no root");
+}
+
+/// What a file is told of, line by line.
+std::vector<std::string> linesOf(const std::string& message) {
+  std::istringstream stream(message);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+BOOST_AUTO_TEST_CASE(all_faults_of_a_file_are_told_at_once) {
+  const std::string toml =
+      "colour = 3\ngravity = [0, 0]\n[parameters]\ng = \"9.81*\"\nl = \"k\"\n[[link]]\n"
+      "name = \"base\"\n[[link]]\nname = \"a\"\nparent = \"base\"\nmass = \"mm\"\nweight = 3\n"
+      "com = [\"g\", \"l\", 0]\ninertia = { xx = \"q\" }\njoint = { kind = \"revolut\" }\n";
+  const std::vector<std::string> told =
+      linesOf(complaint([&] { readSceneToml(toml, "bad.toml"); }));
+  const std::vector<std::string> expected = {"bad.toml:1: scene: unknown key \"colour\"",
+                                             "bad.toml:4: parameter \"g\"",
+                                             "bad.toml:5: parameter \"l\"",
+                                             "bad.toml:2: gravity",
+                                             "bad.toml:12: link \"a\": unknown key",
+                                             "bad.toml:11: link \"a\": mass",
+                                             "bad.toml:14: link \"a\": inertia: xx",
+                                             "bad.toml:15: joint \"a\": kind"};
+  BOOST_TEST_REQUIRE(told.size() == expected.size(),
+                     complaint([&] { readSceneToml(toml, "bad.toml"); }));
+  for (std::size_t k = 0; k < told.size(); ++k) requireComplaint(told[k], expected[k]);
+
+  const std::string urdf =
+      "<robot name=\"r\">\n<link name=\"a\"/>\n<link name=\"b\"><inertial>\n<mass value=\"1x\"/>\n"
+      "<inertia ixx=\"nan\" iyy=\"1\" izz=\"z\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\n"
+      "<joint name=\"j\" type=\"screw\"><parent link=\"a\"/><child link=\"b\"/></joint></robot>\n";
+  const std::vector<std::string> of_urdf =
+      linesOf(complaint([&] { readSceneUrdf(urdf, "bad.urdf"); }));
+  BOOST_TEST_REQUIRE(of_urdf.size() == 4u);
+  requireComplaint(of_urdf[0], "bad.urdf:4: <mass>");
+  requireComplaint(of_urdf[1], "bad.urdf:5: <inertia>: ixx");
+  requireComplaint(of_urdf[2], "bad.urdf:5: <inertia>: izz");
+  requireComplaint(of_urdf[3], "bad.urdf:6: <joint>: joint \"j\" is of type");
+}
+
+BOOST_AUTO_TEST_CASE(of_many_faults_their_number_is_told) {
+  std::string text = "[parameters]\n";
+  for (int k = 0; k < 25; ++k) text += "p" + std::to_string(k) + " = \"1+\"\n";
+  const std::vector<std::string> told =
+      linesOf(complaint([&] { readSceneToml(text + kBase, "bad.toml"); }));
+  BOOST_TEST_REQUIRE(told.size() == 21u);
+  requireComplaint(told[19], "bad.toml:21: parameter \"p19\"");
+  BOOST_TEST(told[20] == "... and 5 more faults");
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -471,4 +471,83 @@ BOOST_AUTO_TEST_CASE(a_convention_is_told_above_the_header_whatever_its_blanks) 
   refuses(program, ask + " --convention dynwitness", "below the header");
 }
 
+BOOST_AUTO_TEST_CASE(columns_may_have_the_names_of_joints) {
+  const Program program;
+  program.write("named.csv",
+                "elbow.qd,shoulder.qd,elbow,shoulder.q,elbow.qdd,shoulder.qdd\n4,3,2,1,6,5\n");
+  program.write("numbered.csv", "q1,q2,qd1,qd2,qdd1,qdd2\n1,2,3,4,5,6\n");
+  const std::string asked = "evaluate double_pendulum --quantity tau,c --states ";
+  const Outcome named = program.run(asked + "named.csv");
+  BOOST_TEST(named.status == 0, named.out);
+  BOOST_TEST(named.out == program.run(asked + "numbered.csv").out);
+  program.write("twice.csv", "shoulder,q1,q2\n1,1,2\n");
+  refuses(program, asked + "twice.csv", "twice.csv:1: column 'q1' stands twice");
+  program.write("slip.csv", "shoulder,elbow.qs\n1,2\n");
+  refuses(program, asked + "slip.csv", "slip.csv:1: column 'elbow.qs' is unknown, allowed: q1..q2");
+}
+
+BOOST_AUTO_TEST_CASE(all_faults_of_a_states_file_are_told_at_once) {
+  const Program program;
+  std::string rows = "t,q1,qd1\n0,1,1\n";
+  for (int k = 0; k < 15; ++k) rows += "x,y,1\n0,1,1\n";
+  program.write("s.csv", rows + "0,1\n");
+  const Outcome all =
+      program.run("evaluate simple_pendulum --states s.csv --keep --quantity M,c -o out.csv");
+  BOOST_TEST(all.status == 2);
+  // t is the user's own column
+  BOOST_TEST(has(all.out, "s.csv:3: q1 is 'y', allowed: a finite number\ns.csv:5: q1 is 'y'"));
+  BOOST_TEST(has(all.out, "s.csv:33: 2 entries, the header names 3"));
+  BOOST_TEST(!has(all.out, "more faults"));
+  BOOST_TEST(!program.exists("out.csv"));
+  program.write("cells.csv", "q1,qd1\nx,\n" + rows.substr(rows.find('\n') + 1));
+  const Outcome cells = program.run("evaluate simple_pendulum --states cells.csv --quantity M,c");
+  BOOST_TEST(
+      has(cells.out, "cells.csv:2: q1 is 'x', allowed: a finite number\ncells.csv:2: qd1 is ''"));
+  BOOST_TEST(has(cells.out, "... and 13 more faults"));
+  // whoever writes into a pipe is told at once
+  const Outcome piped =
+      program.run("evaluate simple_pendulum --states - --quantity M,c < cells.csv");
+  BOOST_TEST(piped.status == 2);
+}
+
+BOOST_AUTO_TEST_CASE(several_methods_are_drawn_in_one_picture) {
+  const Program program;
+  const Outcome drawn =
+      program.run("drift furuta_pendulum --method runge_kutta4,gauss_4 --duration 1 --plot d.svg");
+  BOOST_TEST_REQUIRE(drawn.status == 0, drawn.out);
+  const std::string picture = program.read("d.svg");
+  for (const char* seen : {"runge_kutta4: order ", "gauss_4: order ", "step size  [s]"})
+    BOOST_TEST(has(picture, seen), seen);
+  BOOST_TEST(program.fileCount() == 1u);
+}
+
+BOOST_AUTO_TEST_CASE(a_motion_is_drawn_as_it_is_given) {
+  const Program program;
+  BOOST_TEST(
+      program.run("simulate double_pendulum --duration 1 --outputs 20 --once --csv m.csv").status ==
+      0);
+  const Outcome drawn = program.run(
+      "evaluate double_pendulum --states m.csv --quantity tau,power,kinetic,potential --format svg -o m.svg");
+  BOOST_TEST_REQUIRE(drawn.status == 0, drawn.out);
+  const std::string picture = program.read("m.svg");
+  for (const char* seen :
+       {"tau  [N m]", "power  [W]", "energy  [J]", "time  [s]", ">tau2<", ">sum<",
+        "Double pendulum of uniform rods", "double_pendulum along m.csv"})
+    BOOST_TEST(has(picture, seen), seen);
+  BOOST_TEST(program.fileCount() == 2u);  // no work is left behind
+  BOOST_TEST(
+      program
+          .run("evaluate double_pendulum --states m.csv --quantity tau --format svg", "2>/dev/null")
+          .out.find("<svg") != std::string::npos);
+  program.write("no_time.csv", "q1,q2,qd1,qd2\n0,0,1,1\n");
+  refuses(program,
+          "evaluate double_pendulum --states no_time.csv --quantity M --format svg -o n.svg",
+          "no_time.csv: --format svg, png or pdf without a column of time, allowed: t, time or time_s");
+  refuses(program, "evaluate double_pendulum --quantity tau --format svg",
+          "--format svg, png or pdf without a motion");
+  refuses(program, "evaluate humanoid_floating --states x.csv --quantity X,M_A --format svg",
+          "x.csv");
+  BOOST_TEST(!program.exists("n.svg"));
+}
+
 BOOST_AUTO_TEST_SUITE_END()

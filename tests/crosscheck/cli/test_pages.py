@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The man page and bash completion know every command and every option that the programs know, and the shell and
+"""The man page and completion for bash and zsh know every command and every option that the programs know, and the shell and
 the formatter take them. Usage: test_pages.py DYNWITNESS"""
 import os
 import re
@@ -54,6 +54,24 @@ def main():
         assert "--format" in completed(folder, PROGRAM, "derive", "--fo")
         assert "python" in completed(folder, PROGRAM, "derive", "--format", "py")
         assert completed(folder, PROGRAM, "derive", "furu") == ["furuta_pendulum"]
+        zsh = open(os.path.join(folder, "_dynwitness")).read()
+        assert zsh.startswith("#compdef dynwitness\n")
+        for line in open(COMMANDS):
+            if line.startswith("#") or not line.strip():
+                continue
+            command = line.split()[0]
+            section = re.search(r"^    %s\)\n(.*?)^      ;;$" % command, zsh, re.S | re.M)
+            assert section, command
+            offered = set(re.findall(r"^        '(?:\*|\([^)]*\))(--[\w-]+)=?\[", section[1], re.M))
+            assert offered == set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", run(PROGRAM, command, "--help").stdout, re.M)), (
+                command, offered)
+        assert re.search(r"'\(--format\)--format=\[[^]]*\]:value:\([^)]*python", zsh)
+        if shutil.which("zsh"):
+            file = os.path.join(folder, "_dynwitness")
+            read = run("zsh", "-n", file)
+            assert read.returncode == 0 and not read.stderr, read.stderr
+            loaded = run("zsh", "-f", "-c", "fpath=('%s'); autoload +X _dynwitness; whence -w _dynwitness" % folder)
+            assert loaded.stdout == "_dynwitness: function\n" and not loaded.stderr, loaded
         if shutil.which("man"):
             shown = run("man", "--warnings", "-l", os.path.join(folder, "dynwitness.1"))
             assert shown.returncode == 0 and not shown.stderr, shown.stderr[:2000]

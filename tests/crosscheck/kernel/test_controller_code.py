@@ -51,7 +51,7 @@ def counted(folder, name):
     """{function: (multiplications, additions, divisions)} in the text; each is also what the header says."""
     header = open(os.path.join(folder, name + ".h")).read()
     said = dict((f, tuple(map(int, n))) for *n, f in
-                re.findall(r"a call: (\d+) multiplications, (\d+) additions,\s+(\d+) divisions(?:(?!a call).)*?"
+                re.findall(r"(?:a call|once): (\d+) multiplications, (\d+) additions,\s+(\d+) divisions(?:(?!a call|once:).)*?"
                            r"void (\w+)\(", header, re.S))
     found = {}
     source = open(os.path.join(folder, name + ".c")).read()
@@ -95,6 +95,104 @@ def all_scenes(work):
         print("refused: %s: %s" % (scene, why.strip().splitlines()[-1]))
     assert len(held) >= 25, held
     return held
+
+
+def with_parameters(scene, folder, *words):
+    """The scene's code with its numbers in a struct; what it has if not, is what was tested folded."""
+    for quantities in (ALL + ",position,orientation,jacobian,jacobian_rate", "tau,c,g,jacobian"):
+        done = derive(scene, "--format", "c", "--parameters", "struct", "--quantity", quantities, "--point",
+                      last_link(scene), "-o", folder, *words)
+        if done.returncode == 0 or "operations" not in done.stderr:
+            break
+    return done
+
+
+def fields(folder, name):
+    """[(field, value, what --set calls it)] of masses and of the scene's own parameters, in the header's order."""
+    header = open(os.path.join(folder, name + ".h")).read()
+    values = dict(re.findall(r"^  \.(\w+) = \(?([^,]*?)\)?,$", open(os.path.join(folder, name + ".c")).read(), re.M))
+    said = re.findall(r"^  double (\w+); /\* (?:\[[^]]*\]|unit as the scene has it)(?: (\S.*?))? \*/$", header, re.M)
+    assert len(said) == len(values), (said, values)
+    return [(field, float(values[field]), what or field) for field, what in said
+            if not what or what.startswith("mass:")]
+
+
+def changed_answers(scene, folder, name, work):
+    """A field doubled gives what the scene has with --set, and what the field was does not: by the numbers that
+    test the changed scene's own code. False where no field that was tried matters."""
+    for field, value, what in fields(folder, name)[::-1][:4]:
+        other = os.path.join(work, scene + "_other")
+        shutil.rmtree(other, ignore_errors=True)
+        done = with_parameters(scene, other, "--set", "%s=%r" % (what, 2 * value))
+        if done.returncode != 0:  # impossible with that number
+            continue
+        test = open(os.path.join(other, name + "_changed_test.c")).read().replace(name + "_changed", name)
+        call = "%s_init(&%s_parameters, constants);" % (name, name)
+        assert test.count(call) == 1
+        answers = []
+        for factor in (1, 2):
+            doubled = "%s_parameters_type changed = %s_parameters;\n  changed.%s *= %d.0;\n  %s_init(&changed, constants);" % (
+                name, name, field, factor, name)
+            file = os.path.join(folder, "changed.c")
+            with open(file, "w") as out:
+                out.write(test.replace(call, doubled))
+            program = os.path.join(folder, "changed")
+            made = run(COMPILERS[0], *WARNINGS, "-O0", file, os.path.join(folder, name + ".c.o"), "-o", program, "-lm")
+            assert made.returncode == 0, made.stderr[:3000]
+            answers.append(run(program))
+        assert answers[1].returncode == 0, (scene, what, answers[1].stdout[:3000])
+        if answers[0].returncode == 1:
+            return True
+    return False
+
+
+def all_scenes_with_parameters(work, scenes):
+    changed = []
+    for scene in scenes:
+        folder = os.path.join(work, scene + "_struct")
+        done = with_parameters(scene, folder)
+        assert done.returncode == 0, (scene, done.stderr)
+        name = identifier(folder)
+        assert name + "_init" in counted(folder, name)
+        for compiler in COMPILERS:
+            answered = run(compiled(folder, name, compiler))
+            assert answered.returncode == 0, (scene, compiler, answered.stdout[:3000])
+        if changed_answers(scene, folder, name, work):
+            changed.append(scene)
+    print("%d of %d scenes answer with a number changed in the struct" % (len(changed), len(scenes)))
+    assert len(changed) >= len(scenes) - 2, set(scenes) - set(changed)
+
+
+def parameters_of_other_languages(work):
+    """Python with a mass doubled; single precision; angles and axes are folded, and the header says so."""
+    folder = os.path.join(work, "struct_python")
+    done = derive("puma_560_friction", "--format", "python", "--parameters", "struct", "--quantity", ALL, "-o", folder)
+    assert done.returncode == 0, done.stderr
+    assert run("/usr/bin/python3", "puma_560_friction_test.py", cwd=folder).returncode == 0
+    other = os.path.join(work, "struct_python_other")
+    assert derive("puma_560_friction", "--set", "mass:link_3=9.6", "--format", "python", "--parameters", "struct",
+                  "--quantity", ALL, "-o", other).returncode == 0
+    test = open(os.path.join(other, "puma_560_friction_changed_test.py")).read().replace("_changed", "")
+    for mass, status in (("9.6", 0), ("4.8", 1)):
+        with open(os.path.join(folder, "changed.py"), "w") as out:
+            out.write(test.replace("_init(puma_560_friction.puma_560_friction_parameters)",
+                                   "_init(__import__('dataclasses').replace(puma_560_friction."
+                                   "puma_560_friction_parameters, mass_link_3=" + mass + "))"))
+        assert run("/usr/bin/python3", "changed.py", cwd=folder).returncode == status, mass
+    for scene in ("puma_560_friction", "satellite_arm", "lead_screw"):
+        folder = os.path.join(work, scene + "_struct_float")
+        done = derive(scene, "--format", "c", "--scalar", "float", "--parameters", "struct", "--quantity", "tau,qdd,M",
+                      "-o", folder)
+        assert done.returncode == 0, done.stderr
+        name = identifier(folder)
+        assert not re.search(r"\bdouble\b", open(os.path.join(folder, name + ".c")).read())
+        for compiler in COMPILERS:
+            answered = run(compiled(folder, name, compiler))
+            assert answered.returncode == 0, (scene, compiler, answered.stdout[:3000])
+    for language, says in (("matlab", "  parameters.mass_link_3 = 4.8; % [kg] mass:link_3"),
+                           ("julia", "    mass_link_3 = 4.8,  # [kg] mass:link_3")):
+        text = derive("puma_560_friction", "--format", language, "--parameters", "struct", "--quantity", "tau").stdout
+        assert says in text, text[:3000]
 
 
 def single_precision(work):
@@ -215,7 +313,8 @@ def main():
         other_languages(work)
         faults_are_seen(work)
         single_precision(work)
-        all_scenes(work)
+        parameters_of_other_languages(work)
+        all_scenes_with_parameters(work, all_scenes(work))
 
 
 main()

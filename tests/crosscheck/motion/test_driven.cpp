@@ -150,13 +150,28 @@ BOOST_AUTO_TEST_CASE(a_scene_is_like_one_that_exists_and_stands_alone) {
   };
   BOOST_TEST(message("like = \"double_pendulum\"\n") == "");
   BOOST_TEST(message("like = \"nobody\"\n")
-                 .find("mine.toml:1: like is \"nobody\", allowed: the name of a TOML "
-                       "scene") != std::string::npos);
+                 .find("mine.toml:1: like is \"nobody\", allowed: a TOML, URDF or MJCF "
+                       "file") != std::string::npos);
   BOOST_TEST(
       message("like = \"humanoid_left_foot\"\n").find("which is like a third scene itself") !=
       std::string::npos);
-  BOOST_TEST(message("like = \"double_pendulum\"\ngravity = [0, 0, 0]\n")
-                 .find("unknown key \"gravity\"") != std::string::npos);
+  BOOST_TEST(message("like = \"double_pendulum\"\ngravity = [0, 0, 0]\n") == "");
+  BOOST_TEST(message("like = \"double_pendulum\"\nlink = []\n").find("unknown key \"link\"") !=
+             std::string::npos);
+  BOOST_TEST(message("like = \"double_pendulum\"\n[set]\n\"mass:lower\" = -1\n")
+                 .find("mine.toml:3: link \"lower\": mass is -1 kg") != std::string::npos);
+  BOOST_TEST(message("like = \"double_pendulum\"\n[set]\n\"mass:lover\" = 1\n")
+                 .find("mine.toml:3: set: \"mass:lover\": no link 'lover' (did you mean lower?)") !=
+             std::string::npos);
+  BOOST_TEST(message("like = \"double_pendulum\"\n[set]\nl1 = 1\n")
+                 .find("parameters stand in [parameters]") != std::string::npos);
+  BOOST_TEST(message("like = \"double_pendulum\"\n\nbase = \"fixed\"\n")
+                 .find("mine.toml:3: base = \"fixed\": no link floats") != std::string::npos);
+  BOOST_TEST(message("like = \"double_pendulum\"\n[parameters]\nm1 = \"2*m2\"\n")
+                 .find("mine.toml:3: parameter \"m1\": uses \"m2\" before it is defined") !=
+             std::string::npos);
+  BOOST_TEST(message("gravity = [0, 0, 0]\nbase = \"floating\"\n").find("unknown key \"base\"") !=
+             std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(driven_scenes_survive_being_written) {

@@ -4,6 +4,7 @@
 // any table or engine.
 #include "crosscheck/verdicts/check_reading.hpp"
 
+#include <algorithm>
 #include <ctime>
 #include <functional>
 #include <ostream>
@@ -20,6 +21,7 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/own_file.hpp"
+#include "scene/changes.hpp"
 #include "scene/scene.hpp"
 #include "tests/fixtures/files.hpp"
 
@@ -491,6 +493,76 @@ BOOST_AUTO_TEST_CASE(a_crosscheck_of_a_users_file_is_red_where_the_scene_is_not_
     is_told =
         is_told || (finding.witness == kRereading && files::contains(finding.text, "link 'upper'"));
   BOOST_TEST(is_told);
+}
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream(file) << text;
+}
+
+// What a scene changes of another one: the same as the command line changes it, read twice, and
+// each change that is lost is seen.
+BOOST_AUTO_TEST_CASE(what_a_scene_changes_of_another_is_read_the_same_twice) {
+  const files::TemporaryFolder folder;
+  const scene::Scene puma = scene::findScene("puma_560_friction");
+  write(folder.path / "arm.urdf", scene::writeSceneUrdf(puma));
+  const fs::path file = folder.path / "mine.toml";
+  const std::string text =
+      "like = \"arm.urdf\"\ngravity = [0, \"-payload\", -1.62]\nbase = \"floating\"\n"
+      "[parameters]\npayload = 2\n[set]\n\"mass:link_6\" = \"payload/3\"\n"
+      "\"com:link_6\" = [0, 0.01, \"1/30\"]\n\"damping:joint_1\" = 0.125\n"
+      "\"coulomb:joint_2\" = 3\n\"mass:base\" = 4\n\"inertia:base\" = [1, 1, 1, 0, 0, 0.1]\n";
+  write(file, text);
+  const scene::Scene mine = scene::readScene(file);
+  requireGreen(against(mine, text), "mine");
+  BOOST_TEST(leftOutOf(against(mine, text)) == "");
+
+  scene::Changes changes;
+  changes.gravity = "0,-2,-1.62";
+  changes.base = "floating";
+  changes.sets = {"mass:link_6=2/3",       "com:link_6=0,0.01,1/30",
+                  "damping:joint_1=0.125", "coulomb:joint_2=3",
+                  "mass:base=4",           "inertia:base=1,1,1,0,0,0.1"};
+  const scene::Scene by_options =
+      scene::changed(scene::readScene(folder.path / "arm.urdf"), changes);
+  requireGreen(compareReading(by_options, modelOf(by_options), rereading::described(text, file), 1),
+               "by options");
+  for (const std::string& lost : changes.sets) {
+    scene::Changes others = changes;
+    others.sets.erase(std::find(others.sets.begin(), others.sets.end(), lost));
+    if (lost == "mass:base=4") continue;  // a base without mass has no inertia
+    const scene::Scene without = scene::changed(scene::readScene(folder.path / "arm.urdf"), others);
+    BOOST_TEST(
+        redOf(compareReading(without, modelOf(without), rereading::described(text, file), 1)) != "",
+        lost);
+  }
+  const std::string flat = scene::writeSceneToml(mine);
+  BOOST_TEST(flat.find("like") == std::string::npos);
+  requireGreen(against(scene::readSceneToml(flat, "flat.toml"), flat), "flat");
+}
+
+BOOST_AUTO_TEST_CASE(parameters_of_another_scene_take_other_values_at_their_places) {
+  const files::TemporaryFolder folder;
+  const fs::path file = folder.path / "mine.toml";
+  write(folder.path / "other.toml",
+        files::read(scene::dataFolder() / "scenes" / "double_pendulum.toml"));
+  const std::string text =
+      "like = \"other\"\n[parameters]\nm2 = \"2*m1\"\nl3 = \"l1 + m2\"\n"
+      "[[wrench]]\nlink = \"lower\"\nforce = [0, 0, \"l3\"]\n";
+  write(file, text);
+  const scene::Scene mine = scene::readScene(file);
+  const scene::ParameterValues values = mine.mechanism.parameterValues();
+  BOOST_TEST(values.at("m2").toDouble() == 2.0);
+  BOOST_TEST(values.at("l3").toDouble() == 2.5);
+  requireGreen(against(mine, text), "mine");
+  scene::Scene not_replaced = mine;
+  for (scene::Parameter& parameter : not_replaced.mechanism.parameters)
+    if (parameter.name == "m2") parameter.value = scene::Number::parse("0.8");
+  BOOST_TEST(redOf(against(not_replaced, text)) != "");
+  // a scene that is bundled is found elsewhere than beside the file, where the second reader looks
+  write(file, "like = \"double_pendulum\"\n");
+  BOOST_TEST(scene::readScene(file).mechanism.links.size() == 3u);
+  BOOST_CHECK_THROW(rereading::described("like = \"double_pendulum\"\n", file),
+                    rereading::NotReread);
 }
 
 BOOST_AUTO_TEST_CASE(what_is_not_read_a_second_time_is_named) {
