@@ -28,7 +28,8 @@ class Drawing {
         random_(kinds == JointKinds::kAll ? "random mechanism" : "random plain mechanism", seed,
                 index),
         followers_("random followers", seed, index),
-        turns_("random turned inertias", seed, index) {}
+        turns_("random turned inertias", seed, index),
+        rotors_("random geared rotors", seed, index) {}
 
   scene::Mechanism mechanism(int max_joints) {
     scene::Mechanism out;
@@ -57,6 +58,7 @@ class Drawing {
       out.wrenches.push_back(wrench);
     }
     follow(out);
+    if (kinds_ == JointKinds::kAll) gear(out);
     return out;
   }
 
@@ -81,6 +83,32 @@ class Drawing {
       const std::string& leader = mechanism.links[joints[draw(k)]].joint.name;
       mechanism.links[joints[k]].joint.mimic = scene::Mimic{
           leader, Number::parse(kMultipliers[draw(8)]), Number::parse(kOffsets[draw(6)])};
+    }
+  }
+
+  /// Gears one to three rotors to the rates of joints of several, from a stream of its own. So light
+  /// that every body carries them.
+  void gear(scene::Mechanism& mechanism) {
+    static constexpr int kAxes[][3] = {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}, {3, 0, 4}, {1, 1, 0}, {1, -2, 1}};
+    const auto draw = [this](int n) {
+      return static_cast<int>(rotors_.next() % static_cast<std::uint64_t>(n));
+    };
+    if (draw(100) >= 45) return;
+    for (scene::Link& link : mechanism.links) {
+      const int rates = scene::degreesOfFreedom(link.joint.kind);
+      if (link.parent < 0 || rates < 2 || draw(100) >= 75) continue;
+      const bool carried = !mechanism.links[link.parent].inertia.mass.isLiteralZero();
+      for (int i = 1 + draw(3); i > 0; --i) {
+        scene::Rotor rotor;
+        rotor.inertia = Rational(1 + draw(20), 100000);
+        for (int k = 0; k < rates; ++k) rotor.ratio.emplace_back(Rational(draw(601) - 300, 10));
+        rotor.ratio[draw(rates)] = Rational(5);
+        if (carried && draw(100) < 60) {
+          const auto& a = kAxes[draw(6)];
+          rotor.axis = Vector{Number(a[0]), Number(a[1]), Number(a[2])};
+        }
+        link.joint.rotors.push_back(rotor);
+      }
     }
   }
 
@@ -227,7 +255,7 @@ class Drawing {
   }
 
   JointKinds kinds_;
-  RandomStream random_, followers_, turns_;
+  RandomStream random_, followers_, turns_, rotors_;
 };
 
 /// Adds to one mechanism what makes it more than its tree.
@@ -241,6 +269,7 @@ class Constraining {
         start_q_(scene.start_q) {}
 
   void all() {
+    if (mechanism_.hasGearedRotors()) return;  // the format has no more beside them
     addSprings();
     if (mechanism_.hasMimics()) return;
     addDrives();
@@ -498,7 +527,7 @@ scene::Scene randomWholeScene(std::uint64_t seed, std::uint64_t index, int max_j
 
 scene::Scene randomTreeScene(std::uint64_t seed, std::uint64_t index, int max_joints) {
   scene::Scene out = randomScene(seed, index, max_joints);
-  out.mechanism = scene::withoutMimics(out.mechanism);
+  out.mechanism = scene::withoutGearedRotors(scene::withoutMimics(out.mechanism));
   out.start_q = out.mechanism.restPosition();
   out.start_qd.assign(out.mechanism.dof(), Number(0));
   return out;
