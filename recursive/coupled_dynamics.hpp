@@ -117,8 +117,7 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
         D(g, of_rate[rotor.dof + l]) += rotor.ratio[k] * rotor.ratio[l] * rotor.inertia;
       if (p >= 0) shared[g].F[p] = shared[g].F[p] + spinAxis(rotor) * rotor.ratio[k];
     }
-    if (p >= 0)
-      ws.f[p] = ws.f[p] + spinForce(rotor, rotorRate(rotor, qd), T(0), ws.v[p]);
+    if (p >= 0) ws.f[p] = ws.f[p] + spinForce(rotor, rotorRate(rotor, qd), T(0), ws.v[p]);
   }
 
   // (4) at link i, -1: the world, which takes any force

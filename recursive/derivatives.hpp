@@ -343,7 +343,8 @@ void inverseDynamicsDerivatives(const Model<T>& model, const std::vector<JointPo
       }
     }
   });
-  for (const GearedRotor<T>& rotor : model.rotors) detail::addRotorDerivatives(model, room, rotor, out);
+  for (const GearedRotor<T>& rotor : model.rotors)
+    detail::addRotorDerivatives(model, room, rotor, out);
 }
 
 /** From the derivatives of inverse dynamics those of forward dynamics at the same state:

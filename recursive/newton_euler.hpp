@@ -65,9 +65,9 @@ void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
     if (terms.loads) subtractLoads(model, ws, ws.f);
     for (const GearedRotor<T>& rotor : model.rotors)  // (7)
       if (rotor.carrier >= 0)
-        ws.f[rotor.carrier] = ws.f[rotor.carrier] + spinForce(rotor, rotorRate(rotor, qd),
-                                                              rotorRate(rotor, qdd),
-                                                              ws.v[rotor.carrier]);
+        ws.f[rotor.carrier] =
+            ws.f[rotor.carrier] +
+            spinForce(rotor, rotorRate(rotor, qd), rotorRate(rotor, qdd), ws.v[rotor.carrier]);
 
     // inward: what passes through each joint
     for (int i = n - 1; i >= 0; --i) {

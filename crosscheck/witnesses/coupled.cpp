@@ -121,8 +121,8 @@ WitnessKind overTree(WitnessKind kind, Lacking lacking) {
       return Refusal{reason};
     if (lacking == Lacking::kRefused && scene::hasLackingLinks(scene.mechanism()))
       return Refusal{
-          "a gyroscopic rotor geared to several rates would be a body of its own, and what is left "
-          "of the link that carries it one whose inertia no file of it has"};
+          "a rotor geared to several rates is gyroscopic: as a body of its own it would leave its "
+          "link an inertia that no file has"};
     MadeWitness of_tree = make(scene.tree());
     if (of_tree.isRefused()) return of_tree;
     return std::make_unique<Summed>(std::move(of_tree).value(), scene);
