@@ -34,34 +34,43 @@ constexpr int kSeeds = 3;
 const auto kKinds = data::xrange(static_cast<int>(JointKind::kCylindrical),
                                  static_cast<int>(JointKind::kFloating) + 1);
 
-/// A random tree with all that acts on joints, whose third moving joint is of this kind and has
-/// two plain and two gyroscopic rotors: which fewer than its rates tell from a full matrix.
+/// A random tree with all that acts on joints, whose joint that most others carry is of this kind and
+/// has two plain and two gyroscopic rotors: which fewer than its rates tell from a full matrix.
 /// @param slanted  their axes are none of the joint frame's
 scene::Mechanism geared(int kind_number, std::uint64_t seed, bool slanted) {
   const auto kind = static_cast<JointKind>(kind_number);
   fixtures::Sampler sample(seed + 31);
-  scene::Mechanism m = fixtures::wrist(seed, 5);
-  int moving = 0;
-  for (scene::Link& link : m.links) {
-    if (link.parent < 0 || link.joint.kind == JointKind::kFixed || ++moving != 3) continue;
-    scene::Joint joint;
-    joint.kind = kind;
-    joint.name = link.joint.name;
-    if (link.joint.placement.convention == scene::Placement::Convention::kXyzRpy)
-      joint.placement = link.joint.placement;
-    for (int i = 0; i < 4; ++i) {
-      scene::Rotor rotor;
-      rotor.inertia = numberOf(sample.positive());
-      for (int k = 0; k < scene::degreesOfFreedom(kind); ++k)
-        rotor.ratio.push_back(numberOf(sample.rational()));
-      if (i >= 2)
-        rotor.axis = slanted ? fixtures::vectorOf(sample.axis())
-                             : scene::Vector{scene::Number(i == 2 ? -3 : 0), scene::Number(0),
-                                             scene::Number(i == 2 ? 0 : 2)};
-      joint.rotors.push_back(rotor);
+  scene::Mechanism m;
+  std::size_t deepest = 0;
+  for (int most = 0; most < 3; seed += 100) {  // what is across one axis is felt by another
+    m = fixtures::wrist(seed, 5);
+    std::vector<int> inboard(m.links.size(), 0);  // moving joints
+    for (std::size_t i = 1; i < m.links.size(); ++i) {
+      inboard[i] = inboard[static_cast<std::size_t>(m.links[i].parent)] +
+                   (m.links[i].joint.kind == JointKind::kFixed ? 0 : 1);
+      if (inboard[i] <= most || m.links[i].joint.kind == JointKind::kFixed) continue;
+      most = inboard[i];
+      deepest = i;
     }
-    link.joint = joint;
   }
+  scene::Link& link = m.links[deepest];
+  scene::Joint joint;
+  joint.kind = kind;
+  joint.name = link.joint.name;
+  if (link.joint.placement.convention == scene::Placement::Convention::kXyzRpy)
+    joint.placement = link.joint.placement;
+  for (int i = 0; i < 4; ++i) {
+    scene::Rotor rotor;
+    rotor.inertia = numberOf(sample.positive());
+    for (int k = 0; k < scene::degreesOfFreedom(kind); ++k)
+      rotor.ratio.push_back(numberOf(sample.rational()));
+    if (i >= 2)
+      rotor.axis = slanted ? fixtures::vectorOf(sample.axis())
+                           : scene::Vector{scene::Number(i == 2 ? -3 : 0), scene::Number(0),
+                                           scene::Number(i == 2 ? 0 : 2)};
+    joint.rotors.push_back(rotor);
+  }
+  link.joint = joint;
   return m;
 }
 
