@@ -18,7 +18,8 @@ namespace dynwitness::recursive {
     @param  qdd   accelerations, length n [rad/s^2, m/s^2]
     @param  terms gravity, springs, loads and friction can be left out
     @throws std::invalid_argument  a vector is not of length n
-    Joints that follow others: coupled_dynamics.hpp, which allocates.
+    Joints that follow others, and rotors geared to several rates: coupled_dynamics.hpp, which
+    allocates.
     D = 0 (a massless subtree without rotor inertia) divides by zero: scene validation refuses it.
     @see R. Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, p. 132 */
 template <typename T>

@@ -124,6 +124,22 @@ void follow(const scene::Follower& follower, const Numbers& number, LinkModel<T>
   link.rest = (link.rest - number(follower.offset)) / k;
 }
 
+/// The rotors of a joint geared to several rates. @param X_joint  the carrier's frame to the joint's
+template <typename Numbers, typename T>
+void addRotors(const scene::Joint& joint, int dof, int carrier, const Transform<T>& X_joint,
+               const Numbers& number, Model<T>& model) {
+  for (const scene::Rotor& rotor : joint.rotors) {
+    GearedRotor<T> out{dof, {}, number(rotor.inertia), -1, Vector3<T>::Constant(T(0))};
+    for (const scene::Number& n : rotor.ratio) out.ratio.push_back(number(n));
+    if (rotor.axis && carrier >= 0) {
+      const scene::AxisTurn<T> turn = number.axisTurn(*rotor.axis);
+      out.carrier = carrier;
+      out.axis = X_joint.R.transpose() * (aboutZ<T>(turn.alpha) * aboutY<T>(turn.beta)).col(2);
+    }
+    model.rotors.push_back(out);
+  }
+}
+
 }  // namespace detail
 
 /** Builds the model of a mechanism, its cylindrical, universal and planar joints as chains of
@@ -165,6 +181,7 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
       Transform<T> X_tree = X_z * X_before;  // to the axes that the next part finds
       Transform<T> X_back = X_z.inverse();   // from the last part's frame to joint axes
       carrier[i] = parent;
+      detail::addRotors(link.joint, model.dof(), parent, X_before, number, model);
       for (const detail::JointPart& part : detail::partsOf(link.joint.kind)) {
         const Transform<T> X_part = detail::asZ<T>(part.axis);
         LinkModel<T> out;
@@ -210,6 +227,7 @@ Model<T> buildModel(const scene::Mechanism& mechanism, const Numbers& number,
 
   for (std::size_t i = 0; i < mechanism.links.size(); ++i)
     model.places.push_back({carrier[i], X_carrier[i]});
+  model.coupled = model.coupled || !model.rotors.empty();
   std::vector<char> seen(model.coupled ? model.dof() : 0, 0);
   for (std::size_t i = model.links.size(); model.coupled && i-- > 0;)
     if (LinkModel<T>& link = model.links[i]; link.dof >= 0) {

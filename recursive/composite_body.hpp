@@ -11,13 +11,39 @@ namespace dynwitness::recursive {
 template <typename T>
 using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
 
+namespace detail {
+
+/// What a geared rotor adds to M; ws.X_up is set.
+template <typename T>
+void addRotorInertia(const Model<T>& model, const Workspace<T>& ws, const GearedRotor<T>& rotor,
+                     MatrixX<T>& M) {
+  const auto rates = static_cast<int>(rotor.ratio.size());
+  for (int k = 0; k < rates; ++k)
+    for (int l = 0; l < rates; ++l)
+      M(rotor.dof + k, rotor.dof + l) += rotor.ratio[k] * rotor.ratio[l] * rotor.inertia;
+  Force<T> F = spinAxis(rotor);
+  for (int j = rotor.carrier; j >= 0; F = ws.X_up[j].inverseTimes(F), j = model.links[j].parent) {
+    const LinkModel<T>& inboard = model.links[j];
+    for (int l = 0, e = inboard.dof; l < AnyJoints::axes(inboard); ++l, ++e) {
+      const T felt = AnyJoints::force(inboard, l, F);
+      for (int k = 0; k < rates; ++k) {
+        M(rotor.dof + k, e) += rotor.ratio[k] * felt;
+        M(e, rotor.dof + k) += rotor.ratio[k] * felt;
+      }
+    }
+  }
+}
+
+}  // namespace detail
+
 /** Joint-space mass matrix M(q), n x n [kg m^2, kg m, kg], by composite bodies, in O(n depth).
 
         (1)  I_C of p  +=  X' I_C X              everything outboard of a joint as one rigid body
         (2)  F = I_C Z,  M_ii = Z' F + d         the force that moves it when joint i alone moves
         (3)  M_ij = Z_j' F  for the joints j inboard of i, F carried inward
     A gyroscopic rotor, spun up by the joint, needs the moment h z of its parent: F has it from
-    there on.
+    there on. A rotor geared to all rates of a joint adds J n_k n_l to M_kl, and n_k Z_j' (0, J a),
+    a in the axes of the link that carries it, to M_kj of the joints j inboard of that link and its own.
 
     M must be n x n on entry and is written whole.
     @throws std::invalid_argument  x or M has another size
@@ -64,6 +90,7 @@ void massMatrix(const Model<T>& model, const std::vector<JointPosition<T>>& x, W
       }
     }
   });
+  for (const GearedRotor<T>& rotor : model.rotors) detail::addRotorInertia(model, ws, rotor, M);
 }
 
 namespace detail {
@@ -119,6 +146,38 @@ void addSpinCoriolis(const Model<T>& model, const std::vector<T>& qd, const Work
   }
 }
 
+/// (3) of a geared rotor, its rate n'nu in the place of h qd_i.
+template <typename T>
+void addRotorCoriolis(const Model<T>& model, const std::vector<T>& qd, const Workspace<T>& ws,
+                      const GearedRotor<T>& rotor, MatrixX<T>& C) {
+  if (rotor.carrier < 0) return;
+  const Vector3<T>& a = rotor.axis;
+  const Vector3<T> w_p = ws.v[rotor.carrier].angular;
+  struct Inboard {
+    int rate;
+    Vector3<T> J;
+    T a_rate;
+  };
+  std::vector<Inboard> inboard;  // in the axes of the carrier
+  Matrix3<T> R = Matrix3<T>::Identity();
+  for (int j = rotor.carrier; j >= 0; R = R * ws.X_up[j].R, j = model.links[j].parent)
+    for (int k = 0; k < axisCount(model.links[j].kind); ++k) {
+      const Vector3<T> J = R * jointAxis(model.links[j], k).template tail<3>();
+      const Vector3<T> w_j = R * ws.v[j].angular;  // J turns with link j, a with the carrier
+      inboard.push_back({model.links[j].dof + k, J, w_p.cross(a).dot(J) + a.dot(w_j.cross(J))});
+    }
+  const T half = rotor.inertia / T(2), half_spin = half * rotorRate(rotor, qd);
+  for (const Inboard& x : inboard) {
+    const T K_qd = a.dot(x.J.cross(w_p));
+    for (std::size_t k = 0; k < rotor.ratio.size(); ++k) {
+      const int i = rotor.dof + static_cast<int>(k);
+      C(i, x.rate) += rotor.ratio[k] * (rotor.inertia * x.a_rate - half * K_qd);
+      C(x.rate, i) += rotor.ratio[k] * half * K_qd;
+    }
+    for (const Inboard& y : inboard) C(x.rate, y.rate) += half_spin * a.dot(x.J.cross(y.J));
+  }
+}
+
 }  // namespace detail
 
 /** Coriolis matrix C(q, qd), n x n, with c = C qd and dM/dt - 2 C skew-symmetric: the matrix that
@@ -130,6 +189,7 @@ void addSpinCoriolis(const Model<T>& model, const std::vector<T>& qd, const Work
     inboard, J_j what rate j gives to w_p, and K_jk = z.(J_j x J_k) the rate at which a_j changes
     with k less that at which a_k changes with j:
         (3)  C += h e_i (da/dt)' + h/2 (K qd_i - e_i (K qd)' + (K qd) e_i')
+    and of one geared to several rates the same with n'nu for qd_i and n for e_i.
     Dense 6 x 6 products, O(n depth): for checks, not for speed.
     @see S. Echeandia and P. Wensing, Numerical Methods to Compute the Coriolis Matrix and
       Christoffel
@@ -186,6 +246,8 @@ MatrixX<T> coriolisMatrix(const Model<T>& model, const std::vector<JointPosition
     }
   }
   if (model.gyroscopic) detail::addSpinCoriolis(model, qd, ws, C);
+  for (const GearedRotor<T>& rotor : model.rotors)
+    detail::addRotorCoriolis(model, qd, ws, rotor, C);
   return C;
 }
 

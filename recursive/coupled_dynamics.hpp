@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forward dynamics by articulated-body sweeps where joints follow others.
+// Forward dynamics by articulated-body sweeps where joints follow others or rotors are geared to
+// several rates.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +11,8 @@
 
 namespace dynwitness::recursive::detail {
 
-/// A rate that several joints share, on its way inward: what it does waits until all of them are
-/// passed.
+/// A rate that several joints share, or that a rotor couples to the other rates of its joint, on
+/// its way inward: what it does waits until all of them are passed.
 template <typename T>
 struct SharedRate {
   int rate;
@@ -45,6 +46,14 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
       shared.push_back(
           {link.dof, model.links[leader].parent, T(0), std::vector<Force<T>>(n, Force<T>::zero())});
     }
+  for (const GearedRotor<T>& rotor : model.rotors)
+    for (int rate = rotor.dof; rate < rotor.dof + static_cast<int>(rotor.ratio.size()); ++rate) {
+      if (of_rate[rate] >= 0) continue;  // of another rotor of the joint
+      of_rate[rate] = static_cast<int>(shared.size());
+      const int first = model.link_of_dof[rotor.dof];  // of the joint's chain
+      shared.push_back(
+          {rate, model.links[first].parent, T(0), std::vector<Force<T>>(n, Force<T>::zero())});
+    }
   for (const LinkModel<T>& link : model.links)
     if (link.follows) {
       int& ancestor = shared[of_rate[link.dof]].ancestor;
@@ -54,7 +63,8 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
   for (int i = n - 1; i >= 0; --i) {
     const LinkModel<T>& link = model.links[i];
     std::vector<int>& here = waiting[i];
-    if (link.dof >= 0 && of_rate[link.dof] >= 0) here.push_back(of_rate[link.dof]);
+    for (int k = 0; k < axisCount(link.kind); ++k)
+      if (of_rate[link.dof + k] >= 0) here.push_back(of_rate[link.dof + k]);
     std::sort(here.begin(), here.end());
     here.erase(std::unique(here.begin(), here.end()), here.end());
     if (link.parent < 0) continue;
@@ -64,7 +74,7 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
   return shared;
 }
 
-/** forwardDynamics() of a model with followers. The steps are those of articulated_body.hpp; only
+/** forwardDynamics() of a model with followers or geared rotors. The steps are those of articulated_body.hpp; only
     a rate y that several joints share cannot be solved for where one of them is passed. It is
     carried inward as an unknown: with F the force that a unit of y asks of a link, all links obey
 
@@ -79,6 +89,8 @@ std::vector<SharedRate<T>> sharedRates(const Model<T>& model, std::vector<int>& 
     is left outboard, and it is solved for as a joint is:
         (4)  M_A -= F_g F_g' / D_gg,   f_A += F_g u_g / D_gg,   F_h -= F_g D_gh / D_gg,   ...
         (5)  y_g = (u_g - F_g' a - sum of D_gh y_h) / D_gg      once a is known, on the way outward
+    A rotor geared to the rates g, h of a joint, psi' = n'nu, on the link p that carries it, adds
+        (6)  D_gh += J n_g n_h,   F_g of p += n_g (0, J a),   f_A of p += (0, w_p x J psi' a)
     So it divides by what the joints of a rate move together; one of them alone may move nothing.
     O(n) for followers close to their leaders. Allocates. */
 template <typename T>
@@ -97,6 +109,16 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
 
   // outward: velocities, and what each link alone brings
   step.start();
+  for (const GearedRotor<T>& rotor : model.rotors) {  // (6)
+    const int p = rotor.carrier;
+    for (std::size_t k = 0; k < rotor.ratio.size(); ++k) {
+      const int g = of_rate[rotor.dof + k];
+      for (std::size_t l = 0; l < rotor.ratio.size(); ++l)
+        D(g, of_rate[rotor.dof + l]) += rotor.ratio[k] * rotor.ratio[l] * rotor.inertia;
+      if (p >= 0) shared[g].F[p] = shared[g].F[p] + spinAxis(rotor) * rotor.ratio[k];
+    }
+    if (p >= 0) ws.f[p] = ws.f[p] + spinForce(rotor, rotorRate(rotor, qd), T(0), ws.v[p]);
+  }
 
   // (4) at link i, -1: the world, which takes any force
   std::vector<int> order;  // in which shared rates were solved for
@@ -126,8 +148,8 @@ void coupledForwardDynamics(const Model<T>& model, const std::vector<JointPositi
     for (int g = 0; g < count; ++g)
       if (shared[g].ancestor == i) solveFor(g, i);
     ArticulatedBody<T> body = step.body(i);
-    const int own = link.dof < 0 ? -1 : of_rate[link.dof];
     for (int k = 0, d = link.dof; k < AnyJoints::axes(link); ++k, ++d) {
+      const int own = of_rate[d];
       step.formEquation(i, k, d, own < 0 ? tau[d] : T(0), body);
       for (const int h : waiting[i]) e(d, h) = AnyJoints::force(link, k, shared[h].F[i]);
       if (own >= 0) {  // (2)

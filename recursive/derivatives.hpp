@@ -116,6 +116,39 @@ void turnedLoads(const Model<T>& model, DerivativesWorkspace<T>& room) {
   }
 }
 
+/// What a geared rotor adds to rows and columns of its joint's rates. Its carrier's motion is in
+/// room.ws, and how axes move it.
+template <typename T>
+void addRotorDerivatives(const Model<T>& model, const DerivativesWorkspace<T>& room,
+                         const GearedRotor<T>& rotor, InverseDynamicsDerivatives<T>& out) {
+  const auto rates = static_cast<int>(rotor.ratio.size());
+  for (int k = 0; k < rates; ++k)
+    for (int l = 0; l < rates; ++l)
+      out.M(rotor.dof + k, rotor.dof + l) += rotor.ratio[k] * rotor.ratio[l] * rotor.inertia;
+  if (rotor.carrier < 0) return;
+  Force<T> F = spinAxis(rotor), F_qd = Force<T>::zero();
+  F_qd.moment = room.ws.v[rotor.carrier].angular.cross(F.moment);
+  for (int j = rotor.carrier; j >= 0; j = model.links[j].parent) {
+    const LinkModel<T>& inboard = model.links[j];
+    for (int l = 0, e = inboard.dof; l < AnyJoints::axes(inboard); ++l, ++e) {
+      const auto& by = room.axes[room.first[j] + l];
+      const T on_M = AnyJoints::force(inboard, l, F), on_qd = AnyJoints::force(inboard, l, F_qd),
+              row_q = dot(by.chi, F) + by.psi.angular.dot(F_qd.moment),
+              row_qd = dot(by.phi, F) + by.Z.angular.dot(F_qd.moment);
+      for (int k = 0, d = rotor.dof; k < rates; ++k, ++d) {
+        const T& n = rotor.ratio[k];
+        out.M(d, e) += n * on_M;
+        out.M(e, d) += n * on_M;
+        out.dtau_dqd(e, d) += n * on_qd;
+        out.dtau_dq(d, e) += n * row_q;
+        out.dtau_dqd(d, e) += n * row_qd;
+      }
+    }
+    F = room.ws.X_up[j].inverseTimes(F);
+    F_qd = room.ws.X_up[j].inverseTimes(F_qd);
+  }
+}
+
 }  // namespace detail
 
 /** Derivatives of inverse dynamics at a state, O(n depth), all from one sweep out and one in.
@@ -157,6 +190,10 @@ void turnedLoads(const Model<T>& model, DerivativesWorkspace<T>& room) {
     h_r qd z:
        (13)  h of p also has h_r qd z
        (14)  beyond joint k, F and with it the row have h_r z, F_qd and G have w_p x h_r z
+
+    A rotor geared to all rates of a joint (newton_euler.hpp, (7)), on link p with its axis a there:
+       (15)  h of p also has J psi' a, f_p what (7) says; M also n n'J,
+             column and row k of the joint's rates, from p inboard, n_k times those of (14)
 
     @tparam T     tested with double, running error bounds, the prime field and exact rationals
     @param  x, qd, qdd  positions, rates, accelerations, as inverseDynamics() takes them
@@ -218,6 +255,14 @@ void inverseDynamicsDerivatives(const Model<T>& model, const std::vector<JointPo
       else
         matrix(row, column) = entry;
     };
+
+    for (const GearedRotor<T>& rotor : model.rotors) {  // (15)
+      const int p = rotor.carrier;
+      if (p < 0) continue;
+      const T rate = rotorRate(rotor, qd);
+      ws.f[p] = ws.f[p] + spinForce(rotor, rate, rotorRate(rotor, qdd), ws.v[p]);
+      room.h[p] = room.h[p] + spinAxis(rotor) * rate;
+    }
 
     // inward: what a joint's own motion changes, for itself and for all joints inboard
     for (int i = n - 1; i >= 0; --i) {
@@ -298,6 +343,8 @@ void inverseDynamicsDerivatives(const Model<T>& model, const std::vector<JointPo
       }
     }
   });
+  for (const GearedRotor<T>& rotor : model.rotors)
+    detail::addRotorDerivatives(model, room, rotor, out);
 }
 
 /** From the derivatives of inverse dynamics those of forward dynamics at the same state:

@@ -22,7 +22,8 @@ void linkVelocities(const Model<T>& model, const std::vector<JointPosition<T>>& 
   }
 }
 
-/// Kinetic energy T = sum v' M v / 2 + sum d qd^2 / 2 + sum h qd z'w_p [J], rotors included.
+/// Kinetic energy T = sum v' M v / 2 + sum d qd^2 / 2 + sum h qd z'w_p [J], rotors included; of
+/// geared ones  J psi'^2 / 2 + J psi' a'w_p.
 template <typename T>
 T kineticEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                 const std::vector<T>& qd, Workspace<T>& ws) {
@@ -34,6 +35,11 @@ T kineticEnergy(const Model<T>& model, const std::vector<JointPosition<T>>& x,
     if (link.dof >= 0) twice += link.rotor * qd[link.dof] * qd[link.dof];
     if (spinsOnALink(model, link))
       twice += T(2) * qd[link.dof] * dot(ws.X_up[i] * ws.v[link.parent], spinAxis(link));
+  }
+  for (const GearedRotor<T>& rotor : model.rotors) {
+    const T rate = rotorRate(rotor, qd);
+    twice += rotor.inertia * rate * rate;
+    if (rotor.carrier >= 0) twice += T(2) * rate * dot(ws.v[rotor.carrier], spinAxis(rotor));
   }
   return twice / T(2);
 }
@@ -91,6 +97,9 @@ Force<T> momentum(const Model<T>& model, const std::vector<JointPosition<T>>& x,
                   const std::vector<T>& qd, Workspace<T>& ws) {
   linkVelocities(model, x, qd, ws);
   for (std::size_t i = 0; i < model.links.size(); ++i) ws.f[i] = model.links[i].M * ws.v[i];
+  for (const GearedRotor<T>& rotor : model.rotors)
+    if (rotor.carrier >= 0)
+      ws.f[rotor.carrier] = ws.f[rotor.carrier] + spinAxis(rotor) * rotorRate(rotor, qd);
   Force<T> total = Force<T>::zero();
   for (int i = static_cast<int>(model.links.size()) - 1; i >= 0; --i) {
     const LinkModel<T>& link = model.links[i];

@@ -61,6 +61,28 @@ bool spinsOnALink(const Model<T>& model, const LinkModel<T>& link) {
   return model.gyroscopic && link.dof >= 0 && link.parent >= 0;
 }
 
+/// n'nu of the rates of its joint, or of their accelerations.
+template <typename T>
+T rotorRate(const GearedRotor<T>& rotor, const std::vector<T>& rates) {
+  T rate = T(0);
+  for (std::size_t k = 0; k < rotor.ratio.size(); ++k)
+    rate += rotor.ratio[k] * rates[rotor.dof + k];
+  return rate;
+}
+/// The momentum (0, J a) that it has at unit rate beside its carrier's, in the carrier's
+/// coordinates; as a product with a motion of the carrier, what it feels of that motion.
+template <typename T>
+Force<T> spinAxis(const GearedRotor<T>& rotor) {
+  return {Vector3<T>::Constant(T(0)), rotor.axis * rotor.inertia};
+}
+/// J psi'' a + w x J psi' a: the rate of change of its spin, w being the carrier's.
+template <typename T>
+Force<T> spinForce(const GearedRotor<T>& rotor, const T& rate, const T& acceleration,
+                   const Motion<T>& v) {
+  const Force<T> axis = spinAxis(rotor);
+  return {axis.force, axis.moment * acceleration + v.angular.cross(axis.moment) * rate};
+}
+
 /// Takes the scene's loads off the forces f that the links need, link by link.
 /// ws.X_up must be set; ws.R_W is set when a load in world axes asks for it.
 template <typename T>

@@ -51,6 +51,18 @@ struct LinkModel {
   Force<T> load = Force<T>::zero();  ///< constant wrench in link axes, about the origin [N, N m]
 };
 
+/** A rotor that is geared to all rates of a joint (scene::Rotor), which turns at  psi' = sum of
+    ratio_k nu_k.  A gyroscopic one spins about an axis of the link that carries it, which feels it
+    and includes it as it stands. */
+template <typename T>
+struct GearedRotor {
+  int dof;               ///< the joint's first rate
+  std::vector<T> ratio;  ///< one a rate of the joint
+  T inertia;             ///< J [kg m^2]
+  int carrier;           ///< link; -1: nobody feels its spin
+  Vector3<T> axis;       ///< of length 1, in the carrier's axes
+};
+
 /// A force and a free moment in world axes [N, N m], the force acting at this point of the link
 /// [m].
 template <typename T>
@@ -74,10 +86,11 @@ struct Model {
   /// the moved joint frame. -1: no joint of the model (the root; a fixed joint that was lumped).
   std::vector<ScenePlace<T>> joints;
   std::vector<int> link_of_dof;
+  std::vector<GearedRotor<T>> rotors;
   int positions = 0;                          ///< how many slots q has: dof(), and one a quaternion
   bool plain_joints = true;                   ///< all are fixed, revolute or prismatic
   bool gyroscopic = false, friction = false;  ///< any of spin, any friction
-  bool coupled = false;                       ///< some joints follow others
+  bool coupled = false;                       ///< some joints follow others, or there are `rotors`
   /// What rests in the world: it enters the potential energy only.
   RigidInertia<T> base = RigidInertia<T>::zero();
   Vector3<T> gravity = Vector3<T>::Zero();  ///< [m/s^2], world axes
@@ -119,8 +132,8 @@ template <typename T>
 void requireOwnRates(const Model<T>& model, const char* function) {
   if (model.coupled)
     throw std::invalid_argument(std::string(function) +
-                                ": model: joints follow others (mimic), expected joints "
-                                "with rates of their own");
+                                ": model: joints follow others (mimic) or have rotors geared to "
+                                "several rates, expected joints with rates of their own");
 }
 
 /// What the sweeps write on: sized once for a model, then reused without allocation.

@@ -25,6 +25,9 @@ namespace dynwitness::recursive {
     w_p:
         (5)  f_p also has the moment  h qdd_i z + w_p x h qd_i z
         (6)  tau_i also has  h z' (dw_p/dt)
+    A rotor geared to all rates of a joint (GearedRotor), psi' = n'nu, about the axis a of link p:
+        (7)  tau += n J (psi'' + a'dw_p/dt),   f_p also has the moment  J psi'' a + w_p x J psi' a
+    whatever nu are: the motor's own equation, carried over by its gears (scene::Rotor).
 
     @tparam T     tested with double, long double, float, running error bounds, dual numbers
     @param  x, qd, qdd   position, velocity [rad/s, m/s], acceleration [rad/s^2, m/s^2], length n
@@ -60,6 +63,11 @@ void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
       ws.f[i] = link.M * ws.a[i] + biasForce(link.M, ws.v[i]);  // (3), own part
     }
     if (terms.loads) subtractLoads(model, ws, ws.f);
+    for (const GearedRotor<T>& rotor : model.rotors)  // (7)
+      if (rotor.carrier >= 0)
+        ws.f[rotor.carrier] =
+            ws.f[rotor.carrier] +
+            spinForce(rotor, rotorRate(rotor, qd), rotorRate(rotor, qdd), ws.v[rotor.carrier]);
 
     // inward: what passes through each joint
     for (int i = n - 1; i >= 0; --i) {
@@ -84,6 +92,12 @@ void inverseDynamics(const Model<T>& model, const std::vector<JointPosition<T>>&
       ws.f[link.parent] = ws.f[link.parent] + ws.X_up[i].inverseTimes(f);  // (3), children
     }
   });
+  for (const GearedRotor<T>& rotor : model.rotors) {  // (7)
+    T moment = rotor.inertia * rotorRate(rotor, qdd);
+    if (rotor.carrier >= 0) moment += dot(ws.a[rotor.carrier], spinAxis(rotor));
+    for (std::size_t k = 0; k < rotor.ratio.size(); ++k)
+      tau[rotor.dof + k] += rotor.ratio[k] * moment;
+  }
 }
 
 }  // namespace dynwitness::recursive

@@ -62,6 +62,8 @@ Force<T> forceColumn(const Motion<T>& v, const Motion<T>& a, int k) {
         (3)  Y_d,k = Z_d' f,   f = A(v, a)_k at the link, X' f at the next link inboard, ...
         (4)  Y_d,rotor = qdd_d                             at the rotor's joint
         (5)  of a gyroscopic one also z'(dw_p/dt) / n, and inboard Z'(0, qdd z + w_p x qd z) / n
+        (6)  of one geared to several rates  n (psi'' + a'dw/dt),  and from its carrier inboard
+             Z'(0, psi'' a + w x psi' a)
     Cost: O(n p) where the tree is a chain. Nothing is allocated.
 
     @tparam T   tested with double, running error bounds, prime field, balls
@@ -97,13 +99,25 @@ void regressor(const Model<T>& model, const std::vector<scene::InertialParameter
   }
 
   // inward: what each parameter's force does to the joints that carry it
+  std::size_t next_rotor = 0;  // geared rotors come in the order of the model's
   for (Eigen::Index j = 0; j < Y.cols(); ++j) {
     for (Eigen::Index d = 0; d < Y.rows(); ++d) Y(d, j) = T(0);
     const scene::InertialParameter& parameter = parameters[j];
     const ScenePlace<T>& place = model.places[parameter.link];
     int i = place.link;
     Force<T> f = Force<T>::zero();
-    if (parameter.kind == scene::InertialParameter::Kind::kRotor) {
+    if (parameter.rotor >= 0) {
+      const GearedRotor<T>& rotor = model.rotors[next_rotor++];
+      const T acceleration = rotorRate(rotor, qdd), per_rotor = T(1) / rotor.inertia;
+      T moment = acceleration;
+      i = rotor.carrier;
+      if (i >= 0) {
+        moment += dot(ws.a[i], spinAxis(rotor)) * per_rotor;
+        f = spinForce(rotor, rotorRate(rotor, qd), acceleration, ws.v[i]) * per_rotor;
+      }
+      for (std::size_t k = 0; k < rotor.ratio.size(); ++k)
+        Y(rotor.dof + static_cast<int>(k), j) += rotor.ratio[k] * moment;  // (6)
+    } else if (parameter.kind == scene::InertialParameter::Kind::kRotor) {
       const LinkModel<T>& link = model.links[i];
       const T k2 = link.follows ? T(link.ratio * link.ratio) : T(1);  // as in link.rotor
       Y(link.dof, j) = k2 * qdd[link.dof];                            // (4)
@@ -132,6 +146,10 @@ std::vector<T> inertialValues(const scene::Mechanism& mechanism,
   for (const scene::InertialParameter& parameter : parameters) {
     const scene::Link& link = mechanism.links[parameter.link];
     if (parameter.kind == scene::InertialParameter::Kind::kRotor) {
+      if (parameter.rotor >= 0) {
+        pi.push_back(number(link.joint.rotors[static_cast<std::size_t>(parameter.rotor)].inertia));
+        continue;
+      }
       const T gear = number(link.joint.gear_ratio);
       pi.push_back(gear * gear * number(link.joint.rotor_inertia));
       continue;
@@ -150,10 +168,13 @@ template <typename T>
 void setInertialValues(Model<T>& model, const std::vector<scene::InertialParameter>& parameters,
                        const std::vector<T>& pi) {
   for (LinkModel<T>& link : model.links) link.M = RigidInertia<T>::zero();
+  std::size_t next_rotor = 0;
   for (std::size_t j = 0; j < parameters.size(); ++j) {
     const ScenePlace<T>& place = model.places[parameters[j].link];
     LinkModel<T>& link = model.links[place.link];
-    if (parameters[j].kind == scene::InertialParameter::Kind::kRotor) {
+    if (parameters[j].rotor >= 0) {
+      model.rotors[next_rotor++].inertia = pi[j];
+    } else if (parameters[j].kind == scene::InertialParameter::Kind::kRotor) {
       const T rotor = link.follows ? T(link.ratio * link.ratio * pi[j]) : pi[j];
       if (model.gyroscopic) link.spin *= rotor / link.rotor;
       link.rotor = rotor;

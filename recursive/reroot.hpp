@@ -36,6 +36,10 @@ Model<T> onFloatingBase(const Model<T>& model, const RigidInertia<T>& body) {
   for (int& link : out.link_of_dof) ++link;
   out.link_of_dof.insert(out.link_of_dof.begin(), 6, 0);
   for (WorldLoad<T>& load : out.world_loads) ++load.link;
+  for (GearedRotor<T>& rotor : out.rotors) {
+    rotor.dof += 6;
+    if (rotor.carrier >= 0) ++rotor.carrier;
+  }
   out.positions += 7;
   out.plain_joints = false;
   return out;

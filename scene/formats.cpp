@@ -28,6 +28,7 @@ std::vector<std::string> lostInUrdf(const Scene& scene) {
     if (number(j.stiffness) != 0) lost.push_back("the spring of joint " + j.name);
     if (j.gyroscopic)
       lost.push_back("the gyroscopic rotor of joint " + j.name + ": its inertia stays");
+    if (!j.rotors.empty()) lost.push_back("the rotors of joint " + j.name);
     if (number(j.friction.positive) != number(j.friction.negative))
       lost.push_back("Coulomb friction of joint " + j.name + ", which is not the same both ways");
     if (!j.motion.empty()) lost.push_back("the motion of joint " + j.name);

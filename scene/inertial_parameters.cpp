@@ -12,9 +12,12 @@ std::vector<InertialParameter> inertialParameters(const Mechanism& mechanism) {
     for (int k = 0; moves[i] && k < kInertialParametersOfLink; ++k)
       all.push_back({static_cast<int>(i), static_cast<InertialParameter::Kind>(k)});
   }
-  for (const int i : mechanism.movingLinks())
-    if (!mechanism.links[i].joint.rotor_inertia.isLiteralZero())
-      all.push_back({i, InertialParameter::Kind::kRotor});
+  for (const int i : mechanism.movingLinks()) {
+    const Joint& joint = mechanism.links[i].joint;
+    if (!joint.rotor_inertia.isLiteralZero()) all.push_back({i, InertialParameter::Kind::kRotor});
+    for (std::size_t k = 0; k < joint.rotors.size(); ++k)
+      all.push_back({i, InertialParameter::Kind::kRotor, static_cast<int>(k)});
+  }
   return all;
 }
 
@@ -34,7 +37,8 @@ std::string unit(const InertialParameter& parameter, const Mechanism& mechanism)
 std::string label(const InertialParameter& parameter, const Mechanism& mechanism) {
   const Link& link = mechanism.links[parameter.link];
   const bool is_rotor = parameter.kind == InertialParameter::Kind::kRotor;
-  return std::string(name(parameter.kind)) + "(" + (is_rotor ? link.joint.name : link.name) + ")";
+  const std::string which = parameter.rotor < 0 ? "" : std::to_string(parameter.rotor + 1);
+  return name(parameter.kind) + which + "(" + (is_rotor ? link.joint.name : link.name) + ")";
 }
 
 }  // namespace dynwitness::scene

@@ -12,11 +12,13 @@ namespace dynwitness::scene {
 
 /// One of the ten numbers of a link, all in the axes of its frame: the mass m [kg], the first
 /// moment h = m c [kg m], the inertia about the frame's origin, I = [xx xy xz; xy yy yz; xz yz zz]
-/// [kg m^2]; or the inertia d = gear_ratio^2 rotor_inertia of a joint's rotor at the joint.
+/// [kg m^2]; or the inertia d = gear_ratio^2 rotor_inertia of a joint's rotor at the joint; of a
+/// rotor geared to several rates (scene::Rotor) its own inertia J.
 struct InertialParameter {
   enum class Kind { kMass, kHx, kHy, kHz, kIxx, kIyy, kIzz, kIxy, kIxz, kIyz, kRotor };
   int link;  ///< of the mechanism: the link, or the one that the joint with the rotor carries
   Kind kind;
+  int rotor = -1;  ///< of kRotor: which of the joint's `rotors`; -1: its rotor_inertia
 };
 /// The ten of a link, in order.
 inline constexpr int kInertialParametersOfLink = 10;

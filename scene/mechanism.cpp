@@ -249,6 +249,11 @@ bool Mechanism::hasMimics() const {
                      [](const Link& link) { return link.joint.mimic.has_value(); });
 }
 
+bool Mechanism::hasGearedRotors() const {
+  return std::any_of(links.begin(), links.end(),
+                     [](const Link& link) { return !link.joint.rotors.empty(); });
+}
+
 bool Mechanism::hasFriction() const {
   return std::any_of(links.begin(), links.end(),
                      [](const Link& link) { return !link.joint.friction.isNone(); });
@@ -259,7 +264,12 @@ bool Mechanism::hasCoulombFriction() const {
 }
 bool Mechanism::hasGyroscopicRotors() const {
   return std::any_of(links.begin(), links.end(),
-                     [](const Link& link) { return link.joint.gyroscopic; });
+                     [](const Link& link) {
+                       const std::vector<Rotor>& rotors = link.joint.rotors;
+                       return link.joint.gyroscopic ||
+                              std::any_of(rotors.begin(), rotors.end(),
+                                          [](const Rotor& rotor) { return rotor.axis.has_value(); });
+                     });
 }
 
 std::vector<int> Mechanism::movingLinks() const {

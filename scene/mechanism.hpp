@@ -110,12 +110,36 @@ struct Mimic {
   Number offset{0};      ///< [rad], [m]
 };
 
+/** A rotor of a joint of several rates nu, geared to all of them: it turns at  psi' = n'nu,  n its
+    ratios. Several make the joint's rotor inertia a full matrix,
+
+        D = sum of J n n'           tau = D nudot + ...,   T = nu'D nu / 2 + ...          (N'J N)
+
+    and every symmetric matrix without negative eigenvalues is that of as many rotors as it has rank.
+    With an axis a (of length 1 here) the rotor is gyroscopic: a symmetric body on the parent link,
+    whose mass properties include it as it stands, that spins about a as the parent sees it; with w
+    the parent's angular velocity
+
+        T = J (a'w + psi')^2 / 2 - J (a'w)^2 / 2
+        tau += n J (psi'' + a'dw/dt)              the parent's moment += J psi'' a + w x J psi' a
+
+    The rates of spherical and floating joints are no derivatives, so that psi is no function of
+    where the joint is: its gears hold it like wheels that roll. Such a rotor has an equation of its
+    own, J (psi'' + a'dw/dt) = the moment of its gears, which takes part in tau with n (d'Alembert).
+    There is no term of Hamel in it, which Lagrange's equations of T in the joint's rates alone would
+    add: a constraint of rates must not be put into T before T is differentiated. */
+struct Rotor {
+  Number inertia{0};          ///< J [kg m^2]
+  std::vector<Number> ratio;  ///< n, one a rate of the joint [rad/rad], [rad/m]
+  std::optional<Vector> axis;  ///< of a gyroscopic one: in the joint frame, of any length but zero
+};
+
 /** A joint: the link moves about or along `axis`, given in the joint frame and of any non-zero
     length (revolute, prismatic, helical, cylindrical; the normal of a planar joint, whose x and y
     are those of the joint frame turned by AxisTurn). The others move in the joint frame as it
     stands. A rotor of inertia J [kg m^2], geared n times faster than the joint, adds n^2 J to the
     joint's own inertia; a spring adds  stiffness (q - rest)^2 / 2  to V. They and friction go with
-    joints that have one q.
+    joints that have one q; joints of several have `rotors`.
 
     That is all of a rotor whose spin nobody else feels. A `gyroscopic` one is a symmetric body on
     the parent link, which turns at n qd about the joint's axis as the parent sees it. The parent's
@@ -135,6 +159,7 @@ struct Joint {
   Number pitch{0};  ///< helical: advance a radian [m/rad]
   Number rotor_inertia{0}, gear_ratio{1};
   bool gyroscopic = false;
+  std::vector<Rotor> rotors;  ///< of a joint of several rates
   Friction friction;
   Number stiffness{0}, rest{0};
   std::vector<Expression> motion;  ///< of t [rad], [m]; none: the joint is free
@@ -274,6 +299,10 @@ struct Mechanism {
   int positions()
       const;  ///< how many position slots there are: one a rate, a quaternion and a follower
   bool hasMimics() const;
+  bool hasGearedRotors() const;  ///< whether some joint has `rotors`
+  /// Whether rates belong together beyond the axes of a joint: by followers or by geared rotors.
+  /// Sweeps then cannot solve for each axis where they pass it.
+  bool hasCoupledRates() const { return hasMimics() || hasGearedRotors(); }
   /// True when the tree alone is the whole mechanism: no closures, no springs between points.
   bool isOpenTree() const { return closures.empty() && springs.empty(); }
   bool hasClosuresOfRates() const;  ///< of rates alone (isOfRates)

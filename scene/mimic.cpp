@@ -145,6 +145,11 @@ Mechanism withoutMimics(Mechanism mechanism) {
   return mechanism;
 }
 
+Mechanism withoutGearedRotors(Mechanism mechanism) {
+  for (Link& link : mechanism.links) link.joint.rotors.clear();
+  return mechanism;
+}
+
 void requireNoMimics(const SourceLocation& file, const Mechanism& mechanism,
                      const std::string& why) {
   for (const Link& link : mechanism.links)

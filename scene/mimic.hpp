@@ -40,6 +40,9 @@ std::vector<int> givenSlots(const Mechanism& mechanism);
 /// The mechanism with all followers let go: joints with rates of their own.
 Mechanism withoutMimics(Mechanism mechanism);
 
+/// The mechanism without rotors geared to several rates.
+Mechanism withoutGearedRotors(Mechanism mechanism);
+
 /// For what is not modelled together with followers.
 /// @throws InputError  "FILE: joint "b" follows "a" (mimic): <why>, allowed: joints that follow no
 /// others"

@@ -479,6 +479,7 @@ void MjcfWriter::loseRest() {
   for (const Link& l : mechanism_.links) {
     if (l.joint.gyroscopic)
       lose(fmt::format("the gyroscopic rotor of joint {}: armature stays", l.joint.name));
+    if (!l.joint.rotors.empty()) lose(fmt::format("the rotors of joint {}", l.joint.name));
     if (number_(l.joint.friction.positive) != number_(l.joint.friction.negative))
       lose(fmt::format("Coulomb friction of joint {}, which is not the same both ways",
                        l.joint.name));

@@ -53,6 +53,7 @@ class TomlReader : TomlFile {
   JointKind readJointKind(const toml::table& table, const std::string& what) const;
   void checkJointKeys(const toml::table& table, const std::string& what, JointKind kind) const;
   Placement readPlacement(const toml::table& table, const std::string& what) const;
+  std::vector<Rotor> readRotors(const toml::node& node, const std::string& what, int rates) const;
   Friction readFriction(const toml::table& table, const std::string& what) const;
   Mimic readMimic(const toml::table& table, const std::string& what) const;
   void readInertia(const toml::table& table, const std::string& what,
@@ -310,13 +311,15 @@ void TomlReader::checkJointKeys(const toml::table& table, const std::string& wha
       break;
   }
   if (degreesOfFreedom(kind) > 0 && ratesArePositionDerivatives(kind)) allow({"motion"});
+  if (degreesOfFreedom(kind) > 1) allow({"rotors"});
   if (degreesOfFreedom(kind) > 1) {
     for (const char* key :
          {"rotor_inertia", "gear_ratio", "gyroscopic", "stiffness", "rest", "friction", "mimic"}) {
       if (const toml::node* node = table.get(key))
         throw InputError(where(*node), of_kind + ": has " + key +
                                            ", allowed: only with revolute, prismatic and helical "
-                                           "joints, which have one position to measure");
+                                           "joints, which have one position to measure (rotors of "
+                                           "this joint: rotors = [{ inertia = J, ratio = [...] }])");
     }
   }
   checkKeys(table, of_kind, allowed);
@@ -344,6 +347,8 @@ Joint TomlReader::readJoint(const toml::table& table, const std::string& link) c
     if (!gyroscopic->is_boolean()) wrongType(*gyroscopic, what + ": gyroscopic", "true, false");
     joint.gyroscopic = gyroscopic->as_boolean()->get();
   }
+  if (const toml::node* rotors = table.get("rotors"))
+    joint.rotors = readRotors(*rotors, what + ": rotors", degreesOfFreedom(joint.kind));
   if (const toml::node* friction = table.get("friction"))
     joint.friction = readFriction(asTable(*friction, what + ": friction"), what + ": friction");
   if (const toml::node* mimic = table.get("mimic"))
@@ -351,6 +356,27 @@ Joint TomlReader::readJoint(const toml::table& table, const std::string& link) c
   if (const toml::node* motion = table.get("motion"))
     joint.motion = readMotion(*motion, what + ": motion", degreesOfFreedom(joint.kind));
   return joint;
+}
+
+std::vector<Rotor> TomlReader::readRotors(const toml::node& node, const std::string& what,
+                                          int rates) const {
+  const toml::array* array = node.as_array();
+  if (array == nullptr || array->empty())
+    wrongType(node, what, "an array of tables { inertia, ratio, axis }");
+  std::vector<Rotor> rotors;
+  for (const toml::node& element : *array) {
+    const std::string one = what + ": rotor " + std::to_string(rotors.size() + 1);
+    const toml::table& table = asTable(element, one);
+    checkKeys(table, one, {"inertia", "ratio", "axis"});
+    Rotor rotor;
+    rotor.inertia =
+        number(required(table, one, "inertia", "a number above zero, kg m^2"), one + ": inertia");
+    rotor.ratio = numbers(required(table, one, "ratio", "one number a rate of the joint"),
+                          one + ": ratio", static_cast<std::size_t>(rates));
+    if (const toml::node* axis = table.get("axis")) rotor.axis = vector(*axis, one + ": axis");
+    rotors.push_back(std::move(rotor));
+  }
+  return rotors;
 }
 
 Friction TomlReader::readFriction(const toml::table& table, const std::string& what) const {

@@ -125,7 +125,7 @@ std::string linkAndJoint(const Mechanism& mechanism, const Link& link, const Num
 std::string leftOut(const Mechanism& mechanism, const Numbers& number) {
   bool rotors = false, springs = false, one_sided = false;
   for (const Link& link : mechanism.links) {
-    rotors = rotors || number(link.joint.rotor_inertia) != 0;
+    rotors = rotors || number(link.joint.rotor_inertia) != 0 || !link.joint.rotors.empty();
     springs = springs || number(link.joint.stiffness) != 0;
     one_sided =
         one_sided || number(link.joint.friction.positive) != number(link.joint.friction.negative);

@@ -174,6 +174,7 @@ class Validator {
   void requireValues() const;
   void requireBodies();
   void requireJoint(const Link& link);
+  void requireRotors(const Link& link);
   void requireCarriers();
   void requireStart() const;
   void requireInertiaOutboard();
@@ -273,6 +274,11 @@ void Validator::requireValues() const {
                                           j.stiffness, j.rest, j.friction.viscous,
                                           j.friction.positive, j.friction.negative},
             link.where);
+    for (const Rotor& rotor : j.rotors) {
+      require(std::initializer_list<Number>{rotor.inertia}, link.where);
+      require(rotor.ratio, link.where);
+      if (rotor.axis) require(*rotor.axis, link.where);
+    }
   }
 }
 
@@ -460,6 +466,7 @@ void Validator::requireJoint(const Link& link) {
   if (joint.gyroscopic && !(value(joint.rotor_inertia) > 0)) {
     failJoint(link, "gyroscopic without a rotor, allowed: with a rotor_inertia above zero");
   }
+  requireRotors(link);
   const std::pair<const char*, const Number*> frictions[] = {
       {"viscous", &joint.friction.viscous},
       {"coulomb", &joint.friction.positive},
@@ -472,6 +479,42 @@ void Validator::requireJoint(const Link& link) {
   }
 }
 
+void Validator::requireRotors(const Link& link) {
+  const Joint& joint = link.joint;
+  if (joint.rotors.empty()) return;
+  const int rates = degreesOfFreedom(joint.kind);
+  if (rates < 2)
+    failJoint(link, std::string("is ") + name(joint.kind) +
+                        " and has rotors, allowed: rotor_inertia and gear_ratio, or a joint of "
+                        "several rates");
+  for (std::size_t i = 0; i < joint.rotors.size(); ++i) {
+    const Rotor& rotor = joint.rotors[i];
+    const std::string what = fmt::format("rotors: rotor {}: ", i + 1);
+    const auto allZero = [this](const auto& numbers) {
+      return std::all_of(numbers.begin(), numbers.end(),
+                         [this](const Number& n) { return exactValue(n, values_).isZero(); });
+    };
+    if (!(value(rotor.inertia) > 0))
+      failJoint(link, what + fmt::format("inertia is {} kg m^2, allowed: above zero",
+                                         exactValue(rotor.inertia, values_).toDouble()));
+    if (static_cast<int>(rotor.ratio.size()) != rates)
+      failJoint(link, what + fmt::format("ratio has {} numbers, allowed: {}, one a rate of the joint",
+                                         rotor.ratio.size(), rates));
+    if (allZero(rotor.ratio))
+      failJoint(link, what + "all of its ratio is 0, allowed: a rotor that some rate turns");
+    if (rotor.axis && allZero(*rotor.axis))
+      failJoint(link, what + "axis is [0, 0, 0], allowed: any length but zero");
+  }
+  const char* beside = !mechanism_.closures.empty()                   ? "closures"
+                       : !mechanism_.springs.empty()                  ? "springs between points"
+                       : mechanism_.isDriven()                        ? "driven joints"
+                       : !mechanism_.acceleration_constraints.empty() ? "acceleration constraints"
+                                                                      : nullptr;
+  if (beside != nullptr)
+    failJoint(link, std::string("has rotors geared to several rates, and there are ") + beside +
+                        ", allowed: one or the other (both together are not modelled)");
+}
+
 /** A link that moves contains the gyroscopic rotors of the joints on it: what is left of its
     inertia without them is that of a body. A rotor of inertia J about z is at least a disc, J/2 (1
     + z z'). */
@@ -481,21 +524,30 @@ void Validator::requireCarriers() {
     const Link& link = mechanism_.links[i];
     rests.push_back(rests[link.parent] && link.joint.kind == JointKind::kFixed);
   }
-  std::map<int, std::vector<const Link*>> carriers;  // with the links that the rotors on them drive
+  struct Spinning {
+    const Link* driven;
+    const Vector* axis;
+    const Number* inertia;
+  };
+  std::map<int, std::vector<Spinning>> carriers;
   for (std::size_t i = 1; i < mechanism_.links.size(); ++i) {
     const Link& link = mechanism_.links[i];
-    if (link.joint.gyroscopic && !rests[link.parent]) carriers[link.parent].push_back(&link);
+    if (rests[link.parent]) continue;
+    if (link.joint.gyroscopic)
+      carriers[link.parent].push_back({&link, &link.joint.axis, &link.joint.rotor_inertia});
+    for (const Rotor& rotor : link.joint.rotors)
+      if (rotor.axis) carriers[link.parent].push_back({&link, &*rotor.axis, &rotor.inertia});
   }
-  for (const auto& [i, children] : carriers) {
+  for (const auto& [i, rotors] : carriers) {
     RationalMatrix left = inLinkAxes(static_cast<std::size_t>(i)).inertia;
     Rational size = left[0][0] + left[1][1] + left[2][2];
     is_exact_ = bodies_[i].is_exact;
     std::string joints;
-    for (const Link* child : children) {
-      joints += (joints.empty() ? "" : ", ") + ('"' + child->joint.name + '"');
-      const RationalVector z =
-          frame(child->joint.placement.beforeJoint()).R * vector(child->joint.axis);
-      const Rational half = value(child->joint.rotor_inertia) / 2;
+    for (const Spinning& rotor : rotors) {
+      const Joint& joint = rotor.driven->joint;
+      joints += (joints.empty() ? "" : ", ") + ('"' + joint.name + '"');
+      const RationalVector z = frame(joint.placement.beforeJoint()).R * vector(*rotor.axis);
+      const Rational half = value(*rotor.inertia) / 2;
       for (std::size_t j = 0; j < 3; ++j)
         for (std::size_t k = 0; k < 3; ++k)
           left[j][k] -= half * ((j == k ? Rational(1) : Rational(0)) + z[j] * z[k] / dot(z, z));

@@ -158,6 +158,17 @@ void writeEnds(const Part& part, std::size_t index, const Mechanism& mechanism, 
   lines->value("b", inlineAttachment(part.b, mechanism));
 }
 
+std::string inlineRotors(const std::vector<Rotor>& rotors) {
+  std::string all;
+  for (const Rotor& rotor : rotors) {
+    all += (all.empty() ? "{ inertia = " : ", { inertia = ") + number(rotor.inertia) +
+           ", ratio = " + array(rotor.ratio);
+    if (rotor.axis) all += ", axis = " + array(*rotor.axis);
+    all += " }";
+  }
+  return "[" + all + "]";
+}
+
 void writeJoint(const Link& link, Lines* lines) {
   const Joint& joint = link.joint;
   lines->raw("");
@@ -172,6 +183,7 @@ void writeJoint(const Link& link, Lines* lines) {
   lines->scalar("rotor_inertia", joint.rotor_inertia);
   lines->scalar("gear_ratio", joint.gear_ratio, 1);
   if (joint.gyroscopic) lines->value("gyroscopic", "true");
+  if (!joint.rotors.empty()) lines->value("rotors", inlineRotors(joint.rotors));
   lines->scalar("stiffness", joint.stiffness);
   lines->scalar("rest", joint.rest);
   if (!joint.motion.empty()) lines->value("motion", array(joint.motion));

@@ -99,6 +99,7 @@ void BodyTree::addBodies(const scene::Link& link, LinkFrame* frame) {
   const std::vector<std::string>& rates = scene::rateNames(given.kind);
   const Value gear = number_(given.gear_ratio), rotor = gear * gear * number_(given.rotor_inertia);
   const Value spin = given.gyroscopic ? gear * number_(given.rotor_inertia) : constant(graph_, 0);
+  addRotors(given, *frame);
   FrameSteps to_axis;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     Joint joint{};
@@ -145,6 +146,28 @@ void BodyTree::addBodies(const scene::Link& link, LinkFrame* frame) {
     bodies_.push_back(body);
   }
   frame->offset = inverseTurns(to_axis);
+  for (std::size_t k = rotors_.size() - given.rotors.size(); k < rotors_.size(); ++k)
+    rotors_[k].body = size() - 1;
+}
+
+/// Before the joint's bodies are there. @param frame  that of the joint, before its motion
+void BodyTree::addRotors(const scene::Joint& joint, const LinkFrame& frame) {
+  for (const scene::Rotor& given : joint.rotors) {
+    GearedRotor rotor{-1, rates_, {}, number_(given.inertia), -1, zeroVector(graph_)};
+    for (const scene::Number& n : given.ratio) rotor.ratio.push_back(number_(n));
+    if (given.axis && frame.body >= 0) {
+      const NodeNumbers::AlongCoordinate along = number_.alongCoordinate(*given.axis);
+      // its letters are no body's
+      const int label =
+          3 * static_cast<int>(mechanism_.links.size()) + static_cast<int>(rotors_.size()) + 1;
+      FrameSteps to_axis = frame.offset;
+      append(&to_axis, along.coordinate < 0 ? axisSteps(number_.axisTurn(*given.axis, label))
+                                            : axisSteps(graph_, along));
+      rotor.carrier = frame.body;
+      rotor.axis = Placed(graph_, to_axis).columns[2];
+    }
+    rotors_.push_back(rotor);
+  }
 }
 
 void BodyTree::regroup() {
@@ -174,6 +197,13 @@ void BodyTree::regroup() {
     MassMoments& carrier = momentsOf(body.parent);
     carrier = carrier + inboard;
   }
+}
+
+Value rotorRate(Graph* graph, const GearedRotor& rotor) {
+  Value rate = constant(graph, 0);
+  for (std::size_t k = 0; k < rotor.ratio.size(); ++k)
+    rate += rotor.ratio[k] * input(graph, Input::kVelocity, rotor.rate + static_cast<int>(k));
+  return rate;
 }
 
 std::vector<Direction> directions(const BodyTree& tree) {

@@ -26,6 +26,16 @@ struct Body {
   MassMoments moments;
 };
 
+/// A rotor geared to all rates of a joint (scene::Rotor), by psi' = sum of ratio_k qd_k.
+struct GearedRotor {
+  int body;  ///< the joint's last, in whose share of T it is
+  int rate;  ///< the joint's first
+  std::vector<Value> ratio;
+  Value inertia;
+  int carrier;   ///< body that feels its spin; -1: nobody
+  Vector3 axis;  ///< of length 1, in the carrier's axes
+};
+
 /// Where the frame of a scene's link stands.
 struct LinkFrame {
   int body;           ///< -1: the world
@@ -42,6 +52,7 @@ class BodyTree {
   Graph* graph() const { return graph_; }
   NodeNumbers& number() { return number_; }
   const std::vector<Body>& bodies() const { return bodies_; }
+  const std::vector<GearedRotor>& rotors() const { return rotors_; }
   int size() const { return static_cast<int>(bodies_.size()); }
   int slots() const { return slots_; }
   const LinkFrame& frame(int link) const { return frames_[link]; }
@@ -50,6 +61,7 @@ class BodyTree {
 
  private:
   void addBodies(const scene::Link& link, LinkFrame* frame);
+  void addRotors(const scene::Joint& joint, const LinkFrame& frame);
   MassMoments& momentsOf(int body) { return body < 0 ? world_ : bodies_[body].moments; }
   void regroup();
 
@@ -57,6 +69,7 @@ class BodyTree {
   Graph* graph_;
   NodeNumbers number_;
   std::vector<Body> bodies_;
+  std::vector<GearedRotor> rotors_;
   std::vector<scene::Follower> followers_;
   std::size_t next_follower_ = 0;
   int rates_ = 0, slots_ = 0;  ///< of the bodies so far
@@ -64,6 +77,9 @@ class BodyTree {
   MassMoments world_;
   Vector3 gravity_;
 };
+
+/// psi' of a rotor.
+Value rotorRate(Graph* graph, const GearedRotor& rotor);
 
 /// X_i of each rate. A leader's rate moves its followers too.
 std::vector<Direction> directions(const BodyTree& tree);

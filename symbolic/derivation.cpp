@@ -214,7 +214,9 @@ void ClosedSteps::energies() {
     by_positions.push_back(expression(rotor));
     has_rotors = has_rotors || !isZero(by_positions.back());
   }
-  if (has_rotors) links.sentence += " A rotor of a joint adds n^2 J qd^2/2.";
+  if (has_rotors)
+    links.sentence +=
+        " A rotor of a joint adds n^2 J qd^2/2; one geared to several rates J (sum of n_k qd_k)^2/2.";
   for (const LinkMotion& link : motions_.links) by_positions[link.body] += expression(link.kinetic);
   for (std::size_t i = 0; i < e_.links.size(); ++i) {
     const Ex T = algebra_.expression(e_.link_kinetic[i]);
@@ -536,7 +538,7 @@ Residuals residualsOf(Equations& e) {
   const std::vector<Node> p_rate = graph.directionalDerivative(p_of_M, motion(e));
   const std::vector<Node> T_slope = positionGradient(e, T_of_M);
   const std::vector<Node> V_slope = positionGradient(e, V_of_links);
-  const std::vector<Node> structure = structureTerms(e, p_of_M);
+  const std::vector<Node> structure = hamelTerms(e, p_of_M);
   for (int i = 0; i < n; ++i) {
     const Node c = graph.add(graph.subtract(p_rate[i], T_slope[i]), structure[i]);
     r.force.push_back(graph.subtract(c, e.c[i]));

@@ -79,7 +79,27 @@ std::vector<Value> kineticByVelocities(const BodyTree& tree) {
     T += half * joint.rotor * (rate * rate) + joint.spin * rate * v[i].inboard;
     shares.push_back(T);
   }
+  for (const GearedRotor& rotor : tree.rotors()) {
+    const Value rate = rotorRate(graph, rotor);
+    shares[rotor.body] += half * rotor.inertia * (rate * rate);
+    if (rotor.carrier >= 0)
+      shares[rotor.body] += rotor.inertia * rate * dot(rotor.axis, v[rotor.carrier].angular);
+  }
   return shares;
+}
+
+std::vector<Value> gearMomenta(const BodyTree& tree, int rates) {
+  Graph* graph = tree.graph();
+  std::vector<Value> momenta(static_cast<std::size_t>(rates), constant(graph, 0));
+  if (tree.rotors().empty()) return momenta;
+  const std::vector<Velocity> v = velocities(tree);
+  for (const GearedRotor& rotor : tree.rotors()) {
+    Value turning = rotorRate(graph, rotor);
+    if (rotor.carrier >= 0) turning += dot(rotor.axis, v[rotor.carrier].angular);
+    for (std::size_t k = 0; k < rotor.ratio.size(); ++k)
+      momenta[rotor.rate + k] += rotor.ratio[k] * (rotor.inertia * turning);
+  }
+  return momenta;
 }
 
 Value kineticByCompositeBodies(const BodyTree& tree) {
@@ -91,6 +111,12 @@ Value kineticByCompositeBodies(const BodyTree& tree) {
   std::vector<Momentum> h(tree.size(), {zeroVector(graph), zeroVector(graph)});
 
   Value T = constant(graph, 0);
+  for (const GearedRotor& rotor : tree.rotors()) {
+    const Value rate = rotorRate(graph, rotor);
+    T += half * rotor.inertia * (rate * rate);
+    if (rotor.carrier >= 0)
+      h[rotor.carrier].angular = h[rotor.carrier].angular + rotor.inertia * rate * rotor.axis;
+  }
   for (int i = tree.size() - 1; i >= 0; --i) {
     const Body& body = tree.bodies()[i];
     const Joint& joint = body.joint;

@@ -13,8 +13,12 @@
 namespace dynwitness::symbolic {
 
 /// Shares of the bodies in T = sum (m v'v / 2 + (v x w)' first + w' second w / 2) + rotor qd^2/2
-/// + spin qd (angular velocity of the parent about the axis).
+/// + spin qd (angular velocity of the parent about the axis), and of a rotor geared to several rates
+/// J psi'^2/2 + J psi' (angular velocity of its carrier about its axis).
 std::vector<Value> kineticByVelocities(const BodyTree& tree);
+
+/// By rate: what of p = dT/dqd comes through the gears of geared rotors, n dT/dpsi'.
+std::vector<Value> gearMomenta(const BodyTree& tree, int rates);
 
 /** T once more, as a sum over joints instead of bodies: with h the momentum that the bodies
     outboard of joint i would have if body i rested, and I_i their composite moments of mass,

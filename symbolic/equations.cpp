@@ -51,6 +51,7 @@ void formEnergies(const BodyTree& tree, Equations& e) {
   }
   e.potential = potential(tree).node;
   e.p = e.graph.gradient(e.kinetic, rates(e));  // (1)
+  for (const Value& momentum : gearMomenta(tree, e.dof())) e.gear_momenta.push_back(momentum.node);
 }
 
 // ---- c, g, Q ------------------------------------------------------------------------------------
@@ -59,7 +60,7 @@ void formCoriolisAndGravity(Equations& e) {
   Graph& graph = e.graph;
   const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion(e));
   const std::vector<Node> dT_dq = positionGradient(e, e.kinetic);
-  const std::vector<Node> structure = structureTerms(e, e.p);
+  const std::vector<Node> structure = hamelTerms(e, e.p);
   for (int i = 0; i < e.dof(); ++i)
     e.c.push_back(graph.add(graph.subtract(p_rate[i], dT_dq[i]), structure[i]));  // (3), (3')
   e.g = positionGradient(e, e.potential);                                         // (4)
@@ -180,7 +181,7 @@ Equations derive(const scene::Mechanism& mechanism, const Options& options) {
 std::vector<Node> inverseDynamics(Equations& e) {
   Graph& graph = e.graph;
   const std::vector<Node> p_rate = graph.directionalDerivative(e.p, motion(e, true));
-  const std::vector<Node> structure = structureTerms(e, e.p);
+  const std::vector<Node> structure = hamelTerms(e, e.p);
   const std::vector<Node> lagrangian_slope =
       positionGradient(e, graph.subtract(e.kinetic, e.potential));
   std::vector<Node> tau;

@@ -40,6 +40,9 @@ struct QuasiJoint {
 
     which for a body that turns about a fixed point is Euler's  dp/dt + w x p.
 
+    A rotor that is geared to several rates (scene::Rotor) turns at  psi' = sum of n_k qd_k  and has
+    a coordinate of its own: p contains  n_k dT/dpsi', but b_ijk takes p without that.
+
     A joint that follows another (scene::Mimic) has no rate: T and V are written with  qd = k
     qd_leader, and the leader's direction moves both positions, so that all above holds as it
     stands. */
@@ -62,6 +65,7 @@ struct Equations {
   std::vector<Node> link_kinetic;    ///< share of each moving link in T (its rotor's included)
   std::vector<Node> link_potential;  ///< share of each moving link in V (its spring's included)
   std::vector<Node> p, c, g, Q;
+  std::vector<Node> gear_momenta;  ///< of p: n dT/dpsi' of rotors geared to several rates
   std::vector<Node> friction;  ///< dR/dqd, which Q contains with a minus sign
   std::vector<std::vector<Node>> M;
 

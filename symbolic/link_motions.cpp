@@ -89,6 +89,12 @@ LinkMotions linkMotions(const scene::Mechanism& mechanism, const Options& option
     result.first_moments.push_back(movedBack(steps, body.moments).first);
     to_body.push_back(steps);
   }
+  for (const GearedRotor& rotor : tree.rotors()) {
+    const Value rate = rotorRate(graph, rotor);
+    Value turning = constant(graph, Rational(1, 2)) * rate;
+    if (rotor.carrier >= 0) turning = turning + dot(rotor.axis, angular[rotor.carrier]);
+    result.rotor_kinetic[rotor.body] += rotor.inertia * rate * turning;
+  }
   for (std::size_t i = 0; i < mechanism.links.size(); ++i) {
     const scene::Link& link = mechanism.links[i];
     const LinkFrame& frame = tree.frame(static_cast<int>(i));

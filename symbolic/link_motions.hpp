@@ -27,7 +27,8 @@ struct LinkMotion {
 struct LinkMotions {
   std::vector<LinkMotion> links;
   /// Of each body: what its rotor has besides,  n^2 J qd^2 / 2  (and of a gyroscopic rotor
-  /// n J qd times the angular velocity of the link that carries it) [J].
+  /// n J qd times the angular velocity of the link that carries it); of one geared to several rates
+  /// the same with psi' = sum of n_k qd_k [J].
   std::vector<Value> rotor_kinetic;
   /// Of each body: sum of m p over its links, formed from moments of mass, in axes of the world.
   std::vector<Vector3> first_moments;

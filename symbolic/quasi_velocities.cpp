@@ -89,4 +89,9 @@ std::vector<Node> structureTerms(Equations& e, const std::vector<Node>& p) {
   return terms;
 }
 
+std::vector<Node> hamelTerms(Equations& e, std::vector<Node> p) {
+  for (std::size_t i = 0; i < p.size(); ++i) p[i] = e.graph.subtract(p[i], e.gear_momenta[i]);
+  return structureTerms(e, p);
+}
+
 }  // namespace dynwitness::symbolic

@@ -31,4 +31,8 @@ Direction motion(Equations& equations, bool with_accelerations = false);
 /// equations.
 std::vector<Node> structureTerms(Equations& equations, const std::vector<Node>& p);
 
+/// That term in the equations of motion: of the momenta without what comes through gears, since
+/// rotors have coordinates of their own (scene::Rotor).
+std::vector<Node> hamelTerms(Equations& equations, std::vector<Node> p);
+
 }  // namespace dynwitness::symbolic

@@ -18,9 +18,10 @@ InertialSymbols inertialSymbols(const scene::Mechanism& given) {
     link.inertia = scene::MassProperties{};
     link.inertia.about = scene::MassProperties::About::kLinkOrigin;
     link.joint.rotor_inertia = scene::Number(0);
+    for (scene::Rotor& rotor : link.joint.rotors) rotor.inertia = scene::Number(0);
   }
   for (std::size_t j = 0; j < out.parameters.size(); ++j) {
-    const auto [at, kind] = out.parameters[j];
+    const auto [at, kind, rotor] = out.parameters[j];
     out.mechanism.parameters.push_back({symbol(j), kind == Kind::kMass ? 1 : 0, {}});
     scene::Link& link = out.mechanism.links[at];
     scene::MassProperties& m = link.inertia;
@@ -34,9 +35,10 @@ InertialSymbols inertialSymbols(const scene::Mechanism& given) {
                                       &m.xy,
                                       &m.xz,
                                       &m.yz,
-                                      &link.joint.rotor_inertia};
+                                      rotor < 0 ? &link.joint.rotor_inertia
+                                                : &link.joint.rotors[rotor].inertia};
     std::string value = symbol(j);
-    if (kind == Kind::kRotor)
+    if (kind == Kind::kRotor && rotor < 0)
       value += " / (" + link.joint.gear_ratio.text() + ")^2";  // it is n^2 J
     *numbers[static_cast<int>(kind)] = scene::Number::parse(value);
   }

@@ -26,6 +26,8 @@ enum OfJoint {
   kMdh,
   kRotor,
   kGyroscopicRotor,
+  kGearedRotor,
+  kGearedGyroscopicRotor,
   kViscous,
   kCoulomb,
   kSpring,
@@ -46,7 +48,7 @@ const std::vector<const char*>& ofJoint() {
       out.push_back(scene::name(static_cast<JointKind>(kind)));
     for (const char* name :
          {"on the world", "turned on the world", "turned frame", "displaced frame", "axis off z",
-          "Denavit-Hartenberg", "modified Denavit-Hartenberg", "rotor", "gyroscopic rotor",
+          "Denavit-Hartenberg", "modified Denavit-Hartenberg", "rotor", "gyroscopic rotor", "geared to several rates", "gyroscopic, to several rates",
           "viscous friction", "Coulomb friction", "spring", "follows another", "massless link",
           "inertia in turned axes", "inertia about the link's origin", "wrench in link axes",
           "wrench in world axes", "driven"})
@@ -97,6 +99,10 @@ std::vector<int> featuresOfJoint(const scene::Mechanism& mechanism, std::size_t 
   const bool has_rotor = !joint.rotor_inertia.isLiteralZero();
   add(has_rotor && !joint.gyroscopic, kRotor);
   add(has_rotor && joint.gyroscopic, kGyroscopicRotor);
+  for (const bool gyroscopic : {false, true})
+    add(std::any_of(joint.rotors.begin(), joint.rotors.end(),
+                    [&](const scene::Rotor& r) { return r.axis.has_value() == gyroscopic; }),
+        gyroscopic ? kGearedGyroscopicRotor : kGearedRotor);
   add(!joint.friction.viscous.isLiteralZero(), kViscous);
   add(joint.friction.isCoulomb(), kCoulomb);
   add(!joint.stiffness.isLiteralZero(), kSpring);
@@ -153,6 +159,9 @@ JointKind kindOf(std::size_t feature) {
 bool goesWith(JointKind kind, std::size_t property) {
   const bool has_one_q = scene::degreesOfFreedom(kind) == 1, has_axis = scene::hasAxis(kind);
   switch (property) {
+    case kGearedRotor:
+    case kGearedGyroscopicRotor:
+      return scene::degreesOfFreedom(kind) > 1;
     case kRotor:
     case kGyroscopicRotor:
     case kViscous:
@@ -176,6 +185,12 @@ bool goesWith(JointKind kind, std::size_t property) {
 bool excludeEachOther(std::size_t a, std::size_t b) {
   if (isKind(a) && isKind(b)) return true;
   if (isKind(a)) return !goesWith(kindOf(a), b);
+  const auto isGeared = [](std::size_t x) {
+    return x == kGearedRotor || x == kGearedGyroscopicRotor;
+  };
+  // of one rate and of several
+  if (isGeared(b) && (a == kRotor || a == kGyroscopicRotor)) return true;
+  if (isGeared(a) && (b == kViscous || b == kCoulomb || b == kSpring || b == kFollower)) return true;
   constexpr std::pair<std::size_t, std::size_t> kApart[] = {{kDh, kMdh},
                                                             {kAxisOffZ, kDh},
                                                             {kAxisOffZ, kMdh},
@@ -197,6 +212,12 @@ bool isDrawn(PairRelation relation, std::size_t row, std::size_t column) {
   };
   if (column == kFollower && (of_joint ? row == kDriven : isConstraint(row))) return false;
   if (of_joint && row == kFollower && column == kDriven) return false;
+  // the format has no rotors geared to several rates beside what makes more than a tree
+  const auto isGeared = [of_joint](std::size_t x, bool of) {
+    return of && (x == kGearedRotor || x == kGearedGyroscopicRotor);
+  };
+  if (isGeared(column, true) && (of_joint ? row == kDriven : row >= kFirstFeature)) return false;
+  if (isGeared(row, of_joint) && column == kDriven) return false;
   if (relation != PairRelation::kOneJoint || column != kMassless || !isKind(row)) return true;
   return kindOf(row) == JointKind::kFixed || scene::degreesOfFreedom(kindOf(row)) == 1;
 }

@@ -29,6 +29,7 @@ constexpr Words kWords[] = {
     {Feature::kGravity, "gravity"},
     {Feature::kRotor, "rotor"},
     {Feature::kGyroscopicRotor, "gyroscopic rotor"},
+    {Feature::kGearedRotor, "rotor geared to several rates"},
     {Feature::kViscousFriction, "viscous friction"},
     {Feature::kCoulombFriction, "Coulomb friction"},
     {Feature::kJointSpring, "spring of a joint"},
@@ -127,6 +128,30 @@ struct Rules {
          {Kind::kRefused, "impulses through joints that share a rate are not told apart"}},
     };
   }
+  std::vector<Rule> ofGearedRotors() const {
+    const Features geared = {Feature::kGearedRotor};
+    const Treatment joint_by_joint = {
+        Kind::kRefused,
+        "it couples rates, and what is computed here passes each axis of a joint by itself"};
+    const Treatment other_rotors = {Kind::kRefused,
+                                    "rotors are told apart here by the one joint that turns them"};
+    std::vector<Rule> out;
+    for (const Command command :
+         {Command::kDeriveOperations, Command::kDeriveCode, Command::kEvaluateJoints,
+          Command::kEvaluateTasks, Command::kChart, Command::kImpulse, Command::kImpedance,
+          Command::kSweep, Command::kEnvelope, Command::kReduce, Command::kLinearize})
+      out.push_back({command, geared, joint_by_joint});
+    for (const Command command :
+         {Command::kCheck, Command::kGrade, Command::kGolden, Command::kRotors})
+      out.push_back({command, geared, other_rotors});
+    for (const Command command : {Command::kGeometry, Command::kAction})
+      out.push_back({command,
+                     geared,
+                     {Kind::kRefused,
+                      "on a joint whose rates are no derivatives its motion is that of no metric and "
+                      "makes no action stationary, allowed: rotors of one rate"}});
+    return out;
+  }
   std::vector<Rule> ofComparisons() const {
     return {
         {Command::kCheck, closures + point_springs + prescribed, of_the_tree},
@@ -176,7 +201,7 @@ struct Rules {
          {Kind::kNoPart,
           "gravity is the world's acceleration -g in the sweeps, no force on a link"}},
         {Command::kEvaluatePoints,
-         Features{Feature::kGravity, Feature::kRotor, Feature::kGyroscopicRotor} + friction +
+         Features{Feature::kGravity, Feature::kRotor, Feature::kGyroscopicRotor, Feature::kGearedRotor} + friction +
              spring_of_joint + wrenches + closures + point_springs + prescribed,
          {Kind::kNoPart, "a point's motion is that of q, qd and qdd, whatever makes it"}},
         {Command::kEvaluateForces, closures + point_springs, no_closed_forces},
@@ -324,7 +349,7 @@ const std::vector<Rule>& rules() {
   static const std::vector<Rule> all = [] {
     const Rules rules;
     std::vector<Rule> joined;
-    for (const auto& part : {rules.ofFollowers(), rules.ofComparisons(), rules.ofEquations(),
+    for (const auto& part : {rules.ofFollowers(), rules.ofGearedRotors(), rules.ofComparisons(), rules.ofEquations(),
                              rules.ofMotionAndParameters(), rules.ofReduction(), rules.ofStudies()})
       joined.insert(joined.end(), part.begin(), part.end());
     return joined;
@@ -531,6 +556,9 @@ std::vector<FoundFeature> featuresOf(const scene::Scene& scene) {
       Feature::kGyroscopicRotor,
       [](const scene::Joint& j) { return j.gyroscopic && !j.rotor_inertia.isLiteralZero(); },
       "has a gyroscopic rotor");
+  addJoint(
+      Feature::kGearedRotor, [](const scene::Joint& j) { return !j.rotors.empty(); },
+      "has rotors geared to its rates");
   addJoint(
       Feature::kViscousFriction,
       [](const scene::Joint& j) { return !j.friction.viscous.isLiteralZero(); },

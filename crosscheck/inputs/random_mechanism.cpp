@@ -28,7 +28,8 @@ class Drawing {
         random_(kinds == JointKinds::kAll ? "random mechanism" : "random plain mechanism", seed,
                 index),
         followers_("random followers", seed, index),
-        turns_("random turned inertias", seed, index) {}
+        turns_("random turned inertias", seed, index),
+        rotors_("random geared rotors", seed, index) {}
 
   scene::Mechanism mechanism(int max_joints) {
     scene::Mechanism out;
@@ -58,6 +59,32 @@ class Drawing {
     }
     follow(out);
     return out;
+  }
+
+  /// Gears one to three rotors to the rates of joints of several, from a stream of its own: what else
+  /// is drawn stays. Light ones, but a rod carries none.
+  void gear(scene::Mechanism& mechanism) {
+    static constexpr int kAxes[][3] = {{0, 0, 1}, {1, 0, 0}, {0, -1, 0},
+                                       {3, 0, 4}, {1, 1, 0}, {1, -2, 1}};
+    const auto draw = [this](int n) {
+      return static_cast<int>(rotors_.next() % static_cast<std::uint64_t>(n));
+    };
+    if (kinds_ != JointKinds::kAll || draw(100) >= 45) return;
+    for (scene::Link& link : mechanism.links) {
+      const int rates = scene::degreesOfFreedom(link.joint.kind);
+      if (link.parent < 0 || rates < 2 || draw(100) >= 75) continue;
+      for (int i = 1 + draw(3); i > 0; --i) {
+        scene::Rotor rotor;
+        rotor.inertia = Rational(1 + draw(20), 100000);
+        for (int k = 0; k < rates; ++k) rotor.ratio.emplace_back(Rational(draw(601) - 300, 10));
+        rotor.ratio[draw(rates)] = Rational(5);
+        if (draw(100) < 60) {
+          const auto& a = kAxes[draw(6)];
+          rotor.axis = Vector{Number(a[0]), Number(a[1]), Number(a[2])};
+        }
+        link.joint.rotors.push_back(rotor);
+      }
+    }
   }
 
  private:
@@ -227,7 +254,7 @@ class Drawing {
   }
 
   JointKinds kinds_;
-  RandomStream random_, followers_, turns_;
+  RandomStream random_, followers_, turns_, rotors_;
 };
 
 /// Adds to one mechanism what makes it more than its tree.
@@ -241,6 +268,7 @@ class Constraining {
         start_q_(scene.start_q) {}
 
   void all() {
+    if (mechanism_.hasGearedRotors()) return;  // the format has no more beside them
     addSprings();
     if (mechanism_.hasMimics()) return;
     addDrives();
@@ -461,6 +489,18 @@ class Constraining {
   std::vector<Number>& start_q_;
 };
 
+/// Gyroscopic where every link can carry them.
+void addGearedRotors(Drawing& drawing, scene::Scene& scene) {
+  drawing.gear(scene.mechanism);
+  try {
+    scene::validate(scene);
+  } catch (const scene::InputError&) {
+    for (scene::Link& link : scene.mechanism.links)
+      for (scene::Rotor& rotor : link.joint.rotors) rotor.axis.reset();
+    scene::validate(scene);
+  }
+}
+
 }  // namespace
 
 scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints,
@@ -482,6 +522,7 @@ scene::Scene randomScene(std::uint64_t seed, std::uint64_t index, int max_joints
     out.start_qd.assign(out.mechanism.dof(), Number(0));
     try {
       scene::validate(out);
+      addGearedRotors(drawing, out);
       return out;
     } catch (const scene::InputError&) {  // a joint that moves no inertia: the next one, then
     }
@@ -498,7 +539,7 @@ scene::Scene randomWholeScene(std::uint64_t seed, std::uint64_t index, int max_j
 
 scene::Scene randomTreeScene(std::uint64_t seed, std::uint64_t index, int max_joints) {
   scene::Scene out = randomScene(seed, index, max_joints);
-  out.mechanism = scene::withoutMimics(out.mechanism);
+  out.mechanism = scene::withoutGearedRotors(scene::withoutMimics(out.mechanism));
   out.start_q = out.mechanism.restPosition();
   out.start_qd.assign(out.mechanism.dof(), Number(0));
   return out;

@@ -243,8 +243,9 @@ void requireProgram(const scene::Mechanism& mechanism) {
   if (!mechanism.isOpenTree())
     throw std::runtime_error(
         "kernels are made for open trees, without closures or springs between points");
-  if (mechanism.hasMimics())
-    throw std::domain_error("programs are made for joints that follow no others");
+  if (mechanism.hasCoupledRates())
+    throw std::domain_error(
+        "programs are made for joints that follow no others and rotors of one rate");
   if (mechanism.hasCoulombFriction())
     throw std::domain_error(
         "kernels compute with + - * / alone, and have no sign for Coulomb friction");

@@ -52,6 +52,12 @@ struct ReactionsAlongAxes : Law {
         through = swept.X_up[j].inverseTimes(through);
       }
     }
+    for (const recursive::GearedRotor<T>& rotor : model.rotors) {
+      T moment = rotor.inertia * recursive::rotorRate(rotor, state.qdd);
+      if (rotor.carrier >= 0) moment += dot(swept.a[rotor.carrier], recursive::spinAxis(rotor));
+      for (std::size_t k = 0; k < rotor.ratio.size(); ++k)
+        sides.right(rotor.dof + static_cast<int>(k), 0) -= rotor.ratio[k] * moment;
+    }
     return sides;
   }
 };

@@ -120,7 +120,7 @@ class SweptMechanism {
   /// Through the joint of each link of the scene; there is none at its root.
   const std::vector<recursive::Force<T>>& reactions();
 
-  // ---- with joints that follow others let go ----------------------------------------------------
+  // ---- with joints that follow others let go, without rotors geared to several rates ----------------------------------------------------
 
   const recursive::Model<T>& letGo() const { return free_; }
   /// The same rates with one for every joint.
@@ -155,7 +155,7 @@ class SweptMechanism {
   };
 
   recursive::Model<T> model_, kept_;
-  recursive::Model<T> free_;  ///< joints that follow others let go
+  recursive::Model<T> free_;  ///< without what couples rates
   recursive::Model<Moving> moving_;
   /// Those of kept_ and free_ hold one sweep each; the others serve whatever is asked.
   recursive::Workspace<T> ws_, ws_free_, ws_kept_;
@@ -175,8 +175,10 @@ SweptMechanism<T>::SweptMechanism(const scene::Mechanism& mechanism, const Numbe
                                   recursive::Model<T> lumped, recursive::Model<T> kept)
     : model_(std::move(lumped)),
       kept_(std::move(kept)),
-      free_(mechanism.hasMimics() ? recursive::buildModel(scene::withoutMimics(mechanism), numbers)
-                                  : model_),
+      free_(mechanism.hasCoupledRates()
+                ? recursive::buildModel(scene::withoutGearedRotors(scene::withoutMimics(mechanism)),
+                                        numbers)
+                : model_),
       moving_(recursive::buildModel(mechanism, DualNumbers<Numbers>(numbers),
                                     recursive::FixedJoints::kKept)),
       ws_(model_),

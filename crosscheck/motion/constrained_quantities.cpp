@@ -65,8 +65,9 @@ ConstrainedRoad ConstrainedQuantities::usualRoad() const {
   const scene::Mechanism& mechanism = parts_->scene.mechanism;
   const bool both = !mechanism.closures.empty() &&
                     (mechanism.isDriven() || !mechanism.acceleration_constraints.empty());
-  // the constrained sweeps solve for each joint where they pass it, which a follower does not allow
-  return both || mechanism.hasMimics() ? ConstrainedRoad::kDense : ConstrainedRoad::kSweeps;
+  // the constrained sweeps solve for each joint where they pass it, which neither a follower nor a
+  // rotor geared to several rates allows
+  return both || mechanism.hasCoupledRates() ? ConstrainedRoad::kDense : ConstrainedRoad::kSweeps;
 }
 
 namespace {

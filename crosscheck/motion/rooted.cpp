@@ -188,6 +188,12 @@ class Rooting {
                         "allowed on the way: fixed, revolute, prismatic, helical, cylindrical "
                         "and spherical ones",
                         joint.name, scene::name(joint.kind)));
+      if (!joint.rotors.empty())
+        refuse(
+            fmt::format("the rotors of joint \"{}\" are geared to the rates that its child has on "
+                        "its parent, which turned round are others, allowed: joints without rotors "
+                        "of several rates on the way",
+                        joint.name));
       if (joint.gyroscopic)
         refuse(
             fmt::format("the gyroscopic rotor of joint \"{}\" would sit on its child, allowed: "

@@ -49,6 +49,7 @@ void requireOpenTree(const scene::Scene& scene) {
                      : m.isDriven()                        ? "driven joints"
                      : !m.acceleration_constraints.empty() ? "acceleration constraints"
                      : m.hasGyroscopicRotors()             ? "gyroscopic rotors"
+                     : m.hasGearedRotors()                 ? "rotors geared to several rates"
                                                            : nullptr;
   if (what)
     throw scene::InputError(

@@ -196,6 +196,13 @@ std::string remarksOn(const JointFacts& facts, const Numbers& value) {
     words.push_back(
         fmt::format("{}rotor {} kg m^2 geared {}", joint.gyroscopic ? "gyroscopic " : "",
                     number(value(joint.rotor_inertia)), number(value(joint.gear_ratio))));
+  for (const scene::Rotor& rotor : joint.rotors) {
+    std::vector<double> ratio;
+    for (const scene::Number& n : rotor.ratio) ratio.push_back(value(n));
+    words.push_back(fmt::format("{}rotor {} kg m^2 geared ({}){}", rotor.axis ? "gyroscopic " : "",
+                                number(value(rotor.inertia)), valuesOf(ratio),
+                                rotor.axis ? " about (" + vectorText(*rotor.axis, value) + ")" : ""));
+  }
   if (!joint.friction.viscous.isLiteralZero())
     words.push_back(fmt::format("viscous friction {} {}", number(value(joint.friction.viscous)),
                                 slides ? "N s/m" : "N m s/rad"));
@@ -239,6 +246,13 @@ Table jointTable(const Facts& facts) {
   const scene::Mechanism& mechanism = facts.shown.scene.mechanism;
   for (const JointFacts& joint : facts.joints) {
     const scene::Joint& j = joint.link->joint;
+    Json rotors = Json::array();
+    for (const scene::Rotor& rotor : j.rotors) {
+      rotors.push_back({{"inertia", value(rotor.inertia)},
+                        {"ratio", Json::array()},
+                        {"axis", rotor.axis ? vector(*rotor.axis) : Json()}});
+      for (const scene::Number& n : rotor.ratio) rotors.back()["ratio"].push_back(value(n));
+    }
     if (joint.link->parent < 0 || j.kind == JointKind::kFixed) continue;
     const bool follows = !joint.leader.empty();
     const std::string ratio = follows ? number(joint.multiplier) : "";
@@ -491,6 +505,7 @@ std::string showJson(const Shown& shown, const std::string& version) {
                        {{"inertia", value(j.rotor_inertia)},
                         {"gear_ratio", value(j.gear_ratio)},
                         {"gyroscopic", j.gyroscopic}}},
+                      {"rotors", rotors},
                       {"friction",
                        {{"viscous", value(j.friction.viscous)},
                         {"positive", value(j.friction.positive)},

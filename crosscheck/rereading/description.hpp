@@ -22,6 +22,13 @@ struct Following {
   Value multiplier = 1, offset;
 };
 
+/// A rotor geared to all rates of a joint; with an axis it is gyroscopic.
+struct GearedRotor {
+  Value inertia;
+  std::vector<Value> ratio;
+  std::optional<Vector> axis;
+};
+
 struct Joint {
   enum class Form { kMovedAndTurned, kDh, kMdh };
   std::string name, kind = "fixed";  ///< kind in the words of the scene format
@@ -30,6 +37,7 @@ struct Joint {
   Value a, alpha, d, theta;           ///< [m], [rad], [m], [rad]
   Value pitch, rotor_inertia, gear_ratio = 1, viscous, positive, negative, stiffness, rest;
   bool gyroscopic = false;
+  std::vector<GearedRotor> rotors;
   std::optional<Following> follows;
 };
 

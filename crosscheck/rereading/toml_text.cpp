@@ -222,6 +222,7 @@ class TomlText {
     put(keys, "rest", &out.rest);
     if (const toml::node* gyroscopic = keys.get("gyroscopic"))
       out.gyroscopic = gyroscopic->value_or(false);
+    if (const toml::node* rotors = keys.get("rotors")) readRotors(*rotors, keys, &out);
     if (const toml::table* friction = keys.table("friction")) readFriction(*friction, keys, &out);
     if (const toml::table* mimic = keys.table("mimic")) {
       Keys words(*mimic, "mimic of " + keys.what(), &out_.not_read);
@@ -232,6 +233,17 @@ class TomlText {
       out.follows = follows;
     }
     return out;
+  }
+
+  void readRotors(const toml::node& list, const Keys& joint, Joint* out) {
+    for (const toml::node& one : *list.as_array()) {
+      Keys keys(*one.as_table(), "rotor of " + joint.what(), &out_.not_read);
+      GearedRotor rotor;
+      put(keys, "inertia", &rotor.inertia);
+      for (const toml::node& n : *keys.get("ratio")->as_array()) rotor.ratio.push_back(number(n));
+      if (keys.get("axis") != nullptr) put(keys, "axis", &rotor.axis.emplace());
+      out->rotors.push_back(rotor);
+    }
   }
 
   void readFriction(const toml::table& table, const Keys& joint, Joint* out) {

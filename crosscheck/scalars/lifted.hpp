@@ -53,6 +53,11 @@ recursive::Model<S> lifted(const recursive::Model<T>& model) {
     l.load = {vector(link.load.force), vector(link.load.moment)};
     out.links.push_back(l);
   }
+  for (const recursive::GearedRotor<T>& rotor : model.rotors) {
+    recursive::GearedRotor<S> r{rotor.dof, {}, S(rotor.inertia), rotor.carrier, vector(rotor.axis)};
+    for (const T& n : rotor.ratio) r.ratio.push_back(S(n));
+    out.rotors.push_back(r);
+  }
   for (const recursive::WorldLoad<T>& load : model.world_loads)
     out.world_loads.push_back(
         {load.link, vector(load.force), vector(load.moment), vector(load.at)});

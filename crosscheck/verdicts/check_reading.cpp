@@ -187,6 +187,13 @@ std::string otherWords(const scene::Scene& scene, const Description& file) {
          ours.joint.mimic ? ours.joint.mimic->joint : "");
     same("'gyroscopic' of the joint" + of, flag(link.joint.gyroscopic),
          flag(ours.joint.gyroscopic));
+    counted("rotors" + of, link.joint.rotors.size(), ours.joint.rotors.size());
+    for (std::size_t k = 0; k < ours.joint.rotors.size() && found.empty(); ++k) {
+      const scene::Rotor& rotor = ours.joint.rotors[k];
+      counted("ratios of a rotor" + of, link.joint.rotors[k].ratio.size(), rotor.ratio.size());
+      same("whether a rotor is gyroscopic" + of, flag(link.joint.rotors[k].axis.has_value()),
+           flag(rotor.axis.has_value()));
+    }
   }
   counted("closures", file.closures.size(), m.closures.size());
   for (std::size_t i = 0; i < m.closures.size() && found.empty(); ++i) {
@@ -357,6 +364,15 @@ CheckResult numbers(const scene::Scene& scene, const Description& file, std::uin
     out.add(k, "Coulomb friction backwards", "", joint.negative, number(ours.friction.negative));
     out.add(k, "stiffness", "", joint.stiffness, number(ours.stiffness));
     out.add(k, "rest", "", joint.rest, number(ours.rest));
+    for (std::size_t r = 0; r < ours.rotors.size(); ++r) {
+      const scene::Rotor& rotor = ours.rotors[r];
+      const rereading::GearedRotor& read = joint.rotors[r];
+      const int of = next(fmt::format("rotor {} of joint '{}'", r + 1, ours.name));
+      out.add(of, "inertia", "kg m^2", read.inertia, number(rotor.inertia));
+      for (std::size_t j = 0; j < rotor.ratio.size(); ++j)
+        out.add(of, "ratio", "", read.ratio[j], number(rotor.ratio[j]));
+      if (rotor.axis) out.add(of, {"axis x", "axis y", "axis z"}, "", *read.axis, *rotor.axis, number);
+    }
     if (!ours.mimic) continue;
     out.add(k, "multiplier", "", joint.follows->multiplier, number(ours.mimic->multiplier));
     out.add(k, "offset", "", joint.follows->offset, number(ours.mimic->offset));

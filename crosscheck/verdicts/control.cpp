@@ -66,6 +66,7 @@ scene::Scene heavier(const scene::Scene& scene, int power, TooHeavy what) {
     for (scene::Number* number : {&m.mass, &m.xx, &m.yy, &m.zz, &m.xy, &m.xz, &m.yz})
       scale(*number);
     scale(link.joint.rotor_inertia);
+    for (scene::Rotor& rotor : link.joint.rotors) scale(rotor.inertia);
   }
   if (what == TooHeavy::kInertia) {
     for (int k = 0; k < 3; ++k) times(out.mechanism.gravity[k], "/");

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
+#include "scene/own_rates.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -22,6 +23,7 @@ class Summed : public OverTree {
         mechanism_(scene.mechanism()),
         in_double_(mechanism_, scene::RealNumbers<double>(mechanism_)),
         with_bounds_(mechanism_, RunningErrorNumbers(mechanism_)),
+        rotors_(scene.mechanism().hasGearedRotors()),
         tree_(scene.tree()) {}
 
   Witness& ofTree() const override { return *of_tree_; }
@@ -33,6 +35,10 @@ class Summed : public OverTree {
     if (const auto* partial = dynamic_cast<const PartialWitness*>(of_tree_.get()))
       for (auto& [quantity, reason] : partial->leftOut())
         if (quantity != Quantity::kQdd) out.emplace_back(quantity, std::move(reason));
+    if (rotors_ && of_tree_->answers(Quantity::kMomentum))
+      out.emplace_back(Quantity::kMomentum,
+                       "rotors geared to several rates turn in the world of the tree that it is "
+                       "asked about, and have no part in the mechanism's momentum");
     if (!answers(Quantity::kQdd))
       out.emplace_back(Quantity::kQdd,
                        fmt::format("where joints follow others qdd is solved from M and tau of the "
@@ -42,6 +48,7 @@ class Summed : public OverTree {
   }
   const std::string& name() const override { return of_tree_->name(); }
   bool answers(Quantity quantity) const override {
+    if (rotors_ && quantity == Quantity::kMomentum) return false;
     if (quantity != Quantity::kQdd) return of_tree_->answers(quantity);
     return of_tree_->answers(Quantity::kM) && of_tree_->answers(Quantity::kTau);
   }
@@ -66,7 +73,7 @@ class Summed : public OverTree {
     const MatrixOf<RunningError> out = with_bounds_(
         quantity, uncertain, [&](Quantity asked, const scene::State<RunningError>& tree) {
           scene::State<double> rounded;  // what the witness was asked
-          for (const auto& x : state.x) rounded.x.push_back(x);
+          rounded.x = in_double_.onTree(state).x;
           for (const RunningError& x : tree.qd) rounded.qd.push_back(x.value());
           for (const RunningError& x : tree.qdd) rounded.qdd.push_back(x.value());
           for (const RunningError& x : tree.tau) rounded.tau.push_back(x.value());
@@ -91,21 +98,31 @@ class Summed : public OverTree {
   scene::Mechanism mechanism_;
   Coupling<double> in_double_;
   Coupling<RunningError> with_bounds_;
+  bool rotors_;  ///< geared to several rates
   Setup<RunningError> tree_;
 };
 
 }  // namespace
 
-WitnessKind overTree(WitnessKind kind) {
+WitnessKind overTree(WitnessKind kind, Lacking lacking) {
   if (!kind.info.conventions.empty())
     kind.info.conventions +=
         "\n"
         "followers (mimic): the tree without them, every joint with a rate of its own, is what it "
         "is asked "
         "about; M = G'MG, c = G'c, g = G'g, tau = G'tau are summed here, and qdd solves M qdd = "
-        "tau - bias";
-  kind.make = [make = kind.make](const PreparedScene& scene) -> MadeWitness {
-    if (!scene.mechanism().hasMimics()) return make(scene);
+        "tau - bias\n"
+        "rotors geared to several rates: links of that tree, on revolute joints in the world that "
+        "turn as the gears say; a gyroscopic one " +
+        std::string(lacking == Lacking::kRefused ? "is refused" : "turns on the link it is on");
+  kind.make = [make = kind.make, lacking](const PreparedScene& scene) -> MadeWitness {
+    if (!scene.mechanism().hasCoupledRates()) return make(scene);
+    if (std::string reason = scene::hasNoTree(scene.mechanism()); !reason.empty())
+      return Refusal{reason};
+    if (lacking == Lacking::kRefused && scene::hasLackingLinks(scene.mechanism()))
+      return Refusal{
+          "a rotor geared to several rates is gyroscopic: as a body of its own it would leave its "
+          "link an inertia that no file has"};
     MadeWitness of_tree = make(scene.tree());
     if (of_tree.isRefused()) return of_tree;
     return std::make_unique<Summed>(std::move(of_tree).value(), scene);

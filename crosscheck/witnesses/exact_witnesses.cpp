@@ -10,6 +10,7 @@
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/exact_witness.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
+#include "scene/own_rates.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -95,10 +96,12 @@ OrRefusal<ExactWitness> exactKernel(const PreparedScene& scene, Parameters param
     return Refusal{"kernels are made for open trees, without closures or springs between points"};
   if (scene.mechanism().hasCoulombFriction())
     return Refusal{"kernels compute with + - * / alone, and have no sign for Coulomb friction"};
+  if (std::string reason = scene::hasNoTree(scene.mechanism()); !reason.empty())
+    return Refusal{reason};
   const auto programs = std::make_shared<const KernelPrograms>(scene.tree().roads());
   const auto on = [programs, mechanism = scene.mechanism()](const FieldNumbers& number) {
     using T = PrimeField;
-    return [answers = KernelAnswers(programs, number), coupled = mechanism.hasMimics(),
+    return [answers = KernelAnswers(programs, number), coupled = mechanism.hasCoupledRates(),
             coupling = Coupling<T>(mechanism, number)](
                Quantity quantity, const scene::State<T>& state) mutable -> MatrixOf<T> {
       return coupled ? coupling(quantity, state, answers) : answers(quantity, state);

@@ -73,7 +73,8 @@ WitnessKind fastKind() {
   return overTree({{kFastName, DYNWITNESS_VERSION,
                     "the sweeps of recursive/fast/, for any mechanism, made for speed"},
                    [](const PreparedScene& scene) { return makeWitness<FastWitness>(scene); },
-                   exactFast});
+                   exactFast},
+                  Lacking::kAnswered);
 }
 
 }  // namespace dynwitness::crosscheck

@@ -4,6 +4,8 @@
 #include "crosscheck/witnesses/coupled.hpp"
 #include "crosscheck/witnesses/exact_witness.hpp"
 #include "crosscheck/witnesses/fast_sweeps.hpp"
+#include "scene/mimic.hpp"
+#include "scene/own_rates.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -11,11 +13,11 @@ template class FastSweeps<PrimeField>;
 
 namespace {
 
-/// The tree without followers. Over the field every rate has the sign 1 (scene::directionOf), and
+/// The tree of joints with rates of their own. Over the field every rate has the sign 1 (scene::directionOf), and
 /// of a joint that moves backward when its leader moves forward the tree does not know: it is told
 /// by its friction.
 scene::Mechanism treeOf(const scene::Mechanism& mechanism) {
-  scene::Mechanism tree = scene::withoutMimics(mechanism);
+  scene::Mechanism tree = scene::withOwnRates(mechanism);
   for (const scene::Follower& f : scene::followers(mechanism)) {
     scene::Friction& friction = tree.links[f.link].joint.friction;
     if (f.multiplier < 0 && friction.isCoulomb())
@@ -27,10 +29,12 @@ scene::Mechanism treeOf(const scene::Mechanism& mechanism) {
 }  // namespace
 
 OrRefusal<ExactWitness> exactFast(const PreparedScene& scene, Parameters) {
+  if (std::string reason = scene::hasNoTree(scene.mechanism()); !reason.empty())
+    return Refusal{reason};
   const auto on = [mechanism = scene.mechanism()](const FieldNumbers& number) {
     using T = PrimeField;
     return [sweeps = FastSweeps<T>(recursive::buildModel(treeOf(mechanism), number)),
-            coupled = mechanism.hasMimics(), coupling = Coupling<T>(mechanism, number)](
+            coupled = mechanism.hasCoupledRates(), coupling = Coupling<T>(mechanism, number)](
                Quantity quantity, const scene::State<T>& state) mutable -> MatrixOf<T> {
       return coupled ? coupling(quantity, state, sweeps) : sweeps(quantity, state);
     };

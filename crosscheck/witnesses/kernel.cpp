@@ -155,7 +155,7 @@ WitnessKind kindOf(const std::string& name, bool lanes) {
       info.absent = error.what();
       return absentKind(info, info.absent);
     }
-    return overTree(engineKind<KernelWitness>(info, lanes));
+    return overTree(engineKind<KernelWitness>(info, lanes), Lacking::kAnswered);
   };
   WitnessKind kind = made();
   kind.is_compiled = true;

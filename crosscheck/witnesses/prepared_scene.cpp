@@ -8,7 +8,7 @@
 #include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
-#include "scene/mimic.hpp"
+#include "scene/own_rates.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -66,10 +66,13 @@ const scene::Scene& PreparedScene::scene() const {
 }
 
 PreparedScene PreparedScene::tree() const {
-  if (!mechanism().hasMimics()) return *this;
+  if (!mechanism().hasCoupledRates()) return *this;
   if (!parts_->tree) {
     scene::Scene tree = scene();
-    tree.mechanism = scene::withoutMimics(mechanism());
+    tree.mechanism = scene::withOwnRates(mechanism());
+    tree.start_q.insert(tree.start_q.end(),
+                        static_cast<std::size_t>(tree.mechanism.positions()) - tree.start_q.size(),
+                        scene::Number(0));
     tree.start_qd.assign(static_cast<std::size_t>(tree.mechanism.dof()), scene::Number(0));
     parts_->tree.emplace(std::move(tree));
   }

@@ -59,6 +59,7 @@ class HomogeneousModel {
   struct Body {
     int parent = -1, dof = -1, slot = -1;  ///< dof: of the first axis
     bool rests = false;                    ///< in the world
+    bool unfelt = false;                   ///< a rotor whose spin no link feels
     scene::JointKind kind = scene::JointKind::kFixed;
     Matrix4<T> before = Matrix4<T>::Identity();  ///< parent's frame to the unmoved joint frame
     Eigen::Matrix<T, 3, 1> k;                    ///< axis, in the joint frame
@@ -172,6 +173,12 @@ class HomogeneousModel {
       has been turned to makes no difference, so it is left unturned and only its generator tells of
       its motion. */
   void addRotor(const Body& joint, const T& gear, const T& J_rotor);
+  /** A rotor geared to all rates of a joint is such a body, too, with one generator a rate: tau is
+      the virtual work of the inertial forces of its points. One that is not gyroscopic turns in the
+      world.
+      @param place  where it stands: on which body, and the frame of its axis there */
+  template <typename Numbers>
+  void addGearedRotor(const scene::Rotor& rotor, const Body& place, const Numbers& number);
 
   /// A of a joint at this position.
   Matrix4<T> moved(const Body& body, const std::vector<scene::JointPosition<T>>& x) const;
@@ -259,6 +266,31 @@ void HomogeneousModel<T>::addRotor(const Body& joint, const T& gear, const T& J_
 
 template <typename T>
 template <typename Numbers>
+void HomogeneousModel<T>::addGearedRotor(const scene::Rotor& given, const Body& place,
+                                         const Numbers& number) {
+  const bool on_fixed = place.parent < 0 || bodies[place.parent].rests;
+  Body rotor;
+  rotor.dof = place.dof;
+  rotor.slot = place.slot;
+  rotor.unfelt = on_fixed || !given.axis;
+  Vector3 a = Vector3::Unit(2);
+  if (!rotor.unfelt) {
+    rotor.parent = place.parent;
+    rotor.before = place.before;
+    const scene::AxisTurn<T> turned = number.axisTurn(*given.axis);
+    a = Vector3(turned.alpha.c * turned.beta.s, turned.alpha.s * turned.beta.s, turned.beta.c);
+  }
+  const T J = number(given.inertia);
+  for (const scene::Number& n : given.ratio)
+    rotor.axes.push_back({joined(hat(a) * number(n), Vector3::Constant(T(0)), 0), T(0)});
+  const Matrix3 ring = (Matrix3::Identity() - a * a.transpose()) * (J / T(2));
+  rotor.J = joined(ring, Vector3::Constant(T(0)), 0);
+  if (!rotor.unfelt) bodies[rotor.parent].J -= rotor.before * rotor.J * rotor.before.transpose();
+  bodies.push_back(rotor);
+}
+
+template <typename T>
+template <typename Numbers>
 HomogeneousModel<T>::HomogeneousModel(const scene::Mechanism& mechanism, const Numbers& number) {
   if (mechanism.has_gravity) gravity.template head<3>() = vector(mechanism.gravity, number);
   const std::vector<scene::Follower> followers = scene::followers(mechanism);
@@ -278,6 +310,14 @@ void HomogeneousModel<T>::addLink(const scene::Link& link, Reading* at, const Nu
   const scene::AxisTurn<T> turned = number.axisTurn(link.joint.axis);
   const T &ca = turned.alpha.c, &sa = turned.alpha.s, &cb = turned.beta.c, &sb = turned.beta.s;
   const Vector3 x(ca * cb, sa * cb, -sb), y(-sa, ca, T(0)), z(ca * sb, sa * sb, cb);
+  if (!link.joint.rotors.empty()) {
+    Body place;
+    place.parent = at->parent;
+    place.before = at->placed;
+    place.dof = dof_;
+    place.slot = at->slot;
+    for (const scene::Rotor& rotor : link.joint.rotors) addGearedRotor(rotor, place, number);
+  }
   const auto add = [&](Kind kind, const Vector3& k) { addJoint(link.joint, kind, k, at, number); };
   switch (link.joint.kind) {
     case Kind::kCylindrical:
@@ -524,7 +564,8 @@ MatrixOf<T> HomogeneousModel<T>::momentum(const std::vector<scene::JointPosition
   place(x);
   move(qd);
   Matrix4<T> S = Matrix4<T>::Constant(T(0));
-  for (std::size_t i = 0; i < bodies.size(); ++i) S += Wd_[i] * bodies[i].J * W_[i].transpose();
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (!bodies[i].unfelt) S += Wd_[i] * bodies[i].J * W_[i].transpose();
   MatrixOf<T> out(6, 1);
   out << S(0, 3), S(1, 3), S(2, 3), S(2, 1) - S(1, 2), S(0, 2) - S(2, 0), S(1, 0) - S(0, 1);
   return out;

@@ -61,7 +61,10 @@ void SolveBound::measure(const scene::State<double>& state, const std::vector<do
     const recursive::Symmetric3<double>& I = composite[k].I;
     a_(k) = std::sqrt(std::max(composite[k].mass, 0.0));
     const double disc = link.spin == 0 ? 0 : link.spin * link.spin / link.rotor;
-    c_(k) = std::sqrt(std::max((I.xx + I.yy + I.zz) / 2 + disc, 0.0));
+    double discs = disc;
+    for (const recursive::GearedRotor<double>& rotor : model_.rotors)
+      if (rotor.carrier == k) discs += rotor.inertia;
+    c_(k) = std::sqrt(std::max((I.xx + I.yy + I.zz) / 2 + discs, 0.0));
     p_(k) = X.p.norm();
     for (int i = 0; link.dof >= 0 && i < recursive::axisCount(link.kind); ++i) {
       Motion<double> Z = Motion<double>::zero();
@@ -79,6 +82,19 @@ void SolveBound::measure(const scene::State<double>& state, const std::vector<do
     N_.row(k) = a_(k) * V_.row(k) + (c_(k) + 2 * p_(k) * a_(k)) * W_.row(k);  // (4)
     if (link.spin != 0) N_(k, link.dof) += std::sqrt(link.rotor);
   }
+  addGearedRotors(axes.size());
+}
+
+void SolveBound::addGearedRotors(std::size_t links) {
+  geared_ = MatrixXd::Zero(static_cast<Eigen::Index>(links), model_.dof());
+  for (const recursive::GearedRotor<double>& rotor : model_.rotors)
+    for (std::size_t i = 0; i < rotor.ratio.size(); ++i) {
+      const int d = rotor.dof + static_cast<int>(i);
+      const double own = std::sqrt(rotor.inertia) * std::abs(rotor.ratio[i]);
+      for (const int k : {model_.link_of_dof[d], rotor.carrier})
+        if (k >= 0) geared_(k, d) += own;
+    }
+  N_ += geared_;
 }
 
 VectorXd SolveBound::operator()(const scene::State<double>& state, const VectorXd& qdd) {
@@ -99,6 +115,7 @@ VectorXd SolveBound::operator()(const scene::State<double>& state, const VectorX
           2 * (joint.angular.norm() + bias.angular.norm()) + ws_.a[k].angular.norm();
       E(k) = a_(k) * linear + (c_(k) + 2 * p_(k) * a_(k)) * angular;  // (5)
       if (link.spin != 0) E(k) += std::sqrt(link.rotor) * std::abs(rates[link.dof]);
+      E(k) += geared_.row(k).dot(qdd.cwiseAbs());
       force(k) = ws_.f[k].force.norm();
       moment(k) = ws_.f[k].moment.norm() + 2 * p_(k) * force(k);
     }

@@ -97,7 +97,9 @@ inline scene::State<double> moving(scene::State<double> state, const Eigen::Matr
 
     A gyroscopic rotor couples a joint to its parent by h = n J, where D has n^2 J: h^2 / (n^2 J) =
     J is added to c^2, and n sqrt(J), at which the joint's own rate turns the rotor, to N_kk and,
-    times that qdd, to E_k: a slide without mass outboard couples by nothing else. u^2 is left out: it needs n^3 u of the whole to matter, with n below 10^4.
+    times that qdd, to E_k: a slide without mass outboard couples by nothing else. A rotor geared to
+    several rates does the same with each, sqrt(J) |n_i|, at the link of the rate and at its carrier,
+    whose c^2 has J. u^2 is left out: it needs n^3 u of the whole to matter, with n below 10^4.
 
     How much of these limits is used is measured in test_backward_error.cpp and written there. */
 class SolveBound {
@@ -135,6 +137,8 @@ class SolveBound {
   Eigen::MatrixXd massMatrix(const scene::State<double>& state);
 
  private:
+  /// To N: what rates do to rotors that are geared to several.
+  void addGearedRotors(std::size_t links);
   void measure(const scene::State<double>& state, const std::vector<double>& qdd);
   Eigen::MatrixXd massMatrix() const;
   /// The sum over m in (9), for rate j of link k.
@@ -149,7 +153,7 @@ class SolveBound {
   Eigen::VectorXd inertia_, wrench_;  ///< kInertia u, kWrench u
   Eigen::VectorXd a_, c_, p_;
   std::vector<Eigen::Vector3d> origin_;  ///< in world axes
-  Eigen::MatrixXd V_, W_, N_;
+  Eigen::MatrixXd V_, W_, N_, geared_;
   // of the last answer that was judged
   Eigen::MatrixXd M_;
   double force_ = 0;  ///< the largest sum of magnitudes in its equations

@@ -58,6 +58,8 @@ std::string closure(const std::string& first, const std::string& ends) {
 }
 const std::string kEnds = "a = { link = \"base\" }\nb = { link = \"upper\" }";
 
+const std::string kSolid = "mass = 1\ninertia = { xx = 1, yy = 1, zz = 1 }";
+
 const Bad kToml[] = {
     {"unknown kind of closure", closure("kind = \"glue\"", kEnds),
      "bad.toml:12: closure \"1\": kind is \"glue\", allowed: distance, plane, planar_point, "
@@ -97,7 +99,7 @@ const Bad kToml[] = {
      "bad.toml:6: link \"a\": unknown key \"mas\", allowed: name, parent, mass, com, inertia, "
      "joint"},
     {"unknown key of a joint", oneLink("", "kind = \"revolute\"\nangle = 1"),
-     "bad.toml:10: joint \"upper\" (revolute): unknown key \"angle\", allowed: name, kind, xyz"},
+     "bad.toml:11: joint \"upper\" (revolute): unknown key \"angle\", allowed: name, kind, xyz"},
     {"axis of a fixed joint", oneLink("", "kind = \"fixed\"\naxis = [0, 0, 1]"),
      "bad.toml:10: joint \"upper\" (fixed): unknown key \"axis\", allowed: name, kind, xyz"},
     {"unknown key of an inertia", oneLink("inertia = { ixx = 1 }"),
@@ -306,6 +308,44 @@ const Bad kPhysics[] = {
      "or more"},
     {"gear ratio zero", oneLink("", "kind = \"revolute\"\nrotor_inertia = 1\ngear_ratio = 0"),
      "bad.toml:4: joint \"upper\" of link \"upper\": gear_ratio is 0 with a rotor_inertia"},
+    {"rotor of one rate in a list",
+     oneLink("mass = 1\ncom = [1, 0, 0]",
+             "kind = \"revolute\"\nrotors = [{ inertia = 1, ratio = [1] }]"),
+     "bad.toml:11: joint \"upper\" (revolute): unknown key \"rotors\""},
+    {"rotor_inertia of a universal joint",
+     oneLink(kSolid, "kind = \"universal\"\nrotor_inertia = 1"),
+     "bad.toml:11: joint \"upper\" (universal): has rotor_inertia, allowed: only with revolute"},
+    {"no rotors", oneLink(kSolid, "kind = \"universal\"\nrotors = []"),
+     "bad.toml:11: joint \"upper\": rotors: "},
+    {"rotor without inertia",
+     oneLink(kSolid, "kind = \"universal\"\nrotors = [{ ratio = [1, 1] }]"),
+     "bad.toml:11: joint \"upper\": rotors: rotor 1: "},
+    {"rotor of three rates on a joint of two",
+     oneLink(kSolid, "kind = \"universal\"\nrotors = [{ inertia = 1, ratio = [1, 2, 3] }]"),
+     "bad.toml:11: joint \"upper\": rotors: rotor 1: ratio: an array of 3"},
+    {"negative rotor of several rates",
+     oneLink(kSolid, "kind = \"universal\"\nrotors = [{ inertia = -1, ratio = [1, 2] }]"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": rotors: rotor 1: inertia is -1 kg m^2, "
+     "allowed: above zero"},
+    {"rotor that no rate turns",
+     oneLink(kSolid, "kind = \"universal\"\nrotors = [{ inertia = 1, ratio = [0, \"1-1\"] }]"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": rotors: rotor 1: all of its ratio is 0"},
+    {"rotor about nothing",
+     oneLink(kSolid,
+             "kind = \"universal\"\nrotors = [{ inertia = 1, ratio = [1, 2], axis = [0, 0, 0] }]"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": rotors: rotor 1: axis is [0, 0, 0]"},
+    {"geared rotors and a drive",
+     oneLink(
+         kSolid,
+         "kind = \"universal\"\nmotion = [\"t\", \"t\"]\nrotors = [{ inertia = 1, ratio = [1, 2] }]"),
+     "bad.toml:4: joint \"upper\" of link \"upper\": has rotors geared to several rates, and there "
+     "are driven joints"},
+    {"geared gyroscopic rotor heavier than its link",
+     kBase + "[[link]]\nname = \"arm\"\nparent = \"base\"\n" + kSolid +
+         "\n[link.joint]\nkind = \"revolute\"\n[[link]]\nname = \"hand\"\nparent = \"arm\"\n" +
+         kSolid +
+         "\n[link.joint]\nkind = \"universal\"\nrotors = [{ inertia = 9, ratio = [1, 2], axis = [1, 0, 0] }]\n",
+     "bad.toml:4: link \"arm\": carries the gyroscopic rotor of joint \"hand\", and without it"},
     {"negative stiffness",
      oneLink("mass = 1\ncom = [1, 0, 0]", "kind = \"revolute\"\nstiffness = -2"),
      "bad.toml:4: joint \"upper\" of link \"upper\": stiffness is -2, allowed: zero or more"},

@@ -402,6 +402,27 @@ qd = [0, -1.5]
   BOOST_TEST(writeSceneToml(readSceneToml(written, "pendulum.toml")) == expected);
 }
 
+// reading, writing and reading again keeps rotors geared to several rates
+BOOST_AUTO_TEST_CASE(geared_rotors_are_written_as_they_were_read) {
+  const std::string line =
+      "rotors = [{ inertia = \"z*1e-3\", ratio = [100, \"-z\"] }, { inertia = 2e-4, ratio = [0, 3], "
+      "axis = [1, 0, \"z\"] }]\n";
+  const std::string text =
+      "[parameters]\nz = 0.5\n[[link]]\nname = \"base\"\n[[link]]\nname = \"hand\"\nparent = "
+      "\"base\"\nmass = 1\ninertia = { xx = 1, yy = 1, zz = 1 }\n[link.joint]\nkind = "
+      "\"universal\"\n" +
+      line;
+  const Scene scene = readSceneToml(text, "hand.toml");
+  const std::vector<Rotor>& rotors = scene.mechanism.links[1].joint.rotors;
+  BOOST_REQUIRE(rotors.size() == 2u);
+  BOOST_TEST(rotors[0].ratio[1].text() == "-z");
+  BOOST_TEST(!rotors[0].axis);
+  BOOST_TEST((*rotors[1].axis)[2].text() == "z");
+  const std::string written = writeSceneToml(scene);
+  BOOST_TEST(written.find(line) != std::string::npos, written);
+  BOOST_TEST(writeSceneToml(readSceneToml(written, "hand.toml")) == written);
+}
+
 // reading, writing and reading again keeps closures and springs; names that only count are left out
 BOOST_AUTO_TEST_CASE(closures_and_springs_are_written_as_they_were_read) {
   const std::string tail = R"([[closure]]

@@ -50,6 +50,12 @@ parent = "ball"
 mass = 1
 inertia = { xx = 1, yy = 1, zz = 1 }
 joint = { kind = "prismatic", xyz = [1, 0, 0], rotor_inertia = 1e-3, gyroscopic = true }
+[[link]]
+name = "hand"
+parent = "slide"
+mass = 1
+inertia = { xx = 1, yy = 1, zz = 1 }
+joint = { kind = "universal", rotors = [{ inertia = 1e-3, ratio = [1, 2], axis = [1, 0, 0] }] }
 )",
                               "sample.toml");
 }
@@ -70,6 +76,9 @@ BOOST_AUTO_TEST_CASE(pairs_of_a_mechanism_are_found_where_they_are) {
            {kNext, "displaced frame", "gyroscopic rotor", 0},
            {kJoint, "prismatic", "gyroscopic rotor", 1},
            {kJoint, "prismatic", "rotor", 0},
+           {kJoint, "universal", "gyroscopic, to several rates", 1},
+           {kJoint, "universal", "geared to several rates", 0},
+           {kNext, "gyroscopic rotor", "gyroscopic, to several rates", 1},
            {kJoint, "spherical", "turned on the world", 1},
            {kJoint, "prismatic", "turned frame", 0},
            {kJoint, "prismatic", "displaced frame", 1},

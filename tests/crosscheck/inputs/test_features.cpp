@@ -117,6 +117,9 @@ Pair scenesOf(Feature feature) {
       return onJoint(rotor);
     case Feature::kGyroscopicRotor:
       return onJoint(rotor + "gyroscopic = true\n", rotor);
+    case Feature::kGearedRotor:
+      return ofJoint("kind = \"universal\"\nrotors = [{ inertia = 1e-4, ratio = [30, 20] }]\n",
+                     "kind = \"universal\"\n");
     case Feature::kViscousFriction:
       return onJoint("friction = { viscous = 10 }\n");
     case Feature::kCoulombFriction:

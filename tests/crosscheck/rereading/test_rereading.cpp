@@ -145,6 +145,15 @@ inertia = { xx = 0.001, yy = 0.001, zz = 0.001 }
 kind = "helical"
 axis = [0, 0.6, 0.8]
 pitch = "pi/100"
+[[link]]
+name = "hand"
+parent = "screw"
+mass = 0.2
+com = [0.01, 0.02, 0.03]
+inertia = { xx = 0.001, yy = 0.001, zz = 0.001 }
+[link.joint]
+kind = "universal"
+rotors = [{ inertia = "a*1e-6", ratio = [50, "-c"] }, { inertia = 2e-6, ratio = [0, 7], axis = [1, 0, "b"] }]
 )";
 
 const std::string kUrdf = R"(<?xml version="1.0"?>
@@ -269,6 +278,18 @@ const std::vector<Plant> kPlants = {
      "numbers: gravity: z"},
     {"gear ratio not read", kArm, [](auto& s) { link(s, "upper").joint.gear_ratio = 1; },
      "numbers: joint 'shoulder': gear ratio"},
+    {"the ratios of a rotor in another order", kArm,
+     [](auto& s) {
+       std::swap(link(s, "hand").joint.rotors[0].ratio[0],
+                 link(s, "hand").joint.rotors[0].ratio[1]);
+     },
+     "numbers: rotor 1 of joint 'hand': ratio"},
+    {"the axis of a rotor turned round", kArm,
+     [](auto& s) { (*link(s, "hand").joint.rotors[1].axis)[2] = number("-b"); },
+     "numbers: rotor 2 of joint 'hand': axis z"},
+    {"a gyroscopic rotor as a plain one", kArm,
+     [](auto& s) { link(s, "hand").joint.rotors[1].axis.reset(); },
+     "placements: whether a rotor is gyroscopic of link 'hand'"},
     {"friction the same both ways", kArm,
      [](auto& s) {
        scene::Friction& f = link(s, "upper").joint.friction;

@@ -119,7 +119,10 @@ BOOST_DATA_TEST_CASE(each_engine_agrees_with_our_sweeps_on_every_quantity,
     // these engines are not asked for reactions; one that refuses says so to every question
     BOOST_TEST(checks.size() == std::size(kAllQuantities) - (why_not.empty() ? 1 : 0));
     for (const CheckResult& check : checks) {
-      if (why_not.empty()) {
+      if (why_not.empty() && scene.mechanism.hasGearedRotors() && check.quantity == "momentum") {
+        BOOST_TEST((check.verdict == Verdict::kNotAnswerable),
+                   textOf(check));  // rotors in the world
+      } else if (why_not.empty()) {
         BOOST_TEST((check.verdict == Verdict::kAgree), textOf(check));
       } else {  // refused, never answered wrongly
         BOOST_TEST((check.verdict == Verdict::kNotAnswerable), textOf(check));
