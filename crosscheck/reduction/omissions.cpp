@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "crosscheck/reduction/omissions.hpp"
 
+#include <algorithm>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -51,6 +54,27 @@ void takeAboutCenterOfMass(const scene::Mechanism& mechanism, scene::MassPropert
   m->xy = number(0, 1), m->xz = number(0, 2), m->yz = number(1, 2);
 }
 
+/// Those that are not gyroscopic.
+bool takeRotors(scene::Joint* joint) {
+  std::vector<scene::Rotor>& geared = joint->rotors;
+  const auto kept = std::remove_if(geared.begin(), geared.end(),
+                                   [](const scene::Rotor& rotor) { return !rotor.axis; });
+  bool any = kept != geared.end();
+  geared.erase(kept, geared.end());
+  if (!joint->gyroscopic && !joint->rotor_inertia.isLiteralZero()) {
+    joint->rotor_inertia = 0;
+    any = true;
+  }
+  return any;
+}
+
+/// They go on turning, and nobody but their joint feels it.
+bool takeSpins(scene::Joint* joint) {
+  bool any = std::exchange(joint->gyroscopic, false);
+  for (scene::Rotor& rotor : joint->rotors) any = std::exchange(rotor.axis, std::nullopt) || any;
+  return any;
+}
+
 }  // namespace
 
 bool apply(const Omission& omission, scene::Mechanism* mechanism) {
@@ -90,9 +114,9 @@ bool apply(const Omission& omission, scene::Mechanism* mechanism) {
       return was;
     }
     case Omission::What::kRotor:
-      return !link.joint.gyroscopic && clear(&link.joint.rotor_inertia);
+      return takeRotors(&link.joint);
     case Omission::What::kSpin:
-      return std::exchange(link.joint.gyroscopic, false);
+      return takeSpins(&link.joint);
     case Omission::What::kFriction: {
       const bool was = !link.joint.friction.isNone();
       link.joint.friction = {};

@@ -140,6 +140,7 @@ scene::Scene weightless(scene::Scene scene) {
     link.inertia = {};
     link.joint.rotor_inertia = 0;
     link.joint.gyroscopic = false;
+    link.joint.rotors.clear();
   }
   return scene;
 }
