@@ -291,9 +291,12 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
        {"1e-12", "1e-3", "1e-8"}},  // |R| - 1 that is a step's rounding; where scans begin
       {"crosscheck/motion/work_precision.cpp",
        {"1e-20", "1e-6", "1e-9"}},  // digits counted; from where differences must fall
-      // how far below the lowest eigenvalue iteration starts, from which share on independent rates
-      // no longer tell the others; from where Newton's steps have to halve
-      {"crosscheck/studies/hamilton.cpp", {"1e-6", "1e-9"}},
+      {"crosscheck/studies/lowest_direction.cpp",
+       {"1e-6"}},  // how far below the lowest eigenvalue iteration starts
+      {"crosscheck/studies/motion_nodes.cpp",
+       {"1e-6"}},  // from which share on independent rates no longer tell the others
+      {"crosscheck/studies/near_motion_in.hpp",
+       {"1e-9"}},  // from where Newton's steps have to halve
       {"crosscheck/reduction/envelope_report.cpp",
        {"5e-6"}},  // what printing six digits may hide: bounds are printed outward by it
       {"crosscheck/reduction/reduce_report.cpp", {"5e-6"}},  // the same

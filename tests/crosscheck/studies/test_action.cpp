@@ -14,6 +14,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "crosscheck/inputs/features.hpp"
+#include "crosscheck/studies/order_of_steps.hpp"
 
 namespace data = boost::unit_test::data;
 using namespace dynwitness;

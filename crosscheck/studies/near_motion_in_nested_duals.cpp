@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crosscheck/studies/near_motion_in.hpp"
+
+namespace dynwitness::crosscheck::hamilton {
+
+template class Near<DD>;
+
+}  // namespace dynwitness::crosscheck::hamilton
