@@ -46,12 +46,27 @@ const std::vector<const char*>& ofJoint() {
     std::vector<const char*> out;
     for (int kind = 0; kind < kFirstProperty; ++kind)
       out.push_back(scene::name(static_cast<JointKind>(kind)));
-    for (const char* name :
-         {"on the world", "turned on the world", "turned frame", "displaced frame", "axis off z",
-          "Denavit-Hartenberg", "modified Denavit-Hartenberg", "rotor", "gyroscopic rotor", "geared to several rates", "gyroscopic, to several rates",
-          "viscous friction", "Coulomb friction", "spring", "follows another", "massless link",
-          "inertia in turned axes", "inertia about the link's origin", "wrench in link axes",
-          "wrench in world axes", "driven"})
+    for (const char* name : {"on the world",
+                             "turned on the world",
+                             "turned frame",
+                             "displaced frame",
+                             "axis off z",
+                             "Denavit-Hartenberg",
+                             "modified Denavit-Hartenberg",
+                             "rotor",
+                             "gyroscopic rotor",
+                             "geared to several rates",
+                             "gyroscopic, to several rates",
+                             "viscous friction",
+                             "Coulomb friction",
+                             "spring",
+                             "follows another",
+                             "massless link",
+                             "inertia in turned axes",
+                             "inertia about the link's origin",
+                             "wrench in link axes",
+                             "wrench in world axes",
+                             "driven"})
       out.push_back(name);
     return out;
   }();
@@ -190,7 +205,8 @@ bool excludeEachOther(std::size_t a, std::size_t b) {
   };
   // of one rate and of several
   if (isGeared(b) && (a == kRotor || a == kGyroscopicRotor)) return true;
-  if (isGeared(a) && (b == kViscous || b == kCoulomb || b == kSpring || b == kFollower)) return true;
+  if (isGeared(a) && (b == kViscous || b == kCoulomb || b == kSpring || b == kFollower))
+    return true;
   constexpr std::pair<std::size_t, std::size_t> kApart[] = {{kDh, kMdh},
                                                             {kAxisOffZ, kDh},
                                                             {kAxisOffZ, kMdh},
@@ -218,6 +234,8 @@ bool isDrawn(PairRelation relation, std::size_t row, std::size_t column) {
   };
   if (isGeared(column, true) && (of_joint ? row == kDriven : row >= kFirstFeature)) return false;
   if (isGeared(row, of_joint) && column == kDriven) return false;
+  if (relation == PairRelation::kOneJoint && column == kMassless && isGeared(row, true))
+    return false;  // a joint of several rates carries mass
   if (relation != PairRelation::kOneJoint || column != kMassless || !isKind(row)) return true;
   return kindOf(row) == JointKind::kFixed || scene::degreesOfFreedom(kindOf(row)) == 1;
 }
