@@ -122,8 +122,8 @@ BOOST_DATA_TEST_CASE(breakdowns_are_where_theory_has_them, data::make(families()
       {{"vanishing_rotor", "articulated_body"}, "outlasts the theory"},
       {{"vanishing_rotor", "articulated_body float"}, "outlasts the theory"}};
   // Estimates that warn of right answers: the first four of what happens to cancel exactly,
-  // long_chain of sizes that outgrow what is summed, the others next to the breakdown, where sizes leave the
-  // numbers of the arithmetic by a factor before the answer does.
+  // long_chain of sizes that outgrow what is summed, the others next to the breakdown, where sizes
+  // leave the numbers of the arithmetic by a factor before the answer does.
   const std::set<std::pair<std::string, std::string>> too_careful = {
       {"vanishing_rotor", "articulated_body"},
       {"vanishing_rotor", "articulated_body float"},
