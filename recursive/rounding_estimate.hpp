@@ -247,16 +247,25 @@ class RoundingEstimate {
       parent = {parent.a + body.a * body.a, parent.c + moved * moved};
     }
   }
+  /// By how much more than its own size the rounding of a position moves something: an angle q by
+  /// |q|, a quaternion whose components are no normal numbers by what it misses of these.
+  T roundingOf(const std::vector<JointPosition<T>>& x) const {
+    T largest = 0;
+    for (const Part& part : parts_) {
+      if (part.kind == JointKind::kRevolute || part.kind == JointKind::kHelical)
+        keepLarger(std::abs(x[part.slot].q), &largest);
+      if (part.axes < 3) continue;
+      const int first = part.slot + (part.kind == JointKind::kFloating ? 3 : 0);
+      T component = 0;
+      for (int k = first; k < first + 4; ++k) keepLarger(std::abs(x[k].q), &component);
+      if (component < kSmallest) keepLarger(kSmallest / component, &largest);
+    }
+    return largest;
+  }
   /// Lengths at this x, and what a rounding is.
   void start(const std::vector<JointPosition<T>>& x) {
     u_ = std::numeric_limits<T>::epsilon() / 2;
-    if (rounded_positions_) {
-      T largest = 0;
-      for (const Part& part : parts_)
-        if (part.kind == JointKind::kRevolute || part.kind == JointKind::kHelical)
-          keepLarger(std::abs(x[part.slot].q), &largest);
-      u_ += u_ * largest;
-    }
+    if (rounded_positions_) u_ += u_ * roundingOf(x);
     if (!moves_apart_) return;
     for (Part& part : parts_) {
       if (!movesApart(part)) continue;

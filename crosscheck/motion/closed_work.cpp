@@ -149,8 +149,8 @@ class Measuring {
   const ReferenceMotion& reference_;
 };
 
-/** Between the two finest steps that are above the reference's error and the line's own floor, if it
-    is that between the two before: where an error has risen again, the least of the line is what
+/** Between the two finest steps that are above the reference's error and the line's own floor, if
+    it is that between the two before: where an error has risen again, the least of the line is what
     rounding leaves of it. */
 double observedOrder(const WorkLine& line, const ReferenceMotion& reference) {
   const auto& points = line.points;

@@ -12,7 +12,8 @@
 
 namespace dynwitness::crosscheck {
 
-/// The end of a motion by two methods that share no formula but the sweeps: of trees in long double.
+/// The end of a motion by two methods that share no formula but the sweeps; of trees in long
+/// double.
 struct ReferenceMotion {
   std::vector<long double> y;  ///< (q, qd), quaternions of length 1
   std::string by;    ///< "runge_kutta_fehlberg78 and gauss_6 of Hamilton's equations, ..."

@@ -86,18 +86,22 @@ Family longQuaternion() {
   f.name = "long_quaternion";
   f.title = "Quaternions that are too long";
   f.dial = "length of the quaternion";
-  f.from = 1, f.to = 1e160;
+  f.from = 1, f.to = 1e300;
   f.make = [](const std::string& s, int v) {
     return quaternionCase("long_quaternion", std::stod(s), v);
   };
-  f.theories = {{Road::kAny, "q'q = s^2 leaves the numbers of the arithmetic: s = sqrt(largest)",
-                 untilItsSquareOverflows}};
+  f.theories = {{Road::kAny,
+                 "a length that is scaled before it is squared cancels exactly, until a component "
+                 "leaves the numbers of the arithmetic",
+                 [](double s, const Arithmetic& a) { return s > a.largest ? 1 : a.unit; }}};
   f.mechanism =
       "R = 1 + 2 (w [v]x + [v]x^2) / (q'q) is a rotation for every q but 0: its length cancels "
-      "exactly, and only the square of it can leave the numbers of the arithmetic.";
+      "exactly, and only the square of it can leave the numbers of the arithmetic. Where it does, "
+      "ours scale q by a power of two, which rounds nothing.";
   f.survivor =
-      "Longest who divides by the largest component first. Who takes a quaternion for one of "
-      "length 1 without looking has a wrong rotation at once.";
+      "Who divides by the largest component, or by a power of two, first. Who squares the length as "
+      "it is breaks at the root of the largest number; who takes a quaternion for one of length 1 "
+      "without looking has a wrong rotation at once.";
   return f;
 }
 
@@ -106,13 +110,16 @@ Family shortQuaternion() {
   f.name = "short_quaternion";
   f.title = "Quaternions that are too short";
   f.dial = "1 over the length of the quaternion";
-  f.to = 1e165;
   f.make = [](const std::string& s, int v) {
     return quaternionCase("short_quaternion", 1 / std::stod(s), v);
   };
   f.theories = {{Road::kAny,
-                 "1 / (q'q) = s^2 leaves the numbers of the arithmetic: s = sqrt(largest)",
-                 untilItsSquareOverflows}};
+                 "a length that is scaled before it is squared cancels exactly; what is told in "
+                 "double and rounded to the arithmetic misses a multiple of its smallest number in "
+                 "each component, and the pose twice that over the length: error s smallest",
+                 [](double s, const Arithmetic& a) {
+                   return a.rounds_state ? std::max(a.unit, s * a.smallest) : a.unit;
+                 }}};
   return f;
 }
 

@@ -286,6 +286,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same
       {"crosscheck/audit/board.hpp", {"1e-12"}},              // what is printed as 0 beside others
       {"crosscheck/motion/simulate.hpp", {"1e-10"}},          // default of --step-error
+      {"crosscheck/motion/closed_work.cpp", {"1e-2"}},        // first of errors asked of steps
       {"crosscheck/motion/simulate.cpp", {"1e-12"}},  // a step [s] at which integration is given up
       {"crosscheck/motion/step_advice.cpp",
        {"1e-12", "1e-3", "1e-8"}},  // |R| - 1 that is a step's rounding; where scans begin

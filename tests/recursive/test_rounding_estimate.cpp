@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Estimates of what rounding did: never less than it did, and not so large that right answers are
-// suspected. Expected errors are those against the same sweeps in long double, which has 11 bits more.
+// suspected. Expected errors are those against the same sweeps in long double, which has 11 bits
+// more.
 #include "recursive/rounding_estimate.hpp"
 
 #include <algorithm>

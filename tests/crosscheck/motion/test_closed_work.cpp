@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Work against precision where loops are closed: orders are those of theory, what fails says so, and
-// the reference is held to what others have published.
+// Work against precision where loops are closed: orders are those of theory, what fails says so,
+// and the reference is held to what others have published.
 #include "crosscheck/motion/closed_work.hpp"
 
 #include <algorithm>

@@ -114,13 +114,16 @@ BOOST_DATA_TEST_CASE(breakdowns_are_where_theory_has_them, data::make(families()
       {{"thin_rod", "composite_body float"}, "later than predicted"},
       {{"thin_rod", "articulated_body float"}, "later than predicted"},
       {{"counterweight", "newton_euler float"}, "later than predicted"},
+      // the three mechanisms share one quaternion, whose components happen to round by little
+      {{"short_quaternion", "composite_body float"}, "later than predicted"},
+      {{"short_quaternion", "articulated_body float"}, "later than predicted"},
       // J - J J / J is exactly 0 there, so that m / s^2 is added to nothing
       {{"near_axes", "articulated_body float"}, "outlasts the theory"},
       {{"vanishing_rotor", "articulated_body"}, "outlasts the theory"},
       {{"vanishing_rotor", "articulated_body float"}, "outlasts the theory"}};
-  // Estimates that warn of right answers: the first four of what happens to cancel exactly, long_chain
-  // of sizes that outgrow what is summed, the others next to the breakdown, where sizes leave the
-  // numbers of the arithmetic by a factor before the answer does.
+  // Estimates that warn of right answers: the first four of what happens to cancel exactly,
+  // long_chain of sizes that outgrow what is summed, the others next to the breakdown, where sizes
+  // leave the numbers of the arithmetic by a factor before the answer does.
   const std::set<std::pair<std::string, std::string>> too_careful = {
       {"vanishing_rotor", "articulated_body"},
       {"vanishing_rotor", "articulated_body float"},
