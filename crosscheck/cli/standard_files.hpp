@@ -10,8 +10,8 @@ namespace dynwitness::cli {
 /// is written to by mistake. To read from or write to such a one still fails.
 void occupyStandardFiles();
 
-/// Writes a remark to standard error, unless --quiet was asked for. What cannot be written there is lost, which the status tells in the
-/// end (requireOutputWritten): it is no reason to give up the work.
+/// Writes a remark to standard error, unless --quiet was asked for. What cannot be written there is
+/// lost, which the status tells in the end (requireOutputWritten): no reason to give up the work.
 void tell(std::string_view text) noexcept;
 /// The same of a failure, which is told in any case.
 void tellFailure(std::string_view text) noexcept;

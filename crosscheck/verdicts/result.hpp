@@ -125,7 +125,7 @@ struct CheckResult {
     double said = 0, right = 0;
   };
   std::optional<Off> off;
-  /// Of one: joints whose own entries (of c, g, tau, qdd, the diagonal of M) are beyond their limit.
+  /// Of one: joints whose own entries (c, g, tau, qdd, the diagonal of M) are beyond their limit.
   std::vector<std::string> wrong_joints;
   std::optional<Exact> exact;
   std::string no_exact;          ///< why the field, which was asked, could not decide
@@ -318,8 +318,8 @@ struct CrosscheckResult {
     int scenes;
   };
   std::vector<KnownLoss> knownLosses() const;
-  /// "14 scenes, 1212 checks, all agree; not answered: qdd 3 of 660 comparisons (..); closest .." In
-  /// a disagreement what causes it takes the place of what comes closest.
+  /// "14 scenes, 1212 checks, all agree; not answered: qdd 3 of 660 comparisons (..); closest .."
+  /// In a disagreement what causes it takes the place of what comes closest.
   std::string headline() const;
 
  private:

@@ -13,7 +13,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 # several kinds of file, or one that another command writes
 NAMES = {"crosscheck": ["report", "campaign"]}
-OPEN = ("properties", "patternProperties")
 
 
 def help_of(program, *words):
@@ -21,10 +20,10 @@ def help_of(program, *words):
 
 
 def open_objects(schema, path=""):
-    """Objects with named fields that take others as well."""
+    """Objects that take whatever there is; a file of definitions alone describes none."""
     if isinstance(schema, dict):
-        if schema.get("type") == "object" and any(key in schema for key in OPEN) and \
-                schema.get("additionalProperties") is not False:
+        if schema.get("type") == "object" and "additionalProperties" not in schema and \
+                not ("$id" in schema and "properties" not in schema):
             yield path or "top level"
         for key, part in schema.items():
             yield from open_objects(part, f"{path}/{key}")
