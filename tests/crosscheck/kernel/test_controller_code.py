@@ -196,6 +196,75 @@ def parameters_of_other_languages(work):
         assert says in text, text[:3000]
 
 
+# words of languages, names that become one, parameters of angles, made of others, of two units, 0, and without use
+ODD = """title = "Odd parameters"
+source = "made here"
+gravity = [0, "-lambda/2", "-lambda"]
+[parameters]
+lambda = 9.81
+alpha = 0.3
+l = 0.5
+half = "l/2"
+b = 0
+m_2 = "3*half"
+unused = 4
+[[link]]
+name = "base"
+[[link]]
+name = "arm 1"
+parent = "base"
+mass = "m_2"
+com = ["half", 0, "alpha*l"]
+inertia = { xx = 0.1, yy = 0.1, zz = 0.12 }
+[link.joint]
+name = "j 1"
+kind = "revolute"
+rpy = [0, "alpha", "pi/3"]
+axis = [1, 2, 2]
+friction = { viscous = "b", coulomb = 0.3 }
+rotor_inertia = 0.001
+gear_ratio = 50
+[[link]]
+name = "arm/1"
+parent = "arm 1"
+mass = 2
+com = [0.1, 0, 0]
+inertia = { about = "origin", rpy = [0.1, 0, 0], xx = 0.1, yy = 0.2, zz = 0.22 }
+[link.joint]
+name = "screw"
+kind = "helical"
+pitch = 0.02
+xyz = ["l", "half-0.25", 0]
+stiffness = 10
+rest = "pi/7"
+[[wrench]]
+link = "arm/1"
+force = [1, 0, "l"]
+at = [0, 0.2, 0]
+axes = "world"
+"""
+
+
+def odd_parameters(work):
+    scene = os.path.join(work, "odd.toml")
+    with open(scene, "w") as out:
+        out.write(ODD)
+    for scalar in ("double", "float"):
+        folder = os.path.join(work, "odd_" + scalar)
+        done = derive(scene, "--format", "c", "--scalar", scalar, "--parameters", "struct", "--quantity",
+                      ALL + ",jacobian,position", "--point", "arm/1,0,0,alpha*half", "-o", folder)
+        assert done.returncode == 0, done.stderr
+        for compiler in COMPILERS:
+            answered = run(compiled(folder, "odd", compiler))
+            assert answered.returncode == 0, (scalar, compiler, answered.stdout[:3000])
+        header = open(os.path.join(folder, "odd.h")).read()
+        assert "folded: alpha." in " ".join(header.split())
+        assert not re.search(r"(alpha|half|m_2|unused);", header)
+        for field in ("lambda_; /* [m/s^2] lambda */", "l; /* unit as the scene has it */", "b; /* [N m s/rad] */",
+                      "inertia_xx_arm_1_2; /* [kg m^2] inertia_xx:arm/1 */"):
+            assert "  %s %s\n" % (scalar, field) in header, field
+
+
 def structs_line_by_line(work):
     """Julia and MATLAB with a mass doubled: what their lines say as assignments is what Python answers."""
     scene, change = "puma_560_friction", "mass_link_3"
@@ -381,6 +450,7 @@ def main():
         single_precision(work)
         parameters_of_other_languages(work)
         structs_line_by_line(work)
+        odd_parameters(work)
         all_scenes_with_parameters(work, all_scenes(work))
 
 
