@@ -19,6 +19,7 @@
 #include "scene/scene.hpp"
 #include "scene/text_file.hpp"
 #include "scene/toml_file.hpp"
+#include "scene/urdf.hpp"
 
 namespace dynwitness::scene {
 namespace {
@@ -641,7 +642,8 @@ void TomlReader::readLike(const toml::node& node, const toml::table& top) {
   if (const toml::node* parameters = top.get("parameters")) given = parsedParameters(*parameters);
   const std::string text = withoutMark(readTextFile(other, "a TOML, URDF or MJCF file"));
   if (looksLikeXml(text)) {
-    scene_ = isMjcf(text) ? readSceneMjcf(text, other) : readSceneUrdf(text, other);
+    // what it lacks may stand here
+    scene_ = isMjcf(text) ? readSceneMjcf(text, other) : readUrdfAsWritten(text, other).scene;
   } else {
     const toml::table of_other = parsedToml(text, other.string());
     if (of_other.get("like")) {

@@ -2,6 +2,7 @@
 #include "crosscheck/cli/door.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,6 +11,9 @@
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/motion/rooted.hpp"
+#include "scene/mjcf.hpp"
+#include "scene/text_file.hpp"
+#include "scene/urdf.hpp"
 
 namespace dynwitness::cli {
 
@@ -54,9 +58,29 @@ std::vector<CLI::Option*> addChanges(CLI::App& command, GivenScene& scene) {
   return {gravity, base, set, root};
 }
 
+namespace {
+
+/// A scene that is to be changed: a URDF that nobody takes as it is (a tip without mass, say) may
+/// be one afterwards.
+scene::Scene foundToBeChanged(const std::string& name) {
+  try {
+    return scene::findScene(name);
+  } catch (const scene::InputError&) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(name, error)) throw;
+    const std::string text = scene::readTextFile(name, "a TOML, URDF or MJCF file");
+    if (!scene::looksLikeXml(text) || scene::isMjcf(text)) throw;
+    return scene::readUrdfAsWritten(text, name).scene;
+  }
+}
+
+}  // namespace
+
 scene::Scene readScene(const GivenScene& given) {
   const Progress progress("reading " + given.name);
-  const scene::Scene scene = scene::changed(scene::findScene(given.name), given.changes);
+  const scene::Scene scene = given.changes.isNone()
+                                 ? scene::findScene(given.name)
+                                 : scene::changed(foundToBeChanged(given.name), given.changes);
   return given.root.empty() ? scene : crosscheck::rooted(scene, given.root);
 }
 

@@ -162,14 +162,15 @@ std::string soleFactor(const Number& e) {
   }
 }
 
-/// Every term's parameters, for units: "l1 + l2" tells both.
+/// Every term's parameters, for units: "l1 + l2" tells both. Where they differ, none is told.
 void tellUnits(const Number& e, const std::string& unit,
                std::map<std::string, std::string>& units) {
   if (e.kind() == Number::Kind::kAdd || e.kind() == Number::Kind::kSubtract) {
     tellUnits(e.left(), unit, units);
     tellUnits(e.right(), unit, units);
   } else if (const std::string name = soleFactor(e); !name.empty()) {
-    units.emplace(name, unit);
+    const auto [told, is_new] = units.emplace(name, unit);
+    if (!is_new && told->second != unit) told->second = "";
   }
 }
 

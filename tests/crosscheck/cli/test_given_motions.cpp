@@ -510,6 +510,30 @@ BOOST_AUTO_TEST_CASE(all_faults_of_a_states_file_are_told_at_once) {
   BOOST_TEST(piped.status == 2);
 }
 
+// A tip without mass makes M singular; what it weighs may be said beside the file.
+BOOST_AUTO_TEST_CASE(what_a_urdf_lacks_may_be_set) {
+  const Program program;
+  program.write("arm.urdf",
+                "<robot name=\"r\"><link name=\"base\"/><link name=\"tip\"/>\n"
+                "<joint name=\"j\" type=\"continuous\"><parent link=\"base\"/><child link=\"tip\"/>"
+                "<axis xyz=\"0 1 0\"/></joint></robot>\n");
+  refuses(program, "evaluate arm.urdf --quantity M", "nothing that it carries has mass");
+  const std::string asked = " --quantity M,g --q 0",
+                    set = " --set mass:tip=2 --set com:tip=0.5,0,0";
+  program.write("mine.toml",
+                "like = \"arm.urdf\"\n[set]\n\"mass:tip\" = 2\n\"com:tip\" = [0.5, 0, 0]\n");
+  for (const std::string& words : {"arm.urdf" + set, std::string("mine.toml")}) {
+    const Outcome outcome = program.run("evaluate " + words + asked, "2>/dev/null");
+    BOOST_TEST(outcome.status == 0, words);
+    const std::vector<std::vector<std::string>> rows = table(outcome.out);
+    BOOST_TEST_REQUIRE(rows.size() == 2u, words);
+    BOOST_TEST(std::stod(rows[1][0]) == 0.5, boost::test_tools::tolerance(1e-15));    // m c^2
+    BOOST_TEST(std::stod(rows[1][1]) == -9.81, boost::test_tools::tolerance(1e-15));  // -m g c
+  }
+  refuses(program, "evaluate arm.urdf --set damping:j=1 --quantity M",
+          "changed by the command line");
+}
+
 BOOST_AUTO_TEST_CASE(several_methods_are_drawn_in_one_picture) {
   const Program program;
   const Outcome drawn =

@@ -3,6 +3,7 @@
 """Code for controllers, of all bundled scenes: compiled by gcc and clang without a warning, right by the test that
 comes with it, with the operations that it says, and nothing of a library but cosines and sines.
 Usage: test_controller_code.py DYNWITNESS. Exit status 77: no C compiler."""
+import collections
 import glob
 import json
 import os
@@ -195,6 +196,140 @@ def parameters_of_other_languages(work):
         assert says in text, text[:3000]
 
 
+# words of languages, names that become one, parameters of angles, made of others, of two units, 0, and without use
+ODD = """title = "Odd parameters"
+source = "made here"
+gravity = [0, "-lambda/2", "-lambda"]
+[parameters]
+lambda = 9.81
+alpha = 0.3
+l = 0.5
+half = "l/2"
+b = 0
+m_2 = "3*half"
+unused = 4
+[[link]]
+name = "base"
+[[link]]
+name = "arm 1"
+parent = "base"
+mass = "m_2"
+com = ["half", 0, "alpha*l"]
+inertia = { xx = 0.1, yy = 0.1, zz = 0.12 }
+[link.joint]
+name = "j 1"
+kind = "revolute"
+rpy = [0, "alpha", "pi/3"]
+axis = [1, 2, 2]
+friction = { viscous = "b", coulomb = 0.3 }
+rotor_inertia = 0.001
+gear_ratio = 50
+[[link]]
+name = "arm/1"
+parent = "arm 1"
+mass = 2
+com = [0.1, 0, 0]
+inertia = { about = "origin", rpy = [0.1, 0, 0], xx = 0.1, yy = 0.2, zz = 0.22 }
+[link.joint]
+name = "screw"
+kind = "helical"
+pitch = 0.02
+xyz = ["l", "half-0.25", 0]
+stiffness = 10
+rest = "pi/7"
+[[wrench]]
+link = "arm/1"
+force = [1, 0, "l"]
+at = [0, 0.2, 0]
+axes = "world"
+"""
+
+
+def odd_parameters(work):
+    scene = os.path.join(work, "odd.toml")
+    with open(scene, "w") as out:
+        out.write(ODD)
+    for scalar in ("double", "float"):
+        folder = os.path.join(work, "odd_" + scalar)
+        done = derive(scene, "--format", "c", "--scalar", scalar, "--parameters", "struct", "--quantity",
+                      ALL + ",jacobian,position", "--point", "arm/1,0,0,alpha*half", "-o", folder)
+        assert done.returncode == 0, done.stderr
+        for compiler in COMPILERS:
+            answered = run(compiled(folder, "odd", compiler))
+            assert answered.returncode == 0, (scalar, compiler, answered.stdout[:3000])
+        header = open(os.path.join(folder, "odd.h")).read()
+        assert "folded: alpha." in " ".join(header.split())
+        assert not re.search(r"(alpha|half|m_2|unused);", header)
+        for field in ("lambda_; /* [m/s^2] lambda */", "l; /* unit as the scene has it */", "b; /* [N m s/rad] */",
+                      "inertia_xx_arm_1_2; /* [kg m^2] inertia_xx:arm/1 */"):
+            assert "  %s %s\n" % (scalar, field) in header, field
+
+
+def structs_line_by_line(work):
+    """Julia and MATLAB with a mass doubled: what their lines say as assignments is what Python answers."""
+    scene, change = "puma_560_friction", "mass_link_3"
+    for language in ("python", "julia", "matlab"):
+        done = derive(scene, "--format", language, "--parameters", "struct", "--quantity", ALL, "-o",
+                      os.path.join(work, "lines_" + language))
+        assert done.returncode == 0, done.stderr
+    from dataclasses import asdict, replace
+    from math import cos, sin
+    state = {"q": [0.3 + 0.1 * k for k in range(6)], "qd": [(-1) ** k * (0.5 + 0.2 * k) for k in range(6)],
+             "qdd": [0.7 - 0.1 * k for k in range(6)], "tau": [1.0 + k for k in range(6)]}
+    names = {}
+    exec(open(os.path.join(work, "lines_python", scene + ".py")).read(), names)
+    own = names[scene + "_parameters"]
+    other = replace(own, **{change: 2 * getattr(own, change)})
+    constants = names[scene + "_init"](other)
+    wanted = {}
+    for name, function in names.items():
+        if name.startswith(scene) and not name.endswith(("_init", "_parameters", "_parameters_type")):
+            arguments = function.__code__.co_varnames[1:function.__code__.co_argcount]
+            wanted[name] = [x for row in function(constants, *[state[a] for a in arguments])
+                            for x in (row if isinstance(row, list) else [row])]
+    assert len(wanted) == 7
+
+    class Fields(dict):  # parameters.mass; of arrays, from 1
+        __getattr__ = dict.__getitem__
+
+    def run_lines(body, given):
+        values = {"cos": cos, "sin": sin, "out": {}, "constants": collections.defaultdict(dict), **given}
+        for line in body.splitlines():
+            line = re.sub(r"\(\((\S+) > 0\.0\) \? (\S+) : \(\((\S+) < 0\.0\) \? (\S+) : 0\.0\)\)",
+                          r"(\2 if \1 > 0.0 else (\4 if \3 < 0.0 else 0.0))", line.strip().rstrip(";"))
+            line = re.sub(r"\b(q|qd|qdd|tau|out|k|friction)\((\d+(?:, \d+)?)\)", r"\1[\2]", line)
+            line = re.sub(r"constants\.(\w+)(?:\((\d+)\))?", lambda m: "constants['%s']" % m[1] + ("[%s]" % m[2] if m[2] else ""),
+                          line)
+            if re.match(r"\w+(\['\w+'\])?(\[[\d, ]+\])? = (?!zeros|struct)", line):
+                exec(line, values)
+        return values
+
+    def from_one(numbers):
+        return {k + 1: x for k, x in enumerate(numbers)}
+
+    text = open(os.path.join(work, "lines_julia", scene + ".jl")).read()
+    bodies = {"julia " + f: b for f, b in re.findall(r"^function (\w+)!?\(.*?\)\n(.*?)^end$", text, re.S | re.M)}
+    parameters = {"julia": dict(re.findall(r"^    (\w+) = \(?([^ ]*?)\)?,  #", text, re.M))}
+    for file in glob.glob(os.path.join(work, "lines_matlab", "*.m")):
+        bodies["matlab " + os.path.basename(file)[:-2]] = open(file).read()
+    parameters["matlab"] = dict(re.findall(r"^  parameters\.(\w+) = \(?([^ ]*?)\)?; %", bodies["matlab %s_parameters" % scene],
+                                           re.M))
+    for language in ("julia", "matlab"):
+        given = Fields({k: float(x) for k, x in parameters[language].items()})
+        assert given == asdict(own), language
+        given[change] *= 2
+        made = run_lines(bodies["%s %s_init" % (language, scene)], {"parameters": given})
+        constants = made["constants"] or {k[:-1]: from_one(x) for k, x in made.items() if k.endswith("_") and k[0] != "_"}
+        for name, expected in wanted.items():
+            out = run_lines(bodies[language + " " + name],
+                            {"constants": constants, **{a: from_one(v) for a, v in state.items()}})["out"]
+            columns = max([k[1] for k in out if isinstance(k, tuple)], default=1)
+            got = [0.0] * len(expected)
+            for key, x in out.items():
+                got[(key[0] - 1) * columns + key[1] - 1 if isinstance(key, tuple) else key - 1] = x
+            assert got == expected, (language, name)
+
+
 def single_precision(work):
     for scene in ("puma_560_friction", "satellite_arm", "double_pendulum", "franka_panda", "lead_screw"):
         folder = os.path.join(work, scene + "_float")
@@ -314,6 +449,8 @@ def main():
         faults_are_seen(work)
         single_precision(work)
         parameters_of_other_languages(work)
+        structs_line_by_line(work)
+        odd_parameters(work)
         all_scenes_with_parameters(work, all_scenes(work))
 
 
