@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The steps of integrators(), by where their formulas come from; each list in the order that they have
-// there. On double and long double.
+// The steps of integrators(), by where their formulas come from; each list in the order that they
+// have there. On double and long double.
 #pragma once
 
 #include <memory>

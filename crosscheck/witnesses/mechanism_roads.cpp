@@ -14,16 +14,8 @@
 #include "crosscheck/scalars/adjoint_error.hpp"
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/scalars/rounded_state.hpp"
-#include "crosscheck/witnesses/dense_equations.hpp"
+#include "crosscheck/witnesses/mechanism_formulas.hpp"
 #include "crosscheck/witnesses/solve_bound.hpp"
-#include "recursive/closed_dynamics.hpp"
-#include "recursive/constrained_reactions.hpp"
-#include "recursive/hybrid_dynamics.hpp"
-
-namespace dynwitness::recursive::detail {
-template <>
-struct Rounds<crosscheck::AdjointError> : std::true_type {};
-}  // namespace dynwitness::recursive::detail
 
 namespace dynwitness::crosscheck {
 
@@ -95,132 +87,6 @@ DerivedConstraints::DerivedConstraints(const scene::Mechanism& mechanism, bool f
   program = symbolic::compile(e.graph, outputs);
 }
 
-namespace {
-
-using Parts = std::array<Eigen::VectorXd, std::size(kMechanismQuantities)>;
-
-template <typename T>
-using PartsOf = std::array<VectorOf<T>, std::size(kMechanismQuantities)>;
-
-template <typename T>
-VectorOf<T>& part(PartsOf<T>& parts, MechanismQuantity quantity) {
-  return parts[static_cast<std::size_t>(quantity)];
-}
-
-/// Of the rates that drives give.
-template <typename T>
-VectorOf<T> ofDriven(const std::vector<char>& driven, const VectorOf<T>& all) {
-  VectorOf<T> out(std::count(driven.begin(), driven.end(), 1));
-  for (std::size_t i = 0, k = 0; i < driven.size(); ++i)
-    if (driven[i]) out(static_cast<Eigen::Index>(k++)) = all(static_cast<Eigen::Index>(i));
-  return out;
-}
-
-/// The dense system of a whole mechanism, solved for the rows that stand for all.
-template <typename T>
-struct Solved {
-  Solved(DenseEquations<T> e, const scene::Mechanism& mechanism, const MechanismState& at,
-         const scene::State<T>& state)
-      : forces(VectorOf<T>::Constant(e.J.rows(), T(0))) {
-    const int k = static_cast<int>(mechanism.acceleration_constraints.size()),
-              m = static_cast<int>(e.J.rows()) - k;
-    std::vector<int> rows = at.rows;
-    for (int i = 0; i < k; ++i) rows.push_back(m + i);
-    keepRows(rows, e);
-    const std::vector<char> driven = recursive::drivenRates(mechanism);
-    const DenseSolution<T> x = solveDense(e, driven, state.tau, state.qdd);
-    const int chosen = static_cast<int>(at.rows.size());
-    qdd = x.qdd;
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      forces(rows[i]) = x.nu(static_cast<Eigen::Index>(i));
-    part(parts, MechanismQuantity::kQdd) = x.qdd;
-    part(parts, MechanismQuantity::kConstraintForce) = e.J.transpose() * x.nu;
-    if (!at.is_redundant) part(parts, MechanismQuantity::kLambda) = x.nu.head(chosen);
-    part(parts, MechanismQuantity::kNu) = x.nu.tail(k);
-    part(parts, MechanismQuantity::kDrive) = ofDriven(driven, x.tau);
-  }
-  PartsOf<T> parts;         ///< without reactions
-  VectorOf<T> qdd, forces;  ///< n; of all equations, 0 of those that others stand for
-};
-
-/// Newton and Euler with the wrenches of constraints as outer loads.
-template <typename Numbers, typename T = typename Numbers::Scalar>
-VectorOf<T> reactionsUnder(const scene::Mechanism& mechanism, const Numbers& number,
-                           const scene::State<T>& state, const std::vector<T>& qdd,
-                           const VectorOf<T>& lambda, const VectorOf<T>& nu) {
-  recursive::MechanismOfJoints<T> of(mechanism, number);
-  std::vector<T> out(6 * (mechanism.links.size() - 1), T(0));
-  recursive::constrainedReactions(mechanism, number, state.x, state.qd, qdd, lambda, nu, of, out);
-  return column(out);
-}
-
-struct LagrangeMultipliers {
-  static constexpr const char* kName = "lagrange_multipliers";
-  explicit LagrangeMultipliers(const scene::Mechanism& mechanism)
-      : derived(std::make_shared<DerivedConstraints>(mechanism, true, true)),
-        cut(std::make_shared<DerivedReactions>(mechanism, true)) {}
-
-  template <typename Numbers, typename T = typename Numbers::Scalar>
-  PartsOf<T> operator()(const scene::Mechanism& mechanism, const Numbers& number,
-                        const MechanismState& at, const scene::State<T>& state) const {
-    const DenseEquations<T> e = derivedEquations<true>(*derived, mechanism, number, state);
-    Solved<T> x(e, mechanism, at, state);
-    scene::State<T> moving = state;
-    moving.qdd.assign(x.qdd.begin(), x.qdd.end());
-    part(x.parts, MechanismQuantity::kReactions) =
-        derivedReactions(*cut, e, mechanism, number, moving, x.forces, pullByLength(number));
-    return x.parts;
-  }
-  std::shared_ptr<const DerivedConstraints> derived;
-  std::shared_ptr<const DerivedReactions> cut;
-};
-
-struct DenseSystem {
-  static constexpr const char* kName = "dense_system";
-  explicit DenseSystem(const scene::Mechanism& mechanism) {
-    if (!mechanism.hasMimics()) cut = symbolic::freed(mechanism);
-  }
-
-  template <typename Numbers, typename T = typename Numbers::Scalar>
-  PartsOf<T> operator()(const scene::Mechanism& mechanism, const Numbers& number,
-                        const MechanismState& at, const scene::State<T>& state) const {
-    Solved<T> x(sweptEquations(mechanism, number, state), mechanism, at, state);
-    const auto k = static_cast<Eigen::Index>(mechanism.acceleration_constraints.size());
-    part(x.parts, MechanismQuantity::kReactions) =
-        cut ? cutForces(*cut, number, state, x.qdd, x.forces)
-            : reactionsUnder(mechanism, number, state, std::vector<T>(x.qdd.begin(), x.qdd.end()),
-                             VectorOf<T>(x.forces.head(x.forces.size() - k)),
-                             VectorOf<T>(x.forces.tail(k)));
-    return x.parts;
-  }
-  /// None where joints follow others: no sweep that solves holds these, and lagrange_multipliers
-  /// would be compared with its own cuts alone.
-  std::optional<symbolic::Freed> cut;
-};
-
-/// What both sweeps start from: the model, the closures' equations, the springs' pull.
-template <typename Numbers>
-struct Swept {
-  using T = typename Numbers::Scalar;
-  Swept(const scene::Mechanism& mechanism, const Numbers& number, const scene::State<T>& state)
-      : model(recursive::buildModel(mechanism, number)),
-        ws(model),
-        closures(recursive::buildConstraints(mechanism, number, model)),
-        driven(recursive::drivenRates(mechanism)),
-        pull(model.dof(), T(0)),
-        tau(state.tau) {
-    recursive::constraintEquations(model, state.x, state.qd, ws, closures);
-    recursive::addSpringForces(model, recursive::buildPointSprings(mechanism, number, model),
-                               closures.X_W, ws, pull);
-    for (std::size_t i = 0; i < tau.size(); ++i) tau[i] += pull[i];
-  }
-  recursive::Model<T> model;
-  recursive::Workspace<T> ws;
-  recursive::Constraints<T> closures;
-  std::vector<char> driven;
-  std::vector<T> pull, tau;  ///< of the springs; with them
-};
-
 void requireOwnRates(const scene::Mechanism& mechanism) {
   if (mechanism.hasMimics())
     throw std::invalid_argument(
@@ -228,73 +94,9 @@ void requireOwnRates(const scene::Mechanism& mechanism) {
         "pass it");
 }
 
-/// A sweep counts its equations by pivots, and leaves out what it takes for dependent: fewer than
-/// were asked for are another mechanism's.
-void requireAll(int counted, int asked) {
-  if (counted < asked)
-    throw std::runtime_error(fmt::format(
-        "of {} constraint equations the sweep can tell {} apart: the next pivot of N_0 is below "
-        "cbrt(eps)^2 of the first",
-        asked, counted));
-}
+namespace {
 
-struct LoopsEliminated {
-  static constexpr const char* kName = "loops_eliminated";
-  explicit LoopsEliminated(const scene::Mechanism& mechanism) {
-    requireOwnRates(mechanism);
-    if (!mechanism.acceleration_constraints.empty())
-      throw std::invalid_argument("no sweep eliminates loops under acceleration constraints");
-  }
-
-  template <typename Numbers, typename T = typename Numbers::Scalar>
-  PartsOf<T> operator()(const scene::Mechanism& mechanism, const Numbers& number,
-                        const MechanismState& at, const scene::State<T>& state) const {
-    Swept<Numbers> s(mechanism, number, state);
-    const auto swept = recursive::closedForwardDynamics(
-        s.model, state.x, state.qd, s.tau, s.closures, s.ws, false, s.driven, state.qdd);
-    requireAll(swept.rank, static_cast<int>(at.rows.size()));
-    PartsOf<T> out;
-    part(out, MechanismQuantity::kQdd) = column(swept.qdd);
-    const VectorOf<T> force = s.closures.J.transpose() * swept.lambda;
-    part(out, MechanismQuantity::kConstraintForce) = force;
-    if (!at.is_redundant) part(out, MechanismQuantity::kLambda) = swept.lambda;
-    std::vector<T> taken(s.model.dof(), T(0));
-    recursive::inverseDynamics(s.model, state.x, state.qd, swept.qdd, s.ws, taken);
-    part(out, MechanismQuantity::kDrive) =
-        ofDriven<T>(s.driven, column(taken) - column(s.pull) - force);
-    part(out, MechanismQuantity::kReactions) =
-        reactionsUnder(mechanism, number, state, swept.qdd, swept.lambda, VectorOf<T>());
-    return out;
-  }
-};
-
-struct HybridSweep {
-  static constexpr const char* kName = "hybrid_sweep";
-  explicit HybridSweep(const scene::Mechanism& mechanism) { requireOwnRates(mechanism); }
-
-  template <typename Numbers, typename T = typename Numbers::Scalar>
-  PartsOf<T> operator()(const scene::Mechanism& mechanism, const Numbers& number,
-                        const MechanismState&, const scene::State<T>& state) const {
-    Swept<Numbers> s(mechanism, number, state);
-    const auto held =
-        recursive::accelerationConstraints(mechanism, number, s.model, state.x, state.qd, s.ws);
-    const int k = static_cast<int>(held.size());
-    recursive::ConstraintWorkspace<T> cws(s.model, k);
-    std::vector<T> qdd = state.qdd, tau = s.tau;
-    recursive::hybridDynamics(s.model, state.x, state.qd, s.driven, held, s.ws, cws, qdd, tau);
-    requireAll(cws.of_N.rank(), k);
-    recursive::MatrixX<T> J(k, s.model.dof());
-    if (k > 0) recursive::taskJacobian(s.model, held, s.ws, J);
-    PartsOf<T> out;
-    part(out, MechanismQuantity::kQdd) = column(qdd);
-    part(out, MechanismQuantity::kConstraintForce) = J.transpose() * cws.nu;
-    part(out, MechanismQuantity::kNu) = cws.nu;
-    part(out, MechanismQuantity::kDrive) = ofDriven<T>(s.driven, column(tau) - column(s.pull));
-    part(out, MechanismQuantity::kReactions) =
-        reactionsUnder(mechanism, number, state, qdd, VectorOf<T>(), VectorOf<T>(cws.nu));
-    return out;
-  }
-};
+using Parts = std::array<Eigen::VectorXd, std::size(kMechanismQuantities)>;
 
 /// A road whose every rounding is ours.
 template <typename Formulas>
