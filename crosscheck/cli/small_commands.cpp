@@ -82,6 +82,7 @@ struct DriftArguments {
 /// @throws scene::InputError  another ending
 PictureLook lookOf(const std::filesystem::path& file, PictureLook look) {
   const std::string ending = file.extension().string();
+  if (ending.empty()) return look;  // SVG, as it always was
   if (ending != ".svg" && ending != ".png" && ending != ".pdf")
     throw scene::InputError(
         {}, fmt::format("--plot: read '{}', allowed: a file that ends in .svg, .png or .pdf",
@@ -255,10 +256,11 @@ Run addDrift(CLI::App* command) {
   command->add_option("--duration", arguments->options.duration, "Duration [s]: simulated time")
       ->check(positive())
       ->capture_default_str();
-  CLI::Option* plot =
-      command->add_option("--plot", arguments->plot,
-                          "Chart, a file that ends in .svg, .png or .pdf: energy errors along the "
-                          "paths of one method, or the worst ones of several against the step");
+  CLI::Option* plot = command->add_option(
+      "--plot", arguments->plot,
+      "Chart, a file that ends in .svg (as one without ending is), .png or .pdf: "
+      "energy errors along the "
+      "paths of one method, or the worst ones of several against the step");
   addBackground(*command, arguments->look);
   command->get_option("--background")->needs(plot);
   CLI::Option* csv =
