@@ -6,6 +6,7 @@
 
 #include "crosscheck/laws/law.hpp"
 #include "crosscheck/scalars/lifted.hpp"
+#include "crosscheck/scalars/moving_state.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 #include "recursive/energy.hpp"
@@ -47,23 +48,13 @@ class LinearizationModel {
   }
   /// The state moved: its k-th position, rate or force is x + eps.
   scene::State<Moving> moved(const scene::State<T>& state, MovedPart part, int k) const {
-    std::vector<T> unit(n(), T(0)), slots(model_.positions, T(0));
-    if (part == MovedPart::kPosition) {
-      unit[k] = T(1);
-      recursive::positionRates(model_, state.x, unit, slots);
-    }
-    scene::State<Moving> out;
-    for (std::size_t i = 0; i < state.x.size(); ++i) out.x.push_back(moving(state.x[i], slots[i]));
-    const auto lift = [&](const std::vector<T>& v, MovedPart which) {
-      std::vector<Moving> lifted;
-      for (std::size_t i = 0; i < v.size(); ++i)
-        lifted.push_back({v[i], T(part == which && static_cast<int>(i) == k ? 1 : 0)});
-      return lifted;
-    };
-    out.qd = lift(state.qd, MovedPart::kRate);
-    out.tau = lift(state.tau, MovedPart::kForce);
-    for (const T& x : state.qdd) out.qdd.push_back(Moving(x));
-    return out;
+    Direction<T> along;
+    std::vector<T>& rates = part == MovedPart::kPosition ? along.q
+                            : part == MovedPart::kRate   ? along.qd
+                                                         : along.tau;
+    rates.assign(n(), T(0));
+    rates[k] = T(1);
+    return moving(model_, state, along);
   }
 
   std::vector<T> forward(const scene::State<T>& state) {

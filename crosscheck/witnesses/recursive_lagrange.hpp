@@ -103,9 +103,10 @@ class HomogeneousModel {
   /// origin.
   MatrixOf<T> momentum(const std::vector<scene::JointPosition<T>>& x, const std::vector<T>& qd);
 
-  /** Second derivatives of all bodies' W along constant u and v, where qd are derivatives of q:
-      sum u_i v_j d2W/dq_i dq_j, by polarizing (2). Where x is the place of a point, that is how the
-      motion bends in the space of all points. */
+  /** Second derivatives of all bodies' W: how the first along constant rates v changes along
+      constant rates u. Where qd are derivatives of q: sum u_i v_j d2W/dq_i dq_j, and u and v may
+      change places; elsewhere they differ by the commutator of the two. Where x is the place of a
+      point, that is how the motion bends in the space of all points. */
   std::vector<Matrix4<T>> secondPartials(const std::vector<scene::JointPosition<T>>& x,
                                          const std::vector<T>& u, const std::vector<T>& v);
   /// sum over all points of m (a x)' (b x), for matrices a, b by body.
