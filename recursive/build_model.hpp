@@ -124,7 +124,8 @@ void follow(const scene::Follower& follower, const Numbers& number, LinkModel<T>
   link.rest = (link.rest - number(follower.offset)) / k;
 }
 
-/// The rotors of a joint geared to several rates. @param X_joint  the carrier's frame to the joint's
+/// The rotors of a joint geared to several rates. @param X_joint  the carrier's frame to that of
+/// the joint
 template <typename Numbers, typename T>
 void addRotors(const scene::Joint& joint, int dof, int carrier, const Transform<T>& X_joint,
                const Numbers& number, Model<T>& model) {

@@ -263,13 +263,12 @@ bool Mechanism::hasCoulombFriction() const {
                      [](const Link& link) { return link.joint.friction.isCoulomb(); });
 }
 bool Mechanism::hasGyroscopicRotors() const {
-  return std::any_of(links.begin(), links.end(),
-                     [](const Link& link) {
-                       const std::vector<Rotor>& rotors = link.joint.rotors;
-                       return link.joint.gyroscopic ||
-                              std::any_of(rotors.begin(), rotors.end(),
-                                          [](const Rotor& rotor) { return rotor.axis.has_value(); });
-                     });
+  return std::any_of(links.begin(), links.end(), [](const Link& link) {
+    const std::vector<Rotor>& rotors = link.joint.rotors;
+    return link.joint.gyroscopic ||
+           std::any_of(rotors.begin(), rotors.end(),
+                       [](const Rotor& rotor) { return rotor.axis.has_value(); });
+  });
 }
 
 std::vector<int> Mechanism::movingLinks() const {

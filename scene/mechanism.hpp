@@ -129,8 +129,8 @@ struct Mimic {
     There is no term of Hamel in it, which Lagrange's equations of T in the joint's rates alone would
     add: a constraint of rates must not be put into T before T is differentiated. */
 struct Rotor {
-  Number inertia{0};          ///< J [kg m^2]
-  std::vector<Number> ratio;  ///< n, one a rate of the joint [rad/rad], [rad/m]
+  Number inertia{0};           ///< J [kg m^2]
+  std::vector<Number> ratio;   ///< n, one a rate of the joint [rad/rad], [rad/m]
   std::optional<Vector> axis;  ///< of a gyroscopic one: in the joint frame, of any length but zero
 };
 

@@ -53,7 +53,7 @@ void addOnLink(const std::string& name, const Link& driven, const Rotor& rotor, 
   if (driven.joint.placement.convention != Placement::Convention::kDh)
     link.joint.placement = driven.joint.placement;
   const int k = alongCoordinate(*rotor.axis);
-  Number MassProperties::* const moments[] = {&MassProperties::xx, &MassProperties::yy,
+  Number MassProperties::*const moments[] = {&MassProperties::xx, &MassProperties::yy,
                                              &MassProperties::zz};
   Link lacking = link;
   lacking.name = lacking.joint.name = name + ".lacking";

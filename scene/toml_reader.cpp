@@ -317,10 +317,11 @@ void TomlReader::checkJointKeys(const toml::table& table, const std::string& wha
     for (const char* key :
          {"rotor_inertia", "gear_ratio", "gyroscopic", "stiffness", "rest", "friction", "mimic"}) {
       if (const toml::node* node = table.get(key))
-        throw InputError(where(*node), of_kind + ": has " + key +
-                                           ", allowed: only with revolute, prismatic and helical "
-                                           "joints, which have one position to measure (rotors of "
-                                           "this joint: rotors = [{ inertia = J, ratio = [...] }])");
+        throw InputError(where(*node),
+                         of_kind + ": has " + key +
+                             ", allowed: only with revolute, prismatic and helical "
+                             "joints, which have one position to measure (rotors of "
+                             "this joint: rotors = [{ inertia = J, ratio = [...] }])");
     }
   }
   checkKeys(table, of_kind, allowed);

@@ -498,8 +498,9 @@ void Validator::requireRotors(const Link& link) {
       failJoint(link, what + fmt::format("inertia is {} kg m^2, allowed: above zero",
                                          exactValue(rotor.inertia, values_).toDouble()));
     if (static_cast<int>(rotor.ratio.size()) != rates)
-      failJoint(link, what + fmt::format("ratio has {} numbers, allowed: {}, one a rate of the joint",
-                                         rotor.ratio.size(), rates));
+      failJoint(link,
+                what + fmt::format("ratio has {} numbers, allowed: {}, one a rate of the joint",
+                                   rotor.ratio.size(), rates));
     if (allZero(rotor.ratio))
       failJoint(link, what + "all of its ratio is 0, allowed: a rotor that some rate turns");
     if (rotor.axis && allZero(*rotor.axis))

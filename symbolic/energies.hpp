@@ -13,8 +13,8 @@
 namespace dynwitness::symbolic {
 
 /// Shares of the bodies in T = sum (m v'v / 2 + (v x w)' first + w' second w / 2) + rotor qd^2/2
-/// + spin qd (angular velocity of the parent about the axis), and of a rotor geared to several rates
-/// J psi'^2/2 + J psi' (angular velocity of its carrier about its axis).
+/// + spin qd (angular velocity of the parent about the axis), and of a rotor geared to several
+/// rates J psi'^2/2 + J psi' (angular velocity of its carrier about its axis).
 std::vector<Value> kineticByVelocities(const BodyTree& tree);
 
 /// By rate: what of p = dT/dqd comes through the gears of geared rotors, n dT/dpsi'.

@@ -66,7 +66,7 @@ struct Equations {
   std::vector<Node> link_potential;  ///< share of each moving link in V (its spring's included)
   std::vector<Node> p, c, g, Q;
   std::vector<Node> gear_momenta;  ///< of p: n dT/dpsi' of rotors geared to several rates
-  std::vector<Node> friction;  ///< dR/dqd, which Q contains with a minus sign
+  std::vector<Node> friction;      ///< dR/dqd, which Q contains with a minus sign
   std::vector<std::vector<Node>> M;
 
   int dof() const { return static_cast<int>(joints.size()); }

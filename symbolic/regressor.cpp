@@ -25,18 +25,18 @@ InertialSymbols inertialSymbols(const scene::Mechanism& given) {
     out.mechanism.parameters.push_back({symbol(j), kind == Kind::kMass ? 1 : 0, {}});
     scene::Link& link = out.mechanism.links[at];
     scene::MassProperties& m = link.inertia;
-    scene::Number* const numbers[] = {&m.mass,
-                                      &m.com[0],
-                                      &m.com[1],
-                                      &m.com[2],
-                                      &m.xx,
-                                      &m.yy,
-                                      &m.zz,
-                                      &m.xy,
-                                      &m.xz,
-                                      &m.yz,
-                                      rotor < 0 ? &link.joint.rotor_inertia
-                                                : &link.joint.rotors[rotor].inertia};
+    scene::Number* const numbers[] = {
+        &m.mass,
+        &m.com[0],
+        &m.com[1],
+        &m.com[2],
+        &m.xx,
+        &m.yy,
+        &m.zz,
+        &m.xy,
+        &m.xz,
+        &m.yz,
+        rotor < 0 ? &link.joint.rotor_inertia : &link.joint.rotors[rotor].inertia};
     std::string value = symbol(j);
     if (kind == Kind::kRotor && rotor < 0)
       value += " / (" + link.joint.gear_ratio.text() + ")^2";  // it is n^2 J

@@ -145,11 +145,12 @@ struct Rules {
          {Command::kCheck, Command::kGrade, Command::kGolden, Command::kRotors})
       out.push_back({command, geared, other_rotors});
     for (const Command command : {Command::kGeometry, Command::kAction})
-      out.push_back({command,
-                     geared,
-                     {Kind::kRefused,
-                      "on a joint whose rates are no derivatives its motion is that of no metric and "
-                      "makes no action stationary, allowed: rotors of one rate"}});
+      out.push_back(
+          {command,
+           geared,
+           {Kind::kRefused,
+            "on a joint whose rates are no derivatives its motion is that of no metric and "
+            "makes no action stationary, allowed: rotors of one rate"}});
     return out;
   }
   std::vector<Rule> ofComparisons() const {
@@ -201,8 +202,9 @@ struct Rules {
          {Kind::kNoPart,
           "gravity is the world's acceleration -g in the sweeps, no force on a link"}},
         {Command::kEvaluatePoints,
-         Features{Feature::kGravity, Feature::kRotor, Feature::kGyroscopicRotor, Feature::kGearedRotor} + friction +
-             spring_of_joint + wrenches + closures + point_springs + prescribed,
+         Features{Feature::kGravity, Feature::kRotor, Feature::kGyroscopicRotor,
+                  Feature::kGearedRotor} +
+             friction + spring_of_joint + wrenches + closures + point_springs + prescribed,
          {Kind::kNoPart, "a point's motion is that of q, qd and qdd, whatever makes it"}},
         {Command::kEvaluateForces, closures + point_springs, no_closed_forces},
         {Command::kEvaluateForces, {Feature::kAccelerationConstraint}, held_by_forces},
@@ -349,8 +351,9 @@ const std::vector<Rule>& rules() {
   static const std::vector<Rule> all = [] {
     const Rules rules;
     std::vector<Rule> joined;
-    for (const auto& part : {rules.ofFollowers(), rules.ofGearedRotors(), rules.ofComparisons(), rules.ofEquations(),
-                             rules.ofMotionAndParameters(), rules.ofReduction(), rules.ofStudies()})
+    for (const auto& part :
+         {rules.ofFollowers(), rules.ofGearedRotors(), rules.ofComparisons(), rules.ofEquations(),
+          rules.ofMotionAndParameters(), rules.ofReduction(), rules.ofStudies()})
       joined.insert(joined.end(), part.begin(), part.end());
     return joined;
   }();

@@ -61,8 +61,8 @@ class Drawing {
     return out;
   }
 
-  /// Gears one to three rotors to the rates of joints of several, from a stream of its own: what else
-  /// is drawn stays. Light ones, but a rod carries none.
+  /// Gears one to three rotors to the rates of joints of several, from a stream of its own: what
+  /// else is drawn stays. Light ones, but a rod carries none.
   void gear(scene::Mechanism& mechanism) {
     static constexpr int kAxes[][3] = {{0, 0, 1}, {1, 0, 0}, {0, -1, 0},
                                        {3, 0, 4}, {1, 1, 0}, {1, -2, 1}};

@@ -120,7 +120,7 @@ class SweptMechanism {
   /// Through the joint of each link of the scene; there is none at its root.
   const std::vector<recursive::Force<T>>& reactions();
 
-  // ---- with joints that follow others let go, without rotors geared to several rates ----------------------------------------------------
+  // ---- with joints that follow others let go, without rotors geared to several rates ----------
 
   const recursive::Model<T>& letGo() const { return free_; }
   /// The same rates with one for every joint.

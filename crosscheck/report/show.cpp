@@ -199,9 +199,10 @@ std::string remarksOn(const JointFacts& facts, const Numbers& value) {
   for (const scene::Rotor& rotor : joint.rotors) {
     std::vector<double> ratio;
     for (const scene::Number& n : rotor.ratio) ratio.push_back(value(n));
-    words.push_back(fmt::format("{}rotor {} kg m^2 geared ({}){}", rotor.axis ? "gyroscopic " : "",
-                                number(value(rotor.inertia)), valuesOf(ratio),
-                                rotor.axis ? " about (" + vectorText(*rotor.axis, value) + ")" : ""));
+    words.push_back(
+        fmt::format("{}rotor {} kg m^2 geared ({}){}", rotor.axis ? "gyroscopic " : "",
+                    number(value(rotor.inertia)), valuesOf(ratio),
+                    rotor.axis ? " about (" + vectorText(*rotor.axis, value) + ")" : ""));
   }
   if (!joint.friction.viscous.isLiteralZero())
     words.push_back(fmt::format("viscous friction {} {}", number(value(joint.friction.viscous)),
@@ -246,13 +247,6 @@ Table jointTable(const Facts& facts) {
   const scene::Mechanism& mechanism = facts.shown.scene.mechanism;
   for (const JointFacts& joint : facts.joints) {
     const scene::Joint& j = joint.link->joint;
-    Json rotors = Json::array();
-    for (const scene::Rotor& rotor : j.rotors) {
-      rotors.push_back({{"inertia", value(rotor.inertia)},
-                        {"ratio", Json::array()},
-                        {"axis", rotor.axis ? vector(*rotor.axis) : Json()}});
-      for (const scene::Number& n : rotor.ratio) rotors.back()["ratio"].push_back(value(n));
-    }
     if (joint.link->parent < 0 || j.kind == JointKind::kFixed) continue;
     const bool follows = !joint.leader.empty();
     const std::string ratio = follows ? number(joint.multiplier) : "";
@@ -475,6 +469,13 @@ std::string showJson(const Shown& shown, const std::string& version) {
   for (const JointFacts& joint : facts.joints) {
     if (joint.link->parent < 0) continue;
     const scene::Joint& j = joint.link->joint;
+    Json rotors = Json::array();
+    for (const scene::Rotor& rotor : j.rotors) {
+      rotors.push_back({{"inertia", value(rotor.inertia)},
+                        {"ratio", Json::array()},
+                        {"axis", rotor.axis ? vector(*rotor.axis) : Json()}});
+      for (const scene::Number& n : rotor.ratio) rotors.back()["ratio"].push_back(value(n));
+    }
     Json motion = Json::array();
     for (const scene::Expression& e : j.motion) motion.push_back(e.text());
     joints.push_back({{"name", oneLine(j.name)},

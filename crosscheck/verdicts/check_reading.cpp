@@ -165,7 +165,7 @@ std::string otherWords(const scene::Scene& scene, const Description& file) {
       found = fmt::format("{} is '{}' by the file's own text and '{}' in the scene", what, by_file,
                           in_scene);
   };
-  const auto counted = [&same](const char* what, std::size_t by_file, std::size_t in_scene) {
+  const auto counted = [&same](const std::string& what, std::size_t by_file, std::size_t in_scene) {
     same(fmt::format("the number of {}", what), std::to_string(by_file), std::to_string(in_scene));
   };
   const auto nameOf = [&m](int link) {
@@ -371,7 +371,8 @@ CheckResult numbers(const scene::Scene& scene, const Description& file, std::uin
       out.add(of, "inertia", "kg m^2", read.inertia, number(rotor.inertia));
       for (std::size_t j = 0; j < rotor.ratio.size(); ++j)
         out.add(of, "ratio", "", read.ratio[j], number(rotor.ratio[j]));
-      if (rotor.axis) out.add(of, {"axis x", "axis y", "axis z"}, "", *read.axis, *rotor.axis, number);
+      if (rotor.axis)
+        out.add(of, {"axis x", "axis y", "axis z"}, "", *read.axis, *rotor.axis, number);
     }
     if (!ours.mimic) continue;
     out.add(k, "multiplier", "", joint.follows->multiplier, number(ours.mimic->multiplier));

@@ -13,8 +13,8 @@
 
 namespace dynwitness::crosscheck {
 
-/** From the tree with all joints let go, and geared rotors links of their own (scene::withOwnRates),
-    to the mechanism where some follow others. With G the constant matrix that makes all rates of the
+/** From the tree with all joints let go, and geared rotors links of their own
+    (scene::withOwnRates), to the mechanism where some follow others. With G the constant matrix that makes all rates of the
     independent ones (1 for a rate's own joint, k for its followers, its ratios for a rotor), all the
     tree's quantities at  G qd, G qdd  become
 
@@ -37,8 +37,7 @@ class Coupling {
       for (const scene::Rotor& rotor : link.joint.rotors) {
         rotors.emplace_back();
         for (std::size_t k = 0; k < rotor.ratio.size(); ++k)
-          rotors.back().push_back(
-              {rate + static_cast<int>(k), true, number(rotor.ratio[k])});
+          rotors.back().push_back({rate + static_cast<int>(k), true, number(rotor.ratio[k])});
       }
       if (link.joint.mimic) {
         rates_.push_back({{next->rate, true, number(scene::Number(next->multiplier))}});
@@ -125,9 +124,9 @@ class OverTree : public PartialWitness {
 /// Whether a witness answers for links that have less than no inertia.
 enum class Lacking { kRefused, kAnswered };
 
-/// The kind for mechanisms where joints follow others or rotors are geared to several rates as well:
-/// its witness is asked about the tree, and bounds pass through Coupling with the answers. Others it
-/// makes as it does.
+/// The kind for mechanisms where joints follow others or rotors are geared to several rates as
+/// well: its witness is asked about the tree, and bounds pass through Coupling with the answers.
+/// Others it makes as it does.
 WitnessKind overTree(WitnessKind kind, Lacking lacking = Lacking::kRefused);
 
 }  // namespace dynwitness::crosscheck

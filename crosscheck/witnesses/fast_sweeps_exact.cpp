@@ -13,9 +13,9 @@ template class FastSweeps<PrimeField>;
 
 namespace {
 
-/// The tree of joints with rates of their own. Over the field every rate has the sign 1 (scene::directionOf), and
-/// of a joint that moves backward when its leader moves forward the tree does not know: it is told
-/// by its friction.
+/// The tree of joints with rates of their own. Over the field every rate has the sign 1
+/// (scene::directionOf), and of a joint that moves backward when its leader moves forward the tree
+/// does not know: it is told by its friction.
 scene::Mechanism treeOf(const scene::Mechanism& mechanism) {
   scene::Mechanism tree = scene::withOwnRates(mechanism);
   for (const scene::Follower& f : scene::followers(mechanism)) {

@@ -34,8 +34,8 @@ constexpr int kSeeds = 3;
 const auto kKinds = data::xrange(static_cast<int>(JointKind::kCylindrical),
                                  static_cast<int>(JointKind::kFloating) + 1);
 
-/// A random tree with all that acts on joints, whose joint that most others carry is of this kind and
-/// has two plain and two gyroscopic rotors: which fewer than its rates tell from a full matrix.
+/// A random tree with all that acts on joints, whose joint that most others carry is of this kind
+/// and has two plain and two gyroscopic rotors: which fewer than its rates tell from a full matrix.
 /// @param slanted  their axes are none of the joint frame's
 scene::Mechanism geared(int kind_number, std::uint64_t seed, bool slanted) {
   const auto kind = static_cast<JointKind>(kind_number);
