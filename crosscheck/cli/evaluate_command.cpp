@@ -1107,11 +1107,12 @@ int runEvaluate(EvaluateArguments arguments) {
                               fmt::format("--random: column {} would be of the state and of the "
                                           "answer, allowed: tau and qdd in calls of their own",
                                           asked));
-  if (arguments.format == "json" && arguments.states.random > 0 && hasOrientations(scene.mechanism) &&
-      states->convention() != CoordinateConvention::kDynwitness)
+  if (arguments.format == "json" && arguments.states.random > 0 &&
+      hasOrientations(scene.mechanism) && states->convention() != CoordinateConvention::kDynwitness)
     throw scene::InputError(
-        {}, "--random with --convention: rows of JSON do not say whose positions they hold, allowed: "
-            "--format csv, whose first line does");
+        {},
+        "--random with --convention: rows of JSON do not say whose positions they hold, allowed: "
+        "--format csv, whose first line does");
   Table table(all_names, arguments.format == "json",
               arguments.states.random > 0 && hasOrientations(scene.mechanism)
                   ? fmt::format("# convention: {}\n", name(states->convention()))

@@ -18,14 +18,15 @@ int timeAmong(const std::vector<std::string>& columns, const std::string& file) 
     const auto found = std::find(columns.begin(), columns.end(), name);
     if (found != columns.end()) return static_cast<int>(found - columns.begin());
   }
-  throw scene::InputError({file, 0},
-                          "--format svg, png or pdf without a column of time, allowed: t, time or time_s [s]");
+  throw scene::InputError(
+      {file, 0},
+      "--format svg, png or pdf without a column of time, allowed: t, time or time_s [s]");
 }
 
 void drawTrajectory(const std::filesystem::path& csv, const std::string& title,
                     const std::string& about, int time,
-                    const std::vector<crosscheck::TrajectoryLine>& lines,
-                    const std::string& output, const crosscheck::PictureLook& look) {
+                    const std::vector<crosscheck::TrajectoryLine>& lines, const std::string& output,
+                    const crosscheck::PictureLook& look) {
   const std::filesystem::path folder = csv.parent_path();
   const std::string script = crosscheck::trajectoryScript(title, about, time + 1, lines,
                                                           csv.filename().string(), "motion");

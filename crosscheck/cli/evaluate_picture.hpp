@@ -21,7 +21,7 @@ int timeAmong(const std::vector<std::string>& columns, const std::string& file);
     @throws std::runtime_error  gnuplot did not finish it, or a file cannot be written */
 void drawTrajectory(const std::filesystem::path& csv, const std::string& title,
                     const std::string& about, int time,
-                    const std::vector<crosscheck::TrajectoryLine>& lines,
-                    const std::string& output, const crosscheck::PictureLook& look);
+                    const std::vector<crosscheck::TrajectoryLine>& lines, const std::string& output,
+                    const crosscheck::PictureLook& look);
 
 }  // namespace dynwitness::cli

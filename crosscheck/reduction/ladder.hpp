@@ -31,8 +31,8 @@ struct RungMotion {
 struct Rung {
   std::string adds;    ///< "moments of inertia", to the rung below
   scene::Scene scene;  ///< of all rungs so far
-  /// Multiplications, additions and divisions of tau, friction apart; of the smallest straight line,
-  /// or of the general sweep where that is too long; none: `no_count` says why.
+  /// Multiplications, additions and divisions of tau, friction apart; of the smallest straight
+  /// line, or of the general sweep where that is too long; none: `no_count` says why.
   std::optional<long> operations;
   bool is_straight_line = false;
   std::string no_count;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Smaller models whose joint forces stay near the scene's over an envelope, guaranteed; which one is
-// the smallest nobody proves.
+// Smaller models whose joint forces stay near the scene's over an envelope, guaranteed; which one
+// is the smallest nobody proves.
 #pragma once
 
 #include <functional>

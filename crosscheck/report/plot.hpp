@@ -33,9 +33,9 @@ struct PictureLook {
   std::string paper = "";    ///< "white", "transparent"; "": as the kind is by itself
 };
 
-/// Draws methods.svg (or .png, .pdf) of several methods' drifts from methods.csv beside it, whose columns are
-/// method, step and worst error over scale: worst error against step, a line a method; it loads
-/// style.gp. Empty when no path has an error above zero.
+/// Draws methods.svg (or .png, .pdf) of several methods' drifts from methods.csv beside it, whose
+/// columns are method, step and worst error over scale: worst error against step, a line a method;
+/// it loads style.gp. Empty when no path has an error above zero.
 std::string driftsScript(const std::string& title, const std::vector<Drift>& drifts);
 /// Its table. "method,step_s,worst_energy_error_over_scale"
 std::string driftsCsv(const std::vector<Drift>& drifts);

@@ -391,8 +391,9 @@ BOOST_AUTO_TEST_CASE(the_forces_of_a_controller_are_in_the_table) {
 // Of joints with several axes a posture says nothing.
 BOOST_AUTO_TEST_CASE(a_posture_holds_joints_of_one_axis) {
   const Program program;
-  BOOST_TEST_REQUIRE(program.run("simulate cylindrical_arm --once --outputs 2 --duration 0.2 --csv "
-                                 "with.csv --posture 50,5")
+  BOOST_TEST_REQUIRE(program
+                         .run("simulate cylindrical_arm --once --outputs 2 --duration 0.2 --csv "
+                              "with.csv --posture 50,5")
                          .status == 0);
   const auto rows = table(program.read("with.csv"));
   const std::vector<double> tau = under(rows, 2, "tau");
@@ -564,9 +565,9 @@ BOOST_AUTO_TEST_CASE(a_motion_is_drawn_as_it_is_given) {
           .run("evaluate double_pendulum --states m.csv --quantity tau --format svg", "2>/dev/null")
           .out.find("<svg") != std::string::npos);
   program.write("no_time.csv", "q1,q2,qd1,qd2\n0,0,1,1\n");
-  refuses(program,
-          "evaluate double_pendulum --states no_time.csv --quantity M --format svg -o n.svg",
-          "no_time.csv: --format svg, png or pdf without a column of time, allowed: t, time or time_s");
+  refuses(
+      program, "evaluate double_pendulum --states no_time.csv --quantity M --format svg -o n.svg",
+      "no_time.csv: --format svg, png or pdf without a column of time, allowed: t, time or time_s");
   refuses(program, "evaluate double_pendulum --quantity tau --format svg",
           "--format svg, png or pdf without a motion");
   refuses(program, "evaluate humanoid_floating --states x.csv --quantity X,M_A --format svg",
