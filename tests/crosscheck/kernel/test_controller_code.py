@@ -20,7 +20,8 @@ WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Wconversion", "-Werro
 ALL = "tau,qdd,M,C,c,g,Y"
 # why a scene may have no code: each is a sentence of features.md or a number of operations
 REASONS = ("programs are made for open trees alone", "no code is written for joints that share a rate",
-           "operations in ", "degrees of freedom, at most", "there is nothing to ask", "M is singular", "division by zero")
+           "operations in ", "degrees of freedom, at most", "there is nothing to ask", "M is singular", "division by zero",
+           "what is computed here passes each axis of a joint by itself")
 
 
 def run(*words, **more):
