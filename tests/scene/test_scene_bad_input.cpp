@@ -99,7 +99,7 @@ const Bad kToml[] = {
      "bad.toml:6: link \"a\": unknown key \"mas\", allowed: name, parent, mass, com, inertia, "
      "joint"},
     {"unknown key of a joint", oneLink("", "kind = \"revolute\"\nangle = 1"),
-     "bad.toml:11: joint \"upper\" (revolute): unknown key \"angle\", allowed: name, kind, xyz"},
+     "bad.toml:10: joint \"upper\" (revolute): unknown key \"angle\", allowed: name, kind, xyz"},
     {"axis of a fixed joint", oneLink("", "kind = \"fixed\"\naxis = [0, 0, 1]"),
      "bad.toml:10: joint \"upper\" (fixed): unknown key \"axis\", allowed: name, kind, xyz"},
     {"unknown key of an inertia", oneLink("inertia = { ixx = 1 }"),

@@ -466,7 +466,7 @@ BOOST_AUTO_TEST_CASE(a_state_is_given_by_place_by_name_and_in_the_scenes_paramet
   refuses(program, "sweep double_pendulum --q 1", "--q: 1 values, allowed: 2");
   refuses(program, "sweep double_pendulum --q 1,q2=3",
           "some numbers have names and some have none");
-  refuses(program, "sweep double_pendulum --q wrist=1", "allowed: q1 to q2, shoulder, elbow");
+  refuses(program, "sweep double_pendulum --q wrist=1", "allowed: q1, shoulder, q2, elbow");
   refuses(program, "sweep double_pendulum --q 1,nan", "--q: read 'nan', allowed: a finite number");
   refuses(program, "linearize double_pendulum --qd 1,1 --equilibrium", "--qd with --equilibrium");
   refuses(program, "linearize kapitza_pendulum --q 0.1,3",
