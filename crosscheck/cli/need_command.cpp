@@ -84,11 +84,6 @@ Run addNeed(CLI::App* command) {
                    "Duration [s]: of the scene's motion, and of each rung's")
       ->check(positive())
       ->capture_default_str();
-  command
-      ->add_option("--outputs", arguments->options.outputs,
-                   "Equal intervals of the motion, at whose ends rungs are compared")
-      ->check(whole(1, 1000000))
-      ->capture_default_str();
   command->add_option(
       "--chart", arguments->folder,
       "Folder: operations against error, a point a rung, as a table, CSV and a picture");

@@ -141,7 +141,9 @@ BOOST_DATA_TEST_CASE(breakdowns_are_where_theory_has_them, data::make(families()
       {"huge_lengths", "composite_body"},
       {"huge_lengths", "articulated_body"},
       {"huge_lengths", "composite_body float"},
-      {"huge_lengths", "articulated_body float"}};
+      {"huge_lengths", "articulated_body float"},
+      {"short_quaternion", "composite_body float"},  // once each, next to where they break
+      {"short_quaternion", "articulated_body float"}};
   const bool is_tau = family.quantity == Quantity::kTau;
   const std::vector<std::string> in_double = is_tau ? std::vector<std::string>{"newton_euler"}
                                                     : std::vector<std::string>{"composite_body",
