@@ -209,8 +209,8 @@ BOOST_AUTO_TEST_CASE(a_load_in_the_wrong_axes) {
 BOOST_AUTO_TEST_SUITE_END()
 
 // What a witness shares with another it cannot testify about: of the sweeps it takes M = L D L'
-// alone, as lagrange does, and of the derivation nothing; scalars, and a quaternion scaled by a power
-// of two, are no formulas.
+// alone, as lagrange does, and of the derivation nothing; scalars, and a quaternion scaled by a
+// power of two, are no formulas.
 BOOST_AUTO_TEST_CASE(it_shares_no_formula) {
   std::ifstream source(std::string(DYNWITNESS_SOURCE_DIR) +
                        "/crosscheck/witnesses/recursive_lagrange.hpp");
