@@ -9,12 +9,29 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/report/assets.hpp"
 #include "crosscheck/report/plot.hpp"
+#include "crosscheck/report/text.hpp"
 #include "crosscheck/system/files.hpp"
 
 namespace dynwitness::cli {
 
 using namespace crosscheck;
 namespace fs = std::filesystem;
+
+std::string chartScript(const scene::Scene& scene, const std::string& title,
+                        const std::string& stem, const std::string& body) {
+  return fmt::format(
+      "# Draw again with:  gnuplot {0}.gp\n"
+      "do for [dark = 0:1] {{\n"
+      "load '{1}'\n"
+      "eval canvas(900, 600, 16)\n"
+      "set output picture_file('{0}')\n"
+      "set datafile separator ','\n"
+      "set title {2} textcolor rgb ink\n"
+      "{3}"
+      "unset output\nreset\n}}\n",
+      stem, kChartStyle,
+      gnuplotString(oneLine(scene.title.empty() ? scene.name : scene.title) + ": " + title), body);
+}
 
 void writeCharts(const std::vector<ChartData>& data, const std::vector<ChartScript>& scripts,
                  const fs::path& folder, const PictureLook& look) {

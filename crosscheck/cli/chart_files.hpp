@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "crosscheck/report/plot.hpp"
+#include "scene/scene.hpp"
 
 namespace dynwitness::cli {
 
@@ -23,6 +24,12 @@ struct ChartData {
 struct ChartScript {
   std::string stem, script;
 };
+
+/** A script of one chart of 900 x 600, light and dark, from STEM.csv.
+    @param title  beside the scene's
+    @param body   axes and the plot, in lines of their own */
+std::string chartScript(const scene::Scene& scene, const std::string& title,
+                        const std::string& stem, const std::string& body);
 
 /** Data, scripts and pictures, with the style. A picture that gnuplot does not finish is named, and
     leaves data and script all the same.

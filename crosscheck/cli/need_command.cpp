@@ -29,25 +29,17 @@ struct Arguments {
 
 /// Error against operations, a point a rung with its name beside it.
 std::string ladderScript(const scene::Scene& scene, const Ladder& ladder, const std::string& stem) {
-  return fmt::format(
-      "# Draw again with:  gnuplot {0}.gp\n"
-      "do for [dark = 0:1] {{\n"
-      "load '{1}'\n"
-      "eval canvas(900, 600, 16)\n"
-      "set output picture_file('{0}')\n"
-      "set datafile separator ','\n"
-      "set title {2} textcolor rgb ink\n"
-      "set xlabel 'operations of inverse dynamics, friction apart'\n"
-      "set ylabel 'forces that are missed at worst  [% of the joint''s largest]'\n"
-      "set yrange [0:*]\nset offsets graph 0.1, graph 0.3, graph 0.1, 0\nset key top right\n"
-      "plot '{0}.csv' using 2:(100*$4) skip 1 with linespoints linetype 1 pointtype 7 title "
-      "'against the scene, over its motion of {3} s', \\\n"
-      "     '' using 2:(100*$4):1 skip 1 with labels left offset 1,0.6 textcolor rgb ink notitle\n"
-      "unset output\nreset\n}}\n",
-      stem, kChartStyle,
-      gnuplotString(oneLine(scene.title.empty() ? scene.name : scene.title) +
-                    ": what each part of the model is for"),
-      ladder.duration);
+  return chartScript(
+      scene, "what each part of the model is for", stem,
+      fmt::format(
+          "set xlabel 'operations of inverse dynamics, friction apart'\n"
+          "set ylabel 'forces that are missed at worst  [% of the joint''s largest]'\n"
+          "set yrange [0:*]\nset offsets graph 0.1, graph 0.3, graph 0.1, 0\nset key top right\n"
+          "plot '{0}.csv' using 2:(100*$4) skip 1 with linespoints linetype 1 pointtype 7 title "
+          "'against the scene, over its motion of {1} s', \\\n"
+          "     '' using 2:(100*$4):1 skip 1 with labels left offset 1,0.6 textcolor rgb ink "
+          "notitle\n",
+          stem, ladder.duration));
 }
 
 int run(const Arguments& arguments) {

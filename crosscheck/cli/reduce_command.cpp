@@ -49,25 +49,17 @@ double share(const std::string& text) {
 
 /// Operations against certified error, two curves.
 std::string frontScript(const scene::Scene& scene, const std::string& stem) {
-  return fmt::format(
-      "# Draw again with:  gnuplot {0}.gp\n"
-      "do for [dark = 0:1] {{\n"
-      "load '{1}'\n"
-      "eval canvas(900, 600, 16)\n"
-      "set output picture_file('{0}')\n"
-      "set datafile separator ','\n"
-      "set title {2} textcolor rgb ink\n"
-      "set xlabel 'error of a joint force, certified over the envelope  [% of its largest]'\n"
-      "set ylabel 'operations of inverse dynamics'\n"
-      "set yrange [0:*]\nset xrange [0:*]\nset key top right\n"
-      "plot '{0}.csv' using (100*$6):5 with linespoints linetype 1 pointtype 7 title 'a smaller "
-      "scene', \\\n"
-      "     '{0}.csv' using (100*$3):2 with linespoints linetype 2 pointtype 5 title 'and terms "
-      "added to it'\n"
-      "unset output\nreset\n}}\n",
-      stem, kChartStyle,
-      gnuplotString(oneLine(scene.title.empty() ? scene.name : scene.title) +
-                    ": how small a model may be"));
+  return chartScript(
+      scene, "how small a model may be", stem,
+      fmt::format(
+          "set xlabel 'error of a joint force, certified over the envelope  [% of its largest]'\n"
+          "set ylabel 'operations of inverse dynamics'\n"
+          "set yrange [0:*]\nset xrange [0:*]\nset key top right\n"
+          "plot '{0}.csv' using (100*$6):5 with linespoints linetype 1 pointtype 7 title 'a smaller "
+          "scene', \\\n"
+          "     '{0}.csv' using (100*$3):2 with linespoints linetype 2 pointtype 5 title 'and terms "
+          "added to it'\n",
+          stem));
 }
 
 int run(Arguments arguments) {

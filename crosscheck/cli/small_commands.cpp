@@ -91,6 +91,16 @@ PictureLook lookOf(const std::filesystem::path& file, PictureLook look) {
   return look;
 }
 
+/// Draws STEM.gp of a folder. What becomes of it is the first of these pictures.
+void drawTo(const std::filesystem::path& file, const std::filesystem::path& folder,
+            const std::string& stem, const std::vector<std::string>& pictures,
+            const PictureLook& look) {
+  if (const auto failure = runGnuplot(folder, stem + ".gp", pictures, look))
+    throw std::runtime_error("chart: " + *failure);
+  std::ifstream picture(folder / pictures.front(), std::ios::binary);
+  writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
+}
+
 /// The report's drift chart alone, as one file.
 void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesystem::path& file,
                const PictureLook& look) {
@@ -105,12 +115,8 @@ void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesys
   work.write("chart/drift.csv", driftCsv(result));
   work.write("chart/drift_worst.csv", driftWorstCsv(result));
   work.write("chart/drift.gp", script);
-  const std::filesystem::path folder = work.path() / "chart";
-  if (const auto failure =
-          runGnuplot(folder, "drift.gp", {"drift." + look.kind, "drift_dark." + look.kind}, look))
-    throw std::runtime_error("chart: " + *failure);
-  std::ifstream picture(folder / ("drift." + look.kind), std::ios::binary);
-  writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
+  drawTo(file, work.path() / "chart", "drift", {"drift." + look.kind, "drift_dark." + look.kind},
+         look);
 }
 
 /// Several methods in one picture.
@@ -122,10 +128,7 @@ void plotDrifts(const scene::Scene& scene, const std::vector<Drift>& drifts,
   work.write("style.gp", kStyleGnuplot);
   work.write("methods.csv", driftsCsv(drifts));
   work.write("methods.gp", script);
-  if (const auto failure = runGnuplot(work.path(), "methods.gp", {"methods." + look.kind}, look))
-    throw std::runtime_error("chart: " + *failure);
-  std::ifstream picture(work.path() / ("methods." + look.kind), std::ios::binary);
-  writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
+  drawTo(file, work.path(), "methods", {"methods." + look.kind}, look);
 }
 
 /// What is to be said about a drift beside its numbers. @return false: its qdd is wrong
