@@ -9,11 +9,12 @@
 
 namespace dynwitness::crosscheck::rereading {
 
-Description described(const std::string& text, const std::filesystem::path& file) {
+Description described(const std::string& text, const std::filesystem::path& file,
+                      const std::vector<std::filesystem::path>& bundled) {
   const std::string content = withoutMark(text);
   const std::size_t first = content.find_first_not_of(" \t\r\n");
   const bool is_xml = first != std::string::npos && content[first] == '<';
-  return is_xml ? describedUrdf(content) : describedToml(content, file);
+  return is_xml ? describedUrdf(content) : describedToml(content, file, bundled);
 }
 
 std::string withoutMark(const std::string& text) {

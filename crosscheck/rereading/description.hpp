@@ -102,13 +102,16 @@ class NotReread : public std::runtime_error {
 
 /** @param text  of the file
     @param file  for the folder of a scene that it is like
-    @throws NotReread  MJCF, a scene that is like a bundled one, or one whose base is fixed
+    @param bundled  files one of whose names without .toml it may be like, too
+    @throws NotReread  MJCF, a scene that is like one of neither, or one whose base is fixed
     @throws std::runtime_error  what could not be read, and why */
-Description described(const std::string& text, const std::filesystem::path& file);
+Description described(const std::string& text, const std::filesystem::path& file,
+                      const std::vector<std::filesystem::path>& bundled = {});
 
 /// Without the mark of the order of bytes.
 std::string withoutMark(const std::string& text);
-Description describedToml(const std::string& text, const std::filesystem::path& file);
+Description describedToml(const std::string& text, const std::filesystem::path& file,
+                          const std::vector<std::filesystem::path>& bundled);
 Description describedUrdf(const std::string& text);
 
 /// A link and the name of its parent (none: the root), in the file's order.

@@ -66,7 +66,9 @@ class Keys {
 
 class TomlText {
  public:
-  TomlText(const std::string& text, std::filesystem::path file) : file_(std::move(file)) {
+  TomlText(const std::string& text, std::filesystem::path file,
+           const std::vector<std::filesystem::path>& bundled)
+      : file_(std::move(file)), bundled_(bundled) {
     std::istringstream stream(text);
     for (std::string line; std::getline(stream, line);) lines_.push_back(line);
     top_ = toml::parse(std::string_view(text));
@@ -321,8 +323,11 @@ class TomlText {
   void readLike(const std::string& other, const toml::table* parameters) {
     std::filesystem::path file = file_.parent_path() / other;
     if (!std::filesystem::is_regular_file(file)) file += ".toml";
+    for (const std::filesystem::path& scene : bundled_)
+      if (!std::filesystem::is_regular_file(file) && scene.stem() == other) file = scene;
     if (!std::filesystem::is_regular_file(file))
-      throw NotReread(fmt::format("'{}', which it is like, is no file beside it", other));
+      throw NotReread(
+          fmt::format("'{}', which it is like, is neither a file beside it nor bundled", other));
     std::ifstream stream(file, std::ios::binary);
     if (!stream) throw std::runtime_error(fmt::format("{} cannot be read", file.string()));
     std::ostringstream text;
@@ -333,7 +338,7 @@ class TomlText {
       out_ = describedUrdf(content);
       return;
     }
-    TomlText reader(content, file);
+    TomlText reader(content, file, bundled_);
     reader.instead_ = parameters;
     reader.instead_owner_ = this;
     reader.readAll();
@@ -426,6 +431,7 @@ class TomlText {
   }
 
   std::filesystem::path file_;
+  const std::vector<std::filesystem::path>& bundled_;
   std::vector<std::string> lines_;
   toml::table top_;
   toml::source_index line_ = 0;      ///< the line of:
@@ -438,9 +444,10 @@ class TomlText {
 
 }  // namespace
 
-Description describedToml(const std::string& text, const std::filesystem::path& file) {
+Description describedToml(const std::string& text, const std::filesystem::path& file,
+                          const std::vector<std::filesystem::path>& bundled) {
   try {
-    return TomlText(text, file).read();
+    return TomlText(text, file, bundled).read();
   } catch (const toml::parse_error& error) {
     throw std::runtime_error(std::string(error.description()));
   }

@@ -506,7 +506,7 @@ std::vector<CheckResult> checkReading(const PreparedScene& prepared, std::uint64
   text << stream.rdbuf();
   Description file;
   try {
-    file = rereading::described(text.str(), scene.file);
+    file = rereading::described(text.str(), scene.file, scene::bundledScenes());
   } catch (const rereading::NotReread& no_road) {
     return {notRead("the file", no_road.what())};
   } catch (const std::bad_alloc&) {

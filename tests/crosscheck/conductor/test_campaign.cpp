@@ -177,6 +177,8 @@ BOOST_AUTO_TEST_CASE(
     bool moves = false;
     for (int i = static_cast<int>(links.size()) - 1; i > 0; i = links[i].parent)
       moves = moves || links[i].joint.kind != scene::JointKind::kFixed;
+    // Simbody is not asked about rotors that are geared to several rates
+    if (scene.mechanism.hasGearedRotors()) continue;
     if (!moves || links.back().inertia.mass.isLiteralZero()) continue;
     BOOST_TEST(std::any_of(campaign.failures.begin(), campaign.failures.end(),
                            [&](const RandomCampaign::Failure& failure) {

@@ -579,11 +579,15 @@ BOOST_AUTO_TEST_CASE(parameters_of_another_scene_take_other_values_at_their_plac
   for (scene::Parameter& parameter : not_replaced.mechanism.parameters)
     if (parameter.name == "m2") parameter.value = scene::Number::parse("0.8");
   BOOST_TEST(redOf(against(not_replaced, text)) != "");
-  // a scene that is bundled is found elsewhere than beside the file, where the second reader looks
-  write(file, "like = \"double_pendulum\"\n");
-  BOOST_TEST(scene::readScene(file).mechanism.links.size() == 3u);
-  BOOST_CHECK_THROW(rereading::described("like = \"double_pendulum\"\n", file),
-                    rereading::NotReread);
+  // a scene that is bundled is no file beside this one
+  const std::string bundled = "like = \"double_pendulum\"\n";
+  write(file, bundled);
+  const scene::Scene twin = scene::readScene(file);
+  BOOST_TEST(twin.mechanism.links.size() == 3u);
+  requireGreen(compareReading(twin, modelOf(twin),
+                              rereading::described(bundled, file, scene::bundledScenes()), 1),
+               "like a bundled one");
+  BOOST_CHECK_THROW(rereading::described(bundled, file), rereading::NotReread);
 }
 
 BOOST_AUTO_TEST_CASE(what_is_not_read_a_second_time_is_named) {

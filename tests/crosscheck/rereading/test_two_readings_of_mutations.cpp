@@ -41,7 +41,7 @@ std::string dispute(const scene::Scene& scene, const std::string& text) {
     std::string against;
     for (const CheckResult& check :
          compareReading(scene, PreparedScene(scene).model<RunningError>(),
-                        rereading::described(text, scene.file), 1))
+                        rereading::described(text, scene.file, scene::bundledScenes()), 1))
       if (check.verdict == Verdict::kDisagree)
         against += check.quantity + ": " + check.reason + "\n";
     return against;
