@@ -119,14 +119,19 @@ void append(RandomCampaign& all, RandomCampaign more) {
   std::move(more.failures.begin(), more.failures.end(), std::back_inserter(all.failures));
 }
 
+/// Who is asked exactly, where nobody is named: all but those whose making takes longer than the rest.
+CampaignOptions withWitnesses(CampaignOptions options) {
+  if (options.exact.witnesses.empty())
+    for (const WitnessKind& kind : witnessKinds())
+      if (!kind.is_compiled) options.exact.witnesses.push_back(kind);
+  return options;
+}
+
 /// @param index_of  the index of mechanism 0 to count - 1
 RandomCampaign campaignOver(int count, const std::function<int(int)>& index_of, int max_joints,
                             const CampaignOptions& options, int processes,
                             const std::function<void(int)>& progress) {
-  CampaignOptions asked = options;
-  if (asked.exact.witnesses.empty())
-    for (const WitnessKind& kind : witnessKinds())
-      if (!kind.is_compiled) asked.exact.witnesses.push_back(kind);
+  const CampaignOptions asked = withWitnesses(options);
   // mechanisms a task; of many mechanisms there are no more than so many tasks, whose parts are
   // kept
   constexpr int kLeast = 5, kMostTasks = 10000;
@@ -164,6 +169,17 @@ RandomCampaign crosscheckRandomOf(const std::vector<int>& indices, int max_joint
   return campaignOver(
       static_cast<int>(indices.size()), [&](int k) { return indices[static_cast<std::size_t>(k)]; },
       max_joints, options, processes, progress);
+}
+
+RandomCampaign::Failure disagreementsAbout(const scene::Scene& scene,
+                                           const CampaignOptions& options) {
+  const CampaignOptions asked = withWitnesses(options);
+  RandomCampaign counts;  // which nobody reads here
+  RandomCampaign::Failure failure{scene, {}, {}};
+  const PreparedScene prepared(failure.scene);
+  checkExactly(prepared, asked.exact, counts, failure);
+  if (!asked.in_double.empty()) checkInDouble(prepared, asked, counts, failure);
+  return failure;
 }
 
 std::string describeFailure(const RandomCampaign::Failure& failure) {

@@ -62,6 +62,11 @@ RandomCampaign crosscheckRandomOf(const std::vector<int>& indices, int max_joint
                                   const CampaignOptions& options, int processes = 1,
                                   const std::function<void(int)>& progress = {});
 
+/// What does not agree about one mechanism of the caller's choice: exactly, and in double where that
+/// is asked for. Nobody is asked about another one instead.
+RandomCampaign::Failure disagreementsAbout(const scene::Scene& scene,
+                                           const CampaignOptions& options);
+
 /// For people: what failed, and the command and the scene file that show it again.
 std::string describeFailure(const RandomCampaign::Failure& failure);
 

@@ -281,6 +281,12 @@ const char* name(PairRelation relation) {
   return "";
 }
 
+int pairCount() {
+  std::size_t count = 0;
+  for (const PairRelation relation : kAllPairRelations) count += sizeOf(relation);
+  return static_cast<int>(count);
+}
+
 std::vector<int> pairsOf(const scene::Mechanism& mechanism) {
   std::set<int> out;
   const auto add = [&](PairRelation relation, int row, int column) {
@@ -308,13 +314,17 @@ PairTable::PairTable() {
 }
 
 void PairTable::add(const scene::Scene& scene) {
+  add(scene.name, pairsOf(scene.mechanism));
+}
+
+void PairTable::add(const std::string& mechanism, const std::vector<int>& pairs) {
   ++mechanisms_;
-  for (const int pair : pairsOf(scene.mechanism)) {
+  for (const int pair : pairs) {
     auto at = static_cast<std::size_t>(pair);
     std::size_t relation = 0;
     for (; at >= cells_[relation].size(); ++relation) at -= cells_[relation].size();
     Cell& cell = cells_[relation][at];
-    if (cell.mechanisms++ == 0) cell.first = scene.name;
+    if (cell.mechanisms++ == 0) cell.first = mechanism;
   }
 }
 

@@ -39,6 +39,8 @@ class PairTable {
 
   PairTable();
   void add(const scene::Scene& scene);
+  /// One that has these pairs (pairsOf()).
+  void add(const std::string& mechanism, const std::vector<int>& pairs);
 
   static const std::vector<const char*>& rows(PairRelation relation);
   static const std::vector<const char*>& columns(PairRelation relation);
@@ -56,6 +58,8 @@ class PairTable {
   int mechanisms_ = 0;
 };
 
+/// How many pairs there are, those that cannot occur among them.
+int pairCount();
 /// Numbers of the pairs that a mechanism has, each once, in ascending order: what tables are added
 /// up from.
 std::vector<int> pairsOf(const scene::Mechanism& mechanism);

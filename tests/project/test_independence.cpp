@@ -115,10 +115,12 @@ const std::vector<Rule> kRules = {
      {"scene", "recursive", "system", "scalars", "witnesses", "motion", "verdicts", "chart",
       "report"}},
     {"grade", {"scene", "system", "witnesses", "diagnosis", "report"}},
+    {"campaign",
+     {"scene", "system", "inputs", "witnesses", "verdicts", "exact", "conductor", "report"}},
     {"cli", {"scene",  "symbolic",  "system",    "inputs",     "kernel",  "witnesses",
              "motion", "verdicts",  "exact",     "parameters", "readers", "diagnosis",
              "golden", "studies",   "conductor", "chart",      "report",  "audit",
-             "growth", "stability", "grade",     "reduction"}},
+             "growth", "stability", "grade",     "reduction", "campaign"}},
 };
 
 std::string textOf(const fs::path& file) {
