@@ -33,11 +33,12 @@ class PlanReader : scene::TomlFile {
     plan.seconds = number(top, "seconds", 600, 0.1, 1e6);
     for (const toml::table* table : tables(top, "cases")) plan.parts.push_back(part(*table));
     if (plan.parts.empty())
-      throw InputError({file_, 0}, "no [[cases]], allowed: one or more, of = \"mechanisms\", "
-                                   "\"scenes\" or \"commands\"");
+      throw InputError({file_, 0},
+                       "no [[cases]], allowed: one or more, of = \"mechanisms\", "
+                       "\"scenes\" or \"commands\"");
     if (plan.cases() > kMostCases)
-      throw InputError({file_, 0}, fmt::format("{} cases, allowed: up to {}", plan.cases(),
-                                               kMostCases));
+      throw InputError({file_, 0},
+                       fmt::format("{} cases, allowed: up to {}", plan.cases(), kMostCases));
     return plan;
   }
 

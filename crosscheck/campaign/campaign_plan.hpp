@@ -26,9 +26,9 @@ struct CampaignPart {
   /// kMechanisms: of so many random ones the one that has the rarest pairs of features; 1: as they
   /// come.
   int draws = 1;
-  int states = 0;                       ///< in double, a case; 0: nothing is asked in double
-  std::vector<scene::Scene> scenes;     ///< kScenes
-  std::vector<std::string> commands;    ///< kCommands: words of a command line, without the program
+  int states = 0;                     ///< in double, a case; 0: nothing is asked in double
+  std::vector<scene::Scene> scenes;   ///< kScenes
+  std::vector<std::string> commands;  ///< kCommands: words of a command line, without the program
 };
 
 struct CampaignPlan {

@@ -23,8 +23,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Of = CampaignPart::Of;
 
-constexpr int kMostTrials = 400;  // of smaller(): a failing mechanism costs as much as so many others
-constexpr int kPool = 300;        // mechanisms from which it is seen which pairs are rare
+constexpr int kMostTrials =
+    400;                    // of smaller(): a failing mechanism costs as much as so many others
+constexpr int kPool = 300;  // mechanisms from which it is seen which pairs are rare
 
 /// Equal for disagreements that are probably one fault: what is asked, and who is asked.
 std::string causeOf(const CheckResult& check) {
@@ -80,13 +81,13 @@ void addFailure(const RandomCampaign::Failure& failure, const CampaignOptions& o
 }
 
 Json mechanismRecord(const CampaignPart& part, int index, const CampaignOptions& options) {
-  const scene::Scene scene = randomWholeScene(
-      options.exact.seed, static_cast<std::uint64_t>(index), part.most_joints);
+  const scene::Scene scene =
+      randomWholeScene(options.exact.seed, static_cast<std::uint64_t>(index), part.most_joints);
   const RandomCampaign found = crosscheckRandomOf({index}, part.most_joints, options);
   const auto [depth, branches] = depthAndBranches(scene.mechanism);
   Json record{{"name", scene.name},
               {"verdict", name(found.failures.empty() ? Verdict::kAgree : Verdict::kDisagree)},
-              {"joints", found.joints},
+              {"rates", scene.mechanism.dof()},
               {"depth", depth},
               {"branches", branches},
               {"kinds", kindsOf(scene.mechanism)},
@@ -131,20 +132,23 @@ Json sceneRecord(const CampaignPart& part, long index, const CampaignPlan& plan)
     text += fmt::format("{}: {}\n", causeOf(check), check.reason);
   }
   if (!text.empty())
-    record["failure"] = text + fmt::format("to see it again: dynwitness crosscheck {} --seed {} "
-                                           "--random {}",
-                                           scene.file.string(), options.seed, options.states);
+    record["failure"] = text + fmt::format(
+                                   "to see it again: dynwitness crosscheck {} --seed {} "
+                                   "--random {}",
+                                   scene.file.string(), options.seed, options.states);
   return record;
 }
 
 /// By what commands.hpp says of exit statuses.
 const char* verdictOf(int status) {
-  return status == 0 ? "agree" : status == 1 ? "disagree" : status == 3 ? "not answerable"
-                                                                      : "failed";
+  return status == 0   ? "agree"
+         : status == 1 ? "disagree"
+         : status == 3 ? "not answerable"
+                       : "failed";
 }
 
-Json commandRecord(const std::string& command, const std::filesystem::path& program,
-                   double seconds, std::string* said) {
+Json commandRecord(const std::string& command, const std::filesystem::path& program, double seconds,
+                   std::string* said) {
   // a shell takes the words apart, as it does in a script; the status comes first, since of long
   // output only the begin is kept
   const std::string words = fmt::format("out=$('{}' {} 2>&1); echo \"$?\"; printf %s \"$out\"",
@@ -180,9 +184,9 @@ CaseRunner::CaseRunner(CampaignPlan plan, std::filesystem::path program,
   if (drawn == plan_.parts.end()) return;
   std::vector<int> counts(static_cast<std::size_t>(pairCount()), 0);
   for (int k = 0; k < kPool; ++k)
-    for (const int pair : pairsOf(
-             randomWholeScene(plan_.seed, static_cast<std::uint64_t>(k), drawn->most_joints)
-                 .mechanism))
+    for (const int pair :
+         pairsOf(randomWholeScene(plan_.seed, static_cast<std::uint64_t>(k), drawn->most_joints)
+                     .mechanism))
       ++counts[static_cast<std::size_t>(pair)];
   for (const int count : counts) rarity_.push_back(1.0 / (1 + count));
 }
@@ -221,19 +225,20 @@ std::string CaseRunner::line(long number) const {
   Json record{{"case", number}, {"of", name(one.part->of)}};
   try {
     if (one.part->of == Of::kMechanisms)
-      record.update(mechanismRecord(*one.part, indexOf(*one.part, one.index), optionsOf(*one.part)));
+      record.update(
+          mechanismRecord(*one.part, indexOf(*one.part, one.index), optionsOf(*one.part)));
     else if (one.part->of == Of::kScenes)
       record.update(sceneRecord(*one.part, one.index, plan_));
     else
-      record.update(commandRecord(one.part->commands[static_cast<std::size_t>(one.index)],
-                                  program_, plan_.seconds, &said));
+      record.update(commandRecord(one.part->commands[static_cast<std::size_t>(one.index)], program_,
+                                  plan_.seconds, &said));
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& problem) {
     record.update({{"verdict", "failed"}, {"cause", problem.what()}, {"failure", problem.what()}});
   }
-  Json besides{{"seconds",
-                std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()}};
+  Json besides{
+      {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()}};
   if (!said.empty()) besides["said"] = said;
   return sealedLine(record.dump(-1, ' ', false, Json::error_handler_t::replace),
                     besides.dump(-1, ' ', false, Json::error_handler_t::replace));

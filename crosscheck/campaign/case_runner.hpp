@@ -17,7 +17,7 @@ namespace dynwitness::crosscheck {
 
     Its record is a JSON object in one line: `case`, `of`, `name`, `verdict` ("agree", "disagree",
     "not answerable", "failed"), and
-      of mechanisms  `joints`, `depth`, `branches` (most joints on one link), `kinds`, `exact` checks,
+      of mechanisms  `rates`, `depth`, `branches` (most joints on one link), `kinds`, `exact` checks,
                      `not_answerable`, `chance`, `comparisons` in double, and `pairs`, a bit each of
                      pairsOf() in hexadecimal digits, the first digit the first four
       of scenes      `checks`, `exact`
@@ -28,8 +28,7 @@ class CaseRunner {
  public:
   /// @param program  of dynwitness, for commands
   /// @param kinds    witnesses of mechanisms; empty: all that are not compiled
-  CaseRunner(CampaignPlan plan, std::filesystem::path program,
-             std::vector<WitnessKind> kinds = {});
+  CaseRunner(CampaignPlan plan, std::filesystem::path program, std::vector<WitnessKind> kinds = {});
 
   /// The record. What the case throws is its verdict, "failed", but for want of memory.
   std::string record(long number) const;

@@ -26,8 +26,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using scene::InputError;
 
-constexpr std::string_view kSeal = "{\"seal\":\"", kAfterSeal = "\",\"record\":",
-                           kBesides = ",\"besides\":";
+constexpr std::string_view kSeal = "{\"seal\":\"",
+                           kAfterSeal = "\",\"record\":", kBesides = ",\"besides\":";
 constexpr std::size_t kDigits = 32;
 
 LedgerHead headFrom(const Json& json) {
@@ -62,8 +62,8 @@ bool opened(std::string_view line, SealedLine* out) {
 }
 
 std::string LedgerHead::text() const {
-  return Json{{"version", version}, {"plan", plan},     {"cases", cases},
-              {"shard", shard},     {"shards", shards}}
+  return Json{
+      {"version", version}, {"plan", plan}, {"cases", cases}, {"shard", shard}, {"shards", shards}}
       .dump();
 }
 
@@ -82,8 +82,7 @@ Ledger readLedger(const fs::path& file, int index,
                   const std::function<void(const LedgerEntry&, std::string_view record)>& entry) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
-    throw InputError({file.string(), 0},
-                     fmt::format("cannot be read: {}", std::strerror(errno)));
+    throw InputError({file.string(), 0}, fmt::format("cannot be read: {}", std::strerror(errno)));
   Ledger ledger;
   ledger.file = file;
   std::uint64_t offset = 0;

@@ -48,9 +48,9 @@ struct LedgerEntry {
   int file;              ///< index of the ledger
   std::uint64_t offset;  ///< of the record
   std::uint32_t size;
-  double seconds;        ///< that the case took
-  std::uint64_t hash;    ///< of the record
-  bool has_failed;       ///< its verdict is "failed": another run of it may come farther
+  double seconds;      ///< that the case took
+  std::uint64_t hash;  ///< of the record
+  bool has_failed;     ///< its verdict is "failed": another run of it may come farther
 };
 
 /// What a ledger is found to be.

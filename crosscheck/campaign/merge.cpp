@@ -119,9 +119,8 @@ void addMechanism(const Json& record, CampaignSum* sum) {
   sum->comparisons += record.at("comparisons").get<long>();
   sum->chance += static_cast<double>(exact) * record.at("chance").get<double>();
   CampaignCoverage& met = sum->coverage;
-  for (const auto& [kind, count] : record.at("kinds").items())
-    met.kinds[kind] += count.get<long>();
-  ++met.joints[record.at("joints").get<int>()];
+  for (const auto& [kind, count] : record.at("kinds").items()) met.kinds[kind] += count.get<long>();
+  ++met.rates[record.at("rates").get<int>()];
   ++met.depths[record.at("depth").get<int>()];
   ++met.branches[record.at("branches").get<int>()];
   met.pairs.add(record.at("name").get<std::string>(),
@@ -200,10 +199,10 @@ GatheredLedgers gatherLedgers(const std::vector<fs::path>& folders) {
         continue;
       }
       if (!out.ledgers.empty() && ledger.head.plan != out.head.plan)
-        throw InputError({file.string(), 0},
-                         fmt::format("is of another plan than {}: read '{}', allowed: '{}'",
-                                     out.ledgers.front().file.string(), ledger.head.plan,
-                                     out.head.plan));
+        throw InputError(
+            {file.string(), 0},
+            fmt::format("is of another plan than {}: read '{}', allowed: '{}'",
+                        out.ledgers.front().file.string(), ledger.head.plan, out.head.plan));
       out.head = ledger.head;
       out.ledgers.push_back(ledger);
     }
@@ -276,9 +275,9 @@ std::string campaignSumJson(const GatheredLedgers& gathered, const CampaignSum& 
     for (const auto& [verdict, count] : verdicts)
       json["verdicts"].push_back({{"of", of}, {"verdict", verdict}, {"count", count}});
   json["coverage"] = {{"kinds", listOf(met.kinds, "kind")},
-                      {"joints", listOf(met.joints, "joints")},
+                      {"rates", listOf(met.rates, "rates")},
                       {"depths", listOf(met.depths, "depth")},
-                      {"branches", listOf(met.branches, "branches")},
+                      {"branches", listOf(met.branches, "branch")},
                       {"pairs", Json::parse(pairsJson(met.pairs))}};
   json["causes"] = Json::array();
   for (const auto& [text, cause] : sum.causes)
@@ -302,8 +301,8 @@ std::string describeSum(const GatheredLedgers& gathered, const CampaignSum& sum)
     const CampaignCoverage& met = sum.coverage;
     text += "joints by kind:";
     for (const auto& [kind, count] : met.kinds) text += fmt::format(" {} {}", kind, count);
-    text += "\nmechanisms by moving joints:";
-    for (const auto& [joints, count] : met.joints) text += fmt::format(" {}: {}", joints, count);
+    text += "\nmechanisms by rates:";
+    for (const auto& [rates, count] : met.rates) text += fmt::format(" {}: {}", rates, count);
     text += "\nby depth:";
     for (const auto& [depth, count] : met.depths) text += fmt::format(" {}: {}", depth, count);
     text += "\nby most joints on one link:";
@@ -334,9 +333,8 @@ std::string describeSum(const GatheredLedgers& gathered, const CampaignSum& sum)
   if (gathered.missing_cases > 0) {
     constexpr std::size_t kShown = 10;
     std::vector<std::string> shown(
-        gathered.missing.begin(),
-        gathered.missing.begin() +
-            static_cast<std::ptrdiff_t>(std::min(kShown, gathered.missing.size())));
+        gathered.missing.begin(), gathered.missing.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                                 kShown, gathered.missing.size())));
     if (gathered.missing.size() > kShown) shown.emplace_back("...");
     text += fmt::format("INCOMPLETE: {} cases are missing: {}\n", gathered.missing_cases,
                         fmt::join(shown, ", "));

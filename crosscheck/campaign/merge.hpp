@@ -14,10 +14,10 @@ namespace dynwitness::crosscheck {
 
 /// The ledgers of some folders, and what is wrong with them.
 struct GatheredLedgers {
-  LedgerHead head;  ///< version and plan that all that count have in common
-  std::vector<Ledger> ledgers;     ///< that count
+  LedgerHead head;                   ///< version and plan that all that count have in common
+  std::vector<Ledger> ledgers;       ///< that count
   std::vector<LedgerEntry> entries;  ///< one a case, in ascending order
-  long twice = 0;                  ///< cases that stood in more than one place, with the same record
+  long twice = 0;  ///< cases that stood in more than one place, with the same record
   std::vector<std::string> left_out;  ///< files and lines that do not count, each with the reason
   /// Cases that nobody has, as ranges: "17", "20-39".
   std::vector<std::string> missing;
@@ -36,8 +36,8 @@ GatheredLedgers gatherLedgers(const std::vector<std::filesystem::path>& folders)
 
 /// What of random mechanisms was met.
 struct CampaignCoverage {
-  std::map<std::string, long> kinds;  ///< joints by kind
-  std::map<int, long> joints, depths, branches;  ///< mechanisms by them
+  std::map<std::string, long> kinds;            ///< joints by kind
+  std::map<int, long> rates, depths, branches;  ///< mechanisms by them
   PairTable pairs;
 };
 
@@ -49,7 +49,7 @@ struct CampaignSum {
   long not_answerable = 0;  ///< exact checks
   long mechanisms = 0;      ///< random ones that agree or disagree
   long mechanisms_that_agree = 0;
-  double chance = 0;        ///< sum over exact checks of the chance that a wrong formula passes
+  double chance = 0;  ///< sum over exact checks of the chance that a wrong formula passes
   CampaignCoverage coverage;
   /// By cause: how many cases, and the record of the first.
   struct Cause {

@@ -124,8 +124,8 @@ std::string campaignVersion() {
 
 ShardDone runShard(const CaseRunner& runner, const ShardOptions& options,
                    const std::function<void(long, long)>& done) {
-  const LedgerHead head{campaignVersion(), runner.plan().text, runner.plan().cases(),
-                        options.shard, options.shards};
+  const LedgerHead head{campaignVersion(), runner.plan().text, runner.plan().cases(), options.shard,
+                        options.shards};
   requireSameCampaign(options.folder, head);
   GrowingLedger ledger(options.folder, head);
   const std::vector<bool> has = casesIn(options.folder, head);

@@ -18,9 +18,9 @@ struct ShardOptions {
 };
 
 struct ShardDone {
-  long before = 0;   ///< cases of the shard that a ledger of the folder had already
-  long now = 0;      ///< that were run
-  long wrong = 0;    ///< of those: whose verdict is neither agree nor not answerable
+  long before = 0;  ///< cases of the shard that a ledger of the folder had already
+  long now = 0;     ///< that were run
+  long wrong = 0;   ///< of those: whose verdict is neither agree nor not answerable
 };
 
 /// The version that stands in ledgers: of dynwitness, and the commit of its source.

@@ -113,9 +113,8 @@ std::vector<Change> partsOf(const Mechanism& m) {
 /// What a joint has, and where it stands.
 void addJointChanges(std::size_t i, std::vector<Change>* out) {
   const auto add = [&](auto change) {
-    out->push_back([i, change](Mechanism& m) {
-      return i < m.links.size() && change(m, m.links[i]);
-    });
+    out->push_back(
+        [i, change](Mechanism& m) { return i < m.links.size() && change(m, m.links[i]); });
   };
   for (const JointKind kind : {JointKind::kFixed, JointKind::kPrismatic, JointKind::kRevolute})
     add([kind](Mechanism& m, Link& link) {
@@ -148,7 +147,8 @@ void addJointChanges(std::size_t i, std::vector<Change>* out) {
     return had;
   });
   add([](Mechanism&, Link& link) {
-    const bool inertia = setTo(link.joint.rotor_inertia, 0), ratio = setTo(link.joint.gear_ratio, 1);
+    const bool inertia = setTo(link.joint.rotor_inertia, 0),
+               ratio = setTo(link.joint.gear_ratio, 1);
     link.joint.gyroscopic = false;
     return inertia || ratio;
   });
@@ -179,9 +179,8 @@ void addJointChanges(std::size_t i, std::vector<Change>* out) {
 /// What a link weighs.
 void addInertiaChanges(std::size_t i, std::vector<Change>* out) {
   const auto add = [&](auto change) {
-    out->push_back([i, change](Mechanism& m) {
-      return i < m.links.size() && change(m.links[i].inertia);
-    });
+    out->push_back(
+        [i, change](Mechanism& m) { return i < m.links.size() && change(m.links[i].inertia); });
   };
   using Inertia = scene::MassProperties;
   add([](Inertia& of) {
@@ -196,8 +195,8 @@ void addInertiaChanges(std::size_t i, std::vector<Change>* out) {
   });
   add([](Inertia& of) { return setTo(of.rpy, 0, 0, 0); });
   add([](Inertia& of) {
-    const bool changed[] = {setTo(of.xy, 0), setTo(of.xz, 0), setTo(of.yz, 0), setTo(of.xx, 0),
-                            setTo(of.yy, 0), setTo(of.zz, 0)};
+    const bool changed[] = {setTo(of.xy, 0), setTo(of.xz, 0), setTo(of.yz, 0),
+                            setTo(of.xx, 0), setTo(of.yy, 0), setTo(of.zz, 0)};
     return std::any_of(std::begin(changed), std::end(changed), [](bool x) { return x; });
   });
   add([](Inertia& of) {
@@ -270,8 +269,7 @@ std::optional<Scene> asFile(Scene scene) {
 
 }  // namespace
 
-SmallerScene smaller(const Scene& scene, const std::function<bool(const Scene&)>& shows,
-                     int most) {
+SmallerScene smaller(const Scene& scene, const std::function<bool(const Scene&)>& shows, int most) {
   const auto doesShow = [&](const Scene& one) {
     try {
       return shows(one);

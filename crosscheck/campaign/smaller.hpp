@@ -10,7 +10,7 @@ namespace dynwitness::crosscheck {
 
 struct SmallerScene {
   scene::Scene scene;
-  int trials = 0;  ///< scenes that were asked about
+  int trials = 0;            ///< scenes that were asked about
   bool is_smallest = false;  ///< nothing that was tried makes it smaller; false: `most` was reached
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness campaign: the cases of a plan, on any number of machines, and what they come to.
+#include <algorithm>
 #include <charconv>
 #include <memory>
 #include <tuple>
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck/campaign/merge.hpp"
+#include "crosscheck/campaign/queue.hpp"
 #include "crosscheck/campaign/shard.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/options.hpp"
@@ -23,7 +25,8 @@ using namespace crosscheck;
 
 struct Arguments {
   std::vector<std::string> words;
-  std::string shard, output = "campaign";
+  std::string shard, on, output = "campaign";
+  int shards = 0;
   int processes = availableProcessors();
 };
 
@@ -96,16 +99,60 @@ int mergeAll(const Arguments& arguments) {
   return sum.isRight() && gathered.missing_cases == 0 ? 0 : 1;
 }
 
+/// "20 cases; mechanisms: 20 agree ...": the folder's shards together.
+int mergeHere(const fs::path& folder) {
+  const GatheredLedgers gathered = gatherLedgers({folder});
+  const CampaignSum sum = writeMerged(gathered, folder);
+  fmt::print("{}{}: cases.jsonl, campaign.json\n", describeSum(gathered, sum), folder.string());
+  return sum.isRight() && gathered.missing_cases == 0 ? 0 : 1;
+}
+
+/// On other machines.
+int runElsewhere(const Arguments& arguments, const CampaignPlan& plan) {
+  QueuedCampaign campaign;
+  campaign.program = frontProgram();
+  campaign.plan = fs::absolute(arguments.words.front()).lexically_normal();
+  campaign.folder = fs::absolute(arguments.output).lexically_normal();
+  campaign.processes = arguments.processes;
+  const std::string ssh = "ssh:";
+  const bool is_ssh = arguments.on.compare(0, ssh.size(), ssh) == 0;
+  const std::vector<std::string> hosts =
+      is_ssh ? readHosts(arguments.on.substr(ssh.size())) : std::vector<std::string>();
+  campaign.shards =
+      static_cast<int>(std::min<long>(plan.cases(), arguments.shards > 0 ? arguments.shards
+                                                    : is_ssh ? 4 * static_cast<long>(hosts.size())
+                                                             : 8));
+  requireWritableFolder(campaign.folder);
+  if (arguments.on == "parallel") {
+    fmt::print("{}\n", parallelLine(campaign));
+    return 0;
+  }
+  if (arguments.on == "slurm") {
+    const SlurmJobs jobs = submitToSlurm(campaign);
+    fmt::print("submitted: {} shards as job array {}, then job {} merges into {}\n",
+               campaign.shards, jobs.array, jobs.merge, campaign.folder.string());
+    return 0;
+  }
+  {
+    Progress progress(plan.title);
+    runOverSsh(campaign, hosts,
+               [&](const std::string& what) { fmt::print(stderr, "dynwitness: {}\n", what); });
+  }
+  return mergeHere(campaign.folder);
+}
+
 int runPart(const Arguments& arguments) {
   if (arguments.words.size() > 1)
     throw scene::InputError({}, fmt::format("campaign: read \"{}\" after the plan, allowed: one "
                                             "plan; or merge or status with folders",
                                             arguments.words[1]));
+  const CampaignPlan plan = readCampaignPlan(arguments.words.front());
+  if (!arguments.on.empty()) return runElsewhere(arguments, plan);
   ShardOptions options;
   if (!arguments.shard.empty()) std::tie(options.shard, options.shards) = shardOf(arguments.shard);
   options.folder = arguments.output;
   options.processes = arguments.processes;
-  const CaseRunner runner(readCampaignPlan(arguments.words.front()), frontProgram());
+  const CaseRunner runner(plan, frontProgram());
   if (options.shards > runner.plan().cases())
     throw scene::InputError({}, fmt::format("--shard: {} shards of {} cases, allowed: as many as "
                                             "there are cases",
@@ -122,11 +169,7 @@ int runPart(const Arguments& arguments) {
   fmt::print("shard {}/{} of {}: {} cases were there, {} are new, {} of them wrong\n",
              options.shard, options.shards, runner.plan().title, done.before, done.now, done.wrong);
   if (options.shards > 1) return done.wrong == 0 ? 0 : 1;
-  const GatheredLedgers gathered = gatherLedgers({options.folder});
-  const CampaignSum sum = writeMerged(gathered, options.folder);
-  fmt::print("{}{}: cases.jsonl, campaign.json\n", describeSum(gathered, sum),
-             options.folder.string());
-  return sum.isRight() && gathered.missing_cases == 0 ? 0 : 1;
+  return mergeHere(options.folder);
 }
 
 int run(const Arguments& arguments) {
@@ -146,8 +189,27 @@ Run addCampaign(CLI::App* command) {
       ->required();
   command->add_option("--shard", arguments->shard,
                       "I/N: only cases I, I + N, I + 2 N, ... of the plan, counted from 1");
-  addOutput(*command, arguments->output,
-            "folder of the shards, or of what merge writes")
+  CLI::Option* shard = command->get_option("--shard");
+  command
+      ->add_option("--on", arguments->on,
+                   "On other machines that see the same folders: slurm submits a job array and the "
+                   "merging; ssh:FILE runs shards on the hosts of a file, one a line; parallel "
+                   "prints a line for GNU parallel")
+      ->excludes(shard)
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            return text == "slurm" || text == "parallel" ||
+                           (text.compare(0, 4, "ssh:") == 0 && text.size() > 4)
+                       ? std::string()
+                       : fmt::format("read '{}', allowed: slurm, ssh:FILE, parallel", text);
+          },
+          "slurm,ssh:FILE,parallel"));
+  command
+      ->add_option("--shards", arguments->shards,
+                   "With --on: into how many; 8 where nothing is said, for ssh 4 a host")
+      ->check(whole(1, 1000000))
+      ->needs(command->get_option("--on"));
+  addOutput(*command, arguments->output, "folder of the shards, or of what merge writes")
       ->capture_default_str();
   addProcesses(*command, arguments->processes);
   command->footer(
@@ -155,7 +217,8 @@ Run addCampaign(CLI::App* command) {
       "  dynwitness campaign nightly.toml -o nights\n"
       "  dynwitness campaign nightly.toml --shard 3/8 -o nights\n"
       "  dynwitness campaign status nights\n"
-      "  dynwitness campaign merge nights/* -o result\n"
+      "  dynwitness campaign merge nights -o result\n"
+      "  dynwitness campaign nightly.toml --on slurm --shards 200 -o nights\n"
       "A plan says which cases are tried: random mechanisms, scenes by states, other commands\n"
       "(data/campaigns/README.md). Each case is written down when it is done; the command may be\n"
       "killed at any moment, and the same words go on from there. Shards need nothing of each other.\n"

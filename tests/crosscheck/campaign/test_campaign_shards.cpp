@@ -18,8 +18,8 @@
 #include "crosscheck/inputs/feature_pairs.hpp"
 #include "crosscheck/inputs/random_mechanism.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
-#include "tests/fixtures/files.hpp"
 #include "scene/error.hpp"
+#include "tests/fixtures/files.hpp"
 
 using namespace dynwitness;
 using namespace dynwitness::crosscheck;
@@ -73,11 +73,11 @@ void refuses(const fs::path& folder, const std::string& text, const std::string&
 
 BOOST_AUTO_TEST_CASE(a_plan_is_read_or_refused_by_line) {
   const files::TemporaryFolder folder;
-  const CampaignPlan plan = planOf(
-      folder.path,
-      "title = \"all\"\nseed = 7\n[[cases]]\nof = \"mechanisms\"\ncount = 5\ndraws = 3\n"
-      "[[cases]]\nof = \"scenes\"\nscenes = [\"acrobot\", \"puma_560\"]\ncount = 4\n"
-      "[[cases]]\nof = \"commands\"\ncommands = [\"version\"]\n");
+  const CampaignPlan plan =
+      planOf(folder.path,
+             "title = \"all\"\nseed = 7\n[[cases]]\nof = \"mechanisms\"\ncount = 5\ndraws = 3\n"
+             "[[cases]]\nof = \"scenes\"\nscenes = [\"acrobot\", \"puma_560\"]\ncount = 4\n"
+             "[[cases]]\nof = \"commands\"\ncommands = [\"version\"]\n");
   BOOST_TEST(plan.cases() == 10);
   BOOST_TEST(caseOf(plan, 5).index == 0);
   BOOST_TEST((caseOf(plan, 9).part->of == CampaignPart::Of::kCommands));

@@ -19,9 +19,9 @@ using namespace dynwitness::crosscheck;
 namespace {
 
 int joints(const scene::Scene& scene, scene::JointKind kind) {
-  return static_cast<int>(std::count_if(
-      scene.mechanism.links.begin() + 1, scene.mechanism.links.end(),
-      [&](const scene::Link& link) { return link.joint.kind == kind; }));
+  return static_cast<int>(
+      std::count_if(scene.mechanism.links.begin() + 1, scene.mechanism.links.end(),
+                    [&](const scene::Link& link) { return link.joint.kind == kind; }));
 }
 
 /// The composite-body sweep with a rotor that is a millionth too heavy.
@@ -79,10 +79,12 @@ BOOST_AUTO_TEST_CASE(what_shows_a_helical_joint_with_weight_is_one_such_joint_at
 
 BOOST_AUTO_TEST_CASE(a_limit_of_trials_is_kept_and_told) {
   const scene::Scene scene = randomWholeScene(4, 2, 8);
-  const SmallerScene small = smaller(scene, [](const scene::Scene&) { return true; }, 3);
+  const SmallerScene small = smaller(
+      scene, [](const scene::Scene&) { return true; }, 3);
   BOOST_TEST(small.trials == 3);
   BOOST_TEST(!small.is_smallest);
-  BOOST_CHECK_THROW(smaller(scene, [](const scene::Scene&) { return false; }, 3),
+  BOOST_CHECK_THROW(smaller(
+                        scene, [](const scene::Scene&) { return false; }, 3),
                     std::invalid_argument);
 }
 
