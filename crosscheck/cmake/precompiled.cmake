@@ -1,5 +1,8 @@
 # Headers by others that most files include, parsed once instead of in every file, which takes 2 to
 # 5 s each. None of ours is among them: a change of ours recompiles what includes it and no more.
+# Nor are CLI11 and json, for what they make of every file that sees them: CLI11's validators are objects
+# that compile 94 kB of it (2.5 s and 0.15 GB a file), json instantiates 60 MB of its own (0.9 s), and only
+# the command line and what writes files need them.
 # -D CMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without; the linter does, and sees includes that are missing.
 file(WRITE ${PROJECT_BINARY_DIR}/nothing.cpp.in "")
 configure_file(${PROJECT_BINARY_DIR}/nothing.cpp.in ${PROJECT_BINARY_DIR}/nothing.cpp COPYONLY)
@@ -37,10 +40,8 @@ set(mathematics <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
                 <boost/math/constants/constants.hpp> <boost/multiprecision/cpp_int.hpp>)
 set(libraries Boost::headers Eigen3::Eigen fmt::fmt)
 dynwitness_precompile(outside LINK ${libraries} HEADERS ${standard} ${mathematics} <fmt/format.h>)
-dynwitness_precompile(outside_cool COOL
-                      LINK ${libraries} nlohmann_json::nlohmann_json CLI11::CLI11
-                      HEADERS ${standard} ${mathematics} <fmt/format.h> <nlohmann/json.hpp>
-                              <CLI/CLI.hpp>)
+dynwitness_precompile(outside_cool COOL LINK ${libraries}
+                      HEADERS ${standard} ${mathematics} <fmt/format.h>)
 if(DYNWITNESS_TESTS)
   find_package(Boost 1.74 REQUIRED COMPONENTS unit_test_framework)
   dynwitness_precompile(outside_of_tests COOL LINK ${libraries} Boost::unit_test_framework
