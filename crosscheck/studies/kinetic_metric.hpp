@@ -7,6 +7,7 @@
 
 #include "crosscheck/scalars/lifted.hpp"
 #include "crosscheck/scalars/lifted_closures.hpp"
+#include "crosscheck/studies/closure_forces.hpp"
 #include "crosscheck/studies/rate_frame.hpp"
 #include "recursive/constraints.hpp"
 #include "recursive/factorization.hpp"
@@ -88,8 +89,7 @@ class KineticMetric {
     J_ = Matrix(m, n());
     closuresAlong(unit(0),
                   [&](Eigen::Index k, int j, const Dual<T>& entry) { J_(k, j) = entry.value; });
-    by_force_ = Matrix(n(), m);
-    for (Eigen::Index k = 0; k < m; ++k) by_force_.col(k) = raised(J_.row(k).transpose());
+    by_force_ = byClosureForces(LDL_, J_);
     N_ = J_ * by_force_;
     recursive::factorize(N_);
   }
