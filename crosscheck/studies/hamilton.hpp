@@ -73,8 +73,8 @@ struct Action {
   std::vector<CheckResult> checks;
 };
 
-/** Integrates the motion of a tree from its start, on the surface where its closures hold, and looks
-    at the action of the paths near it, which stay on that surface.
+/** Integrates the motion of a tree from its start, on the surface where its closures hold, and
+    looks at the action of the paths near it, which stay on that surface.
 
         (1)  dS(eta) + integral of Q' eta dt = 0
              for every eta that vanishes at both ends: Hamilton's principle, and d'Alembert's and
