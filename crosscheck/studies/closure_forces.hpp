@@ -2,6 +2,7 @@
 // What forces of closures do to accelerations.
 #pragma once
 
+#include "recursive/constraints.hpp"
 #include "recursive/factorization.hpp"
 
 namespace dynwitness::crosscheck {
