@@ -28,12 +28,7 @@ CosSin<T> quarterTurns(int k) {
 }
 
 /// k when the exact angle is k * pi/2, told apart from every other angle without rounding.
-inline bool isQuarterTurn(const Exact& angle, int* k) {
-  const Rational turns = angle.pi_multiple * 2;
-  if (angle.rational != 0 || denominator(turns) != 1) return false;
-  *k = static_cast<int>(Integer(numerator(turns) % 4));
-  return true;
-}
+bool isQuarterTurn(const Exact& angle, int* k);
 
 /// The T nearest to an exact number (within an ulp or two for types wider than double).
 template <typename T>
@@ -51,6 +46,8 @@ template <>
 inline float fromExact<float>(const Exact& x) {
   return static_cast<float>(x.toDouble());
 }
+template <>
+long double fromExact<long double>(const Exact& x);
 
 /** Gives a scene's numbers to a real scalar type: double, float, long double, multiprecision.
 

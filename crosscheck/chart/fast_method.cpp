@@ -2,7 +2,7 @@
 // The sweeps that are made for speed, in a chart.
 #include "crosscheck/chart/answers.hpp"
 #include "crosscheck/chart/timed_apart.hpp"
-#include "recursive/build_model.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/fast/dynamics.hpp"
 
 namespace dynwitness::crosscheck {

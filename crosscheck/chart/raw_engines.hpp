@@ -9,8 +9,12 @@
 #include <vector>
 
 #include "crosscheck/witnesses/witness.hpp"
-#include "recursive/model.hpp"
 #include "scene/scene.hpp"
+
+namespace dynwitness::recursive {
+template <typename T>
+struct Model;
+}  // namespace dynwitness::recursive
 
 namespace dynwitness::crosscheck {
 

@@ -1,5 +1,8 @@
 # Headers by others that most files include, parsed once instead of in every file, which takes 2 to
 # 5 s each. None of ours is among them: a change of ours recompiles what includes it and no more.
+# Nor are CLI11 and json, for what they make of every file that sees them: CLI11's validators are objects
+# that compile 94 kB of it (2.5 s and 0.15 GB a file), json instantiates 60 MB of its own (0.9 s), and only
+# the command line and what writes files need them.
 # -D CMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without; the linter does, and sees includes that are missing.
 file(WRITE ${PROJECT_BINARY_DIR}/nothing.cpp.in "")
 configure_file(${PROJECT_BINARY_DIR}/nothing.cpp.in ${PROJECT_BINARY_DIR}/nothing.cpp COPYONLY)
@@ -16,6 +19,16 @@ endif()
 # optimization: g++ takes that of the precompiled header, whatever a file says. COOL is -O1.
 function(dynwitness_precompile NAME)
   cmake_parse_arguments(ARG "COOL" "" "LINK;HEADERS" ${ARGN})
+  # where the list changes, g++ would read the old precompiled header for the new one
+  set(list ${PROJECT_BINARY_DIR}/dynwitness_${NAME}.headers)
+  set(before)
+  if(EXISTS ${list})
+    file(READ ${list} before)
+  endif()
+  if(NOT before STREQUAL "${ARG_HEADERS}")
+    file(REMOVE ${PROJECT_BINARY_DIR}/CMakeFiles/dynwitness_${NAME}.dir/cmake_pch.hxx.gch)
+    file(WRITE ${list} "${ARG_HEADERS}")
+  endif()
   add_library(dynwitness_${NAME} OBJECT ${PROJECT_BINARY_DIR}/nothing.cpp)
   target_link_libraries(dynwitness_${NAME} PRIVATE ${ARG_LINK})
   target_compile_features(dynwitness_${NAME} PRIVATE cxx_std_17)
@@ -37,10 +50,8 @@ set(mathematics <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
                 <boost/math/constants/constants.hpp> <boost/multiprecision/cpp_int.hpp>)
 set(libraries Boost::headers Eigen3::Eigen fmt::fmt)
 dynwitness_precompile(outside LINK ${libraries} HEADERS ${standard} ${mathematics} <fmt/format.h>)
-dynwitness_precompile(outside_cool COOL
-                      LINK ${libraries} nlohmann_json::nlohmann_json CLI11::CLI11
-                      HEADERS ${standard} ${mathematics} <fmt/format.h> <nlohmann/json.hpp>
-                              <CLI/CLI.hpp>)
+dynwitness_precompile(outside_cool COOL LINK ${libraries}
+                      HEADERS ${standard} ${mathematics} <fmt/format.h>)
 if(DYNWITNESS_TESTS)
   find_package(Boost 1.74 REQUIRED COMPONENTS unit_test_framework)
   dynwitness_precompile(outside_of_tests COOL LINK ${libraries} Boost::unit_test_framework

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 namespace dynwitness::crosscheck {

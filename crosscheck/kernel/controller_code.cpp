@@ -2,94 +2,23 @@
 #include "crosscheck/kernel/controller_code.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include "crosscheck/kernel/controller_text.hpp"
 #include "crosscheck/kernel/factor.hpp"
-#include "crosscheck/scalars/digits50.hpp"
-#include "crosscheck/scalars/single_error.hpp"
+#include "crosscheck/kernel/swept_quantity.hpp"
 #include "crosscheck/scalars/traced.hpp"
-#include "recursive/articulated_body.hpp"
 #include "recursive/build_model.hpp"
-#include "recursive/composite_body.hpp"
-#include "recursive/newton_euler.hpp"
-#include "recursive/point_motion.hpp"
-#include "recursive/regressor.hpp"
 #include "symbolic/equations.hpp"
 
 namespace dynwitness::crosscheck::kernel {
 namespace {
 
-using recursive::MatrixX;
 using symbolic::Input;
 using symbolic::Program;
-
-template <typename T>
-std::vector<T> rows(const MatrixX<T>& m) {
-  std::vector<T> out;
-  for (Eigen::Index i = 0; i < m.rows(); ++i)
-    for (Eigen::Index j = 0; j < m.cols(); ++j) out.push_back(m(i, j));
-  return out;
-}
-
-/// A quantity by the sweeps of recursive/, row by row, on any scalar.
-template <typename T, typename Numbers>
-std::vector<T> swept(CodeQuantity quantity, const recursive::Model<T>& model,
-                     const scene::State<T>& s, const Numbers& number,
-                     const std::vector<scene::InertialParameter>& parameters,
-                     const std::optional<CodePoint>& point) {
-  using recursive::Terms;
-  recursive::Workspace<T> ws(model);
-  const std::vector<T> none(model.dof(), T(0));
-  std::vector<T> out(none);
-  const auto inverse = [&](const std::vector<T>& qd, const std::vector<T>& qdd, Terms terms) {
-    recursive::inverseDynamics(model, s.x, qd, qdd, ws, out, terms);
-    return out;
-  };
-  switch (quantity) {
-    case CodeQuantity::kTau:
-      return inverse(s.qd, s.qdd, Terms::all());
-    case CodeQuantity::kQdd:
-      recursive::forwardDynamics(model, s.x, s.qd, s.tau, ws, out);
-      return out;
-    case CodeQuantity::kM: {
-      MatrixX<T> M(model.dof(), model.dof());
-      recursive::massMatrix(model, s.x, ws, M);
-      return rows(M);
-    }
-    case CodeQuantity::kC:
-      return rows<T>(recursive::coriolisMatrix(model, s.x, s.qd, ws));
-    case CodeQuantity::kc:
-      return inverse(s.qd, none, Terms::none());
-    case CodeQuantity::kg:
-      return inverse(none, none, Terms::potential());
-    case CodeQuantity::kY: {
-      MatrixX<T> Y(model.dof(), static_cast<Eigen::Index>(parameters.size()));
-      recursive::regressor(model, parameters, s.x, s.qd, s.qdd, ws, Y);
-      return rows(Y);
-    }
-    default:
-      break;
-  }
-  const recursive::Vector3<T> at(number(point->at[0]), number(point->at[1]), number(point->at[2]));
-  const recursive::PointMotion<T> motion =
-      recursive::pointMotion(model, s.x, s.qd, none, static_cast<std::size_t>(point->link), at, ws);
-  switch (quantity) {
-    case CodeQuantity::kPosition:
-      return {motion.position.x(), motion.position.y(), motion.position.z()};
-    case CodeQuantity::kOrientation:
-      return rows<T>(motion.R);
-    case CodeQuantity::kJacobian:
-      return rows(motion.J);
-    default:
-      return rows(motion.J_rate);
-  }
-}
 
 /** C of Christoffel's symbols of M, which are derivatives of the Lagrangian's:
         C_ij = sum_k (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) qd_k / 2
@@ -148,94 +77,6 @@ std::optional<Formula> formulaOf(CodeQuantity quantity) {
 scene::Mechanism withoutFriction(scene::Mechanism mechanism) {
   for (scene::Link& link : mechanism.links) link.joint.friction = {};
   return mechanism;
-}
-
-template <typename T>
-void execute(const Program::Instruction& i, std::vector<T>& slots) {
-  const T &a = slots[i.a], &b = slots[i.b];
-  switch (i.code) {
-    case Program::Code::kAdd:
-      slots[i.result] = a + b;
-      break;
-    case Program::Code::kSubtract:
-      slots[i.result] = a - b;
-      break;
-    case Program::Code::kMultiply:
-      slots[i.result] = a * b;
-      break;
-    case Program::Code::kNegate:
-      slots[i.result] = -a;
-      break;
-    case Program::Code::kInverse:
-      slots[i.result] = T(1) / a;
-      break;
-  }
-}
-
-/// Runs a program as the text does: what depends neither on the state nor on parameters of a struct
-/// is a literal, and so is such a parameter itself.
-/// @param load  of a component of the state
-template <typename T, typename OfLiteral, typename OfLoad>
-std::vector<T> run(const Program& program, const OfLiteral& literal, const OfLoad& load) {
-  std::vector<T> slots(program.slots, T(0));
-  const std::vector<char> is_parametric = constantsOf(program).is_parametric;
-  const int numbers = static_cast<int>(program.constants.size() + program.atoms.size());
-  for (int i = 0; i < numbers; ++i) slots[i] = literal(i);
-  for (const Program::Instruction& i : program.prologue)
-    if (is_parametric[i.result] != 0)
-      execute(i, slots);
-    else
-      slots[i.result] = literal(i.result);
-  for (const Program::Load& l : program.loads) slots[l.slot] = load(l);
-  for (const Program::Instruction& i : program.body) execute(i, slots);
-  std::vector<T> out;
-  for (const int slot : program.outputs) out.push_back(slots[slot]);
-  return out;
-}
-
-/// A number that was rounded to this literal, and by how much at most.
-RunningError known(double literal) {
-  return {literal, RunningError::kUnitRoundoff * std::abs(literal)};
-}
-
-template <typename T>
-T literalAs(const Digits50& exact, double nearest);
-template <>
-RunningError literalAs<RunningError>(const Digits50&, double nearest) {
-  return known(nearest);
-}
-template <>
-SingleError literalAs<SingleError>(const Digits50& exact, double nearest) {
-  return {static_cast<float>(exact.value()), known(nearest)};
-}
-
-/// @param exact  the cosine or sine; that of single precision is within 1 ulp of it
-SingleError singleTrig(const RunningError& exact, float value) {
-  constexpr double kUlp = std::numeric_limits<float>::epsilon();
-  return {value, RunningError(exact.value(), exact.bound() + kUlp * std::abs(exact.value()))};
-}
-
-template <typename T>
-scene::JointPosition<T> positionOf(double q);
-template <>
-scene::JointPosition<RunningError> positionOf<RunningError>(double q) {
-  return runningErrorPosition(q);
-}
-template <>
-scene::JointPosition<SingleError> positionOf<SingleError>(double q) {
-  const scene::JointPosition<RunningError> exact = runningErrorPosition(q);
-  const float rounded = static_cast<float>(q);
-  return {SingleError(q), singleTrig(exact.c, std::cos(rounded)),
-          singleTrig(exact.s, std::sin(rounded))};
-}
-
-scene::State<RunningError> exactInput(const scene::State<double>& state) {
-  scene::State<RunningError> out;
-  for (const scene::JointPosition<double>& x : state.x) out.x.push_back(runningErrorPosition(x.q));
-  out.qd.assign(state.qd.begin(), state.qd.end());
-  out.qdd.assign(state.qdd.begin(), state.qdd.end());
-  out.tau.assign(state.tau.begin(), state.tau.end());
-  return out;
 }
 
 std::string identifierOf(const std::string& text) {
@@ -433,103 +274,6 @@ bool ControllerCode::hasFriction(const CodeFunction& function) const {
 bool ControllerCode::needsFriction() const {
   return std::any_of(functions_.begin(), functions_.end(),
                      [&](const CodeFunction& function) { return hasFriction(function); });
-}
-
-namespace {
-
-/// The answers of a function as it is written, with what its roundings may have done.
-/// @param friction  by rate: viscous, positive, negative
-template <typename T>
-std::vector<T> asWritten(const CodeFunction& function, const LiteralValues& literals,
-                         const scene::State<double>& state,
-                         const std::vector<std::array<T, 3>>& friction) {
-  const auto literal = [&](int slot) {
-    return literalAs<T>(literals.exact(slot), literals.nearest(slot));
-  };
-  const auto of_friction = [&](int i) {
-    const auto& [viscous, positive, negative] = friction[i];
-    const T rate(state.qd[i]);
-    return viscous * rate + (state.qd[i] > 0 ? positive : state.qd[i] < 0 ? -negative : T(0));
-  };
-  std::vector<T> out = run<T>(function.program, literal, [&](const Program::Load& load) -> T {
-    switch (load.input) {
-      case Input::kPosition:
-        return positionOf<T>(state.x[load.joint].q).q;
-      case Input::kCos:
-        return positionOf<T>(state.x[load.joint].q).c;
-      case Input::kSin:
-        return positionOf<T>(state.x[load.joint].q).s;
-      case Input::kVelocity:
-        return T(state.qd[load.joint]);
-      case Input::kAcceleration:
-        return T(state.qdd[load.joint]);
-      case Input::kForce:
-        return T(state.tau[load.joint]) - of_friction(load.joint);
-      default:
-        throw std::logic_error("ControllerCode: no program reads this input");
-    }
-  });
-  if (function.quantity == CodeQuantity::kTau)
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] += of_friction(static_cast<int>(i));
-  return out;
-}
-
-}  // namespace
-
-template <typename T>
-std::vector<std::array<T, 3>> ControllerCode::frictionAs() const {
-  std::vector<std::array<T, 3>> out;
-  if (isFolded()) {
-    const auto number = [](double x) { return literalAs<T>(Digits50(x), x); };
-    for (const JointFriction& f : friction_)
-      out.push_back({number(f.viscous), number(f.positive), number(f.negative)});
-    return out;
-  }
-  const LiteralValues literals(friction_program_, scene_.mechanism);
-  const auto none = [](const Program::Load&) -> T {
-    throw std::logic_error("ControllerCode: friction reads no state");
-  };
-  const std::vector<T> all = run<T>(
-      friction_program_,
-      [&](int slot) { return literalAs<T>(literals.exact(slot), literals.nearest(slot)); }, none);
-  for (std::size_t i = 0; i < friction_.size(); ++i)
-    out.push_back({all[3 * i], all[3 * i + 1], all[3 * i + 2]});
-  return out;
-}
-
-std::vector<GoldenCase> ControllerCode::golden(const std::vector<scene::State<double>>& states,
-                                               CodeScalar scalar) const {
-  const scene::Mechanism& mechanism = scene_.mechanism;
-  const RunningErrorNumbers numbers(mechanism);
-  const recursive::Model<RunningError> model = recursive::buildModel(mechanism, numbers);
-  const auto double_friction = frictionAs<RunningError>();
-  const auto single_friction = frictionAs<SingleError>();
-  std::vector<GoldenCase> all;
-  for (const scene::State<double>& state : states) {
-    GoldenCase one{state, {}, {}};
-    for (const CodeFunction& function : functions_) {
-      const LiteralValues literals(function.program, mechanism);
-      const std::vector<RunningError> expected =
-          swept(function.quantity, model, exactInput(state), numbers, parameters_, point_);
-      std::vector<double> value, limit, own;
-      if (scalar == CodeScalar::kDouble)
-        for (const RunningError& x :
-             asWritten<RunningError>(function, literals, state, double_friction))
-          own.push_back(x.bound());
-      else
-        for (const SingleError& x :
-             asWritten<SingleError>(function, literals, state, single_friction))
-          own.push_back(x.bound());
-      for (std::size_t i = 0; i < own.size(); ++i) {
-        value.push_back(expected[i].value());
-        limit.push_back((own[i] + expected[i].bound()) * RunningError::kInflate);
-      }
-      one.value.push_back(value);
-      one.limit.push_back(limit);
-    }
-    all.push_back(one);
-  }
-  return all;
 }
 
 }  // namespace dynwitness::crosscheck::kernel

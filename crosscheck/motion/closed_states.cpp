@@ -10,6 +10,7 @@
 #include "crosscheck/inputs/states.hpp"
 #include "crosscheck/motion/closed_motion.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/constrained_reactions.hpp"
 #include "recursive/hybrid_dynamics.hpp"
 #include "scene/mimic.hpp"

@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/acceleration_constraints.hpp"
 #include "recursive/closed_dynamics.hpp"
 #include "recursive/constrained_reactions.hpp"

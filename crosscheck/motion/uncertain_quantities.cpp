@@ -8,6 +8,7 @@
 
 #include "crosscheck/motion/joint_pass.hpp"
 #include "crosscheck/motion/parameter_errors.hpp"
+#include "crosscheck/witnesses/compiled_sweeps.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {

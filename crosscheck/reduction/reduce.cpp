@@ -380,6 +380,11 @@ struct Draft {
   std::vector<double> bounds;  ///< of what is left out, by joint
 };
 
+/// Times what roundings may make of tau_i: no limit below can be shown. The search for the largest
+/// of a quantity that is 0 ends at twice its roundings (EnvelopeBound::lost), and the difference of
+/// two models carries those of both.
+constexpr double kShown = 2 * 2;
+
 class Reducer {
  public:
   Reducer(const scene::Scene& scene, const std::vector<JointRanges>& ranges,
@@ -397,7 +402,7 @@ class Reducer {
     }
     for (const double allowed : options.allowed)
       for (std::size_t i = 0; i < largest_.size(); ++i)
-        if (allowed > 0 && largest_[i] > 0 && limit(i, allowed) < 4 * lost_[i])
+        if (allowed > 0 && largest_[i] > 0 && limit(i, allowed) < kShown * lost_[i])
           throw scene::InputError(
               {scene.file.string()},
               fmt::format("reduce: an error of {:.3g} of tau_{}: roundings alone may make {:.2g} "
@@ -450,7 +455,7 @@ class Reducer {
   };
 
   double limit(std::size_t i, double allowed) const {
-    return largest_[i] > 0 ? allowed * largest_[i] : 8 * lost_[i];
+    return largest_[i] > 0 ? allowed * largest_[i] : kShown * lost_[i];
   }
   bool isWeightless(std::size_t b) const { return b + 1 == bases_.size(); }
 

@@ -7,8 +7,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "crosscheck/motion/flow.hpp"
 #include "crosscheck/scalars/lifted_closures.hpp"
+#include "crosscheck/studies/flow.hpp"
 #include "crosscheck/studies/geometry.hpp"
 #include "crosscheck/studies/hamilton.hpp"
 

@@ -15,8 +15,10 @@
 #include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/scalars/ball.hpp"
 #include "crosscheck/scalars/dual_root.hpp"
+#include "crosscheck/scalars/moving_state.hpp"
 #include "crosscheck/studies/bounded_balls.hpp"
 #include "crosscheck/studies/independent_rates.hpp"
+#include "crosscheck/studies/rate_frame.hpp"
 #include "crosscheck/verdicts/within_bounds.hpp"
 #include "crosscheck/witnesses/dense_equations.hpp"
 #include "recursive/hybrid_dynamics.hpp"
@@ -33,12 +35,6 @@ struct Freedom {
   Indices rows;        ///< of closures, that stand for all
   Indices positional;  ///< of these, by place, that positions have to fulfil
   Indices dependent_q, dependent_v, q, v;
-};
-
-/// A direction in which a state may change.
-struct Direction {
-  std::vector<Ball> q, qd, tau;
-  explicit Direction(int n) : q(n, Ball(0)), qd(q), tau(q) {}
 };
 
 /// The constrained mechanism's answer along a direction.
@@ -84,6 +80,10 @@ struct ConstrainedLinearization::Parts {
     q->assign(y.begin(), rates);
     qd->assign(rates, y.end() - 1);
   }
+  Direction<Ball> still() const {
+    const std::vector<Ball> zero(static_cast<std::size_t>(n()), Ball(0));
+    return {zero, zero, zero, zero};
+  }
   scene::State<Ball> stateAt(const std::vector<double>& q, const std::vector<double>& qd) const {
     scene::State<double> state;
     for (const double x : q) state.x.push_back(scene::jointPosition(x));
@@ -94,14 +94,12 @@ struct ConstrainedLinearization::Parts {
   }
 
   Freedom freedomAt(const std::vector<double>& q, const std::vector<double>& qd);
-  scene::State<Moving> moved(const scene::State<Ball>& state, const Direction& along) const;
   template <typename Equations>
   Change change(const Equations& equations, const scene::State<Ball>& state, const Indices& rows,
-                const Direction& along, Derivatives* value = nullptr) const;
+                const Direction<Ball>& along, Derivatives* value = nullptr) const;
   Derivatives derivatives(const scene::State<Ball>& state, const Indices& rows) const;
   Indices steerable(const Freedom& freedom, const Derivatives& d) const;
   std::vector<Ball> holding(const scene::State<Ball>& state, const Freedom& freedom) const;
-  Balls commutator(const std::vector<double>& qd) const;
 
   scene::Scene scene;
   const scene::Mechanism& mechanism;
@@ -143,29 +141,16 @@ Freedom ConstrainedLinearization::Parts::freedomAt(const std::vector<double>& q,
   return out;
 }
 
-scene::State<Moving> ConstrainedLinearization::Parts::moved(const scene::State<Ball>& state,
-                                                            const Direction& along) const {
-  const recursive::Model<Ball> model = recursive::buildModel(mechanism, BallNumbers(mechanism));
-  std::vector<Ball> slots(state.x.size(), Ball(0));
-  recursive::positionRates(model, state.x, along.q, slots);
-  scene::State<Moving> out;
-  for (std::size_t i = 0; i < slots.size(); ++i) out.x.push_back(moving(state.x[i], slots[i]));
-  for (std::size_t i = 0; i < state.qd.size(); ++i) {
-    out.qd.push_back({state.qd[i], along.qd[i]});
-    out.tau.push_back({state.tau[i], along.tau[i]});
-    out.qdd.push_back(Moving(state.qdd[i]));
-  }
-  return out;
-}
-
 /// @param equations  of (numbers, state)
 /// @param value      what is there already: of the state itself, where it is asked for
 template <typename Equations>
 Change ConstrainedLinearization::Parts::change(const Equations& equations,
                                                const scene::State<Ball>& at, const Indices& rows,
-                                               const Direction& along, Derivatives* value) const {
+                                               const Direction<Ball>& along,
+                                               Derivatives* value) const {
   const BallNumbers number(mechanism);
-  const scene::State<Moving> state_moved = moved(at, along);
+  const scene::State<Moving> state_moved =
+      moving(recursive::buildModel(mechanism, number), at, along);
   DenseEquations<Moving> e = equations(DualOfBalls(number), state_moved);
   const int held = static_cast<int>(mechanism.acceleration_constraints.size()),
             closures = static_cast<int>(e.J.rows()) - held;
@@ -207,16 +192,16 @@ Derivatives ConstrainedLinearization::Parts::derivatives(const scene::State<Ball
   out.rate_by_position = zeros(rows.size(), n());
   for (int j = 0; j < n(); ++j) {
     if (driven[static_cast<std::size_t>(j)]) continue;
-    const auto along = [&](std::vector<Ball> Direction::*part) {
-      Direction unit(n());
+    const auto along = [&](std::vector<Ball> Direction<Ball>::*part) {
+      Direction<Ball> unit = still();
       (unit.*part)[static_cast<std::size_t>(j)] = Ball(1);
       return change(swept, at, rows, unit, &out);
     };
-    const Change by_position = along(&Direction::q);
+    const Change by_position = along(&Direction<Ball>::q);
     out.by_position.col(j) = by_position.qdd;
     out.rate_by_position.col(j) = by_position.closure_rate;
-    out.by_rate.col(j) = along(&Direction::qd).qdd;
-    out.by_force.col(j) = along(&Direction::tau).qdd;
+    out.by_rate.col(j) = along(&Direction<Ball>::qd).qdd;
+    out.by_force.col(j) = along(&Direction<Ball>::tau).qdd;
   }
   return out;
 }
@@ -250,29 +235,6 @@ std::vector<Ball> ConstrainedLinearization::Parts::holding(const scene::State<Ba
   recursive::solve(FF, x);
   const Balls tau = F.transpose() * x;
   return {tau.data(), tau.data() + tau.size()};
-}
-
-/// Of body rates (v, w), no derivatives of coordinates: (w x v_2 + v x w_2, w x w_2).
-Balls ConstrainedLinearization::Parts::commutator(const std::vector<double>& qd) const {
-  Balls out = zeros(n(), n());
-  const auto cross = [&](int row, int column, int of) {
-    for (int i = 0; i < 3; ++i) {
-      const int j = (i + 1) % 3, k = (i + 2) % 3;
-      out(row + k, column + j) = Ball(qd[static_cast<std::size_t>(of + i)]);
-      out(row + j, column + k) = Ball(-qd[static_cast<std::size_t>(of + i)]);
-    }
-  };
-  int rate = 0;
-  for (const scene::Link& link : mechanism.links) {
-    if (link.joint.kind == scene::JointKind::kSpherical) cross(rate, rate, rate);
-    if (link.joint.kind == scene::JointKind::kFloating) {
-      cross(rate, rate, rate + 3);
-      cross(rate, rate + 3, rate);
-      cross(rate + 3, rate + 3, rate + 3);
-    }
-    rate += link.joint.ownRates();
-  }
-  return out;
 }
 
 bool ConstrainedLinearization::isNeeded(const scene::Mechanism& mechanism,
@@ -346,8 +308,10 @@ void ConstrainedLinearization::differentiate(const LinearizationOptions& options
     T_v(f.dependent_v, Eigen::all) = -solved<Ball>(D, d.J(Eigen::all, f.v));
     K(f.dependent_v, Eigen::all) = -solved<Ball>(D, d.rate_by_position * T_q);
   }
-  const Balls turning = K - p.commutator(out->qd) * T_q,  // (3)
-      by_z = d.by_position * T_q + d.by_rate * K,         // (4)
+  const RateFrame frame(
+      recursive::buildModel(p.mechanism, scene::RealNumbers<double>(p.mechanism)));
+  const Balls turning = K - frame.commutator(p.state.qd) * T_q,  // (3)
+      by_z = d.by_position * T_q + d.by_rate * K,                // (4)
       by_w = d.by_rate * T_v;
   Balls A = zeros(f.q.size() + f.v.size(), f.q.size() + f.v.size()),
         B = zeros(f.q.size() + f.v.size(), out->actuated.size());
@@ -443,7 +407,7 @@ CheckResult ConstrainedLinearization::compared() {
                                  "sweeps", "lagrange_multipliers"};
   const Parts& p = *parts_;
   RandomStream random(p.scene.name, 1, 0);
-  Direction along(p.n());
+  Direction<Ball> along = p.still();
   for (int j = 0; j < p.n(); ++j)
     for (auto* part : {&along.q, &along.qd, &along.tau})
       if (!p.driven[static_cast<std::size_t>(j)])

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "crosscheck/laws/law.hpp"
+#include "crosscheck/studies/closure_forces.hpp"
 #include "crosscheck/studies/kinetic_metric.hpp"
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
@@ -189,12 +190,7 @@ struct CurvatureFromOutside : Law {
     recursive::factorize(M);
     const PhiDerivatives<T> phi(at);
     const int m = at.closures.rows();
-    MatrixOf<T> by_force = phi.J.transpose();  // M^-1 J'
-    for (int k = 0; k < m; ++k) {
-      Vector column = by_force.col(k);
-      recursive::solve(M, column);
-      by_force.col(k) = column;
-    }
+    const MatrixOf<T> by_force = byClosureForces(M, phi.J);
     MatrixOf<T> N = phi.J * by_force;
     recursive::factorize(N);
     struct Bend {

@@ -48,9 +48,8 @@ struct Action {
 
     Kind kind = Kind::kDrawn;
     std::string name;
-    double amplitude;  ///< [rad, m]
-    double first =
-        0;  ///< d/deps S(q + eps eta) at 0 + integral of Q' eta, eta of amplitude 1 [J s]
+    double amplitude;               ///< [rad, m]
+    double first = 0;               ///< left side of (1) below, for eta of amplitude 1 [J s]
     double change = 0, unsure = 0;  ///< S(q + eta) - S(q) lies within change +- unsure [J s]
 
     bool isSure() const { return std::abs(change) > unsure; }
@@ -74,7 +73,8 @@ struct Action {
   std::vector<CheckResult> checks;
 };
 
-/** Integrates the motion of a tree from its start and looks at the action of the paths near it.
+/** Integrates the motion of a tree from its start, on the surface where its closures hold, and
+    looks at the action of the paths near it, which stay on that surface.
 
         (1)  dS(eta) + integral of Q' eta dt = 0
              for every eta that vanishes at both ends: Hamilton's principle, and d'Alembert's and
@@ -90,9 +90,10 @@ struct Action {
 
     What the steps or the rounding of the place leave undecided is not answerable.
 
-    @throws scene::InputError  closures or springs between points, wrong sizes, duration not
-                               positive, velocities whose squares have no digits, a start that has
-                               no qdd, a motion that leaves the numbers in the shortest steps
+    @throws scene::InputError  springs between points, closures of rates, drives and friction of the
+                               scene, wrong sizes, duration not positive, velocities whose squares
+                               have no digits, a start that has no qdd, a motion that leaves the
+                               numbers in the shortest steps
     @see C. Lanczos, The Variational Principles of Mechanics (1970), chapter V;
          I. Gelfand, S. Fomin, Calculus of Variations (1963), sections 24 to 29 */
 Action measureAction(const scene::Scene& scene, const ActionOptions& options);

@@ -2,12 +2,13 @@
 // The mass matrix as a metric: connection and curvature at a position, on any scalar.
 #pragma once
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "crosscheck/scalars/lifted.hpp"
 #include "crosscheck/scalars/lifted_closures.hpp"
+#include "crosscheck/studies/closure_forces.hpp"
+#include "crosscheck/studies/rate_frame.hpp"
 #include "recursive/constraints.hpp"
 #include "recursive/factorization.hpp"
 
@@ -24,66 +25,6 @@ std::vector<scene::JointPosition<Dual<T>>> movedAlong(const recursive::Model<T>&
   for (std::size_t i = 0; i < x.size(); ++i) out.push_back(moving(x[i], slot_rates[i]));
   return out;
 }
-
-/** The frame of a tree's rates: e_i f is df/dt where rate i alone is 1. Rates of spherical and
-    floating joints are the body's, no derivatives of coordinates, and do not commute:
-
-        [e_j, e_k] = sum of sign e_l,      of rates (v, w): (w_1 x v_2 + v_1 x w_2, w_1 x w_2) */
-class RateFrame {
- public:
-  struct Commutator {
-    int second, result, sign;
-  };
-
-  template <typename T>
-  explicit RateFrame(const recursive::Model<T>& model) : of_(model.dof()) {
-    for (const recursive::LinkModel<T>& link : model.links) {
-      const int d = link.dof;
-      if (link.kind == recursive::JointKind::kSpherical) add(d, d, d);
-      if (link.kind != recursive::JointKind::kFloating) continue;
-      add(d + 3, d, d);
-      add(d, d + 3, d);
-      add(d + 3, d + 3, d + 3);
-    }
-  }
-  /// Whether the rates are derivatives of coordinates.
-  bool commutes() const {
-    return std::all_of(of_.begin(), of_.end(), [](const auto& of_j) { return of_j.empty(); });
-  }
-  /// Of e_j with all others.
-  const std::vector<Commutator>& of(int j) const { return of_[j]; }
-
-  template <typename T>
-  recursive::VectorX<T> commutator(const recursive::VectorX<T>& u,
-                                   const recursive::VectorX<T>& v) const {
-    recursive::VectorX<T> out = recursive::VectorX<T>::Constant(u.size(), T(0));
-    for (std::size_t j = 0; j < of_.size(); ++j)
-      for (const Commutator& c : of_[j])
-        out(c.result) += u(static_cast<Eigen::Index>(j)) * v(c.second) * T(c.sign);
-    return out;
-  }
-  /// <[u, e_i], f> for every i: f takes covectors' place.
-  template <typename T>
-  recursive::VectorX<T> pulledBack(const recursive::VectorX<T>& u,
-                                   const recursive::VectorX<T>& f) const {
-    recursive::VectorX<T> out = recursive::VectorX<T>::Constant(u.size(), T(0));
-    for (std::size_t j = 0; j < of_.size(); ++j)
-      for (const Commutator& c : of_[j])
-        out(c.second) += u(static_cast<Eigen::Index>(j)) * f(c.result) * T(c.sign);
-    return out;
-  }
-
- private:
-  /// The cross product of three rates from `first` and three from `second`.
-  void add(int first, int second, int result) {
-    for (int i = 0; i < 3; ++i) {
-      const int j = (i + 1) % 3, k = (i + 2) % 3;
-      of_[first + j].push_back({second + k, result + i, 1});
-      of_[first + k].push_back({second + j, result + i, -1});
-    }
-  }
-  std::vector<std::vector<Commutator>> of_;
-};
 
 /** Geometry of the configuration space of a tree, with M(q) as metric: T = |qd|^2 / 2; or of the
     surface in it on which closures hold. e_i are the frame of the rates (RateFrame).
@@ -148,8 +89,7 @@ class KineticMetric {
     J_ = Matrix(m, n());
     closuresAlong(unit(0),
                   [&](Eigen::Index k, int j, const Dual<T>& entry) { J_(k, j) = entry.value; });
-    by_force_ = Matrix(n(), m);
-    for (Eigen::Index k = 0; k < m; ++k) by_force_.col(k) = raised(J_.row(k).transpose());
+    by_force_ = byClosureForces(LDL_, J_);
     N_ = J_ * by_force_;
     recursive::factorize(N_);
   }

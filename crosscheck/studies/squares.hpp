@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/motion/flow.hpp"
+#include "crosscheck/studies/flow.hpp"
 #include "scene/error.hpp"
 
 namespace dynwitness::crosscheck {

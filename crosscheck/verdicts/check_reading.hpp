@@ -10,7 +10,11 @@
 #include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/verdicts/result.hpp"
 #include "crosscheck/witnesses/prepared_scene.hpp"
-#include "recursive/model.hpp"
+
+namespace dynwitness::recursive {
+template <typename T>
+struct Model;
+}  // namespace dynwitness::recursive
 
 namespace dynwitness::crosscheck {
 

@@ -22,6 +22,10 @@ namespace dynwitness::recursive {
 
 DYNWITNESS_SWEEPS(extern, double);
 DYNWITNESS_MODELS(extern, double, scene::RealNumbers<double>);
+DYNWITNESS_SWEEPS(extern, float);
+DYNWITNESS_MODELS(extern, float, scene::RealNumbers<float>);
+DYNWITNESS_SWEEPS(extern, long double);
+DYNWITNESS_MODELS(extern, long double, scene::RealNumbers<long double>);
 DYNWITNESS_SWEEPS(extern, crosscheck::RunningError);
 DYNWITNESS_MODELS(extern, crosscheck::RunningError, crosscheck::RunningErrorNumbers);
 DYNWITNESS_SWEEPS(extern, crosscheck::AdjointError);

@@ -8,7 +8,7 @@
 
 #include "crosscheck/kernel/roads.hpp"
 #include "crosscheck/witnesses/coupled.hpp"
-#include "crosscheck/witnesses/exact_witness.hpp"
+#include "crosscheck/witnesses/exact_sweeps.hpp"
 #include "crosscheck/witnesses/lagrange.hpp"
 #include "scene/own_rates.hpp"
 

@@ -26,26 +26,12 @@ inline constexpr const char* kFastName = "fast";
 template <typename T>
 class FastSweeps {
  public:
-  explicit FastSweeps(const recursive::Model<T>& model)
-      : plan(model), id_(plan), m_(plan), fd_(plan) {}
+  explicit FastSweeps(const recursive::Model<T>& model);
 
   static bool answers(Quantity quantity) {
     return quantity == Quantity::kM || quantity == Quantity::kTau || quantity == Quantity::kQdd;
   }
-  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& s) {
-    namespace fast = recursive::fast;
-    const int n = plan.dof;
-    MatrixOf<T> out = MatrixOf<T>::Constant(n, quantity == Quantity::kM ? n : 1, T(0));
-    if (quantity == Quantity::kM)
-      fast::massMatrix(plan, s.x.data(), m_, out.data());
-    else if (quantity == Quantity::kTau)
-      fast::inverseDynamics(plan, s.x.data(), s.qd.data(), s.qdd.data(), id_, out.data());
-    else if (quantity == Quantity::kQdd)
-      fast::forwardDynamics(plan, s.x.data(), s.qd.data(), s.tau.data(), fd_, out.data());
-    else
-      throw std::logic_error("fast: not answered");
-    return out;
-  }
+  MatrixOf<T> operator()(Quantity quantity, const scene::State<T>& s);
 
   recursive::fast::Plan<T> plan;  ///< tests plant their errors here
 
@@ -54,6 +40,28 @@ class FastSweeps {
   recursive::fast::MassMatrixWorkspace<T> m_;
   recursive::fast::ForwardDynamicsWorkspace<T> fd_;
 };
+
+// not in the class: what is inline is compiled in every file, extern or not
+
+template <typename T>
+FastSweeps<T>::FastSweeps(const recursive::Model<T>& model)
+    : plan(model), id_(plan), m_(plan), fd_(plan) {}
+
+template <typename T>
+MatrixOf<T> FastSweeps<T>::operator()(Quantity quantity, const scene::State<T>& s) {
+  namespace fast = recursive::fast;
+  const int n = plan.dof;
+  MatrixOf<T> out = MatrixOf<T>::Constant(n, quantity == Quantity::kM ? n : 1, T(0));
+  if (quantity == Quantity::kM)
+    fast::massMatrix(plan, s.x.data(), m_, out.data());
+  else if (quantity == Quantity::kTau)
+    fast::inverseDynamics(plan, s.x.data(), s.qd.data(), s.qdd.data(), id_, out.data());
+  else if (quantity == Quantity::kQdd)
+    fast::forwardDynamics(plan, s.x.data(), s.qd.data(), s.tau.data(), fd_, out.data());
+  else
+    throw std::logic_error("fast: not answered");
+  return out;
+}
 
 // compiled once, and without much optimisation: all of a sweep is inlined, which takes a compiler
 // minutes for a scalar that is no double (fast_sweeps_bounds.cpp, fast_sweeps_exact.cpp)

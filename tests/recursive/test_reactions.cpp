@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What joints transmit: by the inward sweep, by multipliers of a cut mechanism, from mass points,
 // and by Simbody.
+#include "crosscheck/witnesses/exact_sweeps.hpp"
 #include "recursive/reactions.hpp"
 
 #include <algorithm>

@@ -14,6 +14,7 @@
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/witnesses/engine_bound.hpp"
+#include "crosscheck/witnesses/exact_sweeps.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 namespace data = boost::unit_test::data;

@@ -18,6 +18,7 @@
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/tables.hpp"
+#include "crosscheck/witnesses/exact_sweeps.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "symbolic/derivation.hpp"
 #include "symbolic/program.hpp"

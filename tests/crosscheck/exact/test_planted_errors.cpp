@@ -7,6 +7,7 @@
 #include "crosscheck/exact/exact.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/options.hpp"
+#include "crosscheck/witnesses/exact_sweeps.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 
 using namespace dynwitness;

@@ -10,6 +10,7 @@
 #include "crosscheck/studies/rotor_models.hpp"
 #include "crosscheck/verdicts/compare.hpp"
 #include "crosscheck/verdicts/options.hpp"
+#include "crosscheck/witnesses/exact_sweeps.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "recursive/reactions.hpp"
 #include "tests/fixtures/compiled_sweeps.hpp"

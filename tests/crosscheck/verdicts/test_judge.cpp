@@ -24,6 +24,7 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/all_lanes.hpp"
+#include "crosscheck/witnesses/exact_sweeps.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 

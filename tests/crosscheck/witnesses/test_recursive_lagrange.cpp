@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lagrange's equations link by link: known answers, the other witnesses over the field, and
 // mistakes.
+#include "crosscheck/witnesses/exact_sweeps.hpp"
 #include "crosscheck/witnesses/recursive_lagrange.hpp"
 
 #include <algorithm>

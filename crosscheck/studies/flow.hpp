@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "crosscheck/scalars/lifted.hpp"
+#include "crosscheck/studies/closure_forces.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
 #include "recursive/constraints.hpp"
-#include "recursive/factorization.hpp"
 
 namespace dynwitness::crosscheck {
 
@@ -135,12 +135,7 @@ class Flow {
         lambda(k) -= J(k, i) * qdd_[i];
       }
     }
-    recursive::MatrixX<T> by_force = J.transpose();  // M^-1 J'
-    for (Eigen::Index k = 0; k < m; ++k) {
-      Vector column = by_force.col(k);
-      recursive::solve(M, column);
-      by_force.col(k) = column;
-    }
+    const recursive::MatrixX<T> by_force = byClosureForces(M, J);
     recursive::MatrixX<T> N = J * by_force;
     recursive::factorize(N);
     recursive::solve(N, lambda);
