@@ -77,4 +77,24 @@ void addBackground(CLI::App& command, PictureLook& look) {
       ->check(oneOf({"white", "transparent"}));
 }
 
+PictureLook lookOfFile(const std::filesystem::path& file, PictureLook look) {
+  const std::string ending = file.extension().string();
+  if (ending.empty()) return look;  // SVG, as it always was
+  if (ending != ".svg" && ending != ".png" && ending != ".pdf")
+    throw scene::InputError(
+        {}, fmt::format("--plot: read '{}', allowed: a file that ends in .svg, .png or .pdf",
+                        file.string()));
+  look.kind = ending.substr(1);
+  return look;
+}
+
+void drawTo(const std::filesystem::path& file, const std::filesystem::path& folder,
+            const std::string& stem, const std::vector<std::string>& pictures,
+            const PictureLook& look) {
+  if (const auto failure = runGnuplot(folder, stem + ".gp", pictures, look))
+    throw std::runtime_error("chart: " + *failure);
+  std::ifstream picture(folder / pictures.front(), std::ios::binary);
+  writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
+}
+
 }  // namespace dynwitness::cli

@@ -156,6 +156,16 @@ Needs needsOf(const std::string& quantity, const scene::Mechanism& mechanism) {
   return Needs::kNothing;
 }
 
+/// Whether a quantity takes the inverse of M of any scene: where a joint moves no inertia there is
+/// none.
+bool takesInverse(const std::string& quantity) {
+  for (const char* name :
+       {"qdd", "lambda", "nu", "tau_drive", "N", "Lambda", "Jbar", "task_torque", "null_torque",
+        "M_A", "P", "PM", "F", "PF", "E", "beta", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"})
+    if (quantity == name) return true;
+  return false;
+}
+
 /// Which row of the table of features a quantity belongs to.
 Command commandOf(const std::string& quantity) {
   if (alongNamed(quantity)) return Command::kEvaluateForces;
@@ -968,10 +978,21 @@ Drawing drawingOf(EvaluateArguments& arguments) {
   return drawing;
 }
 
+/// The scene; joints have to move inertia where a quantity takes the inverse of M.
+scene::Scene readFor(const EvaluateArguments& arguments) {
+  for (const std::string& quantity : arguments.quantities)
+    if (takesInverse(quantity)) return readSceneFor(arguments.scene, quantity);
+  const scene::Scene scene = readSceneFor(arguments.scene, "");
+  for (const std::string& quantity : arguments.quantities)
+    if (quantity == "reactions" && hasMoreThanItsTree(scene.mechanism))
+      scene::requireInertiaOfJoints(scene, quantity);
+  return scene;
+}
+
 int runEvaluate(EvaluateArguments arguments) {
   requireWritableFile(arguments.output);
   const Drawing drawing = drawingOf(arguments);
-  const scene::Scene scene = readScene(arguments.scene);
+  const scene::Scene scene = readFor(arguments);
   requireMotion(scene);
   Constrained constrained(scene);
   const std::unique_ptr<States> states =
@@ -1079,6 +1100,7 @@ int runEvaluate(EvaluateArguments arguments) {
     for (const Column& column : columns) sources.converted->require(column);
   }
   const bool finds_qdd = findsQddFirst(scene, arguments, states->given());
+  if (finds_qdd) scene::requireInertiaOfJoints(scene, "qdd, which is found from tau first,");
   admitFor(scene, arguments.quantities);
   if (arguments.warn && finds_qdd)
     throw scene::InputError({},

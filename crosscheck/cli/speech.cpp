@@ -60,10 +60,12 @@ std::string toned(Tone tone, const std::string& word) {
 
 std::string tonedVerdict(const std::string& padded) {
   const auto says = [&](const char* word) { return padded.find(word) != std::string::npos; };
-  if (says("disagree") || says("DISAGREE") || says("wrong") || says("WRONG"))
-    return toned(Tone::kBad, padded);
+  for (const char* word :
+       {"disagree", "DISAGREE", "wrong", "WRONG", "NO", "NAMED ONLY", "FAILED", "could not be run"})
+    if (says(word)) return toned(Tone::kBad, padded);
   if (says("not answerable") || says("cannot say")) return toned(Tone::kDoubt, padded);
-  if (says("agree") || says("right")) return toned(Tone::kGood, padded);
+  for (const char* word : {"agree", "right", "yes", "named"})
+    if (says(word)) return toned(Tone::kGood, padded);
   return toned(Tone::kDoubt, padded);
 }
 
