@@ -1100,7 +1100,7 @@ int runEvaluate(EvaluateArguments arguments) {
     for (const Column& column : columns) sources.converted->require(column);
   }
   const bool finds_qdd = findsQddFirst(scene, arguments, states->given());
-  if (finds_qdd) scene::requireInertiaOfJoints(scene, "qdd, which is found from tau first,");
+  if (finds_qdd) scene::requireInertiaOfJoints(scene, "qdd (found from tau first)");
   admitFor(scene, arguments.quantities);
   if (arguments.warn && finds_qdd)
     throw scene::InputError({},

@@ -381,7 +381,7 @@ int compareAll(const scene::Scene& scene, SimulateOptions options,
                                    : compareMethods(scene, options, methods);
   }
   fmt::print(
-      "{}: {} s; explicit methods at an error of {:.3g} a step, implicit ones at steps of {} s\n"
+      "{}: {} s; methods that choose their steps at an error of {:.3g} a step, others at steps of {} s\n"
       "errors against index 1 with projection, {}\n\n",
       scene.name, options.duration, options.step_error, options.step,
       describe(comparison.reference));

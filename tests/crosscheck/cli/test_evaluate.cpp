@@ -588,14 +588,15 @@ BOOST_AUTO_TEST_CASE(what_needs_no_inverse_of_M_is_answered) {
 BOOST_AUTO_TEST_CASE(what_needs_it_names_the_joint_and_what_was_asked) {
   const Program program;
   program.write("tip.urdf", kMasslessTip);
-  const std::string joint = "tip.urdf:6: joint \"wrist\" of link \"tool\": ";
+  const std::string joint = "tip.urdf:5: joint \"wrist\" of link \"tool\": ";
   for (const char* asked : {"qdd --tau 0,0", "M_A", "dqdd_dtau", "Lambda"}) {
     const std::string words = asked;
     refuses(
         program, "evaluate tip.urdf --quantity " + words,
         joint + words.substr(0, words.find(' ')) + " asked, and nothing that it carries has mass");
   }
-  refuses(program, "evaluate tip.urdf --quantity tau --tau 0,0", joint + "qdd, which is found");
+  refuses(program, "evaluate tip.urdf --quantity tau --tau 0,0",
+          joint + "qdd (found from tau first) asked");
   refuses(program, "derive tip.urdf --format c --quantity tau,qdd", joint + "qdd asked");
   refuses(program, "derive tip.urdf --operations", joint + "forward dynamics asked");
   refuses(program, "simulate tip.urdf", joint + "nothing that it carries has mass");

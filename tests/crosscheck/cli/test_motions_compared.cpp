@@ -58,24 +58,23 @@ std::string heunsMotion(double step, double duration, bool says_tau = false) {
 
 BOOST_AUTO_TEST_SUITE(motions_that_are_given)
 
-// |E - E0| of Heun's method halves three times with the step: its rate of energy is of one order
-// more than the method.
+// What Heun's method loses and gains along the way is of its own order.
 BOOST_AUTO_TEST_CASE(energy_shows_the_order_between_motions_of_different_steps) {
   const Program program;
-  program.write("coarse.csv", heunsMotion(0.01, 1));
-  program.write("fine.csv", heunsMotion(0.005, 1));
+  program.write("coarse.csv", heunsMotion(0.001, 1));
+  program.write("fine.csv", heunsMotion(0.0005, 1));
   const Outcome seen = program.run(
       "drift simple_pendulum --motion fine.csv,coarse.csv --plot e.svg --csv e.csv", "2>/dev/null");
   BOOST_TEST_REQUIRE(seen.status == 0, seen.out);
   const double order = after(seen.out, "# observed order ");
-  BOOST_TEST(std::abs(order - 3) < 0.1, seen.out);
+  BOOST_TEST(std::abs(order - 2) < 0.1, seen.out);
   const std::vector<std::string> table = linesOf(program.read("e.csv"));
   BOOST_REQUIRE(table.size() == 4u);
   BOOST_TEST(table[1] == "method,step_s,worst_error,scale_J");
-  BOOST_TEST(has(table[2], "given motions,0.01,"), table[2]);
-  BOOST_TEST(has(table[3], "given motions,0.005,"), table[3]);
+  BOOST_TEST(has(table[2], "given motions,0.001,"), table[2]);
+  BOOST_TEST(has(table[3], "given motions,0.0005,"), table[3]);
   const std::string picture = program.read("e.svg");
-  for (const char* part : {"observed order", "time  [s]", "step size  [s]", "0.005 s"})
+  for (const char* part : {"observed order", "time  [s]", "step size  [s]", "0.0005 s"})
     BOOST_TEST(has(picture, part), part);
   BOOST_TEST(program.fileCount() == 4u);
 
@@ -123,7 +122,8 @@ BOOST_AUTO_TEST_CASE(each_is_held_to_one_reference) {
       "2>/dev/null");
   BOOST_TEST_REQUIRE(seen.status == 0, seen.out);
   std::map<std::string, double> off;
-  for (const auto& run : nlohmann::json::parse(program.read("m.json"))["runs"])
+  const nlohmann::json said = nlohmann::json::parse(program.read("m.json"));
+  for (const auto& run : said["runs"])
     off[run["method"]] = run["q_error"];
   BOOST_REQUIRE(off.size() == 3u);
   BOOST_TEST(off["euler"] > 1000 * off["runge_kutta4"]);  // h = 0.01 to the first and fourth power
