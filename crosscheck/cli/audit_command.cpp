@@ -147,6 +147,9 @@ Run addAudit(CLI::App* command) {
   addOutput(*command, arguments->report, "folder for a page and audit.json");
   addSeed(*command, arguments->seed, "of the random points");
   command->footer(
+      "Examples:\n"
+      "  dynwitness audit -o audit\n"
+      "  dynwitness audit --equation N_definite\n"
       "Every verdict is computed when the command runs: both sides of an equation at random points "
       "of a\n"
       "prime field, where a difference is 0 or it is not, or certified digits for inequalities. "

@@ -148,7 +148,7 @@ bool hasMoreThanItsTree(const scene::Mechanism& mechanism) {
 
 Needs needsOf(const std::string& quantity, const scene::Mechanism& mechanism) {
   if (quantity == "reactions" && hasMoreThanItsTree(mechanism)) return Needs::kTau;
-  for (const char* name : {"tau", "power", "residual", "reactions", "acceleration", "dtau_dq"})
+  for (const char* name : {"tau", "power", "residual", "reactions", "acceleration", "dtau_dq", "Y"})
     if (quantity == name) return Needs::kQdd;
   for (const char* name : {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque", "F",
                            "PF", "beta", "dqdd_dq"})
@@ -1193,7 +1193,8 @@ Run addEvaluate(CLI::App* command) {
           "given: what a motion leaves of its equations); of points of links (--point): position, orientation (its columns are the "
           "link's axes), quaternion (w, x, y, z), rpy, velocity, acceleration, jacobian (velocity = J qd), "
           "jacobian_rate (dJ/dt); of trees, dtau_dq, dtau_dqd, dqdd_dq, dqdd_dqd, dqdd_dtau (columns "
-          "dtau1_dq2; by M for dtau_dqdd; q of spherical and floating joints along the body's axes); "
+          "dtau1_dq2; by M for dtau_dqdd; q of spherical and floating joints along the body's axes), C "
+          "(Coriolis matrix by Christoffel symbols), Y (regressor, columns Y2_mcx(LINK)); "
           "with closures, driven joints or acceleration constraints: qdd and reactions under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
           "Lambda "
           "(task inertia), J, Jbar, task_torque (tau the posture's), null_torque; of each joint, in "

@@ -44,7 +44,7 @@ int run(const Arguments& arguments) {
     found = walkThrough(museum, pieces, onTheStand, arguments.processes);
   }
   fmt::print("{}", arguments.exhibits.empty() ? museumTable(found, tonedVerdict)
-                                              : museumInFull(found, tonedVerdict));
+                                              : tonedReport(museumInFull(found, tonedVerdict)));
   if (!arguments.json.empty())
     writeWholeFile(arguments.json, museumJson(found, DYNWITNESS_VERSION));
   return found.holds() ? 0 : 1;

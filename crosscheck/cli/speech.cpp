@@ -3,7 +3,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <cstring>
+#include <sstream>
 
 #include "crosscheck/cli/options.hpp"
 
@@ -67,6 +70,22 @@ std::string tonedVerdict(const std::string& padded) {
   for (const char* word : {"agree", "right", "yes", "named"})
     if (says(word)) return toned(Tone::kGood, padded);
   return toned(Tone::kDoubt, padded);
+}
+
+std::string tonedReport(const std::string& text) {
+  constexpr std::size_t kVerdict = 13, kWidth = 10;  // where it stands in a line
+  if (!speech().isColored()) return text;
+  std::istringstream lines(text);
+  std::string out;
+  for (std::string line; std::getline(lines, line); out += line + "\n") {
+    if (line == "right" || line == "WRONG") line = tonedVerdict(line);
+    for (const char* word : {"right ", "wrong ", "cannot say"})
+      if (line.size() > kVerdict && line.compare(0, 2, "  ") == 0 && line[kVerdict - 1] == ' ' &&
+          line.compare(kVerdict, std::strlen(word), word) == 0)
+        line = line.substr(0, kVerdict) + tonedVerdict(line.substr(kVerdict, kWidth)) +
+               line.substr(std::min(line.size(), kVerdict + kWidth));
+  }
+  return out;
 }
 
 }  // namespace dynwitness::cli

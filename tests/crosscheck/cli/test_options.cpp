@@ -263,3 +263,21 @@ BOOST_AUTO_TEST_CASE(what_has_no_value_is_refused) {
   refuses(program, "geometry sliders.toml", "not finite at the start: M is singular there");
   refuses(program, "impedance sliders.toml", "finite");
 }
+
+// Examples are copied: a broken one goes on in the next line, and never breaks within quotes.
+BOOST_AUTO_TEST_CASE(help_fits_into_80_columns_and_has_an_example) {
+  const dynwitness::fixtures::Program program;
+  for (const char* command : {"crosscheck", "derive", "evaluate", "drift", "chart", "simulate",
+                              "write", "show", "check", "parameters", "impedance"}) {
+    const std::string help = program.run(std::string(command) + " --help").out;
+    BOOST_TEST(help.find("dynwitness " + std::string(command) + " ") != std::string::npos, command);
+    std::istringstream lines(help);
+    for (std::string line; std::getline(lines, line);)
+      BOOST_TEST(line.size() <= 80u, command << ": " << line);
+    std::size_t quotes = 0;
+    for (std::size_t at = 0; at < help.size(); ++at) {
+      if (help[at] == '"') ++quotes;
+      if (help.compare(at, 2, "\\\n") == 0) BOOST_TEST(quotes % 2 == 0u, command);
+    }
+  }
+}
