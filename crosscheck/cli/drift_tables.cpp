@@ -88,7 +88,9 @@ OwnMotion recorded(const scene::Scene& scene, const std::string& file,
   // what simulate --csv writes is one
   StatesReader reader(
       file, scene.mechanism,
-      {{"t", "time_s", "kinetic_J", "potential_J", "phi", "phi_rate", "energy_error_J"}, true},
+      {{"t", "time_s", "kinetic_J", "potential_J", "phi", "phi_rate", "energy_error_J"},
+       true,
+       true},
       asked);
   const auto& others = reader.otherNames();
   const auto time = std::find_if(others.begin(), others.end(), [](const std::string& column) {

@@ -21,12 +21,15 @@
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/motion/motion_tables.hpp"
 #include "crosscheck/motion/state_gap.hpp"
 #include "crosscheck/report/show.hpp"
 #include "crosscheck/system/files.hpp"
+#include "crosscheck/witnesses/column_names.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 #include "scene/mimic.hpp"
 #include "scene/motion.hpp"
 #include "scene/nearest_name.hpp"
@@ -49,7 +52,7 @@ struct SimulateArguments {
   std::string until, forces;
   std::vector<std::string> tau;
   int times = 1;
-  bool compare = false, runs_once = false;
+  bool compare = false, runs_once = false, reactions = false;
   SimulateOptions options;
 
   /// One motion by several methods or forms, each held to a reference.
@@ -313,38 +316,77 @@ nlohmann::json jsonOf(const Simulation::Task& task) {
   return out;
 }
 
-/// One row an output: time, q, qd, qdd, multipliers, energies, and how far constraints and energy
-/// are off.
-std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism) {
+/// What joints transmit along a motion, as `evaluate --quantity reactions` has it.
+class ReactionsAlong {
+ public:
+  explicit ReactionsAlong(const scene::Scene& scene)
+      : names_(columnNames(Quantity::kReactions, scene.mechanism)) {
+    if (scene.mechanism.isOpenTree() && scene.mechanism.acceleration_constraints.empty())
+      sweep_ = selectWitnesses({"newton_euler"}).front().make(scene).value();
+    else
+      constrained_.emplace(scene);
+  }
+  const std::vector<std::string>& names() const { return names_; }
+  /// NaN where redundant constraints leave them open.
+  Eigen::MatrixXd at(const Simulation::Point& point) const {
+    scene::State<double> state;
+    for (const double q : point.q) state.x.push_back(scene::jointPosition(q));
+    state.qd = point.qd;
+    state.qdd = point.qdd;
+    state.tau = forcesOf(point);
+    return sweep_ ? sweep_->value(Quantity::kReactions, state)
+                  : constrained_->answer(ConstrainedQuantity::kReactions, state);
+  }
+  /// Joint forces, zeros where nobody gives any: a states file says what it does not leave out.
+  static std::vector<double> forcesOf(const Simulation::Point& point) {
+    return point.tau.empty() ? std::vector<double>(point.qd.size(), 0.0) : point.tau;
+  }
+
+ private:
+  std::vector<std::string> names_;
+  std::unique_ptr<Witness> sweep_;
+  std::optional<ConstrainedQuantities> constrained_;
+};
+
+/// One row an output: time, q, qd, qdd, tau, multipliers, energies, how far constraints and energy
+/// are off; and reactions, where they are asked.
+std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism,
+                  const ReactionsAlong* reactions) {
   const Simulation::Point& first = simulation.points.front();
   const std::vector<int> given = scene::givenSlots(mechanism);  // what a states file may say
   std::string csv = hasOrientations(mechanism) ? "# convention: dynwitness\n" : "";
   csv += "time_s";
   for (std::size_t i = 1; i <= given.size(); ++i) csv += fmt::format(",q{}", i);
-  for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",qd{}", i);
-  for (std::size_t i = 1; i <= first.qdd.size(); ++i) csv += fmt::format(",qdd{}", i);
-  for (std::size_t i = 1; i <= first.tau.size(); ++i) csv += fmt::format(",tau{}", i);
+  for (const char* group : {"qd", "qdd", "tau"})
+    for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",{}{}", group, i);
   for (std::size_t i = 1; i <= first.lambda.size(); ++i) csv += fmt::format(",lambda{}", i);
   for (std::size_t i = 1; i <= first.nu.size(); ++i) csv += fmt::format(",nu{}", i);
-  csv += ",kinetic_J,potential_J,phi,phi_rate,energy_error_J\n";
+  csv += ",kinetic_J,potential_J,phi,phi_rate,energy_error_J";
+  if (reactions)
+    for (const std::string& name : reactions->names()) csv += ',' + name;
+  csv += '\n';
   for (const Simulation::Point& point : simulation.points) {
+    const std::vector<double> tau = ReactionsAlong::forcesOf(point);
     csv += fmt::format("{:.17g}", point.time);
     for (const int slot : given) csv += fmt::format(",{:.17g}", point.q[slot]);
-    for (const auto* values : {&point.qd, &point.qdd, &point.tau, &point.lambda, &point.nu})
+    for (const auto* values : {&point.qd, &point.qdd, &tau, &point.lambda, &point.nu})
       for (const double v : *values) csv += fmt::format(",{:.17g}", v);
     csv += fmt::format(",{:.17g},{:.17g}", point.kinetic, point.potential);
-    csv += fmt::format(",{:.3g},{:.3g},{:.3g}\n", point.phi, point.phi_rate, point.energy_error);
+    csv += fmt::format(",{:.3g},{:.3g},{:.3g}", point.phi, point.phi_rate, point.energy_error);
+    if (reactions)
+      for (const double v : reactions->at(point).reshaped()) csv += fmt::format(",{:.17g}", v);
+    csv += '\n';
   }
   return csv;
 }
 
 /// One row an output: time, q, qd, qdd, multipliers, energies, and how far constraints and energy
 /// are off; of several runs, whose method it is before.
-std::string csvOf(const std::vector<const FormulationRun*>& runs,
-                  const scene::Mechanism& mechanism) {
+std::string csvOf(const std::vector<const FormulationRun*>& runs, const scene::Mechanism& mechanism,
+                  const ReactionsAlong* reactions) {
   std::string csv;
   for (const FormulationRun* run : runs) {
-    const std::string rows = csvOf(run->result, mechanism);
+    const std::string rows = csvOf(run->result, mechanism, reactions);
     const std::size_t head = rows.find("\ntime_s") == std::string::npos ? 0 : rows.find('\n') + 1;
     const std::size_t first = rows.find('\n', head) + 1;
     if (csv.empty()) csv = rows.substr(0, head) + "method," + rows.substr(head, first - head);
@@ -363,7 +405,10 @@ void writeComparison(const SimulateArguments& arguments, const scene::Scene& sce
   std::vector<const FormulationRun*> runs;
   for (const FormulationRun& run : comparison.runs)
     if (run.failure.empty()) runs.push_back(&run);
-  if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csvOf(runs, scene.mechanism));
+  std::optional<ReactionsAlong> reactions;
+  if (arguments.reactions) reactions.emplace(scene);
+  if (!arguments.csv.empty())
+    writeWholeFile(arguments.csv, csvOf(runs, scene.mechanism, reactions ? &*reactions : nullptr));
   if (!arguments.plot.empty()) drawMotions(scene, comparison, arguments.plot, arguments.look);
 }
 
@@ -619,7 +664,11 @@ int runSimulate(SimulateArguments arguments) {
                table.title, verdict.values, verdict.ratio <= 1 ? "agree" : "DISAGREE",
                verdict.worst, 100 * verdict.ratio, verdict.worst_time);
   }
-  if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csvOf(result, scene.mechanism));
+  std::optional<ReactionsAlong> reactions;
+  if (arguments.reactions) reactions.emplace(scene);
+  if (!arguments.csv.empty())
+    writeWholeFile(arguments.csv,
+                   csvOf(result, scene.mechanism, reactions ? &*reactions : nullptr));
   if (!arguments.json.empty()) writeWholeFile(arguments.json, all.dump(2) + "\n");
   if (!arguments.view.empty()) writeWholeFile(arguments.view, viewOfMotion(scene, result));
   return agree ? 0 : 1;
@@ -708,11 +757,15 @@ Run addSimulate(CLI::App* command) {
                    "Rows of the CSV file, and states of --view")
       ->check(whole(1, 1000000))
       ->capture_default_str();
-  command->add_option(
+  CLI::Option* csv = command->add_option(
       "--csv", arguments->csv,
-      "Table as a CSV file: time, q, qd, qdd, joint forces where any are given or a controller has them, "
-      "multipliers, energies, drift, of several methods with a column method before; `evaluate --states "
-      "FILE --keep` reads it");
+      "Table as a CSV file: time, q, qd, qdd, tau, multipliers, energies, drift, of several methods with a "
+      "column method before; `evaluate --states FILE --keep` reads it");
+  command
+      ->add_flag(
+          "--reactions", arguments->reactions,
+          "The CSV file has what the joints transmit, too, as `evaluate --quantity reactions` has it")
+      ->needs(csv);
   command
       ->add_flag(
           "--once", arguments->runs_once,

@@ -609,6 +609,45 @@ BOOST_AUTO_TEST_CASE(what_needs_it_names_the_joint_and_what_was_asked) {
 
 BOOST_AUTO_TEST_SUITE_END()
 
+BOOST_AUTO_TEST_SUITE(matrices)
+
+BOOST_AUTO_TEST_CASE(c_is_C_qd_and_tau_is_Y_pi) {
+  const Program program;
+  const auto numbers = [&](const std::string& words) {
+    const Outcome outcome = program.run("evaluate " + words, "2>/dev/null");
+    BOOST_TEST_REQUIRE(outcome.status == 0, words);
+    std::vector<double> out;
+    std::istringstream cells(outcome.out.substr(outcome.out.find('\n') + 1));
+    for (std::string cell; std::getline(cells, cell, ',');) out.push_back(std::stod(cell));
+    return out;
+  };
+  const std::string at = "acrobot --q 0.5,0.2 --qd 1,-2 --qdd 3,7 --quantity ";
+  const std::vector<double> C = numbers(at + "C"), c = numbers(at + "c");
+  BOOST_REQUIRE(C.size() == 4u);
+  for (const std::size_t i : {0u, 1u})
+    BOOST_TEST(C[2 * i] * 1 + C[2 * i + 1] * -2 == c[i], boost::test_tools::tolerance(1e-14));
+  // ten numbers a link: m, m c, and inertia about the link's origin
+  const std::vector<double> Y = numbers(at + "Y"), tau = numbers(at + "tau");
+  BOOST_REQUIRE(Y.size() == 40u);
+  const double m1 = 1, m2 = 1, c1 = -0.5, c2 = -1, I1 = 0.083, I2 = 0.33;
+  const std::vector<double> pi = {
+      m1, 0, 0, m1 * c1, m1 * c1 * c1 + I1, m1 * c1 * c1 + I1, 0, 0, 0, 0,
+      m2, 0, 0, m2 * c2, m2 * c2 * c2 + I2, m2 * c2 * c2 + I2, 0, 0, 0, 0};
+  for (const std::size_t i : {0u, 1u}) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 20; ++k) sum += Y[20 * i + k] * pi[k];
+    BOOST_TEST(sum == tau[i], boost::test_tools::tolerance(1e-14));
+  }
+  const std::string names = program.run("evaluate " + at + "C,Y --units", "2>/dev/null").out;
+  for (const char* name : {"C12 [N m s/rad]", "Y2_mcx(lower) [N m/(kg m)]", "Y1_m(upper) [N m/kg]"})
+    BOOST_TEST(names.find(name) != std::string::npos, name);
+  refuses(program, "evaluate gripper --quantity C", "share");
+  refuses(program, "evaluate acrobot --q 0,0 --qd 0,0 --quantity Y",
+          "Y asked, and neither qdd nor tau");
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
 BOOST_AUTO_TEST_SUITE(derivations)
 
 BOOST_AUTO_TEST_CASE(code_to_standard_output_writes_nowhere_and_a_scene_at_rest_is_refused) {

@@ -101,6 +101,40 @@ BOOST_AUTO_TEST_CASE(what_simulate_writes_goes_in_with_its_steps) {
   refuses(program, files + " --step 0.02", "--step: 1 steps of 2 motions");
 }
 
+// tau is there, so that nothing is left of the equations of motion but rounding; reactions are those
+// of evaluate.
+BOOST_AUTO_TEST_CASE(what_simulate_writes_is_a_trajectory_with_its_reactions) {
+  const Program program;
+  BOOST_TEST(program
+                 .run("simulate acrobot --duration 0.5 --outputs 2 --once --reactions --csv a.csv "
+                      "--tau 'elbow=sin(3*t)'")
+                 .status == 0);
+  const std::vector<std::string> rows = linesOf(program.read("a.csv"));
+  BOOST_REQUIRE(rows.size() == 4u);
+  const Outcome again = program.run(
+      "evaluate acrobot --states a.csv --keep --quantity residual,power", "2>/dev/null");
+  BOOST_TEST_REQUIRE(again.status == 0, again.out);
+  const auto cells = [](const std::string& row) {
+    std::vector<double> out;
+    std::istringstream words(row);
+    for (std::string word; std::getline(words, word, ',');) out.push_back(std::stod(word));
+    return out;
+  };
+  const std::vector<double> left = cells(linesOf(again.out)[3]);
+  for (std::size_t k = left.size() - 3; k < left.size() - 1; ++k)  // a sum of some 10 N m
+    BOOST_TEST(std::abs(left[k]) < 1e-13);
+  program.write("q.csv", "q1,q2,qd1,qd2,qdd1,qdd2\n" + rows[3].substr(rows[3].find(',') + 1, [&] {
+    std::size_t at = rows[3].find(',');
+    for (int k = 0; k < 6; ++k) at = rows[3].find(',', at + 1);
+    return at - rows[3].find(',') - 1;
+  }()) + "\n");
+  const Outcome reactions =
+      program.run("evaluate acrobot --states q.csv --quantity reactions", "2>/dev/null");
+  const std::vector<double> expected = cells(linesOf(reactions.out)[1]), all = cells(rows[3]);
+  BOOST_REQUIRE(expected.size() == 12u);
+  for (std::size_t k = 0; k < 12; ++k) BOOST_TEST(all[all.size() - 12 + k] == expected[k]);
+}
+
 BOOST_AUTO_TEST_CASE(forces_are_no_energy_error) {
   const Program program;
   program.write("pushed.csv", heunsMotion(0.01, 0.1, true));
@@ -123,8 +157,7 @@ BOOST_AUTO_TEST_CASE(each_is_held_to_one_reference) {
   BOOST_TEST_REQUIRE(seen.status == 0, seen.out);
   std::map<std::string, double> off;
   const nlohmann::json said = nlohmann::json::parse(program.read("m.json"));
-  for (const auto& run : said["runs"])
-    off[run["method"]] = run["q_error"];
+  for (const auto& run : said["runs"]) off[run["method"]] = run["q_error"];
   BOOST_REQUIRE(off.size() == 3u);
   BOOST_TEST(off["euler"] > 1000 * off["runge_kutta4"]);  // h = 0.01 to the first and fourth power
   BOOST_TEST(off["runge_kutta4"] > 10 * off["gauss_6"]);
