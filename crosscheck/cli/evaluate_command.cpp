@@ -990,6 +990,7 @@ scene::Scene readFor(const EvaluateArguments& arguments) {
 }
 
 int runEvaluate(EvaluateArguments arguments) {
+  if (arguments.output == kStandardOutput) arguments.output.clear();
   requireWritableFile(arguments.output);
   const Drawing drawing = drawingOf(arguments);
   const scene::Scene scene = readFor(arguments);

@@ -373,8 +373,10 @@ std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanis
       for (const double v : *values) csv += fmt::format(",{:.17g}", v);
     csv += fmt::format(",{:.17g},{:.17g}", point.kinetic, point.potential);
     csv += fmt::format(",{:.3g},{:.3g},{:.3g}", point.phi, point.phi_rate, point.energy_error);
-    if (reactions)
-      for (const double v : reactions->at(point).reshaped()) csv += fmt::format(",{:.17g}", v);
+    if (reactions) {
+      const Eigen::VectorXd transmitted = reactions->at(point).reshaped();
+      for (const double v : transmitted) csv += fmt::format(",{:.17g}", v);
+    }
     csv += '\n';
   }
   return csv;

@@ -641,7 +641,11 @@ BOOST_AUTO_TEST_CASE(c_is_C_qd_and_tau_is_Y_pi) {
   const std::string names = program.run("evaluate " + at + "C,Y --units", "2>/dev/null").out;
   for (const char* name : {"C12 [N m s/rad]", "Y2_mcx(lower) [N m/(kg m)]", "Y1_m(upper) [N m/kg]"})
     BOOST_TEST(names.find(name) != std::string::npos, name);
-  refuses(program, "evaluate gripper --quantity C", "share");
+  const std::string coupled = "gripper --q 0.3,0.01,0.4 --qd 0.5,-0.1,1.2 --quantity ";
+  const std::vector<double> of_coupled = numbers(coupled + "C"), bias = numbers(coupled + "c");
+  for (std::size_t i = 0; i < 3; ++i)  // joints that follow others are in it; a sum of 1e-4
+    BOOST_TEST(std::abs(of_coupled[3 * i] * 0.5 + of_coupled[3 * i + 1] * -0.1 +
+                        of_coupled[3 * i + 2] * 1.2 - bias[i]) < 1e-18);
   refuses(program, "evaluate acrobot --q 0,0 --qd 0,0 --quantity Y",
           "Y asked, and neither qdd nor tau");
 }
