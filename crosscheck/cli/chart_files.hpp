@@ -40,6 +40,9 @@ void writeCharts(const std::vector<ChartData>& data, const std::vector<ChartScri
 /// The look of the picture that --plot asks for, whose kind its ending says.
 /// @throws scene::InputError  another ending
 crosscheck::PictureLook lookOfFile(const std::filesystem::path& file, crosscheck::PictureLook look);
+/// The bytes of a drawn picture; an SVG on nothing has the colours of dark pages, too, for viewers
+/// that prefer them: one picture for both.
+std::string finishedPicture(const std::filesystem::path& file, const crosscheck::PictureLook& look);
 /// Draws STEM.gp of a folder. What becomes of it is the first of these pictures.
 /// @throws std::runtime_error  gnuplot does not finish it
 void drawTo(const std::filesystem::path& file, const std::filesystem::path& folder,

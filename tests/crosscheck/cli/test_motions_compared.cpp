@@ -74,6 +74,7 @@ BOOST_AUTO_TEST_CASE(energy_shows_the_order_between_motions_of_different_steps) 
   BOOST_TEST(has(table[2], "given motions,0.001,"), table[2]);
   BOOST_TEST(has(table[3], "given motions,0.0005,"), table[3]);
   const std::string picture = program.read("e.svg");
+  BOOST_TEST(has(picture, "prefers-color-scheme: dark"));  // one for both
   for (const char* part : {"observed order", "time  [s]", "step size  [s]", "0.0005 s"})
     BOOST_TEST(has(picture, part), part);
   BOOST_TEST(program.fileCount() == 4u);
@@ -101,8 +102,8 @@ BOOST_AUTO_TEST_CASE(what_simulate_writes_goes_in_with_its_steps) {
   refuses(program, files + " --step 0.02", "--step: 1 steps of 2 motions");
 }
 
-// tau is there, so that nothing is left of the equations of motion but rounding; reactions are those
-// of evaluate.
+// tau is there, so that nothing is left of the equations of motion but rounding; reactions are
+// those of evaluate.
 BOOST_AUTO_TEST_CASE(what_simulate_writes_is_a_trajectory_with_its_reactions) {
   const Program program;
   BOOST_TEST(program
