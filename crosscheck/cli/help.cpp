@@ -64,17 +64,11 @@ bool isExample(const std::string& line) {
 }  // namespace
 
 std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positional) const {
-  const std::string name = make_option_name(option, is_positional) + make_option_opts(option);
-  constexpr std::size_t kIndent = 2;
+  const std::string name =
+      "  " + make_option_name(option, is_positional) + make_option_opts(option);
   const std::size_t width = column_width_;
-  std::string out = fmt::format("  {:<{}}", name, width - kIndent);
-  if (out.size() > width || name.size() + 2 * kIndent > width) {
-    out.clear();
-    // what it takes and excludes may be more than a line
-    for (const std::string& line : broken(name, kColumns - 3 * kIndent))
-      out += std::string(out.empty() ? kIndent : 3 * kIndent, ' ') + line + "\n";
-    out += std::string(width, ' ');
-  }
+  std::string out = name.size() + 2 <= width ? fmt::format("{:<{}}", name, width)
+                                             : name + "\n" + std::string(width, ' ');
   const std::vector<std::string> lines = broken(make_option_desc(option), kColumns - width);
   for (std::size_t k = 0; k < lines.size(); ++k)
     out += (k == 0 ? "" : "\n" + std::string(width, ' ')) + lines[k];
