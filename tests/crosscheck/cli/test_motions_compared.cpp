@@ -75,6 +75,7 @@ BOOST_AUTO_TEST_CASE(energy_shows_the_order_between_motions_of_different_steps) 
   BOOST_TEST(has(table[3], "given motions,0.0005,"), table[3]);
   const std::string picture = program.read("e.svg");
   BOOST_TEST(has(picture, "prefers-color-scheme: dark"));  // one for both
+  BOOST_TEST(has(picture, "{ fill: #e7eaee }"));           // ink of style.gp in the dark
   for (const char* part : {"observed order", "time  [s]", "step size  [s]", "0.0005 s"})
     BOOST_TEST(has(picture, part), part);
   BOOST_TEST(program.fileCount() == 4u);
