@@ -312,7 +312,7 @@ void setBase(Scene& scene, const std::string& base, const ChangeAsGiven& as_give
     refuse(as_given, fmt::format("read '{}', allowed: floating, fixed", base));
 }
 
-Scene changed(const Scene& scene, const Changes& changes) {
+Scene changed(const Scene& scene, const Changes& changes, InertiaNeed need) {
   if (changes.isNone()) return scene;
   Scene out = scene;
   out.name = scene.name + "_changed";
@@ -328,7 +328,7 @@ Scene changed(const Scene& scene, const Changes& changes) {
   if (!changes.gravity.empty()) setGravity(out, changes.gravity);
   if (!changes.base.empty()) setBase(out, changes.base, {"--base " + changes.base, {}});
   try {
-    validate(out);
+    validate(out, need);
   } catch (const InputError& error) {
     throw InputError({},
                      fmt::format("{} changed by the command line: {}", scene.name, error.what()));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/inertia_need.hpp"
 #include "scene/scene.hpp"
 
 namespace dynwitness::scene {
@@ -44,6 +45,7 @@ void setBase(Scene& scene, const std::string& base, const ChangeAsGiven& as_give
 
     @throws InputError  a name or a number that is none; a base that is so already, or held
       by a closure or spring of the world; whatever validate() refuses */
-Scene changed(const Scene& scene, const Changes& changes);
+Scene changed(const Scene& scene, const Changes& changes,
+              InertiaNeed need = InertiaNeed::kOfEachJoint);
 
 }  // namespace dynwitness::scene

@@ -23,6 +23,7 @@
 #include <Eigen/Geometry>
 
 #include "scene/arrange.hpp"
+#include "scene/inertia_need.hpp"
 #include "scene/mimic.hpp"
 #include "scene/mjcf.hpp"
 #include "scene/numbers.hpp"
@@ -1415,10 +1416,14 @@ bool isMjcf(const std::string& text) {
 }
 
 Scene readSceneMjcf(const std::string& text, const std::filesystem::path& file) {
+  return readSceneMjcf(text, file, InertiaNeed::kOfEachJoint);
+}
+
+Scene readSceneMjcf(const std::string& text, const std::filesystem::path& file, InertiaNeed need) {
   Files files;
   const Node top = files.read(text, file);
   Scene scene = MjcfReader(file).read(top, files.elements());
-  validate(scene);
+  validate(scene, need);
   return scene;
 }
 

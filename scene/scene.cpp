@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/scene.hpp"
 #include "scene/families.hpp"
+#include "scene/inertia_need.hpp"
 #include "scene/mjcf.hpp"
 #include "scene/nearest_name.hpp"
 #include "scene/text_file.hpp"
@@ -100,9 +101,13 @@ fs::path dataFolder() {
 }
 
 Scene readScene(const fs::path& file) {
+  return readScene(file, InertiaNeed::kOfEachJoint);
+}
+
+Scene readScene(const fs::path& file, InertiaNeed need) {
   const std::string text = readTextFile(file, "a TOML, URDF or MJCF file");
-  if (!looksLikeXml(text)) return readSceneToml(text, file);
-  return isMjcf(text) ? readSceneMjcf(text, file) : readSceneUrdf(text, file);
+  if (!looksLikeXml(text)) return readSceneToml(text, file, need);
+  return isMjcf(text) ? readSceneMjcf(text, file, need) : readSceneUrdf(text, file, need);
 }
 
 std::vector<fs::path> bundledScenes() {
@@ -117,13 +122,17 @@ std::vector<fs::path> bundledScenes() {
 }
 
 Scene findScene(const std::string& name_or_path) {
+  return findScene(name_or_path, InertiaNeed::kOfEachJoint);
+}
+
+Scene findScene(const std::string& name_or_path, InertiaNeed need) {
   std::vector<std::string> names;
   for (const fs::path& file : bundledScenes()) {
     names.push_back(file.stem().string());
     if (normalized(names.back()) == normalized(name_or_path)) return readScene(file);
   }
   std::error_code error;
-  if (fs::exists(name_or_path, error)) return readScene(name_or_path);
+  if (fs::exists(name_or_path, error)) return readScene(name_or_path, need);
   // the small scenes of published tables are crosschecked by name as well
   for (const auto& entry : fs::directory_iterator(dataFolder() / "reference", error))
     if (entry.path().extension() == ".toml" &&

@@ -14,6 +14,7 @@
 #include "scene/changes.hpp"
 #include "scene/envelope.hpp"
 #include "scene/faults.hpp"
+#include "scene/inertia_need.hpp"
 #include "scene/mimic.hpp"
 #include "scene/mjcf.hpp"
 #include "scene/scene.hpp"
@@ -644,7 +645,8 @@ void TomlReader::readLike(const toml::node& node, const toml::table& top) {
   const std::string text = withoutMark(readTextFile(other, "a TOML, URDF or MJCF file"));
   if (looksLikeXml(text)) {
     // what it lacks may stand here
-    scene_ = isMjcf(text) ? readSceneMjcf(text, other) : readUrdfAsWritten(text, other).scene;
+    scene_ = isMjcf(text) ? readSceneMjcf(text, other, InertiaNeed::kOfNoJoint)
+                          : readUrdfAsWritten(text, other).scene;
   } else {
     const toml::table of_other = parsedToml(text, other.string());
     if (of_other.get("like")) {
@@ -765,13 +767,17 @@ Scene TomlReader::read(const toml::table& top) {
 }  // namespace
 
 Scene readSceneToml(const std::string& text, const std::filesystem::path& file) {
+  return readSceneToml(text, file, InertiaNeed::kOfEachJoint);
+}
+
+Scene readSceneToml(const std::string& text, const std::filesystem::path& file, InertiaNeed need) {
   const std::string name = file.string();
   const std::string content = withoutMark(text);
   const toml::table top = parsedToml(content, name);
   Scene scene = TomlReader(content, name).read(top);
   scene.file = file;
   scene.name = file.stem().string();
-  validate(scene);
+  validate(scene, need);
   // whatever is asked, a range that is none is said
   if (top.contains("envelope")) envelopeOf(text, scene);
   return scene;

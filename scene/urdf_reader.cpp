@@ -20,6 +20,7 @@
 #include "scene/arrange.hpp"
 #include "scene/faults.hpp"
 #include "scene/impossible_inertia.hpp"
+#include "scene/inertia_need.hpp"
 #include "scene/mimic.hpp"
 #include "scene/scene.hpp"
 #include "scene/urdf.hpp"
@@ -349,8 +350,12 @@ Urdf readUrdfAsWritten(const std::string& text, const std::filesystem::path& fil
 }
 
 Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file) {
+  return readSceneUrdf(text, file, InertiaNeed::kOfEachJoint);
+}
+
+Scene readSceneUrdf(const std::string& text, const std::filesystem::path& file, InertiaNeed need) {
   Scene scene = readUrdfAsWritten(text, file).scene;
-  validate(scene);
+  validate(scene, need);
   return scene;
 }
 

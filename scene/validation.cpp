@@ -20,6 +20,7 @@
 
 #include "scene/arrange.hpp"
 #include "scene/impossible_inertia.hpp"
+#include "scene/inertia_need.hpp"
 #include "scene/mimic.hpp"
 #include "scene/motion.hpp"
 #include "scene/scene.hpp"
@@ -128,7 +129,7 @@ class Validator {
   explicit Validator(const Scene& scene)
       : scene_(scene), mechanism_(scene.mechanism), file_{scene.file.string(), 0} {}
 
-  void run() {
+  void run(InertiaNeed need) {
     requireTree();
     requireUniqueNames(mechanism_.links);
     values_ = mechanism_.parameterValues();
@@ -138,7 +139,7 @@ class Validator {
       if (link.parent >= 0) requireJoint(link);
     requireCarriers();
     requireStart();
-    requireInertiaOutboard();
+    if (need == InertiaNeed::kOfEachJoint) requireInertiaOutboard("");
     for (const Closure& closure : mechanism_.closures) {
       const std::string what = "closure \"" + closure.name + '"';
       requireEnds(what, closure.a.link, closure.b.link, closure.where);
@@ -153,6 +154,12 @@ class Validator {
   }
 
   std::vector<std::string> impossibleInertias();
+
+  void requireInertiaFor(const std::string& asked) {
+    values_ = mechanism_.parameterValues();
+    requireBodies();
+    requireInertiaOutboard(asked);
+  }
 
  private:
   [[noreturn]] static void failLink(const Link& link, const std::string& what) {
@@ -177,7 +184,7 @@ class Validator {
   void requireRotors(const Link& link);
   void requireCarriers();
   void requireStart() const;
-  void requireInertiaOutboard();
+  void requireInertiaOutboard(const std::string& asked);
   void requireEnds(const std::string& what, int a, int b, const SourceLocation& where) const;
   void requireSpring(const Spring& spring) const;
 
@@ -756,8 +763,9 @@ std::vector<Twist> Validator::motionsOf(const Joint& joint) {
 
 /** A joint that moves no inertia leaves a zero on the diagonal of M: forward dynamics is singular
    in every state. (That M is singular in some states, or for two joints together, is not looked for
-    here.) Of joints that follow each other one that moves inertia is enough. */
-void Validator::requireInertiaOutboard() {
+    here.) Of joints that follow each other one that moves inertia is enough.
+    @param asked  what cannot be answered then; "": anything */
+void Validator::requireInertiaOutboard(const std::string& asked) {
   const std::vector<Link>& links = mechanism_.links;
   std::vector<bool> carries_mass(links.size(), false), carries_joint(links.size(), false);
   first_child_.assign(links.size(), -1);
@@ -806,7 +814,8 @@ void Validator::requireInertiaOutboard() {
   }
   for (auto group = idle.rbegin(); group != idle.rend(); ++group)
     if (group->second.size() == members[group->first])
-      failJoint(links[group->second.front().first], group->second.front().second);
+      failJoint(links[group->second.front().first],
+                (asked.empty() ? "" : asked + " asked, and ") + group->second.front().second);
 }
 
 /// What joins two links must be able to do something: they exist, and a joint between them moves.
@@ -844,8 +853,16 @@ std::vector<std::string> impossibleInertias(const Scene& scene) {
 }
 
 void validate(const Scene& scene) {
-  Validator(scene).run();
+  validate(scene, InertiaNeed::kOfEachJoint);
+}
+
+void validate(const Scene& scene, InertiaNeed need) {
+  Validator(scene).run(need);
   validateMotions(scene);
+}
+
+void requireInertiaOfJoints(const Scene& scene, const std::string& asked) {
+  Validator(scene).requireInertiaFor(asked);
 }
 
 }  // namespace dynwitness::scene

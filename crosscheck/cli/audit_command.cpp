@@ -9,6 +9,7 @@
 #include "crosscheck/audit/audit_report.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/speech.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/error.hpp"
 
@@ -40,10 +41,10 @@ void printBlock(const char* label, const std::string& text) {
 
 void print(const Entry& entry) {
   fmt::print("{}, section {}, {}: {}\n", entry.id, entry.section, plain(entry.title),
-             entry.holds == Holds::kUnderCondition ? "holds under a condition"
-             : entry.holds == Holds::kTrue         ? "holds"
-             : entry.isPrinted()                   ? "WRONG"
-                                                   : "not so");
+             entry.holds == Holds::kUnderCondition ? toned(Tone::kDoubt, "holds under a condition")
+             : entry.holds == Holds::kTrue         ? toned(Tone::kGood, "holds")
+             : entry.isPrinted()                   ? toned(Tone::kBad, "WRONG")
+                                                   : toned(Tone::kDoubt, "not so"));
   printBlock(entry.left_open     ? "left open"
              : entry.not_printed ? "not said"
                                  : "printed",
@@ -125,7 +126,7 @@ int run(Arguments arguments) {
   }
   for (const Entry& entry : audit.entries)
     if (!entry.isSound())
-      fmt::print("{}: OUR OWN PART DOES NOT STAND: {}\n", entry.id,
+      fmt::print("{}: {}: {}\n", entry.id, toned(Tone::kBad, "OUR OWN PART DOES NOT STAND"),
                  entry.residual_ours && !entry.residual_ours->zero
                      ? entry.implemented_in + ": " + entry.residual_ours->residual
                      : "what is called corrected or conditional is not 0");
@@ -146,6 +147,9 @@ Run addAudit(CLI::App* command) {
   addOutput(*command, arguments->report, "folder for a page and audit.json");
   addSeed(*command, arguments->seed, "of the random points");
   command->footer(
+      "Examples:\n"
+      "  dynwitness audit -o audit\n"
+      "  dynwitness audit --equation N_definite\n"
       "Every verdict is computed when the command runs: both sides of an equation at random points "
       "of a\n"
       "prime field, where a difference is 0 or it is not, or certified digits for inequalities. "

@@ -107,6 +107,10 @@ Run addChart(CLI::App* command) {
   addOutput(*command, arguments->output,
             "folder for SCENE_QUANTITY (or _simulate) .csv, .gp, .svg and _dark.svg");
   addPictures(*command, arguments->look);
+  command->footer(
+      "Examples:\n"
+      "  dynwitness chart franka_panda --quantity all -o charts\n"
+      "  dynwitness chart double_pendulum --simulate -o charts");
   return [arguments, simulation] {
     return simulation->is_asked ? runSimulationChart(arguments->scene, *simulation,
                                                      arguments->output, arguments->look)

@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <regex>
 
 #include <fmt/format.h>
 
@@ -75,6 +76,56 @@ void addBackground(CLI::App& command, PictureLook& look) {
                   "What pictures stand on; without: SVG and PDF on nothing, PNG on white (the dark "
                   "ones on dark)")
       ->check(oneOf({"white", "transparent"}));
+}
+
+PictureLook lookOfFile(const std::filesystem::path& file, PictureLook look) {
+  const std::string ending = file.extension().string();
+  if (ending.empty()) return look;  // SVG, as it always was
+  if (ending != ".svg" && ending != ".png" && ending != ".pdf")
+    throw scene::InputError(
+        {}, fmt::format("--plot: read '{}', allowed: a file that ends in .svg, .png or .pdf",
+                        file.string()));
+  look.kind = ending.substr(1);
+  return look;
+}
+
+namespace {
+
+/// Rules of CSS that give each colour of style.gp its dark one.
+std::string darkRules() {
+  static const std::regex kPair("dark \\? '#([0-9a-f]{6})' : '#([0-9a-f]{6})'");
+  const std::string style(kStyleGnuplot);
+  std::string rules;
+  for (std::sregex_iterator it(style.begin(), style.end(), kPair), end; it != end; ++it) {
+    const std::string dark = (*it)[1], light = (*it)[2];
+    const unsigned long rgb = std::stoul(light, nullptr, 16);
+    const auto red = rgb >> 16, green = (rgb >> 8) & 255, blue = rgb & 255;
+    for (const std::string& as : {fmt::format("rgb({},{},{})", red, green, blue),
+                                  fmt::format("rgb({:3}, {:3}, {:3})", red, green, blue)})
+      for (const char* what : {"stroke", "fill"})
+        rules += fmt::format("[{0}=\"{1}\"] {{ {0}: #{2} }}\n", what, as, dark);
+  }
+  return rules;
+}
+
+}  // namespace
+
+std::string finishedPicture(const std::filesystem::path& file, const PictureLook& look) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string picture(std::istreambuf_iterator<char>(stream), {});
+  const std::size_t begin = picture.find("<svg");
+  if (look.kind != "svg" || look.paper == "white" || begin == std::string::npos) return picture;
+  picture.insert(picture.find('>', begin) + 1,
+                 "\n<style>@media (prefers-color-scheme: dark) {\n" + darkRules() + "}</style>");
+  return picture;
+}
+
+void drawTo(const std::filesystem::path& file, const std::filesystem::path& folder,
+            const std::string& stem, const std::vector<std::string>& pictures,
+            const PictureLook& look) {
+  if (const auto failure = runGnuplot(folder, stem + ".gp", pictures, look))
+    throw std::runtime_error("chart: " + *failure);
+  writeWholeFile(file, finishedPicture(folder / pictures.front(), look));
 }
 
 }  // namespace dynwitness::cli

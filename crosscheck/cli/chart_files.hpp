@@ -37,6 +37,18 @@ std::string chartScript(const scene::Scene& scene, const std::string& title,
 void writeCharts(const std::vector<ChartData>& data, const std::vector<ChartScript>& scripts,
                  const std::filesystem::path& folder, const crosscheck::PictureLook& look = {});
 
+/// The look of the picture that --plot asks for, whose kind its ending says.
+/// @throws scene::InputError  another ending
+crosscheck::PictureLook lookOfFile(const std::filesystem::path& file, crosscheck::PictureLook look);
+/// The bytes of a drawn picture; an SVG on nothing has the colours of dark pages, too, for viewers
+/// that prefer them: one picture for both.
+std::string finishedPicture(const std::filesystem::path& file, const crosscheck::PictureLook& look);
+/// Draws STEM.gp of a folder. What becomes of it is the first of these pictures.
+/// @throws std::runtime_error  gnuplot does not finish it
+void drawTo(const std::filesystem::path& file, const std::filesystem::path& folder,
+            const std::string& stem, const std::vector<std::string>& pictures,
+            const crosscheck::PictureLook& look);
+
 /// --format svg|png|pdf of pictures, and --background.
 void addPictures(CLI::App& command, crosscheck::PictureLook& look);
 /// --background alone, where a file's ending says the format.

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dynwitness check: somebody's program on the stand. Is it right, where is it wrong, and why?
 #include <algorithm>
-#include <cstring>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 #include <fmt/format.h>
 
@@ -49,24 +47,6 @@ WitnessKind kindFor(const scene::Scene& scene, Arguments& arguments) {
   return recordedKind(std::move(recorded), arguments.answers);
 }
 
-/// The report's text with its verdicts in colour: the second word of "  M          wrong  ..", and
-/// the last line.
-std::string colored(const std::string& text) {
-  constexpr std::size_t kVerdict = 13, kWidth = 10;  // where it stands in a line
-  if (!speech().isColored()) return text;
-  std::istringstream lines(text);
-  std::string out;
-  for (std::string line; std::getline(lines, line); out += line + "\n") {
-    if (line == "right" || line == "WRONG") line = tonedVerdict(line);
-    for (const char* word : {"right ", "wrong ", "cannot say"})
-      if (line.size() > kVerdict && line.compare(0, 2, "  ") == 0 && line[kVerdict - 1] == ' ' &&
-          line.compare(kVerdict, std::strlen(word), word) == 0)
-        line = line.substr(0, kVerdict) + tonedVerdict(line.substr(kVerdict, kWidth)) +
-               line.substr(std::min(line.size(), kVerdict + kWidth));
-  }
-  return out;
-}
-
 int run(Arguments arguments) {
   requireWritableFile(arguments.output);
   requireWritableFile(arguments.smallest);
@@ -84,7 +64,7 @@ int run(Arguments arguments) {
   const std::string text =
       arguments.format == "json" ? checkJson(found, DYNWITNESS_VERSION) : checkText(found);
   if (arguments.output.empty())
-    fmt::print("{}", arguments.format == "json" ? text : colored(text));
+    fmt::print("{}", arguments.format == "json" ? text : tonedReport(text));
   else
     writeWholeFile(arguments.output, text);
   if (!arguments.smallest.empty() && found.smallest)

@@ -42,6 +42,13 @@ struct DeriveArguments {
     return format == "matlab" || format == "julia" ||
            (isProgram() && (!isAll() || parameters == "struct"));
   }
+  /// What is asked that takes the inverse of M; "": nothing.
+  std::string solved() const {
+    if (operations) return "forward dynamics";
+    const bool has_qdd =
+        isAll() || std::find(quantities.begin(), quantities.end(), "qdd") != quantities.end();
+    return isCode() && has_qdd ? "qdd" : "";
+  }
 };
 
 /// How many operations each road to each formula takes, the smallest marked.
@@ -259,9 +266,9 @@ void writeCode(const DeriveArguments& arguments, const scene::Scene& scene) {
 
 int runDerive(const DeriveArguments& arguments) {
   const bool is_code = arguments.isCode(), is_program = arguments.isProgram();
-  if (is_code)
-    crosscheck::requireWritableFolder(arguments.output.empty() ? "." : arguments.output);
-  else
+  if (is_code && !arguments.output.empty())
+    crosscheck::requireWritableFolder(arguments.output);
+  else if (!is_code)
     crosscheck::requireWritableFile(arguments.output);
   if (!is_code && (arguments.scalar != "double" || !arguments.point.empty() ||
                    arguments.parameters != "folded"))
@@ -269,11 +276,12 @@ int runDerive(const DeriveArguments& arguments) {
                             "--scalar, --point and --parameters are for code of given quantities, "
                             "allowed: --format c --quantity tau,qdd,...");
   using crosscheck::Command;
-  const scene::Scene scene =
-      admitted(arguments.scene, arguments.operations ? Command::kDeriveOperations
-                                : is_code            ? Command::kDeriveCode
-                                : is_program         ? Command::kDerivePrograms
-                                                     : Command::kDerive);
+  const scene::Scene scene = readSceneFor(arguments.scene, arguments.solved());
+  admit(scene, {arguments.operations ? Command::kDeriveOperations
+                : is_code            ? Command::kDeriveCode
+                : is_program         ? Command::kDerivePrograms
+                                     : Command::kDerive});
+  crosscheck::requireMotion(scene);
   if (arguments.proof && (is_program || is_code))
     throw scene::InputError(
         {},
@@ -292,7 +300,6 @@ int runDerive(const DeriveArguments& arguments) {
   std::optional<symbolic::ReadBack> proof;
   std::optional<Progress> progress(std::in_place, "derivation of " + scene.name);
   if (is_code) {
-    crosscheck::requireMotion(scene);
     writeCode(arguments, scene);
     return 0;
   }

@@ -60,11 +60,11 @@ std::vector<CLI::Option*> addChanges(CLI::App& command, GivenScene& scene) {
 
 namespace {
 
-/// A scene that is to be changed: a URDF that nobody takes as it is (a tip without mass, say) may
-/// be one afterwards.
+/// A scene that is to be changed: what nobody takes as it is (a tip without mass, a URDF with
+/// inertias of no body) may be one afterwards.
 scene::Scene foundToBeChanged(const std::string& name) {
   try {
-    return scene::findScene(name);
+    return scene::findScene(name, scene::InertiaNeed::kOfNoJoint);
   } catch (const scene::InputError&) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(name, error)) throw;
@@ -76,18 +76,28 @@ scene::Scene foundToBeChanged(const std::string& name) {
 
 }  // namespace
 
-scene::Scene readScene(const GivenScene& given) {
+scene::Scene readScene(const GivenScene& given, scene::InertiaNeed need) {
   const Progress progress("reading " + given.name);
-  const scene::Scene scene = given.changes.isNone()
-                                 ? scene::findScene(given.name)
-                                 : scene::changed(foundToBeChanged(given.name), given.changes);
+  const scene::Scene scene =
+      given.changes.isNone() ? scene::findScene(given.name, need)
+                             : scene::changed(foundToBeChanged(given.name), given.changes, need);
   return given.root.empty() ? scene : crosscheck::rooted(scene, given.root);
+}
+
+scene::Scene readSceneFor(const GivenScene& given, const std::string& solved) {
+  if (solved.empty()) return readScene(given, scene::InertiaNeed::kOfNoJoint);
+  try {
+    return readScene(given);
+  } catch (const scene::InputError&) {
+    scene::requireInertiaOfJoints(readScene(given, scene::InertiaNeed::kOfNoJoint), solved);
+    throw;  // it is something else
+  }
 }
 
 std::vector<scene::JointRanges> envelopeOf(const GivenScene& given, const scene::Scene& scene) {
   if (given.isAsWritten()) return scene::readEnvelope(scene);
   scene::Scene changed = scene;  // which has no file of its own
-  changed.file = scene::findScene(given.name).file;
+  changed.file = scene::findScene(given.name, scene::InertiaNeed::kOfNoJoint).file;
   return scene::readEnvelope(changed);
 }
 

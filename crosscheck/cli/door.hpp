@@ -33,8 +33,15 @@ std::vector<CLI::Option*> addChanges(CLI::App& command, GivenScene& scene);
 
 /// The scene, with progress where that takes long.
 /// @throws scene::InputError  there is none, it cannot be read, be changed so
-///   (scene::changed()) or have this root (crosscheck::rooted())
-scene::Scene readScene(const GivenScene& given);
+///   (scene::changed()) or have this root (crosscheck::rooted()), which needs inertia of each joint
+scene::Scene readScene(const GivenScene& given,
+                       scene::InertiaNeed need = scene::InertiaNeed::kOfEachJoint);
+
+/** The scene of which numbers are asked: each joint has to move inertia only where they take the
+    inverse of M.
+    @param solved  a quantity that does, "qdd"; empty: none
+    @throws scene::InputError  as readScene(); of a joint that moves no inertia with what was asked */
+scene::Scene readSceneFor(const GivenScene& given, const std::string& solved);
 
 /// [envelope] of its file for the scene as it is read: ranges are expressions in the parameters
 /// that it has then. None: the file has no such table.

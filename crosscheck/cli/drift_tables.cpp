@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/integrators.hpp"
+#include "crosscheck/motion/state_gap.hpp"
 #include "crosscheck/motion/step_advice.hpp"
 #include "crosscheck/motion/tree_motion.hpp"
 #include "crosscheck/verdicts/own_motion.hpp"
@@ -86,7 +88,9 @@ OwnMotion recorded(const scene::Scene& scene, const std::string& file,
   // what simulate --csv writes is one
   StatesReader reader(
       file, scene.mechanism,
-      {{"t", "time_s", "kinetic_J", "potential_J", "phi", "phi_rate", "energy_error_J"}, true},
+      {{"t", "time_s", "kinetic_J", "potential_J", "phi", "phi_rate", "energy_error_J"},
+       true,
+       true},
       asked);
   const auto& others = reader.otherNames();
   const auto time = std::find_if(others.begin(), others.end(), [](const std::string& column) {
@@ -100,6 +104,12 @@ OwnMotion recorded(const scene::Scene& scene, const std::string& file,
   motion.by = file;
   scene::State<double> state;
   while (reader.next(&state)) {
+    if (reader.gives("tau") &&
+        std::any_of(state.tau.begin(), state.tau.end(), [](double x) { return x != 0; }))
+      throw scene::InputError(
+          {file, 0}, fmt::format("row {}: joint forces (tau), which change the energy, allowed: "
+                                 "zeros; `evaluate --quantity residual,power` takes any",
+                                 motion.moments.size() + 1));
     OwnMotion::Moment moment{
         reader.others()[static_cast<std::size_t>(time - others.begin())], {}, state.qd, state.qdd};
     for (const auto& x : state.x) moment.q.push_back(x.q);
@@ -111,28 +121,76 @@ OwnMotion recorded(const scene::Scene& scene, const std::string& file,
   return motion;
 }
 
+/// Energies along these motions, relative to the largest kinetic energy of the finest.
+Drift energyAlong(const std::vector<OwnMotionVerdict>& motions, const std::vector<double>& steps) {
+  Drift out;
+  out.method = "given motions";
+  out.duration = std::numeric_limits<double>::infinity();
+  for (const OwnMotionVerdict& motion : motions)
+    out.duration = std::min(out.duration, motion.time.back() - motion.time.front());
+  double finest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    const OwnMotionVerdict& motion = motions[k];
+    const double mean =
+        (motion.time.back() - motion.time.front()) / static_cast<double>(motion.time.size() - 1);
+    Drift::Path path;
+    path.step = steps.empty() ? mean : steps[k];
+    for (std::size_t i = 0; i < motion.time.size(); ++i) {
+      const double time = motion.time[i] - motion.time.front();
+      if (time > out.duration) break;
+      path.time.push_back(time);
+      path.error.push_back(motion.energy_change[i]);
+      path.end_time = time;
+      keepWorse(&path.worst, motion.energy_change[i]);
+    }
+    if (path.step < finest) finest = path.step, out.scale = motion.most_kinetic;
+    out.paths.push_back(std::move(path));
+  }
+  for (Drift::Path& path : out.paths) {
+    if (out.scale == 0) continue;  // nothing moved, nothing was lost
+    path.worst /= out.scale;
+    for (double& error : path.error) error /= out.scale;
+  }
+  std::stable_sort(out.paths.begin(), out.paths.end(),
+                   [](const Drift::Path& a, const Drift::Path& b) { return a.step > b.step; });
+  const bool has_steps = std::adjacent_find(out.paths.begin(), out.paths.end(),
+                                            [](const Drift::Path& a, const Drift::Path& b) {
+                                              return a.step == b.step;
+                                            }) == out.paths.end();
+  out.observed_order = has_steps ? observedOrder(out) : 0;
+  return out;
+}
+
+/// @throws scene::InputError  as many steps as neither engines nor files can have
+void requireSteps(const std::vector<double>& steps, std::size_t engines, std::size_t files) {
+  if (engines > 0 && steps.size() > 1)
+    throw scene::InputError({}, fmt::format("{} steps, allowed: one (--step)", steps.size()));
+  if (engines == 0 && !steps.empty() && steps.size() != files)
+    throw scene::InputError(
+        {}, fmt::format("--step: {} steps of {} motions, allowed: the step that each was made "
+                        "with, or none, which is what is between its rows",
+                        steps.size(), files));
+}
+
 }  // namespace
 
 int judgeMotions(const scene::Scene& scene, const std::vector<std::string>& engines,
-                 const std::string& file, const DriftOptions& options,
-                 const std::string& convention) {
-  if (options.steps.size() > 1)
-    throw scene::InputError({},
-                            fmt::format("{} steps, allowed: one (--step)", options.steps.size()));
-  if (engines.empty() && !options.steps.empty())
-    throw scene::InputError({},
-                            "--step with --motion, whose steps are the file's, allowed: one of "
-                            "them, or --engine-steps as well");
+                 const std::vector<std::string>& files, const DriftOptions& options,
+                 const std::string& convention, Drift* energy) {
+  requireSteps(options.steps, engines.size(), files.size());
   constexpr double kStep = 0.001;  // [s]: what these engines' examples take
   const double step = options.steps.empty() ? kStep : options.steps.front();
   constexpr double kMostSteps = 1e8;
-  if (!(step <= options.duration) || !(options.duration / step <= kMostSteps))
+  if (!engines.empty() && (!(step <= options.duration) || !(options.duration / step <= kMostSteps)))
     throw scene::InputError({}, fmt::format("step is {} s, allowed: at most the duration of {} s, "
                                             "and at least a hundred millionth of it",
                                             step, options.duration));
   std::vector<OwnMotionVerdict> verdicts;
   std::string troubles;
-  if (!file.empty()) verdicts.push_back(judgeOwnMotion(scene, recorded(scene, file, convention)));
+  for (const std::string& file : files)
+    verdicts.push_back(judgeOwnMotion(scene, recorded(scene, file, convention)));
+  if (!files.empty())
+    *energy = energyAlong(verdicts, engines.empty() ? options.steps : std::vector<double>());
   for (const std::string& engine : engines) {
     const WitnessKind kind = selectWitnesses({engine}).front();
     const MadeWitness made = kind.make(PreparedScene(scene));

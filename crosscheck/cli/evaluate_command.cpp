@@ -148,12 +148,22 @@ bool hasMoreThanItsTree(const scene::Mechanism& mechanism) {
 
 Needs needsOf(const std::string& quantity, const scene::Mechanism& mechanism) {
   if (quantity == "reactions" && hasMoreThanItsTree(mechanism)) return Needs::kTau;
-  for (const char* name : {"tau", "power", "residual", "reactions", "acceleration", "dtau_dq"})
+  for (const char* name : {"tau", "power", "residual", "reactions", "acceleration", "dtau_dq", "Y"})
     if (quantity == name) return Needs::kQdd;
   for (const char* name : {"qdd", "lambda", "nu", "tau_drive", "task_torque", "null_torque", "F",
                            "PF", "beta", "dqdd_dq"})
     if (quantity == name) return Needs::kTau;
   return Needs::kNothing;
+}
+
+/// Whether a quantity takes the inverse of M of any scene: where a joint moves no inertia there is
+/// none.
+bool takesInverse(const std::string& quantity) {
+  for (const char* name :
+       {"qdd", "lambda", "nu", "tau_drive", "N", "Lambda", "Jbar", "task_torque", "null_torque",
+        "M_A", "P", "PM", "F", "PF", "E", "beta", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"})
+    if (quantity == name) return true;
+  return false;
 }
 
 /// Which row of the table of features a quantity belongs to.
@@ -968,10 +978,22 @@ Drawing drawingOf(EvaluateArguments& arguments) {
   return drawing;
 }
 
+/// The scene; joints have to move inertia where a quantity takes the inverse of M.
+scene::Scene readFor(const EvaluateArguments& arguments) {
+  for (const std::string& quantity : arguments.quantities)
+    if (takesInverse(quantity)) return readSceneFor(arguments.scene, quantity);
+  const scene::Scene scene = readSceneFor(arguments.scene, "");
+  for (const std::string& quantity : arguments.quantities)
+    if (quantity == "reactions" && hasMoreThanItsTree(scene.mechanism))
+      scene::requireInertiaOfJoints(scene, quantity);
+  return scene;
+}
+
 int runEvaluate(EvaluateArguments arguments) {
+  if (arguments.output == kStandardOutput) arguments.output.clear();
   requireWritableFile(arguments.output);
   const Drawing drawing = drawingOf(arguments);
-  const scene::Scene scene = readScene(arguments.scene);
+  const scene::Scene scene = readFor(arguments);
   requireMotion(scene);
   Constrained constrained(scene);
   const std::unique_ptr<States> states =
@@ -1079,6 +1101,7 @@ int runEvaluate(EvaluateArguments arguments) {
     for (const Column& column : columns) sources.converted->require(column);
   }
   const bool finds_qdd = findsQddFirst(scene, arguments, states->given());
+  if (finds_qdd) scene::requireInertiaOfJoints(scene, "qdd (found from tau first)");
   admitFor(scene, arguments.quantities);
   if (arguments.warn && finds_qdd)
     throw scene::InputError({},
@@ -1171,7 +1194,8 @@ Run addEvaluate(CLI::App* command) {
           "given: what a motion leaves of its equations); of points of links (--point): position, orientation (its columns are the "
           "link's axes), quaternion (w, x, y, z), rpy, velocity, acceleration, jacobian (velocity = J qd), "
           "jacobian_rate (dJ/dt); of trees, dtau_dq, dtau_dqd, dqdd_dq, dqdd_dqd, dqdd_dtau (columns "
-          "dtau1_dq2; by M for dtau_dqdd; q of spherical and floating joints along the body's axes); "
+          "dtau1_dq2; by M for dtau_dqdd; q of spherical and floating joints along the body's axes), C "
+          "(Coriolis matrix by Christoffel symbols), Y (regressor, columns Y2_mcx(LINK)); "
           "with closures, driven joints or acceleration constraints: qdd and reactions under them, lambda, nu, tau_drive; of the constraints as tasks: N, "
           "Lambda "
           "(task inertia), J, Jbar, task_torque (tau the posture's), null_torque; of each joint, in "

@@ -2,11 +2,10 @@
 #include "crosscheck/cli/evaluate_picture.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 
+#include "crosscheck/cli/chart_files.hpp"
 #include "crosscheck/report/assets.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/error.hpp"
@@ -35,8 +34,7 @@ void drawTrajectory(const std::filesystem::path& csv, const std::string& title,
   crosscheck::writeWholeFile(folder / "motion.gp", script);
   if (const auto failure = crosscheck::runGnuplot(folder, "motion.gp", {picture_file}, look))
     throw std::runtime_error("no picture: " + *failure);
-  std::ifstream stream(folder / picture_file, std::ios::binary);
-  const std::string picture(std::istreambuf_iterator<char>(stream), {});
+  const std::string picture = finishedPicture(folder / picture_file, look);
   if (output.empty())
     fmt::print("{}", picture);
   else

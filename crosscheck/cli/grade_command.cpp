@@ -9,6 +9,7 @@
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/speech.hpp"
 #include "crosscheck/grade/grade.hpp"
 #include "crosscheck/system/processes.hpp"
 #include "scene/error.hpp"
@@ -52,8 +53,8 @@ int run(const Arguments& arguments) {
   work.reset();
   progress.reset();
   writeGrades(grades, arguments.output, DYNWITNESS_VERSION);
-  fmt::print("{}written: {}/index.html, grades.csv, junit.xml, gradescope/\n", gradesText(grades),
-             arguments.output);
+  fmt::print("{}written: {}/index.html, grades.csv, junit.xml, gradescope/\n",
+             gradesText(grades, tonedVerdict), arguments.output);
   return grades.ungraded() > 0 ? 1 : 0;
 }
 

@@ -27,6 +27,40 @@ bool staysAsItIs(const std::string& line) {
   return line.empty() || line[0] == ' ' || line.compare(0, 11, "dynwitness ") == 0;
 }
 
+/// An example of at most so many letters a line, to be copied as it stands: broken between words,
+/// never within quotes.
+std::string brokenExample(const std::string& line) {
+  const std::string indent(line.find_first_not_of(' '), ' '), more = indent + "    ";
+  std::vector<std::string> words(1);
+  char quote = 0;
+  for (const char letter : line.substr(indent.size())) {
+    if (letter == ' ' && quote == 0) {
+      words.emplace_back();
+      continue;
+    }
+    if (letter == quote)
+      quote = 0;
+    else if (quote == 0 && (letter == '"' || letter == '\''))
+      quote = letter;
+    words.back() += letter;
+  }
+  std::string out, row = indent + words[0];
+  for (std::size_t k = 1; k < words.size(); ++k) {
+    if (row.size() + 1 + words[k].size() + 2 <= kColumns) {
+      row += ' ' + words[k];
+      continue;
+    }
+    out += row + " \\\n";
+    row = more + words[k];
+  }
+  return out + row;
+}
+
+bool isExample(const std::string& line) {
+  const std::size_t first = line.find_first_not_of(' ');
+  return first != std::string::npos && line.compare(first, 11, "dynwitness ") == 0;
+}
+
 }  // namespace
 
 std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positional) const {
@@ -60,7 +94,7 @@ std::string HelpFormatter::make_footer(const CLI::App* app) const {
       continue;
     }
     flow();
-    out += "\n" + line;
+    out += "\n" + (isExample(line) && line.size() > kColumns ? brokenExample(line) : line);
   }
   flow();
   return out.empty() ? out : out + "\n";

@@ -10,6 +10,7 @@
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/speech.hpp"
 #include "crosscheck/diagnosis/museum.hpp"
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/system/files.hpp"
@@ -42,7 +43,8 @@ int run(const Arguments& arguments) {
     const Progress progress("museum");
     found = walkThrough(museum, pieces, onTheStand, arguments.processes);
   }
-  fmt::print("{}", arguments.exhibits.empty() ? museumTable(found) : museumInFull(found));
+  fmt::print("{}", arguments.exhibits.empty() ? museumTable(found, tonedVerdict)
+                                              : tonedReport(museumInFull(found, tonedVerdict)));
   if (!arguments.json.empty())
     writeWholeFile(arguments.json, museumJson(found, DYNWITNESS_VERSION));
   return found.holds() ? 0 : 1;

@@ -96,12 +96,14 @@ CLI::Option* addSeed(CLI::App& command, std::uint64_t& seed_value, const std::st
       ->check(seed());
 }
 CLI::Option* addJson(CLI::App& command, std::string& file, const std::string& detail) {
-  return command.add_option(
-      "--json", file,
-      "The result for programs, into this file" + (detail.empty() ? "" : ": " + detail));
+  return command.add_option("--json", file,
+                            "The result for programs, into this file (-: standard output)" +
+                                (detail.empty() ? "" : ": " + detail));
 }
 CLI::Option* addOutput(CLI::App& command, std::string& path, const std::string& what) {
-  return command.add_option("-o,--output", path, "Where to: " + what);
+  const bool is_file = what.compare(0, 4, "file") == 0;
+  return command.add_option("-o,--output", path,
+                            "Where to: " + what + (is_file ? "; -: standard output" : ""));
 }
 CLI::Option* addProcesses(CLI::App& command, int& processes, const std::string& detail) {
   return command

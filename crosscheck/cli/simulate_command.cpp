@@ -10,21 +10,26 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "crosscheck/cli/chart_files.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/given_states.hpp"
+#include "crosscheck/cli/motions_picture.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
+#include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/motion/motion_tables.hpp"
 #include "crosscheck/motion/state_gap.hpp"
 #include "crosscheck/report/show.hpp"
 #include "crosscheck/system/files.hpp"
+#include "crosscheck/witnesses/column_names.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 #include "scene/mimic.hpp"
 #include "scene/motion.hpp"
 #include "scene/nearest_name.hpp"
@@ -38,15 +43,20 @@ using namespace crosscheck;
 struct SimulateArguments {
   GivenScene scene;
   StartAsked start;
-  std::string csv, json, view, stabilisation, formulation = "index1", method,
-                                              controller = name(Controller::Tasks::kConstraint);
+  std::string csv, json, view, plot, stabilisation,
+      formulation = "index1", controller = name(Controller::Tasks::kConstraint);
+  std::vector<std::string> methods;  ///< none: what the formulation takes
+  PictureLook look;
   std::vector<double> task_gains, posture;  ///< stiffness and damping, or not given
   double step_error = 0;                    ///< 0: not given
   std::string until, forces;
   std::vector<std::string> tau;
   int times = 1;
-  bool compare = false, runs_once = false;
+  bool compare = false, runs_once = false, reactions = false;
   SimulateOptions options;
+
+  /// One motion by several methods or forms, each held to a reference.
+  bool isComparison() const { return compare || methods.size() > 1 || !plot.empty(); }
 };
 
 constexpr Stabilisation kStabilisations[] = {Stabilisation::kNone, Stabilisation::kBaumgarte,
@@ -64,8 +74,8 @@ SimulateOptions completed(const SimulateArguments& arguments,
   for (const Formulation formulation : kFormulations)
     if (arguments.formulation == name(formulation)) options.formulation = formulation;
   const bool is_first = options.formulation == Formulation::kIndex1;
-  if (!arguments.method.empty())
-    options.method = arguments.method;
+  if (!arguments.methods.empty())
+    options.method = arguments.methods.front();
   else if (!is_first)
     options.method = "radau_iia_5";
   if (!is_first) options.stabilisation = Stabilisation::kNone;
@@ -306,16 +316,119 @@ nlohmann::json jsonOf(const Simulation::Task& task) {
   return out;
 }
 
+/// What joints transmit along a motion, as `evaluate --quantity reactions` has it.
+class ReactionsAlong {
+ public:
+  explicit ReactionsAlong(const scene::Scene& scene)
+      : names_(columnNames(Quantity::kReactions, scene.mechanism)) {
+    if (scene.mechanism.isOpenTree() && scene.mechanism.acceleration_constraints.empty())
+      sweep_ = selectWitnesses({"newton_euler"}).front().make(scene).value();
+    else
+      constrained_.emplace(scene);
+  }
+  const std::vector<std::string>& names() const { return names_; }
+  /// NaN where redundant constraints leave them open.
+  Eigen::MatrixXd at(const Simulation::Point& point) const {
+    scene::State<double> state;
+    for (const double q : point.q) state.x.push_back(scene::jointPosition(q));
+    state.qd = point.qd;
+    state.qdd = point.qdd;
+    state.tau = forcesOf(point);
+    return sweep_ ? sweep_->value(Quantity::kReactions, state)
+                  : constrained_->answer(ConstrainedQuantity::kReactions, state);
+  }
+  /// Joint forces, zeros where nobody gives any: a states file says what it does not leave out.
+  static std::vector<double> forcesOf(const Simulation::Point& point) {
+    return point.tau.empty() ? std::vector<double>(point.qd.size(), 0.0) : point.tau;
+  }
+
+ private:
+  std::vector<std::string> names_;
+  std::unique_ptr<Witness> sweep_;
+  std::optional<ConstrainedQuantities> constrained_;
+};
+
+/// One row an output: time, q, qd, qdd, tau, multipliers, energies, how far constraints and energy
+/// are off; and reactions, where they are asked.
+std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism,
+                  const ReactionsAlong* reactions) {
+  const Simulation::Point& first = simulation.points.front();
+  const std::vector<int> given = scene::givenSlots(mechanism);  // what a states file may say
+  std::string csv = hasOrientations(mechanism) ? "# convention: dynwitness\n" : "";
+  csv += "time_s";
+  for (std::size_t i = 1; i <= given.size(); ++i) csv += fmt::format(",q{}", i);
+  for (const char* group : {"qd", "qdd", "tau"})
+    for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",{}{}", group, i);
+  for (std::size_t i = 1; i <= first.lambda.size(); ++i) csv += fmt::format(",lambda{}", i);
+  for (std::size_t i = 1; i <= first.nu.size(); ++i) csv += fmt::format(",nu{}", i);
+  csv += ",kinetic_J,potential_J,phi,phi_rate,energy_error_J";
+  if (reactions)
+    for (const std::string& name : reactions->names()) csv += ',' + name;
+  csv += '\n';
+  for (const Simulation::Point& point : simulation.points) {
+    const std::vector<double> tau = ReactionsAlong::forcesOf(point);
+    csv += fmt::format("{:.17g}", point.time);
+    for (const int slot : given) csv += fmt::format(",{:.17g}", point.q[slot]);
+    for (const auto* values : {&point.qd, &point.qdd, &tau, &point.lambda, &point.nu})
+      for (const double v : *values) csv += fmt::format(",{:.17g}", v);
+    csv += fmt::format(",{:.17g},{:.17g}", point.kinetic, point.potential);
+    csv += fmt::format(",{:.3g},{:.3g},{:.3g}", point.phi, point.phi_rate, point.energy_error);
+    if (reactions) {
+      const Eigen::VectorXd transmitted = reactions->at(point).reshaped();
+      for (const double v : transmitted) csv += fmt::format(",{:.17g}", v);
+    }
+    csv += '\n';
+  }
+  return csv;
+}
+
+/// One row an output: time, q, qd, qdd, multipliers, energies, and how far constraints and energy
+/// are off; of several runs, whose method it is before.
+std::string csvOf(const std::vector<const FormulationRun*>& runs, const scene::Mechanism& mechanism,
+                  const ReactionsAlong* reactions) {
+  std::string csv;
+  for (const FormulationRun* run : runs) {
+    const std::string rows = csvOf(run->result, mechanism, reactions);
+    const std::size_t head = rows.find("\ntime_s") == std::string::npos ? 0 : rows.find('\n') + 1;
+    const std::size_t first = rows.find('\n', head) + 1;
+    if (csv.empty()) csv = rows.substr(0, head) + "method," + rows.substr(head, first - head);
+    for (std::size_t at = first; at < rows.size();) {
+      const std::size_t end = rows.find('\n', at) + 1;
+      csv += run->method + "," + rows.substr(at, end - at);
+      at = end;
+    }
+  }
+  return csv;
+}
+
+/// What a comparison leaves beside its table.
+void writeComparison(const SimulateArguments& arguments, const scene::Scene& scene,
+                     const FormulationComparison& comparison) {
+  std::vector<const FormulationRun*> runs;
+  for (const FormulationRun& run : comparison.runs)
+    if (run.failure.empty()) runs.push_back(&run);
+  std::optional<ReactionsAlong> reactions;
+  if (arguments.reactions) reactions.emplace(scene);
+  if (!arguments.csv.empty())
+    writeWholeFile(arguments.csv, csvOf(runs, scene.mechanism, reactions ? &*reactions : nullptr));
+  if (!arguments.plot.empty()) drawMotions(scene, comparison, arguments.plot, arguments.look);
+}
+
 int compareAll(const scene::Scene& scene, SimulateOptions options,
-               const std::vector<MotionTable>& tables, const std::string& json_file) {
+               const std::vector<MotionTable>& tables, const SimulateArguments& arguments) {
+  const std::string& json_file = arguments.json;
+  const std::vector<std::string> methods =
+      arguments.methods.empty() ? std::vector<std::string>{options.method} : arguments.methods;
   FormulationComparison comparison;
   {
-    Runs runs(kComparedFormulations + 1, options.duration);  // the reference too
+    const int count = arguments.compare ? kComparedFormulations : static_cast<int>(methods.size());
+    Runs runs(count + 1, options.duration);  // the reference too
     options.progress = [&](double time) { runs.at(time); };
-    comparison = compareFormulations(scene, options);
+    comparison = arguments.compare ? compareFormulations(scene, options)
+                                   : compareMethods(scene, options, methods);
   }
   fmt::print(
-      "{}: {} s; explicit methods at an error of {:.3g} a step, implicit ones at steps of {} s\n"
+      "{}: {} s; methods that choose their steps at an error of {:.3g} a step, others at steps of {} s\n"
       "errors against index 1 with projection, {}\n\n",
       scene.name, options.duration, options.step_error, options.step,
       describe(comparison.reference));
@@ -361,32 +474,11 @@ int compareAll(const scene::Scene& scene, SimulateOptions options,
     all["runs"] = rows;
     writeWholeFile(json_file, all.dump(2) + "\n");
   }
-  return 0;
-}
-
-/// One row an output: time, q, qd, qdd, multipliers, energies, and how far constraints and energy
-/// are off.
-std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism) {
-  const Simulation::Point& first = simulation.points.front();
-  const std::vector<int> given = scene::givenSlots(mechanism);  // what a states file may say
-  std::string csv = hasOrientations(mechanism) ? "# convention: dynwitness\n" : "";
-  csv += "time_s";
-  for (std::size_t i = 1; i <= given.size(); ++i) csv += fmt::format(",q{}", i);
-  for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",qd{}", i);
-  for (std::size_t i = 1; i <= first.qdd.size(); ++i) csv += fmt::format(",qdd{}", i);
-  for (std::size_t i = 1; i <= first.tau.size(); ++i) csv += fmt::format(",tau{}", i);
-  for (std::size_t i = 1; i <= first.lambda.size(); ++i) csv += fmt::format(",lambda{}", i);
-  for (std::size_t i = 1; i <= first.nu.size(); ++i) csv += fmt::format(",nu{}", i);
-  csv += ",kinetic_J,potential_J,phi,phi_rate,energy_error_J\n";
-  for (const Simulation::Point& point : simulation.points) {
-    csv += fmt::format("{:.17g}", point.time);
-    for (const int slot : given) csv += fmt::format(",{:.17g}", point.q[slot]);
-    for (const auto* values : {&point.qd, &point.qdd, &point.tau, &point.lambda, &point.nu})
-      for (const double v : *values) csv += fmt::format(",{:.17g}", v);
-    csv += fmt::format(",{:.17g},{:.17g}", point.kinetic, point.potential);
-    csv += fmt::format(",{:.3g},{:.3g},{:.3g}\n", point.phi, point.phi_rate, point.energy_error);
-  }
-  return csv;
+  writeComparison(arguments, scene, comparison);
+  return std::all_of(comparison.runs.begin(), comparison.runs.end(),
+                     [](const FormulationRun& run) { return run.failure.empty(); })
+             ? 0
+             : 1;
 }
 
 /// The scene's picture, with its motion and energy to be played.
@@ -405,9 +497,31 @@ std::string viewOfMotion(const scene::Scene& scene, const Simulation& simulation
   return showPage({scene}, view, DYNWITNESS_VERSION);
 }
 
-int runSimulate(const SimulateArguments& arguments) {
-  for (const std::string& file : {arguments.csv, arguments.json, arguments.view})
+/// @throws scene::InputError  what is of one run, beside several
+void requireOfOneRun(const SimulateArguments& arguments) {
+  if (!arguments.isComparison()) return;
+  const std::pair<const char*, bool> ofOne[] = {{"--until", !arguments.until.empty()},
+                                                {"--view", !arguments.view.empty()},
+                                                {"--once", arguments.runs_once}};
+  for (const auto& [option, is_given] : ofOne)
+    if (is_given)
+      throw scene::InputError(
+          {}, fmt::format("{} with several runs (--compare, --plot, several methods), allowed: "
+                          "with one",
+                          option));
+  if (arguments.compare && !arguments.csv.empty())
+    throw scene::InputError({}, "--csv with --compare, allowed: --json, or --csv with one form");
+  if (arguments.compare && arguments.methods.size() > 1)
+    throw scene::InputError({},
+                            "--compare with several methods, allowed: one explicit or implicit "
+                            "method, or several without --compare");
+}
+
+int runSimulate(SimulateArguments arguments) {
+  for (const std::string& file : {arguments.csv, arguments.json, arguments.view, arguments.plot})
     requireWritableFile(file);
+  requireOfOneRun(arguments);
+  if (!arguments.plot.empty()) arguments.look = lookOfFile(arguments.plot, arguments.look);
   requireFileOfConvention(arguments.start);
   const scene::Scene scene =
       startedAt(admitted(arguments.scene, Command::kSimulate), arguments.start);
@@ -429,7 +543,7 @@ int runSimulate(const SimulateArguments& arguments) {
     throw scene::InputError({scene.file.string(), 0},
                             "--compare with acceleration constraints, which implicit methods do "
                             "not take, allowed: one run by an explicit method");
-  if (arguments.compare) return compareAll(scene, options, tables, arguments.json);
+  if (arguments.isComparison()) return compareAll(scene, options, tables, arguments);
   Simulation result;
   std::optional<Simulation> rerun;
   std::string no_rerun;
@@ -552,7 +666,11 @@ int runSimulate(const SimulateArguments& arguments) {
                table.title, verdict.values, verdict.ratio <= 1 ? "agree" : "DISAGREE",
                verdict.worst, 100 * verdict.ratio, verdict.worst_time);
   }
-  if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csvOf(result, scene.mechanism));
+  std::optional<ReactionsAlong> reactions;
+  if (arguments.reactions) reactions.emplace(scene);
+  if (!arguments.csv.empty())
+    writeWholeFile(arguments.csv,
+                   csvOf(result, scene.mechanism, reactions ? &*reactions : nullptr));
   if (!arguments.json.empty()) writeWholeFile(arguments.json, all.dump(2) + "\n");
   if (!arguments.view.empty()) writeWholeFile(arguments.view, viewOfMotion(scene, result));
   return agree ? 0 : 1;
@@ -568,6 +686,7 @@ Run addSimulate(CLI::App* command) {
       "dynwitness simulate andrews_squeezer --duration 0.03 --step 2.5e-5 --compare\n"
       "dynwitness simulate double_pendulum --q 1,0.5 --until \"q2 = 0 rising\" --times 5\n"
       "dynwitness simulate acrobot --tau \"elbow=2*sin(3*t)\" --csv motion.csv\n"
+      "dynwitness simulate acrobot --method runge_kutta4,gauss_4,implicit_midpoint --plot methods.svg\n"
       "dynwitness simulate two_handed --duration 1              its acceleration constraints hold it\n"
       "dynwitness simulate two_handed --duration 1 --controller operational_space --task-gains 100,20 --posture "
       "20,4");
@@ -583,11 +702,14 @@ Run addSimulate(CLI::App* command) {
           "(phi = 0), ggl (the last two, Gear, Leimkuhler and Gupta)")
       ->capture_default_str()
       ->check(oneOf({"index1", "index2", "index3", "ggl"}));
-  command->add_option(
-      "--method", arguments->method,
-      "Integrators: one of " + integratorNames() +
-          " [runge_kutta_fehlberg78, which with runge_kutta_dopri5 chooses its steps by "
-          "--step-error; radau_iia_5 where the formulation is not index1]");
+  command
+      ->add_option(
+          "--method", arguments->methods,
+          "Integrators: [runge_kutta_fehlberg78, which with runge_kutta_dopri5 chooses its steps by "
+          "--step-error; radau_iia_5 where the formulation is not index1] " +
+              integratorNames() +
+              "; of several, with commas, a table says what each costs and how far it is off")
+      ->delimiter(',');
   command
       ->add_option(
           "--step-error", arguments->step_error,
@@ -637,10 +759,15 @@ Run addSimulate(CLI::App* command) {
                    "Rows of the CSV file, and states of --view")
       ->check(whole(1, 1000000))
       ->capture_default_str();
-  command->add_option(
+  CLI::Option* csv = command->add_option(
       "--csv", arguments->csv,
-      "Table as a CSV file: time, q, qd, qdd, joint forces where any are given or a controller has them, "
-      "multipliers, energies, drift; `evaluate --states FILE --keep` reads it");
+      "Table as a CSV file: time, q, qd, qdd, tau, multipliers, energies, drift, of several methods with a "
+      "column method before; `evaluate --states FILE --keep` reads it");
+  command
+      ->add_flag(
+          "--reactions", arguments->reactions,
+          "The CSV file has what the joints transmit, too, as `evaluate --quantity reactions` has it")
+      ->needs(csv);
   command
       ->add_flag(
           "--once", arguments->runs_once,
@@ -669,6 +796,13 @@ Run addSimulate(CLI::App* command) {
           "--forces", arguments->forces,
           "Joint forces of a CSV file: columns t (or time_s) and tau1.., lines between its rows")
       ->excludes(tau);
+  CLI::Option* plot = command->add_option(
+      "--plot", arguments->plot,
+      "Chart, a file that ends in .svg (as one without ending is), .png or .pdf: energy error and "
+      "distance of the methods from a reference against time; their table is printed");
+  plot->excludes("--compare");
+  addBackground(*command, arguments->look);
+  command->get_option("--background")->needs(plot);
   command
       ->add_option("--view", arguments->view,
                    "File: a picture that plays the motion, energy beside it, as HTML")

@@ -71,35 +71,13 @@ namespace {
 struct DriftArguments {
   GivenScene scene;
   StartAsked start;
-  std::string plot, csv, motion;
-  std::vector<std::string> methods, engines;  ///< methods empty: runge_kutta4, or all for advice
-  double accuracy = 0;                        ///< of --advise; 0: not asked
+  std::string plot, csv;
+  std::vector<std::string> motions, methods,
+      engines;          ///< methods empty: runge_kutta4, or all for advice
+  double accuracy = 0;  ///< of --advise; 0: not asked
   DriftOptions options;
   PictureLook look;
 };
-
-/// The look of a picture, whose kind its ending says.
-/// @throws scene::InputError  another ending
-PictureLook lookOf(const std::filesystem::path& file, PictureLook look) {
-  const std::string ending = file.extension().string();
-  if (ending.empty()) return look;  // SVG, as it always was
-  if (ending != ".svg" && ending != ".png" && ending != ".pdf")
-    throw scene::InputError(
-        {}, fmt::format("--plot: read '{}', allowed: a file that ends in .svg, .png or .pdf",
-                        file.string()));
-  look.kind = ending.substr(1);
-  return look;
-}
-
-/// Draws STEM.gp of a folder. What becomes of it is the first of these pictures.
-void drawTo(const std::filesystem::path& file, const std::filesystem::path& folder,
-            const std::string& stem, const std::vector<std::string>& pictures,
-            const PictureLook& look) {
-  if (const auto failure = runGnuplot(folder, stem + ".gp", pictures, look))
-    throw std::runtime_error("chart: " + *failure);
-  std::ifstream picture(folder / pictures.front(), std::ios::binary);
-  writeWholeFile(file, std::string(std::istreambuf_iterator<char>(picture), {}));
-}
 
 /// The report's drift chart alone, as one file.
 void plotDrift(const scene::Scene& scene, const Drift& drift, const std::filesystem::path& file,
@@ -164,16 +142,50 @@ bool remark(const scene::Scene& scene, const DriftOptions& options, const Drift&
   return check.verdict != Verdict::kDisagree;
 }
 
+/// What was said about the worst errors, a line a path.
+std::string worstTable(const std::vector<Drift>& drifts) {
+  std::string csv = "method,step_s,worst_error,scale_J\n";
+  for (const Drift& drift : drifts)
+    for (const Drift::Path& path : drift.paths)
+      csv += fmt::format("{},{},{},{}\n", drift.method, path.step, path.worst, drift.scale);
+  return csv;
+}
+
+/// Motions of engines and of files on the stand, and energy along those of files.
+int judgeGiven(const scene::Scene& scene, const DriftArguments& arguments,
+               const PictureLook& look) {
+  if (arguments.motions.empty() && !(arguments.csv.empty() && arguments.plot.empty()))
+    throw scene::InputError({},
+                            "--plot or --csv with --engine-steps, allowed: with --method or "
+                            "--motion, whose energy they show");
+  Drift energy;
+  const int status = judgeMotions(scene, arguments.engines, arguments.motions, arguments.options,
+                                  arguments.start.convention, &energy);
+  if (energy.paths.empty()) return status;
+  const std::string csv =
+      fmt::format("# {}: largest |E - E0| along {} s of each, over the largest kinetic energy\n{}",
+                  scene.name, energy.duration, worstTable({energy}));
+  fmt::print("{}# observed order {}\n", csv,
+             energy.observed_order > 0  ? fmt::format("{:.2f}", energy.observed_order)
+             : energy.paths.size() == 1 ? "not to be seen in one motion, allowed: several with "
+                                          "commas, of different steps"
+                                        : "not to be seen: their steps (--step) do not differ, or "
+                                          "nothing is lost but rounding");
+  if (!arguments.csv.empty()) writeWholeFile(arguments.csv, csv);
+  if (!arguments.plot.empty()) plotDrift(scene, energy, arguments.plot, look);
+  return status;
+}
+
 int runDrift(const DriftArguments& arguments) {
   const PictureLook look =
-      arguments.plot.empty() ? PictureLook() : lookOf(arguments.plot, arguments.look);
+      arguments.plot.empty() ? PictureLook() : lookOfFile(arguments.plot, arguments.look);
   for (const std::string& file : {arguments.csv, arguments.plot}) requireWritableFile(file);
-  requireFileOfConvention(arguments.start, arguments.motion);
+  requireFileOfConvention(arguments.start,
+                          arguments.motions.empty() ? "" : arguments.motions.front());
   const scene::Scene scene = startedAt(admitted(arguments.scene, Command::kDrift), arguments.start);
   requireMotion(scene);
-  if (!arguments.motion.empty() || !arguments.engines.empty())
-    return judgeMotions(scene, arguments.engines, arguments.motion, arguments.options,
-                        arguments.start.convention);
+  if (!arguments.motions.empty() || !arguments.engines.empty())
+    return judgeGiven(scene, arguments, look);
   if (arguments.accuracy > 0)
     return adviseSteps(scene, arguments.methods, arguments.options.duration, arguments.accuracy);
   std::vector<std::string> methods = arguments.methods;
@@ -195,13 +207,9 @@ int runDrift(const DriftArguments& arguments) {
       said = comparedEnds(scene, drifts[k], drifts.back());
     if (!said.empty()) ends += fmt::format("# ends: {}\n", said);
   }
-  std::string csv = fmt::format(
-      "# {}: largest |E - E0| along {} s from the start state, over the largest kinetic energy\n"
-      "method,step_s,worst_error,scale_J\n",
-      scene.name, arguments.options.duration);
-  for (const Drift& drift : drifts)
-    for (const Drift::Path& path : drift.paths)
-      csv += fmt::format("{},{},{},{}\n", drift.method, path.step, path.worst, drift.scale);
+  const std::string csv = fmt::format(
+      "# {}: largest |E - E0| along {} s from the start state, over the largest kinetic energy\n{}",
+      scene.name, arguments.options.duration, worstTable(drifts));
   if (std::all_of(drifts.begin(), drifts.end(),
                   [](const Drift& drift) { return drift.paths.empty(); }))
     throw scene::InputError(
@@ -239,20 +247,26 @@ Run addDrift(CLI::App* command) {
       "motion is judged: wrong model, or wrong step?");
   engines->delimiter(',')->excludes(advise);
   CLI::Option* motion = command->add_option(
-      "--motion", arguments->motion,
-      "The same for a recorded one: CSV with t, q1.., qd1.., qdd1..; - reads standard input");
-  motion->excludes(advise);
+      "--motion", arguments->motions,
+      "The same for recorded ones, and their energy: CSV with t, q1.., qd1.., qdd1..; - reads "
+      "standard input; several with commas, of one motion by different steps, show the order");
+  motion->excludes(advise)->delimiter(',');
   for (const char* start : {"--q", "--qd", "--states"})
     command->get_option(start)->excludes(motion);
   for (CLI::Option* theirs : {engines, motion}) theirs->excludes(method);
   command->footer(
+      "Examples:\n"
+      "  dynwitness drift furuta_pendulum --method runge_kutta4,gauss_6 --plot drift.svg\n"
+      "  dynwitness drift double_pendulum --motion coarse.csv,fine.csv --plot energy.svg\n"
+      "  dynwitness drift double_pendulum --advise 0.001\n" +
       integratorTable() +
       "h|i w|, h|-a|: largest step times eigenvalue on the imaginary and on the negative "
       "real axis that does not grow");
   command
       ->add_option(
           "--step", arguments->options.steps,
-          "Step size [s]: several with commas; without any 0.01, halved until the order shows")
+          "Step size [s]: several with commas; without any 0.01, halved until the order shows; of "
+          "--motion those that the files were made with, without any what is between their rows")
       ->check(positive())
       ->delimiter(',')
       ->excludes(advise);
@@ -268,7 +282,7 @@ Run addDrift(CLI::App* command) {
   command->get_option("--background")->needs(plot);
   CLI::Option* csv =
       command->add_option("--csv", arguments->csv, "Table as a CSV file: the printed one");
-  for (CLI::Option* ours : {plot, csv}) ours->excludes(advise)->excludes(engines)->excludes(motion);
+  for (CLI::Option* ours : {plot, csv}) ours->excludes(advise);
   return [arguments] { return runDrift(*arguments); };
 }
 

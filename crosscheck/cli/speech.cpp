@@ -3,7 +3,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <cstring>
+#include <sstream>
 
 #include "crosscheck/cli/options.hpp"
 
@@ -60,11 +63,29 @@ std::string toned(Tone tone, const std::string& word) {
 
 std::string tonedVerdict(const std::string& padded) {
   const auto says = [&](const char* word) { return padded.find(word) != std::string::npos; };
-  if (says("disagree") || says("DISAGREE") || says("wrong") || says("WRONG"))
-    return toned(Tone::kBad, padded);
+  for (const char* word :
+       {"disagree", "DISAGREE", "wrong", "WRONG", "NO", "NAMED ONLY", "FAILED", "could not be run"})
+    if (says(word)) return toned(Tone::kBad, padded);
   if (says("not answerable") || says("cannot say")) return toned(Tone::kDoubt, padded);
-  if (says("agree") || says("right")) return toned(Tone::kGood, padded);
+  for (const char* word : {"agree", "right", "yes", "named"})
+    if (says(word)) return toned(Tone::kGood, padded);
   return toned(Tone::kDoubt, padded);
+}
+
+std::string tonedReport(const std::string& text) {
+  constexpr std::size_t kVerdict = 13, kWidth = 10;  // where it stands in a line
+  if (!speech().isColored()) return text;
+  std::istringstream lines(text);
+  std::string out;
+  for (std::string line; std::getline(lines, line); out += line + "\n") {
+    if (line == "right" || line == "WRONG") line = tonedVerdict(line);
+    for (const char* word : {"right ", "wrong ", "cannot say"})
+      if (line.size() > kVerdict && line.compare(0, 2, "  ") == 0 && line[kVerdict - 1] == ' ' &&
+          line.compare(kVerdict, std::strlen(word), word) == 0)
+        line = line.substr(0, kVerdict) + tonedVerdict(line.substr(kVerdict, kWidth)) +
+               line.substr(std::min(line.size(), kVerdict + kWidth));
+  }
+  return out;
 }
 
 }  // namespace dynwitness::cli

@@ -39,7 +39,11 @@ void readQuiet(const std::vector<std::string>& words);
 enum class Tone { kGood, kBad, kDoubt };
 /// A word of a result, on standard output, in the colour of its tone.
 std::string toned(Tone tone, const std::string& word);
-/// A verdict by what it says: agree, right, holds; disagree, wrong; all else is doubt.
+/// A verdict by what it says: agree, right, yes, named; disagree, wrong, NO, FAILED, could not be
+/// run; all else is doubt.
 std::string tonedVerdict(const std::string& padded);
+/// What `check` says, with its verdicts in colour: the second word of "  M          wrong  ..", and
+/// the last line.
+std::string tonedReport(const std::string& text);
 
 }  // namespace dynwitness::cli

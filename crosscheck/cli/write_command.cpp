@@ -23,7 +23,7 @@ struct WriteArguments {
 
 int runWrite(const WriteArguments& arguments) {
   crosscheck::requireWritableFile(arguments.output);
-  const scene::Scene scene = readScene(arguments.scene);
+  const scene::Scene scene = readScene(arguments.scene, scene::InertiaNeed::kOfNoJoint);
   scene::Format format = scene::Format::kToml;
   for (const scene::Format f : {scene::Format::kUrdf, scene::Format::kMjcf})
     if (arguments.format == scene::name(f)) format = f;
@@ -42,7 +42,8 @@ int runWrite(const WriteArguments& arguments) {
   const bool has_its_joints = arguments.scene.root.empty() && arguments.scene.changes.base.empty();
   if (format == scene::Format::kToml && has_its_joints)
     written.text += scene::writeEnvelope(scene, envelopeOf(arguments.scene, scene));
-  else if (scene::hasEnvelope(scene::findScene(arguments.scene.name)))
+  else if (scene::hasEnvelope(
+               scene::findScene(arguments.scene.name, scene::InertiaNeed::kOfNoJoint)))
     tell(fmt::format("{}: not written: [envelope]\n", scene.name));
   for (const std::string& what : written.lost)
     tell(fmt::format("{}: lost: {}\n", scene.name, what));

@@ -145,6 +145,10 @@ std::string verdictOf(const PieceFound& x) {
   return "NOT NAMED";
 }
 
+std::string as(const VerdictShown& shown, const std::string& verdict) {
+  return shown ? shown(verdict) : verdict;
+}
+
 /// "1/3": the first of three that answer the same.
 std::string rankOf(const PieceFound& x) {
   return x.rank == 0 ? "-" : fmt::format("{}/{}", x.rank, x.findings);
@@ -254,7 +258,7 @@ MuseumFound walkThrough(const Museum& museum, const std::vector<MuseumPiece>& pi
   return out;
 }
 
-std::string museumTable(const MuseumFound& all) {
+std::string museumTable(const MuseumFound& all, const VerdictShown& shown) {
   std::string out;
   for (const auto& [kind, title] : kinds()) {
     std::vector<std::size_t> here;
@@ -269,19 +273,19 @@ std::string museumTable(const MuseumFound& all) {
     for (const std::size_t i : here) {
       const MuseumPiece& piece = all.pieces[i];
       const PieceFound& x = all.found[i];
-      out += fmt::format("  {:<34} {:<34} {:<5} {:<7} {:<5} {}\n      {}\n", piece.id, piece.tool,
-                         piece.year, x.caught ? "yes" : "NO", rankOf(x),
+      out += fmt::format("  {:<34} {:<34} {:<5} {} {:<5} {}\n      {}\n", piece.id, piece.tool,
+                         piece.year, as(shown, x.caught ? "yes    " : "NO     "), rankOf(x),
                          x.named_as.empty() ? "-" : x.named_as, piece.what);
       if (!all.isNamed(i))
-        out += fmt::format("      {}: {} on {} should be {}\n", verdictOf(x), piece.plant,
-                           piece.scene, fmt::join(piece.named, " or "));
+        out += fmt::format("      {}: {} on {} should be {}\n", as(shown, verdictOf(x)),
+                           piece.plant, piece.scene, fmt::join(piece.named, " or "));
     }
     out += "\n";
   }
   return out + summaryOf(all);
 }
 
-std::string museumInFull(const MuseumFound& all) {
+std::string museumInFull(const MuseumFound& all, const VerdictShown& shown) {
   std::string out;
   for (std::size_t i = 0; i < all.pieces.size(); ++i) {
     const MuseumPiece& piece = all.pieces[i];
@@ -291,7 +295,7 @@ std::string museumInFull(const MuseumFound& all) {
         piece.id, piece.tool, piece.year, piece.kind, piece.what, piece.link, piece.plant,
         piece.scene,
         piece.fidelity == "same" ? "the same mistake" : "the nearest that shows as this one does",
-        fmt::join(piece.named, " or "), verdictOf(x),
+        fmt::join(piece.named, " or "), as(shown, verdictOf(x)),
         x.named_as.empty() ? "" : fmt::format(": {} (rank {})", x.named_as, rankOf(x)), x.text);
   }
   return out + summaryOf(all);

@@ -67,10 +67,12 @@ MuseumFound walkThrough(const Museum& museum, const std::vector<MuseumPiece>& pi
                         const std::function<scene::Scene(const std::string& scene)>& prepare,
                         int processes);
 
+/// How a verdict's words ("named", "NOT CAUGHT") are put into a text, in colour; none: as they are.
+using VerdictShown = std::function<std::string(const std::string& verdict)>;
 /// The table: by kind, two lines a piece, and a line that sums up.
-std::string museumTable(const MuseumFound& found);
+std::string museumTable(const MuseumFound& found, const VerdictShown& shown = {});
 /// Each piece in full: the record, what was planted, what the check said.
-std::string museumInFull(const MuseumFound& found);
+std::string museumInFull(const MuseumFound& found, const VerdictShown& shown = {});
 /// As museum.schema.json describes it.
 std::string museumJson(const MuseumFound& found, const std::string& version);
 

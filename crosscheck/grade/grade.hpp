@@ -41,7 +41,9 @@ Grades grade(const GradeOptions& options, const std::function<void(int of, int d
 // grade_tables.cpp: the same bytes for the same records, whatever order they came in.
 
 /// One table for a terminal.
-std::string gradesText(const Grades& grades);
+/// @param shown  how a grade's word ("right", "one mistake") is put into it, in colour; none: as is
+std::string gradesText(const Grades& grades,
+                       const std::function<std::string(const std::string& state)>& shown = {});
 /// One line a submission.
 std::string gradesCsv(const Grades& grades);
 /// One page, alone.

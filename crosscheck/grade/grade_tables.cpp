@@ -121,7 +121,8 @@ double mean(const Grades& grades) {
 
 }  // namespace
 
-std::string gradesText(const Grades& grades) {
+std::string gradesText(const Grades& grades,
+                       const std::function<std::string(const std::string& state)>& shown_as) {
   constexpr int kLongest = 40, kLongestReason = 110;
   const std::vector<std::string> columns = titles(grades);
   int width = 10;
@@ -144,7 +145,7 @@ std::string gradesText(const Grades& grades) {
       out += fmt::format("  {:>{}}", grade.ungraded.empty() ? points(grade.marks[k].marks) : "-",
                          widths[k]);
     out += fmt::format("  {:>7}  {}", grade.ungraded.empty() ? points(grade.total()) : "-",
-                       state(grade));
+                       shown_as ? shown_as(state(grade)) : state(grade));
     if (const std::string why = oneLine(reason(grade)); !why.empty())
       out += ": " + shortened(why, kLongestReason);
     out += "\n";

@@ -8,14 +8,17 @@
 
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/witnesses/compiled_sweeps.hpp"
+#include "recursive/composite_body.hpp"
 #include "recursive/derivatives.hpp"
+#include "recursive/regressor.hpp"
+#include "scene/inertial_parameters.hpp"
 #include "scene/units.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
 
-constexpr std::array<const char*, 5> kDerivativeNames = {"dtau_dq", "dtau_dqd", "dqdd_dq",
-                                                         "dqdd_dqd", "dqdd_dtau"};
+constexpr std::array<const char*, 7> kDerivativeNames = {
+    "dtau_dq", "dtau_dqd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau", "C", "Y"};
 
 bool isOfForces(DerivativeQuantity quantity) {
   return quantity <= DerivativeQuantity::kDtauDqd;
@@ -24,6 +27,7 @@ bool isOfForces(DerivativeQuantity quantity) {
 /// Of an entry, its row and its column those of a slide or of a turn.
 const char* unitOf(DerivativeQuantity quantity, bool row_slides, bool column_slides) {
   // turn by turn, turn by slide, slide by turn, slide by slide
+  if (quantity == DerivativeQuantity::kCoriolis) quantity = DerivativeQuantity::kDtauDqd;
   static constexpr const char* kUnits[][4] = {
       {"N m/rad", "N", "N/rad", "N/m"},
       {"N m s/rad", "N s", "N s/rad", "N s/m"},
@@ -57,6 +61,7 @@ struct DerivativeQuantities::Parts {
         room(model),
         of_inverse(model),
         of_forward(model),
+        parameters(scene::inertialParameters(of.mechanism)),
         qdd(static_cast<std::size_t>(model.dof()), 0.0) {}
 
   /// Between its jumps Coulomb's force does not change; at rest it jumps.
@@ -82,6 +87,7 @@ struct DerivativeQuantities::Parts {
   recursive::DerivativesWorkspace<double> room;
   recursive::InverseDynamicsDerivatives<double> of_inverse;
   recursive::ForwardDynamicsDerivatives<double> of_forward;
+  std::vector<scene::InertialParameter> parameters;
   std::vector<double> qdd;
 };
 
@@ -92,12 +98,24 @@ DerivativeQuantities::DerivativeQuantities(const scene::Scene& scene) {
 DerivativeQuantities::~DerivativeQuantities() = default;
 
 std::vector<std::string> DerivativeQuantities::columns(DerivativeQuantity quantity) const {
+  const int n = parts_->model.dof();
+  std::vector<std::string> matrix;
+  if (quantity == DerivativeQuantity::kCoriolis) {
+    for (int i = 1; i <= n; ++i)
+      for (int j = 1; j <= n; ++j) matrix.push_back(fmt::format("C{}{}{}", i, n > 9 ? "_" : "", j));
+    return matrix;
+  }
+  if (quantity == DerivativeQuantity::kRegressor) {
+    for (int i = 1; i <= n; ++i)
+      for (const scene::InertialParameter& parameter : parts_->parameters)
+        matrix.push_back(fmt::format("Y{}_{}", i, label(parameter, parts_->scene.mechanism)));
+    return matrix;
+  }
   const std::string both = name(quantity), of = isOfForces(quantity) ? "dtau" : "dqdd";
   const std::string by = both.substr(of.size());
   std::vector<std::string> out;
-  for (int i = 1; i <= parts_->model.dof(); ++i)
-    for (int j = 1; j <= parts_->model.dof(); ++j)
-      out.push_back(fmt::format("{}{}{}{}", of, i, by, j));
+  for (int i = 1; i <= n; ++i)
+    for (int j = 1; j <= n; ++j) out.push_back(fmt::format("{}{}{}{}", of, i, by, j));
   return out;
 }
 
@@ -107,6 +125,15 @@ std::vector<std::string> DerivativeQuantities::units(DerivativeQuantity quantity
     for (int k = 0; link.parent >= 0 && k < link.joint.ownRates(); ++k)
       slides.push_back(scene::slides(link.joint.kind, static_cast<std::size_t>(k)));
   std::vector<std::string> out;
+  if (quantity == DerivativeQuantity::kRegressor) {
+    for (const bool row : slides)
+      for (const scene::InertialParameter& parameter : parts_->parameters) {
+        const std::string by = unit(parameter, parts_->scene.mechanism);
+        out.push_back(fmt::format(by.find(' ') == std::string::npos ? "{}/{}" : "{}/({})",
+                                  row ? "N" : "N m", by));
+      }
+    return out;
+  }
   for (const bool row : slides)
     for (const bool column : slides) out.emplace_back(unitOf(quantity, row, column));
   return out;
@@ -119,6 +146,13 @@ Eigen::MatrixXd DerivativeQuantities::value(DerivativeQuantity quantity,
   const std::vector<double> none(p.qdd.size(), 0.0);
   if (quantity == DerivativeQuantity::kDtauDqd || quantity == DerivativeQuantity::kDqddDqd)
     p.requireMoving(state);
+  if (quantity == DerivativeQuantity::kCoriolis)
+    return recursive::coriolisMatrix(p.model, state.x, state.qd, p.room.ws).array() + 0.0;
+  if (quantity == DerivativeQuantity::kRegressor) {
+    Eigen::MatrixXd Y(p.model.dof(), static_cast<Eigen::Index>(p.parameters.size()));
+    recursive::regressor(p.model, p.parameters, state.x, state.qd, state.qdd, p.room.ws, Y);
+    return Y.array() + 0.0;
+  }
   if (isOfForces(quantity)) {
     recursive::inverseDynamicsDerivatives(
         p.model, state.x, state.qd, quantity == DerivativeQuantity::kDtauDq ? state.qdd : none,

@@ -20,8 +20,20 @@ namespace dynwitness::crosscheck {
       dqdd_dq    of the qdd that the state's tau makes
       dqdd_dqd   whatever tau
       dqdd_dtau  1/M
+      C          the matrix of the Christoffel symbols (recursive::coriolisMatrix): c = C qd, and
+                 dM/dt - 2 C is skew-symmetric
+      Y          n x p, the regressor (recursive/regressor.hpp): d tau by the inertial parameters,
+                 tau = Y pi less springs, friction and loads, of the state's qdd
     Of spherical and floating joints q_j moves as at a unit rate qd_j: along the body's axes. */
-enum class DerivativeQuantity { kDtauDq, kDtauDqd, kDqddDq, kDqddDqd, kDqddDtau };
+enum class DerivativeQuantity {
+  kDtauDq,
+  kDtauDqd,
+  kDqddDq,
+  kDqddDqd,
+  kDqddDtau,
+  kCoriolis,
+  kRegressor
+};
 const char* name(DerivativeQuantity quantity);
 std::optional<DerivativeQuantity> derivativeQuantityNamed(const std::string& name);
 std::vector<std::string> derivativeQuantityNames();
@@ -33,12 +45,12 @@ class DerivativeQuantities {
   explicit DerivativeQuantities(const scene::Scene& scene);
   ~DerivativeQuantities();
 
-  /// "dtau1_dq2", row by row.
+  /// "dtau1_dq2", "C12", "Y2_mcx(forearm)", row by row.
   std::vector<std::string> columns(DerivativeQuantity quantity) const;
   /// Their units, "N m/rad".
   std::vector<std::string> units(DerivativeQuantity quantity) const;
 
-  /// n x n. @param state  with the qdd or tau that the quantity hangs on
+  /// n x n, or n x p. @param state  with the qdd or tau that the quantity hangs on
   /// @throws scene::InputError  by a rate of a joint with Coulomb friction that rests, which has no
   ///   derivative there
   Eigen::MatrixXd value(DerivativeQuantity quantity, const scene::State<double>& state);

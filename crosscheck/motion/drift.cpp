@@ -76,16 +76,6 @@ double orderBetween(const Drift::Path& coarse, const Drift::Path& fine) {
   return std::log(coarse.worst / fine.worst) / std::log(coarse.step / fine.step);
 }
 
-/// The order between the two finest steps whose drift lies above rounding; 0 when there are no two.
-double observedOrder(const Drift& drift) {
-  for (std::size_t k = drift.paths.size(); k-- > 1;)
-    if (drift.paths[k].worst > roundingFloor(drift, drift.paths[k]))
-      return std::isfinite(drift.paths[k - 1].worst)
-                 ? orderBetween(drift.paths[k - 1], drift.paths[k])
-                 : 0;
-  return 0;
-}
-
 bool orderShows(const Drift& drift) {
   return drift.paths.size() >= 2 && drift.observed_order > drift.method_order - 1;
 }
@@ -186,6 +176,15 @@ Drift measureDrift(const PreparedScene& scene, const DriftOptions& options) {
       break;
   }
   return relative();
+}
+
+double observedOrder(const Drift& drift) {
+  for (std::size_t k = drift.paths.size(); k-- > 1;)
+    if (drift.paths[k].worst > roundingFloor(drift, drift.paths[k]))
+      return std::isfinite(drift.paths[k - 1].worst)
+                 ? orderBetween(drift.paths[k - 1], drift.paths[k])
+                 : 0;
+  return 0;
 }
 
 double roundingFloor(const Drift& drift, const Drift::Path& path) {

@@ -54,6 +54,9 @@ bool isResolved(const Drift& drift);
 /// between step sizes mean nothing.
 double roundingFloor(const Drift& drift, const Drift::Path& path);
 
+/// The order between the two finest steps whose drift lies above rounding; 0 when there are no two.
+double observedOrder(const Drift& drift);
+
 /// With its finest steps the method loses nothing but rounding, as it does in free fall with any.
 /// (A wrong qdd drifts by the same amount at every step size, far above that.)
 bool belowRounding(const Drift& drift);

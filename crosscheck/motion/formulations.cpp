@@ -35,10 +35,8 @@ void measure(const Simulation& reference, FormulationRun* run) {
   }
 }
 
-}  // namespace
-
-FormulationComparison compareFormulations(const scene::Scene& scene,
-                                          const SimulateOptions& options) {
+/// Without runs: what they are to be measured against.
+FormulationComparison withReference(const scene::Scene& scene, const SimulateOptions& options) {
   constexpr double kLeastStepError = 1000 * std::numeric_limits<double>::epsilon();
   FormulationComparison out;
   out.reference = options;
@@ -46,11 +44,39 @@ FormulationComparison compareFormulations(const scene::Scene& scene,
   out.reference.stabilisation = Stabilisation::kProjection;
   out.reference.method = "runge_kutta_fehlberg78";
   out.reference.step_error = kLeastStepError;
-  const Simulation reference = simulate(scene, out.reference);
-  for (const Simulation::Point& point : reference.points)
+  out.reference_run = simulate(scene, out.reference);
+  for (const Simulation::Point& point : out.reference_run.points)
     for (std::size_t i = 0; i < point.lambda.size(); ++i)
       if (point.determined[i])
         out.most_lambda = std::max(out.most_lambda, std::abs(point.lambda[i]));
+  return out;
+}
+
+FormulationRun runOf(const scene::Scene& scene, const SimulateOptions& options,
+                     const Simulation& reference) {
+  FormulationRun run;
+  run.formulation = options.formulation;
+  run.stabilisation = options.stabilisation;
+  run.method = options.method;
+  if (needsPositions(run.formulation) && scene.mechanism.hasClosuresOfRates()) {
+    run.failure = "closures of rates alone (skate, rolling) have no phi = 0 to solve for";
+    return run;
+  }
+  try {
+    run.result = simulate(scene, options);
+    measure(reference, &run);
+  } catch (const std::runtime_error& error) {
+    if (dynamic_cast<const scene::InputError*>(&error)) throw;
+    run.failure = error.what();
+  }
+  return run;
+}
+
+}  // namespace
+
+FormulationComparison compareFormulations(const scene::Scene& scene,
+                                          const SimulateOptions& options) {
+  FormulationComparison out = withReference(scene, options);
 
   const std::string implicit = knowsFormulations(options.method) ? options.method : "radau_iia_5";
   const std::string explicit_one =
@@ -63,27 +89,23 @@ FormulationComparison compareFormulations(const scene::Scene& scene,
       {F::kIndex1, S::kProjection, implicit},     {F::kIndex2, S::kNone, implicit},
       {F::kIndex3, S::kNone, implicit},           {F::kGgl, S::kNone, implicit}};
   for (const auto& [formulation, stabilisation, method] : all) {
-    FormulationRun run;
-    run.formulation = formulation;
-    run.stabilisation = stabilisation;
-    run.method = method;
     SimulateOptions with = options;
     with.formulation = formulation;
     with.stabilisation = stabilisation;
     with.method = method;
-    if (needsPositions(formulation) && scene.mechanism.hasClosuresOfRates()) {
-      run.failure = "closures of rates alone (skate, rolling) have no phi = 0 to solve for";
-      out.runs.push_back(std::move(run));
-      continue;
-    }
-    try {
-      run.result = simulate(scene, with);
-      measure(reference, &run);
-    } catch (const std::runtime_error& error) {
-      if (dynamic_cast<const scene::InputError*>(&error)) throw;
-      run.failure = error.what();
-    }
-    out.runs.push_back(std::move(run));
+    out.runs.push_back(runOf(scene, with, out.reference_run));
+  }
+  return out;
+}
+
+FormulationComparison compareMethods(const scene::Scene& scene, const SimulateOptions& options,
+                                     const std::vector<std::string>& methods) {
+  for (const std::string& method : methods) hasEqualSteps(method);  // refuses unknown ones first
+  FormulationComparison out = withReference(scene, options);
+  SimulateOptions with = options;
+  for (const std::string& method : methods) {
+    with.method = method;
+    out.runs.push_back(runOf(scene, with, out.reference_run));
   }
   return out;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One motion by every form of its constraints: what each costs, how far it drifts, how right it is.
+// One motion by every form of its constraints, or by several methods: what each costs, how far it
+// drifts, how right it is.
 #pragma once
 
 #include <optional>
@@ -28,7 +29,8 @@ struct FormulationRun {
 
 struct FormulationComparison {
   SimulateOptions reference;  ///< of the run that errors are measured against
-  double most_lambda = 0;     ///< largest determined multiplier of the reference
+  Simulation reference_run;
+  double most_lambda = 0;  ///< largest determined multiplier of the reference
   std::vector<FormulationRun> runs;
 };
 
@@ -42,5 +44,10 @@ inline constexpr int kComparedFormulations = 8;
     or of redundant equations are left out: mechanics does not say what they are. */
 FormulationComparison compareFormulations(const scene::Scene& scene,
                                           const SimulateOptions& options);
+
+/// The same of one form of the constraints, that of the options, by these methods.
+/// @throws scene::InputError  as simulate(), of any of them
+FormulationComparison compareMethods(const scene::Scene& scene, const SimulateOptions& options,
+                                     const std::vector<std::string>& methods);
 
 }  // namespace dynwitness::crosscheck

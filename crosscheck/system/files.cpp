@@ -134,9 +134,32 @@ bool sameMount(const fs::path& a, const fs::path& b) {
 
 constexpr const char* kUnfinished = "unfinished";
 
+/// Where "-" is written: standard output as it was when that was asked for; -1: nobody did.
+int kept_output = -1;
+
+void keepStandardOutput() {
+  if (kept_output >= 0) return;
+  std::fflush(stdout);
+  kept_output = ::dup(STDOUT_FILENO);
+  if (kept_output < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+    throw std::runtime_error(fmt::format("standard output: {}", std::strerror(errno)));
+}
+
+void writeToStandardOutput(std::string_view text) {
+  const int output = kept_output >= 0 ? kept_output : STDOUT_FILENO;
+  while (!text.empty()) {
+    const ssize_t size = ::write(output, text.data(), text.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0)
+      throw std::runtime_error(fmt::format("standard output: {}", std::strerror(errno)));
+    text.remove_prefix(static_cast<std::size_t>(size));
+  }
+}
+
 }  // namespace
 
 void writeWholeFile(const fs::path& file, std::string_view text) {
+  if (file == kStandardOutput) return writeToStandardOutput(text);
   const std::string prefix = fmt::format("{}.{}-", file.filename().string(), kUnfinished);
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   sweepLeftovers(folder, prefix);
@@ -154,6 +177,7 @@ void writeWholeFile(const fs::path& file, std::string_view text) {
 
 void requireWritableFile(const fs::path& file) {
   if (file.empty()) return;
+  if (file == kStandardOutput) return keepStandardOutput();
   try {
     const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
     if (!fs::is_directory(folder))

@@ -12,6 +12,9 @@
 
 namespace dynwitness::crosscheck {
 
+/// The name of no file: what is written under it goes to standard output.
+inline constexpr const char* kStandardOutput = "-";
+
 /// Writes one file: first beside it under another name, then renamed into place.
 /// @throws std::runtime_error  naming the file and the system's reason; nothing is left behind, and
 /// what a
@@ -19,7 +22,8 @@ namespace dynwitness::crosscheck {
 void writeWholeFile(const std::filesystem::path& file, std::string_view text);
 
 /** Looks whether writeWholeFile() can write this file, without leaving anything there: for calling
-    before a long computation. An empty path is none, and passes.
+    before a long computation. An empty path is none, and passes. From kStandardOutput on, what the
+    program prints otherwise goes to standard error, so that the file is alone there.
 
     @throws scene::InputError  its folder does not exist or cannot be written to, or something that
     is no file (a folder, a device) has this name */

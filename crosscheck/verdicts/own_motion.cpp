@@ -105,6 +105,8 @@ OwnMotionVerdict judgeOwnMotion(const scene::Scene& scene, const OwnMotion& moti
     if (k == 0) E_0 = E;
     keepWorse(&most_kinetic, ours.kinetic(y));
     keepWorse(&most_change, std::abs(E - E_0));
+    out.time.push_back(moment.time);
+    out.energy_change.push_back(static_cast<double>(std::abs(E - E_0)));
     if (k == 0) continue;
     const OwnMotion::Moment& before = motion.moments[k - 1];
     const Real duration = Real(moment.time) - Real(before.time);
@@ -129,6 +131,7 @@ OwnMotionVerdict judgeOwnMotion(const scene::Scene& scene, const OwnMotion& moti
     if (keepWorse(&out.step_error, static_cast<double>(apart / duration)))
       out.step_time = moment.time;
   }
+  out.most_kinetic = static_cast<double>(most_kinetic);
   out.energy_error =
       static_cast<double>(most_kinetic > 0 ? most_change / most_kinetic : most_change);
   return out;

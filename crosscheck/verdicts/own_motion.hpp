@@ -33,7 +33,9 @@ struct OwnMotionVerdict {
   int answered = 0;       ///< intervals between moments that step_error is of
   /// [s]: from, to; where our own solution does not settle, so that nothing is said of the step.
   std::vector<std::pair<double, double>> unanswered;
-  double energy_error = 0;  ///< largest |E - E_0| over the largest kinetic energy
+  double energy_error = 0;                  ///< largest |E - E_0| over the largest kinetic energy
+  double most_kinetic = 0;                  ///< [J]: that
+  std::vector<double> time, energy_change;  ///< of the moments: t [s], |E - E_0| [J]
 
   bool isModelWrong() const { return !(ratio <= 1); }
 };

@@ -129,7 +129,8 @@ Case readCase(const json& table, const json& one_case, const scene::Mechanism& m
   const int n = mechanism.dof();
   if (mechanism.positions() != n)
     throw scene::InputError({file.string()},
-                            "the scene has spherical or floating joints, allowed in tables: joints "
+                            "the scene has spherical or floating joints, or joints that follow "
+                            "others, allowed in tables: joints "
                             "whose qd are derivatives of q");
   Case out;
   out.scale = table.contains("coordinate_scale") ? numbers(table["coordinate_scale"], file)

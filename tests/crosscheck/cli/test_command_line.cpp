@@ -474,7 +474,8 @@ BOOST_AUTO_TEST_CASE(a_state_is_given_by_place_by_name_and_in_the_scenes_paramet
   refuses(program, "linearize kapitza_pendulum --qd pivot=0",
           "--qd: read 0 for joint 'pivot', which is driven: its motion puts it at 4");
   BOOST_TEST(program.run("linearize kapitza_pendulum --q rod=3").status == 0);
-  refuses(program, "drift double_pendulum --motion none.csv --step 0.1", "--step with --motion");
+  refuses(program, "drift double_pendulum --motion none.csv --step 0.1,0.2",
+          "--step: 2 steps of 1 motions");
 }
 
 // Each looks at one scene, says what its checks found and writes the same as JSON.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -531,6 +532,137 @@ BOOST_AUTO_TEST_CASE(columns_are_the_slopes_of_the_quantity_they_name) {
                    one.quantity << " " << i + 1 << ", " << k + 1);
     }
   }
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(joints_that_move_no_inertia)
+
+namespace {
+
+/// A bar of 2 kg on a hinge, its centre 0.5 m away, and a tool without mass that turns on its tip.
+const char* const kMasslessTip = R"(<robot name="tip">
+  <link name="base"/>
+  <link name="arm"><inertial><origin xyz="0 0 0.5"/><mass value="2"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="tool"/>
+  <joint name="shoulder" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
+  <joint name="wrist" type="continuous"><parent link="arm"/><child link="tool"/><origin xyz="0 0 1"/><axis xyz="0 0 1"/></joint>
+</robot>
+)";
+
+}  // namespace
+
+// M = diag(I + m c^2, 0), g = -m g c sin q, tau = M qdd + g: no inverse is asked for.
+BOOST_AUTO_TEST_CASE(what_needs_no_inverse_of_M_is_answered) {
+  const Program program;
+  program.write("tip.urdf", kMasslessTip);
+  const auto close = boost::test_tools::tolerance(1e-15);
+  const std::string at = "evaluate tip.urdf --q 0.5,0.2 --qd 1,-2 ";
+  const auto numbers = [&](const std::string& words) {
+    const Outcome outcome = program.run(at + words, "2>/dev/null");
+    BOOST_TEST_REQUIRE(outcome.status == 0, words);
+    std::vector<double> out;
+    std::istringstream cells(outcome.out.substr(outcome.out.find('\n') + 1));
+    for (std::string cell; std::getline(cells, cell, ',');) out.push_back(std::stod(cell));
+    return out;
+  };
+  const double gravity = -2 * 9.81 * 0.5 * std::sin(0.5);
+  for (const char* witness : {"", " --witness lagrange", " --witness composite_body"}) {
+    const std::vector<double> M = numbers(std::string("--quantity M") + witness);
+    BOOST_TEST(M[0] == 0.6, close);
+    for (const std::size_t k : {1u, 2u, 3u}) BOOST_TEST(M[k] == 0.0);
+  }
+  BOOST_TEST(numbers("--quantity g")[0] == gravity, close);
+  BOOST_TEST(numbers("--quantity c")[0] == 0.0);
+  const std::vector<double> tau = numbers("--quantity tau --qdd 3,7");
+  BOOST_TEST(tau[0] == 0.6 * 3 + gravity, close);
+  BOOST_TEST(tau[1] == 0.0);
+  BOOST_TEST(numbers("--quantity kinetic")[0] == 0.3, close);
+  for (const char* quantity :
+       {"potential", "momentum", "position", "jacobian", "dtau_dq --qdd 3,7", "X", "M_i", "M_C",
+        "reactions --qdd 3,7", "power --qdd 3,7", "acceleration --qdd 3,7"})
+    numbers(std::string("--quantity ") + quantity);
+}
+
+BOOST_AUTO_TEST_CASE(what_needs_it_names_the_joint_and_what_was_asked) {
+  const Program program;
+  program.write("tip.urdf", kMasslessTip);
+  const std::string joint = "tip.urdf:5: joint \"wrist\" of link \"tool\": ";
+  for (const char* asked : {"qdd --tau 0,0", "M_A", "dqdd_dtau", "Lambda"}) {
+    const std::string words = asked;
+    refuses(
+        program, "evaluate tip.urdf --quantity " + words,
+        joint + words.substr(0, words.find(' ')) + " asked, and nothing that it carries has mass");
+  }
+  refuses(program, "evaluate tip.urdf --quantity tau --tau 0,0",
+          joint + "qdd (found from tau first) asked");
+  refuses(program, "derive tip.urdf --format c --quantity tau,qdd", joint + "qdd asked");
+  refuses(program, "derive tip.urdf --operations", joint + "forward dynamics asked");
+  refuses(program, "simulate tip.urdf", joint + "nothing that it carries has mass");
+  BOOST_TEST(program.run("derive tip.urdf").status == 0);
+  BOOST_TEST(program.run("derive tip.urdf --format c --quantity tau,M,c,g -o code").status == 0);
+  BOOST_TEST(program.run("write tip.urdf --format toml -o tip.toml").status == 0);
+  BOOST_TEST(program.run("evaluate tip.toml --quantity M").status == 0);
+  BOOST_TEST(program.run("simulate tip.urdf --set rotor_inertia:wrist=0.01 --once").status == 0);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(matrices)
+
+BOOST_AUTO_TEST_CASE(c_is_C_qd_and_tau_is_Y_pi) {
+  const Program program;
+  const auto numbers = [&](const std::string& words) {
+    const Outcome outcome = program.run("evaluate " + words, "2>/dev/null");
+    BOOST_TEST_REQUIRE(outcome.status == 0, words);
+    std::vector<double> out;
+    std::istringstream cells(outcome.out.substr(outcome.out.find('\n') + 1));
+    for (std::string cell; std::getline(cells, cell, ',');) out.push_back(std::stod(cell));
+    return out;
+  };
+  const std::string at = "acrobot --q 0.5,0.2 --qd 1,-2 --qdd 3,7 --quantity ";
+  const std::vector<double> C = numbers(at + "C"), c = numbers(at + "c");
+  BOOST_REQUIRE(C.size() == 4u);
+  for (const std::size_t i : {0u, 1u})
+    BOOST_TEST(C[2 * i] * 1 + C[2 * i + 1] * -2 == c[i], boost::test_tools::tolerance(1e-14));
+  // ten numbers a link: m, m c, and inertia about the link's origin
+  const std::vector<double> Y = numbers(at + "Y"), tau = numbers(at + "tau");
+  BOOST_REQUIRE(Y.size() == 40u);
+  const double m1 = 1, m2 = 1, c1 = -0.5, c2 = -1, I1 = 0.083, I2 = 0.33;
+  const std::vector<double> pi = {
+      m1, 0, 0, m1 * c1, m1 * c1 * c1 + I1, m1 * c1 * c1 + I1, 0, 0, 0, 0,
+      m2, 0, 0, m2 * c2, m2 * c2 * c2 + I2, m2 * c2 * c2 + I2, 0, 0, 0, 0};
+  for (const std::size_t i : {0u, 1u}) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 20; ++k) sum += Y[20 * i + k] * pi[k];
+    BOOST_TEST(sum == tau[i], boost::test_tools::tolerance(1e-14));
+  }
+  const std::string names = program.run("evaluate " + at + "C,Y --units", "2>/dev/null").out;
+  for (const char* name : {"C12 [N m s/rad]", "Y2_mcx(lower) [N m/(kg m)]", "Y1_m(upper) [N m/kg]"})
+    BOOST_TEST(names.find(name) != std::string::npos, name);
+  const std::string coupled = "gripper --q 0.3,0.01,0.4 --qd 0.5,-0.1,1.2 --quantity ";
+  const std::vector<double> of_coupled = numbers(coupled + "C"), bias = numbers(coupled + "c");
+  for (std::size_t i = 0; i < 3; ++i)  // joints that follow others are in it; a sum of 1e-4
+    BOOST_TEST(std::abs(of_coupled[3 * i] * 0.5 + of_coupled[3 * i + 1] * -0.1 +
+                        of_coupled[3 * i + 2] * 1.2 - bias[i]) < 1e-18);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(derivations)
+
+BOOST_AUTO_TEST_CASE(code_to_standard_output_writes_nowhere_and_a_scene_at_rest_is_refused) {
+  const Program program;
+  program.write("table.toml", "[[link]]\nname = \"table\"\nmass = 1\n");
+  for (const char* words : {"", " --format c", " --format latex", " --operations"})
+    refuses(program, std::string("derive table.toml") + words, "table.toml: ");
+  // in /proc nobody writes
+  const Outcome outcome =
+      program.run("version", std::string(">/dev/null; cd /proc && ") + DYNWITNESS_PROGRAM +
+                                 " derive acrobot --format julia 2>&1");
+  BOOST_TEST(outcome.status == 0, outcome.out);
+  BOOST_TEST(outcome.out.find("function acrobot_tau!") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/fixtures/program.hpp"
 
 using dynwitness::fixtures::Outcome;
@@ -262,4 +264,40 @@ BOOST_AUTO_TEST_CASE(what_has_no_value_is_refused) {
   refuses(program, "impulse sliders.toml", "finite");
   refuses(program, "geometry sliders.toml", "not finite at the start: M is singular there");
   refuses(program, "impedance sliders.toml", "finite");
+}
+
+// Examples are copied: a broken one goes on in the next line, and never breaks within quotes.
+BOOST_AUTO_TEST_CASE(help_fits_into_80_columns_and_has_an_example) {
+  const dynwitness::fixtures::Program program;
+  for (const char* command : {"crosscheck", "derive", "evaluate", "drift", "chart", "simulate",
+                              "write", "show", "check", "parameters", "impedance"}) {
+    const std::string help = program.run(std::string(command) + " --help").out;
+    BOOST_TEST(help.find("dynwitness " + std::string(command) + " ") != std::string::npos, command);
+    std::istringstream lines(help);
+    for (std::string line; std::getline(lines, line);)
+      if (line.compare(0, 3, "  -") != 0)  // what an option takes and excludes is one line
+        BOOST_TEST(line.size() <= 80u, command << ": " << line);
+    std::size_t quotes = 0;
+    for (std::size_t at = 0; at < help.size(); ++at) {
+      if (help[at] == '"') ++quotes;
+      if (help.compare(at, 2, "\\\n") == 0) BOOST_TEST(quotes % 2 == 0u, command);
+    }
+  }
+}
+
+// "-" is standard output wherever a file is written, and nothing else is there then.
+BOOST_AUTO_TEST_CASE(a_hyphen_is_standard_output) {
+  const dynwitness::fixtures::Program program;
+  const auto out = [&](const std::string& words) {
+    const dynwitness::fixtures::Outcome outcome = program.run(words, "2>/dev/null");
+    BOOST_TEST(outcome.status == 0, words);
+    return outcome.out;
+  };
+  BOOST_TEST(out("evaluate acrobot --quantity M -o -").find("M11,M12") == 0u);
+  BOOST_TEST(out("derive acrobot -o -").find("1. positions") == 0u);
+  BOOST_TEST(out("write acrobot --format toml -o -").find("title = ") == 0u);
+  BOOST_TEST(out("simulate acrobot --duration 0.1 --once --csv -").find("time_s,q1") == 0u);
+  BOOST_TEST(nlohmann::json::accept(out("simulate acrobot --duration 0.1 --once --json -")));
+  BOOST_TEST(out("drift acrobot --duration 0.1 --plot -").find("<?xml") == 0u);
+  BOOST_TEST(program.fileCount() == 0u);
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Code for controllers, of all bundled scenes: compiled by gcc and clang without a warning, right by the test that
-comes with it, with the operations that it says, and nothing of a library but cosines and sines.
+comes with it, with the operations that it says, and nothing of a library but cosines and sines; in MATLAB's words run by Octave.
 Usage: test_controller_code.py DYNWITNESS. Exit status 77: no C compiler."""
 import collections
 import glob
@@ -423,6 +423,45 @@ def other_languages(work):
             assert got == wanted[function], what
 
 
+def run_by_octave(work, scenes):
+    """MATLAB's code and its test, folded and with a struct, by Octave where that is there; a number that is off by
+    1e-11 of itself is seen."""
+    if not shutil.which("octave-cli"):
+        print("not run: MATLAB's code, no octave-cli")
+        return
+    folders = {}
+    for scene in scenes:
+        for parameters in ("folded", "struct"):
+            folder = os.path.join(work, "octave_%s_%s" % (scene, parameters))
+            for quantities in (ALL + ",position,orientation,jacobian,jacobian_rate", "tau,c,g,jacobian"):
+                done = derive(scene, "--format", "matlab", "--parameters", parameters, "--quantity", quantities,
+                              "--point", last_link(scene), "-o", folder)
+                if done.returncode == 0 or "operations" not in done.stderr:
+                    break
+            assert done.returncode == 0, (scene, done.stderr)
+            folders[folder] = os.path.basename(glob.glob(os.path.join(folder, "*_test.m"))[0])[:-2]
+    planted = os.path.join(work, "octave_planted")
+    shutil.copytree(os.path.join(work, "octave_puma_560_folded"), planted)
+    tau = os.path.join(planted, "puma_560_tau.m")
+    text = open(tau).read()
+    changed = re.sub(r"(?m)^(  out\(2\) = .*);$", r"\1 * (1 + 1e-11);", text)
+    assert changed != text
+    with open(tau, "w") as out:
+        out.write(changed)
+    folders[planted] = "puma_560_test"
+    script = os.path.join(work, "all_tests.m")
+    with open(script, "w") as out:
+        for folder, test in folders.items():
+            out.write("cd('%s'); rehash; printf('FAILURES %%d of %s\\n', %s()); clear('functions');\n" % (
+                folder, os.path.basename(folder), test))
+    answered = run("octave-cli", "--no-init-file", "--quiet", script).stdout
+    failures = dict((name, int(count)) for count, name in re.findall(r"FAILURES (\d+) of (\w+)", answered))
+    assert len(failures) == len(folders), answered[-3000:]
+    assert failures.pop("octave_planted") > 0
+    assert not any(failures.values()), failures
+    print("Octave ran MATLAB's code of %d scenes, folded and with a struct" % len(scenes))
+
+
 def refusals(work):
     for words, reason in (
             (["gripper"], "share a rate"), (["car_axis"], "open trees"), (["chain_1000"], "tau: 1000 degrees of freedom, at most 256"),
@@ -452,7 +491,9 @@ def main():
         parameters_of_other_languages(work)
         structs_line_by_line(work)
         odd_parameters(work)
-        all_scenes_with_parameters(work, all_scenes(work))
+        scenes = all_scenes(work)
+        all_scenes_with_parameters(work, scenes)
+        run_by_octave(work, scenes)
 
 
 main()
