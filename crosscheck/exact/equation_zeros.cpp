@@ -20,16 +20,16 @@ using F = PrimeField;
 using recursive::Force;
 using recursive::Motion;
 using recursive::Terms;
-using Vector = recursive::Vector3<F>;
-using Model = recursive::Model<F>;
-using State = scene::State<F>;
+using FieldVector = recursive::Vector3<F>;
+using FieldModel = recursive::Model<F>;
+using FieldState = scene::State<F>;
 
 /// Rates beyond which M is not looked through: it has n^2 entries, and n more matrices for c.
 constexpr int kMostOfM = 128;
 /// And products of rates: n^2 / 2 sweeps.
 constexpr int kMostOfProducts = 40;
-/// Points in a row without a value: as in exact.cpp.
-constexpr int kPatience = 8;
+/// Points in a row without a value before it is given up: all of a divisor that vanishes by chance.
+constexpr int kMostLost = 8;
 
 enum class Why {
   kNone,
@@ -102,7 +102,7 @@ bool isOfMasses(Why why) {
          why == Why::kPlaneOfAxis || why == Why::kSlidesInPlane || why == Why::kCenterOnAxis;
 }
 
-bool isZero(const Vector& v) {
+bool isZero(const FieldVector& v) {
   return v.x().isZero() && v.y().isZero() && v.z().isZero();
 }
 bool isZero(const Force<F>& f) {
@@ -119,17 +119,17 @@ struct Entries {
 /// By the sweeps.
 class Sweeps {
  public:
-  explicit Sweeps(const Model& model) : model_(model), ws_(model) {}
+  explicit Sweeps(const FieldModel& model) : model_(model), ws_(model) {}
 
-  recursive::MatrixX<F> M(const State& state) {
+  recursive::MatrixX<F> M(const FieldState& state) {
     recursive::MatrixX<F> M(model_.dof(), model_.dof());
     recursive::massMatrix(model_, state.x, ws_, M);
     return M;
   }
-  std::vector<F> c(const State& state, const std::vector<F>& qd) {
+  std::vector<F> c(const FieldState& state, const std::vector<F>& qd) {
     return inverse(state, qd, Terms::none());
   }
-  Entries entries(const State& state, bool with_products = true) {
+  Entries entries(const FieldState& state, bool with_products = true) {
     const int n = model_.dof();
     Entries out;
     out.c = c(state, state.qd);
@@ -147,12 +147,12 @@ class Sweeps {
   std::vector<F> zeros() const {
     return std::vector<F>(static_cast<std::size_t>(model_.dof()), F(0));
   }
-  std::vector<F> inverse(const State& state, const std::vector<F>& qd, Terms terms) {
+  std::vector<F> inverse(const FieldState& state, const std::vector<F>& qd, Terms terms) {
     std::vector<F> tau = zeros();
     recursive::inverseDynamics(model_, state.x, qd, zeros(), ws_, tau, terms);
     return tau;
   }
-  void products(const State& state, Entries* out) {
+  void products(const FieldState& state, Entries* out) {
     const std::size_t n = zeros().size();
     std::vector<std::vector<F>> squares, all;
     for (std::size_t j = 0; j < n; ++j) {
@@ -176,14 +176,14 @@ class Sweeps {
       for (const std::vector<F>& product : all) out->products.push_back(product[i]);
   }
 
-  const Model& model_;
+  const FieldModel& model_;
   recursive::Workspace<F> ws_;
 };
 
 /// Axes, and what they carry, in the world's axes about its origin.
 class Layout {
  public:
-  Layout(const Model& model, const State& state) : model_(model) {
+  Layout(const FieldModel& model, const FieldState& state) : model_(model) {
     const std::size_t links = model.links.size();
     for (std::size_t l = 0; l < links; ++l) {
       const recursive::LinkModel<F>& link = model.links[l];
@@ -234,9 +234,9 @@ class Layout {
              : isWeightless(j)               ? Why::kWeightless
                                              : Why::kNone;
     if (isSpinFelt(i, j)) return Why::kNone;
-    if (slides(i) && turns(j) && isZero(Vector(a.linear.cross(b.angular))))
+    if (slides(i) && turns(j) && isZero(FieldVector(a.linear.cross(b.angular))))
       return Why::kSlideAlongTurn;
-    if (turns(i) && slides(j) && isZero(Vector(b.linear.cross(a.angular))))
+    if (turns(i) && slides(j) && isZero(FieldVector(b.linear.cross(a.angular))))
       return Why::kSlideAlongTurn;
     if (isWeightless(j)) return Why::kWeightless;
     if (turns(j)) return ofTurn(i, j);
@@ -244,15 +244,15 @@ class Layout {
   }
 
   Why ofGravity(int i) const {
-    const Vector& gamma = model_.gravity;
+    const FieldVector& gamma = model_.gravity;
     if (isZero(gamma)) return hasSpring(i) ? Why::kNone : Why::kNoGravity;
     if (!isOwn(i) || hasSpring(i)) return Why::kNone;
     if (slides(i) && axis(i).linear.dot(gamma).isZero()) return Why::kGravityAcross;
-    if (turns(i) && isZero(Vector(axis(i).angular.cross(gamma)))) return Why::kGravityAlong;
+    if (turns(i) && isZero(FieldVector(axis(i).angular.cross(gamma)))) return Why::kGravityAlong;
     const recursive::RigidInertia<F>& W = carried_[link(i)];
     if (W.mass.isZero() && isZero(W.h)) return Why::kWeightless;
-    const Vector h = W.h - origin(i) * W.mass;
-    if (turns(i) && isZero(Vector(h.cross(axis(i).angular)))) return Why::kCenterOnAxis;
+    const FieldVector h = W.h - origin(i) * W.mass;
+    if (turns(i) && isZero(FieldVector(h.cross(axis(i).angular)))) return Why::kCenterOnAxis;
     return Why::kNone;
   }
 
@@ -262,7 +262,7 @@ class Layout {
   }
   const Motion<F>& axis(int d) const { return axes_[static_cast<std::size_t>(d)]; }
   /// On the axis: the origin of its link.
-  const Vector& origin(int d) const { return X_[link(d)].p; }
+  const FieldVector& origin(int d) const { return X_[link(d)].p; }
   bool carries(int inner, int outer) const {
     const auto wanted = static_cast<int>(link(inner));
     int l = static_cast<int>(link(outer));
@@ -275,34 +275,35 @@ class Layout {
   }
   /// The rotor of j on the link inboard, about the axis of j, when i turns that link.
   bool isSpinFelt(int i, int j) const {
-    const Vector z = X_[link(j)].R.row(2).transpose();
+    const FieldVector z = X_[link(j)].R.row(2).transpose();
     return !model_.links[link(j)].spin.isZero() && !axis(i).angular.dot(z).isZero();
   }
 
   /// j turns; its load's momentum is a force across z, and a moment.
   Why ofTurn(int i, int j) const {
-    const Vector& z = axis(j).angular;
+    const FieldVector& z = axis(j).angular;
     const Force<F> momentum = carried_[link(j)] * axis(j);
-    const Vector& f = momentum.force;
-    const Vector n = momentum.moment - origin(j).cross(f);
-    const Vector tilt = n * z.dot(z) - z * z.dot(n);  // z'z times the moment's part across the axis
+    const FieldVector& f = momentum.force;
+    const FieldVector n = momentum.moment - origin(j).cross(f);
+    const FieldVector tilt =
+        n * z.dot(z) - z * z.dot(n);  // z'z times the moment's part across the axis
     const bool is_balanced = isZero(f) && isZero(tilt);
     if (slides(i)) return is_balanced ? Why::kBalancedSlide : Why::kNone;
     if (!turns(i) || !axis(i).angular.dot(z).isZero()) return Why::kNone;
     if (is_balanced) return Why::kBalancedAcross;
     // about the point t z from there the moment is along z, if there is one: n - t z x f
-    const Vector across = z.cross(f);
-    if (isZero(f) || !isZero(Vector(tilt.cross(across)))) return Why::kNone;
+    const FieldVector across = z.cross(f);
+    if (isZero(f) || !isZero(FieldVector(tilt.cross(across)))) return Why::kNone;
     const F t = tilt.dot(across) / (across.dot(across) * z.dot(z));
     return (origin(i) - origin(j) - z * t).dot(z).isZero() ? Why::kPlaneOfAxis : Why::kNone;
   }
   bool slidesInPlane(int i, int j) const {
     const recursive::RigidInertia<F>& W = carried_[link(j)];
-    const Vector h = W.h - origin(i) * W.mass;
+    const FieldVector h = W.h - origin(i) * W.mass;
     return axis(i).angular.dot(h.cross(axis(j).linear)).isZero();
   }
 
-  const Model& model_;
+  const FieldModel& model_;
   std::vector<recursive::Transform<F>> X_;  ///< world to link
   std::vector<recursive::RigidInertia<F>> carried_;
   std::vector<Motion<F>> axes_;
@@ -311,16 +312,16 @@ class Layout {
 /// Which entries of M change when which joints move.
 class Changes {
  public:
-  Changes(const scene::Mechanism& mechanism, const FieldSource& source, const Model& model,
-          const State& state) {
+  Changes(const scene::Mechanism& mechanism, const FieldSource& source, const FieldModel& model,
+          const FieldState& state) {
     Sweeps sweeps(model);
     const recursive::MatrixX<F> M = sweeps.M(state);
-    const State other = indeterminateState(mechanism, source);
+    const FieldState other = indeterminateState(mechanism, source);
     moved_by_all_ = differences(M, sweeps.M(other));
     for (int k = 0; k < model.dof(); ++k) {
       const recursive::LinkModel<F>& link =
           model.links[static_cast<std::size_t>(model.link_of_dof[static_cast<std::size_t>(k)])];
-      State moved = state;
+      FieldState moved = state;
       moved.x[static_cast<std::size_t>(link.slot)] = other.x[static_cast<std::size_t>(link.slot)];
       moved_by_.push_back(differences(M, sweeps.M(moved)));
     }
@@ -358,7 +359,7 @@ class Changes {
 };
 
 /// The model with other bodies, whatever they weigh.
-Model withAnyBodies(Model model, const FieldSource& source) {
+FieldModel withAnyBodies(FieldModel model, const FieldSource& source) {
   int k = 0;
   const auto any = [&] { return source.element(fmt::format("body {}", k++)); };
   for (recursive::LinkModel<F>& link : model.links) {
@@ -388,7 +389,7 @@ class Search {
     {
       const FormulaSizes sizes;
       const FieldSource source(scene.name, seed, 0);
-      const Model model = modelOf(source);
+      const FieldModel model = modelOf(source);
       n_ = model.dof();
       Entries entries = Sweeps(model).entries(indeterminateState(scene.mechanism, source), false);
       // c of rates 0 and 1 is no larger a formula than of any, and a product is three of these
@@ -415,7 +416,7 @@ class Search {
 
   EquationZeros run() {
     int found = 0, lost = 0;
-    for (int index = 0; found < points_ && lost < kPatience; ++index) {
+    for (int index = 0; found < points_ && lost < kMostLost; ++index) {
       const PrimeField::Modulus modulus(drawPrime(scene_.name, seed_, index));
       try {
         add(index);
@@ -447,16 +448,16 @@ class Search {
   }
 
  private:
-  Model modelOf(const FieldSource& source) const {
+  FieldModel modelOf(const FieldSource& source) const {
     return recursive::buildModel(scene_.mechanism, FieldNumbers(scene_.mechanism, source));
   }
 
   void add(int index) {
     const FieldSource source(scene_.name, seed_, static_cast<std::uint64_t>(index));
     const FieldSource other(scene_.name + ", moved", seed_, static_cast<std::uint64_t>(index));
-    const State state = indeterminateState(scene_.mechanism, source);
-    const Model model = modelOf(source);
-    const Model any = withAnyBodies(model, other);
+    const FieldState state = indeterminateState(scene_.mechanism, source);
+    const FieldModel model = modelOf(source);
+    const FieldModel any = withAnyBodies(model, other);
     const Entries entries = Sweeps(model).entries(state), of_any = Sweeps(any).entries(state);
     const auto note = [](const std::vector<F>& values, const std::vector<F>& others,
                          std::vector<Known>* known) {
@@ -478,8 +479,8 @@ class Search {
     addRulesOfC(model, layout, other, state);
   }
 
-  void addRulesOfC(const Model& model, const Layout& layout, const FieldSource& other,
-                   const State& state) {
+  void addRulesOfC(const FieldModel& model, const Layout& layout, const FieldSource& other,
+                   const FieldState& state) {
     bool are_derivatives = n_ <= kMostOfM;
     for (int d = 0; d < n_ && are_derivatives; ++d)
       are_derivatives =
