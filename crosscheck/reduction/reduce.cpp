@@ -29,8 +29,8 @@ using symbolic::Program;
 using Kind = EnvelopeQuantity::Kind;
 
 constexpr int kSampled = 400;  ///< states that decide in which order parameters go
-/// For the largest |tau_i|, of which the value that is seen counts and not its bound. Measured: arms
-/// of up to six joints have their bound after 129 at most.
+/// For the largest |tau_i|, of which the value that is seen counts and not its bound. Measured:
+/// arms of up to six joints have their bound after 129 at most.
 constexpr int kForceBoxes = 2000;
 constexpr int kDecisionBoxes = 2000;  ///< what one question "is this within the limit?" may take
 constexpr double kFurther = 30;       ///< parameters go until samples err by so many allowed errors

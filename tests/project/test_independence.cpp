@@ -285,6 +285,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/report/view.cpp", {"1e-10"}},              // what is drawn at 0
       {"crosscheck/verdicts/options.hpp", {"1e-30"}},         // default of --error-probability
       {"crosscheck/exact/exact.hpp", {"1e-30"}},              // the same
+      {"crosscheck/exact/ledger.hpp", {"1e-30"}},             // the same
       {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same
       {"crosscheck/audit/board.hpp", {"1e-12"}},              // what is printed as 0 beside others
       {"crosscheck/motion/simulate.hpp", {"1e-10"}},          // default of --step-error

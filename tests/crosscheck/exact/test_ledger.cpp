@@ -135,7 +135,7 @@ BOOST_AUTO_TEST_CASE(a_reason_goes_with_its_cause) {
   BOOST_TEST(all.count("g_6") == 0u);
 }
 
-// The second axis, along x, starts 0.3 m before the first, and its load is symmetric about the plane
+// The second axis, along x, starts 0.3 m before the first; its load is symmetric about the plane
 // x = 0.3 m of its own frame: in that plane lies the first axis.
 BOOST_AUTO_TEST_CASE(a_plane_of_symmetry_is_where_the_centre_of_mass_is) {
   const auto zerosWith = [](const char* com) {
