@@ -403,7 +403,7 @@ class Search {
           chance = std::max(chance, errorProbability(entry, sizes));
           ++count;
         }
-      const double all = std::max<std::size_t>(count, 1);
+      const double all = static_cast<double>(std::max<std::size_t>(count, 1));
       if (!(chance * all < 1)) return;
       points_ = pointsNeeded(chance, error_probability / all);
       out_.error_probability = all * std::pow(chance, points_);

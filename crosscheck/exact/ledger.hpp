@@ -17,6 +17,6 @@ struct LedgerOptions {
 /** Counted, not timed: what is left out of a large scene depends on its size alone, and is told.
     Linear in the joints but for M and c (up to 128 and 40 rates), and for base parameters (the cube
     of their number, up to 400). */
-Ledger ledgerOf(const PreparedScene& scene, const LedgerOptions& options = {});
+Ledger ledgerOf(const PreparedScene& prepared, const LedgerOptions& options = {});
 
 }  // namespace dynwitness::crosscheck
