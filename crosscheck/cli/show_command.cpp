@@ -8,6 +8,7 @@
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/standard_files.hpp"
+#include "crosscheck/exact/ledger.hpp"
 #include "crosscheck/report/show.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/text_file.hpp"
@@ -53,8 +54,9 @@ Shown read(const GivenScene& given) {
 
 int runShow(const ShowArguments& arguments) {
   crosscheck::requireWritableFile(arguments.page);
-  const Shown shown = read(arguments.scene);
+  Shown shown = read(arguments.scene);
   admit(shown.scene, {crosscheck::Command::kShow});
+  if (shown.warnings.empty()) shown.ledger = crosscheck::ledgerOf(shown.scene);
   for (const std::string& warning : shown.warnings)
     tell(fmt::format("{}: {}\n", shown.scene.name, warning));
   fmt::print("{}", arguments.format == "json" ? crosscheck::showJson(shown, DYNWITNESS_VERSION)
@@ -79,6 +81,8 @@ Run addShow(CLI::App* command) {
       "Examples:\n"
       "  dynwitness show puma_560\n"
       "  dynwitness show my_arm.urdf -o my_arm.html\n"
+      "The ledger says what the equations of motion take: parameters that matter, entries of M, c\n"
+      "and g that are always zero and why, operations with and without them.\n"
       "A URDF that other commands refuse (inertias of no body, massless tips) is shown as it is\n"
       "written, with the reason.");
   return [arguments] { return runShow(*arguments); };

@@ -47,9 +47,14 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PublishedMotion::Entry, of, time, published, 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PublishedMotion, title, source, own, note, moved, method,
                                    duration, step_error, steps, values, ratio, entries, failure)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Equations, summary, kinetic, potential, lines)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Ledger::Zeros::Group, reason, entries)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Ledger::Zeros, quantity, entries, zero, groups, not_examined)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Ledger, links, joints, rates, parameters, base_parameters,
+                                   no_base_parameters, zeros, error_probability, general_operations,
+                                   operations, no_operations, disputes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SceneResult, name, title, source, file, dof, links, link_names,
-                                   joint_labels, parents, not_modelled, equations, checks, digits,
-                                   findings, controls, drift, motions)
+                                   joint_labels, parents, not_modelled, ledger, equations, checks,
+                                   digits, findings, controls, drift, motions)
 
 namespace {
 

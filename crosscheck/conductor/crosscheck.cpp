@@ -12,6 +12,7 @@
 #include "crosscheck/conductor/exact_checks.hpp"
 #include "crosscheck/conductor/plan.hpp"
 #include "crosscheck/exact/control_in_field.hpp"
+#include "crosscheck/exact/ledger.hpp"
 #include "crosscheck/inputs/features.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
 #include "crosscheck/motion/constrained_quantities.hpp"
@@ -64,6 +65,7 @@ SceneResult byLaws(const PreparedScene& scene, const Options& options, const Pla
   SceneResult result;
   describe(scene.scene(), options, result);
   result.not_modelled.insert(result.not_modelled.end(), plan.told.begin(), plan.told.end());
+  result.ledger = ledgerOf(scene, {options.seed, options.error_probability});
   if (!plan.whole) {
     result.checks = {leftOut(plan, "laws of mechanics"),
                      leftOut(plan, "energy of a simulated motion")};

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "crosscheck/exact/parameter_rank.hpp"
 #include "crosscheck/parameters/certified_solve.hpp"
 #include "crosscheck/scalars/formula_sizes.hpp"
 #include "crosscheck/scalars/prime_field.hpp"
@@ -23,129 +24,6 @@ namespace {
 
 using scene::Integer;
 using scene::Rational;
-
-// ---- linear algebra over the field --------------------------------------------------------------
-
-/// Rows of a matrix as they come, in reduced echelon form, columns being tried in an order.
-class Echelon {
- public:
-  explicit Echelon(const std::vector<int>& order) : order_(order), place_(order.size()) {
-    for (std::size_t k = 0; k < order.size(); ++k) place_[order[k]] = static_cast<int>(k);
-  }
-
-  /// @return whether the row does not depend on those before
-  bool add(const std::vector<PrimeField>& given) {
-    std::vector<PrimeField> row;
-    for (const int j : order_) row.push_back(given[j]);
-    for (const auto& [pivot, other] : rows_) subtract(row, row[pivot], other);
-    const auto lead =
-        std::find_if(row.begin(), row.end(), [](PrimeField x) { return !x.isZero(); });
-    if (lead == row.end()) return false;
-    const PrimeField scale = lead->inverse();
-    for (PrimeField& x : row) x *= scale;
-    const int pivot = static_cast<int>(lead - row.begin());
-    for (auto& [p, other] : rows_) subtract(other, other[pivot], row);
-    const auto place = std::find_if(rows_.begin(), rows_.end(),
-                                    [&](const auto& r) { return order_[r.first] > order_[pivot]; });
-    rows_.insert(place, {pivot, std::move(row)});
-    return true;
-  }
-  int rank() const { return static_cast<int>(rows_.size()); }
-  /// The first column tried of each row, rising; the rows are 1 there and 0 at each other's.
-  std::vector<int> pivots() const {
-    std::vector<int> out;
-    for (const auto& [pivot, row] : rows_) out.push_back(order_[pivot]);
-    return out;
-  }
-  PrimeField operator()(int row, int column) const { return rows_[row].second[place_[column]]; }
-  int columns() const { return static_cast<int>(order_.size()); }
-
- private:
-  static void subtract(std::vector<PrimeField>& row, PrimeField factor,
-                       const std::vector<PrimeField>& other) {
-    if (factor.isZero()) return;
-    for (std::size_t j = 0; j < row.size(); ++j) row[j] -= factor * other[j];
-  }
-  std::vector<int> order_, place_;  ///< place_[order_[k]] = k; rows are in that order
-  std::vector<std::pair<int, std::vector<PrimeField>>> rows_;
-};
-
-/** The order in which columns are tried: links from the base outward, of each its inertia, then its
-    first moment, then its mass, and rotors last. So what a joint's motion cannot tell apart (a
-    point mass on its axis, a rod along it or across it) is what is counted to the link inboard, and
-    K is small. */
-std::vector<int> eliminationOrder(const std::vector<scene::InertialParameter>& parameters) {
-  using Kind = scene::InertialParameter::Kind;
-  std::vector<int> order(parameters.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto rank = [&](int j) {
-    const Kind kind = parameters[j].kind;
-    if (kind == Kind::kRotor) return std::pair(std::numeric_limits<int>::max(), 0);
-    return std::pair(parameters[j].link, kind == Kind::kMass ? 2 : kind <= Kind::kHz ? 1 : 0);
-  };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
-  return order;
-}
-
-/// State k of a trial; the numbers of the scene are the same for all of them.
-FieldSource sourceOf(const scene::Scene& scene, std::uint64_t seed, int trial, int k) {
-  return {scene.name + ", state " + std::to_string(k), seed, static_cast<std::uint64_t>(trial)};
-}
-
-/// Y stacked over random states, until one adds nothing: then none does.
-struct Stack {
-  Echelon echelon;
-  int states;
-};
-Stack stackRegressor(const scene::Scene& scene,
-                     const std::vector<scene::InertialParameter>& parameters, std::uint64_t seed,
-                     int trial, Parameters given = Parameters::kAsWritten) {
-  const FieldNumbers number(scene.mechanism, FieldSource(scene.name, seed, trial), given);
-  const auto model = recursive::buildModel(scene.mechanism, number);
-  recursive::Workspace<PrimeField> ws(model);
-  recursive::MatrixX<PrimeField> Y(model.dof(), parameters.size());
-  Stack out{Echelon(eliminationOrder(parameters)), 0};
-  scene::Work work("forces over the field", 1, 1);
-  for (bool grows = true; grows; ++out.states) {
-    const auto state =
-        indeterminateState(scene.mechanism, sourceOf(scene, seed, trial, out.states));
-    recursive::regressor(model, parameters, state.x, state.qd, state.qdd, ws, Y);
-    grows = false;
-    for (Eigen::Index i = 0; i < Y.rows(); ++i) {
-      std::vector<PrimeField> row;
-      for (Eigen::Index j = 0; j < Y.cols(); ++j) row.push_back(Y(i, j));
-      grows = out.echelon.add(row) || grows;
-      const double share = out.echelon.rank() / static_cast<double>(parameters.size());
-      work.doneTo(share * share);  // a row costs as much as there are rows before it
-    }
-  }
-  return out;
-}
-
-/** Chance that one trial finds too small a rank. After each state, some minor of at most p rows of
-    the stack is not zero as a formula and may vanish at the point: p + 1 states at most. Its size
-    is that of p factors, each no larger than the sum of all entries of Y, and p! terms. */
-double chanceOfTooSmallRank(const scene::Scene& scene,
-                            const std::vector<scene::InertialParameter>& parameters) {
-  const FormulaSizes sizes;
-  const FieldSource source(scene.name, 0, 0);
-  const FieldNumbers number(scene.mechanism, source);
-  const auto state = indeterminateState(scene.mechanism, source);
-  const auto model = recursive::buildModel(scene.mechanism, number);
-  recursive::Workspace<PrimeField> ws(model);
-  recursive::MatrixX<PrimeField> Y(model.dof(), parameters.size());
-  recursive::regressor(model, parameters, state.x, state.qd, state.qdd, ws, Y);
-  PrimeField entry = 0, minor = 1;
-  for (Eigen::Index i = 0; i < Y.rows(); ++i)
-    for (Eigen::Index j = 0; j < Y.cols(); ++j) entry += Y(i, j);
-  double terms = 0;  // log2 p!
-  for (std::size_t k = 1; k <= parameters.size(); ++k) {
-    minor *= entry;
-    terms += std::log2(static_cast<double>(k));
-  }
-  for (int k = 0; k < terms; ++k) minor += minor;
-  return (static_cast<double>(parameters.size()) + 1) * errorProbability(minor, sizes);
-}
 
 // ---- from residues to rationals -----------------------------------------------------------------
 
@@ -280,7 +158,7 @@ BaseParameters baseParameters(const scene::Scene& scene, std::uint64_t seed,
   for (int trial = 0; trial < trials || (!lifted && trial < kMostTrials); ++trial) {
     const PrimeField::Modulus field(drawPrime(scene.name, seed, trial));
     const std::uint64_t prime = PrimeField::modulus();
-    const Stack stack = stackRegressor(scene, out.parameters, seed, trial);
+    const RegressorStack stack = stackRegressor(scene, out.parameters, seed, trial);
     const Echelon& echelon = stack.echelon;
     if (trial > 0 && echelon.pivots() != out.independent)
       throw std::runtime_error(scene.name + ": independent columns differ between two primes");
@@ -330,7 +208,7 @@ int energyRank(const scene::Scene& scene, const BaseParameters& base, std::uint6
   const FieldNumbers number(symbols.mechanism, FieldSource(scene.name, seed, trial));
   symbolic::ProgramRun<PrimeField> run(program, number);
   const auto row = [&](int k) {
-    return run(indeterminateState(scene.mechanism, sourceOf(scene, seed, trial, k)));
+    return run(indeterminateState(scene.mechanism, regressorSource(scene, seed, trial, k)));
   };
   // K of this field
   const Echelon echelon = stackRegressor(scene, base.parameters, seed, trial).echelon;

@@ -316,8 +316,10 @@ class Search {
   double mostOfRates(const Corner& at_q, const Box& box, int sign,
                      std::vector<double>* worst) const {
     std::vector<double> v(rates_.size());
+    const std::vector<double> open = mostOfLater(at_q, box);
     double best = -HUGE_VAL;
     const auto add = [&](const auto& self, std::size_t a, double sum) -> void {
+      if (sum + open[a] <= best) return;  // whatever the rates from a on are
       if (a == rates_.size()) {
         if (sum > best) {
           best = sum;
@@ -339,6 +341,22 @@ class Search {
     };
     add(add, 0, 0);
     return best;
+  }
+
+  /// By rate: no less than the products with it or with any later one add, in the order of
+  /// mostOfRates(); and 0.
+  std::vector<double> mostOfLater(const Corner& at_q, const Box& box) const {
+    std::vector<double> open(rates_.size() + 1);
+    for (std::size_t a = rates_.size(); a-- > 0;) {
+      double slope = 0;
+      for (std::size_t b = 0; b <= a; ++b) {
+        const int p = pairs_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+        if (p >= 0) slope += std::abs(at_q.values(p)) * box.qd[b].most();
+      }
+      if (has_friction_ && rates_[a] == quantity_.i) slope += std::abs(of(model_.viscous).value());
+      open[a] = open[a + 1] + (1 + kLost) * slope * box.qd[a].most();
+    }
+    return open;
   }
 
   /// The most that dry friction adds, over the rates of a box.

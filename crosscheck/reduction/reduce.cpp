@@ -28,7 +28,10 @@ using symbolic::Node;
 using symbolic::Program;
 using Kind = EnvelopeQuantity::Kind;
 
-constexpr int kSampled = 400;         ///< states that decide in which order parameters go
+constexpr int kSampled = 400;  ///< states that decide in which order parameters go
+/// For the largest |tau_i|, of which the value that is seen counts and not its bound. Measured:
+/// arms of up to six joints have their bound after 129 at most.
+constexpr int kForceBoxes = 2000;
 constexpr int kDecisionBoxes = 2000;  ///< what one question "is this within the limit?" may take
 constexpr double kFurther = 30;       ///< parameters go until samples err by so many allowed errors
 constexpr int kBases = 6;  ///< of the reduced scenes between, so many are tried with terms
@@ -392,7 +395,7 @@ class Reducer {
       : scene_(scene), ranges_(ranges), options_(options), stage_(stage) {
     requireTreated(scene, Command::kReduce);
     EnvelopeOptions forces;
-    forces.boxes = options.boxes;
+    forces.boxes = std::min(options.boxes, kForceBoxes);
     {
       const scene::Work work("forces", 1, kForces);
       for (const EnvelopeBound& tau : envelopeBounds(scene, ranges, forces, stage)) {
@@ -482,12 +485,21 @@ class Reducer {
     return difference(full_, none);
   }
 
+  /// By joint.
+  using Parts = std::vector<std::vector<EnvelopePart>>;
+  static Parts partsOf(const TrigonometricModel& model) {
+    Parts all;
+    for (int i = 0; i < model.dof; ++i) all.push_back(envelopeParts(model, {Kind::kTau, i, 0}));
+    return all;
+  }
+
   /// The terms to be added to base b, unless they are too many.
-  std::optional<Draft> draft(const TrigonometricModel& model, double allowed) const {
+  std::optional<Draft> draft(const TrigonometricModel& model, const Parts& parts_of,
+                             double allowed) const {
     Draft out;
     const Sizes sizes(model, ranges_);
     for (int i = 0; i < model.dof; ++i) {
-      const std::vector<EnvelopePart> parts = envelopeParts(model, {Kind::kTau, i, 0});
+      const std::vector<EnvelopePart>& parts = parts_of[static_cast<std::size_t>(i)];
       const std::vector<Term> terms = termsOf(parts, sizes);
       const std::optional<Kept> some =
           kept(model, ranges_, i, parts, terms, limit(static_cast<std::size_t>(i), allowed));
@@ -531,13 +543,14 @@ class Reducer {
       if (!any) continue;
       stage_(fmt::format("{} parameters dropped", bases_[b].dropped.size()));
       const TrigonometricModel model = differenceTo(b);
+      const Parts parts = partsOf(model);
       for (std::size_t t = 0; t < has.size(); ++t) {
         if (!isWorth(t)) continue;
         Draft d;
         bool is_within = true;
         for (int i = 0; i < model.dof && is_within; ++i) {
           double bound = 0;
-          is_within = isWithin(model, ranges_, i, envelopeParts(model, {Kind::kTau, i, 0}),
+          is_within = isWithin(model, ranges_, i, parts[static_cast<std::size_t>(i)],
                                limit(static_cast<std::size_t>(i), options_.allowed[t]), &bound);
           d.bounds.push_back(bound);
         }
@@ -579,12 +592,13 @@ class Reducer {
     stage_(isWeightless(b) ? std::string("terms alone")
                            : fmt::format("terms after {} parameters", bases_[b].dropped.size()));
     const TrigonometricModel model = differenceTo(b);
+    const Parts parts = partsOf(model);
     for (std::size_t t = 0; t < found_.size(); ++t) {
       const double allowed = options_.allowed[t];
       if (allowed <= 0 || (!isWeightless(b) && bases_[b].sampled > kFurther * allowed)) continue;
       // parameters alone would have been found before
       if (sweep(b).bodyOperations().all() >= found_[t]->operations()) continue;
-      const std::optional<Draft> d = draft(model, allowed);
+      const std::optional<Draft> d = draft(model, parts, allowed);
       if (!d) continue;
       consider(t, {b, *d, programOf(sweep(b), d->terms, model)}, &found_);
     }

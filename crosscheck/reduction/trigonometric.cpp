@@ -104,7 +104,7 @@ Polynomial polynomialOf(Tensor values, const std::vector<Axis>& axes) {
       m += static_cast<Monomial>(k) * power;
       power *= kBasis;
     }
-    out.emplace(m, values[at]);
+    out.emplace_hint(out.end(), m, values[at]);  // they rise with the place
   }
   return out;
 }
@@ -200,7 +200,8 @@ int digit(Monomial m, int k) {
 Polynomial derivative(const Polynomial& f, int k, bool slides) {
   Monomial power = 1;
   for (int i = 0; i < k; ++i) power *= kBasis;
-  Polynomial out;
+  std::vector<Polynomial::value_type> terms;
+  terms.reserve(f.size());
   for (const auto& [m, coefficient] : f) {
     const int d = digit(m, k);
     if (d == 0) continue;
@@ -214,13 +215,25 @@ Polynomial derivative(const Polynomial& f, int k, bool slides) {
       to = d % 2 == 1 ? d + 1 : d - 1;
       factor = d % 2 == 1 ? -harmonic : harmonic;
     }
-    out.emplace(rest + static_cast<Monomial>(to) * power, coefficient * RunningError(factor));
+    terms.emplace_back(rest + static_cast<Monomial>(to) * power,
+                       coefficient * RunningError(factor));
   }
-  return out;
+  return Polynomial(terms.begin(), terms.end());
 }
 
 void add(const Polynomial& b, double factor, Polynomial* a) {
-  for (const auto& [m, coefficient] : b) (*a)[m] += coefficient * RunningError(factor);
+  Polynomial sum;
+  sum.reserve(a->size() + b.size());
+  auto x = a->begin();
+  for (const auto& [m, coefficient] : b) {
+    for (; x != a->end() && x->first < m; ++x) sum.emplace_hint(sum.end(), *x);
+    RunningError total;
+    if (x != a->end() && x->first == m) total = (x++)->second;
+    total += coefficient * RunningError(factor);
+    sum.emplace_hint(sum.end(), m, total);
+  }
+  for (; x != a->end(); ++x) sum.emplace_hint(sum.end(), *x);
+  *a = std::move(sum);
 }
 
 }  // namespace dynwitness::crosscheck

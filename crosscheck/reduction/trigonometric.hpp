@@ -4,9 +4,10 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
+
+#include <boost/container/flat_map.hpp>
 
 #include "crosscheck/scalars/running_error.hpp"
 #include "scene/envelope.hpp"
@@ -20,7 +21,8 @@ inline constexpr int kBasis = 5;
 /// A product of one function of each joint: digits in base 5, joint 0 the last.
 using Monomial = std::uint32_t;
 /// Coefficients, each with a bound of its error.
-using Polynomial = std::map<Monomial, RunningError>;
+/// In a row: those of seven joints have thousands, most of them within roundings of zero.
+using Polynomial = boost::container::flat_map<Monomial, RunningError>;
 
 /** M(q), and g(q) and the loads, as polynomials in cosines and sines of the joints that turn
     and in the positions of those that slide. In the axes of its own link, a link's motion is of

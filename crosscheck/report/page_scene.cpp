@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "crosscheck/report/ledger_report.hpp"
 #include "crosscheck/report/page_sections.hpp"
 #include "crosscheck/report/page_words.hpp"
 #include "crosscheck/report/tree_svg.hpp"
@@ -72,6 +73,13 @@ void putEquations(std::string* page, const SceneResult& scene) {
     for (const std::string& line : equations.lines) formula(line);
   }
   put(page, "</div>\n</div>\n");
+}
+
+void putLedger(std::string* page, const SceneResult& scene) {
+  if (!scene.ledger) return;
+  put(page, "<details>\n<summary>Ledger: what the equations of motion take</summary>\n");
+  *page += ledgerHtml(*scene.ledger);
+  put(page, "</details>\n");
 }
 
 std::string wordOf(Road road) {
@@ -188,6 +196,7 @@ void putScene(std::string* page, const SceneResult& scene, const SceneFiles& fil
   }
   putTree(page, scene, files);
   putEquations(page, scene);
+  putLedger(page, scene);
   putChecks(page, scene);
   putControls(page, scene);
   putDigits(page, scene);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "crosscheck/report/ledger_report.hpp"
 #include "crosscheck/report/text.hpp"
 #include "scene/mimic.hpp"
 #include "scene/numbers.hpp"
@@ -371,6 +372,7 @@ std::vector<std::string> notes(const Facts& facts) {
   return lines;
 }
 
+constexpr const char* kLedger = "Ledger: what the equations of motion of its tree take";
 constexpr const char* kNever = "contact, limits of joints and actuators are no part of any scene";
 
 std::string sizeText(const Facts& facts) {
@@ -412,6 +414,7 @@ std::string showText(const Shown& shown) {
   text += "\nNot modelled\n";
   for (const std::string& line : scene.not_modelled) text += "  " + oneLine(line) + "\n";
   text += fmt::format("  {}\n", kNever);
+  if (shown.ledger) text += fmt::format("\n{}\n{}", kLedger, ledgerText(*shown.ledger));
   if (!shown.warnings.empty()) {
     text += "\nOther commands refuse it\n";
     for (const std::string& line : shown.warnings) text += "  " + oneLine(line) + "\n";
@@ -440,7 +443,9 @@ std::string showPage(const Shown& shown, const View& view, const std::string& ve
   body += list("Modelled besides", modelled(facts));
   std::vector<std::string> left_out = scene.not_modelled;
   left_out.emplace_back(kNever);
-  return viewPage(view, version, summary, body + list("Not modelled", left_out));
+  body += list("Not modelled", left_out);
+  if (shown.ledger) body += fmt::format("<h2>{}</h2>\n{}", kLedger, ledgerHtml(*shown.ledger));
+  return viewPage(view, version, summary, body);
 }
 
 std::string showJson(const Shown& shown, const std::string& version) {
@@ -534,6 +539,7 @@ std::string showJson(const Shown& shown, const std::string& version) {
   Json left_out = Json::array();
   for (const std::string& line : scene.not_modelled) left_out.push_back(oneLine(line));
   json["not_modelled"] = left_out;
+  json["ledger"] = shown.ledger ? ledgerJson(*shown.ledger) : Json();
   json["warnings"] = shown.warnings;
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

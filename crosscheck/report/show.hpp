@@ -3,10 +3,12 @@
 // the links weigh, and what is modelled.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "crosscheck/report/view.hpp"
+#include "crosscheck/verdicts/ledger.hpp"
 #include "scene/scene.hpp"
 #include "scene/urdf.hpp"
 
@@ -16,6 +18,7 @@ struct Shown {
   scene::Scene scene;
   std::vector<scene::UrdfPart> parts = {};  ///< of a URDF, one a link: its limits; or none
   std::vector<std::string> warnings = {};   ///< why other commands refuse the scene
+  std::optional<Ledger> ledger = {};        ///< of a scene that they do not refuse
 };
 
 /// Aligned tables: joints in the order of q, links, what else is modelled and what is not.

@@ -10,6 +10,7 @@
 
 #include "crosscheck/motion/drift.hpp"
 #include "crosscheck/scalars/scalar.hpp"
+#include "crosscheck/verdicts/ledger.hpp"
 #include "crosscheck/witnesses/witness_info.hpp"
 
 namespace dynwitness::crosscheck {
@@ -278,6 +279,7 @@ struct SceneResult {
   std::vector<std::string> link_names, joint_labels;  ///< one a link; label of the root is empty
   std::vector<int> parents;                           ///< -1 for the root
   std::vector<std::string> not_modelled;
+  std::optional<Ledger> ledger;
   Equations equations;
   std::vector<CheckResult> checks;
   std::vector<DigitsResult> digits;

@@ -91,7 +91,8 @@ const std::vector<Rule> kRules = {
     {"motion", {"scene", "recursive", "inputs", "scalars", "witnesses"}},
     {"verdicts",
      {"scene", "recursive", "inputs", "rereading", "scalars", "witnesses", "laws", "motion"}},
-    {"exact", {"scene", "symbolic", "recursive", "scalars", "witnesses", "laws", "verdicts"}},
+    {"exact",
+     {"scene", "symbolic", "recursive", "scalars", "kernel", "witnesses", "laws", "verdicts"}},
     {"diagnosis", {"scene", "system", "inputs", "scalars", "witnesses", "verdicts"}},
     {"golden", {"scene", "inputs", "scalars", "witnesses", "verdicts"}},
     {"studies",
@@ -106,7 +107,8 @@ const std::vector<Rule> kRules = {
       "verdicts"}},
     {"report", {"scene", "system", "inputs", "motion", "verdicts", "chart"}},
     {"parameters",
-     {"scene", "symbolic", "recursive", "inputs", "scalars", "witnesses", "motion", "report"}},
+     {"scene", "symbolic", "recursive", "inputs", "scalars", "witnesses", "motion", "exact",
+      "report"}},
     {"readers", {"scene", "recursive", "system", "inputs", "scalars", "witnesses", "report"}},
     {"audit",
      {"scene", "symbolic", "recursive", "system", "inputs", "scalars", "studies", "report"}},
@@ -285,6 +287,7 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/report/view.cpp", {"1e-10"}},              // what is drawn at 0
       {"crosscheck/verdicts/options.hpp", {"1e-30"}},         // default of --error-probability
       {"crosscheck/exact/exact.hpp", {"1e-30"}},              // the same
+      {"crosscheck/exact/ledger.hpp", {"1e-30"}},             // the same
       {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same
       {"crosscheck/audit/board.hpp", {"1e-12"}},              // what is printed as 0 beside others
       {"crosscheck/motion/simulate.hpp", {"1e-10"}},          // default of --step-error

@@ -146,3 +146,27 @@ BOOST_AUTO_TEST_CASE(what_has_no_bound_is_refused_with_a_reason) {
   refused([&] { trigonometricModel(scene::findScene("andrews_squeezer")); }, "closed mechanism");
   refused([&] { trigonometricModel(scene::findScene("humanoid")); }, "joints move");
 }
+
+// the largest over the corners in qd is looked for without visiting all of them: here they are
+BOOST_AUTO_TEST_CASE(at_one_position_no_corner_of_the_rates_is_above_the_bound) {
+  const scene::Scene scene = scene::findScene("puma_560");
+  for (const double q : {0.3, -0.7, 1.9}) {
+    std::vector<scene::JointRanges> ranges;
+    for (int k = 0; k < 6; ++k) ranges.push_back({{q + k, q + k}, {-1.0 - k, 2}, {0, 0}});
+    EnvelopeOptions options;
+    options.boxes = 2000;
+    const std::vector<EnvelopeBound> bounds = envelopeBounds(scene, ranges, options, kNoStage);
+    for (int corner = 0; corner < 64; ++corner) {
+      EnvelopeState state;
+      for (std::size_t k = 0; k < 6; ++k) {
+        state.q.push_back(ranges[k].q.low);
+        state.qd.push_back((corner >> k & 1) != 0 ? ranges[k].qd.high : ranges[k].qd.low);
+        state.qdd.push_back(0);
+      }
+      for (const EnvelopeBound& bound : bounds) {
+        const RunningError tau = sweptQuantity(scene, bound.quantity, state);
+        BOOST_TEST(std::abs(tau.value()) - tau.bound() <= bound.certified);
+      }
+    }
+  }
+}

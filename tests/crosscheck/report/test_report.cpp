@@ -81,6 +81,14 @@ SceneResult pendulum() {
   scene.link_names = {"base", "bob"};
   scene.joint_labels = {"", "pivot (revolute)"};
   scene.parents = {-1, 0};
+  Ledger ledger;
+  ledger.links = ledger.joints = ledger.rates = 1;
+  ledger.parameters = 10;
+  ledger.base_parameters = 3;
+  ledger.general_operations = 119;
+  ledger.no_operations = "not written: " + kAwkward;
+  ledger.zeros = {{"M", 1, 0, {}, ""}, {"c", 1, 1, {{"M does not depend on q", {"c_1"}}}, ""}};
+  scene.ledger = ledger;
   scene.equations.summary = "closed form, 3 terms";
   scene.equations.kinetic = formula(
       "<mi>T</mi><mo>=</mo><mfrac><mn>1</mn><mn>2</mn></mfrac><mi>m</mi><msup><mi>l</mi><mn>2</mn></msup><msup><mover><mi>q</mi><mo>˙</mo></mover><mn>2</mn></msup>");
@@ -342,6 +350,14 @@ BOOST_FIXTURE_TEST_CASE(charts_of_other_scenes_are_refused, TemporaryFolder) {
 BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(page)
+
+BOOST_AUTO_TEST_CASE(the_ledger_is_on_the_page_of_its_scene) {
+  const std::string page = allPages(sample());
+  BOOST_TEST(contains(page, "3 of 10 inertial parameters matter after regrouping"));
+  BOOST_TEST(contains(page, "c: 1 of 1 are always zero"));
+  BOOST_TEST(contains(page, "M does not depend on q: <code>c_1</code>"));
+  BOOST_TEST(contains(page, "119 by a sweep for any mechanism, a program of the scene"));
+}
 
 BOOST_FIXTURE_TEST_CASE(strings_are_escaped_and_there_is_no_script, TemporaryFolder) {
   writeReport(sample(), environment(), path / "report");

@@ -13,6 +13,7 @@
 #include "crosscheck/conductor/campaign.hpp"
 #include "crosscheck/conductor/crosscheck.hpp"
 #include "crosscheck/report/json.hpp"
+#include "crosscheck/report/ledger_report.hpp"
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/error.hpp"
@@ -109,6 +110,12 @@ BOOST_AUTO_TEST_CASE(a_result_comes_back_whole) {
   scene.parents = {-1, 0};
   scene.not_modelled = {"friction"};
   scene.equations = {"short", "T", "V", {"M", "c"}};
+  Ledger ledger;
+  ledger.parameters = 20;
+  ledger.base_parameters = 5;
+  ledger.zeros = {{"g", 2, 1, {{"no gravity", {"g_1"}}}, "not looked for"}};
+  ledger.disputes = {"a fault"};
+  scene.ledger = ledger;
   scene.checks = {check, CheckResult()};
   scene.digits = {{"a", "M", Scalar::kFloat, 5, 6.5, 7.5, 4.5, 2, "M[2,2]"}, {}};
   scene.findings = {{Finding::Kind::kKnownLoss, "n", "M", "a", "a loses digits", 7.3}};
@@ -126,6 +133,7 @@ BOOST_AUTO_TEST_CASE(a_result_comes_back_whole) {
   BOOST_TEST(back.equations.kinetic == "T");
   BOOST_TEST(back.equations.potential == "V");
   BOOST_TEST(back.equations.summary == "short");
+  BOOST_TEST(ledgerJson(*back.ledger) == ledgerJson(ledger));
   BOOST_TEST(back.parents == scene.parents, boost::test_tools::per_element());
   BOOST_TEST(back.link_names == scene.link_names, boost::test_tools::per_element());
   BOOST_TEST(back.joint_labels == scene.joint_labels, boost::test_tools::per_element());
