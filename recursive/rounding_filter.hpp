@@ -39,11 +39,15 @@ class RoundingFilter {
     const std::size_t n = static_cast<std::size_t>(model.dof());
     turn_.resize(n), slide_.resize(n), rotors_.resize(n), size_.resize(n);
     of_links_.resize(n), of_bodies_.resize(n);
+    by_F_.resize(n), by_E_.resize(n), viscous_.resize(n);
     for (const Part& part : estimate_.parts_) {
       const std::ptrdiff_t i = &part - estimate_.parts_.data();
       const T rotor = part.ratio * std::sqrt(std::abs(model.links[i].rotor));
-      if (part.is_passive) passive_.push_back(i);
-      has_joints_of_many_axes_ = has_joints_of_many_axes_ || part.axes > 1;
+      if (part.stiffness != T(0))
+        springs_.push_back({part.spring_slot, part.dof, part.stiffness, part.rest});
+      is_rubbed_ = is_rubbed_ || part.viscous != T(0) || part.coulomb != T(0);
+      if (part.axes > 1) of_many_axes_.push_back(static_cast<int>(i));
+      if (part.axes == 1) append(part.dof, &of_one_axis_);
       is_loaded_ = is_loaded_ || part.is_loaded;
       for (int k = 0; k < part.axes; ++k) {
         const bool is_slide = Estimate::isSlide(part, k);
@@ -52,10 +56,14 @@ class RoundingFilter {
         if (part.kind == JointKind::kHelical) slide_[part.dof] += part.ratio * part.pitch;
       }
     }
-    is_of_plain_turns_ =
-        std::all_of(turn_.begin(), turn_.end(), [](const T& x) { return x == T(1); }) &&
-        std::all_of(slide_.begin(), slide_.end(), [](const T& x) { return x == T(0); });
-    is_plain_ = is_of_plain_turns_ && passive_.empty() && !is_loaded_ && !has_joints_of_many_axes_;
+    for (std::size_t d = 0; d < n; ++d) {
+      const int rate = static_cast<int>(d);
+      if (turn_[d] == T(1) && slide_[d] == T(0))
+        append(rate, &plain_turns_);
+      else
+        others_.push_back(rate);
+    }
+    is_plain_ = others_.empty() && springs_.empty() && !is_loaded_ && !is_rubbed_;
     compose();
   }
 
@@ -65,8 +73,9 @@ class RoundingFilter {
     reach(x);
     const Sums s = sums(qd, qdd, terms);
     T worst = largest_.F * s.F + largest_.E * s.E;
-    if (!is_plain_) worst += largest_.S * s.S_2 + largest_.own + passive(x, qd, terms);
-    const T coarse = share(worst, x, tau);
+    if (!is_plain_)
+      worst += largest_.S * s.S_2 + largest_.own + largest_viscous_ * s.R + springs(x);
+    const T coarse = share(worst, largestOf(tau), x);
     if (coarse <= suspicious_) return coarse;
     return estimate_.inverseDynamics(x, qd, qdd, tau, terms);
   }
@@ -80,22 +89,28 @@ class RoundingFilter {
                     const InversePivot& inverse_pivot, const Coupling& coupling,
                     Terms terms = Terms::all()) {
     reach(x);
-    const Sums s = sums(qd, qdd, terms);
+    const T largest = largestOf(qdd);
+    Sums s = sums(qd, qdd, terms);
+    s.least = Estimate::kSmallest * largest;
+    felt(s, x, qd, tau);
     T worst = 0;
-    if (is_plain_) {
-      for (std::size_t d = 0; d < size_.size(); ++d)
-        Estimate::keepLarger(divided(of_bodies_[d].F * s.F + of_bodies_[d].E * s.E +
-                                         std::abs(tau[d]) + Estimate::kSmallest * std::abs(qdd[d]),
-                                     inverse_pivot(static_cast<int>(d))),
-                             &worst);
-    } else {
-      felt(s, x, qd, tau, qdd, terms);
-      if (has_joints_of_many_axes_)
-        return byJoints(x, qd, tau, qdd, inverse_pivot, coupling, terms);
-      for (std::size_t d = 0; d < size_.size(); ++d)
-        Estimate::keepLarger(divided(size_[d], inverse_pivot(static_cast<int>(d))), &worst);
+    for (const Range& range : of_one_axis_)
+      for (int d = range.begin; d < range.end; ++d)
+        Estimate::keepLarger(divided(size_[d], inverse_pivot(d)), &worst);
+    for (const int i : of_many_axes_) {  // as in RoundingEstimate
+      const Part& part = estimate_.parts_[i];
+      for (int k = part.axes - 1, d = part.dof + k; k >= 0; --k, --d) {
+        T size = size_[d];
+        for (int l = k + 1; l < part.axes; ++l)
+          size += std::abs(coupling(i, d, l)) * size_[part.dof + l];
+        size_[d] = divided(size, inverse_pivot(d));
+        Estimate::keepLarger(size_[d], &worst);
+      }
     }
-    return decided(worst, x, qd, tau, qdd, inverse_pivot, coupling, terms);
+    const T coarse = share(worst, largest, x);
+    if (coarse <= suspicious_) return coarse;
+    return estimate_.forwardDynamics(
+        x, qd, tau, qdd, [&](int d) { return T(1) / inverse_pivot(d); }, coupling, terms);
   }
   /// The same of recursive::forwardDynamics() on this workspace.
   /// @throws std::invalid_argument  joints follow others
@@ -113,7 +128,8 @@ class RoundingFilter {
            const std::vector<T>& tau, const MatrixX<T>& LDL, const std::vector<T>& qdd,
            Terms terms = Terms::all()) {
     reach(x.data());
-    felt(sums(qd.data(), qdd.data(), terms), x.data(), qd.data(), tau.data(), qdd.data(), terms);
+    const T largest = largestOf(qdd.data());
+    felt(sums(qd.data(), qdd.data(), terms), x.data(), qd.data(), tau.data());
     const Eigen::Index n = LDL.rows();
     T moved = 0;
     for (Eigen::Index j = 0; j < n; ++j)
@@ -129,7 +145,7 @@ class RoundingFilter {
       size_[k] = y;
       Estimate::keepLarger(y, &worst);
     }
-    const T coarse = share(worst, x.data(), qdd.data());
+    const T coarse = share(worst, largest, x.data());
     return coarse <= suspicious_ ? coarse : estimate_.solved(x, qd, tau, LDL, qdd, terms);
   }
 
@@ -147,22 +163,42 @@ class RoundingFilter {
   struct Felt {
     T F = 0, E = 0, S = 0, own = 0, N = 0;
   };
+  /// R: of |qd|; least: what no entry of an answer is known better than, times 1 / second.
   struct Sums {
-    T F, E, S_2;
+    T F, E, S_2, R, least;
   };
+  struct Spring {
+    int slot, rate;
+    T stiffness, rest;
+  };
+  struct Range {
+    int begin, end;
+  };
+  static void append(int rate, std::vector<Range>* ranges) {
+    if (!ranges->empty() && ranges->back().end == rate)
+      ++ranges->back().end;
+    else
+      ranges->push_back({rate, rate + 1});
+  }
 
   Sums sums(const T* qd, const T* qdd, Terms terms) const {
-    const std::size_t n = size_.size();
-    T W = 0, A = 0, S = 0, B = 0;
-    if (is_of_plain_turns_)
-      for (std::size_t d = 0; d < n; ++d) W += std::abs(qd[d]), A += std::abs(qdd[d]);
-    else
-      for (std::size_t d = 0; d < n; ++d) {
-        const T rate = std::abs(qd[d]), change = std::abs(qdd[d]);
-        W += turn_[d] * rate, S += slide_[d] * rate;
-        A += turn_[d] * change, B += slide_[d] * change;
-      }
-    return {(terms.gravity ? estimate_.gravity_ : T(0)) + (3 * W * S + B), A + 4 * W * W, S * S};
+    T W = 0, A = 0, S = 0, B = 0, R = 0;
+    for (const Range& range : plain_turns_)
+      for (int d = range.begin; d < range.end; ++d) W += std::abs(qd[d]), A += std::abs(qdd[d]);
+    R = W;
+    for (const int d : others_) {
+      const T rate = std::abs(qd[d]), change = std::abs(qdd[d]);
+      R += rate;
+      W += turn_[d] * rate, S += slide_[d] * rate;
+      A += turn_[d] * change, B += slide_[d] * change;
+    }
+    return {(terms.gravity ? estimate_.gravity_ : T(0)) + (3 * W * S + B), A + 4 * W * W, S * S, R,
+            T(0)};
+  }
+  T largestOf(const T* answer) const {
+    T largest = 0;
+    for (std::size_t d = 0; d < size_.size(); ++d) largest = std::max(largest, std::abs(answer[d]));
+    return largest;
   }
   static T divided(const T& size, const T& inverse_pivot) {
     return inverse_pivot > T(0) ? size * inverse_pivot : Estimate::kNothingLeft;
@@ -170,56 +206,25 @@ class RoundingFilter {
   T roundings(const JointPosition<T>* x) const {
     return estimate_.rounded_positions_ ? roundings_ * (1 + estimate_.roundingOf(x)) : roundings_;
   }
-  T share(const T& worst, const JointPosition<T>* x, const T* answer) const {
-    T largest = 0;
-    for (std::size_t d = 0; d < size_.size(); ++d)
-      Estimate::keepLarger(std::abs(answer[d]), &largest);
+  T share(const T& worst, const T& largest, const JointPosition<T>* x) const {
     return worst == T(0) ? T(0) : roundings(x) * (worst / largest);
   }
-  template <typename InversePivot, typename Coupling>
-  T decided(const T& worst, const JointPosition<T>* x, const T* qd, const T* tau, const T* qdd,
-            const InversePivot& inverse_pivot, const Coupling& coupling, Terms terms) {
-    const T coarse = share(worst, x, qdd);
-    if (coarse <= suspicious_) return coarse;
-    return estimate_.forwardDynamics(
-        x, qd, tau, qdd, [&](int d) { return T(1) / inverse_pivot(d); }, coupling, terms);
-  }
-  /// As in RoundingEstimate: what the joint's other axes are off by.
-  template <typename InversePivot, typename Coupling>
-  T byJoints(const JointPosition<T>* x, const T* qd, const T* tau, const T* qdd,
-             const InversePivot& inverse_pivot, const Coupling& coupling, Terms terms) {
-    T worst = 0;
-    for (std::size_t i = 0; i < estimate_.parts_.size(); ++i) {
-      const Part& part = estimate_.parts_[i];
-      for (int k = part.axes - 1, d = part.dof + k; k >= 0; --k, --d) {
-        T size = size_[d];
-        for (int l = k + 1; l < part.axes; ++l)
-          size += std::abs(coupling(static_cast<int>(i), d, l)) * size_[part.dof + l];
-        size_[d] = divided(size, inverse_pivot(d));
-        Estimate::keepLarger(size_[d], &worst);
-      }
-    }
-    return decided(worst, x, qd, tau, qdd, inverse_pivot, coupling, terms);
-  }
-
-  T passive(const JointPosition<T>* x, const T* qd, Terms terms) const {
+  T springs(const JointPosition<T>* x) const {
     T sum = 0;
-    for (const std::ptrdiff_t i : passive_)
-      sum += Estimate::passive(estimate_.parts_[i], x, qd, terms);
+    for (const Spring& k : springs_) sum += k.stiffness * (std::abs(x[k.slot].q) + k.rest);
     return sum;
   }
   /// What each axis adds up in forward dynamics, into size_.
-  void felt(const Sums& s, const JointPosition<T>* x, const T* qd, const T* tau, const T* qdd,
-            Terms terms) {
-    for (std::size_t d = 0; d < size_.size(); ++d) {
-      const Felt& k = of_bodies_[d];
-      size_[d] = k.F * s.F + k.E * s.E + std::abs(tau[d]) + Estimate::kSmallest * std::abs(qdd[d]);
-    }
+  void felt(const Sums& s, const JointPosition<T>* x, const T* qd, const T* tau) {
+    T* const size = size_.data();
+    const T *const by_F = by_F_.data(), *const by_E = by_E_.data();
+    const int n = static_cast<int>(size_.size());
+    for (int d = 0; d < n; ++d)
+      size[d] = by_F[d] * s.F + by_E[d] * s.E + std::abs(tau[d]) + s.least;
     if (is_plain_) return;
-    for (std::size_t d = 0; d < size_.size(); ++d)
-      size_[d] += of_bodies_[d].S * s.S_2 + of_bodies_[d].own;
-    for (const std::ptrdiff_t i : passive_)
-      size_[estimate_.parts_[i].dof] += Estimate::passive(estimate_.parts_[i], x, qd, terms);
+    for (int d = 0; d < n; ++d)
+      size[d] += of_bodies_[d].S * s.S_2 + of_bodies_[d].own + viscous_[d] * std::abs(qd[d]);
+    for (const Spring& k : springs_) size[k.rate] += k.stiffness * (std::abs(x[k.slot].q) + k.rest);
   }
 
   /// Slides that are out farther than was thought of.
@@ -265,6 +270,15 @@ class RoundingFilter {
       largest_ = {std::max(largest_.F, k.F), std::max(largest_.E, k.E), std::max(largest_.S, k.S),
                   std::max(largest_.own, k.own), T(0)};
     }
+    for (const Part& part : estimate_.parts_) {
+      if (!part.is_passive) continue;
+      largest_.own += part.coulomb;
+      largest_viscous_ = std::max(largest_viscous_, part.viscous);
+      of_bodies_[part.dof].own += part.coulomb;
+      viscous_[part.dof] += part.viscous;
+    }
+    for (std::size_t d = 0; d < by_F_.size(); ++d)
+      by_F_[d] = of_bodies_[d].F, by_E_[d] = of_bodies_[d].E;
     roundings_ = std::numeric_limits<T>::epsilon() / 2 * std::sqrt(T(Estimate::kRoundings) / 3);
   }
   void feltBy(const std::vector<Body>& bodies, const std::vector<T>& p, const std::vector<T>& way,
@@ -296,14 +310,21 @@ class RoundingFilter {
 
   T suspicious_;
   Estimate estimate_;
-  bool is_of_plain_turns_, is_plain_, is_loaded_ = false, has_joints_of_many_axes_ = false;
+  bool is_plain_, is_loaded_ = false,
+                  is_rubbed_ = false;  ///< turns alone, each of a rate of its own, ...
   T reach_ = 0, roundings_ = 0;
-  std::vector<T> turn_, slide_;             ///< how much of a rate turns, and slides
-  std::vector<T> rotors_;                   ///< sqrt(n^2 J) of a rate
-  std::vector<Felt> of_links_, of_bodies_;  ///< one an axis
-  Felt largest_;                            ///< of of_links_
-  std::vector<std::ptrdiff_t> passive_;     ///< places of joints with springs or friction
-  std::vector<T> size_;                     ///< one a rate
+  std::vector<Range> plain_turns_, of_one_axis_;  ///< of rates
+  std::vector<int> others_;                       ///< rates that are no plain turns
+  std::vector<int> of_many_axes_;                 ///< places of joints
+  std::vector<T> turn_, slide_;                   ///< how much of a rate turns, and slides
+  std::vector<T> rotors_;                         ///< sqrt(n^2 J) of a rate
+  std::vector<Felt> of_links_, of_bodies_;        ///< one an axis
+  Felt largest_;                                  ///< of of_links_
+  std::vector<Spring> springs_;
+  std::vector<T> by_F_, by_E_;  ///< F and E of of_bodies_, together
+  std::vector<T> viscous_;      ///< of a rate
+  T largest_viscous_ = 0;
+  std::vector<T> size_;  ///< one a rate
 };
 
 }  // namespace dynwitness::recursive

@@ -2,9 +2,6 @@
 // The fast sweeps of one mechanism, in double: angles in, forces, masses or accelerations out.
 #pragma once
 
-#include <cstddef>
-#include <vector>
-
 #include "recursive/fast/forward_dynamics.hpp"
 #include "recursive/fast/inverse_dynamics.hpp"
 #include "recursive/fast/mass_matrix.hpp"
@@ -19,11 +16,7 @@ namespace dynwitness::recursive::fast {
 class Dynamics {
  public:
   explicit Dynamics(const Model<double>& model)
-      : plan_(model), x_(plan_.positions), id_(plan_), m_(plan_), fd_(plan_) {
-    for (const Link<double>& link : plan_.links) moved_by_.resize(moved_by_.size() + link.axes);
-    for (const Link<double>& link : plan_.links)
-      for (int k = 0; k < link.axes; ++k) moved_by_[link.dof + k] = &link - plan_.links.data();
-  }
+      : plan_(model), x_(plan_.positions), id_(plan_), m_(plan_), fd_(plan_) {}
 
   const Plan<double>& plan() const { return plan_; }
 
@@ -44,17 +37,12 @@ class Dynamics {
 
   /// The joints' positions of the last call.
   const JointPosition<double>* positions() const { return x_.data(); }
-  /// 1 / D and Z_l' U of a rate and an axis l of its joint, as forwardDynamics() left them.
-  double inversePivot(int rate) const { return fd_.joints[rate].inverse_D; }
-  double coupling(int rate, int l) const {
-    const auto& joint = fd_.joints[rate];
-    return alongAxis(plan_.links[moved_by_[rate]], l, joint.U_f, joint.U_n);
-  }
+  /// U and 1 / D of a rate, as the last forwardDynamics() left them.
+  const ForwardDynamicsWorkspace<double>::Joint& joint(int rate) const { return fd_.joints[rate]; }
 
  private:
   Plan<double> plan_;
   std::vector<JointPosition<double>> x_;
-  std::vector<std::ptrdiff_t> moved_by_;  ///< by rate: the link in the plan
   InverseDynamicsWorkspace<double> id_;
   MassMatrixWorkspace<double> m_;
   ForwardDynamicsWorkspace<double> fd_;
