@@ -18,7 +18,7 @@ namespace dynwitness::recursive {
 
         (1)  w <= W,   v <= L W + S,   alpha <= A + W^2,   b <= |gravity| + L (A + 2 W^2) + 2 W S + B
         (2)  force <= a^2 F + a r E,   moment <= a c F + r^2 E + 2 a^2 S^2
-             with r = a L + c,   E = A + 4 W^2,   F = |gravity| + 3 W S + B
+             with r = a L + c,   E = A + 5 W^2,   F = |gravity| + 3 W S + B
 
     of which the sums over what is outboard of a joint are kept. M^-1 of the matrix roads is bounded
     by |L|, D and the sizes of links, since (|L| D |L'|)_ij <= N_i N_j. Never less than the estimate:
@@ -192,7 +192,7 @@ class RoundingFilter {
       W += turn_[d] * rate, S += slide_[d] * rate;
       A += turn_[d] * change, B += slide_[d] * change;
     }
-    return {(terms.gravity ? estimate_.gravity_ : T(0)) + (3 * W * S + B), A + 4 * W * W, S * S, R,
+    return {(terms.gravity ? estimate_.gravity_ : T(0)) + (3 * W * S + B), A + 5 * W * W, S * S, R,
             T(0)};
   }
   T largestOf(const T* answer) const {
@@ -301,9 +301,10 @@ class RoundingFilter {
               to.own + along(f.own, m.own), to.N + along(a, c)};
       }
       if (part.parent == 0) continue;
+      // r^2 has in it what forces a r do from as far as the first joint
       Felt &to_f = force[part.parent - 1], &to_m = moment[part.parent - 1];
       to_f = {to_f.F + f.F, to_f.E + f.E, to_f.S + f.S, to_f.own + f.own, T(0)};
-      to_m = {to_m.F + m.F + p[i] * f.F, to_m.E + m.E + p[i] * f.E, to_m.S + m.S,
+      to_m = {to_m.F + m.F + p[i] * f.F, to_m.E + m.E, to_m.S + m.S,
               to_m.own + m.own + p[i] * f.own, T(0)};
     }
   }

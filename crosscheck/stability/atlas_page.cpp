@@ -4,8 +4,11 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "crosscheck/report/page_parts.hpp"
 #include "crosscheck/report/page_words.hpp"

@@ -3,6 +3,7 @@
 // counts instructions:
 //     valgrind --tool=callgrind count_warnings 20 franka_panda
 // Every sweep is a function of its own name, `plain_...` and `warned_...`.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
@@ -84,7 +85,7 @@ DYNWITNESS_COUNTED double warned_sweep_FD(Sweeps& s) {
   recursive::forwardDynamics(s.model, s.x, s.qd, s.w, s.ws, s.out);
   return s.filter.forwardDynamics(s.model, s.x, s.qd, s.w, s.ws, s.out);
 }
-DYNWITNESS_COUNTED void plain_solved_FD(Sweeps& s) {
+void solve(Sweeps& s) {
   const std::vector<double> rest(s.w.size(), 0);
   recursive::massMatrix(s.model, s.x, s.ws, s.M);
   recursive::inverseDynamics(s.model, s.x, s.qd, rest, s.ws, s.out);
@@ -92,8 +93,11 @@ DYNWITNESS_COUNTED void plain_solved_FD(Sweeps& s) {
   recursive::factorize(s.M);
   recursive::solve(s.M, s.out);
 }
+DYNWITNESS_COUNTED void plain_solved_FD(Sweeps& s) {
+  solve(s);
+}
 DYNWITNESS_COUNTED double warned_solved_FD(Sweeps& s) {
-  plain_solved_FD(s);
+  solve(s);
   return s.filter.solved(s.x, s.qd, s.w, s.M, s.out);
 }
 
@@ -106,10 +110,13 @@ int main(int argc, char** argv) {
     Sweeps s(scene::findScene(argv[a]).mechanism);
     for (int call = 0; call < calls; ++call) {
       s.place(call);
-      plain_fast_ID(s), plain_fast_M(s), plain_fast_FD(s);
       plain_sweep_ID(s), plain_sweep_FD(s), plain_solved_FD(s);
-      for (double lost : {warned_fast_ID(s), warned_fast_M(s), warned_fast_FD(s),
-                          warned_sweep_ID(s), warned_sweep_FD(s), warned_solved_FD(s)})
+      for (double lost : {warned_sweep_ID(s), warned_sweep_FD(s), warned_solved_FD(s)})
+        worst = std::max(worst, lost);
+      // valgrind does not know an instruction that loads the angles of fewer joints
+      if (s.q.size() < 6) continue;
+      plain_fast_ID(s), plain_fast_M(s), plain_fast_FD(s);
+      for (double lost : {warned_fast_ID(s), warned_fast_M(s), warned_fast_FD(s)})
         worst = std::max(worst, lost);
     }
   }

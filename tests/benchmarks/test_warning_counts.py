@@ -15,7 +15,7 @@ import tempfile
 
 from test_instruction_counts import inclusive, skip
 
-SCENES = ["simple_pendulum", "double_pendulum", "franka_panda", "puma_560", "humanoid", "humanoid_floating"]
+SCENES = ["simple_pendulum", "double_pendulum", "franka_panda", "puma_560", "humanoid_floating"]
 CALLS = 20
 SWEEPS = ["fast_ID", "fast_M", "fast_FD", "sweep_ID", "sweep_FD", "solved_FD"]
 MORE_THAN_A_TENTH = {}
@@ -36,6 +36,8 @@ def main():
     for scene in SCENES:
         counts = measure(sys.argv[1], scene)
         for sweep in SWEEPS:
+            if f"plain_{sweep}" not in counts:  # of few joints: count_warnings.cpp
+                continue
             plain, warned = (counts[name] for name in (f"plain_{sweep}", f"warned_{sweep}"))
             more = warned / plain - 1
             is_dear = more > MORE_THAN_A_TENTH.get((scene, sweep), 0.10)
