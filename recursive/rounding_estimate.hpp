@@ -92,6 +92,7 @@ class RoundingEstimate {
       parts_[load.link].moment += size(load.moment) + size(load.at) * size(load.force);
     }
     for (Part& part : parts_) part.is_loaded = part.force > T(0) || part.moment > T(0);
+    least_ = 3 * static_cast<T>(parts_.size()) * kSmallest;  // sqrt(9)
     composeBodies();
   }
 
@@ -128,7 +129,7 @@ class RoundingEstimate {
     T largest = 0;  // no entry of a positive definite matrix is larger than those of its diagonal
     for (std::size_t d = 0; d < error_.size(); ++d)
       keepLarger(diagonal(static_cast<int>(d)), &largest);
-    return roundings() * (largest_N_ * largest_N_ / largest);
+    return roundings() * ((largest_N_ * largest_N_ + least_) / largest);
   }
 
   /** Of qdd, as forwardDynamics() with these terms has found it for this x, qd and tau on this
@@ -154,12 +155,12 @@ class RoundingEstimate {
     inward([&](const Part& part, const T& force, const T& moment) {
       if (part.is_plain) {
         const int d = part.dof;
-        const T D = pivot(d), size = moment + std::abs(tau[d]) + kSmallest * std::abs(qdd[d]);
+        const T D = pivot(d), size = moment + std::abs(tau[d]) + least_ * std::abs(qdd[d]);
         return keepLarger(D > T(0) ? size / D : kNothingLeft, &worst);
       }
       for (int k = part.axes - 1, d = part.dof + k; k >= 0; --k, --d) {
         T size = felt(part, k, force, moment, x, qd, terms) + std::abs(tau[d]) +
-                 kSmallest * std::abs(qdd[d]);
+                 least_ * std::abs(qdd[d]);
         // what the joint's other axes are off by: they are passed after this one
         for (int l = k + 1; l < part.axes; ++l)
           size += std::abs(coupling(static_cast<int>(&part - parts_.data()), d, l)) *
@@ -366,7 +367,7 @@ class RoundingEstimate {
     for (Eigen::Index k = 0; k < n; ++k) {
       T sum = std::abs(x[k]);
       for (Eigen::Index j = k + 1; j < n; ++j) sum += std::abs(LDL(j, k) * x[j]);
-      weight_[k] = (LDL(k, k) + kSmallest) * sum;
+      weight_[k] = (LDL(k, k) + least_) * sum;
     }
     for (Eigen::Index i = 0; i < n; ++i) {
       T own = error_[i] + weight_[i], carried = 0;
@@ -389,6 +390,9 @@ class RoundingEstimate {
   static constexpr T kSmallest = std::numeric_limits<T>::min();
   bool rounded_positions_, moves_apart_ = false;
   T gravity_, u_ = 0, largest_N_ = 0;
+  /// Times a rounding, what inertias lose below the smallest normal number: there each of the nine
+  /// products of a turn is off as if it were that large, on each link.
+  T least_;
   std::vector<Part> parts_;
   std::vector<Sizes> sizes_;       ///< the first is the world's
   std::vector<T> error_, weight_;  ///< one a rate

@@ -91,7 +91,7 @@ class RoundingFilter {
     reach(x);
     const T largest = largestOf(qdd);
     Sums s = sums(qd, qdd, terms);
-    s.least = Estimate::kSmallest * largest;
+    s.least = estimate_.least_ * largest;
     felt(s, x, qd, tau);
     T worst = 0;
     for (const Range& range : of_one_axis_)
@@ -132,10 +132,8 @@ class RoundingFilter {
     felt(sums(qd.data(), qdd.data(), terms), x.data(), qd.data(), tau.data());
     const Eigen::Index n = LDL.rows();
     T moved = 0;
-    for (Eigen::Index j = 0; j < n; ++j)
-      moved += (of_bodies_[j].N + Estimate::kSmallest) * std::abs(qdd[j]);
-    for (Eigen::Index i = 0; i < n; ++i)
-      size_[i] += (of_bodies_[i].N + Estimate::kSmallest) * moved;
+    for (Eigen::Index j = 0; j < n; ++j) moved += of_bodies_[j].N * std::abs(qdd[j]);
+    for (Eigen::Index i = 0; i < n; ++i) size_[i] += of_bodies_[i].N * moved;
     T worst = 0;
     for (Eigen::Index k = 0; k < n; ++k)  // by columns, as Eigen keeps them
       for (Eigen::Index i = k + 1; i < n; ++i) size_[i] += std::abs(LDL(i, k)) * size_[k];
@@ -264,7 +262,7 @@ class RoundingFilter {
     feltBy(own, p, way, &of_links_);
     feltBy(all, p, way, &of_bodies_);
     for (std::size_t d = 0; d < rotors_.size(); ++d)
-      of_bodies_[d].N = std::hypot(of_bodies_[d].N, rotors_[d]);
+      of_bodies_[d].N = std::hypot(of_bodies_[d].N, rotors_[d]) + std::sqrt(estimate_.least_);
     largest_ = {};
     for (const Felt& k : of_links_) {
       largest_ = {std::max(largest_.F, k.F), std::max(largest_.E, k.E), std::max(largest_.S, k.S),
