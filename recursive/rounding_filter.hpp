@@ -268,6 +268,7 @@ class RoundingFilter {
       largest_ = {std::max(largest_.F, k.F), std::max(largest_.E, k.E), std::max(largest_.S, k.S),
                   std::max(largest_.own, k.own), T(0)};
     }
+    std::fill(viscous_.begin(), viscous_.end(), T(0));
     for (const Part& part : estimate_.parts_) {
       if (!part.is_passive) continue;
       largest_.own += part.coulomb;
