@@ -12,6 +12,9 @@
 
 namespace dynwitness::recursive {
 
+template <typename T>
+class RoundingFilter;
+
 /** What rounding may have done to an answer of inverseDynamics(), massMatrix() or
     forwardDynamics(), as a share of the answer's largest entry: 1e-16 is all the digits of a
     double, 1e-3 is three digits, 1 or more is none. It takes under a tenth of the sweep's time
@@ -89,6 +92,7 @@ class RoundingEstimate {
       parts_[load.link].moment += size(load.moment) + size(load.at) * size(load.force);
     }
     for (Part& part : parts_) part.is_loaded = part.force > T(0) || part.moment > T(0);
+    least_ = 3 * static_cast<T>(parts_.size()) * kSmallest;  // sqrt(9)
     composeBodies();
   }
 
@@ -96,8 +100,13 @@ class RoundingEstimate {
   T inverseDynamics(const std::vector<JointPosition<T>>& x, const std::vector<T>& qd,
                     const std::vector<T>& qdd, const std::vector<T>& tau,
                     Terms terms = Terms::all()) {
+    return inverseDynamics(x.data(), qd.data(), qdd.data(), tau.data(), terms);
+  }
+  /// The same of arrays, which are trusted to be as long as there.
+  T inverseDynamics(const JointPosition<T>* x, const T* qd, const T* qdd, const T* tau,
+                    Terms terms = Terms::all()) {
     start(x);
-    outward<false>(qd.data(), qdd.data(), terms);
+    outward<false>(qd, qdd, terms);
     T worst = 0;
     inward([&](const Part& part, const T& force, const T& moment) {
       if (part.is_plain)
@@ -111,10 +120,16 @@ class RoundingEstimate {
 
   /// Of M, as massMatrix() has found it at x.
   T massMatrix(const std::vector<JointPosition<T>>& x, const MatrixX<T>& M) {
+    return massMatrix(x.data(), [&](int i) { return M(i, i); });
+  }
+  /// The same, told the diagonal of M. @param diagonal  (rate d) -> M_dd
+  template <typename Diagonal>
+  T massMatrix(const JointPosition<T>* x, const Diagonal& diagonal) {
     start(x);
     T largest = 0;  // no entry of a positive definite matrix is larger than those of its diagonal
-    for (Eigen::Index i = 0; i < M.rows(); ++i) keepLarger(M(i, i), &largest);
-    return roundings() * (largest_N_ * largest_N_ / largest);
+    for (std::size_t d = 0; d < error_.size(); ++d)
+      keepLarger(diagonal(static_cast<int>(d)), &largest);
+    return roundings() * ((largest_N_ * largest_N_ + least_) / largest);
   }
 
   /** Of qdd, as forwardDynamics() with these terms has found it for this x, qd and tau on this
@@ -125,28 +140,27 @@ class RoundingEstimate {
                     const std::vector<T>& qdd, Terms terms = Terms::all()) {
     requireOwnRates(model, "RoundingEstimate::forwardDynamics");
     return forwardDynamics(
-        x, qd, tau, qdd, [&](int d) { return ws.D[d]; },
+        x.data(), qd.data(), tau.data(), qdd.data(), [&](int d) { return ws.D[d]; },
         [&](int i, int d, int l) { return AnyJoints::force(model.links[i], l, ws.U[d]); }, terms);
   }
   /** The same of any articulated-body sweep.
       @param pivot     (rate d) -> D of articulated_step.hpp, (3)
       @param coupling  (link i, rate d of its joint, axis l of it) -> Z_l' U of that rate */
   template <typename Pivot, typename Coupling>
-  T forwardDynamics(const std::vector<JointPosition<T>>& x, const std::vector<T>& qd,
-                    const std::vector<T>& tau, const std::vector<T>& qdd, const Pivot& pivot,
-                    const Coupling& coupling, Terms terms = Terms::all()) {
+  T forwardDynamics(const JointPosition<T>* x, const T* qd, const T* tau, const T* qdd,
+                    const Pivot& pivot, const Coupling& coupling, Terms terms = Terms::all()) {
     start(x);
-    outward<true>(qd.data(), qdd.data(), terms);
+    outward<true>(qd, qdd, terms);
     T worst = 0;
     inward([&](const Part& part, const T& force, const T& moment) {
       if (part.is_plain) {
         const int d = part.dof;
-        const T D = pivot(d), size = moment + std::abs(tau[d]) + kSmallest * std::abs(qdd[d]);
+        const T D = pivot(d), size = moment + std::abs(tau[d]) + least_ * std::abs(qdd[d]);
         return keepLarger(D > T(0) ? size / D : kNothingLeft, &worst);
       }
       for (int k = part.axes - 1, d = part.dof + k; k >= 0; --k, --d) {
         T size = felt(part, k, force, moment, x, qd, terms) + std::abs(tau[d]) +
-                 kSmallest * std::abs(qdd[d]);
+                 least_ * std::abs(qdd[d]);
         // what the joint's other axes are off by: they are passed after this one
         for (int l = k + 1; l < part.axes; ++l)
           size += std::abs(coupling(static_cast<int>(&part - parts_.data()), d, l)) *
@@ -165,22 +179,25 @@ class RoundingEstimate {
   T solved(const std::vector<JointPosition<T>>& x, const std::vector<T>& qd,
            const std::vector<T>& tau, const MatrixX<T>& LDL, const std::vector<T>& qdd,
            Terms terms = Terms::all()) {
-    start(x);
+    start(x.data());
     outward<true>(qd.data(), qdd.data(), terms);
     for (std::size_t d = 0; d < tau.size(); ++d) error_[d] = std::abs(tau[d]);
     inward([&](const Part& part, const T& force, const T& moment) {
       for (int k = 0; k < part.axes; ++k)
-        error_[part.dof + k] += felt(part, k, force, moment, x, qd, terms);
+        error_[part.dof + k] += felt(part, k, force, moment, x.data(), qd.data(), terms);
     });
     for (Eigen::Index i = 0; i < LDL.rows(); ++i)
       if (!(LDL(i, i) > T(0))) return kNothingLeft;
-    solveForLarge(LDL, qdd);
+    solveForLarge(LDL, qdd.data());
     T worst = 0;
     for (const T& error : error_) keepLarger(std::abs(error), &worst);
-    return share(worst, qdd);
+    return share(worst, qdd.data());
   }
 
  private:
+  template <typename>
+  friend class RoundingFilter;  // which bounds the same sums
+
   /// A body about its frame's origin: sqrt(mass) and sqrt(trace(I) / 2).
   struct Body {
     T a = 0, c = 0;
@@ -225,9 +242,9 @@ class RoundingEstimate {
     return part.ratio * (isSlide(part, k) ? slide : turn);
   }
   T roundings() const { return u_ * std::sqrt(T(kRoundings) / 3); }
-  T share(const T& worst, const std::vector<T>& answer) const {
+  T share(const T& worst, const T* answer) const {
     T largest = 0;
-    for (const T& entry : answer) keepLarger(std::abs(entry), &largest);
+    for (std::size_t d = 0; d < error_.size(); ++d) keepLarger(std::abs(answer[d]), &largest);
     return worst == T(0) ? T(0) : roundings() * (worst / largest);
   }
 
@@ -249,7 +266,7 @@ class RoundingEstimate {
   }
   /// By how much more than its own size the rounding of a position moves something: an angle q by
   /// |q|, a quaternion whose components are no normal numbers by what it misses of these.
-  T roundingOf(const std::vector<JointPosition<T>>& x) const {
+  T roundingOf(const JointPosition<T>* x) const {
     T largest = 0;
     for (const Part& part : parts_) {
       if (part.kind == JointKind::kRevolute || part.kind == JointKind::kHelical)
@@ -263,7 +280,7 @@ class RoundingEstimate {
     return largest;
   }
   /// Lengths at this x, and what a rounding is.
-  void start(const std::vector<JointPosition<T>>& x) {
+  void start(const JointPosition<T>* x) {
     u_ = std::numeric_limits<T>::epsilon() / 2;
     if (rounded_positions_) u_ += u_ * roundingOf(x);
     if (!moves_apart_) return;
@@ -329,10 +346,14 @@ class RoundingEstimate {
     }
   }
   /// What axis k has to add up.
-  T felt(const Part& part, int k, const T& force, const T& moment,
-         const std::vector<JointPosition<T>>& x, const std::vector<T>& qd, Terms terms) const {
+  T felt(const Part& part, int k, const T& force, const T& moment, const JointPosition<T>* x,
+         const T* qd, Terms terms) const {
     T sum = alongAxis(part, k, force, moment);
-    if (!part.is_passive || k > 0) return sum;
+    return part.is_passive && k == 0 ? sum + passive(part, x, qd, terms) : sum;
+  }
+  /// Sizes of a joint's spring and friction.
+  static T passive(const Part& part, const JointPosition<T>* x, const T* qd, Terms terms) {
+    T sum = 0;
     if (terms.springs && part.stiffness != T(0))
       sum += part.stiffness * (std::abs(x[part.spring_slot].q) + part.rest);
     if (terms.friction) sum += part.viscous * std::abs(qd[part.dof]) + part.coulomb;
@@ -341,12 +362,12 @@ class RoundingEstimate {
   /** error_ becomes the solution of L D L' y = (+-)(error_ + |L| D |L'| |x|), each sign chosen on
       the way so that numbers grow. The second part is what factorizing M and solving for x lose, to
       some roundings a row (Higham, theorem 10.3). */
-  void solveForLarge(const MatrixX<T>& LDL, const std::vector<T>& x) {
+  void solveForLarge(const MatrixX<T>& LDL, const T* x) {
     const Eigen::Index n = LDL.rows();
     for (Eigen::Index k = 0; k < n; ++k) {
       T sum = std::abs(x[k]);
       for (Eigen::Index j = k + 1; j < n; ++j) sum += std::abs(LDL(j, k) * x[j]);
-      weight_[k] = (LDL(k, k) + kSmallest) * sum;
+      weight_[k] = (LDL(k, k) + least_) * sum;
     }
     for (Eigen::Index i = 0; i < n; ++i) {
       T own = error_[i] + weight_[i], carried = 0;
@@ -369,6 +390,9 @@ class RoundingEstimate {
   static constexpr T kSmallest = std::numeric_limits<T>::min();
   bool rounded_positions_, moves_apart_ = false;
   T gravity_, u_ = 0, largest_N_ = 0;
+  /// Times a rounding, what inertias lose below the smallest normal number: there each of the nine
+  /// products of a turn is off as if it were that large, on each link.
+  T least_;
   std::vector<Part> parts_;
   std::vector<Sizes> sizes_;       ///< the first is the world's
   std::vector<T> error_, weight_;  ///< one a rate

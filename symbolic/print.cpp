@@ -331,9 +331,10 @@ std::string notes(const scene::Mechanism& mechanism, const std::string& indent) 
     text +=
         indent + "q: " + std::to_string(positions) +
         " positions, qd: " + std::to_string(mechanism.dof()) +
-        " rates. A spherical joint has a quaternion (w, x, y, z) of any\n" + indent +
-        "length but 0 in q, a floating one x, y, z [m] and then a quaternion; their rates are the\n" +
-        indent + "body's own, in its axes: (wx, wy, wz), or (vx, vy, vz, wx, wy, wz)\n";
+        " rates. A spherical joint has a quaternion (w, x, y, z) in q, of any\n" + indent +
+        "length from 1e-150 to 1e150 (it is squared), a floating one x, y, z [m] and then a\n" +
+        indent +
+        "quaternion; their rates are the body's own, in its axes: (wx, wy, wz), or (vx, vy, vz, wx, wy, wz)\n";
   if (mechanism.hasFriction())
     text += indent +
             "friction is left out: viscous qd + coulomb sign(qd) of each joint belong to tau\n";

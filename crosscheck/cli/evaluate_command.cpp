@@ -624,6 +624,8 @@ class UncertainAnswers {
       if (!column.witness || column.is_engines) continue;
       const std::string& name = column.witness->name();
       of_[k].estimated = estimatedSweep(name, column.quantity, scene.mechanism, false);
+      if (!of_[k].estimated)
+        of_[k].estimated = estimatedKernel(*column.witness, column.quantity, scene.mechanism);
       if (of_[k].estimated)
         of_[k].estimated_single = estimatedSweep(name, column.quantity, scene.mechanism, true);
       else
@@ -634,7 +636,7 @@ class UncertainAnswers {
     Asked& asked = of_[at];
     if (asked.estimated) {
       count(asked.estimated(state).digits, row, &asked.seen);
-      count(asked.estimated_single(state).digits, row, &asked.single);
+      if (asked.estimated_single) count(asked.estimated_single(state).digits, row, &asked.single);
       return;
     }
     count(certain(column, column.witness->answer(column.quantity, state)), row, &asked.seen);
@@ -1238,11 +1240,12 @@ Run addEvaluate(CLI::App* command) {
       ->excludes("--random");  // whose table is a file of states as well
   command->add_flag(
       "--warn", arguments->warn,
-      fmt::format("Say at how many states rounding leaves no more than {} digits, in double and by "
-                  "the same sweep in float: estimated beside the sweep (tau, c, g, M, qdd by the "
-                  "usual witnesses), otherwise bounded by a running error analysis, which is far "
-                  "slower",
-                  kFewestDigits));
+      fmt::format(
+          "Say at how many states rounding leaves no more than {} digits, in double and by "
+          "the same sweep in float: estimated beside the sweep (tau, c, g, M, qdd by the "
+          "usual witnesses and by fast, tau and M by kernel), otherwise bounded by a running error analysis, which is far "
+          "slower",
+          kFewestDigits));
   command
       ->add_option(
           "--uncertainty", arguments->uncertainty,

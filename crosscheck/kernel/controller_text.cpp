@@ -71,10 +71,12 @@ class CodeWriter : private CodeLines {
     lines.push_back("rates, in their order: " + joints);
     if (m.positions() != m.dof())
       lines.push_back(fmt::format(
-          "q: {} positions. A spherical joint has a quaternion (w, x, y, z) of any length but 0, a "
-          "floating one x, y, z and then a quaternion; their rates are the link's own, in its axes: "
-          "(wx, wy, wz) or (vx, vy, vz, wx, wy, wz)",
-          m.positions()));
+          "q: {} positions. A spherical joint has a quaternion (w, x, y, z), a floating one x, y, z "
+          "and then a quaternion; their rates are the link's own, in its axes: (wx, wy, wz) or (vx, "
+          "vy, vz, wx, wy, wz). Quaternions may have any length whose square is a normal number, {}; "
+          "divide others by their largest component first",
+          m.positions(),
+          scalar_ == CodeScalar::kFloat ? "1e-18 to 1e18 in float" : "1e-150 to 1e150"));
     lines.push_back("matrices are written row by row; " +
                     (code_.isFolded() ? "all numbers of the scene are folded" : aboutParameters()));
     lines.push_back(!m.hasFriction()

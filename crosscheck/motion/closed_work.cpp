@@ -22,8 +22,6 @@ constexpr long kFirstSteps = 16;
 constexpr double kFirstStepError = 1e-2;
 constexpr double kLeastStepError = 1000 * std::numeric_limits<double>::epsilon();
 constexpr int kFewestDigits = 6;  // decimal places to which a reference is known
-/// As in work_precision.cpp: above what else is off, and no longer changing.
-constexpr double kAboveRounding = 30, kSettled = 0.05;
 
 SimulateOptions optionsOf(const ClosedMethod& method, double duration) {
   SimulateOptions options;
@@ -149,28 +147,20 @@ class Measuring {
   const ReferenceMotion& reference_;
 };
 
-/** Between the two finest steps that are above the reference's error and the line's own floor, if
-    it is that between the two before: where an error has risen again, the least of the line is what
-    rounding leaves of it. */
-double observedOrder(const WorkLine& line, const ReferenceMotion& reference) {
+/// Where an error has risen again, the least of the line is what rounding leaves of it.
+ObservedOrder observedOrderOf(const WorkLine& line, const ReferenceMotion& reference,
+                              bool is_equal) {
   const auto& points = line.points;
   double least = std::numeric_limits<double>::infinity();
   for (const WorkPoint& point : points)
     if (point.failure.empty()) least = std::min(least, point.error);
   const bool has_risen =
       points.size() > 1 && points.back().failure.empty() && points.back().error > least;
-  const double floor = kAboveRounding * std::max(reference.error, has_risen ? least : 0.0);
-  for (std::size_t k = points.size(); k-- > 2;) {
-    if (!points[k].failure.empty() || !(points[k].error > floor)) continue;
-    if (!points[k - 1].failure.empty() || !points[k - 2].failure.empty()) return 0;
-    const auto between = [&](std::size_t a) {
-      return std::log(points[a - 1].error / points[a].error) /
-             std::log(points[a - 1].step / points[a].step);
-    };
-    const double order = between(k);
-    return order > 0 && std::abs(order - between(k - 1)) <= kSettled ? order : 0;
-  }
-  return 0;
+  const double floor = std::max(reference.error, has_risen ? least : 0.0);
+  ObservedOrder order = observedOrder(points, [floor](const WorkPoint&) { return floor; });
+  if (order.value == 0 && !is_equal)
+    order.why_not = "its steps are chosen one by one, and their mean is no step: " + order.why_not;
+  return order;
 }
 
 WorkLine lineOf(const scene::Scene& scene, const ClosedMethod& method, const Measuring& measure,
@@ -208,7 +198,9 @@ WorkLine lineOf(const scene::Scene& scene, const ClosedMethod& method, const Mea
     line.left_out = refused.what();
     return line;
   }
-  line.observed_order = observedOrder(line, reference);
+  const ObservedOrder order = observedOrderOf(line, reference, is_equal);
+  line.observed_order = order.value;
+  line.no_order = order.why_not;
   return line;
 }
 

@@ -157,22 +157,13 @@ double roundingOf(const scene::Scene& scene, const std::string& method, double d
 }
 
 /// Rounding adds up as the root of the number of steps, or faster: coarser steps have less of it.
-double observedOrder(const scene::Scene& scene, const WorkLine& line,
-                     const ReferenceMotion& reference, double duration) {
-  const auto& points = line.points;
-  const double step = points.back().step,
+ObservedOrder observedOrderOf(const scene::Scene& scene, const WorkLine& line,
+                              const ReferenceMotion& reference, double duration) {
+  const double step = line.points.back().step,
                finest = roundingOf(scene, line.method, duration, std::lround(duration / step));
-  for (std::size_t k = points.size(); k-- > 2;) {
-    const double rounding = finest * std::sqrt(step / points[k].step);
-    if (!points[k].failure.empty() ||
-        !(points[k].error > kAboveRounding * std::max(reference.error, rounding)))
-      continue;
-    if (!points[k - 1].failure.empty() || !points[k - 2].failure.empty()) return 0;
-    const double before = std::log2(points[k - 2].error / points[k - 1].error),
-                 order = std::log2(points[k - 1].error / points[k].error);
-    return std::abs(order - before) <= kSettled ? order : 0;
-  }
-  return 0;
+  return observedOrder(line.points, [&](const WorkPoint& point) {
+    return std::max(reference.error, finest * std::sqrt(step / point.step));
+  });
 }
 
 /// Why a reference is none.
@@ -192,6 +183,37 @@ std::string disagreement(const char* first, const char* second, const Converged&
 
 int ReferenceMotion::digits() const {
   return static_cast<int>(std::floor(-std::log10(std::max(error, 1e-20))));
+}
+
+ObservedOrder observedOrder(const std::vector<WorkPoint>& points,
+                            const std::function<double(const WorkPoint&)>& floor) {
+  const auto arrives = [&](std::size_t k) { return points[k].failure.empty(); };
+  std::size_t end = points.size();  // after the finest step above the floor
+  while (end > 0 &&
+         !(arrives(end - 1) && points[end - 1].error > kAboveRounding * floor(points[end - 1])))
+    --end;
+  std::size_t first = end;
+  while (first > 0 && arrives(first - 1)) --first;
+  if (end - first < 3) {
+    std::string why = fmt::format(
+        "of its steps {} in a row arrive with an error above {:.0f} times that of rounding and "
+        "reference, and three have to",
+        end - first, kAboveRounding);
+    if (first > 0)
+      why += fmt::format("; the next longer, {:.2g} s, fails: {}", points[first - 1].step,
+                         points[first - 1].failure);
+    return {0, why};
+  }
+  const auto between = [&](std::size_t k) {
+    return std::log(points[k - 1].error / points[k].error) /
+           std::log(points[k - 1].step / points[k].step);
+  };
+  const double order = between(end - 1), before = between(end - 2);
+  if (order > 0 && std::abs(order - before) <= kSettled) return {order, ""};
+  return {0,
+          fmt::format("{:.2f}, then {:.2f} at the finest steps above rounding and reference: not "
+                      "settled to {}",
+                      before, order, kSettled)};
 }
 
 ReferenceMotion referenceMotion(const scene::Scene& scene, double duration) {
@@ -286,7 +308,9 @@ WorkPrecision measureWork(const scene::Scene& scene, const WorkOptions& options)
           point.error < 2 * roundingOf(scene, method, options.duration, steps))
         break;
     }
-    line.observed_order = observedOrder(scene, line, out.reference, options.duration);
+    const ObservedOrder order = observedOrderOf(scene, line, out.reference, options.duration);
+    line.observed_order = order.value;
+    line.no_order = order.why_not;
     out.lines.push_back(line);
   }
   return out;

@@ -46,11 +46,9 @@ struct WorkPoint {
 
 struct WorkLine {
   std::string method;
-  int order = 0;  ///< by theory
-  /** Of the error between the two finest steps above rounding, which is measured as what the method
-      does otherwise in long double. 0: there is no asymptotic range, the order between the two
-      before is another. */
-  double observed_order = 0;
+  int order = 0;                  ///< by theory
+  double observed_order = 0;      ///< observedOrder(); 0: there is none ...
+  std::string no_order;           ///< ... and why
   std::vector<WorkPoint> points;  ///< steps falling
   std::string left_out;           ///< why it was not run
 };
@@ -69,8 +67,20 @@ struct WorkOptions {
   std::function<void(const std::string& method)> progress = {};
 };
 
+struct ObservedOrder {
+  double value = 0;     ///< 0: there is no asymptotic range
+  std::string why_not;  ///< in words, where there is none
+};
+/** log(e' / e) / log(h' / h) of the errors e at the end between the two finest steps h above a
+    floor, if it is that between the two before.
+    @param points  steps falling
+    @param floor   (point) -> error that is rounding's, or the reference's: an order is seen above
+                   30 times that */
+ObservedOrder observedOrder(const std::vector<WorkPoint>& points,
+                            const std::function<double(const WorkPoint&)>& floor);
+
 /** Each method with steps of duration / 16, halved until its error is rounding or a run takes
-    longer than longest_run.
+    longer than longest_run. Rounding is measured, as what a method does otherwise in long double.
     @throws scene::InputError   what Command::kDrift refuses
     @throws std::runtime_error  what referenceMotion() throws */
 WorkPrecision measureWork(const scene::Scene& scene, const WorkOptions& options);

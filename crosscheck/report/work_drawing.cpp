@@ -120,14 +120,16 @@ std::string workCsv(const WorkPrecision& work) {
       "# scene: {}\n# duration: {} s\n# reference: {}\n"
       "# error: largest |q - reference|, |qd - reference| at the end [rad, m, rad/s, m/s]\n"
       "# energy_error: largest |E - E0| after a step / {:.6g} J, the largest kinetic energy\n"
-      "# observed_order: between the two finest steps above rounding; 0: no asymptotic range, it has "
-      "changed by more than 0.05 since the step before\n"
+      "# observed_order: between the two finest steps above rounding; 0: none\n"
       "# cpu_s: fastest of some runs; machine: {}\n",
       oneLine(work.scene), work.duration, referenceText(work.reference),
       work.reference.most_kinetic, oneLine(work.machine));
   for (const WorkLine& line : work.lines)
     if (!line.left_out.empty())
       csv += fmt::format("# left out: {}: {}\n", line.method, oneLine(line.left_out));
+  for (const WorkLine& line : work.lines)
+    if (!line.no_order.empty())
+      csv += fmt::format("# no order: {}: {}\n", line.method, oneLine(line.no_order));
   csv += "method,order,observed_order,step_s,rhs_calls,cpu_s,error,energy_error,end\n";
   for (const WorkLine& line : work.lines)
     for (const WorkPoint& p : line.points) {

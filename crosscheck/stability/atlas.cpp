@@ -22,6 +22,7 @@
 #include "crosscheck/verdicts/truth.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "crosscheck/witnesses/estimated_sweep.hpp"
+#include "crosscheck/witnesses/fast_sweeps.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::crosscheck::stability {
@@ -33,9 +34,15 @@ constexpr long kDistanceBits = 256;  // an answer and a truth that both carry mo
 constexpr int kStepOfCompiled = 4;   // of severities, for methods that compile
 constexpr const char* kTold = "digits: ";
 
-/// Of the roads of a whole mechanism.
+bool isOurs(const WitnessKind& kind) {
+  return kind.info.version == DYNWITNESS_VERSION && !isProgram(kind);
+}
+/// Of the roads of a whole mechanism: an engine's is called as its witness.
 bool isEngine(const std::string& road) {
-  return road == "simbody" || road == "mujoco";
+  static const std::vector<WitnessKind> kinds = witnessKinds();
+  return std::any_of(kinds.begin(), kinds.end(), [&](const WitnessKind& kind) {
+    return kind.info.name == road && !isOurs(kind);
+  });
 }
 
 /// With all equations of its closures: none of a family's follows from the others.
@@ -85,7 +92,7 @@ Method witnessMethod(const WitnessKind& kind) {
   Method method;
   method.name = kind.info.name;
   method.road = roadOf(method.name);
-  method.is_ours = kind.info.version == DYNWITNESS_VERSION && !isProgram(kind);
+  method.is_ours = isOurs(kind);
   method.is_compiled = kind.is_compiled;
   method.is_derived = kind.is_compiled || kind.info.name == "lagrange";
   method.value = [kind](const Case& given, Quantity quantity) -> MatrixOf<Ball> {
@@ -96,7 +103,7 @@ Method witnessMethod(const WitnessKind& kind) {
   // who has an estimate of one quantity has it of all that families ask of it
   method.is_estimated =
       method.is_ours && (method.name == "newton_euler" || method.name == "composite_body" ||
-                         method.name == "articulated_body");
+                         method.name == "articulated_body" || method.name == kFastName);
   if (method.is_ours)
     method.warns = [kind](const Case& given, Quantity quantity) {
       if (const EstimatedSweep estimated =

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "crosscheck/report/page_parts.hpp"
 #include "crosscheck/report/page_words.hpp"
@@ -71,11 +74,15 @@ void putGlance(std::string* page, const std::vector<Turned>& atlas) {
     Group ours, in_float, engines;
     for (const Course& course : turned.courses)
       (!course.is_ours ? engines : course.numbers == inDouble().name ? ours : in_float).add(course);
-    std::string theory;
-    for (const Theory& t : family.theories)
-      theory += (theory.empty() ? "" : " / ") + severityText(predictedBreak(family, t, inDouble()));
-    for (const Measure& method : family.measures)
-      theory += (theory.empty() ? "" : " / ") + severityText(firstBroken(family, method.theory));
+    std::vector<std::string> theories;  // each once: many steps through time have the same
+    const auto add = [&](double severity) {
+      if (const std::string text = severityText(severity);
+          std::find(theories.begin(), theories.end(), text) == theories.end())
+        theories.push_back(text);
+    };
+    for (const Theory& t : family.theories) add(predictedBreak(family, t, inDouble()));
+    for (const Measure& method : family.measures) add(firstBroken(family, method.theory));
+    const std::string theory = fmt::format("{}", fmt::join(theories, "<br>"));
     const int silent = ours.silent + in_float.silent;
     put(page,
         "<tr{}><th scope=\"row\"><a href=\"#{}\">{}</a></th><td>{}{}</td><td "
@@ -174,9 +181,10 @@ std::string atlasPage(const std::vector<Turned>& atlas, const std::string& versi
       "of the certified truth (ball arithmetic, precision raised until it is certain), counted of "
       "the largest entry, the worst of {} mechanisms that differ in their numbers alone. A method "
       "has broken where fewer than {} are left or it stops: it throws, dies, or says what is no "
-      "number. A wrong answer is silent when nothing told so. Our three textbook sweeps tell, in "
-      "double and in float, by an estimate that costs a tenth of the sweep at the most (<code>"
-      "recursive/rounding_estimate.hpp</code>); it is too careful at {} severities, where it warns "
+      "number. A wrong answer is silent when nothing told so. Our three textbook sweeps, in "
+      "double and in float, and the fast ones tell by sums over their joints, which cost about a tenth "
+      "of the sweep, and by an estimate joint by joint where these leave a doubt (<code>"
+      "recursive/rounding_filter.hpp</code>); it is too careful at {} severities, where it warns "
       "though {} digits and more are right, most of them where what cancels does so exactly. Our "
       "other methods tell by the bound of their own rounding errors, which costs more than the answer "
       "itself (a run on numbers that carry their bounds); the engines have neither.</p>\n"

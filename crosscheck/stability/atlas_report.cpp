@@ -300,7 +300,7 @@ std::string scriptOf(const Turned& turned, const std::string& style) {
              kFewestDigits, gnuplotString("s: " + family.dial + unit)) +
          fmt::format(
              "set lmargin at screen 0.06\nset rmargin at screen {}\n"
-             "set key at screen {}, screen 0.125 center center vertical Left reverse maxrows 5 width -6 samplen 2\n"
+             "set key at screen {}, screen 0.125 center center vertical Left reverse maxrows 5 width -5 samplen 2\n"
              "set title {} textcolor rgb soft\n",
              family.measures.empty() ? 0.485 : 0.985, family.measures.empty() ? 0.26 : 0.5,
              gnuplotString((family.measures.empty() ? "Ours: digits of " : "Digits of ") +

@@ -7,8 +7,12 @@
 #include <type_traits>
 #include <vector>
 
+#include "crosscheck/witnesses/certain_digits.hpp"
+#include "crosscheck/witnesses/fast_sweeps.hpp"
+#include "crosscheck/witnesses/kernel_names.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
-#include "recursive/rounding_estimate.hpp"
+#include "recursive/fast/warned_dynamics.hpp"
+#include "recursive/rounding_filter.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -25,15 +29,19 @@ scene::State<T> told(const scene::State<double>& state) {
   return out;
 }
 
+double suspicious() {
+  return std::pow(10.0, -kFewestDigits);
+}
+
 /// One sweep and its estimate, sharing a model.
 template <typename T>
 struct Estimating {
   explicit Estimating(const scene::Mechanism& mechanism)
       : setup(recursive::buildModel(mechanism, scene::RealNumbers<T>(mechanism))),
-        estimate(setup.model, !std::is_same_v<T, double>) {}
+        estimate(setup.model, static_cast<T>(suspicious()), !std::is_same_v<T, double>) {}
 
   Setup<T> setup;
-  recursive::RoundingEstimate<T> estimate;
+  recursive::RoundingFilter<T> estimate;
 };
 
 template <typename T>
@@ -54,8 +62,8 @@ EstimatedAnswer byNewtonEuler(Estimating<T>& e, Quantity quantity, scene::State<
   }
   std::vector<T> tau = e.setup.zeros();
   recursive::inverseDynamics(e.setup.model, state.x, state.qd, state.qdd, e.setup.ws, tau, terms);
-  return answered<T>(column(tau),
-                     e.estimate.inverseDynamics(state.x, state.qd, state.qdd, tau, terms));
+  return answered<T>(column(tau), e.estimate.inverseDynamics(state.x.data(), state.qd.data(),
+                                                             state.qdd.data(), tau.data(), terms));
 }
 
 template <typename T>
@@ -71,7 +79,8 @@ EstimatedAnswer byCompositeBody(Estimating<T>& e, Quantity quantity, const scene
   Setup<T>& s = e.setup;
   MatrixX<T> M(s.model.dof(), s.model.dof());
   recursive::massMatrix(s.model, state.x, s.ws, M);
-  if (quantity == Quantity::kM) return answered<T>(M, e.estimate.massMatrix(state.x, M));
+  if (quantity == Quantity::kM)
+    return answered<T>(M, e.estimate.massMatrix(state.x.data(), [&](int d) { return M(d, d); }));
   std::vector<T> qdd = s.zeros();
   recursive::inverseDynamics(s.model, state.x, state.qd, s.zeros(), s.ws, qdd);
   for (std::size_t i = 0; i < qdd.size(); ++i) qdd[i] = state.tau[i] - qdd[i];
@@ -99,10 +108,48 @@ EstimatedSweep inNumbers(const std::string& witness, Quantity quantity,
   };
 }
 
+EstimatedSweep byFastSweeps(Quantity quantity, const scene::Mechanism& mechanism) {
+  if (!FastSweeps<double>::answers(quantity)) return {};
+  const auto model = recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism));
+  if (model.coupled) return {};
+  const auto sweeps = std::make_shared<recursive::fast::WarnedDynamics>(model, suspicious());
+  return [sweeps, quantity](const scene::State<double>& state) {
+    std::vector<double> q;
+    for (const scene::JointPosition<double>& x : state.x) q.push_back(x.q);
+    const auto n = static_cast<Eigen::Index>(state.qd.size());
+    Eigen::MatrixXd out(n, quantity == Quantity::kM ? n : 1);
+    const double *qd = state.qd.data(), *qdd = state.qdd.data(), *tau = state.tau.data();
+    const double error = quantity == Quantity::kM ? sweeps->massMatrix(q.data(), out.data())
+                         : quantity == Quantity::kTau
+                             ? sweeps->inverseDynamics(q.data(), qd, qdd, out.data())
+                             : sweeps->forwardDynamics(q.data(), qd, tau, out.data());
+    return answered<double>(out, error);
+  };
+}
+
 }  // namespace
+
+EstimatedSweep estimatedKernel(Witness& witness, Quantity quantity,
+                               const scene::Mechanism& mechanism) {
+  const bool is_kernel = witness.name() == kKernelName || witness.name() == kKernelLanesName;
+  if (!is_kernel || (quantity != Quantity::kTau && quantity != Quantity::kM)) return {};
+  const auto model = recursive::buildModel(mechanism, scene::RealNumbers<double>(mechanism));
+  if (model.coupled) return {};
+  const auto filter = std::make_shared<recursive::RoundingFilter<double>>(model, suspicious());
+  return [filter, quantity, &witness](const scene::State<double>& state) {
+    const Eigen::MatrixXd value = witness.value(quantity, state);
+    const double error =
+        quantity == Quantity::kM
+            ? filter->massMatrix(state.x.data(), [&](int d) { return value(d, d); })
+            : filter->inverseDynamics(state.x.data(), state.qd.data(), state.qdd.data(),
+                                      value.data());
+    return answered<double>(value, error);
+  };
+}
 
 EstimatedSweep estimatedSweep(const std::string& witness, Quantity quantity,
                               const scene::Mechanism& mechanism, bool in_float) {
+  if (witness == kFastName && !in_float) return byFastSweeps(quantity, mechanism);
   return in_float ? inNumbers<float>(witness, quantity, mechanism)
                   : inNumbers<double>(witness, quantity, mechanism);
 }

@@ -35,6 +35,11 @@ class Dynamics {
     fast::forwardDynamics(plan_, x_.data(), qd, tau, fd_, qdd);
   }
 
+  /// The joints' positions of the last call.
+  const JointPosition<double>* positions() const { return x_.data(); }
+  /// U and 1 / D of a rate, as the last forwardDynamics() left them.
+  const ForwardDynamicsWorkspace<double>::Joint& joint(int rate) const { return fd_.joints[rate]; }
+
  private:
   Plan<double> plan_;
   std::vector<JointPosition<double>> x_;

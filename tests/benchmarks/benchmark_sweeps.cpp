@@ -18,7 +18,7 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/witnesses/sweep_algorithms.hpp"
 #include "crosscheck/witnesses/witness.hpp"
-#include "recursive/rounding_estimate.hpp"
+#include "recursive/rounding_filter.hpp"
 #include "tests/benchmarks/benchmark_kernels.hpp"
 #include "tests/benchmarks/benchmark_parts.hpp"
 #include "tests/benchmarks/fast_by_compiler.hpp"
@@ -83,7 +83,7 @@ void textbook(benchmark::State& run, const std::string& scene, Formula formula, 
   Arm arm(scene);
   const recursive::Model<double>& model = arm.setup.model;
   recursive::Workspace<double>& ws = arm.setup.ws;
-  recursive::RoundingEstimate<double> estimate(model);
+  recursive::RoundingFilter<double> filter(model, 1e-3);
   std::vector<scene::JointPosition<double>> x;
   double lost = 0;
   for (auto _ : run) {
@@ -91,13 +91,14 @@ void textbook(benchmark::State& run, const std::string& scene, Formula formula, 
     positions(s, x);
     if (formula == Formula::kMassMatrix) {
       recursive::massMatrix(model, x, ws, arm.M);
-      if (warns) lost += estimate.massMatrix(x, arm.M);
+      if (warns) lost += filter.massMatrix(x.data(), [&](int d) { return arm.M(d, d); });
     } else if (formula == Formula::kForwardDynamics) {
       recursive::forwardDynamics(model, x, s.qd, s.tau, ws, arm.out);
-      if (warns) lost += estimate.forwardDynamics(model, x, s.qd, s.tau, ws, arm.out);
+      if (warns) lost += filter.forwardDynamics(model, x, s.qd, s.tau, ws, arm.out);
     } else {
       recursive::inverseDynamics(model, x, s.qd, s.qdd, ws, arm.out);
-      if (warns) lost += estimate.inverseDynamics(x, s.qd, s.qdd, arm.out);
+      if (warns)
+        lost += filter.inverseDynamics(x.data(), s.qd.data(), s.qdd.data(), arm.out.data());
     }
     benchmark::DoNotOptimize(lost);
     benchmark::DoNotOptimize(arm.out.data());

@@ -39,6 +39,7 @@ BOOST_AUTO_TEST_CASE(orders_of_the_squeezer_are_those_of_theory) {
   double best = HUGE_VAL, worst = 0;
   for (const WorkLine& line : work.lines) {
     BOOST_TEST(line.left_out == "");
+    BOOST_TEST((line.observed_order == 0) == !line.no_order.empty(), line.method);
     if (line.observed_order != 0) {
       ++seen;
       const double more = line.observed_order - line.order;

@@ -60,6 +60,7 @@ BOOST_AUTO_TEST_CASE(an_observed_order_is_that_of_theory_or_is_said_not_to_be_se
   options.methods.insert(options.methods.end(), {"bulirsch_stoer8", "runge_kutta4"});
   for (const WorkLine& line : measureWork(scene::findScene("double_pendulum"), options).lines) {
     const bool is_seen = std::find(seen.begin(), seen.end(), line.method) != seen.end();
+    BOOST_TEST(line.no_order.empty() == is_seen, line.method << ": " << line.no_order);
     BOOST_TEST((line.observed_order != 0) == is_seen, line.method << ": " << line.observed_order);
     if (is_seen)
       BOOST_TEST(std::abs(line.observed_order - line.order) <= 0.1,
