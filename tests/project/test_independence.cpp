@@ -92,7 +92,7 @@ const std::vector<Rule> kRules = {
     {"verdicts",
      {"scene", "recursive", "inputs", "rereading", "scalars", "witnesses", "laws", "motion"}},
     {"exact", {"scene", "symbolic", "recursive", "scalars", "witnesses", "laws", "verdicts"}},
-    {"diagnosis", {"scene", "system", "inputs", "scalars", "witnesses", "verdicts"}},
+    {"diagnosis", {"scene", "symbolic", "system", "inputs", "scalars", "witnesses", "verdicts"}},
     {"golden", {"scene", "inputs", "scalars", "witnesses", "verdicts"}},
     {"studies",
      {"scene", "recursive", "inputs", "scalars", "witnesses", "laws", "motion", "verdicts",
