@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "scene/mimic.hpp"

@@ -24,12 +24,10 @@ __path__.append(str(Path(_BUILT)))
 
 try:
     from ._core import InputError, Scene, __version__, from_text, load
-except ImportError as error:
-    _WHY = str(error)
-
+except ModuleNotFoundError:  # one that is there and does not load raises
     def load(name):
-        raise ImportError(f"dynwitness in process is not built ({_WHY}): ./dynwitness python builds it, "
-                          "for /usr/bin/python3")
+        raise ImportError("dynwitness in process is not built: ./dynwitness python builds it, for "
+                          "/usr/bin/python3")
 
     from_text = load
 
