@@ -227,7 +227,8 @@ py::tuple forwardDerivatives(PyScene& s, const O& q, const O& qd, const O& tau) 
   return py::make_tuple(by_q, by_qd, by_tau);
 }
 
-/// Place, turn, J and dJ/dt of a point.
+/// Place, turn, J and dJ/dt of a point. Whoever takes one of them returns an O: what pybind11's []
+/// gives refers to the tuple.
 py::tuple point(PyScene& s, const std::string& link, const O& q, const O& qd, const O& at) {
   const std::size_t index = s.quantities().link(link);
   const Argument a("q", q, s.nq()), b("qd", qd, s.n()), place("at", at, 3);
@@ -335,7 +336,7 @@ void bindMotion(py::class_<PyScene>& scene) {
           "[N m s].\n\nReturns (6,) or (N, 6).")
       .def(
           "position",
-          [](PyScene& s, const std::string& link, const O& q, const O& at) {
+          [](PyScene& s, const std::string& link, const O& q, const O& at) -> O {
             return point(s, link, q, noRates(s), at)[0];
           },
           arg("link"), arg("q"), arg("at") = py::make_tuple(0.0, 0.0, 0.0),
@@ -343,14 +344,14 @@ void bindMotion(py::class_<PyScene>& scene) {
           "origin.\nReturns (3,) or (N, 3) [m].")
       .def(
           "rotation",
-          [](PyScene& s, const std::string& link, const O& q) {
+          [](PyScene& s, const std::string& link, const O& q) -> O {
             return point(s, link, q, noRates(s), py::make_tuple(0.0, 0.0, 0.0))[1];
           },
           arg("link"), arg("q"),
           "Turn of a link: the columns are its axes in world axes.\n\nReturns (3, 3) or (N, 3, 3).")
       .def(
           "jacobian",
-          [](PyScene& s, const std::string& link, const O& q, const O& at) {
+          [](PyScene& s, const std::string& link, const O& q, const O& at) -> O {
             return point(s, link, q, noRates(s), at)[2];
           },
           arg("link"), arg("q"), arg("at") = py::make_tuple(0.0, 0.0, 0.0),
@@ -358,7 +359,7 @@ void bindMotion(py::class_<PyScene>& scene) {
           "axes.\n\nReturns (6, n) or (N, 6, n).")
       .def(
           "jacobian_rate",
-          [](PyScene& s, const std::string& link, const O& q, const O& qd, const O& at) {
+          [](PyScene& s, const std::string& link, const O& q, const O& qd, const O& at) -> O {
             return point(s, link, q, qd, at)[3];
           },
           arg("link"), arg("q"), arg("qd"), arg("at") = py::make_tuple(0.0, 0.0, 0.0),
