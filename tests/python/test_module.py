@@ -32,8 +32,8 @@ DRAW = np.random.default_rng(7)
 EPS = np.finfo(float).eps
 
 
-def near(a, b, ulps=1e4):
-    """Two sweeps of a few hundred roundings each: 10^4 ulp of the largest number; 40 was the most seen."""
+def near(a, b, ulps=100):
+    """In ulp of the largest number: two roads of some hundred roundings each; 2.7 was the most seen."""
     a, b = np.asarray(a), np.asarray(b)
     assert a.shape == b.shape, (a.shape, b.shape)
     gap = np.abs(a - b).max() / (EPS * max(np.abs(b).max(), 1e-300))
@@ -90,9 +90,9 @@ def test_fd_undoes_id_and_lanes_are_the_sweeps():
         scene = dw.load(name)
         q, qd, qdd = states(scene, 5000)
         tau = scene.id(q, qd, qdd, kernel=False)
-        near(scene.fd(q, qd, tau, kernel=False), qdd, 1e8)  # M of random poses is ill conditioned
+        near(scene.fd(q, qd, tau, kernel=False), qdd, 2e4)  # times the condition of M; 431 was the most seen
         near(scene.id(q, qd, qdd), tau)
-        near(scene.fd(q, qd, tau), qdd, 1e8)
+        near(scene.fd(q, qd, tau), qdd, 2e4)
         for odd in (1, 3, 257):  # blocks that are not full
             near(scene.id(q[:odd], qd[:odd], qdd[:odd], kernel=None), tau[:odd])
 
