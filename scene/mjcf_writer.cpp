@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <array>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "scene/mimic.hpp"
 #include "scene/mjcf.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Formulas as somebody writes them by hand, "M12 = m2*l1*l2*cos(q2)/2", read into the graph that has
-// the derived ones.
+// Formulas as somebody writes them by hand, "M12 = m2*l1*l2*cos(q2)/2", read into the graph that
+// has the derived ones.
 #pragma once
 
 #include <string>

@@ -14,7 +14,7 @@ if [[ -z $formatter ]]; then
   exit 77
 fi
 
-mapfile -d '' files < <(find scene symbolic recursive crosscheck tests -name '*.[ch]pp' -print0 | sort -z)
+mapfile -d '' files < <(find scene symbolic recursive crosscheck python tests -name '*.[ch]pp' -print0 | sort -z)
 ((${#files[@]} > 300)) || { echo "check_format: ${#files[@]} files, expected more than 300"; exit 1; }
 status=0
 # one process for all: 400 starts would take longer than the work
