@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The quantities of a scene on plain arrays of doubles, state by state: what the Python module binds.
+// The quantities of a scene on plain arrays of doubles, state by state: what the Python module
+// binds.
 #pragma once
 
 #include <array>

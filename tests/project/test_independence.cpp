@@ -271,24 +271,25 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/kernel/kernel.cpp",
        {"0x1p-52"}},  // an operand of the program that tells compilers apart
       {"crosscheck/verdicts/check_drift.cpp",
-       {"1e-6", "1e-8", "1e-10"}},                             // asked of adaptive steps
-      {"crosscheck/report/page_scene.cpp", {"1e-10"}},         // words about the control
-      {"crosscheck/witnesses/simbody.cpp", {"1e-100"}},        // a mass [kg] that drops out
-      {"crosscheck/chart/chart.cpp", {"1e-9"}},                // seconds in a nanosecond
-      {"crosscheck/report/chart_drawing.cpp", {"1e-9"}},       // the same
-      {"crosscheck/cli/crosscheck_command.cpp", {"1e-300"}},   // least --error-probability
-      {"crosscheck/growth/growth.cpp", {"1e-9"}},              // seconds in a nanosecond
-      {"crosscheck/cli/linearize_command.cpp", {"1e-9"}},      // digits printed of approximations
-      {"crosscheck/cli/sweep_command.cpp", {"1e-14"}},         // what is printed as 0 beside others
-      {"crosscheck/report/view.cpp", {"1e-10"}},               // what is drawn at 0
-      {"crosscheck/verdicts/options.hpp", {"1e-30"}},          // default of --error-probability
-      {"crosscheck/exact/exact.hpp", {"1e-30"}},               // the same
-      {"crosscheck/audit/trial.cpp", {"1e-30"}},               // the same
-      {"crosscheck/diagnosis/judge_formulas.cpp", {"1e-18"}},  // chance of error of a formula
-      {"crosscheck/audit/board.hpp", {"1e-12"}},               // what is printed as 0 beside others
-      {"crosscheck/motion/simulate.hpp", {"1e-10"}},           // default of --step-error
-      {"crosscheck/motion/closed_work.cpp", {"1e-2"}},         // first of errors asked of steps
+       {"1e-6", "1e-8", "1e-10"}},                            // asked of adaptive steps
+      {"crosscheck/report/page_scene.cpp", {"1e-10"}},        // words about the control
+      {"crosscheck/witnesses/simbody.cpp", {"1e-100"}},       // a mass [kg] that drops out
+      {"crosscheck/chart/chart.cpp", {"1e-9"}},               // seconds in a nanosecond
+      {"crosscheck/report/chart_drawing.cpp", {"1e-9"}},      // the same
+      {"crosscheck/cli/crosscheck_command.cpp", {"1e-300"}},  // least --error-probability
+      {"crosscheck/growth/growth.cpp", {"1e-9"}},             // seconds in a nanosecond
+      {"crosscheck/cli/linearize_command.cpp", {"1e-9"}},     // digits printed of approximations
+      {"crosscheck/cli/sweep_command.cpp", {"1e-14"}},        // what is printed as 0 beside others
+      {"crosscheck/report/view.cpp", {"1e-10"}},              // what is drawn at 0
+      {"crosscheck/verdicts/options.hpp", {"1e-30"}},         // default of --error-probability
+      {"crosscheck/exact/exact.hpp", {"1e-30"}},              // the same
+      {"crosscheck/audit/trial.cpp", {"1e-30"}},              // the same
+      {"crosscheck/audit/board.hpp", {"1e-12"}},              // what is printed as 0 beside others
+      {"crosscheck/motion/simulate.hpp", {"1e-10"}},          // default of --step-error
+      {"crosscheck/motion/closed_work.cpp", {"1e-2"}},        // first of errors asked of steps
       {"crosscheck/motion/simulate.cpp", {"1e-12"}},  // a step [s] at which integration is given up
+      {"crosscheck/diagnosis/judge_formulas.cpp",
+       {"1e-18"}},  // chance that a formula passes which is wrong, as exact checks have theirs
       {"crosscheck/motion/step_advice.cpp",
        {"1e-12", "1e-3", "1e-8"}},  // |R| - 1 that is a step's rounding; where scans begin
       {"crosscheck/motion/work_precision.cpp",
