@@ -9,6 +9,7 @@
 #include <array>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "scene/mimic.hpp"
 #include "scene/mjcf.hpp"

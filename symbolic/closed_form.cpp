@@ -504,16 +504,18 @@ class ClosedAlgebra::Writer {
   const std::vector<Symbol>& symbols_;
 };
 
+std::vector<ClosedAlgebra::Polynomial> ClosedAlgebra::forms(const Polynomial& p) {
+  const Polynomial summed = inSummedAngles(p);
+  return {reduced(p, Role::kSin), reduced(p, Role::kCos), reduced(summed, Role::kSin),
+          reduced(summed, Role::kCos), inMultipleAngles(p)};
+}
+
 Formula ClosedAlgebra::formula(const GiNaC::ex& x) {
   const Polynomial p = polynomial(x);
   if (reduced(p, Role::kSin).empty()) return Formula::ofNumber(0);
-  const Polynomial summed = inSummedAngles(p);
-  const std::vector<Polynomial> forms = {reduced(p, Role::kSin), reduced(p, Role::kCos),
-                                         reduced(summed, Role::kSin), reduced(summed, Role::kCos),
-                                         inMultipleAngles(p)};
   std::optional<Formula> best;
   std::size_t best_length = 0;
-  for (const Polynomial& form : forms) {
+  for (const Polynomial& form : forms(p)) {
     for (bool rates_outside : {false, true}) {
       const Formula f = Writer(symbols_).write(form, rates_outside);
       const std::size_t length = print(f, Style::kText).size();
@@ -523,6 +525,28 @@ Formula ClosedAlgebra::formula(const GiNaC::ex& x) {
     }
   }
   return *best;
+}
+
+std::vector<ClosedAlgebra::TermGap> ClosedAlgebra::termGaps(const GiNaC::ex& derived,
+                                                            const GiNaC::ex& stated) {
+  const std::vector<Polynomial> of_derived = forms(polynomial(derived)),
+                                of_stated = forms(polynomial(stated));
+  std::vector<TermGap> best;
+  for (std::size_t form = 0; form < of_derived.size(); ++form) {
+    std::map<Monomial, std::pair<Rational, Rational>, DisplayOrder> sides;
+    for (const auto& [monomial, r] : of_derived[form]) sides[monomial].first = r;
+    for (const auto& [monomial, r] : of_stated[form]) sides[monomial].second = r;
+    std::vector<TermGap> gaps;
+    for (const auto& [monomial, side] : sides) {
+      if (side.first == side.second) continue;
+      std::vector<Formula> factors;
+      for (const auto& [symbol, exponent] : monomial)
+        factors.push_back(Formula::power(symbols_[symbol].shown, exponent));
+      gaps.push_back({Formula::product(factors), side.first, side.second});
+    }
+    if (form == 0 || gaps.size() < best.size()) best = gaps;
+  }
+  return best;
 }
 
 // ---- the derivation by GiNaC --------------------------------------------------------------------

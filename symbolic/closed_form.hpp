@@ -43,6 +43,15 @@ class ClosedAlgebra {
       alone. */
   Formula formula(const GiNaC::ex& x);
 
+  /// One term of two expanded forms that is not the same in both; 0 where it does not occur.
+  struct TermGap {
+    Formula term;  ///< without its coefficient
+    Rational derived, stated;
+  };
+  /** Where a stated form differs from the derived one: of the forms that formula() chooses from,
+      both expanded, the one with the fewest terms that differ. Empty where both are the same. */
+  std::vector<TermGap> termGaps(const GiNaC::ex& derived, const GiNaC::ex& stated);
+
  private:
   using Monomial = std::vector<std::pair<int, int>>;  ///< (symbol, exponent), symbols increasing
   /// Low degrees first; of equal degree, high powers of early symbols first: x^2, x y, y^2.
@@ -66,6 +75,8 @@ class ClosedAlgebra {
   Polynomial reduced(const Polynomial& p, Role power_kept) const;
   Polynomial inSummedAngles(const Polynomial& p);
   Polynomial inMultipleAngles(const Polynomial& p);
+  /// The forms that formula() chooses from.
+  std::vector<Polynomial> forms(const Polynomial& p);
   static Polynomial product(const Polynomial& a, const Polynomial& b);
   static Monomial product(const Monomial& a, const Monomial& b);
   static void accumulate(const Polynomial& terms, Polynomial* total);

@@ -134,17 +134,6 @@ class ClosedSteps {
             equation(letter + std::string(1, "xyz"[k]) + "_" + link, x, vector[k].node));
   }
 
-  /// By the graph, from the matrix of the composite bodies.
-  Node christoffelSymbol(int i, int j, int k) {
-    const auto slope = [this](int row, int column, int by) {
-      return positionGradient(e_, e_.M[row][column])[by];
-    };
-    Graph& graph = e_.graph;
-    return graph.multiply(
-        graph.constant(Rational(1, 2)),
-        graph.subtract(graph.add(slope(i, j, k), slope(i, k, j)), slope(j, k, i)));
-  }
-
   void positions();
   void velocities();
   void energies();
@@ -312,7 +301,7 @@ void ClosedSteps::christoffelSymbols() {
                      isZero(byPosition(f_.M[i][j], k) - gamma - f_.Gamma[j][i][k]);
         if (k >= j && !isZero(gamma))
           step.equations.push_back(
-              equation(christoffelName(i, j, k), gamma, christoffelSymbol(i, j, k)));
+              equation(christoffelName(i, j, k), gamma, christoffelSymbol(e_, i, j, k)));
       }
     }
   }

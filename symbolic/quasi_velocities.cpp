@@ -55,6 +55,15 @@ std::vector<Node> positionGradient(Equations& e, Node f) {
   return result;
 }
 
+Node christoffelSymbol(Equations& equations, int i, int j, int k) {
+  const auto slope = [&equations](int row, int column, int by) {
+    return positionGradient(equations, equations.M[row][column])[by];
+  };
+  Graph& graph = equations.graph;
+  return graph.multiply(graph.constant(Rational(1, 2)),
+                        graph.subtract(graph.add(slope(i, j, k), slope(i, k, j)), slope(j, k, i)));
+}
+
 Direction motion(Equations& e, bool with_accelerations) {
   Graph& graph = e.graph;
   std::vector<Variable> order;

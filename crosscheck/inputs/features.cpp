@@ -118,6 +118,7 @@ struct Rules {
         {Command::kChart,
          followers,
          {Kind::kRefused, "engines are timed on trees, where every joint has a rate of its own"}},
+        {Command::kCheckFormulas, followers, own_rates},
         {Command::kRotors, followers, own_rates},
         {Command::kGeometry, followers, own_rates},
         {Command::kAction, followers, own_rates},
@@ -158,6 +159,14 @@ struct Rules {
         {Command::kCheck, closures + point_springs + prescribed, of_the_tree},
         {Command::kCheck, followers, as_trees},
         {Command::kCheck, {Feature::kStart}, random_states},
+        {Command::kCheckFormulas, closures + point_springs + prescribed, of_the_tree},
+        {Command::kCheckFormulas, {Feature::kStart}, for_every_state},
+        {Command::kCheckFormulas,
+         {Feature::kCoulombFriction},
+         {Kind::kTold, "formulas have no sign of a rate, and are not asked about tau"}},
+        {Command::kCheckFormulas,
+         quaternions,
+         {Kind::kRefused, "its rates are no derivatives of positions, which formulas are made of"}},
         {Command::kGrade, closures + point_springs + prescribed, of_the_tree},
         {Command::kGrade, followers, as_trees},
         {Command::kGrade, {Feature::kStart}, random_states},
@@ -457,6 +466,8 @@ const char* name(Command command) {
       return "crosscheck";
     case Command::kCheck:
       return "check";
+    case Command::kCheckFormulas:
+      return "check --answer (formulas)";
     case Command::kGolden:
       return "golden";
     case Command::kGrade:

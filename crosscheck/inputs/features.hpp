@@ -43,9 +43,11 @@ enum class Command {
   kReduce,
   kNeed,
   kShow,
+  kCheckFormulas,
 };
 inline constexpr Command kAllCommands[] = {Command::kCrosscheck,
                                            Command::kCheck,
+                                           Command::kCheckFormulas,
                                            Command::kGolden,
                                            Command::kGrade,
                                            Command::kDerive,

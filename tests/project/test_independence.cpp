@@ -86,6 +86,7 @@ const std::vector<Rule> kRules = {
     {"rereading", {}},  // a witness of what scene/ reads
     {"scalars", {"scene", "symbolic", "recursive", "inputs"}},
     {"kernel", {"scene", "symbolic", "recursive", "system", "scalars"}},
+    {"python", {"scene", "symbolic", "recursive", "system", "inputs", "scalars", "kernel"}},
     {"witnesses", {"scene", "symbolic", "recursive", "system", "scalars", "kernel"}},
     {"laws", {"scene", "recursive", "scalars", "witnesses"}},
     {"motion", {"scene", "recursive", "inputs", "scalars", "witnesses"}},
@@ -93,7 +94,7 @@ const std::vector<Rule> kRules = {
      {"scene", "recursive", "inputs", "rereading", "scalars", "witnesses", "laws", "motion"}},
     {"exact",
      {"scene", "symbolic", "recursive", "scalars", "kernel", "witnesses", "laws", "verdicts"}},
-    {"diagnosis", {"scene", "system", "inputs", "scalars", "witnesses", "verdicts"}},
+    {"diagnosis", {"scene", "symbolic", "system", "inputs", "scalars", "witnesses", "verdicts"}},
     {"golden", {"scene", "inputs", "scalars", "witnesses", "verdicts"}},
     {"studies",
      {"scene", "recursive", "inputs", "scalars", "witnesses", "laws", "motion", "verdicts",
@@ -232,6 +233,15 @@ BOOST_AUTO_TEST_CASE(link_lines_say_what_the_rules_say) {
     for (std::string word; words >> word;)
       linked["cli"].insert(word.substr(std::string("dynwitness::").size()));
   }
+  // the module is of floors that are compiled once more, and of headers
+  const std::string python =
+      textOf(fs::path(DYNWITNESS_SOURCE_DIR) / "crosscheck/cmake/python.cmake");
+  static const std::regex floors(R"re(\nforeach\(floor ([^)]*)\))re");
+  std::smatch found;
+  BOOST_TEST_REQUIRE(std::regex_search(python, found, floors));
+  std::istringstream words(found[1].str());
+  linked["python"].insert("recursive");
+  for (std::string word; words >> word;) linked["python"].insert(word);
   for (const Rule& rule : kRules) {
     if (!rule.isFloor()) continue;
     BOOST_TEST_CONTEXT(rule.folder)
@@ -293,6 +303,8 @@ BOOST_AUTO_TEST_CASE(no_limit_of_the_crosscheck_is_chosen_by_hand) {
       {"crosscheck/motion/simulate.hpp", {"1e-10"}},          // default of --step-error
       {"crosscheck/motion/closed_work.cpp", {"1e-2"}},        // first of errors asked of steps
       {"crosscheck/motion/simulate.cpp", {"1e-12"}},  // a step [s] at which integration is given up
+      {"crosscheck/diagnosis/judge_formulas.cpp",
+       {"1e-18"}},  // chance that a formula passes which is wrong, as exact checks have theirs
       {"crosscheck/motion/step_advice.cpp",
        {"1e-12", "1e-3", "1e-8"}},  // |R| - 1 that is a step's rounding; where scans begin
       {"crosscheck/motion/work_precision.cpp",

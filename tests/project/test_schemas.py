@@ -12,7 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 # several kinds of file, or one that another command writes
-NAMES = {"crosscheck": ["report", "campaign"]}
+NAMES = {"crosscheck": ["report", "campaign"], "check": ["check", "answers"]}
 
 
 def help_of(program, *words):

@@ -126,7 +126,7 @@ assert status == 1 and "goes by 1 state: other mistakes may answer the same ther
 
 # what cannot be read
 for arguments, words in (
-        ([], "expected --engine COMMAND or --answers FILE"),
+        ([], "expected --engine COMMAND, --answers FILE or --answer FORMULA"),
         (["--answers", few], "no answers"),
         (["--answers", states], "no answers"),
         (["--states", few, "--answers", tau], "more rows than"),

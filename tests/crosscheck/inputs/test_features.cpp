@@ -200,6 +200,8 @@ Call callOf(Command command) {
           "report/report.json"};
     case Command::kCheck:
       return {"check scene --engine 'python3 engine.py' --engine-seconds 200 --format json", ""};
+    case Command::kCheckFormulas:
+      return {"check scene --answers formulas --format json", ""};
     case Command::kGolden:
       return {"golden scene --random 2 --format csv", ""};
     case Command::kGrade:
@@ -323,6 +325,18 @@ std::string withoutComments(const std::string& csv) {
   return kept;
 }
 
+/// T, V and what can be asked of tau, all said to be 0: what is missing names every term.
+std::string formulasOf(const std::string& text) {
+  const scene::Mechanism mechanism =
+      (text[0] == '<' ? scene::readSceneUrdf(text, "scene") : scene::readSceneToml(text, "scene"))
+          .mechanism;
+  std::string lines = "T = 0\nV = 0\n";
+  for (const scene::Link& link : mechanism.links)
+    if (link.joint.friction.isCoulomb()) return lines;
+  for (int i = 1; i <= mechanism.dof(); ++i) lines += "tau" + std::to_string(i) + " = 0\n";
+  return lines;
+}
+
 struct Said {
   int status;
   std::string output, errors;
@@ -349,9 +363,12 @@ Said ask(const Program& program, Command command, std::string text) {
     program.write("submissions/arm.py", kSubmission);
     program.write("rubric.toml", kRubric);
   }
+  if (command == Command::kCheckFormulas) program.write("formulas", formulasOf(text));
   const Outcome outcome = program.run(call.words, "2> errors");
   Said said{outcome.status, call.file.empty() ? outcome.out : program.read(call.file),
             program.read("errors")};
+  // formulas are wrong, as they are meant to be
+  if (command == Command::kCheckFormulas && said.status == 1) said.status = 0;
   if (command == Command::kChart) said.output = withoutTimes(said.output);
   if (command == Command::kGolden) said.output = withoutComments(said.output);
   return said;

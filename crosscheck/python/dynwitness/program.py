@@ -1,16 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the program dynwitness from Python, and reads what it writes.
+"""What takes the whole program: verdicts, simulations, pictures. It is run, and its files are read.
 
-Nothing here computes dynamics: every number comes from the program. It is the ./dynwitness of this
-checkout (it builds itself when first called), or what the environment variable DYNWITNESS_PROGRAM
-names.
-
-    import dynwitness as dw
-    dw.evaluate("double_pendulum", "M,g", q=[0.3, -0.7])["M"]  # an array of shape (states, n, n)
-    dw.crosscheck("double_pendulum")["verdict"]                # report.json
-
-A scene is a name (`dw.run("scenes")` lists them), a TOML, URDF or MJCF file, or a `Scene`, the text of
-one. Needs numpy. Pictures are SVG, drawn by gnuplot.
+It is the ./dynwitness of this checkout (it builds itself when first called), or what the environment
+variable DYNWITNESS_PROGRAM names. A scene is a name (`run("scenes")` lists them), a TOML, URDF or MJCF
+file, a `Scene`, or a `SceneText`. Pictures are SVG, drawn by gnuplot.
 """
 import json
 import os
@@ -22,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[3]
 
 
 class ProgramFailed(Exception):
@@ -49,8 +42,8 @@ def run(*words, agreed_only=True):
     return done.stdout
 
 
-class Scene(str):
-    """The text of a TOML scene file. `Scene.read(name)` is a bundled one, which `swap` changes."""
+class SceneText(str):
+    """The text of a TOML scene file. `SceneText.read(name)` is a bundled one, which `swap` changes."""
 
     @classmethod
     def read(cls, name):
@@ -60,7 +53,7 @@ class Scene(str):
         """The scene with `old`, which must be there exactly once, replaced by `new`."""
         if self.count(old) != 1:
             raise ValueError(f"swap: {old!r} is there {self.count(old)} times, expected once")
-        return Scene(self.replace(old, new))
+        return SceneText(self.replace(old, new))
 
 
 class _Files:
@@ -75,7 +68,9 @@ class _Files:
         self._folder.cleanup()
 
     def scene(self, scene):
-        if not isinstance(scene, Scene):
+        if hasattr(scene, "toml"):  # a Scene in process
+            scene = SceneText(scene.toml())
+        if not isinstance(scene, SceneText):
             return scene
         (self.path / "scene.toml").write_text(scene)
         return self.path / "scene.toml"
