@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crosscheck/campaign/ledger.hpp"
+#include "crosscheck/campaign/shard_ledger.hpp"
 #include "crosscheck/campaign/smaller.hpp"
 #include "crosscheck/conductor/crosscheck.hpp"
 #include "crosscheck/inputs/feature_pairs.hpp"

@@ -30,7 +30,7 @@ std::string atLine(const fs::path& file, long line) {
 
 /// Of the entries of one case, which follow each other, the one that counts.
 const LedgerEntry& countingOf(const LedgerEntry* begin, const LedgerEntry* end,
-                              const std::vector<Ledger>& ledgers) {
+                              const std::vector<ShardLedger>& ledgers) {
   const LedgerEntry* best = begin;
   for (const LedgerEntry* one = begin + 1; one != end; ++one) {
     if (!one->has_failed && !best->has_failed && one->hash != best->hash)
@@ -45,7 +45,7 @@ const LedgerEntry& countingOf(const LedgerEntry* begin, const LedgerEntry* end,
   return *best;
 }
 
-void nameDamaged(const Ledger& ledger, std::vector<std::string>* left_out) {
+void nameDamaged(const ShardLedger& ledger, std::vector<std::string>* left_out) {
   for (const long line : ledger.damaged)
     left_out->push_back(
         fmt::format("{}: {}", atLine(ledger.file, line),
@@ -183,9 +183,9 @@ GatheredLedgers gatherLedgers(const std::vector<fs::path>& folders) {
                        "has no shard-I-of-N.jsonl, allowed: folders that `campaign` has written");
     for (const fs::path& file : files) {
       const std::size_t before = all.size();
-      const Ledger ledger =
-          readLedger(file, static_cast<int>(out.ledgers.size()),
-                     [&](const LedgerEntry& entry, std::string_view) { all.push_back(entry); });
+      const ShardLedger ledger = readShardLedger(
+          file, static_cast<int>(out.ledgers.size()),
+          [&](const LedgerEntry& entry, std::string_view) { all.push_back(entry); });
       nameDamaged(ledger, &out.left_out);
       if (!ledger.has_head || ledger.head.version != out.head.version) {
         all.resize(before);

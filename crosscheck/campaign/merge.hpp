@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "crosscheck/campaign/ledger.hpp"
+#include "crosscheck/campaign/shard_ledger.hpp"
 #include "crosscheck/inputs/feature_pairs.hpp"
 
 namespace dynwitness::crosscheck {
@@ -15,7 +15,7 @@ namespace dynwitness::crosscheck {
 /// The ledgers of some folders, and what is wrong with them.
 struct GatheredLedgers {
   LedgerHead head;                   ///< version and plan that all that count have in common
-  std::vector<Ledger> ledgers;       ///< that count
+  std::vector<ShardLedger> ledgers;  ///< that count
   std::vector<LedgerEntry> entries;  ///< one a case, in ascending order
   long twice = 0;  ///< cases that stood in more than one place, with the same record
   std::vector<std::string> left_out;  ///< files and lines that do not count, each with the reason

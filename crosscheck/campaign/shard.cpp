@@ -43,9 +43,9 @@ std::vector<bool> casesIn(const fs::path& folder, const LedgerHead& head) {
   std::vector<bool> has(static_cast<std::size_t>(head.cases), false);
   for (const fs::path& file : ledgersIn(folder)) {
     std::vector<long> cases;
-    const Ledger ledger = readLedger(file, 0, [&](const LedgerEntry& entry, std::string_view) {
-      cases.push_back(entry.number);
-    });
+    const ShardLedger ledger = readShardLedger(
+        file, 0,
+        [&](const LedgerEntry& entry, std::string_view) { cases.push_back(entry.number); });
     if (!ledger.has_head) continue;
     for (const long number : cases)
       if (number >= 0 && number < head.cases) has[static_cast<std::size_t>(number)] = true;

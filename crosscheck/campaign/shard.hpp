@@ -7,7 +7,7 @@
 #include <string>
 
 #include "crosscheck/campaign/case_runner.hpp"
-#include "crosscheck/campaign/ledger.hpp"
+#include "crosscheck/campaign/shard_ledger.hpp"
 
 namespace dynwitness::crosscheck {
 

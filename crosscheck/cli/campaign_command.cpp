@@ -77,7 +77,7 @@ std::string remaining(const GatheredLedgers& gathered) {
 int tellStatus(const Arguments& arguments) {
   forbid("--shard", !arguments.shard.empty(), "status");
   const GatheredLedgers gathered = gatherLedgers(foldersOf(arguments));
-  for (const Ledger& ledger : gathered.ledgers) {
+  for (const ShardLedger& ledger : gathered.ledgers) {
     const LedgerHead& head = ledger.head;
     const long all = (head.cases - head.shard) / head.shards + 1;
     fmt::print("{}: {} of {} cases, {} of work\n", ledger.file.string(), ledger.entries, all,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "crosscheck/campaign/ledger.hpp"
+#include "crosscheck/campaign/shard_ledger.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -78,12 +78,13 @@ std::optional<LedgerHead> headOf(const fs::path& file) {
   return std::nullopt;
 }
 
-Ledger readLedger(const fs::path& file, int index,
-                  const std::function<void(const LedgerEntry&, std::string_view record)>& entry) {
+ShardLedger readShardLedger(
+    const fs::path& file, int index,
+    const std::function<void(const LedgerEntry&, std::string_view record)>& entry) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
     throw InputError({file.string(), 0}, fmt::format("cannot be read: {}", std::strerror(errno)));
-  Ledger ledger;
+  ShardLedger ledger;
   ledger.file = file;
   std::uint64_t offset = 0;
   std::string line;
@@ -154,7 +155,7 @@ GrowingLedger::GrowingLedger(const fs::path& folder, const LedgerHead& head)
                          ? "another process is adding to it; this shard is being done"
                          : fmt::format("cannot be locked: {}", std::strerror(why)));
   }
-  const Ledger ledger = readLedger(file_, 0, [](const LedgerEntry&, std::string_view) {});
+  const ShardLedger ledger = readShardLedger(file_, 0, [](const LedgerEntry&, std::string_view) {});
   if (!ledger.ends_in_a_line) add("\n");
   if (!ledger.has_head) add(sealedLine(head.text(), "{}"));
 }

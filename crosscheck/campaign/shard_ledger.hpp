@@ -54,7 +54,7 @@ struct LedgerEntry {
 };
 
 /// What a ledger is found to be.
-struct Ledger {
+struct ShardLedger {
   std::filesystem::path file;
   bool has_head = false;  ///< otherwise nothing in it counts
   LedgerHead head;
@@ -70,8 +70,9 @@ std::optional<LedgerHead> headOf(const std::filesystem::path& file);
 /** Reads a ledger once, from its begin to its end, line by line.
     @param entry  is given every case that stands there, in the order of the file
     @throws scene::InputError  it cannot be read */
-Ledger readLedger(const std::filesystem::path& file, int index,
-                  const std::function<void(const LedgerEntry&, std::string_view record)>& entry);
+ShardLedger readShardLedger(
+    const std::filesystem::path& file, int index,
+    const std::function<void(const LedgerEntry&, std::string_view record)>& entry);
 
 /// The ledgers of a folder ("shard-1-of-4.jsonl"), in the order of their names.
 std::vector<std::filesystem::path> ledgersIn(const std::filesystem::path& folder);
