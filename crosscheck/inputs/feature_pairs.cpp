@@ -229,7 +229,7 @@ bool isDrawn(PairRelation relation, std::size_t row, std::size_t column) {
   if (column == kFollower && (of_joint ? row == kDriven : isConstraint(row))) return false;
   if (of_joint && row == kFollower && column == kDriven) return false;
   // the format has no rotors geared to several rates beside what makes more than a tree
-  const auto isGeared = [of_joint](std::size_t x, bool of) {
+  const auto isGeared = [](std::size_t x, bool of) {
     return of && (x == kGearedRotor || x == kGearedGyroscopicRotor);
   };
   if (isGeared(column, true) && (of_joint ? row == kDriven : row >= kFirstFeature)) return false;

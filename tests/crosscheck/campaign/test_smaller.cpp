@@ -8,7 +8,7 @@
 
 #include "crosscheck/campaign/case_runner.hpp"
 #include "crosscheck/inputs/random_mechanism.hpp"
-#include "crosscheck/witnesses/exact_witness.hpp"
+#include "crosscheck/witnesses/exact_sweeps.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 #include <nlohmann/json.hpp>

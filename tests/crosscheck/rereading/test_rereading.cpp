@@ -21,6 +21,7 @@
 #include "crosscheck/verdicts/options.hpp"
 #include "crosscheck/verdicts/tables.hpp"
 #include "crosscheck/witnesses/own_file.hpp"
+#include "recursive/build_model.hpp"
 #include "scene/changes.hpp"
 #include "scene/scene.hpp"
 #include "tests/fixtures/files.hpp"
