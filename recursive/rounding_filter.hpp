@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether rounding may have taken an answer's digits, decided by sums over joints where they suffice.
+// Whether rounding may have taken an answer's digits, decided by sums over joints where they
+// suffice.
 #pragma once
 
 #include <algorithm>

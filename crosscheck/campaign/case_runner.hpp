@@ -12,8 +12,8 @@
 
 namespace dynwitness::crosscheck {
 
-/** Runs cases of a plan. A case is a function of the plan and its number: whoever runs it, and when,
-    finds the same.
+/** Runs cases of a plan. A case is a function of the plan and its number: whoever runs it, and
+    when, finds the same.
 
     Its record is a JSON object in one line: `case`, `of`, `name`, `verdict` ("agree", "disagree",
     "not answerable", "failed"), and

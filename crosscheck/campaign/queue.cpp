@@ -40,8 +40,9 @@ std::string submitted(const std::vector<std::string>& words) {
   Child child(words);
   const Ending ending = child.wait();
   if (ending.not_found)
-    throw InputError({}, "--on slurm: there is no sbatch here, allowed: a machine that submits to "
-                         "Slurm; --on ssh:HOSTS and --on parallel need none");
+    throw InputError({},
+                     "--on slurm: there is no sbatch here, allowed: a machine that submits to "
+                     "Slurm; --on ssh:HOSTS and --on parallel need none");
   if (!ending.problem.empty()) throw std::runtime_error("sbatch: " + ending.problem);
   const std::string number = ending.output.substr(0, ending.output.find_first_of(";\n"));
   if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos)

@@ -16,7 +16,7 @@ struct QueuedCampaign {
   int shards = 1;
   int processes = 1;  ///< of each shard
 
-  /// "'/usr/bin/dynwitness' campaign '/home/me/nightly.toml' --shard SHARD/8 -o '...' --processes 1"
+  /// "'/usr/bin/dynwitness' campaign '/me/nightly.toml' --shard SHARD/8 -o '...' --processes 1"
   /// @param shard  a number, or what a shell makes one of
   std::string commandOf(const std::string& shard) const;
   std::string mergeCommand() const;

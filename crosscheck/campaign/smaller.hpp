@@ -14,8 +14,8 @@ struct SmallerScene {
   bool is_smallest = false;  ///< nothing that was tried makes it smaller; false: `most` was reached
 };
 
-/** Makes a scene smaller while it shows the same: loads, closures, springs and constraints go, links
-    are cut from the tips on, joints are fixed or turned into plainer ones, rotors, springs,
+/** Makes a scene smaller while it shows the same: loads, closures, springs and constraints go,
+    links are cut from the tips on, joints are fixed or turned into plainer ones, rotors, springs,
     friction, drives and gears go, frames and axes are straightened, and numbers become 0, 1 or 2.
     Each change is kept when the scene that it leaves is a valid file and still `shows`; all are
     tried again until none helps. The same scene and answers give the same result.

@@ -119,7 +119,8 @@ void append(RandomCampaign& all, RandomCampaign more) {
   std::move(more.failures.begin(), more.failures.end(), std::back_inserter(all.failures));
 }
 
-/// Who is asked exactly, where nobody is named: all but those whose making takes longer than the rest.
+/// Who is asked exactly, where nobody is named: all but those whose making takes longer than the
+/// rest.
 CampaignOptions withWitnesses(CampaignOptions options) {
   if (options.exact.witnesses.empty())
     for (const WitnessKind& kind : witnessKinds())

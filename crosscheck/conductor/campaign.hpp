@@ -62,8 +62,8 @@ RandomCampaign crosscheckRandomOf(const std::vector<int>& indices, int max_joint
                                   const CampaignOptions& options, int processes = 1,
                                   const std::function<void(int)>& progress = {});
 
-/// What does not agree about one mechanism of the caller's choice: exactly, and in double where that
-/// is asked for. Nobody is asked about another one instead.
+/// What does not agree about one mechanism of the caller's choice: exactly, and in double where
+/// that is asked for. Nobody is asked about another one instead.
 RandomCampaign::Failure disagreementsAbout(const scene::Scene& scene,
                                            const CampaignOptions& options);
 

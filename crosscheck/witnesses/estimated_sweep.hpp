@@ -12,8 +12,8 @@ namespace dynwitness::crosscheck {
 struct EstimatedAnswer {
   Eigen::MatrixXd value;
   /// Decimal digits, as a share of the largest entry, that rounding is expected to have left; 0 or
-  /// less: none. An estimate (recursive/rounding_estimate.hpp), where certainDigits() is proven; above
-  /// kFewestDigits one that may be much too low (rounding_filter.hpp).
+  /// less: none. An estimate (recursive/rounding_estimate.hpp), where certainDigits() is proven;
+  /// above kFewestDigits one that may be much too low (rounding_filter.hpp).
   double digits;
 };
 using EstimatedSweep = std::function<EstimatedAnswer(const scene::State<double>&)>;

@@ -212,8 +212,8 @@ RoundingFilter<T> lettingPass(const Model<T>& model, bool rounded_positions = fa
 /// The bound is computed in other operations than what it bounds.
 constexpr double kRoundings = 1 + 1e-12;
 
-/// Asked at 5 states, with rates up to 20 rad/s as well. Where slides move joints apart the filter has
-/// seen a nearer state before.
+/// Asked at 5 states, with rates up to 20 rad/s as well. Where slides move joints apart the filter
+/// has seen a nearer state before.
 void requireNeverLess(Arm<double>* arm, bool has_own_rates) {
   RoundingEstimate<double> estimate(arm->model);
   RoundingFilter<double> filter = lettingPass(arm->model);
@@ -265,8 +265,8 @@ BOOST_AUTO_TEST_CASE(a_filter_sees_each_of_what_is_added_up) {
   }
 }
 
-/* Filters of both kinds of sweeps on all bundled scenes: nobody is warned. Seen: tau, qdd by sweeps and
-   by M = L D L' pass at the sums in all of them. */
+/* Filters of both kinds of sweeps on all bundled scenes: nobody is warned. Seen: tau, qdd by sweeps
+   and by M = L D L' pass at the sums in all of them. */
 BOOST_AUTO_TEST_CASE(no_bundled_scene_is_suspected_by_sums) {
   for (const auto& file : scene::bundledScenes()) {
     const scene::Mechanism mechanism = scene::readScene(file).mechanism;
