@@ -15,6 +15,7 @@
 #include "crosscheck/conductor/crosscheck.hpp"
 #include "crosscheck/inputs/feature_pairs.hpp"
 #include "crosscheck/system/children.hpp"
+#include "crosscheck/system/shell.hpp"
 #include "crosscheck/witnesses/witnesses.hpp"
 
 namespace dynwitness::crosscheck {
@@ -151,8 +152,8 @@ Json commandRecord(const std::string& command, const std::filesystem::path& prog
                    std::string* said) {
   // a shell takes the words apart, as it does in a script; the status comes first, since of long
   // output only the begin is kept
-  const std::string words = fmt::format("out=$('{}' {} 2>&1); echo \"$?\"; printf %s \"$out\"",
-                                        program.string(), command);
+  const std::string words = fmt::format("out=$({} {} 2>&1); echo \"$?\"; printf %s \"$out\"",
+                                        shellWord(program.string()), command);
   ChildOptions options;
   options.seconds = seconds;
   Child child({"/bin/sh", "-c", words}, options);

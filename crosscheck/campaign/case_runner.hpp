@@ -12,6 +12,11 @@
 
 namespace dynwitness::crosscheck {
 
+/// Of a case: nothing disagrees or failed.
+inline bool isRight(const std::string& verdict) {
+  return verdict == "agree" || verdict == "not answerable";
+}
+
 /** Runs cases of a plan. A case is a function of the plan and its number: whoever runs it, and
     when, finds the same.
 

@@ -231,9 +231,8 @@ double CampaignSum::shareAtMost() const {
 }
 
 bool CampaignSum::isRight() const {
-  return std::all_of(verdicts.begin(), verdicts.end(), [](const auto& one) {
-    return one.first == "agree" || one.first == "not answerable";
-  });
+  return std::all_of(verdicts.begin(), verdicts.end(),
+                     [](const auto& one) { return crosscheck::isRight(one.first); });
 }
 
 CampaignSum writeMerged(const GatheredLedgers& gathered, const fs::path& folder) {

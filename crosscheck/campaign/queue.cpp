@@ -11,6 +11,7 @@
 #include "crosscheck/system/children.hpp"
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/processes.hpp"
+#include "crosscheck/system/shell.hpp"
 #include "scene/error.hpp"
 #include "scene/text_file.hpp"
 
@@ -21,13 +22,6 @@ namespace {
 using scene::InputError;
 
 constexpr double kLongest = 30 * 24 * 3600;  ///< [s], for a shard on another host
-
-/// As one word of a shell.
-std::string quoted(const std::string& word) {
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
 
 std::vector<std::string> wordsOf(const std::string& text) {
   std::istringstream stream(text);
@@ -79,13 +73,14 @@ std::vector<int> partOf(const std::vector<int>& open, int first, std::size_t ste
 }  // namespace
 
 std::string QueuedCampaign::commandOf(const std::string& shard) const {
-  return fmt::format("{} campaign {} --shard {}/{} -o {} --processes {}", quoted(program.string()),
-                     quoted(plan.string()), shard, shards, quoted(folder.string()), processes);
+  return fmt::format("{} campaign {} --shard {}/{} -o {} --processes {}",
+                     shellWord(program.string()), shellWord(plan.string()), shard, shards,
+                     shellWord(folder.string()), processes);
 }
 
 std::string QueuedCampaign::mergeCommand() const {
-  return fmt::format("{0} campaign merge {1} -o {1}", quoted(program.string()),
-                     quoted(folder.string()));
+  return fmt::format("{0} campaign merge {1} -o {1}", shellWord(program.string()),
+                     shellWord(folder.string()));
 }
 
 std::string slurmArray(const QueuedCampaign& campaign) {
@@ -133,7 +128,8 @@ SlurmJobs submitToSlurm(const QueuedCampaign& campaign) {
 
 std::string parallelLine(const QueuedCampaign& campaign) {
   return fmt::format("seq {} | parallel --retries 3 {} && {}", campaign.shards,
-                     quoted(campaign.commandOf("{}") + "; [ $? -le 1 ]"), campaign.mergeCommand());
+                     shellWord(campaign.commandOf("{}") + "; [ $? -le 1 ]"),
+                     campaign.mergeCommand());
 }
 
 std::vector<std::string> readHosts(const fs::path& file) {
@@ -153,11 +149,9 @@ std::vector<std::string> readHosts(const fs::path& file) {
   return hosts;
 }
 
-std::vector<HostEnded> runOverSsh(const QueuedCampaign& campaign,
-                                  const std::vector<std::string>& hosts,
-                                  const std::function<void(const std::string&)>& ended) {
+void runOverSsh(const QueuedCampaign& campaign, const std::vector<std::string>& hosts,
+                const std::function<void(const std::string&)>& ended) {
   std::vector<std::string> alive = hosts;
-  std::vector<HostEnded> given_up;
   std::vector<int> open;
   for (int shard = 1; shard <= campaign.shards; ++shard) open.push_back(shard);
   while (!open.empty() && !alive.empty()) {
@@ -186,19 +180,14 @@ std::vector<HostEnded> runOverSsh(const QueuedCampaign& campaign,
           } else {
             for (const int shard : partOf(open, k, alive.size())) left.push_back(shard);
           }
-          if (problem.empty())
-            still_alive.push_back(host);
-          else
-            given_up.push_back({host, problem});
-          if (ended)
-            ended(problem.empty() ? fmt::format("{}: done", host)
-                                  : fmt::format("{}: given up: {}", host, problem));
+          if (problem.empty()) still_alive.push_back(host);
+          ended(problem.empty() ? fmt::format("{}: done", host)
+                                : fmt::format("{}: given up: {}", host, problem));
         });
     std::sort(left.begin(), left.end());
     open = left;
     alive = still_alive;
   }
-  return given_up;
 }
 
 }  // namespace dynwitness::crosscheck

@@ -43,17 +43,11 @@ std::string parallelLine(const QueuedCampaign& campaign);
     @throws scene::InputError  the file cannot be read, or names none */
 std::vector<std::string> readHosts(const std::filesystem::path& file);
 
-struct HostEnded {
-  std::string host, problem;  ///< in words
-};
-
 /** Runs all shards on these hosts by ssh (the words of DYNWITNESS_SSH in its place), one at a time
     on each. What a host that does not answer, or on which a shard fails, leaves undone goes to the
-    others; it gets nothing more.
-    @param ended  called when a host has done its part, or is given up
-    @return  the hosts that were given up; shards that no host has done are missing when merged */
-std::vector<HostEnded> runOverSsh(const QueuedCampaign& campaign,
-                                  const std::vector<std::string>& hosts,
-                                  const std::function<void(const std::string&)>& ended);
+    others; it gets nothing more. Shards that no host has done are missing when merged.
+    @param ended  told when a host has done its part, or is given up and why */
+void runOverSsh(const QueuedCampaign& campaign, const std::vector<std::string>& hosts,
+                const std::function<void(const std::string&)>& ended);
 
 }  // namespace dynwitness::crosscheck

@@ -67,7 +67,7 @@ class Writer {
       SealedLine parts;
       opened(std::string_view(lines).substr(begin, end - begin), &parts);
       const auto verdict = nlohmann::json::parse(parts.record).at("verdict").get<std::string>();
-      shard_->wrong += verdict == "agree" || verdict == "not answerable" ? 0 : 1;
+      shard_->wrong += isRight(verdict) ? 0 : 1;
       ++shard_->now;
       begin = end + 1;
     }
@@ -130,7 +130,7 @@ ShardDone runShard(const CaseRunner& runner, const ShardOptions& options,
   GrowingLedger ledger(options.folder, head);
   const std::vector<bool> has = casesIn(options.folder, head);
   ShardDone out;
-  const long all = (head.cases - options.shard) / options.shards + 1;
+  const long all = head.casesOfShard();
   for (long k = options.shard - 1; k < head.cases; k += options.shards)
     out.before += has[static_cast<std::size_t>(k)] ? 1 : 0;
   Writer writer(&ledger, &out, all, done);

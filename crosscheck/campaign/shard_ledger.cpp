@@ -155,9 +155,10 @@ GrowingLedger::GrowingLedger(const fs::path& folder, const LedgerHead& head)
                          ? "another process is adding to it; this shard is being done"
                          : fmt::format("cannot be locked: {}", std::strerror(why)));
   }
-  const ShardLedger ledger = readShardLedger(file_, 0, [](const LedgerEntry&, std::string_view) {});
-  if (!ledger.ends_in_a_line) add("\n");
-  if (!ledger.has_head) add(sealedLine(head.text(), "{}"));
+  char last = '\n';
+  const off_t size = lseek(descriptor_, 0, SEEK_END);
+  if (size > 0 && pread(descriptor_, &last, 1, size - 1) == 1 && last != '\n') add("\n");
+  if (!headOf(file_)) add(sealedLine(head.text(), "{}"));
 }
 
 GrowingLedger::~GrowingLedger() {

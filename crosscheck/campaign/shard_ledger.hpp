@@ -38,6 +38,7 @@ struct LedgerHead {
   long cases = 0;       ///< of the whole campaign
   int shard = 1, shards = 1;
 
+  long casesOfShard() const { return (cases - shard) / shards + 1; }
   /// As a record.
   std::string text() const;
 };

@@ -78,10 +78,8 @@ int tellStatus(const Arguments& arguments) {
   forbid("--shard", !arguments.shard.empty(), "status");
   const GatheredLedgers gathered = gatherLedgers(foldersOf(arguments));
   for (const ShardLedger& ledger : gathered.ledgers) {
-    const LedgerHead& head = ledger.head;
-    const long all = (head.cases - head.shard) / head.shards + 1;
-    fmt::print("{}: {} of {} cases, {} of work\n", ledger.file.string(), ledger.entries, all,
-               duration(ledger.seconds));
+    fmt::print("{}: {} of {} cases, {} of work\n", ledger.file.string(), ledger.entries,
+               ledger.head.casesOfShard(), duration(ledger.seconds));
   }
   for (const std::string& one : gathered.left_out) fmt::print("left out: {}\n", one);
   fmt::print("{} of {} cases; {}\n", gathered.entries.size(), gathered.head.cases,
@@ -89,22 +87,18 @@ int tellStatus(const Arguments& arguments) {
   return gathered.missing_cases == 0 ? 0 : 1;
 }
 
-int mergeAll(const Arguments& arguments) {
-  forbid("--shard", !arguments.shard.empty(), "merge");
-  const fs::path folder = arguments.output;
-  requireWritableFolder(folder);
-  const GatheredLedgers gathered = gatherLedgers(foldersOf(arguments));
+/// The shards of these folders together, told and written into a folder.
+int mergeInto(const fs::path& folder, const std::vector<fs::path>& shards) {
+  const GatheredLedgers gathered = gatherLedgers(shards);
   const CampaignSum sum = writeMerged(gathered, folder);
   fmt::print("{}{}: cases.jsonl, campaign.json\n", describeSum(gathered, sum), folder.string());
   return sum.isRight() && gathered.missing_cases == 0 ? 0 : 1;
 }
 
-/// "20 cases; mechanisms: 20 agree ...": the folder's shards together.
-int mergeHere(const fs::path& folder) {
-  const GatheredLedgers gathered = gatherLedgers({folder});
-  const CampaignSum sum = writeMerged(gathered, folder);
-  fmt::print("{}{}: cases.jsonl, campaign.json\n", describeSum(gathered, sum), folder.string());
-  return sum.isRight() && gathered.missing_cases == 0 ? 0 : 1;
+int mergeAll(const Arguments& arguments) {
+  forbid("--shard", !arguments.shard.empty(), "merge");
+  requireWritableFolder(arguments.output);
+  return mergeInto(arguments.output, foldersOf(arguments));
 }
 
 /// On other machines.
@@ -138,7 +132,7 @@ int runElsewhere(const Arguments& arguments, const CampaignPlan& plan) {
     runOverSsh(campaign, hosts,
                [&](const std::string& what) { fmt::print(stderr, "dynwitness: {}\n", what); });
   }
-  return mergeHere(campaign.folder);
+  return mergeInto(campaign.folder, {campaign.folder});
 }
 
 int runPart(const Arguments& arguments) {
@@ -169,7 +163,7 @@ int runPart(const Arguments& arguments) {
   fmt::print("shard {}/{} of {}: {} cases were there, {} are new, {} of them wrong\n",
              options.shard, options.shards, runner.plan().title, done.before, done.now, done.wrong);
   if (options.shards > 1) return done.wrong == 0 ? 0 : 1;
-  return mergeHere(options.folder);
+  return mergeInto(options.folder, {options.folder});
 }
 
 int run(const Arguments& arguments) {

@@ -9,6 +9,7 @@
 #include "crosscheck/kernel/controller_text.hpp"
 #include "crosscheck/kernel/swept_quantity.hpp"
 #include "crosscheck/scalars/digits50.hpp"
+#include "crosscheck/scalars/exact_state.hpp"
 #include "crosscheck/scalars/single_error.hpp"
 #include "recursive/build_model.hpp"
 
@@ -97,15 +98,6 @@ scene::JointPosition<SingleError> positionOf<SingleError>(double q) {
           singleTrig(exact.s, std::sin(rounded))};
 }
 
-scene::State<RunningError> exactInput(const scene::State<double>& state) {
-  scene::State<RunningError> out;
-  for (const scene::JointPosition<double>& x : state.x) out.x.push_back(runningErrorPosition(x.q));
-  out.qd.assign(state.qd.begin(), state.qd.end());
-  out.qdd.assign(state.qdd.begin(), state.qdd.end());
-  out.tau.assign(state.tau.begin(), state.tau.end());
-  return out;
-}
-
 /// The answers of a function as it is written, with what its roundings may have done.
 /// @param friction  by rate: viscous, positive, negative
 template <typename T>
@@ -179,7 +171,7 @@ std::vector<GoldenCase> ControllerCode::golden(const std::vector<scene::State<do
     for (const CodeFunction& function : functions_) {
       const LiteralValues literals(function.program, mechanism);
       const std::vector<RunningError> expected =
-          swept(function.quantity, model, exactInput(state), numbers, parameters_, point_);
+          swept(function.quantity, model, runningErrorState(state), numbers, parameters_, point_);
       std::vector<double> value, limit, own;
       if (scalar == CodeScalar::kDouble)
         for (const RunningError& x :

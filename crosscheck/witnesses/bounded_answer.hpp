@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "crosscheck/scalars/exact_state.hpp"
 #include "crosscheck/scalars/running_error.hpp"
 #include "crosscheck/witnesses/witness.hpp"
 #include "scene/mimic.hpp"
@@ -23,17 +24,7 @@ MatrixOf<T> scalar(const T& x) {
   return MatrixOf<T>::Constant(1, 1, x);
 }
 
-/// A state of doubles as exact input with the C library's error in cos and sin.
-inline scene::State<RunningError> runningErrorState(const scene::State<double>& state) {
-  scene::State<RunningError> out;
-  for (const scene::JointPosition<double>& x : state.x) out.x.push_back(runningErrorPosition(x.q));
-  out.qd.assign(state.qd.begin(), state.qd.end());
-  out.qdd.assign(state.qdd.begin(), state.qdd.end());
-  out.tau.assign(state.tau.begin(), state.tau.end());
-  return out;
-}
-
-/// The same of a mechanism where joints may follow others: their positions are rounded where they
+/// runningErrorState() of a mechanism where joints may follow others: their positions are rounded where they
 /// are formed.
 inline scene::State<RunningError> runningErrorState(const scene::State<double>& state,
                                                     const scene::Mechanism& mechanism) {
