@@ -24,8 +24,8 @@ MatrixOf<T> scalar(const T& x) {
   return MatrixOf<T>::Constant(1, 1, x);
 }
 
-/// runningErrorState() of a mechanism where joints may follow others: their positions are rounded where they
-/// are formed.
+/// runningErrorState() of a mechanism where joints may follow others: their positions are rounded
+/// where they are formed.
 inline scene::State<RunningError> runningErrorState(const scene::State<double>& state,
                                                     const scene::Mechanism& mechanism) {
   scene::State<RunningError> out = runningErrorState(state);
