@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "crosscheck/inputs/features.hpp"
-#include "crosscheck/witnesses/quantity.hpp"
+#include "crosscheck/witnesses/witness.hpp"
 #include "scene/mechanism.hpp"
 
 namespace dynwitness::cli {
