@@ -13,26 +13,22 @@
 #include "crosscheck/cli/chart_files.hpp"
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
+#include "crosscheck/cli/forces_over_time.hpp"
 #include "crosscheck/cli/given_states.hpp"
 #include "crosscheck/cli/motions_picture.hpp"
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
+#include "crosscheck/cli/simulation_csv.hpp"
+#include "crosscheck/cli/simulation_report.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/inputs/features.hpp"
-#include "crosscheck/inputs/states_file.hpp"
 #include "crosscheck/motion/closure_gap.hpp"
-#include "crosscheck/motion/constrained_quantities.hpp"
 #include "crosscheck/motion/formulations.hpp"
 #include "crosscheck/motion/integrators.hpp"
 #include "crosscheck/motion/motion_tables.hpp"
-#include "crosscheck/motion/state_gap.hpp"
 #include "crosscheck/report/show.hpp"
 #include "crosscheck/system/files.hpp"
-#include "crosscheck/witnesses/column_names.hpp"
-#include "crosscheck/witnesses/witness.hpp"
 #include "scene/mimic.hpp"
-#include "scene/motion.hpp"
-#include "scene/nearest_name.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::cli {
@@ -101,13 +97,6 @@ SimulateOptions completed(const SimulateArguments& arguments,
   return options;
 }
 
-/// "radau_iia_5, steps of 0.001 s" or "runge_kutta_dopri5, error of a step 1e-10"
-std::string describe(const SimulateOptions& options) {
-  const bool is_adaptive = !hasEqualSteps(options.method);
-  return is_adaptive ? fmt::format("{}, error of a step {:.3g}", options.method, options.step_error)
-                     : fmt::format("{}, steps of {} s", options.method, options.step);
-}
-
 /** --until "q2 = 0 rising": a coordinate by place (q2, qd1), or a joint with one q by its name, and
     a number. @throws scene::InputError  it says something else */
 AwaitedEvent eventOf(const SimulateArguments& arguments, const scene::Scene& scene) {
@@ -149,101 +138,6 @@ AwaitedEvent eventOf(const SimulateArguments& arguments, const scene::Scene& sce
   return event;
 }
 
-using Forces = std::function<void(double, std::vector<double>*)>;
-
-/// --tau: functions of t, of all joints or by name.
-Forces forcesOfTime(const std::vector<std::string>& words, const scene::Scene& scene) {
-  const scene::Mechanism& mechanism = scene.mechanism;
-  const std::vector<std::string> names = mechanism.rateLabels();
-  const std::vector<NamedPlace> places = placesNamed("tau", names);
-  const std::vector<const scene::Expression*> motions = mechanism.motions();
-  const bool all_named = std::all_of(words.begin(), words.end(), [](const std::string& word) {
-    return word.find('=') != std::string::npos;
-  });
-  std::vector<std::pair<std::size_t, scene::Expression>> parts;
-  const auto number = std::make_shared<scene::RealNumbers<double>>(mechanism);
-  for (std::size_t k = 0; k < words.size(); ++k) {
-    const std::size_t equals = words[k].find('=');
-    std::size_t at = k;
-    if (all_named) {
-      at = static_cast<std::size_t>(placeMeant("--tau", words[k].substr(0, equals), places));
-      for (const auto& part : parts)
-        if (part.first == at)
-          throw scene::InputError(
-              {}, fmt::format("--tau: read '{}', which was given before, allowed: each once",
-                              words[k]));
-    }
-    const std::string text = all_named ? words[k].substr(equals + 1) : words[k];
-    std::string reason;
-    try {
-      const scene::Expression function = scene::Expression::parseOfTime(text);
-      if (!std::isfinite(scene::motionAt(function, *number, 0.0).value))
-        reason = "; it is not finite at t = 0";
-      else
-        parts.emplace_back(at, function);
-    } catch (const scene::InputError& error) {
-      reason = std::string("; ") + error.what();
-    }
-    if (!reason.empty())
-      throw scene::InputError({}, fmt::format("--tau: read '{}', allowed: a function of t, in the "
-                                              "scene's parameters and pi{}",
-                                              text, reason));
-    if (at < motions.size() && motions[at] != nullptr)
-      throw scene::InputError(
-          {}, fmt::format("--tau: '{}' is driven, and its force is what the drive takes, allowed: "
-                          "joints that are free",
-                          names[at]));
-  }
-  if (!all_named && words.size() != names.size())
-    throw scene::InputError(
-        {}, fmt::format("--tau: {} functions, allowed: {}, or by joint, {}=2*sin(3*t)",
-                        words.size(), names.size(), names.front()));
-  return [parts, number](double time, std::vector<double>* tau) {
-    for (const auto& [at, function] : parts)
-      (*tau)[at] += scene::motionAt(function, *number, time).value;
-  };
-}
-
-/// --forces: rows of a file, lines between them.
-Forces forcesOfFile(const std::string& file, const scene::Scene& scene, double duration) {
-  StatesReader reader(file, scene.mechanism, {{"t", "time_s"}, false, true});
-  const std::vector<std::string>& others = reader.otherNames();
-  if (others.size() != 1 || !reader.gives("tau"))
-    throw scene::InputError({file, 1},
-                            "columns t (or time_s) and tau1.. are needed, one of the two "
-                            "times and all of tau");
-  auto rows = std::make_shared<std::vector<std::pair<double, std::vector<double>>>>();
-  scene::State<double> state;
-  while (reader.next(&state)) {
-    const double time = reader.others().front();
-    if (!rows->empty() && !(time > rows->back().first))
-      throw scene::InputError(
-          {file, 0}, fmt::format("row {}: t = {} s does not come after {} s, allowed: times "
-                                 "that rise",
-                                 rows->size() + 1, time, rows->back().first));
-    rows->emplace_back(time, state.tau);
-  }
-  if (rows->empty() || rows->front().first > 0 || rows->back().first < duration)
-    throw scene::InputError(
-        {file, 0}, fmt::format("its times do not span 0 to {} s, allowed: a file that does, or a "
-                               "shorter --duration",
-                               duration));
-  return [rows](double time, std::vector<double>* tau) {
-    auto next = std::upper_bound(
-        rows->begin(), rows->end(), time,
-        [](double t, const std::pair<double, std::vector<double>>& row) { return t < row.first; });
-    if (next == rows->begin()) ++next;
-    if (next == rows->end()) --next;
-    const auto& before = *(next == rows->begin() ? next : next - 1);
-    const double share =
-        next->first > before.first
-            ? std::clamp((time - before.first) / (next->first - before.first), 0.0, 1.0)
-            : 0;
-    for (std::size_t k = 0; k < tau->size(); ++k)
-      (*tau)[k] += before.second[k] + share * (next->second[k] - before.second[k]);
-  };
-}
-
 /// Tells how far runs of the same duration, one after the other, have come.
 class Runs {
  public:
@@ -269,137 +163,6 @@ class Runs {
   scene::Work work_{"", 1};
   Progress progress_;
 };
-
-/// What a run cost and how far it was off, for programs.
-nlohmann::json jsonOf(const Simulation& r) {
-  return {{"steps", r.steps},
-          {"rejected", r.rejected},
-          {"evaluations", r.evaluations},
-          {"cpu_s", r.cpu_s},
-          {"phi", r.worst_phi},
-          {"phi_rate", r.worst_phi_rate},
-          {"energy_error_J", r.worst_energy}};
-}
-nlohmann::json jsonOf(const MotionTable& table, const MotionVerdict& verdict) {
-  return {{"title", table.title}, {"worst", verdict.worst}, {"ratio", verdict.ratio}};
-}
-nlohmann::json jsonHead(const scene::Scene& scene, const SimulateOptions& options) {
-  return {{"dynwitness", DYNWITNESS_VERSION},
-          {"scene", scene.name},
-          {"duration_s", options.duration},
-          {"step_error", options.step_error},
-          {"step_s", options.step}};
-}
-
-/// Acceleration constraints, or the controller's tasks, along the motion.
-void printTasks(const Simulation& result, const Controller& controller) {
-  for (std::size_t k = 0; k < result.tasks.size(); ++k) {
-    const Simulation::Task& task = result.tasks[k];
-    std::string drift = fmt::format("xd {:.2g}", task.worst_rate);
-    if (task.has_place) drift += fmt::format(", x {:.2g} m", task.worst_place);
-    if (!task.has_rate) drift = "no integral: its direction turns with the link";
-    fmt::print("{}'{}': nu {:.6g} at the end; {} {}\n",
-               k > 0                                                ? "             "
-               : controller.tasks == Controller::Tasks::kConstraint ? "held         "
-                                                                    : "tasks        ",
-               task.name, result.points.back().nu[k],
-               !task.has_rate ? ""
-               : task.yields  ? "gave way by"
-                              : "off its integral by",
-               drift);
-  }
-}
-nlohmann::json jsonOf(const Simulation::Task& task) {
-  nlohmann::json out = {{"name", task.name}, {"yields", task.yields}};
-  if (task.has_rate) out["rate_error"] = task.worst_rate;
-  if (task.has_place) out["place_error_m"] = task.worst_place;
-  return out;
-}
-
-/// What joints transmit along a motion, as `evaluate --quantity reactions` has it.
-class ReactionsAlong {
- public:
-  explicit ReactionsAlong(const scene::Scene& scene)
-      : names_(columnNames(Quantity::kReactions, scene.mechanism)) {
-    if (scene.mechanism.isOpenTree() && scene.mechanism.acceleration_constraints.empty())
-      sweep_ = selectWitnesses({"newton_euler"}).front().make(scene).value();
-    else
-      constrained_.emplace(scene);
-  }
-  const std::vector<std::string>& names() const { return names_; }
-  /// NaN where redundant constraints leave them open.
-  Eigen::MatrixXd at(const Simulation::Point& point) const {
-    scene::State<double> state;
-    for (const double q : point.q) state.x.push_back(scene::jointPosition(q));
-    state.qd = point.qd;
-    state.qdd = point.qdd;
-    state.tau = forcesOf(point);
-    return sweep_ ? sweep_->value(Quantity::kReactions, state)
-                  : constrained_->answer(ConstrainedQuantity::kReactions, state);
-  }
-  /// Joint forces, zeros where nobody gives any: a states file says what it does not leave out.
-  static std::vector<double> forcesOf(const Simulation::Point& point) {
-    return point.tau.empty() ? std::vector<double>(point.qd.size(), 0.0) : point.tau;
-  }
-
- private:
-  std::vector<std::string> names_;
-  std::unique_ptr<Witness> sweep_;
-  std::optional<ConstrainedQuantities> constrained_;
-};
-
-/// One row an output: time, q, qd, qdd, tau, multipliers, energies, how far constraints and energy
-/// are off; and reactions, where they are asked.
-std::string csvOf(const Simulation& simulation, const scene::Mechanism& mechanism,
-                  const ReactionsAlong* reactions) {
-  const Simulation::Point& first = simulation.points.front();
-  const std::vector<int> given = scene::givenSlots(mechanism);  // what a states file may say
-  std::string csv = hasOrientations(mechanism) ? "# convention: dynwitness\n" : "";
-  csv += "time_s";
-  for (std::size_t i = 1; i <= given.size(); ++i) csv += fmt::format(",q{}", i);
-  for (const char* group : {"qd", "qdd", "tau"})
-    for (std::size_t i = 1; i <= first.qd.size(); ++i) csv += fmt::format(",{}{}", group, i);
-  for (std::size_t i = 1; i <= first.lambda.size(); ++i) csv += fmt::format(",lambda{}", i);
-  for (std::size_t i = 1; i <= first.nu.size(); ++i) csv += fmt::format(",nu{}", i);
-  csv += ",kinetic_J,potential_J,phi,phi_rate,energy_error_J";
-  if (reactions)
-    for (const std::string& name : reactions->names()) csv += ',' + name;
-  csv += '\n';
-  for (const Simulation::Point& point : simulation.points) {
-    const std::vector<double> tau = ReactionsAlong::forcesOf(point);
-    csv += fmt::format("{:.17g}", point.time);
-    for (const int slot : given) csv += fmt::format(",{:.17g}", point.q[slot]);
-    for (const auto* values : {&point.qd, &point.qdd, &tau, &point.lambda, &point.nu})
-      for (const double v : *values) csv += fmt::format(",{:.17g}", v);
-    csv += fmt::format(",{:.17g},{:.17g}", point.kinetic, point.potential);
-    csv += fmt::format(",{:.3g},{:.3g},{:.3g}", point.phi, point.phi_rate, point.energy_error);
-    if (reactions) {
-      const Eigen::VectorXd transmitted = reactions->at(point).reshaped();
-      for (const double v : transmitted) csv += fmt::format(",{:.17g}", v);
-    }
-    csv += '\n';
-  }
-  return csv;
-}
-
-/// One row an output: time, q, qd, qdd, multipliers, energies, and how far constraints and energy
-/// are off; of several runs, whose method it is before.
-std::string csvOf(const std::vector<const FormulationRun*>& runs, const scene::Mechanism& mechanism,
-                  const ReactionsAlong* reactions) {
-  std::string csv;
-  for (const FormulationRun* run : runs) {
-    const std::string rows = csvOf(run->result, mechanism, reactions);
-    const std::size_t head = rows.find("\ntime_s") == std::string::npos ? 0 : rows.find('\n') + 1;
-    const std::size_t first = rows.find('\n', head) + 1;
-    if (csv.empty()) csv = rows.substr(0, head) + "method," + rows.substr(head, first - head);
-    for (std::size_t at = first; at < rows.size();) {
-      const std::size_t end = rows.find('\n', at) + 1;
-      csv += run->method + "," + rows.substr(at, end - at);
-      at = end;
-    }
-  }
-  return csv;
-}
 
 /// What a comparison leaves beside its table.
 void writeComparison(const SimulateArguments& arguments, const scene::Scene& scene,
@@ -557,115 +320,9 @@ int runSimulate(SimulateArguments arguments) {
       no_rerun = error.what();
     }
   }
-  for (const double error :
-       {result.worst_phi, result.worst_phi_rate, result.worst_energy, result.most_kinetic})
-    if (!std::isfinite(error))
-      throw std::runtime_error("simulate: energy or constraints are not finite along the motion");
-  nlohmann::json all = jsonHead(scene, options);
-  all["formulation"] = name(options.formulation);
-  all["stabilisation"] = name(options.stabilisation);
-  all["method"] = options.method;
-  all["constraints"] = {{"equations", result.constraints},
-                        {"rank_lowest", result.rank_lowest},
-                        {"rank_highest", result.rank_highest},
-                        {"start_residual", result.start_residual}};
-  all["largest_kinetic_energy_J"] = result.most_kinetic;
-  all.update(jsonOf(result));
-
-  fmt::print("{}: {} s with {}\n", scene.name, options.duration, describe(options));
-  if (result.constraints > 0) {
-    fmt::print("constraints  {} equations of rank {}{}, {} freedoms; kept by {}\n",
-               result.constraints, result.rank_highest,
-               result.rank_lowest == result.rank_highest
-                   ? ""
-                   : fmt::format(", {} in singular poses", result.rank_lowest),
-               scene.mechanism.dof() - result.rank_highest,
-               options.formulation != Formulation::kIndex1     ? name(options.formulation)
-               : options.stabilisation == Stabilisation::kNone ? "nothing"
-                                                               : name(options.stabilisation));
-    const Simulation::Point& last = result.points.back();
-    std::string lambda;
-    for (std::size_t i = 0; i < last.lambda.size() && last.lambda.size() <= 12; ++i)
-      lambda += fmt::format("{}{:.10g}{}", i == 0 ? "" : ", ", last.lambda[i],
-                            last.determined[i] ? "" : " (not determined)");
-    if (!lambda.empty()) fmt::print("multipliers  {} at t = {} s\n", lambda, last.time);
-    fmt::print("drift        |phi| {:.2g}, |J qd| {:.2g}; at the start {:.2g}\n", result.worst_phi,
-               result.worst_phi_rate, result.start_residual);
-  }
-  printTasks(result, options.controller);
-  fmt::print("energy       |E - E0 - work| {:.2g} J, largest kinetic energy {:.4g} J{}\n",
-             result.worst_energy, result.most_kinetic,
-             result.points.back().work == 0
-                 ? ""
-                 : fmt::format(", work {:.6g} J", result.points.back().work));
-  for (const Simulation::Task& task : result.tasks) all["tasks"].push_back(jsonOf(task));
-  all["controller"] = name(options.controller.tasks);
-  all["work_J"] = result.points.back().work;
-  const std::string half =
-      hasEqualSteps(options.method)
-          ? "steps of half the length"
-          : fmt::format("{}, half the error a step and twice the outputs", finer(options).method);
-  bool agree = true;
-  std::optional<MotionGap> off;  // of the run itself
-  if (rerun) off = gapBetween(*rerun, result);
-  if (off && off->shared == 0) {
-    fmt::print(
-        "accuracy     not known: the event is before the first row of the table, allowed: more "
-        "--outputs\n");
-    off.reset();
-  } else if (off) {
-    double most = 0;
-    for (const Simulation::Point& point : result.points)
-      for (const double q : point.q) most = std::max(most, std::abs(q));
-    const int shared = sharedDigits(off->q, most);
-    agree = shared > 0;
-    fmt::print(
-        "accuracy     a run with {} is up to {:.2g} (rad, m) and {:.2g} (rad/s, m/s) away: positions "
-        "{}\n",
-        half, off->q, off->qd, agreementText(shared));
-    all["rerun"] = {{"with", half}, {"q", off->q}, {"qd", off->qd}, {"shared_digits", shared}};
-  } else if (!no_rerun.empty()) {
-    fmt::print("accuracy     not known, a run with {} fails: {}\n", half, no_rerun);
-  }
-  if (options.until.of) {
-    std::string times;
-    constexpr std::size_t kMost = 12;
-    for (std::size_t k = 0; k < result.events.size() && k < kMost; ++k)
-      times += fmt::format("{}{:.10g}", k == 0 ? " at t = " : ", ", result.events[k]);
-    if (result.events.size() > kMost) times += ", ...";
-    fmt::print("events       {} of {} of {}{}{}\n", result.events.size(), options.until.times,
-               arguments.until, times, times.empty() ? "" : " s");
-    if (const std::size_t count = result.events.size(); count > 1)
-      fmt::print("period       {:.10g} s between the last two, {:.10g} s on average\n",
-                 result.events[count - 1] - result.events[count - 2],
-                 (result.events.back() - result.events.front()) / static_cast<double>(count - 1));
-    all["events"] = {
-        {"of", arguments.until}, {"asked", options.until.times}, {"times_s", result.events}};
-    if (static_cast<int>(result.events.size()) < options.until.times) agree = false;
-    if (rerun) {
-      const double apart = eventGap(*rerun, result);
-      agree = agree && std::isfinite(apart);
-      fmt::print("             a run with {} {}\n", half,
-                 std::isfinite(apart)
-                     ? fmt::format("has them up to {:.2g} s earlier or later", apart)
-                     : fmt::format("DISAGREES: it has {}", rerun->events.size()));
-      all["events"]["apart_s"] = std::isfinite(apart) ? nlohmann::json(apart) : nullptr;
-    }
-  }
-  fmt::print("cost         {} steps and {} rejected, {} evaluations, {:.3g} s\n", result.steps,
-             result.rejected, result.evaluations, result.cpu_s);
-  for (const MotionTable& table : tables) {
-    const MotionVerdict verdict = compareMotion(scene, result, table);
-    if (verdict.values == 0) {
-      fmt::print("published    {}: none of its times within {} s\n", table.title, options.duration);
-      continue;
-    }
-    agree = agree && verdict.ratio <= 1;
-    all["published"].push_back(jsonOf(table, verdict));
-    fmt::print("published    {}: {} values, {}, worst {:.2g}, {:.0f}% of the limit at t = {} s\n",
-               table.title, verdict.values, verdict.ratio <= 1 ? "agree" : "DISAGREE",
-               verdict.worst, 100 * verdict.ratio, verdict.worst_time);
-  }
+  nlohmann::json all;
+  const bool agree = reportRun(
+      {scene, options, arguments.until, tables, result, rerun ? &*rerun : nullptr, no_rerun}, &all);
   std::optional<ReactionsAlong> reactions;
   if (arguments.reactions) reactions.emplace(scene);
   if (!arguments.csv.empty())

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "crosscheck/cli/speech.hpp"
+#include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/witnesses/certain_digits.hpp"
 
 namespace dynwitness::cli {
