@@ -12,6 +12,7 @@
 #include "scene/nearest_name.hpp"
 #include "scene/numbers.hpp"
 #include "scene/turn.hpp"
+#include "scene/words.hpp"
 
 namespace dynwitness::scene {
 namespace {
@@ -58,16 +59,6 @@ const std::vector<Setting>& ofJoints() {
       {"gear_ratio", "a number", [](Link& l) { return std::vector<Number*>{&l.joint.gear_ratio}; }},
   };
   return kAll;
-}
-
-std::vector<std::string> wordsOf(const std::string& list) {
-  std::vector<std::string> words(1);
-  for (const char letter : list)
-    if (letter == ',')
-      words.emplace_back();
-    else
-      words.back() += letter;
-  return words;
 }
 
 /// An expression in the scene's parameters that has a finite value.
@@ -146,7 +137,7 @@ void setMotion(Mechanism& mechanism, const std::string& joint, const std::string
            fmt::format(
                "joint '{}' {}, allowed: joints whose rates are derivatives of their q", joint,
                link.joint.mimic ? "follows another one" : std::string("is ") + scene::name(kind)));
-  const std::vector<std::string> functions = wordsOf(text);
+  const std::vector<std::string> functions = splitAtCommas(text);
   if (static_cast<int>(functions.size()) != degreesOfFreedom(kind))
     refuse(as_given, fmt::format("read '{}', allowed: one function of t a position, {}", text,
                                  degreesOfFreedom(kind)));
@@ -164,7 +155,7 @@ void setValues(Mechanism& mechanism, const Setting& setting, bool is_joint, cons
     refuse(as_given, fmt::format("joint '{}' is {}, allowed: joints with one q", name,
                                  scene::name(link.joint.kind)));
   const std::vector<Number*> places = setting.of(link);
-  std::vector<std::string> values = wordsOf(text);
+  std::vector<std::string> values = splitAtCommas(text);
   if (std::string_view(setting.word) == "coulomb" && values.size() == 1)
     values.push_back(values[0]);
   if (values.size() != places.size())
@@ -179,7 +170,7 @@ void setValues(Mechanism& mechanism, const Setting& setting, bool is_joint, cons
 
 void setGravity(Scene& scene, const std::string& text) {
   const ChangeAsGiven as_given{"--gravity", {}};
-  const std::vector<std::string> values = wordsOf(text);
+  const std::vector<std::string> values = splitAtCommas(text);
   if (values.size() != 3)
     refuse(as_given, fmt::format("read '{}', allowed: x,y,z in world axes [m/s^2]", text));
   for (std::size_t k = 0; k < 3; ++k)

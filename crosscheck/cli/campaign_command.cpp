@@ -14,6 +14,7 @@
 #include "crosscheck/cli/options.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/system/files.hpp"
+#include "crosscheck/system/own_program.hpp"
 #include "crosscheck/system/processes.hpp"
 #include "scene/error.hpp"
 
@@ -48,7 +49,7 @@ std::pair<int, int> shardOf(const std::string& text) {
 
 /// The front of all commands, beside this program.
 fs::path frontProgram() {
-  return fs::read_symlink("/proc/self/exe").parent_path() / "dynwitness";
+  return ownProgram().parent_path() / "dynwitness";
 }
 
 std::vector<fs::path> foldersOf(const Arguments& arguments) {

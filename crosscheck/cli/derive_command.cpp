@@ -12,6 +12,7 @@
 #include "crosscheck/cli/commands.hpp"
 #include "crosscheck/cli/door.hpp"
 #include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/point_option.hpp"
 #include "crosscheck/cli/progress.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/inputs/states.hpp"
@@ -152,28 +153,13 @@ symbolic::Derivation only(symbolic::Derivation derivation, const std::string& qu
 
 namespace kernel = crosscheck::kernel;
 
-/// "hand", "hand,0,0,l/2"
 std::optional<kernel::CodePoint> pointOf(const std::string& text, const scene::Scene& scene) {
   if (text.empty()) return std::nullopt;
-  std::vector<std::string> words(1), links;
-  for (const char letter : text)
-    if (letter == ',')
-      words.emplace_back();
-    else
-      words.back() += letter;
-  for (const scene::Link& link : scene.mechanism.links) links.push_back(link.name);
-  const auto link = std::find(links.begin(), links.end(), words[0]);
-  if (link == links.end())
-    throw scene::InputError(
-        {}, fmt::format("--point: no link '{}'{}, allowed: {}", words[0],
-                        scene::didYouMean(words[0], links), fmt::join(links, ", ")));
-  if (words.size() != 1 && words.size() != 4)
-    throw scene::InputError({},
-                            fmt::format("--point: read '{}', allowed: LINK or LINK,x,y,z", text));
-  kernel::CodePoint point{static_cast<int>(link - links.begin()), {}};
-  for (std::size_t k = 1; k < words.size(); ++k) {
-    point.at[k - 1] = scene::Number::parse(words[k], {"--point", 0});
-    exactValue(point.at[k - 1], scene.mechanism.parameterValues(), {"--point", 0});
+  const PointAsked asked = pointAsked(text, scene);
+  kernel::CodePoint point{asked.link, {}};
+  for (std::size_t k = 0; k < asked.at.size(); ++k) {
+    point.at[k] = scene::Number::parse(asked.at[k], {"--point", 0});
+    exactValue(point.at[k], scene.mechanism.parameterValues(), {"--point", 0});
   }
   return point;
 }

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "crosscheck/cli/options.hpp"
+#include "crosscheck/cli/point_option.hpp"
 #include "crosscheck/witnesses/column_names.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "scene/nearest_name.hpp"
@@ -144,30 +145,14 @@ void requireOurs(const EvaluateArguments& arguments, const std::string& quantity
                       quantity));
 }
 
-/// --point: "hand", "hand,0,0,l/2". @throws scene::InputError  no such link, or no place in it
 std::vector<FramePoint> pointsOf(const EvaluateArguments& arguments, const scene::Scene& scene) {
   std::vector<FramePoint> out;
-  std::vector<std::string> links;
-  for (const scene::Link& link : scene.mechanism.links) links.push_back(link.name);
   for (const std::string& text : arguments.points) {
-    std::vector<std::string> words(1);
-    for (const char letter : text)
-      if (letter == ',')
-        words.emplace_back();
-      else
-        words.back() += letter;
-    const auto link = std::find(links.begin(), links.end(), words[0]);
-    if (link == links.end())
-      throw scene::InputError(
-          {}, fmt::format("--point: no link '{}'{}, allowed: {}", words[0],
-                          scene::didYouMean(words[0], links), fmt::join(links, ", ")));
-    if (words.size() != 1 && words.size() != 4)
-      throw scene::InputError({},
-                              fmt::format("--point: read '{}', allowed: LINK or LINK,x,y,z", text));
+    const PointAsked asked = pointAsked(text, scene);
     FramePoint point;
-    point.link = static_cast<int>(link - links.begin());
-    for (std::size_t k = 1; k < words.size(); ++k)
-      point.at(static_cast<Eigen::Index>(k) - 1) = numberIn("--point", words[k], scene);
+    point.link = asked.link;
+    for (std::size_t k = 0; k < asked.at.size(); ++k)
+      point.at(static_cast<Eigen::Index>(k)) = numberIn("--point", asked.at[k], scene);
     out.push_back(point);
   }
   return out;

@@ -21,6 +21,7 @@
 #include "crosscheck/cli/speech.hpp"
 #include "crosscheck/cli/standard_files.hpp"
 #include "crosscheck/system/leaving.hpp"
+#include "crosscheck/system/own_program.hpp"
 #include "scene/error.hpp"
 #include "scene/nearest_name.hpp"
 
@@ -60,8 +61,7 @@ void requireStack() {
 
 /// The program that has the command, in place of this one; returns where there is none.
 int become(const Command& command, char** argv) {
-  std::error_code ignored;
-  std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  std::filesystem::path self = crosscheck::ownProgram();
   if (self.empty()) self = argv[0];
   const std::filesystem::path program = self.parent_path() / command.program;
   execv(program.c_str(), argv);

@@ -29,6 +29,7 @@
 #include "crosscheck/report/show.hpp"
 #include "crosscheck/system/files.hpp"
 #include "scene/mimic.hpp"
+#include "scene/words.hpp"
 #include "scene/work.hpp"
 
 namespace dynwitness::cli {
@@ -102,11 +103,7 @@ SimulateOptions completed(const SimulateArguments& arguments,
 AwaitedEvent eventOf(const SimulateArguments& arguments, const scene::Scene& scene) {
   const std::string& text = arguments.until;
   if (text.empty()) return {};
-  const auto trimmed = [](const std::string& word) {
-    const std::size_t begin = word.find_first_not_of(' ');
-    return begin == std::string::npos ? std::string()
-                                      : word.substr(begin, word.find_last_not_of(' ') - begin + 1);
-  };
+  const auto trimmed = [](const std::string& word) { return std::string(scene::trimmed(word)); };
   const std::size_t equals = text.find('=');
   const std::string name = trimmed(text.substr(0, equals));
   std::string value = equals == std::string::npos ? "" : trimmed(text.substr(equals + 1));

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "scene/nearest_name.hpp"
+#include "scene/words.hpp"
 #include "symbolic/numbers.hpp"
 #include "symbolic/quasi_velocities.hpp"
 
@@ -21,12 +22,6 @@ using symbolic::Input;
 using symbolic::Node;
 using symbolic::Value;
 using Kind = Expression::Kind;
-
-std::string trimmed(const std::string& text) {
-  const std::size_t begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string::npos) return "";
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
 
 /// Column of a word in a text, counted from 1.
 std::size_t columnOf(const std::string& word, const std::string& text) {
@@ -312,12 +307,12 @@ StatedLanguage::Read StatedLanguage::read(const StatedFormula& formula) {
         formula.where, fmt::format("\"{}\": allowed: NAME = EXPRESSION, as M12 = m*l^2*cos(q2)/2, "
                                    "NAME one of {}",
                                    formula.text, allowedNames()));
-  const std::string name = trimmed(formula.text.substr(0, sign)),
-                    right = trimmed(formula.text.substr(sign + 1));
+  const std::string name(scene::trimmed(formula.text.substr(0, sign))),
+      right(scene::trimmed(formula.text.substr(sign + 1)));
   const Node derived_node = quantity(name, formula.where);
   const Expression expression = Expression::parseOfTime(right, formula.where);
   const Node stated = Reader(mechanism_, equations_, right, formula.where).value(expression).node;
-  return {trimmed(formula.text), name, derived_node, stated};
+  return {std::string(scene::trimmed(formula.text)), name, derived_node, stated};
 }
 
 }  // namespace dynwitness::crosscheck

@@ -17,6 +17,7 @@
 #include "crosscheck/system/files.hpp"
 #include "crosscheck/system/hash.hpp"
 #include "crosscheck/system/leaving.hpp"
+#include "crosscheck/system/own_program.hpp"
 #include "crosscheck/system/processes.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "scene/error.hpp"
@@ -69,7 +70,7 @@ std::vector<fs::path> hiddenBy(const GradeOptions& options, const Rubric& rubric
   for (const fs::path& path : {options.folder, options.output, scene::dataFolder()})
     hidden.push_back(fs::absolute(path));
   std::error_code none;
-  const fs::path self = fs::read_symlink("/proc/self/exe", none);
+  const fs::path self = ownProgram();
   hidden.push_back(self);
   for (const auto& beside : fs::directory_iterator(self.parent_path(), none))  // our other programs
     if (beside.path().filename().string().rfind("dynwitness", 0) == 0)

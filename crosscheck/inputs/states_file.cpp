@@ -20,6 +20,7 @@
 #include "scene/faults.hpp"
 #include "scene/mimic.hpp"
 #include "scene/text_file.hpp"
+#include "scene/words.hpp"
 
 namespace dynwitness::crosscheck {
 namespace {
@@ -30,12 +31,7 @@ using scene::SourceLocation;
 enum Group { kQ, kQd, kQdd, kTau };
 constexpr std::array<const char*, 4> kGroups = {"q", "qd", "qdd", "tau"};
 
-std::string_view trimmed(std::string_view cell) {
-  const char* blanks = " \t\r";
-  const std::size_t begin = cell.find_first_not_of(blanks);
-  if (begin == std::string_view::npos) return {};
-  return cell.substr(begin, cell.find_last_not_of(blanks) - begin + 1);
-}
+using scene::trimmed;
 
 void split(std::string_view line, std::vector<std::string_view>* cells) {
   cells->clear();

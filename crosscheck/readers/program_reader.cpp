@@ -17,6 +17,7 @@
 #include "crosscheck/readers/reader.hpp"
 #include "crosscheck/readers/rules.hpp"
 #include "crosscheck/system/files.hpp"
+#include "crosscheck/system/own_program.hpp"
 #include "crosscheck/system/shell.hpp"
 #include "crosscheck/witnesses/engine_protocol.hpp"
 #include "scene/scene.hpp"
@@ -355,14 +356,9 @@ struct Lent {
   }
 };
 
-fs::path ownFolder() {
-  std::error_code ignored;
-  return fs::read_symlink("/proc/self/exe", ignored).parent_path();
-}
-
 /// The first that there is, of a program that was built beside this one (or beside a test).
 fs::path built(const std::string& name) {
-  for (const fs::path& folder : {ownFolder(), ownFolder() / "bin"}) {
+  for (const fs::path& folder : {ownProgram().parent_path(), ownProgram().parent_path() / "bin"}) {
     std::error_code ignored;
     if (fs::exists(folder / name, ignored)) return folder / name;
   }
