@@ -397,7 +397,8 @@ bool isOnPath(const std::string& command) {
 Reader mujocoByNpm(const Limits& limits) {
   constexpr const char* kName = "mujoco_npm";
   fs::path package;
-  for (const fs::path& folder : {ownFolder().parent_path(), ownFolder()}) {
+  for (const fs::path& folder :
+       {ownProgram().parent_path().parent_path(), ownProgram().parent_path()}) {
     const fs::path at = folder / "engines" / "mujoco-js" / "dist" / "mujoco_wasm.js";
     std::error_code ignored;
     if (package.empty() && fs::exists(at, ignored)) package = at;
