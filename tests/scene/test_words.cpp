@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#define BOOST_TEST_MODULE words
-#include <boost/test/unit_test.hpp>
-
 #include "scene/words.hpp"
+
+#include <boost/test/unit_test.hpp>
 
 using namespace dynwitness::scene;
 
