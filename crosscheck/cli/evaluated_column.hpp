@@ -16,7 +16,8 @@
 
 namespace dynwitness::cli {
 
-/// One quantity, of one who answers: a witness, or where there is none joints, points, derivatives or constraints.
+/// One quantity, of one who answers: a witness, or where there is none joints, points, derivatives
+/// or constraints.
 struct EvaluatedColumn {
   crosscheck::Quantity quantity = crosscheck::Quantity::kQdd;
   std::unique_ptr<crosscheck::Witness> witness;  ///< none: asked of the constrained quantities

@@ -79,10 +79,11 @@ struct EngineFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/** The columns of all quantities asked for, in their order; what they are asked of is built in sources.
+/** The columns of all quantities asked for, in their order; what they are asked of is built in
+    sources.
     @param engine  the user's program of --engine; none: ours answer
-    @throws scene::InputError  a quantity that is unknown, or that these witnesses do not answer, or options that belong to none of
-            the quantities */
+    @throws scene::InputError  a quantity that is unknown, or that these witnesses do not answer, or
+                               options that belong to none of the quantities */
 std::vector<EvaluatedColumn> columnsOf(const EvaluateArguments& arguments,
                                        const scene::Scene& scene,
                                        const std::optional<crosscheck::WitnessKind>& engine,
