@@ -258,7 +258,7 @@ Run addDrift(CLI::App* command) {
       "Examples:\n"
       "  dynwitness drift furuta_pendulum --method runge_kutta4,gauss_6 --plot drift.svg\n"
       "  dynwitness drift double_pendulum --motion coarse.csv,fine.csv --plot energy.svg\n"
-      "  dynwitness drift double_pendulum --advise 0.001\n" +
+      "  dynwitness drift double_pendulum --advise 0.001\n\n" +
       integratorTable() +
       "h|i w|, h|-a|: largest step times eigenvalue on the imaginary and on the negative "
       "real axis that does not grow");
